@@ -1,0 +1,130 @@
+//! The arguments, as data.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// Compiles, simulates and analyses action-game entities written as hybrid automata.
+#[derive(Debug, Parser)]
+#[command(version, about, propagate_version = true)]
+pub(super) struct Arguments {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    /// Reports what is wrong with programs.
+    Check(CheckArgs),
+    /// Prints the flat intermediate representation of a program.
+    Ir(IrArgs),
+    /// Runs a world with given inputs.
+    Sim(SimArgs),
+    /// Searches for inputs that bring about a world's goals.
+    Reach(ReachArgs),
+}
+
+/// How findings are shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum FindingFormat {
+    /// With excerpts of the source.
+    Human,
+    /// One line a finding: FILE:LINE:COL: error[CODE]: message
+    Short,
+}
+
+/// How results are shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum ResultFormat {
+    /// For people.
+    Human,
+    /// For programs.
+    Json,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct CheckArgs {
+    /// The programs to check.
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// How findings are shown.
+    #[arg(long, value_enum, default_value = "human")]
+    pub format: FindingFormat,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct IrArgs {
+    /// The program.
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// As text for people, or as JSON.
+    #[arg(long, value_enum, default_value = "human")]
+    pub format: ResultFormat,
+}
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "A script is steps separated by blanks: `right*40 right+jump*12 -*10` holds right for 40 steps, \
+right and jump for 12, nothing for 10. `steer=-1` sets an axis; `left right down up` are the ends of `horizontal` and \
+`vertical`; `2:jump` is player 2's."
+)]
+pub(super) struct SimArgs {
+    /// The program.
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// The world, where the program has several.
+    #[arg(long, value_name = "NAME")]
+    pub world: Option<String>,
+    /// An input script.
+    #[arg(
+        long,
+        value_name = "SCRIPT",
+        conflicts_with = "inputs_file",
+        allow_hyphen_values = true
+    )]
+    pub inputs: Option<String>,
+    /// A file that holds an input script.
+    #[arg(long, value_name = "PATH")]
+    pub inputs_file: Option<PathBuf>,
+    /// How many steps to run; the script is cut, or followed by no input.
+    #[arg(long, value_name = "N")]
+    pub frames: Option<u64>,
+    /// Writes every state to a file as JSON lines; `-` for standard output.
+    #[arg(long, value_name = "PATH")]
+    pub trace: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct ReachArgs {
+    /// The program.
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// The world, where the program has several.
+    #[arg(long, value_name = "NAME")]
+    pub world: Option<String>,
+    /// A goal to ask for; all goals of the world if none is given.
+    #[arg(long, value_name = "NAME")]
+    pub goal: Vec<String>,
+    /// The seed: the same seed gives the same search.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// The most nodes to grow for each goal.
+    #[arg(long, value_name = "N", default_value_t = 500_000)]
+    pub nodes: u64,
+    /// The most seconds to take for each goal.
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub seconds: Option<f64>,
+    /// As text for people, or as JSON.
+    #[arg(long, value_enum, default_value = "human")]
+    pub format: ResultFormat,
+    /// Writes the inputs of a found path to a file; with several goals, the goal's name goes before the extension.
+    #[arg(long, value_name = "PATH")]
+    pub save_inputs: Option<PathBuf>,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
+        _ => Err("a number of seconds, such as 2.5".to_string()),
+    }
+}

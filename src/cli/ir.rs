@@ -1,0 +1,24 @@
+//! `hypedc ir`: the flat intermediate representation, as text or as JSON.
+
+use std::io::{self, Write};
+
+use crate::ir::text;
+
+use super::Answer;
+use super::args::{IrArgs, ResultFormat};
+use super::report::load;
+
+pub(super) fn run(args: &IrArgs) -> io::Result<Answer> {
+    let Some(loaded) = load(&args.file)? else {
+        return Ok(Answer::Unasked);
+    };
+    let mut out = io::stdout().lock();
+    match args.format {
+        ResultFormat::Human => write!(out, "{}", text(&loaded.program))?,
+        ResultFormat::Json => {
+            serde_json::to_writer_pretty(&mut out, &loaded.program)?;
+            writeln!(out)?;
+        }
+    }
+    Ok(Answer::Yes)
+}

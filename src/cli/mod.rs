@@ -1,0 +1,63 @@
+//! The command line: one file per subcommand. The only part that talks to the terminal, looks at a clock, reads the
+//! disk and chooses an exit code: 0 as wished, 1 the answer is no, 2 the question could not be asked.
+
+#![allow(
+    clippy::disallowed_methods,
+    reason = "seconds are a matter of the command line"
+)]
+
+mod args;
+mod check;
+mod disk;
+mod ir;
+mod reach;
+mod report;
+mod sim;
+mod watching;
+
+use std::io;
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use args::{Arguments, Command};
+
+/// What a subcommand ends with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Answer {
+    /// As wished.
+    Yes,
+    /// The answer is no: errors, a goal not reached, a `never` violated.
+    No,
+    /// The question could not be asked.
+    Unasked,
+}
+
+/// Parses the arguments, runs the subcommand and gives the exit code.
+pub fn main() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            // Clap's own codes are 0 for help and 2 for bad usage, as ours. A closed pipe is nobody's mistake.
+            let _ = error.print();
+            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
+        }
+    };
+    let answer = match arguments.command {
+        Command::Check(args) => check::run(&args),
+        Command::Ir(args) => ir::run(&args),
+        Command::Sim(args) => sim::run(&args),
+        Command::Reach(args) => reach::run(&args),
+    };
+    match answer {
+        Ok(Answer::Yes) => ExitCode::SUCCESS,
+        Ok(Answer::No) => ExitCode::from(1),
+        Ok(Answer::Unasked) => ExitCode::from(2),
+        // Whoever read our output has gone away.
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Err(error) => {
+            let _ = report::plain_error(&format!("cannot write: {error}"));
+            ExitCode::from(2)
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! Showing findings, and the way from a file and a world's name to a program that can be run.
+
+use std::io::{self, IsTerminal, Write};
+use std::path::Path;
+
+use crate::compile::{Compilation, compile};
+use crate::diagnostic::catalogue::run::NoQuestion;
+use crate::diagnostic::{Diagnostics, Fact, render, similar};
+use crate::ir::{Program, WorldId};
+use crate::source::SourceMap;
+
+use super::args::FindingFormat;
+use super::disk::Disk;
+
+/// Whether to colour what goes to a stream: only on a terminal, and not where `NO_COLOR` is set.
+pub(super) fn colored(terminal: bool) -> bool {
+    terminal && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty())
+}
+
+/// Findings as text.
+pub(super) fn rendered(
+    sources: &SourceMap,
+    found: &Diagnostics,
+    format: FindingFormat,
+    color: bool,
+) -> String {
+    match format {
+        FindingFormat::Human => render::human(sources, found.iter(), color),
+        FindingFormat::Short => render::short(sources, found.iter()),
+    }
+}
+
+/// Shows findings on standard error.
+pub(super) fn show(sources: &SourceMap, found: &Diagnostics) -> io::Result<()> {
+    let color = colored(io::stderr().is_terminal());
+    write!(
+        io::stderr(),
+        "{}",
+        rendered(sources, found, FindingFormat::Human, color)
+    )
+}
+
+/// Shows one fact on standard error.
+pub(super) fn show_fact(sources: &SourceMap, fact: impl Fact) -> io::Result<()> {
+    let mut found = Diagnostics::new();
+    found.report(fact);
+    show(sources, &found)
+}
+
+/// An error that belongs to no file.
+pub(super) fn plain_error(message: &str) -> io::Result<()> {
+    writeln!(io::stderr(), "error: {message}")
+}
+
+/// A program that compiled, and its files.
+pub(super) struct Loaded {
+    pub sources: SourceMap,
+    pub program: Program,
+}
+
+/// Compiles a file; shows what is wrong and gives nothing if it cannot be run.
+pub(super) fn load(path: &Path) -> io::Result<Option<Loaded>> {
+    let Compilation {
+        sources,
+        program,
+        diagnostics,
+    } = compile(path, &Disk);
+    show(&sources, &diagnostics)?;
+    Ok(program.map(|program| Loaded { sources, program }))
+}
+
+/// The world of a name, or the only one; shows why if there is none.
+pub(super) fn choose_world(
+    loaded: &Loaded,
+    path: &Path,
+    name: Option<&str>,
+) -> io::Result<Option<WorldId>> {
+    let worlds = &loaded.program.worlds;
+    let names: Vec<&str> = worlds.iter().map(|w| w.name.as_str()).collect();
+    let list = || {
+        format!(
+            "there is {}",
+            names
+                .iter()
+                .map(|n| format!("`{n}`"))
+                .collect::<Vec<_>>()
+                .join(", ")
+        )
+    };
+    let found = match name {
+        Some(name) => worlds.find(|w| w.name == name),
+        None => worlds.ids().next().filter(|_| worlds.len() == 1),
+    };
+    if found.is_some() {
+        return Ok(found);
+    }
+    let fact = match name {
+        Some(name) => NoQuestion {
+            why: format!("no world `{name}` in `{}`", path.display()),
+            near: similar(name, names.iter().copied()),
+            help: (!names.is_empty()).then(list),
+        },
+        None if names.is_empty() => NoQuestion {
+            why: format!("`{}` has no world", path.display()),
+            near: None,
+            help: Some("add `world NAME { … }`".into()),
+        },
+        None => NoQuestion {
+            why: format!("`{}` has several worlds", path.display()),
+            near: None,
+            help: Some(format!("choose one with `--world NAME`; {}", list())),
+        },
+    };
+    show_fact(&loaded.sources, fact)?;
+    Ok(None)
+}

@@ -1,0 +1,256 @@
+//! `hypedc sim`: runs a world with given inputs and tells where everything ends up.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+
+use crate::diagnostic::catalogue::file::Unreadable;
+use crate::diagnostic::catalogue::run::NoQuestion;
+use crate::ir::{Program, WorldId};
+use crate::sim::{Fault, Input, Script, Simulator, TraceWriter, parse_script};
+use crate::source::Files;
+
+use super::Answer;
+use super::args::SimArgs;
+use super::disk::Disk;
+use super::report::{Loaded, choose_world, load, plain_error, show, show_fact};
+
+pub(super) fn run(args: &SimArgs) -> io::Result<Answer> {
+    let Some(mut loaded) = load(&args.file)? else {
+        return Ok(Answer::Unasked);
+    };
+    let Some(world) = choose_world(&loaded, &args.file, args.world.as_deref())? else {
+        return Ok(Answer::Unasked);
+    };
+    let Some(script) = script(args, &mut loaded, world)? else {
+        return Ok(Answer::Unasked);
+    };
+    let sim = Simulator::new(&loaded.program, world);
+    let text = script.text(&loaded.program, world);
+    let mut trace = match &args.trace {
+        Some(path) => {
+            let to: Box<dyn Write> = if path.as_os_str() == "-" {
+                Box::new(io::stdout())
+            } else {
+                match File::create(path) {
+                    Ok(file) => Box::new(file),
+                    Err(error) => {
+                        plain_error(&format!("cannot write `{}`: {error}", path.display()))?;
+                        return Ok(Answer::Unasked);
+                    }
+                }
+            };
+            Some(TraceWriter::new(
+                &sim,
+                BufWriter::new(to),
+                &args.file.display().to_string(),
+                &text,
+            )?)
+        }
+        None => None,
+    };
+    let frames = args.frames.unwrap_or(script.len());
+    let mut report = Report::new(&sim);
+    let result = drive(&sim, &script, frames, &mut |step, input, state| {
+        report.observe(step, state);
+        trace
+            .as_mut()
+            .map_or(Ok(()), |t| t.state(step, input, state))
+    })?;
+    if let Some(trace) = trace {
+        trace.finish()?;
+    }
+    let to_stdout = args.trace.as_ref().is_some_and(|p| p.as_os_str() == "-");
+    if !to_stdout {
+        write!(
+            io::stdout(),
+            "{}",
+            report.text(&args.file.display().to_string())
+        )?;
+    }
+    if let Err((fault, step)) = result {
+        show_fact(&loaded.sources, fault.fact(&loaded.program, world, step))?;
+        return Ok(Answer::No);
+    }
+    Ok(if report.violated() {
+        Answer::No
+    } else {
+        Answer::Yes
+    })
+}
+
+/// The script that was asked for; shows why if there is none.
+fn script(args: &SimArgs, loaded: &mut Loaded, world: WorldId) -> io::Result<Option<Script>> {
+    let (path, text) = match (&args.inputs, &args.inputs_file) {
+        (Some(text), _) => ("--inputs".into(), text.clone()),
+        (None, Some(path)) => match Disk.read(path) {
+            Ok(text) => (path.clone(), text),
+            Err(error) => {
+                show_fact(
+                    &loaded.sources,
+                    Unreadable {
+                        path: path.clone(),
+                        import: None,
+                        error,
+                    },
+                )?;
+                return Ok(None);
+            }
+        },
+        (None, None) if args.frames.is_some() => return Ok(Some(Script::default())),
+        (None, None) => {
+            let why = "no inputs and no number of steps".to_string();
+            let help = Some(
+                "give `--inputs 'right*40'`, `--inputs-file PATH` or `--frames N`".to_string(),
+            );
+            show_fact(
+                &loaded.sources,
+                NoQuestion {
+                    why,
+                    near: None,
+                    help,
+                },
+            )?;
+            return Ok(None);
+        }
+    };
+    let file = loaded.sources.add(path, text.clone());
+    let (script, found) = parse_script(&loaded.program, world, file, &text);
+    show(&loaded.sources, &found)?;
+    Ok((!found.has_errors()).then_some(script))
+}
+
+/// Runs so many steps and shows every state, the initial one first. A fault comes with its step.
+fn drive(
+    sim: &Simulator<'_>,
+    script: &Script,
+    frames: u64,
+    see: &mut dyn FnMut(u64, &Input, &[u8]) -> io::Result<()>,
+) -> io::Result<Result<(), (Fault, u64)>> {
+    let mut scratch = sim.scratch();
+    let nothing = Input::nothing(sim.world().players.len());
+    let mut state = match sim.initial(&mut scratch) {
+        Ok(state) => state,
+        Err(fault) => return Ok(Err((fault, 0))),
+    };
+    see(0, &nothing, &state)?;
+    let inputs = script.inputs().chain(std::iter::repeat(&nothing));
+    for (step, input) in (1..=frames).zip(inputs) {
+        if let Err(fault) = sim.step(&mut state, input, &mut scratch) {
+            return Ok(Err((fault, step)));
+        }
+        see(step, input, &state)?;
+    }
+    Ok(Ok(()))
+}
+
+/// What happened during a run.
+struct Report<'s> {
+    sim: &'s Simulator<'s>,
+    goals: Vec<Option<u64>>,
+    nevers: Vec<Option<u64>>,
+    steps: u64,
+    last: Vec<u8>,
+}
+
+impl<'s> Report<'s> {
+    fn new(sim: &'s Simulator<'s>) -> Self {
+        let world = sim.world();
+        Report {
+            sim,
+            goals: vec![None; world.goals.len()],
+            nevers: vec![None; world.nevers.len()],
+            steps: 0,
+            last: Vec::new(),
+        }
+    }
+
+    fn observe(&mut self, step: u64, state: &[u8]) {
+        let world = self.sim.world();
+        for (first, predicate) in self.goals.iter_mut().zip(world.goals.iter()) {
+            if first.is_none() && self.sim.holds(state, predicate.holds) == Ok(true) {
+                *first = Some(step);
+            }
+        }
+        for (first, predicate) in self.nevers.iter_mut().zip(world.nevers.iter()) {
+            if first.is_none() && self.sim.holds(state, predicate.holds) == Ok(true) {
+                *first = Some(step);
+            }
+        }
+        self.steps = step;
+        self.last.clear();
+        self.last.extend_from_slice(state);
+    }
+
+    fn violated(&self) -> bool {
+        self.nevers.iter().any(Option::is_some)
+    }
+
+    fn text(&self, file: &str) -> String {
+        let (program, world): (&Program, _) = (self.sim.program(), self.sim.world());
+        let seconds = world.step.seconds() * self.steps as f64;
+        let mut out = format!(
+            "{file}, world {}: {} steps ({seconds:.2} s)\n",
+            world.name, self.steps
+        );
+        if self.last.is_empty() {
+            return out;
+        }
+        let width = world
+            .slots
+            .iter()
+            .map(|s| s.name.chars().count())
+            .max()
+            .unwrap_or(0);
+        for (id, slot) in world.slots.pairs() {
+            let entity = &program.entities[slot.entity];
+            let layout = &world.layout.slots[id];
+            let modes: Vec<&str> = entity
+                .groups
+                .ids()
+                .map(|g| {
+                    entity.modes[entity.leaves[layout.leaf(&self.last, g)].mode]
+                        .path
+                        .as_str()
+                })
+                .collect();
+            let mut values: Vec<String> = entity
+                .vars
+                .pairs()
+                .map(|(var, name)| {
+                    let at = |degree| layout.var(&self.last, var, degree);
+                    format!("{name} = {:.3}, {name}' = {:.3}", at(0), at(1))
+                })
+                .collect();
+            let discretes = entity.discretes.pairs();
+            values.extend(
+                discretes.map(|(d, v)| format!("{} = {}", v.name, layout.discrete(&self.last, d))),
+            );
+            out.push_str(&format!(
+                "  {:width$}  {}  {}\n",
+                slot.name,
+                modes.join(", "),
+                values.join(", ")
+            ));
+        }
+        for (first, goal) in self.goals.iter().zip(world.goals.iter()) {
+            out.push_str(&match first {
+                Some(step) => format!("  goal {}: reached at step {step}\n", goal.name),
+                None => format!("  goal {}: not reached\n", goal.name),
+            });
+        }
+        for (first, never) in self.nevers.iter().zip(world.nevers.iter()) {
+            if let Some(step) = first {
+                out.push_str(&format!(
+                    "  never {}: violated at step {step}\n",
+                    never.name
+                ));
+            }
+        }
+        out
+    }
+}
+
+/// Writes a script where a later run will find it.
+pub(super) fn save_script(path: &std::path::Path, text: &str) -> io::Result<()> {
+    fs::write(path, format!("{text}\n"))
+}

@@ -1,0 +1,103 @@
+//! The command line's watch: ctrl-C, a time budget, and a progress line on a terminal.
+
+use std::cell::Cell;
+use std::io::{self, IsTerminal};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use crate::watch::{Progress, Watch};
+
+/// Whether ctrl-C was pressed. The handler can be set only once in a process.
+fn interrupted() -> &'static Arc<AtomicBool> {
+    static INTERRUPTED: OnceLock<Arc<AtomicBool>> = OnceLock::new();
+    INTERRUPTED.get_or_init(|| {
+        let flag = Arc::new(AtomicBool::new(false));
+        let seen = Arc::clone(&flag);
+        // Without a handler ctrl-C ends the process as usual, which is not wrong either.
+        let _ = ctrlc::set_handler(move || {
+            if seen.swap(true, Ordering::SeqCst) {
+                // The second one is meant.
+                std::process::exit(130);
+            }
+        });
+        flag
+    })
+}
+
+/// Watches one search.
+pub(super) struct CommandWatch {
+    interrupted: &'static AtomicBool,
+    started: Instant,
+    seconds: Option<f64>,
+    bar: ProgressBar,
+    shown: Cell<Option<Instant>>,
+}
+
+impl CommandWatch {
+    /// Starts the clock.
+    pub fn new(what: &str, seconds: Option<f64>) -> Self {
+        let target = if io::stderr().is_terminal() {
+            ProgressDrawTarget::stderr()
+        } else {
+            ProgressDrawTarget::hidden()
+        };
+        let bar = ProgressBar::with_draw_target(None, target);
+        let style = ProgressStyle::with_template(
+            "{spinner} {prefix}  {pos} of {len} nodes  {msg}  {elapsed}",
+        );
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
+        bar.set_prefix(what.to_string());
+        CommandWatch {
+            interrupted: interrupted(),
+            started: Instant::now(),
+            seconds,
+            bar,
+            shown: Cell::new(None),
+        }
+    }
+
+    /// Seconds since the start.
+    pub fn seconds(&self) -> f64 {
+        self.started.elapsed().as_secs_f64()
+    }
+
+    /// Whether ctrl-C was pressed.
+    pub fn is_interrupted(&self) -> bool {
+        self.interrupted.load(Ordering::SeqCst)
+    }
+
+    /// Takes the progress line away.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl Watch for CommandWatch {
+    fn stop(&self) -> bool {
+        self.is_interrupted() || self.seconds.is_some_and(|limit| self.seconds() >= limit)
+    }
+
+    fn progress(&self, progress: Progress) {
+        if self.bar.is_hidden() {
+            return;
+        }
+        let now = Instant::now();
+        if self
+            .shown
+            .get()
+            .is_some_and(|last| now - last < Duration::from_millis(100))
+        {
+            return;
+        }
+        self.shown.set(Some(now));
+        self.bar.set_length(progress.budget);
+        self.bar.set_position(progress.nodes);
+        let speed = progress.nodes as f64 / self.seconds().max(1e-3);
+        let trees = if progress.trees == 1 { "tree" } else { "trees" };
+        self.bar
+            .set_message(format!("{speed:.0}/s  {} {trees}", progress.trees));
+    }
+}

@@ -1,0 +1,98 @@
+//! Facts about names.
+
+use super::did_you_mean;
+use crate::diagnostic::{Code, Diagnostic, Fact};
+use crate::source::Span;
+
+/// A name that nothing declares.
+pub struct UnknownName {
+    /// What kind of thing was looked for: `mode`.
+    pub kind: &'static str,
+    /// The name.
+    pub name: String,
+    /// Where it stands.
+    pub at: Span,
+    /// The nearest name of that kind.
+    pub near: Option<String>,
+    /// All names of that kind, if they are few.
+    pub known: Vec<String>,
+}
+
+impl Fact for UnknownName {
+    fn word(self) -> Diagnostic {
+        let UnknownName {
+            kind,
+            name,
+            at,
+            near,
+            known,
+        } = self;
+        let d = Diagnostic::new(
+            Code::UnknownName,
+            format!("no {kind} named `{name}`{}", did_you_mean(near.as_ref())),
+        )
+        .at(at, "not declared");
+        if near.is_some() || known.is_empty() || known.len() > 8 {
+            return d;
+        }
+        let known: Vec<String> = known.iter().map(|n| format!("`{n}`")).collect();
+        d.help(format!(
+            "there {} {}",
+            if known.len() == 1 { "is" } else { "are" },
+            super::list(&known, "and")
+        ))
+    }
+}
+
+/// A name declared twice.
+pub struct DuplicateName {
+    /// What kind of thing it names.
+    pub kind: &'static str,
+    /// The name.
+    pub name: String,
+    /// The first declaration.
+    pub first: Span,
+    /// The second one.
+    pub second: Span,
+}
+
+impl Fact for DuplicateName {
+    fn word(self) -> Diagnostic {
+        Diagnostic::new(
+            Code::DuplicateName,
+            format!("{} `{}` is declared twice", self.kind, self.name),
+        )
+        .at(self.second, "declared again")
+        .and(self.first, "first declared here")
+    }
+}
+
+/// A mode's name that fits several modes.
+pub struct AmbiguousMode {
+    /// The name as written.
+    pub name: String,
+    /// Where it stands.
+    pub at: Span,
+    /// The full paths that it fits.
+    pub fits: Vec<(String, Span)>,
+}
+
+impl Fact for AmbiguousMode {
+    fn word(self) -> Diagnostic {
+        let paths: Vec<String> = self
+            .fits
+            .iter()
+            .map(|(path, _)| format!("`{path}`"))
+            .collect();
+        let mut d = Diagnostic::new(
+            Code::AmbiguousMode,
+            format!("`{}` fits several modes", self.name),
+        )
+        .at(self.at, "which one?")
+        .help(format!("write {}", super::list(&paths, "or")));
+        for (path, span) in self.fits {
+            d = d.and(span, format!("`{path}`"));
+        }
+        d
+    }
+}

@@ -1,0 +1,155 @@
+//! Facts about how entities are put together.
+
+use crate::diagnostic::{Code, Diagnostic, Fact};
+use crate::source::Span;
+
+/// An edge into another group.
+pub struct EdgeOutOfGroup {
+    /// The target as written.
+    pub target: Span,
+    /// Its full path.
+    pub path: String,
+    /// Where the target is declared.
+    pub declared: Span,
+    /// The modes of the edge's own group.
+    pub own: Vec<String>,
+}
+
+impl Fact for EdgeOutOfGroup {
+    fn word(self) -> Diagnostic {
+        let own: Vec<String> = self.own.iter().map(|m| format!("`{m}`")).collect();
+        let d = Diagnostic::new(
+            Code::EdgeOutOfGroup,
+            format!(
+                "an edge cannot lead to `{}`, which is in another group",
+                self.path
+            ),
+        )
+        .at(self.target, "leads out of the group")
+        .and(self.declared, "declared here");
+        if own.is_empty() || own.len() > 8 {
+            return d;
+        }
+        d.help(format!("it can lead to {}", super::list(&own, "or")))
+    }
+}
+
+/// A variable driven by two flows or envelopes at once.
+pub struct FlowConflict {
+    /// The variable.
+    pub variable: String,
+    /// The one flow.
+    pub first: Span,
+    /// The other.
+    pub second: Span,
+    /// Whether they stand in two groups, not in one mode.
+    pub across_groups: bool,
+}
+
+impl Fact for FlowConflict {
+    fn word(self) -> Diagnostic {
+        let d = Diagnostic::new(
+            Code::FlowConflict,
+            format!("`{}` is driven twice at once", self.variable),
+        )
+        .at(self.second, "driven again here")
+        .and(self.first, "driven here");
+        if self.across_groups {
+            d.note(
+                "modes of two groups can be active together; only one group may drive a variable",
+            )
+        } else {
+            d.note("one mode drives a variable with one flow or envelope; an inner mode may override it")
+        }
+    }
+}
+
+/// A variable updated twice by one edge or entry.
+pub struct UpdateConflict {
+    /// The variable.
+    pub variable: String,
+    /// The one update.
+    pub first: Span,
+    /// The other.
+    pub second: Span,
+}
+
+impl Fact for UpdateConflict {
+    fn word(self) -> Diagnostic {
+        Diagnostic::new(
+            Code::UpdateConflict,
+            format!("`{}` is updated twice", self.variable),
+        )
+        .at(self.second, "updated again here")
+        .and(self.first, "updated here")
+        .note("all updates of one edge happen at once")
+    }
+}
+
+/// Modes beside named groups.
+pub struct MixedGroups {
+    /// The mode.
+    pub mode: Span,
+    /// A named group.
+    pub group: Span,
+}
+
+impl Fact for MixedGroups {
+    fn word(self) -> Diagnostic {
+        Diagnostic::new(Code::MixedGroups, "a mode stands beside named groups")
+            .at(self.mode, "in no group")
+            .and(self.group, "a named group")
+            .help("put the mode into a `group` of its own")
+    }
+}
+
+/// An envelope that cannot be run.
+pub struct BadEnvelope {
+    /// Where.
+    pub at: Span,
+    /// Why.
+    pub why: String,
+    /// The other place, where there is one.
+    pub other: Option<Span>,
+    /// A way out.
+    pub help: Option<String>,
+}
+
+impl Fact for BadEnvelope {
+    fn word(self) -> Diagnostic {
+        let mut d = Diagnostic::new(Code::BadEnvelope, self.why).at(self.at, "this envelope");
+        if let Some(other) = self.other {
+            d = d.and(other, "first given here");
+        }
+        match self.help {
+            Some(help) => d.help(help),
+            None => d,
+        }
+    }
+}
+
+/// A collider of no size.
+pub struct BadCollider {
+    /// The number.
+    pub at: Span,
+    /// What it is: `width`.
+    pub what: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// The instance it belongs to, if not for every one.
+    pub instance: Option<(String, Span)>,
+}
+
+impl Fact for BadCollider {
+    fn word(self) -> Diagnostic {
+        let d = Diagnostic::new(
+            Code::BadCollider,
+            format!("a collider's {} is {}", self.what, self.value),
+        )
+        .at(self.at, "must be more than 0 px");
+        match self.instance {
+            Some((name, span)) => d.and(span, format!("for the instance `{name}`")),
+            None => d,
+        }
+    }
+}

@@ -1,0 +1,166 @@
+//! Facts about text that does not fit the grammar.
+
+use super::list;
+use crate::diagnostic::{Code, Diagnostic, Fact};
+use crate::source::Span;
+use crate::syntax::{MAX_NESTING, MAX_OPERATORS};
+
+/// A token that fits no rule.
+pub struct Unexpected {
+    /// The token, or the end of what stands before the gap.
+    pub at: Span,
+    /// The token's text; none at the end of a statement.
+    pub found: Option<String>,
+    /// What could have stood there.
+    pub expected: Vec<String>,
+    /// A way out, where one is likely.
+    pub help: Option<String>,
+}
+
+impl Fact for Unexpected {
+    fn word(self) -> Diagnostic {
+        let found = match &self.found {
+            Some(token) => format!("`{token}`"),
+            None => "the end of the line".to_string(),
+        };
+        // A long list of possibilities helps nobody.
+        let (message, label) = if self.expected.is_empty() || self.expected.len() > 6 {
+            (
+                format!("unexpected {found}"),
+                "does not fit here".to_string(),
+            )
+        } else {
+            let expected = list(&self.expected, "or");
+            (
+                format!("expected {expected}, found {found}"),
+                format!("expected {expected}"),
+            )
+        };
+        let d = Diagnostic::new(Code::Syntax, message).at(self.at, label);
+        match self.help {
+            Some(help) => d.help(help),
+            None => d,
+        }
+    }
+}
+
+/// More brackets open than are supported.
+pub struct NestingTooDeep {
+    /// The first bracket too many.
+    pub at: Span,
+}
+
+impl Fact for NestingTooDeep {
+    fn word(self) -> Diagnostic {
+        Diagnostic::new(Code::NestingTooDeep, format!("more than {MAX_NESTING} brackets are open at once"))
+            .at(self.at, "one bracket too many")
+            .help("is a bracket left open further up? if not, name parts of the expression or flatten the modes")
+            .note("nothing after this place was checked")
+    }
+}
+
+/// More operators in one expression than are supported.
+pub struct ExpressionTooLong {
+    /// The first operator too many.
+    pub at: Span,
+}
+
+impl Fact for ExpressionTooLong {
+    fn word(self) -> Diagnostic {
+        Diagnostic::new(
+            Code::ExpressionTooLong,
+            format!("an expression has more than {MAX_OPERATORS} operators"),
+        )
+        .at(self.at, "one operator too many")
+        .help("name parts of it with `const` or `param`")
+        .note("nothing after this place was checked")
+    }
+}
+
+/// An opening brace without a closing one.
+pub struct UnclosedBrace {
+    /// The opening brace.
+    pub open: Span,
+    /// Where the closing one was missed, by indentation.
+    pub here: Option<Span>,
+}
+
+impl Fact for UnclosedBrace {
+    fn word(self) -> Diagnostic {
+        let d = Diagnostic::new(Code::UnbalancedBrace, "this `{` is never closed")
+            .at(self.open, "opened here");
+        match self.here {
+            Some(here) => d.and(here, "by its indentation, a `}` is missing before this"),
+            None => d.help("add a `}` at the end of the file"),
+        }
+    }
+}
+
+/// A closing brace without an opening one.
+pub struct StrayBrace {
+    /// The brace.
+    pub at: Span,
+}
+
+impl Fact for StrayBrace {
+    fn word(self) -> Diagnostic {
+        Diagnostic::new(Code::UnbalancedBrace, "this `}` closes nothing")
+            .at(self.at, "no `{` is open here")
+            .help("remove it, or look for a `{` that is missing further up")
+    }
+}
+
+/// An inline map without a closing quote.
+pub struct UnterminatedMap {
+    /// The opening quote.
+    pub open: Span,
+}
+
+impl Fact for UnterminatedMap {
+    fn word(self) -> Diagnostic {
+        Diagnostic::new(Code::UnterminatedMap, "this map has no end")
+            .at(self.open, "the map begins here")
+            .help("close it with a `\"` on a line of its own below the last row")
+    }
+}
+
+/// A declaration in a block that cannot hold it.
+pub struct Misplaced {
+    /// The declaration.
+    pub at: Span,
+    /// What it is: `param`.
+    pub what: &'static str,
+    /// Where it stands: `a mode`.
+    pub inside: &'static str,
+    /// Where it would belong.
+    pub belongs: &'static str,
+}
+
+impl Fact for Misplaced {
+    fn word(self) -> Diagnostic {
+        Diagnostic::new(
+            Code::Misplaced,
+            format!("{} cannot stand inside {}", self.what, self.inside),
+        )
+        .at(self.at, format!("not inside {}", self.inside))
+        .help(format!("it belongs {}", self.belongs))
+    }
+}
+
+/// A construct that this version cannot compile.
+pub struct NotSupported {
+    /// The construct.
+    pub at: Span,
+    /// Its name.
+    pub what: String,
+}
+
+impl Fact for NotSupported {
+    fn word(self) -> Diagnostic {
+        Diagnostic::new(
+            Code::NotSupported,
+            format!("{} is not supported by this version of hypedc", self.what),
+        )
+        .at(self.at, "cannot be compiled yet")
+    }
+}

@@ -1,0 +1,100 @@
+//! The closed list of diagnostic codes. The first digit after the letter is the family: files and limits,
+//! syntax, names, types, structure, worlds, questions and runs.
+
+use std::fmt;
+
+use super::Severity;
+
+macro_rules! codes {
+    ($($variant:ident $severity:ident $text:literal $title:literal)*) => {
+        /// A kind of finding.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum Code {
+            $(#[doc = $title] $variant,)*
+        }
+
+        impl Code {
+            /// Every code, in order.
+            pub const ALL: &[Code] = &[$(Code::$variant),*];
+
+            /// The code as shown: `E0201`.
+            pub fn text(self) -> &'static str {
+                match self { $(Code::$variant => $text,)* }
+            }
+
+            /// What the code stands for, in a few words.
+            pub fn title(self) -> &'static str {
+                match self { $(Code::$variant => $title,)* }
+            }
+
+            /// Whether it is an error or a warning.
+            pub fn severity(self) -> Severity {
+                match self { $(Code::$variant => Severity::$severity,)* }
+            }
+        }
+    };
+}
+
+codes! {
+    Unreadable Error "E0001" "a file cannot be read"
+    NotUtf8 Error "E0002" "a file is not UTF-8 text"
+    TooLarge Error "E0003" "a file or a world is larger than what is supported"
+    NestingTooDeep Error "E0004" "too many brackets are open at once"
+    ExpressionTooLong Error "E0005" "an expression has too many operators"
+
+    Syntax Error "E0101" "the text does not fit the grammar"
+    UnbalancedBrace Error "E0102" "a brace has no partner"
+    UnterminatedMap Error "E0103" "a map has no end"
+    Misplaced Error "E0104" "a declaration stands where it cannot"
+    NotSupported Error "E0105" "a construct of the language that this version cannot compile"
+
+    UnknownName Error "E0201" "a name is not declared"
+    DuplicateName Error "E0202" "a name is declared twice"
+    AmbiguousMode Error "E0203" "a mode's name fits several modes"
+    ImportCycle Error "E0204" "files import each other"
+
+    TypeMismatch Error "E0301" "a value is of the wrong type"
+    DimensionConflict Error "E0302" "a value is used with two dimensions"
+    WrongArguments Error "E0303" "a function is called with the wrong arguments"
+    NotConstant Error "E0304" "a value must be known before the world runs"
+    BadChain Error "E0305" "a chain of comparisons does not go one way"
+    OutOfRange Error "E0306" "a value lies outside of what is possible"
+
+    EdgeOutOfGroup Error "E0401" "an edge leads into another group"
+    FlowConflict Error "E0402" "a variable is driven twice"
+    UpdateConflict Error "E0403" "a variable is updated twice"
+    MixedGroups Error "E0404" "modes stand beside named groups"
+    BadEnvelope Error "E0405" "an envelope is incomplete or contradicts itself"
+    BadCollider Error "E0406" "a collider has no extent"
+
+    BadMap Error "E0501" "a map does not fit its tiles"
+    BadStep Error "E0502" "a world's step is not a positive time"
+    BadPlayer Error "E0503" "players and instances do not fit together"
+
+    BadInput Error "E0601" "an input script cannot be read"
+    NoQuestion Error "E0602" "there is nothing to run or to ask"
+    Fault Error "E0603" "a running world broke a rule"
+}
+
+impl fmt::Display for Code {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.text())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn codes_are_in_order_and_differ() {
+        for pair in Code::ALL.windows(2) {
+            assert!(
+                pair[0].text() < pair[1].text(),
+                "{} and {}",
+                pair[0],
+                pair[1]
+            );
+        }
+    }
+}

@@ -1,0 +1,166 @@
+//! Diagnostics: what is wrong with a program, where, and what could be done about it.
+//!
+//! A check records a *fact* (a struct of [`catalogue`]); the fact words itself as a [`Diagnostic`], a plain value
+//! with byte spans; a renderer of [`render`] makes text of it. Codes are the closed enum [`Code`].
+
+pub mod catalogue;
+mod code;
+pub mod render;
+mod similar;
+
+pub use code::Code;
+pub use similar::similar;
+
+use crate::source::Span;
+
+/// How bad it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Severity {
+    /// The program has no meaning, or not the one that was meant; it cannot be compiled.
+    Error,
+    /// The program has a meaning, but hardly the one that was meant.
+    Warning,
+}
+
+/// A place and what is to be said of it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Label {
+    /// The place.
+    pub span: Span,
+    /// A short phrase.
+    pub text: String,
+}
+
+/// One finding.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Diagnostic {
+    /// Which kind of finding.
+    pub code: Code,
+    /// Error or warning.
+    pub severity: Severity,
+    /// What was found, in one line.
+    pub message: String,
+    /// The place of the mistake; none where a whole file is at fault.
+    pub primary: Option<Label>,
+    /// The other places involved.
+    pub secondary: Vec<Label>,
+    /// Ways out.
+    pub helps: Vec<String>,
+    /// Background.
+    pub notes: Vec<String>,
+}
+
+impl Diagnostic {
+    /// A finding of the code's own severity.
+    pub fn new(code: Code, message: impl Into<String>) -> Self {
+        Diagnostic {
+            code,
+            severity: code.severity(),
+            message: message.into(),
+            primary: None,
+            secondary: Vec::new(),
+            helps: Vec::new(),
+            notes: Vec::new(),
+        }
+    }
+
+    /// Sets the place of the mistake.
+    #[must_use]
+    pub fn at(mut self, span: Span, text: impl Into<String>) -> Self {
+        self.primary = Some(Label {
+            span,
+            text: text.into(),
+        });
+        self
+    }
+
+    /// Adds another place.
+    #[must_use]
+    pub fn and(mut self, span: Span, text: impl Into<String>) -> Self {
+        self.secondary.push(Label {
+            span,
+            text: text.into(),
+        });
+        self
+    }
+
+    /// Adds a way out.
+    #[must_use]
+    pub fn help(mut self, text: impl Into<String>) -> Self {
+        self.helps.push(text.into());
+        self
+    }
+
+    /// Adds background.
+    #[must_use]
+    pub fn note(mut self, text: impl Into<String>) -> Self {
+        self.notes.push(text.into());
+        self
+    }
+}
+
+/// What a check found, before it is put into words.
+pub trait Fact {
+    /// The words.
+    fn word(self) -> Diagnostic;
+}
+
+/// The findings of a stage.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Diagnostics {
+    list: Vec<Diagnostic>,
+}
+
+impl Diagnostics {
+    /// No findings.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Records a fact.
+    pub fn report(&mut self, fact: impl Fact) {
+        self.list.push(fact.word());
+    }
+
+    /// Takes over the findings of another stage.
+    pub fn append(&mut self, mut other: Diagnostics) {
+        self.list.append(&mut other.list);
+    }
+
+    /// Whether any finding is an error.
+    pub fn has_errors(&self) -> bool {
+        self.list.iter().any(|d| d.severity == Severity::Error)
+    }
+
+    /// How many errors and how many warnings.
+    pub fn counts(&self) -> (usize, usize) {
+        let errors = self
+            .list
+            .iter()
+            .filter(|d| d.severity == Severity::Error)
+            .count();
+        (errors, self.list.len() - errors)
+    }
+
+    /// Sorts by file and place, those without a place first; equal findings become one.
+    pub fn sort(&mut self) {
+        self.list
+            .sort_by_key(|d| (d.primary.as_ref().map(|l| l.span), d.code));
+        self.list.dedup();
+    }
+
+    /// Keeps the findings for which `keep` holds.
+    pub fn retain(&mut self, keep: impl FnMut(&Diagnostic) -> bool) {
+        self.list.retain(keep);
+    }
+
+    /// The findings.
+    pub fn iter(&self) -> std::slice::Iter<'_, Diagnostic> {
+        self.list.iter()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+}

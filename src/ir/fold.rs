@@ -1,0 +1,195 @@
+//! Terms into the arena: operands before operators, constants folded, contact questions and timers numbered.
+
+use crate::sema::checked::{self, Term, TermKind, Type};
+use crate::sema::{ConstantContext, evaluate};
+use crate::source::Span;
+
+use super::{
+    Entity, EntityId, Expr, ExprId, IdVec, ModeId, Program, SlotId, Subject, TagSet, Timer,
+    TimerId, Touch, TouchId,
+};
+
+/// Where a term is lowered: whose numbers its questions get.
+pub(super) struct Context<'a> {
+    /// The entity whose code it is, for `Subject::Me`.
+    pub me: Option<EntityId>,
+    /// The entity of each slot of the world, for `Subject::Slot`.
+    pub slots: &'a dyn Fn(SlotId) -> EntityId,
+}
+
+impl Context<'_> {
+    fn entity(&self, of: Subject) -> EntityId {
+        match of {
+            Subject::Me => self.me.unwrap_or(EntityId(0)),
+            Subject::Slot(slot) => (self.slots)(slot),
+        }
+    }
+}
+
+impl Program {
+    pub(super) fn push(&mut self, expr: Expr, span: Span) -> ExprId {
+        self.spans.exprs.push(span);
+        self.exprs.push(expr)
+    }
+
+    /// Appends a term to the arena.
+    pub(super) fn term(&mut self, term: &Term, context: &Context<'_>) -> ExprId {
+        if let Ok(value) = evaluate(term, ConstantContext::LITERALS) {
+            let folded = if term.ty == Type::Bool {
+                Expr::Bool(value != 0.0)
+            } else {
+                Expr::Number(value)
+            };
+            return self.push(folded, term.span);
+        }
+        let expr = match &term.kind {
+            TermKind::Number(n) | TermKind::Seconds(n) => Expr::Number(*n),
+            TermKind::Frames(n) => Expr::Frames(*n),
+            TermKind::Bool(b) => Expr::Bool(*b),
+            TermKind::Param(p) => Expr::Param(*p),
+            TermKind::Var(of, var, degree) => Expr::Var(*of, *var, *degree),
+            TermKind::Discrete(of, id) => Expr::Discrete(*of, *id),
+            TermKind::Axis(axis) => Expr::Axis(*axis),
+            TermKind::Timer(mode) => {
+                let timer = self.timer(context.entity(Subject::Me), *mode);
+                Expr::Timer(timer)
+            }
+            TermKind::Negate(a) => Expr::Negate(self.term(a, context)),
+            TermKind::Arithmetic(op, a, b) => {
+                let (a, b) = (self.term(a, context), self.term(b, context));
+                Expr::Arithmetic(*op, a, b)
+            }
+            TermKind::Call(function, args) => {
+                let ids: Vec<ExprId> = args.iter().map(|a| self.term(a, context)).collect();
+                let at = |i: usize| ids.get(i).or(ids.last()).copied().unwrap_or(ExprId(0));
+                Expr::Call(*function, [at(0), at(1), at(2)])
+            }
+            TermKind::Compare(op, a, b) => {
+                let (left, right) = (self.term(a, context), self.term(b, context));
+                Expr::Compare(*op, left, right)
+            }
+            TermKind::And(a, b) => {
+                let (a, b) = (self.term(a, context), self.term(b, context));
+                Expr::And(a, b)
+            }
+            TermKind::Or(a, b) => {
+                let (a, b) = (self.term(a, context), self.term(b, context));
+                Expr::Or(a, b)
+            }
+            TermKind::Not(a) => Expr::Not(self.term(a, context)),
+            TermKind::Button(press, button) => Expr::Button(*press, *button),
+            TermKind::Touching {
+                of,
+                mine,
+                other,
+                side,
+            } => {
+                let mine = mine.map_or(TagSet::ALL, TagSet::of);
+                let touch = Touch {
+                    mine,
+                    other: *other,
+                    side: *side,
+                };
+                Expr::Touching(
+                    *of,
+                    touch_of(&mut self.entities[context.entity(*of)], touch),
+                )
+            }
+            TermKind::InMode(of, mode) => Expr::InMode(*of, *mode),
+            TermKind::InSpace(of, space) => Expr::InSpace(*of, *space),
+            TermKind::Near { of, x, y, radius } => {
+                let (x, y, radius) = (
+                    self.term(x, context),
+                    self.term(y, context),
+                    self.term(radius, context),
+                );
+                Expr::Near {
+                    of: *of,
+                    x,
+                    y,
+                    radius,
+                }
+            }
+        };
+        self.push(expr, term.span)
+    }
+
+    fn timer(&mut self, entity: EntityId, mode: ModeId) -> TimerId {
+        let timers = &mut self.entities[entity].timers;
+        timers.find(|t| t.mode == mode).unwrap_or_else(|| {
+            timers.push(Timer {
+                mode,
+                thresholds: Some(Vec::new()),
+            })
+        })
+    }
+
+    /// Fills in what each timer is compared with, once all code of the entity is in the arena.
+    pub(super) fn timer_thresholds(&mut self, entity: EntityId, from: ExprId, to: ExprId) {
+        let count = self.entities[entity].timers.len();
+        let mut uses = vec![0usize; count];
+        let mut thresholds: Vec<Vec<ExprId>> = vec![Vec::new(); count];
+        for id in from.0..to.0 {
+            match self.exprs[ExprId(id)] {
+                Expr::Timer(timer) => uses[timer.0 as usize] += 1,
+                Expr::Compare(_, a, b) => {
+                    for (timer, other) in [(a, b), (b, a)] {
+                        if let Expr::Timer(timer) = self.exprs[timer] {
+                            if known_per_instance(&self.exprs, other) {
+                                thresholds[timer.0 as usize].push(other);
+                            }
+                        }
+                    }
+                }
+                _ => {}
+            }
+        }
+        for (index, timer) in self.entities[entity].timers.iter_mut().enumerate() {
+            let compared = std::mem::take(&mut thresholds[index]);
+            timer.thresholds = (compared.len() == uses[index]).then_some(compared);
+        }
+    }
+}
+
+/// Whether an expression reads nothing but parameters and the step.
+pub(super) fn known_per_instance(exprs: &IdVec<ExprId, Expr>, id: ExprId) -> bool {
+    let known = |id| known_per_instance(exprs, id);
+    match exprs[id] {
+        Expr::Number(_) | Expr::Frames(_) | Expr::Bool(_) | Expr::Param(_) => true,
+        Expr::Negate(a) | Expr::Not(a) => known(a),
+        Expr::Arithmetic(_, a, b) | Expr::Compare(_, a, b) | Expr::And(a, b) | Expr::Or(a, b) => {
+            known(a) && known(b)
+        }
+        Expr::Call(_, args) => args.into_iter().all(known),
+        _ => false,
+    }
+}
+
+/// The number of a contact question of an entity.
+fn touch_of(entity: &mut Entity, touch: Touch) -> TouchId {
+    entity
+        .touches
+        .find(|t| *t == touch)
+        .unwrap_or_else(|| entity.touches.push(touch))
+}
+
+/// The rate of a ramp, per second: given, or what covers `distance` in a time; none at once.
+pub(super) fn rate(
+    program: &mut Program,
+    rate: &checked::Rate,
+    distance: ExprId,
+    context: &Context<'_>,
+    span: Span,
+) -> Option<ExprId> {
+    match rate {
+        checked::Rate::Instant => None,
+        checked::Rate::Accel(a) => Some(program.term(a, context)),
+        checked::Rate::Over(time) => {
+            let time = program.term(time, context);
+            Some(program.push(
+                Expr::Arithmetic(super::Arithmetic::Divide, distance, time),
+                span,
+            ))
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! Resolving leaves: for each, the drive of each variable (the innermost wins), the edges in the order in which
+//! they are tried, and the inputs that anything active reads.
+
+use crate::sema::checked;
+
+use super::fold::Context;
+use super::lower::{drive, owners};
+use super::{
+    Drive, EntityId, Expr, ExprId, GroupId, Id, IdVec, Inputs, Leaf, ModeId, Program, Release,
+    Update, VarId,
+};
+
+/// The lowered drives of an entity.
+pub(super) struct Drives {
+    owners: IdVec<VarId, Option<GroupId>>,
+    /// Of each mode, its own.
+    modes: IdVec<ModeId, Vec<(VarId, Drive)>>,
+    /// Those of the entity itself.
+    entity: Vec<(VarId, Drive)>,
+    /// One for each variable that no group drives.
+    pub free: Vec<Drive>,
+}
+
+/// Lowers all flows of an entity once, so that leaves can share them.
+pub(super) fn drives(program: &mut Program, e: &checked::Entity, context: &Context<'_>) -> Drives {
+    let owners = owners(e);
+    let mut lowered = |list: &[checked::Drive]| -> Vec<(VarId, Drive)> {
+        list.iter()
+            .map(|d| (d.var, drive(program, d, context)))
+            .collect()
+    };
+    let entity = lowered(&e.drives);
+    let modes = e.modes.iter().map(|m| lowered(&m.drives)).collect();
+    let free = e
+        .vars
+        .ids()
+        .filter(|v| owners[*v].is_none())
+        .map(|v| of(&entity, v).unwrap_or(Drive::Coast(v)));
+    let free = free.collect();
+    Drives {
+        owners,
+        modes,
+        entity,
+        free,
+    }
+}
+
+fn of(drives: &[(VarId, Drive)], var: VarId) -> Option<Drive> {
+    drives.iter().find(|(v, _)| *v == var).map(|(_, d)| *d)
+}
+
+/// The resolved leaves of an entity.
+pub(super) struct Leaves {
+    pub leaves: IdVec<super::LeafId, Leaf>,
+    /// Inputs that are read in whatever mode.
+    pub always: Inputs,
+}
+
+/// Resolves the leaves.
+pub(super) fn leaves(
+    program: &Program,
+    id: EntityId,
+    e: &checked::Entity,
+    drives: &Drives,
+) -> Leaves {
+    let reads = Reads { program, id };
+    let mut always = Inputs::default();
+    for drive in &drives.free {
+        always = always.with(reads.drive(*drive));
+    }
+    let mut leaves = IdVec::new();
+    for (mode, m) in e.modes.pairs().filter(|(_, m)| m.children.is_empty()) {
+        let mut path = vec![mode];
+        let mut outer = m.parent;
+        while let Some(parent) = outer {
+            path.push(parent);
+            outer = e.modes[parent].parent;
+        }
+        path.reverse();
+        let resolve = |var: VarId| {
+            let inner = path.iter().rev().find_map(|&m| of(&drives.modes[m], var));
+            inner
+                .or_else(|| of(&drives.entity, var))
+                .unwrap_or(Drive::Coast(var))
+        };
+        let own: Vec<Drive> = e
+            .vars
+            .ids()
+            .filter(|v| drives.owners[*v] == Some(m.group))
+            .map(resolve)
+            .collect();
+        let all = path.iter().flat_map(|&m| e.modes[m].edges.iter().copied());
+        let (edges, internal): (Vec<_>, Vec<_>) =
+            all.partition(|&edge| e.edges[edge].target.is_some());
+        let mut inputs = always;
+        for drive in &own {
+            inputs = inputs.with(reads.drive(*drive));
+        }
+        for edge in edges.iter().chain(&internal) {
+            let edge = &program.entities[id].edges[*edge];
+            inputs = inputs
+                .with(reads.expr(edge.guard))
+                .with(reads.updates(&edge.updates));
+        }
+        // Entering by an edge is a step of the source leaf: its entry updates read that step's inputs.
+        for target in edges.iter().filter_map(|&edge| e.edges[edge].target) {
+            let modes = &program.entities[id].modes;
+            let mut around = Some(target);
+            while let Some(mode) = around {
+                inputs = inputs.with(reads.updates(&modes[mode].entry));
+                around = modes[mode].parent;
+            }
+            for inner in target.0..modes[target].end.0 {
+                inputs = inputs.with(reads.updates(&modes[ModeId(inner)].entry));
+            }
+        }
+        leaves.push(Leaf {
+            mode,
+            path,
+            drives: own,
+            edges,
+            internal,
+            inputs,
+        });
+    }
+    Leaves { leaves, always }
+}
+
+/// Which inputs a piece of code reads.
+struct Reads<'a> {
+    program: &'a Program,
+    id: EntityId,
+}
+
+impl Reads<'_> {
+    fn updates(&self, updates: &[Update]) -> Inputs {
+        updates
+            .iter()
+            .fold(Inputs::default(), |all, u| all.with(self.expr(u.value)))
+    }
+
+    fn drive(&self, drive: Drive) -> Inputs {
+        match drive {
+            Drive::Coast(_) => Inputs::default(),
+            Drive::Flow { value, .. } => self.expr(value),
+            Drive::Envelope(id) => {
+                let envelope = &self.program.entities[self.id].envelopes[id];
+                let axis = Inputs {
+                    buttons: 0,
+                    axes: 1 << envelope.axis.index(),
+                };
+                let release = match envelope.release {
+                    Release::Hold => Inputs::default(),
+                    Release::To { rate, level } => rate
+                        .map_or(Inputs::default(), |r| self.expr(r))
+                        .with(self.expr(level)),
+                };
+                let optional = |e: Option<ExprId>| e.map_or(Inputs::default(), |e| self.expr(e));
+                let guard = optional(envelope.guard).with(optional(envelope.attack));
+                axis.with(self.expr(envelope.sustain))
+                    .with(release)
+                    .with(guard)
+            }
+        }
+    }
+
+    fn expr(&self, id: ExprId) -> Inputs {
+        let both = |a, b| self.expr(a).with(self.expr(b));
+        match self.program.exprs[id] {
+            Expr::Button(_, button) => Inputs {
+                buttons: 1 << button.index(),
+                axes: 0,
+            },
+            Expr::Axis(axis) => Inputs {
+                buttons: 0,
+                axes: 1 << axis.index(),
+            },
+            Expr::Negate(a) | Expr::Not(a) => self.expr(a),
+            Expr::Arithmetic(_, a, b)
+            | Expr::Compare(_, a, b)
+            | Expr::And(a, b)
+            | Expr::Or(a, b) => both(a, b),
+            Expr::Call(_, [a, b, c]) => both(a, b).with(self.expr(c)),
+            Expr::Near { x, y, radius, .. } => both(x, y).with(self.expr(radius)),
+            Expr::Number(_)
+            | Expr::Frames(_)
+            | Expr::Bool(_)
+            | Expr::Param(_)
+            | Expr::Var(..)
+            | Expr::Discrete(..)
+            | Expr::Timer(_)
+            | Expr::Touching(..)
+            | Expr::InMode(..)
+            | Expr::InSpace(..) => Inputs::default(),
+        }
+    }
+}

@@ -1,0 +1,150 @@
+//! Lowering of worlds: predicates, slots with their first values, the layout.
+
+use crate::sema::{arithmetic, call, checked, compare};
+
+use super::fold::Context;
+use super::{
+    Collide, EntityId, Expr, ExprId, GoalId, IdVec, Layout, NeverId, ParamId, Player, PlayerId,
+    Predicate, Program, Slot, SlotId, Space, Step, TagSet, Timer, World, WorldSpans,
+};
+
+/// The predicates of a world, lowered.
+pub(super) struct Predicates {
+    goals: IdVec<GoalId, Predicate>,
+    nevers: IdVec<NeverId, Predicate>,
+}
+
+/// Lowers `goal` and `never`; this may add contact questions to entities.
+pub(super) fn predicates(program: &mut Program, w: &checked::World) -> Predicates {
+    let entity_of = |slot: SlotId| w.instances[slot].entity;
+    let context = Context {
+        me: None,
+        slots: &entity_of,
+    };
+    let mut lowered = |q: &checked::Question| Predicate {
+        name: q.name.text.clone(),
+        holds: program.term(&q.predicate, &context),
+    };
+    let goals = w.goals.iter().map(&mut lowered).collect();
+    let nevers = w.nevers.iter().map(&mut lowered).collect();
+    Predicates { goals, nevers }
+}
+
+/// Lowers a world; all contact questions must be known.
+pub(super) fn lower(program: &mut Program, w: &checked::World, predicates: Predicates) {
+    let step = Step {
+        numerator: w.step.0,
+        denominator: w.step.1,
+    };
+    let players: IdVec<PlayerId, Player> = w
+        .players
+        .iter()
+        .map(|p| Player {
+            number: p.number,
+            slot: p.slot,
+        })
+        .collect();
+    let slots: IdVec<SlotId, Slot> = w
+        .instances
+        .pairs()
+        .map(|(id, instance)| Slot {
+            name: instance.name.text.clone(),
+            entity: instance.entity,
+            space: instance.space,
+            player: players.find(|p| p.slot == id),
+            params: instance.params.clone(),
+            vars: instance.vars.clone(),
+            discretes: instance.discretes.clone(),
+            timer_limits: timer_limits(program, instance.entity, &instance.params, step),
+        })
+        .collect();
+    let layout = Layout::new(&slots, players.len(), &program.entities);
+    let spaces = w
+        .spaces
+        .iter()
+        .map(|s| Space {
+            name: s.name.text.clone(),
+            map: s.map.clone(),
+        })
+        .collect();
+    let collide = w
+        .collide
+        .iter()
+        .map(|c| Collide {
+            left: c.left.iter().copied().collect::<TagSet>(),
+            right: c.right.iter().copied().collect::<TagSet>(),
+            response: c.response,
+        })
+        .collect();
+    program.spans.worlds.push(WorldSpans {
+        name: w.name.span,
+        slots: w.instances.iter().map(|i| i.span).collect(),
+        goals: w.goals.iter().map(|g| g.name.span).collect(),
+        nevers: w.nevers.iter().map(|n| n.name.span).collect(),
+    });
+    program.worlds.push(World {
+        name: w.name.text.clone(),
+        step,
+        spaces,
+        slots,
+        players,
+        collide,
+        goals: predicates.goals,
+        nevers: predicates.nevers,
+        layout,
+    });
+}
+
+/// The count above which a timer's value no longer matters: the first whose time exceeds all it is compared with.
+fn timer_limits(
+    program: &Program,
+    entity: EntityId,
+    params: &IdVec<ParamId, f64>,
+    step: Step,
+) -> IdVec<super::TimerId, u32> {
+    let limit = |timer: &Timer| {
+        let Some(thresholds) = &timer.thresholds else {
+            return u32::MAX;
+        };
+        let mut greatest = 0.0f64;
+        for &id in thresholds {
+            match program.constant(id, params, step) {
+                Some(value) => greatest = greatest.max(value),
+                None => return u32::MAX,
+            }
+        }
+        let estimate = (greatest / step.seconds()).floor();
+        if estimate >= f64::from(u32::MAX - 2) {
+            return u32::MAX;
+        }
+        let mut count = estimate as u32;
+        while step.times(count) <= greatest && count < u32::MAX {
+            count += 1;
+        }
+        count
+    };
+    program.entities[entity].timers.iter().map(limit).collect()
+}
+
+impl Program {
+    /// The value of an expression that reads nothing but parameters and the step; none if it reads more, or has no
+    /// finite value.
+    pub fn constant(&self, id: ExprId, params: &IdVec<ParamId, f64>, step: Step) -> Option<f64> {
+        let value = |id| self.constant(id, params, step);
+        let result = match self.exprs[id] {
+            Expr::Number(n) => n,
+            Expr::Frames(n) => n * step.seconds(),
+            Expr::Bool(b) => f64::from(u8::from(b)),
+            Expr::Param(p) => *params.get(p)?,
+            Expr::Negate(a) => -value(a)?,
+            Expr::Not(a) => f64::from(u8::from(value(a)? == 0.0)),
+            Expr::And(a, b) => f64::from(u8::from(value(a)? != 0.0 && value(b)? != 0.0)),
+            Expr::Or(a, b) => f64::from(u8::from(value(a)? != 0.0 || value(b)? != 0.0)),
+            Expr::Arithmetic(op, a, b) => arithmetic(op, value(a)?, value(b)?),
+            Expr::Compare(op, a, b) => f64::from(u8::from(compare(op, value(a)?, value(b)?))),
+            Expr::Call(function, [a, b, c]) => call(function, [value(a)?, value(b)?, value(c)?]),
+            _ => return None,
+        };
+        result.is_finite().then_some(result)
+    }
+}

@@ -1,0 +1,104 @@
+//! Maps written between quotes in a `.hyped` file.
+
+use crate::diagnostic::Diagnostics;
+use crate::diagnostic::catalogue::file::TooMany;
+use crate::diagnostic::catalogue::world::{EmptyMap, RowLength, UnknownTile};
+use crate::source::Span;
+
+use super::{MAX_TILES, TileKind, TileMap};
+
+/// A tile of the set that a map is read with.
+pub struct InlineTile<T> {
+    /// Its character.
+    pub symbol: char,
+    /// Its tags.
+    pub tags: Vec<T>,
+}
+
+/// Reads the rows of a map, top row first, each with its span. `set` is the tile set's name and place.
+/// Gives none if a row or a character does not fit; the findings say which.
+pub fn inline_map<T: Clone>(
+    rows: &[(&str, Span)],
+    whole: Span,
+    set: (&str, Span),
+    tile: (f64, f64),
+    tiles: &[InlineTile<T>],
+    diagnostics: &mut Diagnostics,
+) -> Option<TileMap<T>> {
+    let Some(&(first, first_span)) = rows.first() else {
+        diagnostics.report(EmptyMap { at: whole });
+        return None;
+    };
+    let columns = first.chars().count();
+    if columns == 0 {
+        diagnostics.report(EmptyMap { at: whole });
+        return None;
+    }
+    let count = columns.saturating_mul(rows.len());
+    if count > MAX_TILES {
+        diagnostics.report(TooMany {
+            what: "tiles".into(),
+            count: count as u64,
+            limit: MAX_TILES as u64,
+            at: whole,
+        });
+        return None;
+    }
+    let mut fits = true;
+    let mut unknown: Vec<(char, Span, usize)> = Vec::new();
+    let mut cells = vec![0u16; count];
+    for (index, (row, span)) in rows.iter().enumerate() {
+        let length = row.chars().count();
+        if length != columns {
+            fits = false;
+            diagnostics.report(RowLength {
+                at: *span,
+                length,
+                expected: columns,
+                first: first_span,
+            });
+        }
+        let base = (rows.len() - 1 - index) * columns;
+        for (column, (byte, symbol)) in row.char_indices().enumerate() {
+            match tiles.iter().position(|t| t.symbol == symbol) {
+                Some(kind) if column < columns => cells[base + column] = kind as u16,
+                Some(_) => {}
+                None => match unknown.iter_mut().find(|(c, ..)| *c == symbol) {
+                    Some((.., count)) => *count += 1,
+                    None => {
+                        let start = span.start as usize + byte;
+                        unknown.push((
+                            symbol,
+                            Span::new(span.file, start, start + symbol.len_utf8()),
+                            1,
+                        ));
+                    }
+                },
+            }
+        }
+    }
+    for (symbol, at, count) in unknown {
+        fits = false;
+        diagnostics.report(UnknownTile {
+            symbol,
+            at,
+            count,
+            tiles: set.0.to_string(),
+            declared: set.1,
+        });
+    }
+    let kinds = tiles
+        .iter()
+        .map(|t| TileKind {
+            symbol: t.symbol,
+            tags: t.tags.clone(),
+        })
+        .collect();
+    fits.then_some(TileMap {
+        columns,
+        rows: rows.len(),
+        tile,
+        kinds,
+        cells,
+    })
+}

@@ -1,0 +1,40 @@
+//! `hypedc` compiles `.hyped` text, a language in which a game entity is a hybrid automaton, into a flat
+//! intermediate representation, simulates it, and searches what a player can reach in a level.
+//!
+//! ```text
+//!  .hyped text ──syntax──▶ AST ──sema──▶ checked program ──ir──▶ Program (flat IR)
+//!                  │               │                              │
+//!                  └── diagnostic ─┘                     sim ◀── reach
+//! ```
+//!
+//! The modules below stand in the order in which the data passes through them. Each stage is a function from
+//! borrowed input to owned output that returns what it found wrong beside what it made; none prints, reads a
+//! clock or ends the process. Only [`cli`] does.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`source`] | files, spans, line and column look-up |
+//! | [`watch`] | progress and interruption of long work |
+//! | [`diagnostic`] | what is wrong with a program: facts, wording, renderers |
+//! | [`syntax`] | the grammar's pairs as an abstract syntax tree, with recovery |
+//! | [`level`] | tile maps |
+//! | [`sema`] | names, types, structure: a program in which every name is an id |
+//! | [`ir`] | the flat tables that all consumers share, and the layout of a state |
+//! | [`compile`] | the stages up to here in a row |
+//! | [`sim`] | one step of time, input scripts, traces |
+//! | [`reach`] | planners over the simulator |
+//! | [`cli`] | the subcommands |
+//!
+//! Time is in seconds (s), length in pixels (px), y points up.
+
+pub mod cli;
+pub mod compile;
+pub mod diagnostic;
+pub mod ir;
+pub mod level;
+pub mod reach;
+pub mod sema;
+pub mod sim;
+pub mod source;
+pub mod syntax;
+pub mod watch;

@@ -1,0 +1,68 @@
+//! The question: a world, a goal, and where a branch of the search ends.
+
+use crate::ir::{GoalId, SlotId};
+use crate::sim::{Fault, Simulator};
+
+/// What the simulator makes of a state on the way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Standing {
+    /// Go on.
+    Open,
+    /// The goal holds.
+    Goal,
+    /// A `never` holds, or a player's position lies below or beside its space's map.
+    Dead,
+}
+
+/// A world and the goal that is asked for.
+pub struct Problem<'s> {
+    /// The simulator of the world.
+    pub sim: &'s Simulator<'s>,
+    /// The goal.
+    pub goal: GoalId,
+    players: Vec<SlotId>,
+}
+
+impl<'s> Problem<'s> {
+    /// Asks for a goal of the simulator's world.
+    pub fn new(sim: &'s Simulator<'s>, goal: GoalId) -> Self {
+        let players = sim.world().players.iter().map(|p| p.slot).collect();
+        Problem { sim, goal, players }
+    }
+
+    /// The slots that players control.
+    pub fn players(&self) -> &[SlotId] {
+        &self.players
+    }
+
+    /// Judges a state: `never` first, then the goal, then the bounds of the space.
+    ///
+    /// # Errors
+    /// A [`Fault`] if a predicate breaks a rule.
+    pub fn judge(&self, state: &[u8]) -> Result<Standing, Fault> {
+        if self.sim.violated(state)?.is_some() {
+            return Ok(Standing::Dead);
+        }
+        if self.sim.goal(state, self.goal)? {
+            return Ok(Standing::Goal);
+        }
+        Ok(if self.in_bounds(state) {
+            Standing::Open
+        } else {
+            Standing::Dead
+        })
+    }
+
+    /// Whether every player is within its space: at or above the map's lower edge, between its sides. Above there is
+    /// no bound, and where there is no map there is none at all.
+    fn in_bounds(&self, state: &[u8]) -> bool {
+        self.players.iter().all(|&slot| {
+            let Some(map) = &self.sim.world().spaces[self.sim.space(state, slot)].map else {
+                return true;
+            };
+            let (x, y) = self.sim.position(state, slot);
+            let (width, _) = map.size();
+            x >= 0.0 && x <= width && y >= 0.0
+        })
+    }
+}

@@ -1,0 +1,241 @@
+//! Where a goal lies, as far as its predicate says: boxes of coordinates from which some samples are drawn, so that
+//! the tree leans towards the goal.
+
+use rand::{Rng, RngExt};
+
+use crate::ir::{CompareOp, Entity, Expr, ExprId, LeafId, SlotId, Subject, TagSet, TouchId, VarId};
+
+use super::metric::{Metric, Point, Quantity};
+use super::problem::Problem;
+
+/// The most boxes a goal is cut into.
+const MAX_BOXES: usize = 256;
+
+/// One box: some coordinates with the scaled range they are drawn from, and some modes.
+#[derive(Debug, Clone, Default, PartialEq)]
+struct Region {
+    reals: Vec<(usize, f32, f32)>,
+    modes: Vec<(usize, f32)>,
+}
+
+/// The boxes of a goal; none where its predicate says nothing that could be sampled.
+#[derive(Debug, Clone, Default)]
+pub(super) struct GoalRegion {
+    boxes: Vec<Region>,
+}
+
+impl GoalRegion {
+    /// The boxes of the problem's goal.
+    pub fn new(problem: &Problem<'_>, metric: &Metric) -> Self {
+        let finder = Finder { problem, metric };
+        let goal = problem.sim.world().goals[problem.goal].holds;
+        let mut boxes = finder.boxes(goal);
+        boxes.retain(|b| *b != Region::default());
+        GoalRegion { boxes }
+    }
+
+    /// Moves a sample into a random box; leaves it as it is if there is none.
+    pub fn pull(&self, rng: &mut impl Rng, sample: &mut Point) {
+        if self.boxes.is_empty() {
+            return;
+        }
+        let region = &self.boxes[rng.random_range(0..self.boxes.len())];
+        for &(index, low, high) in &region.reals {
+            sample.reals[index] = if low < high {
+                rng.random_range(low..high)
+            } else {
+                low
+            };
+        }
+        for &(index, mode) in &region.modes {
+            sample.modes[index] = mode;
+        }
+    }
+}
+
+struct Finder<'a> {
+    problem: &'a Problem<'a>,
+    metric: &'a Metric,
+}
+
+impl Finder<'_> {
+    /// Boxes whose union holds what an expression allows, roughly: what cannot be told is not restricted.
+    fn boxes(&self, id: ExprId) -> Vec<Region> {
+        let anything = || vec![Region::default()];
+        match self.problem.sim.program().exprs[id] {
+            Expr::Bool(false) => Vec::new(),
+            Expr::And(a, b) => {
+                let (a, b) = (self.boxes(a), self.boxes(b));
+                let mut both = Vec::new();
+                for a in &a {
+                    for b in &b {
+                        if both.len() < MAX_BOXES {
+                            let mut region = a.clone();
+                            region.reals.extend(&b.reals);
+                            region.modes.extend(&b.modes);
+                            both.push(region);
+                        }
+                    }
+                }
+                both
+            }
+            Expr::Or(a, b) => {
+                let mut either = self.boxes(a);
+                either.extend(self.boxes(b));
+                either.truncate(MAX_BOXES);
+                either
+            }
+            Expr::Near {
+                of: Subject::Slot(slot),
+                x,
+                y,
+                radius,
+            } => {
+                let (Some(x), Some(y), Some(r)) =
+                    (self.constant(x), self.constant(y), self.constant(radius))
+                else {
+                    return anything();
+                };
+                // The square inside the circle.
+                let r = r.max(0.0) / std::f64::consts::SQRT_2;
+                vec![self.position_box(slot, (x - r, x + r), (y - r, y + r))]
+            }
+            Expr::Compare(op, a, b) => vec![self.comparison(op, a, b).unwrap_or_default()],
+            Expr::InMode(Subject::Slot(slot), mode) => {
+                let world = self.problem.sim.world();
+                let mode =
+                    &self.problem.sim.program().entities[world.slots[slot].entity].modes[mode];
+                let Some(index) = self.metric.mode_index(slot, mode.group) else {
+                    return anything();
+                };
+                let leaves = (mode.leaves.0.0..mode.leaves.1.0)
+                    .take(MAX_BOXES)
+                    .map(LeafId);
+                leaves
+                    .map(|leaf| Region {
+                        reals: Vec::new(),
+                        modes: vec![(index, leaf.0 as f32)],
+                    })
+                    .collect()
+            }
+            Expr::Touching(Subject::Slot(slot), touch) => {
+                let boxes = self.touching(slot, touch);
+                if boxes.is_empty() { anything() } else { boxes }
+            }
+            _ => anything(),
+        }
+    }
+
+    fn constant(&self, id: ExprId) -> Option<f64> {
+        let none = crate::ir::IdVec::new();
+        self.problem
+            .sim
+            .program()
+            .constant(id, &none, self.problem.sim.world().step)
+    }
+
+    fn range(&self, quantity: Quantity, low: f64, high: f64) -> Option<(usize, f32, f32)> {
+        let index = self
+            .metric
+            .coordinates()
+            .iter()
+            .position(|c| c.quantity == quantity)?;
+        let c = &self.metric.coordinates()[index];
+        Some((
+            index,
+            c.scaled(low.max(c.low).min(c.high.max(low))),
+            c.scaled(high.min(c.high).max(c.low.min(high))),
+        ))
+    }
+
+    fn position_box(&self, slot: SlotId, x: (f64, f64), y: (f64, f64)) -> Region {
+        let axes = [(VarId(0), x), (VarId(1), y)];
+        let ranges = axes
+            .iter()
+            .filter_map(|(var, (low, high))| self.range(Quantity::Var(slot, *var, 0), *low, *high));
+        Region {
+            reals: ranges.collect(),
+            modes: Vec::new(),
+        }
+    }
+
+    fn comparison(&self, op: CompareOp, a: ExprId, b: ExprId) -> Option<Region> {
+        let exprs = &self.problem.sim.program().exprs;
+        let quantity = |id: ExprId| match exprs[id] {
+            Expr::Var(Subject::Slot(slot), var, degree) => Some(Quantity::Var(slot, var, degree)),
+            Expr::Discrete(Subject::Slot(slot), discrete) => {
+                Some(Quantity::Discrete(slot, discrete))
+            }
+            _ => None,
+        };
+        let (quantity, value, above) =
+            match (quantity(a), self.constant(b), quantity(b), self.constant(a)) {
+                (Some(q), Some(v), ..) => {
+                    (q, v, matches!(op, CompareOp::Greater | CompareOp::AtLeast))
+                }
+                (_, _, Some(q), Some(v)) => {
+                    (q, v, matches!(op, CompareOp::Less | CompareOp::AtMost))
+                }
+                _ => return None,
+            };
+        let c = self
+            .metric
+            .coordinates()
+            .iter()
+            .find(|c| c.quantity == quantity)?;
+        let range = match op {
+            CompareOp::Equal => self.range(quantity, value, value),
+            CompareOp::Unequal => None,
+            _ if above => self.range(quantity, value, c.high.max(value)),
+            _ => self.range(quantity, c.low.min(value), value),
+        };
+        Some(Region {
+            reals: vec![range?],
+            modes: Vec::new(),
+        })
+    }
+
+    /// The positions at which a collider of the slot lies over a tile with the tag.
+    fn touching(&self, slot: SlotId, touch: TouchId) -> Vec<Region> {
+        let (program, world) = (self.problem.sim.program(), self.problem.sim.world());
+        let s = &world.slots[slot];
+        let entity: &Entity = &program.entities[s.entity];
+        let touch = entity.touches[touch];
+        let Some(map) = &world.spaces[s.space].map else {
+            return Vec::new();
+        };
+        let wanted = TagSet::of(touch.other);
+        let kinds: Vec<bool> = map
+            .kinds
+            .iter()
+            .map(|k| k.tags.iter().copied().collect::<TagSet>().meets(wanted))
+            .collect();
+        let mut boxes = Vec::new();
+        for collider in entity.colliders.iter().filter(|c| touch.mine.meets(c.tags)) {
+            let rect: Vec<f64> = collider
+                .rect
+                .iter()
+                .filter_map(|&id| program.constant(id, &s.params, world.step))
+                .collect();
+            let [x, y, width, height] = rect.as_slice() else {
+                continue;
+            };
+            let hits = map
+                .cells
+                .iter()
+                .enumerate()
+                .filter(|(_, kind)| kinds[usize::from(**kind)]);
+            for (cell, _) in hits.take(MAX_BOXES) {
+                let (column, row) = ((cell % map.columns) as f64, (cell / map.columns) as f64);
+                let (left, bottom) = (column * map.tile.0, row * map.tile.1);
+                boxes.push(self.position_box(
+                    slot,
+                    (left - x - width, left + map.tile.0 - x),
+                    (bottom - y - height, bottom + map.tile.1 - y),
+                ));
+            }
+        }
+        boxes.truncate(MAX_BOXES);
+        boxes
+    }
+}

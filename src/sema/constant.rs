@@ -1,0 +1,126 @@
+//! Values that are known before a world runs: constants, parameters of an instance, first values.
+
+use crate::source::Span;
+use crate::syntax::ast::CompareOp;
+
+use super::checked::{Arithmetic, Function, Term, TermKind};
+use super::ids::{IdVec, ParamId};
+
+/// What a constant term may read.
+#[derive(Debug, Clone, Copy)]
+pub struct ConstantContext<'a> {
+    /// The parameters that are known so far; none where parameters may not be read.
+    pub params: Option<&'a IdVec<ParamId, f64>>,
+    /// The length of the world's step, s; none outside of a world.
+    pub step: Option<f64>,
+}
+
+impl ConstantContext<'_> {
+    /// Nothing but literals and constants.
+    pub const LITERALS: ConstantContext<'static> = ConstantContext {
+        params: None,
+        step: None,
+    };
+}
+
+/// Why a term has no constant value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Broken {
+    /// It reads something that changes, here.
+    NotConstant(Span),
+    /// It divides by zero or leaves the finite numbers, here.
+    NotFinite(Span),
+}
+
+/// The value of a term; truth values are 0 and 1.
+///
+/// # Errors
+/// [`Broken`] if it reads what is not known yet, or has no finite value.
+pub fn evaluate(term: &Term, context: ConstantContext<'_>) -> Result<f64, Broken> {
+    let value = |t: &Term| evaluate(t, context);
+    let truth = |b: bool| f64::from(u8::from(b));
+    let unknown = Broken::NotConstant(term.span);
+    let result = match &term.kind {
+        TermKind::Number(n) | TermKind::Seconds(n) => *n,
+        TermKind::Frames(n) => n * context.step.ok_or(unknown)?,
+        TermKind::Bool(b) => truth(*b),
+        TermKind::Param(id) => *context.params.and_then(|p| p.get(*id)).ok_or(unknown)?,
+        TermKind::Negate(a) => -value(a)?,
+        TermKind::Arithmetic(op, a, b) => arithmetic(*op, value(a)?, value(b)?),
+        TermKind::Call(Function::If, args) => match args.as_slice() {
+            [condition, a, b] => value(if value(condition)? != 0.0 { a } else { b })?,
+            _ => return Err(unknown),
+        },
+        TermKind::Call(function, args) => {
+            let mut values = [0.0; 3];
+            for (slot, arg) in values.iter_mut().zip(args) {
+                *slot = value(arg)?;
+            }
+            call(*function, values)
+        }
+        TermKind::Compare(op, a, b) => truth(compare(*op, value(a)?, value(b)?)),
+        TermKind::And(a, b) => truth(value(a)? != 0.0 && value(b)? != 0.0),
+        TermKind::Or(a, b) => truth(value(a)? != 0.0 || value(b)? != 0.0),
+        TermKind::Not(a) => truth(value(a)? == 0.0),
+        TermKind::Var(..)
+        | TermKind::Discrete(..)
+        | TermKind::Axis(_)
+        | TermKind::Timer(_)
+        | TermKind::Button(..)
+        | TermKind::Touching { .. }
+        | TermKind::InMode(..)
+        | TermKind::InSpace(..)
+        | TermKind::Near { .. } => return Err(unknown),
+    };
+    if result.is_finite() {
+        Ok(result)
+    } else {
+        Err(Broken::NotFinite(term.span))
+    }
+}
+
+/// Arithmetic as the simulator does it; dividing by zero gives no finite number.
+pub fn arithmetic(op: Arithmetic, a: f64, b: f64) -> f64 {
+    match op {
+        Arithmetic::Add => a + b,
+        Arithmetic::Subtract => a - b,
+        Arithmetic::Multiply => a * b,
+        Arithmetic::Divide => a / b,
+    }
+}
+
+/// A comparison.
+pub fn compare(op: CompareOp, a: f64, b: f64) -> bool {
+    match op {
+        CompareOp::Equal => a == b,
+        CompareOp::Unequal => a != b,
+        CompareOp::Less => a < b,
+        CompareOp::AtMost => a <= b,
+        CompareOp::Greater => a > b,
+        CompareOp::AtLeast => a >= b,
+    }
+}
+
+/// A function of up to three numbers, `if` excepted.
+pub fn call(function: Function, [a, b, c]: [f64; 3]) -> f64 {
+    match function {
+        Function::Min => a.min(b),
+        Function::Max => a.max(b),
+        Function::Abs => a.abs(),
+        Function::Sign if a == 0.0 => 0.0,
+        Function::Sign => a.signum(),
+        // The upper bound wins where the bounds are crossed, as in min(max(x, low), high).
+        Function::Clamp => a.max(b).min(c),
+        Function::Floor => a.floor(),
+        Function::Ceil => a.ceil(),
+        Function::Round => a.round(),
+        Function::Sqrt => a.sqrt(),
+        Function::If => {
+            if a != 0.0 {
+                b
+            } else {
+                c
+            }
+        }
+    }
+}

@@ -1,0 +1,550 @@
+//! Dimensions: every number is `px^i · s^j`, inferred from all its uses, never required.
+//!
+//! Exponents are unknowns of linear equations, solved one by one as uses are met (unification in an Abelian group;
+//! Kennedy, *Programming Languages and Dimensions*, 1996). A literal takes the dimension that its place needs; as a
+//! factor beside anything else it is a pure number.
+
+use std::collections::BTreeMap;
+
+use crate::diagnostic::catalogue::types::DimensionConflict;
+use crate::diagnostic::{Diagnostics, similar};
+use crate::source::Span;
+use crate::syntax::ast;
+
+use super::checked::{
+    Arithmetic, Checked, DriveBy, Entity, Function, Place, Rate, Release, Subject, Term, TermKind,
+    Update,
+};
+use super::ids::{EntityId, ParamId, SlotId, VarId};
+
+/// A dimension that the author wrote.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Annotation {
+    /// Exponent of px.
+    pub px: i32,
+    /// Exponent of s.
+    pub s: i32,
+    /// Where it stands.
+    pub span: Span,
+}
+
+impl Annotation {
+    /// Reads `px/s^2`.
+    ///
+    /// # Errors
+    /// The first name that is no unit.
+    pub fn read(d: &ast::Dimension) -> Result<Self, ast::Name> {
+        let mut out = Annotation {
+            px: 0,
+            s: 0,
+            span: d.span,
+        };
+        for (name, exponent) in &d.factors {
+            match name.text.as_str() {
+                "px" => out.px = out.px.saturating_add(*exponent),
+                "s" => out.s = out.s.saturating_add(*exponent),
+                "1" => {}
+                _ => return Err(name.clone()),
+            }
+        }
+        Ok(out)
+    }
+}
+
+/// A fraction in lowest terms with a positive denominator.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Ratio(i64, i64);
+
+impl Ratio {
+    const ZERO: Ratio = Ratio(0, 1);
+    const ONE: Ratio = Ratio(1, 1);
+
+    fn new(n: i64, d: i64) -> Ratio {
+        let (mut a, mut b) = (n.unsigned_abs(), d.unsigned_abs());
+        while b != 0 {
+            (a, b) = (b, a % b);
+        }
+        let g = (a.max(1) as i64) * d.signum();
+        Ratio(n / g, d / g)
+    }
+    fn plus(self, o: Ratio) -> Ratio {
+        Ratio::new(
+            self.0
+                .saturating_mul(o.1)
+                .saturating_add(o.0.saturating_mul(self.1)),
+            self.1.saturating_mul(o.1),
+        )
+    }
+    fn times(self, o: Ratio) -> Ratio {
+        Ratio::new(self.0.saturating_mul(o.0), self.1.saturating_mul(o.1))
+    }
+}
+
+type Unknown = usize;
+
+/// A dimension: known exponents plus multiples of unknown dimensions.
+#[derive(Debug, Clone, PartialEq)]
+struct Dim {
+    px: Ratio,
+    s: Ratio,
+    unknowns: BTreeMap<Unknown, Ratio>,
+}
+
+impl Dim {
+    fn known(px: i64, s: i64) -> Dim {
+        Dim {
+            px: Ratio(px, 1),
+            s: Ratio(s, 1),
+            unknowns: BTreeMap::new(),
+        }
+    }
+    fn unknown(u: Unknown) -> Dim {
+        Dim {
+            unknowns: BTreeMap::from([(u, Ratio::ONE)]),
+            ..Dim::known(0, 0)
+        }
+    }
+    fn plus(mut self, other: &Dim, factor: Ratio) -> Dim {
+        self.px = self.px.plus(other.px.times(factor));
+        self.s = self.s.plus(other.s.times(factor));
+        for (u, r) in &other.unknowns {
+            let sum = self
+                .unknowns
+                .get(u)
+                .copied()
+                .unwrap_or(Ratio::ZERO)
+                .plus(r.times(factor));
+            if sum == Ratio::ZERO {
+                self.unknowns.remove(u);
+            } else {
+                self.unknowns.insert(*u, sum);
+            }
+        }
+        self
+    }
+    fn words(&self) -> String {
+        let part = |unit: &str, r: Ratio| match (r.0, r.1) {
+            (1, 1) => unit.to_string(),
+            (n, 1) => format!("{unit}^{n}"),
+            (n, d) => format!("{unit}^({n}/{d})"),
+        };
+        let negative = |r: Ratio| Ratio(-r.0, r.1);
+        let mut top: Vec<String> = Vec::new();
+        let mut bottom: Vec<String> = Vec::new();
+        for (unit, r) in [("px", self.px), ("s", self.s)] {
+            match r.0.signum() {
+                1 => top.push(part(unit, r)),
+                -1 => bottom.push(part(unit, negative(r))),
+                _ => {}
+            }
+        }
+        let top = if top.is_empty() {
+            "1".to_string()
+        } else {
+            top.join("*")
+        };
+        if bottom.is_empty() {
+            top
+        } else {
+            format!("{top}/{}", bottom.join("/"))
+        }
+    }
+}
+
+const TIME: (i64, i64) = (0, 1);
+const LENGTH: (i64, i64) = (1, 0);
+
+/// Checks all entities and worlds of a program that is otherwise right.
+pub(super) fn check(program: &Checked, diagnostics: &mut Diagnostics) {
+    let mut solver = Solver {
+        program,
+        solved: Vec::new(),
+        named: BTreeMap::new(),
+        conflicts: Vec::new(),
+    };
+    for (id, entity) in program.entities.pairs() {
+        solver.entity(id, entity);
+    }
+    for world in program.worlds.iter() {
+        for question in world.goals.iter().chain(world.nevers.iter()) {
+            let entity_of = |slot: SlotId| world.instances[slot].entity;
+            solver.dimension(
+                &question.predicate,
+                &Here {
+                    me: None,
+                    entity_of: &entity_of,
+                },
+            );
+        }
+    }
+    solver.report(diagnostics);
+}
+
+/// Whose variables a term reads.
+struct Here<'a> {
+    me: Option<EntityId>,
+    entity_of: &'a dyn Fn(SlotId) -> EntityId,
+}
+
+/// A name with an unknown dimension.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Named {
+    Param(EntityId, ParamId),
+    Var(EntityId, VarId),
+}
+
+struct Conflict {
+    entity: Option<EntityId>,
+    term: Term,
+    needed: Dim,
+    found: Dim,
+    place: Option<Span>,
+}
+
+struct Solver<'p> {
+    program: &'p Checked,
+    /// Of each unknown: its solution, and the use that gave it.
+    solved: Vec<Option<(Dim, Span)>>,
+    named: BTreeMap<Named, Unknown>,
+    conflicts: Vec<Conflict>,
+}
+
+impl Solver<'_> {
+    fn fresh(&mut self) -> Unknown {
+        self.solved.push(None);
+        self.solved.len() - 1
+    }
+
+    fn name(&mut self, name: Named) -> Dim {
+        if let Named::Var(_, var) = name {
+            if var <= super::entity::Y {
+                return Dim::known(1, 0);
+            }
+        }
+        if let Some(&u) = self.named.get(&name) {
+            return Dim::unknown(u);
+        }
+        let u = self.fresh();
+        self.named.insert(name, u);
+        let annotation = match name {
+            Named::Param(e, p) => self.program.entities[e].params[p].dimension,
+            Named::Var(e, v) => self.program.entities[e].vars[v].dimension,
+        };
+        if let Some(a) = annotation {
+            self.solved[u] = Some((Dim::known(i64::from(a.px), i64::from(a.s)), a.span));
+        }
+        Dim::unknown(u)
+    }
+
+    fn reduce(&self, dim: &Dim) -> Dim {
+        let mut out = Dim {
+            unknowns: BTreeMap::new(),
+            ..dim.clone()
+        };
+        for (u, r) in &dim.unknowns {
+            match &self.solved[*u] {
+                Some((solution, _)) => out = out.plus(&self.reduce(solution), *r),
+                None => out = out.plus(&Dim::unknown(*u), *r),
+            }
+        }
+        out
+    }
+
+    /// Makes `found`, the dimension of `term`, equal to what its place needs.
+    fn need(
+        &mut self,
+        term: &Term,
+        found: &Dim,
+        needed: &Dim,
+        place: Option<Span>,
+        here: &Here<'_>,
+    ) {
+        let difference = self.reduce(found).plus(&self.reduce(needed), Ratio(-1, 1));
+        // The unknown that stands alone is the one that this use determines.
+        let pick = difference
+            .unknowns
+            .iter()
+            .max_by_key(|(u, _)| found.unknowns.contains_key(*u))
+            .map(|(u, r)| (*u, *r));
+        match pick {
+            Some((u, r)) => {
+                let rest = difference.plus(&Dim::unknown(u), Ratio(-r.0, r.1));
+                let solution = Dim::known(0, 0).plus(&rest, Ratio::new(-r.1, r.0));
+                self.solved[u] = Some((solution, term.span));
+            }
+            None if difference.px != Ratio::ZERO || difference.s != Ratio::ZERO => {
+                self.conflicts.push(Conflict {
+                    entity: here.me,
+                    term: term.clone(),
+                    needed: self.reduce(needed),
+                    found: self.reduce(found),
+                    place,
+                });
+            }
+            None => {}
+        }
+    }
+
+    /// A term in a place of known dimension.
+    fn place(&mut self, term: &Term, needed: &Dim, here: &Here<'_>) {
+        if let Some(found) = self.dimension(term, here) {
+            self.need(term, &found, needed, None, here);
+        }
+    }
+
+    /// Terms that must agree; gives their common dimension, none if all are literals.
+    fn agree(&mut self, terms: &[&Term], here: &Here<'_>) -> Option<Dim> {
+        let mut common: Option<(Dim, Span)> = None;
+        for term in terms {
+            let Some(found) = self.dimension(term, here) else {
+                continue;
+            };
+            match &common {
+                Some((needed, place)) => {
+                    self.need(term, &found, &needed.clone(), Some(*place), here)
+                }
+                None => common = Some((found, term.span)),
+            }
+        }
+        common.map(|(dim, _)| dim)
+    }
+
+    /// The dimension of a term; none for literals, which fit everywhere.
+    fn dimension(&mut self, term: &Term, here: &Here<'_>) -> Option<Dim> {
+        let entity = |of: Subject| match of {
+            Subject::Me => here.me,
+            Subject::Slot(slot) => Some((here.entity_of)(slot)),
+        };
+        match &term.kind {
+            TermKind::Number(_) | TermKind::Bool(_) => None,
+            TermKind::Seconds(_) | TermKind::Frames(_) | TermKind::Timer(_) => {
+                Some(Dim::known(TIME.0, TIME.1))
+            }
+            TermKind::Param(p) => Some(self.name(Named::Param(here.me?, *p))),
+            TermKind::Var(of, var, degree) => {
+                let base = self.name(Named::Var(entity(*of)?, *var));
+                Some(base.plus(&Dim::known(0, -i64::from(*degree)), Ratio::ONE))
+            }
+            TermKind::Discrete(..) | TermKind::Axis(_) => Some(Dim::known(0, 0)),
+            TermKind::Negate(a) => self.dimension(a, here),
+            TermKind::Arithmetic(Arithmetic::Add | Arithmetic::Subtract, a, b) => {
+                self.agree(&[a, b], here)
+            }
+            TermKind::Arithmetic(op, a, b) => {
+                let sign = if *op == Arithmetic::Divide {
+                    Ratio(-1, 1)
+                } else {
+                    Ratio::ONE
+                };
+                let (a, b) = (self.dimension(a, here), self.dimension(b, here));
+                if a.is_none() && b.is_none() {
+                    return None;
+                }
+                let pure = Dim::known(0, 0);
+                Some(a.unwrap_or(pure.clone()).plus(&b.unwrap_or(pure), sign))
+            }
+            TermKind::Call(function, args) => {
+                let args: Vec<&Term> = args.iter().collect();
+                match (function, args.as_slice()) {
+                    (Function::If, [condition, values @ ..]) => {
+                        self.dimension(condition, here);
+                        self.agree(values, here)
+                    }
+                    (Function::Sign, _) => {
+                        self.agree(&args, here);
+                        Some(Dim::known(0, 0))
+                    }
+                    (Function::Sqrt, [a]) => {
+                        let square = self.dimension(a, here)?;
+                        let root = Dim::unknown(self.fresh());
+                        let twice = Dim::known(0, 0).plus(&root, Ratio(2, 1));
+                        self.need(a, &twice, &square, None, here);
+                        Some(root)
+                    }
+                    _ => self.agree(&args, here),
+                }
+            }
+            TermKind::Compare(_, a, b) => {
+                self.agree(&[a, b], here);
+                None
+            }
+            TermKind::And(a, b) | TermKind::Or(a, b) => {
+                self.dimension(a, here);
+                self.dimension(b, here);
+                None
+            }
+            TermKind::Not(a) => {
+                self.dimension(a, here);
+                None
+            }
+            TermKind::Near { x, y, radius, .. } => {
+                for term in [x, y, radius] {
+                    self.place(term, &Dim::known(LENGTH.0, LENGTH.1), here);
+                }
+                None
+            }
+            TermKind::Button(..)
+            | TermKind::Touching { .. }
+            | TermKind::InMode(..)
+            | TermKind::InSpace(..) => None,
+        }
+    }
+
+    fn entity(&mut self, id: EntityId, entity: &Entity) {
+        let here = Here {
+            me: Some(id),
+            entity_of: &|_| id,
+        };
+        let of_var = |this: &mut Self, var: VarId, degree: u8| {
+            this.name(Named::Var(id, var))
+                .plus(&Dim::known(0, -i64::from(degree)), Ratio::ONE)
+        };
+        let length = Dim::known(LENGTH.0, LENGTH.1);
+        let time = Dim::known(TIME.0, TIME.1);
+        let updates = |this: &mut Self, updates: &[Update]| {
+            for update in updates {
+                match update.place {
+                    Place::Var(var, degree) => {
+                        let needed = of_var(this, var, degree);
+                        this.place(&update.value, &needed, &here);
+                    }
+                    Place::Discrete(_) => this.place(&update.value, &Dim::known(0, 0), &here),
+                }
+            }
+        };
+        for drive in entity
+            .drives
+            .iter()
+            .chain(entity.modes.iter().flat_map(|m| &m.drives))
+        {
+            if let DriveBy::Flow(value) = &drive.by {
+                let needed = of_var(self, drive.var, drive.degree);
+                self.place(value, &needed, &here);
+            }
+        }
+        for envelope in entity.envelopes.iter() {
+            let level = of_var(self, envelope.var, envelope.degree);
+            let rate_of = of_var(self, envelope.var, envelope.degree + 1);
+            let rate = |this: &mut Self, rate: &Rate| match rate {
+                Rate::Instant => {}
+                Rate::Accel(a) => this.place(a, &rate_of, &here),
+                Rate::Over(t) => this.place(t, &time, &here),
+            };
+            rate(self, &envelope.attack);
+            self.place(&envelope.sustain, &level, &here);
+            if let Release::To(release, to) = &envelope.release {
+                rate(self, release);
+                if let Some(to) = to {
+                    self.place(to, &level, &here);
+                }
+            }
+            if let Some(guard) = &envelope.driven_while {
+                self.dimension(guard, &here);
+            }
+        }
+        for mode in entity.modes.iter() {
+            updates(self, &mode.entry);
+            if let Some(guard) = &mode.initial_when {
+                self.dimension(guard, &here);
+            }
+        }
+        for edge in entity.edges.iter() {
+            self.dimension(&edge.guard, &here);
+            updates(self, &edge.updates);
+        }
+        for collider in entity.colliders.iter() {
+            for side in &collider.rect {
+                self.place(side, &length, &here);
+            }
+            if let Some(guard) = &collider.guard {
+                self.dimension(guard, &here);
+            }
+        }
+        for (var, declared) in entity.vars.pairs() {
+            if let Some(initial) = &declared.initial {
+                let needed = of_var(self, var, 0);
+                self.place(initial, &needed, &here);
+            }
+        }
+        for (param, declared) in entity.params.pairs() {
+            if let Some(found) = self.dimension(&declared.default, &here) {
+                let needed = self.name(Named::Param(id, param));
+                self.need(&declared.default, &found, &needed, None, &here);
+            }
+        }
+    }
+
+    fn report(self, diagnostics: &mut Diagnostics) {
+        for conflict in &self.conflicts {
+            let Conflict {
+                entity,
+                term,
+                needed,
+                found,
+                place,
+            } = conflict;
+            let named = match (&term.kind, entity) {
+                (TermKind::Param(p), Some(e)) => Some((
+                    Named::Param(*e, *p),
+                    self.program.entities[*e].params[*p].name.text.clone(),
+                )),
+                (TermKind::Var(Subject::Me, v, degree), Some(e)) => {
+                    let name = &self.program.entities[*e].vars[*v].name.text;
+                    Some((
+                        Named::Var(*e, *v),
+                        format!("{name}{}", "'".repeat(usize::from(*degree))),
+                    ))
+                }
+                _ => None,
+            };
+            let reason = named
+                .as_ref()
+                .and_then(|(n, _)| self.named.get(n))
+                .and_then(|&u| self.solved[u].as_ref());
+            let other = match (reason, place) {
+                (Some((_, span)), _) => Some((*span, found.words())),
+                (None, Some(place)) => Some((*place, needed.words())),
+                (None, None) => None,
+            };
+            let what = named
+                .as_ref()
+                .map_or("this value".to_string(), |(_, n)| format!("`{n}`"));
+            let at = match (&other, reason) {
+                (Some(_), Some(_)) => (term.span, needed.words()),
+                (Some(_), None) => (term.span, found.words()),
+                (None, _) => (
+                    term.span,
+                    format!("it is {}, and {} is needed", found.words(), needed.words()),
+                ),
+            };
+            let near = entity.and_then(|e| {
+                self.of_dimension(e, needed, named.as_ref().map(|(_, n)| n.as_str()))
+            });
+            diagnostics.report(DimensionConflict {
+                what,
+                at,
+                other,
+                near,
+            });
+        }
+    }
+
+    /// A parameter of an entity that has a dimension; the most similar to `name` if there are several.
+    fn of_dimension(&self, entity: EntityId, dim: &Dim, name: Option<&str>) -> Option<String> {
+        let name = name?;
+        let fitting: Vec<&str> = self.program.entities[entity]
+            .params
+            .pairs()
+            .filter(|(p, _)| {
+                let solution = self
+                    .named
+                    .get(&Named::Param(entity, *p))
+                    .and_then(|&u| self.solved[u].as_ref());
+                solution.is_some_and(|(d, _)| self.reduce(d) == *dim)
+            })
+            .map(|(_, p)| p.name.text.as_str())
+            .filter(|n| *n != name)
+            .collect();
+        similar(name, fitting.iter().copied()).or_else(|| fitting.first().map(|n| (*n).to_string()))
+    }
+}

@@ -1,0 +1,553 @@
+//! Entities: declarations first (the skeleton, which other entities and worlds may refer to), bodies second.
+
+use std::collections::BTreeSet;
+
+use crate::diagnostic::catalogue::file::TooMany;
+use crate::diagnostic::catalogue::structure::{BadCollider, MixedGroups};
+use crate::diagnostic::catalogue::syntax::{Misplaced, NotSupported};
+use crate::diagnostic::catalogue::types::{NotConstant, OutOfRange, TypeMismatch, WrongArguments};
+use crate::source::Span;
+use crate::syntax::ast::{self, Domain, Expr, Member, Name};
+
+use super::checked::{
+    Collider, Discrete, Drive, DriveBy, Entity, Group, Param, Term, TermKind, Type, Var,
+};
+use super::constant::{Broken, ConstantContext, evaluate};
+use super::dimension::Annotation;
+use super::expression::{Reads, Scope};
+use super::ids::{AxisId, ButtonId, DiscreteId, EntityId, GroupId, IdVec, ModeId, ParamId, VarId};
+use super::mode::ModeNames;
+use super::names::{Table, unknown};
+use super::{Checker, MAX_AXES, MAX_BUTTONS};
+
+/// The variable `x`.
+pub(super) const X: VarId = VarId(0);
+/// The variable `y`.
+pub(super) const Y: VarId = VarId(1);
+
+/// The names of an entity, and the syntax of its modes.
+#[derive(Debug)]
+pub(super) struct Skeleton<'a> {
+    pub params: Table<ParamId>,
+    pub vars: Table<VarId>,
+    pub discretes: Table<DiscreteId>,
+    pub buttons: Table<ButtonId>,
+    pub axes: Table<AxisId>,
+    pub modes: ModeNames,
+    /// Modes in preorder, as their ids number them.
+    pub mode_syntax: Vec<&'a ast::Mode>,
+    /// The discrete variables' first values, in order of their ids.
+    discrete_syntax: Vec<&'a Expr>,
+}
+
+impl<'a> Checker<'a> {
+    /// Names, types and modes of an entity.
+    pub(super) fn skeleton(&mut self, syntax: &'a ast::Entity) -> (Entity, Skeleton<'a>) {
+        let mut entity = Entity {
+            name: syntax.name.clone(),
+            doc: syntax.doc.clone(),
+            params: IdVec::new(),
+            vars: IdVec::new(),
+            discretes: IdVec::new(),
+            buttons: IdVec::new(),
+            axes: IdVec::new(),
+            colliders: IdVec::new(),
+            groups: IdVec::new(),
+            modes: IdVec::new(),
+            edges: IdVec::new(),
+            envelopes: IdVec::new(),
+            drives: Vec::new(),
+        };
+        let mut names = Skeleton {
+            params: Table::new("parameter"),
+            vars: Table::new("variable"),
+            discretes: Table::new("variable"),
+            buttons: Table::new("button"),
+            axes: Table::new("axis"),
+            modes: ModeNames::default(),
+            mode_syntax: Vec::new(),
+            discrete_syntax: Vec::new(),
+        };
+        for text in ["x", "y"] {
+            let name = Name {
+                text: text.into(),
+                span: syntax.name.span,
+            };
+            let id = entity.vars.push(Var {
+                name: name.clone(),
+                initial: None,
+                dimension: None,
+            });
+            names.vars.declare(&name, id, &mut self.diagnostics);
+        }
+        // Parameters and variables share one name space; buttons and axes another.
+        let mut values: Table<()> = Table::new("parameter or variable");
+        let mut inputs: Table<()> = Table::new("input");
+        for member in &syntax.members {
+            match member {
+                Member::Parameter(p) => self.parameter(p, &mut entity, &mut names, &mut values),
+                Member::Continuous(c) => {
+                    if !self.is_new_value(&c.name, &mut values) {
+                        continue;
+                    }
+                    let dimension = c.dimension.as_ref().and_then(|d| self.annotation(d));
+                    let id = entity.vars.push(Var {
+                        name: c.name.clone(),
+                        initial: None,
+                        dimension,
+                    });
+                    names.vars.declare(&c.name, id, &mut self.diagnostics);
+                }
+                Member::Discrete(d) => {
+                    if !self.is_new_value(&d.name, &mut values) {
+                        continue;
+                    }
+                    let (ty, range) = self.domain(&d.domain);
+                    let initial = Term {
+                        kind: TermKind::Number(f64::from(range.0)),
+                        ty: ty.clone(),
+                        span: d.name.span,
+                    };
+                    let id = entity.discretes.push(Discrete {
+                        name: d.name.clone(),
+                        ty,
+                        range,
+                        initial,
+                    });
+                    names.discretes.declare(&d.name, id, &mut self.diagnostics);
+                    names.discrete_syntax.push(&d.initial);
+                }
+                Member::Buttons(list, _) => {
+                    for name in list {
+                        if !inputs.declare(name, (), &mut self.diagnostics) {
+                            continue;
+                        }
+                        if entity.buttons.is_full(MAX_BUTTONS) {
+                            self.too_many("buttons", MAX_BUTTONS, name.span);
+                            break;
+                        }
+                        let id = entity.buttons.push(name.clone());
+                        names.buttons.declare(name, id, &mut self.diagnostics);
+                    }
+                }
+                Member::Axes(list, _) => {
+                    for name in list {
+                        if !inputs.declare(name, (), &mut self.diagnostics) {
+                            continue;
+                        }
+                        if entity.axes.is_full(MAX_AXES) {
+                            self.too_many("axes", MAX_AXES, name.span);
+                            break;
+                        }
+                        let id = entity.axes.push(name.clone());
+                        names.axes.declare(name, id, &mut self.diagnostics);
+                    }
+                }
+                _ => {}
+            }
+        }
+        self.groups(syntax, &mut entity, &mut names);
+        names.modes = ModeNames::of(&entity);
+        (entity, names)
+    }
+
+    pub(super) fn too_many(&mut self, what: &str, limit: usize, at: Span) {
+        self.diagnostics.report(TooMany {
+            what: what.into(),
+            count: limit as u64 + 1,
+            limit: limit as u64,
+            at,
+        });
+    }
+
+    fn is_new_value(&mut self, name: &Name, values: &mut Table<()>) -> bool {
+        if name.text == "x" || name.text == "y" {
+            self.diagnostics.report(Misplaced {
+                at: name.span,
+                what: "a declaration of `x` or `y`",
+                inside: "an entity",
+                belongs: "nowhere: every entity has `x` and `y`",
+            });
+            return false;
+        }
+        values.declare(name, (), &mut self.diagnostics)
+    }
+
+    fn parameter(
+        &mut self,
+        p: &ast::Constant,
+        entity: &mut Entity,
+        names: &mut Skeleton<'_>,
+        values: &mut Table<()>,
+    ) {
+        if !self.is_new_value(&p.name, values) {
+            return;
+        }
+        let scope = Scope {
+            entity: Some(entity),
+            names: Some(names),
+            ..Scope::constant()
+        }
+        .reading(Reads::Params);
+        let default = self.value(&p.value, &scope);
+        let dimension = p.dimension.as_ref().and_then(|d| self.annotation(d));
+        // A parameter without a readable default is still a name.
+        let default = default.unwrap_or(Term {
+            kind: TermKind::Number(0.0),
+            ty: Type::Int,
+            span: p.value.span,
+        });
+        let id = entity.params.push(Param {
+            name: p.name.clone(),
+            default,
+            dimension,
+        });
+        names.params.declare(&p.name, id, &mut self.diagnostics);
+    }
+
+    pub(super) fn annotation(&mut self, d: &ast::Dimension) -> Option<Annotation> {
+        match Annotation::read(d) {
+            Ok(annotation) => Some(annotation),
+            Err(name) => {
+                let fact = unknown("unit", &name.text, name.span, ["px", "s", "1"]);
+                self.report_unknown(fact);
+                None
+            }
+        }
+    }
+
+    fn domain(&mut self, domain: &Domain) -> (Type, (i32, i32)) {
+        match domain {
+            Domain::Bool => (Type::Bool, (0, 1)),
+            Domain::Set(names) => {
+                let mut table: Table<()> = Table::new("value");
+                let fresh: Vec<String> = names
+                    .iter()
+                    .filter(|n| table.declare(n, (), &mut self.diagnostics))
+                    .map(|n| n.text.clone())
+                    .collect();
+                let last = fresh.len().saturating_sub(1) as i32;
+                (Type::Set(fresh), (0, last))
+            }
+            Domain::Int(low, high) => {
+                let (a, b) = (self.whole(low), self.whole(high));
+                if let (Some(a), Some(b)) = (a, b) {
+                    if a <= b {
+                        return (Type::Int, (a, b));
+                    }
+                    self.diagnostics.report(OutOfRange {
+                        at: high.span,
+                        what: format!("the greatest value {b}"),
+                        range: format!("{a} and above"),
+                    });
+                }
+                (Type::Int, (i32::MIN, i32::MAX))
+            }
+        }
+    }
+
+    /// A whole number that is known now.
+    fn whole(&mut self, e: &Expr) -> Option<i32> {
+        let term = self.typed(e, &Scope::constant(), &Type::Int)?;
+        let value = self.evaluated(&term, ConstantContext::LITERALS)?;
+        if value.abs() <= 1e9 {
+            return Some(value as i32);
+        }
+        self.diagnostics.report(OutOfRange {
+            at: e.span,
+            what: value.to_string(),
+            range: "-1000000000..1000000000".into(),
+        });
+        None
+    }
+
+    /// The value of a term that must be known now.
+    pub(super) fn evaluated(&mut self, term: &Term, context: ConstantContext<'_>) -> Option<f64> {
+        match evaluate(term, context) {
+            Ok(value) => Some(value),
+            Err(Broken::NotConstant(at)) => {
+                self.diagnostics.report(NotConstant {
+                    at,
+                    what: "this value",
+                    may_read: "literals and constants, and `frames` only inside of a world",
+                });
+                None
+            }
+            Err(Broken::NotFinite(at)) => {
+                self.diagnostics.report(OutOfRange {
+                    at,
+                    what: "this value".into(),
+                    range: "the finite numbers".into(),
+                });
+                None
+            }
+        }
+    }
+
+    /// Groups and modes, numbered in preorder.
+    fn groups(&mut self, syntax: &'a ast::Entity, entity: &mut Entity, names: &mut Skeleton<'a>) {
+        let mut group_names: Table<()> = Table::new("group");
+        let first_group = syntax.members.iter().find_map(|m| match m {
+            Member::Group(g) => Some(g.name.span),
+            _ => None,
+        });
+        let mut anonymous: Vec<&ast::Mode> = Vec::new();
+        for member in &syntax.members {
+            match member {
+                Member::Group(group) => {
+                    group_names.declare(&group.name, (), &mut self.diagnostics);
+                    let mut modes = Vec::new();
+                    for inner in &group.members {
+                        match inner {
+                            Member::Mode(mode) => modes.push(mode),
+                            other => self.misplaced(other, "a group", "in the entity or in a mode"),
+                        }
+                    }
+                    self.add_group(Some(&group.name), &modes, entity, names);
+                }
+                Member::Mode(mode) => match first_group {
+                    Some(group) => self.diagnostics.report(MixedGroups {
+                        mode: mode.name.span,
+                        group,
+                    }),
+                    None => anonymous.push(mode),
+                },
+                _ => {}
+            }
+        }
+        self.add_group(None, &anonymous, entity, names);
+    }
+
+    fn add_group(
+        &mut self,
+        name: Option<&Name>,
+        modes: &[&'a ast::Mode],
+        entity: &mut Entity,
+        names: &mut Skeleton<'a>,
+    ) {
+        if modes.is_empty() {
+            return;
+        }
+        let group: GroupId = entity.groups.push(Group {
+            name: name.cloned(),
+            modes: Vec::new(),
+        });
+        let path: Vec<String> = name.iter().map(|n| n.text.clone()).collect();
+        let roots = self.mode_skeletons(modes, group, None, &path, entity, &mut names.mode_syntax);
+        entity.groups[group].modes = roots;
+    }
+
+    pub(super) fn misplaced(
+        &mut self,
+        member: &Member,
+        inside: &'static str,
+        belongs: &'static str,
+    ) {
+        let (at, what) = match member {
+            Member::Parameter(p) => (p.name.span, "a `param`"),
+            Member::Continuous(c) => (c.name.span, "a `continuous`"),
+            Member::Discrete(d) => (d.name.span, "a `discrete`"),
+            Member::Buttons(_, span) => (*span, "a `button`"),
+            Member::Axes(_, span) => (*span, "an `axis`"),
+            Member::Collider(c) => (c.span, "a `collider`"),
+            Member::Group(g) => (g.name.span, "a `group`"),
+            Member::Mode(m) => (m.name.span, "a `mode`"),
+            Member::Flow(a) => (a.span, "a flow"),
+            Member::Entry(a) => (a.span, "an update"),
+            Member::Edge(e) => (e.span, "an edge"),
+            Member::Envelope(e) => (e.span, "an `envelope`"),
+        };
+        self.diagnostics.report(Misplaced {
+            at,
+            what,
+            inside,
+            belongs,
+        });
+    }
+
+    /// The body of an entity whose skeleton is known.
+    pub(super) fn entity(
+        &mut self,
+        syntax: &ast::Entity,
+        names: Skeleton<'_>,
+        id: EntityId,
+    ) -> Entity {
+        let frozen = self.checked.entities[id].clone();
+        let mut entity = frozen.clone();
+        let scope = Scope {
+            entity: Some(&frozen),
+            names: Some(&names),
+            ..Scope::constant()
+        }
+        .reading(Reads::All);
+        self.initial_values(syntax, &names, &mut entity, &scope);
+        for member in &syntax.members {
+            match member {
+                Member::Collider(c) => {
+                    if let Some(collider) = self.collider(c, &scope) {
+                        entity.colliders.push(collider);
+                    }
+                }
+                Member::Flow(flow) => {
+                    if let Some(drive) = self.flow(flow, &scope) {
+                        entity.drives.push(drive);
+                    }
+                }
+                Member::Envelope(envelope) => self.envelope(envelope, &scope, &mut entity, None),
+                Member::Entry(_) | Member::Edge(_) => {
+                    self.misplaced(member, "an entity, outside of its modes", "inside a mode");
+                }
+                _ => {}
+            }
+        }
+        for (mode, syntax) in names.mode_syntax.iter().enumerate() {
+            let scope = Scope {
+                mode: Some(ModeId(mode as u32)),
+                ..scope
+            };
+            self.mode(syntax, ModeId(mode as u32), &scope, &mut entity);
+        }
+        self.flow_conflicts(&entity);
+        entity
+    }
+
+    fn initial_values(
+        &mut self,
+        syntax: &ast::Entity,
+        names: &Skeleton<'_>,
+        entity: &mut Entity,
+        scope: &Scope<'_>,
+    ) {
+        let scope = scope.reading(Reads::Params);
+        let mut seen = BTreeSet::new();
+        for member in &syntax.members {
+            let Member::Continuous(c) = member else {
+                continue;
+            };
+            let (Some(&var), Some(initial)) = (names.vars.get(&c.name.text), &c.initial) else {
+                continue;
+            };
+            if seen.insert(var) && var > Y {
+                entity.vars[var].initial = self.number(initial, &scope);
+            }
+        }
+        for (index, initial) in names.discrete_syntax.iter().enumerate() {
+            let id = DiscreteId(index as u32);
+            let ty = entity.discretes[id].ty.clone();
+            if let Some(term) = self.typed(initial, &scope, &ty) {
+                entity.discretes[id].initial = term;
+            }
+        }
+    }
+
+    fn collider(&mut self, c: &ast::Collider, scope: &Scope<'_>) -> Option<Collider> {
+        let scope = scope.reading(Reads::State);
+        let tags = c.tags.iter().map(|t| self.tag(&t.text)).collect();
+        let guard = match &c.guard {
+            Some(guard) => Some(self.guard(guard, &scope)),
+            None => None,
+        };
+        if c.shape.text == "circle" {
+            self.diagnostics.report(NotSupported {
+                at: c.shape.span,
+                what: "`circle`".into(),
+            });
+            return None;
+        }
+        if c.shape.text != "rect" {
+            let fact = unknown("shape", &c.shape.text, c.shape.span, ["rect", "circle"]);
+            self.report_unknown(fact);
+            return None;
+        }
+        if c.arguments.len() != 4 {
+            self.diagnostics.report(WrongArguments {
+                function: "rect".into(),
+                at: c.shape.span,
+                usage: "`rect(x, y, width, height)`",
+            });
+            return None;
+        }
+        let sizes: Vec<Option<Term>> = c.arguments.iter().map(|a| self.number(a, &scope)).collect();
+        let rect: [Term; 4] = sizes
+            .into_iter()
+            .collect::<Option<Vec<_>>>()?
+            .try_into()
+            .ok()?;
+        for (term, what) in [(&rect[2], "width"), (&rect[3], "height")] {
+            if let Ok(value) = evaluate(term, ConstantContext::LITERALS) {
+                if value <= 0.0 {
+                    self.diagnostics.report(BadCollider {
+                        at: term.span,
+                        what,
+                        value,
+                        instance: None,
+                    });
+                }
+            }
+        }
+        let guard = match guard {
+            Some(guard) => Some(guard?),
+            None => None,
+        };
+        Some(Collider {
+            tags,
+            kinematic: c.kinematic,
+            rect,
+            guard,
+            span: c.span,
+        })
+    }
+
+    /// `x' = e`
+    pub(super) fn flow(&mut self, flow: &ast::Assignment, scope: &Scope<'_>) -> Option<Drive> {
+        let target = self.controlled(&flow.variable, scope);
+        let value = self.number(&flow.value, scope);
+        let (var, degree) = target?;
+        Some(Drive {
+            var,
+            degree,
+            by: DriveBy::Flow(value?),
+            span: flow.span,
+        })
+    }
+
+    /// The continuous variable that a flow or an envelope drives, and its degree.
+    pub(super) fn controlled(
+        &mut self,
+        variable: &ast::Variable,
+        scope: &Scope<'_>,
+    ) -> Option<(VarId, u8)> {
+        let names = scope.names?;
+        let name = &variable.name;
+        if let Some(&var) = names.vars.get(&name.text) {
+            return Some((var, self.primes(variable)?));
+        }
+        if names.discretes.get(&name.text).is_some() || names.params.get(&name.text).is_some() {
+            self.diagnostics.report(TypeMismatch {
+                at: variable.span,
+                found: "no continuous variable".into(),
+                expected: "a continuous variable".into(),
+                help: Some("only `continuous` variables flow; a `discrete` one changes in the updates of edges".into()),
+            });
+            return None;
+        }
+        let fact = unknown(
+            "continuous variable",
+            &name.text,
+            name.span,
+            names.vars.names(),
+        );
+        self.report_unknown(fact);
+        None
+    }
+
+    /// The degree of a variable on a left side.
+    pub(super) fn primes(&mut self, variable: &ast::Variable) -> Option<u8> {
+        let path = ast::Path {
+            segments: vec![variable.name.clone()],
+            primes: variable.primes,
+            span: variable.span,
+        };
+        self.degree(&path)
+    }
+}

@@ -1,0 +1,176 @@
+//! Dense ids, one type for each kind of thing, and tables keyed by them: a `VarId` cannot index modes.
+//! Defined with the checked program and used by every later stage.
+
+use std::fmt;
+use std::marker::PhantomData;
+use std::ops::{Index, IndexMut};
+
+use serde::{Serialize, Serializer};
+
+/// A dense index into the table of its kind.
+pub trait Id: Copy {
+    /// The id of the `index`-th entry.
+    fn from_index(index: usize) -> Self;
+    /// The entry's index.
+    fn index(self) -> usize;
+}
+
+macro_rules! ids {
+    ($($name:ident $prefix:literal $doc:literal)*) => {$(
+        #[doc = $doc]
+        #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+        pub struct $name(pub u32);
+
+        impl Id for $name {
+            fn from_index(index: usize) -> Self {
+                $name(index as u32)
+            }
+            fn index(self) -> usize {
+                self.0 as usize
+            }
+        }
+
+        impl fmt::Debug for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, concat!($prefix, "{}"), self.0)
+            }
+        }
+
+        impl fmt::Display for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                fmt::Debug::fmt(self, f)
+            }
+        }
+    )*};
+}
+
+ids! {
+    EntityId "entity" "An entity of the program."
+    WorldId "world" "A world of the program."
+    TagId "tag" "A collision tag of the program."
+    ParamId "param" "A parameter of one entity."
+    VarId "var" "A continuous variable of one entity; 0 is `x`, 1 is `y`."
+    DiscreteId "discrete" "A discrete variable of one entity."
+    ButtonId "button" "A button that one entity reads."
+    AxisId "axis" "An axis that one entity reads."
+    ColliderId "collider" "A collider of one entity."
+    GroupId "group" "A group of concurrent modes of one entity."
+    ModeId "mode" "A mode of one entity, numbered in preorder."
+    EdgeId "edge" "An edge of one entity, in source order."
+    EnvelopeId "envelope" "An envelope of one entity."
+    SpaceId "space" "A space of one world."
+    SlotId "slot" "A place for an instance in one world."
+    PlayerId "player" "A player of one world, from 0."
+    GoalId "goal" "A `goal` of one world."
+    NeverId "never" "A `never` of one world."
+    ExprId "expr" "An expression of the program's arena."
+    LeafId "leaf" "A mode without modes inside, of one entity, in preorder."
+    TouchId "touch" "A distinct contact question of one entity: one bit of the state."
+    TimerId "timer" "A mode whose time is read, of one entity: one counter of the state."
+}
+
+/// A table keyed by an id.
+#[derive(Clone, PartialEq)]
+pub struct IdVec<I, T> {
+    entries: Vec<T>,
+    kind: PhantomData<fn() -> I>,
+}
+
+impl<I: Id, T> IdVec<I, T> {
+    /// An empty table.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Appends an entry and gives its id.
+    pub fn push(&mut self, entry: T) -> I {
+        self.entries.push(entry);
+        I::from_index(self.entries.len() - 1)
+    }
+
+    /// The number of entries.
+    pub fn len(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+
+    /// The entry of an id, if it is of this table.
+    pub fn get(&self, id: I) -> Option<&T> {
+        self.entries.get(id.index())
+    }
+
+    /// The entries in order.
+    pub fn iter(&self) -> std::slice::Iter<'_, T> {
+        self.entries.iter()
+    }
+
+    /// The entries in order, to be changed.
+    pub fn iter_mut(&mut self) -> std::slice::IterMut<'_, T> {
+        self.entries.iter_mut()
+    }
+
+    /// The ids in order.
+    pub fn ids(&self) -> impl DoubleEndedIterator<Item = I> + ExactSizeIterator + use<I, T> {
+        (0..self.entries.len()).map(I::from_index)
+    }
+
+    /// Ids and entries in order.
+    pub fn pairs(&self) -> impl DoubleEndedIterator<Item = (I, &T)> + ExactSizeIterator {
+        self.entries
+            .iter()
+            .enumerate()
+            .map(|(i, e)| (I::from_index(i), e))
+    }
+
+    /// The id of the first entry that satisfies `test`.
+    pub fn find(&self, test: impl FnMut(&T) -> bool) -> Option<I> {
+        self.entries.iter().position(test).map(I::from_index)
+    }
+}
+
+impl<I, T> Default for IdVec<I, T> {
+    fn default() -> Self {
+        IdVec {
+            entries: Vec::new(),
+            kind: PhantomData,
+        }
+    }
+}
+
+impl<I: Id, T> FromIterator<T> for IdVec<I, T> {
+    fn from_iter<A: IntoIterator<Item = T>>(iter: A) -> Self {
+        IdVec {
+            entries: iter.into_iter().collect(),
+            kind: PhantomData,
+        }
+    }
+}
+
+impl<I: Id, T> Index<I> for IdVec<I, T> {
+    type Output = T;
+    fn index(&self, id: I) -> &T {
+        &self.entries[id.index()]
+    }
+}
+
+impl<I: Id, T> IndexMut<I> for IdVec<I, T> {
+    fn index_mut(&mut self, id: I) -> &mut T {
+        &mut self.entries[id.index()]
+    }
+}
+
+impl<I, T: fmt::Debug> fmt::Debug for IdVec<I, T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.entries.fmt(f)
+    }
+}
+
+impl<I, T: Serialize> Serialize for IdVec<I, T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.entries.serialize(serializer)
+    }
+}

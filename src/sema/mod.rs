@@ -1,0 +1,156 @@
+//! From syntax trees to a checked program: names become ids, expressions get types, structure is judged.
+//!
+//! Every independent mistake of a program is reported in one run. What could not be read (syntax errors) is known
+//! to this stage by name, so that it does not complain of what an earlier error explains.
+
+pub mod checked;
+mod conflict;
+mod constant;
+pub mod dimension;
+mod entity;
+mod envelope;
+mod expression;
+pub mod ids;
+mod mode;
+mod names;
+mod world;
+
+use std::collections::BTreeSet;
+
+use crate::diagnostic::Diagnostics;
+use crate::syntax::ast;
+
+use checked::Checked;
+pub use constant::{Broken, ConstantContext, arithmetic, call, compare, evaluate};
+use ids::{EntityId, IdVec, TagId};
+use names::Table;
+
+/// The most distinct tags of a program: a set of tags is one machine word.
+pub const MAX_TAGS: usize = 64;
+/// The most buttons one entity may read.
+pub const MAX_BUTTONS: usize = 64;
+/// The most axes one entity may read.
+pub const MAX_AXES: usize = 4;
+/// The most modes one entity may have.
+pub const MAX_MODES: usize = 4_096;
+/// The most instances one world may have.
+pub const MAX_INSTANCES: usize = 10_000;
+/// The most kinds of tiles one set may have.
+pub const MAX_TILE_KINDS: usize = 4_096;
+
+/// Checks a program: the root file first, then what it imports. The result is complete only if the diagnostics
+/// hold no error.
+pub fn check(files: &[ast::File]) -> (Checked, Diagnostics) {
+    let mut checker = Checker::new(files);
+    checker.declare(files);
+    for (index, (entity, skeleton)) in std::mem::take(&mut checker.skeletons)
+        .into_iter()
+        .enumerate()
+    {
+        let checked = checker.entity(entity, skeleton, EntityId(index as u32));
+        checker.checked.entities[EntityId(index as u32)] = checked;
+    }
+    for file in files {
+        for item in &file.items {
+            if let ast::Item::World(world) = item {
+                checker.world(world);
+            }
+        }
+    }
+    let Checker {
+        checked,
+        mut diagnostics,
+        ..
+    } = checker;
+    dimension::check(&checked, &mut diagnostics);
+    diagnostics.sort();
+    (checked, diagnostics)
+}
+
+/// What the parts of this stage share.
+struct Checker<'a> {
+    checked: Checked,
+    diagnostics: Diagnostics,
+    constants: Table<checked::Term>,
+    entities: Table<EntityId>,
+    worlds: Table<()>,
+    tags: std::collections::BTreeMap<String, TagId>,
+    /// Entities whose names and modes are known, and whose bodies are still to be checked.
+    skeletons: Vec<(&'a ast::Entity, entity::Skeleton<'a>)>,
+    /// Names that broken slices would have declared.
+    suspects: BTreeSet<String>,
+}
+
+impl<'a> Checker<'a> {
+    fn new(files: &[ast::File]) -> Self {
+        Checker {
+            checked: Checked::default(),
+            diagnostics: Diagnostics::new(),
+            constants: Table::new("constant"),
+            entities: Table::new("entity"),
+            worlds: Table::new("world"),
+            tags: std::collections::BTreeMap::new(),
+            skeletons: Vec::new(),
+            suspects: files
+                .iter()
+                .flat_map(|f| &f.broken)
+                .flat_map(|b| b.names.iter().cloned())
+                .collect(),
+        }
+    }
+
+    /// Collects constants, entities and their declarations, so that bodies may refer to any of them.
+    fn declare(&mut self, files: &'a [ast::File]) {
+        // Imported files come last in the list, and their constants must be known to the importing ones.
+        for file in files.iter().rev() {
+            for item in &file.items {
+                if let ast::Item::Constant(constant) = item {
+                    self.constant(constant);
+                }
+            }
+        }
+        for file in files {
+            for item in &file.items {
+                if let ast::Item::Entity(entity) = item {
+                    let id = EntityId(self.skeletons.len() as u32);
+                    self.entities
+                        .declare(&entity.name, id, &mut self.diagnostics);
+                    let (checked, skeleton) = self.skeleton(entity);
+                    self.checked.entities.push(checked);
+                    self.skeletons.push((entity, skeleton));
+                }
+            }
+        }
+    }
+
+    fn constant(&mut self, constant: &ast::Constant) {
+        let scope = expression::Scope::constant();
+        let term = self.value(&constant.value, &scope);
+        if let Some(term) = term {
+            self.constants
+                .declare(&constant.name, term, &mut self.diagnostics);
+        } else {
+            self.suspects.insert(constant.name.text.clone());
+        }
+    }
+
+    /// The id of a tag, made when it is first seen.
+    fn tag(&mut self, name: &str) -> TagId {
+        if let Some(&id) = self.tags.get(name) {
+            return id;
+        }
+        let id = self.checked.tags.push(name.to_string());
+        self.tags.insert(name.to_string(), id);
+        id
+    }
+}
+
+impl<I, T> IdVec<I, T>
+where
+    I: ids::Id,
+{
+    /// Whether a table has reached a limit.
+    fn is_full(&self, limit: usize) -> bool {
+        self.len() >= limit
+    }
+}

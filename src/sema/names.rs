@@ -1,0 +1,65 @@
+//! Tables of names: declaration with a look at duplicates, look-up with "did you mean".
+
+use crate::diagnostic::catalogue::names::{DuplicateName, UnknownName};
+use crate::diagnostic::{Diagnostics, similar};
+use crate::source::Span;
+use crate::syntax::ast::Name;
+
+/// The names of one name space, in order of declaration.
+#[derive(Debug, Clone)]
+pub(super) struct Table<T> {
+    kind: &'static str,
+    entries: Vec<(Name, T)>,
+    index: std::collections::BTreeMap<String, usize>,
+}
+
+impl<T> Table<T> {
+    pub fn new(kind: &'static str) -> Self {
+        Table {
+            kind,
+            entries: Vec::new(),
+            index: std::collections::BTreeMap::new(),
+        }
+    }
+
+    /// Adds a name; the first of two equal ones stays.
+    pub fn declare(&mut self, name: &Name, value: T, diagnostics: &mut Diagnostics) -> bool {
+        if let Some(&first) = self.index.get(&name.text) {
+            diagnostics.report(DuplicateName {
+                kind: self.kind,
+                name: name.text.clone(),
+                first: self.entries[first].0.span,
+                second: name.span,
+            });
+            return false;
+        }
+        self.index.insert(name.text.clone(), self.entries.len());
+        self.entries.push((name.clone(), value));
+        true
+    }
+
+    pub fn get(&self, name: &str) -> Option<&T> {
+        self.index.get(name).map(|&i| &self.entries[i].1)
+    }
+
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.entries.iter().map(|(name, _)| name.text.as_str())
+    }
+}
+
+/// The fact that a name of some kind is not known, with the nearest of the known ones.
+pub(super) fn unknown<'a>(
+    kind: &'static str,
+    name: &str,
+    at: Span,
+    known: impl IntoIterator<Item = &'a str>,
+) -> UnknownName {
+    let known: Vec<&str> = known.into_iter().collect();
+    UnknownName {
+        kind,
+        name: name.to_string(),
+        at,
+        near: similar(name, known.iter().copied()),
+        known: known.into_iter().map(str::to_string).collect(),
+    }
+}

@@ -1,0 +1,528 @@
+//! Worlds: the step, collision lines, tiles and maps, placed instances with their first values, players, goals.
+
+use crate::diagnostic::catalogue::file::TooMany;
+use crate::diagnostic::catalogue::names::DuplicateName;
+use crate::diagnostic::catalogue::structure::BadCollider;
+use crate::diagnostic::catalogue::syntax::NotSupported;
+use crate::diagnostic::catalogue::types::OutOfRange;
+use crate::diagnostic::catalogue::world::{BadPlayer, BadStep};
+use crate::level::{InlineTile, inline_map};
+use crate::source::Span;
+use crate::syntax::ast::{self, BinaryOp, Expr, ExprKind, Name, SpaceItem, WorldItem};
+
+use super::checked::{CollideRule, Instance, Player, Question, Response, Space, Type, World};
+use super::constant::{ConstantContext, evaluate};
+use super::entity::{X, Y};
+use super::expression::{Scope, WorldNames};
+use super::ids::{EntityId, IdVec, SpaceId, TagId};
+use super::names::{Table, unknown};
+use super::{Checker, MAX_INSTANCES, MAX_TAGS, MAX_TILE_KINDS};
+
+/// A tile set: its size and its tiles.
+struct TileSet {
+    name: Name,
+    tile: (f64, f64),
+    tiles: Vec<InlineTile<TagId>>,
+}
+
+impl Checker<'_> {
+    /// Checks a world and adds it to the program.
+    pub(super) fn world(&mut self, syntax: &ast::World) {
+        self.worlds.declare(&syntax.name, (), &mut self.diagnostics);
+        let mut world = World {
+            name: syntax.name.clone(),
+            step: (1, 60),
+            collide: Vec::new(),
+            spaces: IdVec::new(),
+            instances: IdVec::new(),
+            players: IdVec::new(),
+            goals: IdVec::new(),
+            nevers: IdVec::new(),
+            span: syntax.span,
+        };
+        let mut steps: Table<()> = Table::new("the step");
+        let mut sets: Table<TileSet> = Table::new("tile set");
+        for item in &syntax.items {
+            match item {
+                WorldItem::Step(e) => {
+                    let name = Name {
+                        text: "step".into(),
+                        span: e.span,
+                    };
+                    if steps.declare(&name, (), &mut self.diagnostics) {
+                        if let Some(step) = self.step(e) {
+                            world.step = step;
+                        }
+                    }
+                }
+                WorldItem::Tiles(tiles) => self.tiles(tiles, &mut sets),
+                WorldItem::Collide(line) => world.collide.extend(self.collide(line)),
+                _ => {}
+            }
+        }
+        let step = world.step.0 as f64 / world.step.1 as f64;
+        let mut names = WorldNames::default();
+        let mut spaces: Table<()> = Table::new("space");
+        let mut instances: Table<()> = Table::new("instance");
+        for item in &syntax.items {
+            let WorldItem::Space(space) = item else {
+                continue;
+            };
+            spaces.declare(&space.name, (), &mut self.diagnostics);
+            let id = world.spaces.push(Space {
+                name: space.name.clone(),
+                map: None,
+            });
+            let mut map_at = None;
+            for item in &space.items {
+                match item {
+                    SpaceItem::Map(map) => self.map(map, &sets, &mut map_at, &mut world.spaces[id]),
+                    SpaceItem::Place(place) => {
+                        instances.declare(&place.name, (), &mut self.diagnostics);
+                        if world.instances.is_full(MAX_INSTANCES) {
+                            self.too_many("instances", MAX_INSTANCES, place.span);
+                            break;
+                        }
+                        if let Some(instance) = self.place(place, id, step) {
+                            names
+                                .instances
+                                .push((place.name.text.clone(), instance.entity));
+                            world.instances.push(instance);
+                        } else {
+                            // Goals may still name it.
+                            self.suspects.insert(place.name.text.clone());
+                        }
+                    }
+                }
+            }
+            let size = world.spaces[id]
+                .map
+                .as_ref()
+                .map(crate::level::TileMap::size);
+            names.spaces.push((space.name.text.clone(), size));
+        }
+        self.players(syntax, &mut world);
+        let mut goals: Table<()> = Table::new("goal");
+        let mut nevers: Table<()> = Table::new("never");
+        let scope = Scope::predicate(&names);
+        for item in &syntax.items {
+            let (question, table) = match item {
+                WorldItem::Goal(q) => (q, &mut goals),
+                WorldItem::Never(q) => (q, &mut nevers),
+                _ => continue,
+            };
+            let fresh = table.declare(&question.name, (), &mut self.diagnostics);
+            if let Some(predicate) = self.guard(&question.predicate, &scope).filter(|_| fresh) {
+                let checked = Question {
+                    name: question.name.clone(),
+                    predicate,
+                };
+                if matches!(item, WorldItem::Goal(_)) {
+                    world.goals.push(checked);
+                } else {
+                    world.nevers.push(checked);
+                }
+            }
+        }
+        if self.checked.tags.len() > MAX_TAGS {
+            let count = self.checked.tags.len() as u64;
+            self.diagnostics.report(TooMany {
+                what: "tags".into(),
+                count,
+                limit: MAX_TAGS as u64,
+                at: syntax.name.span,
+            });
+        }
+        self.checked.worlds.push(world);
+    }
+
+    /// `1/60`, `0.02`, `16ms`: an exact fraction of a second.
+    fn step(&mut self, e: &Expr) -> Option<(u64, u64)> {
+        let (numerator, denominator) = match &e.kind {
+            ExprKind::Binary(BinaryOp::Divide, a, b) => (self.step_part(a)?, self.step_part(b)?),
+            _ => (self.step_part(e)?, 1.0),
+        };
+        let fraction = exact(numerator)
+            .zip(exact(denominator))
+            .and_then(|((a, b), (c, d))| {
+                let (n, m) = (a.checked_mul(d)?, b.checked_mul(c)?);
+                let g = gcd(n, m);
+                (n > 0 && m > 0).then(|| (n / g, m / g))
+            });
+        let fraction = fraction
+            .filter(|&(n, m)| n <= m.saturating_mul(10) && m / n <= 1_000_000 && m < 1 << 32);
+        if fraction.is_none() {
+            self.diagnostics.report(BadStep { at: e.span });
+        }
+        fraction
+    }
+
+    fn step_part(&mut self, e: &Expr) -> Option<f64> {
+        let term = self.number(e, &Scope::constant())?;
+        self.evaluated(&term, ConstantContext::LITERALS)
+    }
+
+    fn collide(&mut self, line: &ast::Collide) -> Option<CollideRule> {
+        let left = line.left.iter().map(|t| self.tag(&t.text)).collect();
+        let right = line.right.iter().map(|t| self.tag(&t.text)).collect();
+        let r = &line.response;
+        for (used, what) in [(r.from_above, "`from above`"), (r.carry, "`carry`")] {
+            if used {
+                self.diagnostics.report(NotSupported {
+                    at: r.span,
+                    what: what.into(),
+                });
+                return None;
+            }
+        }
+        let response = if r.block {
+            Response::Block {
+                keep_velocity: r.keep_velocity,
+            }
+        } else {
+            Response::Sense
+        };
+        Some(CollideRule {
+            left,
+            right,
+            response,
+        })
+    }
+
+    fn tiles(&mut self, tiles: &ast::Tiles, sets: &mut Table<TileSet>) {
+        let mut side = |e: &Expr| {
+            let term = self.number(e, &Scope::constant())?;
+            let value = self.evaluated(&term, ConstantContext::LITERALS)?;
+            if value > 0.0 {
+                return Some(value);
+            }
+            self.diagnostics.report(OutOfRange {
+                at: e.span,
+                what: format!("a tile's side of {value} px"),
+                range: "what is above 0 px".into(),
+            });
+            None
+        };
+        let (width, height) = (side(&tiles.width), side(&tiles.height));
+        let mut symbols: Table<()> = Table::new("tile");
+        let mut set = TileSet {
+            name: tiles.name.clone(),
+            tile: (1.0, 1.0),
+            tiles: Vec::new(),
+        };
+        for tile in &tiles.tiles {
+            if set.tiles.len() >= MAX_TILE_KINDS {
+                self.too_many("kinds of tiles", MAX_TILE_KINDS, tile.symbol_span);
+                break;
+            }
+            let name = Name {
+                text: tile.symbol.to_string(),
+                span: tile.symbol_span,
+            };
+            if symbols.declare(&name, (), &mut self.diagnostics) {
+                let tags = tile
+                    .tags
+                    .iter()
+                    .filter(|t| t.text != "empty")
+                    .map(|t| self.tag(&t.text))
+                    .collect();
+                set.tiles.push(InlineTile {
+                    symbol: tile.symbol,
+                    tags,
+                });
+            }
+        }
+        match (width, height) {
+            (Some(w), Some(h)) => {
+                set.tile = (w, h);
+                sets.declare(&tiles.name, set, &mut self.diagnostics);
+            }
+            _ => {
+                self.suspects.insert(tiles.name.text.clone());
+            }
+        }
+    }
+
+    fn map(
+        &mut self,
+        map: &ast::Map,
+        sets: &Table<TileSet>,
+        first: &mut Option<Span>,
+        space: &mut Space,
+    ) {
+        if let Some(first) = *first {
+            self.diagnostics.report(DuplicateName {
+                kind: "the map of",
+                name: space.name.text.clone(),
+                first,
+                second: map.span,
+            });
+            return;
+        }
+        *first = Some(map.span);
+        let Some(set) = sets.get(&map.tiles.text) else {
+            let fact = unknown("tile set", &map.tiles.text, map.tiles.span, sets.names());
+            self.report_unknown(fact);
+            return;
+        };
+        let rows: Vec<(&str, Span)> = map.rows.iter().map(|r| (r.text.as_str(), r.span)).collect();
+        let declared = (set.name.text.as_str(), set.name.span);
+        space.map = inline_map(
+            &rows,
+            map.tiles.span,
+            declared,
+            set.tile,
+            &set.tiles,
+            &mut self.diagnostics,
+        );
+    }
+
+    /// A placed instance with the values of its parameters and variables.
+    fn place(&mut self, place: &ast::Place, space: SpaceId, step: f64) -> Option<Instance> {
+        let constants = ConstantContext {
+            params: None,
+            step: Some(step),
+        };
+        let scope = Scope::constant();
+        let mut at = [None, None];
+        for (slot, e) in at.iter_mut().zip([&place.x, &place.y]) {
+            *slot = self
+                .number(e, &scope)
+                .and_then(|term| self.evaluated(&term, constants));
+        }
+        let Some(&id) = self.entities.get(&place.entity.text) else {
+            let fact = unknown(
+                "entity",
+                &place.entity.text,
+                place.entity.span,
+                self.entities.names(),
+            );
+            self.report_unknown(fact);
+            return None;
+        };
+        let entity = self.checked.entities[id].clone();
+        let mut set: Table<()> = Table::new("setting");
+        let mut params: IdVec<_, Option<f64>> = entity.params.iter().map(|_| None).collect();
+        let mut vars: IdVec<_, [Option<f64>; 3]> = entity.vars.iter().map(|_| [None; 3]).collect();
+        vars[X][0] = at[0];
+        vars[Y][0] = at[1];
+        let mut discretes: IdVec<_, Option<f64>> = entity.discretes.iter().map(|_| None).collect();
+        let mut fits = at[0].is_some() && at[1].is_some();
+        for setting in &place.settings {
+            let name = &setting.variable.name;
+            let written = format!("{}{}", name.text, "'".repeat(setting.variable.primes));
+            if !set.declare(
+                &Name {
+                    text: written,
+                    span: setting.variable.span,
+                },
+                (),
+                &mut self.diagnostics,
+            ) {
+                continue;
+            }
+            let mut value = |this: &mut Self, ty: &Type| {
+                let value = this
+                    .typed(&setting.value, &scope, ty)
+                    .and_then(|t| this.evaluated(&t, constants));
+                fits &= value.is_some();
+                value
+            };
+            let plain = setting.variable.primes == 0;
+            if let Some(p) = entity.params.find(|p| plain && p.name.text == name.text) {
+                let ty = match &entity.params[p].default.ty {
+                    Type::Int => Type::Real,
+                    ty => ty.clone(),
+                };
+                params[p] = value(self, &ty);
+            } else if let Some(d) = entity.discretes.find(|d| plain && d.name.text == name.text) {
+                discretes[d] = value(self, &entity.discretes[d].ty);
+            } else if let Some(v) = entity.vars.find(|v| v.name.text == name.text) {
+                if v <= Y && plain {
+                    self.diagnostics.report(DuplicateName {
+                        kind: "the position",
+                        name: name.text.clone(),
+                        first: place.x.span.to(place.y.span),
+                        second: setting.span,
+                    });
+                    continue;
+                }
+                let value = value(self, &Type::Real);
+                if let Some(degree) = self.primes(&setting.variable) {
+                    vars[v][usize::from(degree)] = value;
+                }
+            } else {
+                let known = entity.params.iter().map(|p| &p.name);
+                let known = known.chain(entity.discretes.iter().map(|d| &d.name));
+                let known = known
+                    .chain(entity.vars.iter().map(|v| &v.name))
+                    .map(|n| n.text.as_str());
+                let fact = unknown("parameter or variable", &name.text, name.span, known);
+                self.report_unknown(fact);
+            }
+        }
+        if !fits {
+            return None;
+        }
+        let mut values: IdVec<_, f64> = IdVec::new();
+        for (id, param) in entity.params.pairs() {
+            let value = match params[id] {
+                Some(value) => value,
+                None => {
+                    let context = ConstantContext {
+                        params: Some(&values),
+                        step: Some(step),
+                    };
+                    self.evaluated(&param.default, context)?
+                }
+            };
+            values.push(value);
+        }
+        let context = ConstantContext {
+            params: Some(&values),
+            step: Some(step),
+        };
+        let mut first = IdVec::new();
+        for (id, var) in entity.vars.pairs() {
+            let mut value = [0.0; 3];
+            for degree in 0..3 {
+                value[degree] = match (vars[id][degree], &var.initial) {
+                    (Some(value), _) => value,
+                    (None, Some(initial)) if degree == 0 => self.evaluated(initial, context)?,
+                    _ => 0.0,
+                };
+            }
+            first.push(value);
+        }
+        let mut whole = IdVec::new();
+        for (id, discrete) in entity.discretes.pairs() {
+            let value = match discretes[id] {
+                Some(value) => value,
+                None => self.evaluated(&discrete.initial, context)?,
+            };
+            let (low, high) = discrete.range;
+            if value < f64::from(low) || value > f64::from(high) || value.fract() != 0.0 {
+                self.diagnostics.report(OutOfRange {
+                    at: if discretes[id].is_some() {
+                        place.span
+                    } else {
+                        discrete.initial.span
+                    },
+                    what: format!("`{}` = {value}", discrete.name.text),
+                    range: format!("{low}..{high}"),
+                });
+            }
+            whole.push(value as i32);
+        }
+        self.collider_sizes(id, place, context);
+        Some(Instance {
+            name: place.name.clone(),
+            entity: id,
+            space,
+            params: values,
+            vars: first,
+            discretes: whole,
+            span: place.span,
+        })
+    }
+
+    /// Sizes that depend on parameters are known only now.
+    fn collider_sizes(
+        &mut self,
+        entity: EntityId,
+        place: &ast::Place,
+        context: ConstantContext<'_>,
+    ) {
+        let mut found = Vec::new();
+        for collider in self.checked.entities[entity].colliders.iter() {
+            for (term, what) in [(&collider.rect[2], "width"), (&collider.rect[3], "height")] {
+                let always = evaluate(term, ConstantContext::LITERALS).is_ok();
+                match evaluate(term, context) {
+                    Ok(value) if value <= 0.0 && !always => found.push((term.span, what, value)),
+                    _ => {}
+                }
+            }
+        }
+        for (at, what, value) in found {
+            let instance = Some((place.name.text.clone(), place.span));
+            self.diagnostics.report(BadCollider {
+                at,
+                what,
+                value,
+                instance,
+            });
+        }
+    }
+
+    fn players(&mut self, syntax: &ast::World, world: &mut World) {
+        for item in &syntax.items {
+            let WorldItem::Player(player) = item else {
+                continue;
+            };
+            let number = player
+                .number
+                .text
+                .parse::<u32>()
+                .ok()
+                .filter(|&n| (1..=64).contains(&n));
+            let Some(number) = number else {
+                let why = "a player is a whole number from 1 to 64".to_string();
+                self.diagnostics.report(BadPlayer {
+                    at: player.number.span,
+                    why,
+                    other: None,
+                });
+                continue;
+            };
+            let Some(slot) = world
+                .instances
+                .find(|i| i.name.text == player.instance.text)
+            else {
+                let known = world.instances.iter().map(|i| i.name.text.as_str());
+                let fact = unknown(
+                    "instance",
+                    &player.instance.text,
+                    player.instance.span,
+                    known,
+                );
+                self.report_unknown(fact);
+                continue;
+            };
+            let clash = world
+                .players
+                .iter()
+                .find(|p| p.number == number || p.slot == slot);
+            if let Some(other) = clash {
+                let why = if other.number == number {
+                    format!("player {number} is declared twice")
+                } else {
+                    format!("two players control `{}`", player.instance.text)
+                };
+                self.diagnostics.report(BadPlayer {
+                    at: player.span,
+                    why,
+                    other: Some(other.span),
+                });
+                continue;
+            }
+            world.players.push(Player {
+                number,
+                slot,
+                span: player.span,
+            });
+        }
+    }
+}
+
+/// A number as a fraction of whole numbers, if it has at most nine decimals.
+fn exact(value: f64) -> Option<(u64, u64)> {
+    (0..=9).map(|k| 10u64.pow(k)).find_map(|scale| {
+        let scaled = (value * scale as f64).round();
+        let fits = (0.0..1e15).contains(&scaled) && scaled / scale as f64 == value;
+        fits.then_some((scaled as u64, scale))
+    })
+}
+
+fn gcd(a: u64, b: u64) -> u64 {
+    if b == 0 { a.max(1) } else { gcd(b, a % b) }
+}

@@ -1,0 +1,70 @@
+//! Run-time errors: a rule of the language broken by a running world. The step stops; the state is not to be used.
+
+use crate::diagnostic::catalogue::run::RunFault;
+use crate::ir::{DiscreteId, ExprId, Program, SlotId, VarId, WorldId};
+
+/// Which rule was broken.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FaultKind {
+    /// An expression has no finite value; the numbers are its operands.
+    NotFinite(ExprId, [f64; 2]),
+    /// A division by zero; the number is the dividend.
+    DivisionByZero(ExprId, f64),
+    /// A variable left the finite numbers while it was integrated.
+    Diverged(VarId),
+    /// An update gave a discrete variable a value outside of its range, or one that is not whole.
+    OutOfRange(ExprId, DiscreteId, f64),
+}
+
+/// A broken rule and whose code broke it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fault {
+    /// The instance.
+    pub slot: SlotId,
+    /// The rule.
+    pub kind: FaultKind,
+}
+
+impl Fault {
+    /// The fact to be reported; `step` counts from 1.
+    pub fn fact(&self, program: &Program, world: WorldId, step: u64) -> RunFault {
+        let slot = &program.worlds[world].slots[self.slot];
+        let entity = &program.entities[slot.entity];
+        let value = |name: &str, value: f64| (name.to_string(), value);
+        let (at, what, values) = match self.kind {
+            FaultKind::NotFinite(expr, [a, b]) => (
+                program.spans.exprs[expr],
+                "a value left the finite numbers".to_string(),
+                vec![value("the left operand", a), value("the right operand", b)],
+            ),
+            FaultKind::DivisionByZero(expr, a) => (
+                program.spans.exprs[expr],
+                "division by zero".to_string(),
+                vec![value("the dividend", a)],
+            ),
+            FaultKind::Diverged(var) => (
+                program.spans.entities[slot.entity].vars[var],
+                format!("`{}` left the finite numbers", entity.vars[var]),
+                Vec::new(),
+            ),
+            FaultKind::OutOfRange(expr, id, found) => {
+                let discrete = &entity.discretes[id];
+                (
+                    program.spans.exprs[expr],
+                    format!(
+                        "`{}` left its range {}..{}",
+                        discrete.name, discrete.range.0, discrete.range.1
+                    ),
+                    vec![value(&discrete.name, found)],
+                )
+            }
+        };
+        RunFault {
+            at,
+            what,
+            instance: slot.name.clone(),
+            step,
+            values,
+        }
+    }
+}

@@ -1,0 +1,22 @@
+//! The simulator: one step of time over the flat IR, in five phases (input, discrete, continuous, collision,
+//! observation), and what goes in and out of it: input scripts and traces.
+//!
+//! A state is a block of bytes whose layout the IR gives; a step reads the state, the inputs and nothing else, and
+//! allocates nothing. The same state and inputs give the same bits, whoever asks and however often.
+
+mod collision;
+mod continuous;
+mod discrete;
+mod evaluate;
+mod fault;
+mod input;
+mod script;
+mod simulator;
+pub mod state;
+mod trace;
+
+pub use fault::{Fault, FaultKind};
+pub use input::{Input, PlayerInput};
+pub use script::{Script, ScriptStep, parse_script};
+pub use simulator::{Scratch, Simulator};
+pub use trace::TraceWriter;

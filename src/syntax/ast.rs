@@ -1,0 +1,565 @@
+//! The abstract syntax tree: what the author wrote, with the span of every part. Made by [`super::parse`],
+//! read by `sema` and the formatter. Names are not resolved here, and nothing is checked but shape.
+
+use crate::source::{FileId, Span};
+
+/// One parsed file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct File {
+    /// Which file.
+    pub id: FileId,
+    /// Its items, in source order, those that could be read.
+    pub items: Vec<Item>,
+    /// Comments, in source order.
+    pub trivia: Vec<Comment>,
+    /// Slices that fit no rule.
+    pub broken: Vec<Broken>,
+}
+
+/// A comment; blank lines are seen by comparing positions.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Comment {
+    /// From its slashes to the end of its line.
+    pub span: Span,
+    /// Whether it begins with `///` and documents what follows.
+    pub documents: bool,
+}
+
+/// A slice that fit no rule, and the name it was probably about to declare: later stages keep quiet about it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Broken {
+    /// The slice.
+    pub span: Span,
+    /// Names that a declaration in it would have introduced.
+    pub names: Vec<String>,
+}
+
+/// A name and where it stands.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Name {
+    /// The word.
+    pub text: String,
+    /// Its place.
+    pub span: Span,
+}
+
+/// A top-level item.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Item {
+    /// `import "path"`
+    Import(Import),
+    /// `const name = expression`
+    Constant(Constant),
+    /// `entity Name { … }`
+    Entity(Entity),
+    /// `world Name { … }`
+    World(World),
+}
+
+/// `import "path"`, relative to the importing file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Import {
+    /// The path as written.
+    pub path: Name,
+}
+
+/// `const name = expression`, also a `param` of an entity.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Constant {
+    /// Its name.
+    pub name: Name,
+    /// `: px/s`, if given.
+    pub dimension: Option<Dimension>,
+    /// Its value.
+    pub value: Expr,
+    /// The text of the `///` lines above it.
+    pub doc: Option<String>,
+}
+
+/// A written dimension such as `px/s^2`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dimension {
+    /// Unit names with their exponents, divisions as negative ones.
+    pub factors: Vec<(Name, i32)>,
+    /// The whole.
+    pub span: Span,
+}
+
+/// `entity Name { … }`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Entity {
+    /// Its name.
+    pub name: Name,
+    /// What it holds.
+    pub members: Vec<Member>,
+    /// The text of the `///` lines above it.
+    pub doc: Option<String>,
+    /// The whole.
+    pub span: Span,
+}
+
+/// What an entity, a group or a mode may hold; where which is allowed is checked by `sema`.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Member {
+    /// `param name = value`
+    Parameter(Constant),
+    /// `continuous name = value`
+    Continuous(Continuous),
+    /// `discrete name: domain = value`
+    Discrete(Discrete),
+    /// `button a, b`
+    Buttons(Vec<Name>, Span),
+    /// `axis a, b`
+    Axes(Vec<Name>, Span),
+    /// `collider tags: shape when guard`
+    Collider(Collider),
+    /// `group name { … }`
+    Group(Group),
+    /// `mode name { … }`
+    Mode(Mode),
+    /// `x' = e`
+    Flow(Assignment),
+    /// `x' := e` at the head of a mode
+    Entry(Assignment),
+    /// `when guard -> target { … }`
+    Edge(Edge),
+    /// `envelope x' by axis { … }`
+    Envelope(Envelope),
+}
+
+/// `continuous name = value`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Continuous {
+    /// Its name.
+    pub name: Name,
+    /// `: px`, if given.
+    pub dimension: Option<Dimension>,
+    /// Its first value; 0 if left out.
+    pub initial: Option<Expr>,
+}
+
+/// `discrete name: domain = value`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Discrete {
+    /// Its name.
+    pub name: Name,
+    /// What it ranges over.
+    pub domain: Domain,
+    /// Its first value.
+    pub initial: Expr,
+}
+
+/// What a discrete variable ranges over.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Domain {
+    /// `int low..high`, both ends included.
+    Int(Expr, Expr),
+    /// `bool`
+    Bool,
+    /// `{a, b, c}`
+    Set(Vec<Name>),
+}
+
+/// `kinematic collider tags: shape when guard`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Collider {
+    /// Whether it is never pushed.
+    pub kinematic: bool,
+    /// What it counts as.
+    pub tags: Vec<Name>,
+    /// The name of the shape: `rect`.
+    pub shape: Name,
+    /// The shape's numbers.
+    pub arguments: Vec<Expr>,
+    /// While this holds it is there.
+    pub guard: Option<Expr>,
+    /// The whole.
+    pub span: Span,
+}
+
+/// `group name { modes }`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Group {
+    /// Its name.
+    pub name: Name,
+    /// Its modes, and what else stands there by mistake.
+    pub members: Vec<Member>,
+    /// The whole.
+    pub span: Span,
+}
+
+/// Whether a mode is marked as the first one.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Initial {
+    /// Not marked.
+    No,
+    /// `initial`
+    Plain,
+    /// `initial when guard`
+    When(Expr),
+}
+
+/// `mode name { … }`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mode {
+    /// Whether it is marked `initial`.
+    pub initial: Initial,
+    /// Its name.
+    pub name: Name,
+    /// What it holds.
+    pub members: Vec<Member>,
+    /// The text of the `///` lines above it.
+    pub doc: Option<String>,
+    /// The whole.
+    pub span: Span,
+}
+
+/// A variable with its number of primes: `x`, `x'`, `x''`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variable {
+    /// The variable.
+    pub name: Name,
+    /// How many primes follow it.
+    pub primes: usize,
+    /// With the primes.
+    pub span: Span,
+}
+
+/// `variable = value` or `variable := value`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Assignment {
+    /// The left side.
+    pub variable: Variable,
+    /// The right side.
+    pub value: Expr,
+    /// The whole.
+    pub span: Span,
+}
+
+/// `when guard -> target { updates }`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Edge {
+    /// When it is taken.
+    pub guard: Expr,
+    /// The mode it leads to; none for an edge that stays.
+    pub target: Option<Path>,
+    /// What it changes.
+    pub updates: Vec<Assignment>,
+    /// The whole.
+    pub span: Span,
+}
+
+/// `envelope x' by axis { … }`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Envelope {
+    /// What it drives.
+    pub controlled: Vec<Variable>,
+    /// What drives it: an axis, several axes, or `held(button)`; none for `fixed`.
+    pub by: Option<Expr>,
+    /// `directions 4`, if given.
+    pub directions: Option<Name>,
+    /// Its parts in source order.
+    pub ramps: Vec<Ramp>,
+    /// The whole.
+    pub span: Span,
+}
+
+/// A part of an envelope.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ramp {
+    /// Which part, with its numbers.
+    pub kind: RampKind,
+    /// The whole.
+    pub span: Span,
+}
+
+/// Which part of an envelope.
+#[derive(Debug, Clone, PartialEq)]
+pub enum RampKind {
+    /// `attack rate to peak`
+    Attack(Rate, Option<Expr>),
+    /// `sustain level`
+    Sustain(Expr),
+    /// `sustain for time`
+    SustainFor(Expr),
+    /// `release rate to level`; without a rate it is instant.
+    Release(Option<Rate>, Option<Expr>),
+    /// `release hold`
+    ReleaseHold,
+    /// `while guard`
+    While(Expr),
+}
+
+/// How fast a ramp is.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Rate {
+    /// At once.
+    Instant,
+    /// `accel a`: by `a` a second.
+    Accel(Expr),
+    /// `over t`: so that the whole way takes `t`.
+    Over(Expr),
+}
+
+/// A dotted name: `size.small`, `hero.x'`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Path {
+    /// The names between the dots.
+    pub segments: Vec<Name>,
+    /// Primes after the last.
+    pub primes: usize,
+    /// The whole.
+    pub span: Span,
+}
+
+/// `world Name { … }`
+#[derive(Debug, Clone, PartialEq)]
+pub struct World {
+    /// Its name.
+    pub name: Name,
+    /// What it holds.
+    pub items: Vec<WorldItem>,
+    /// The text of the `///` lines above it.
+    pub doc: Option<String>,
+    /// The whole.
+    pub span: Span,
+}
+
+/// What a world may hold.
+#[derive(Debug, Clone, PartialEq)]
+pub enum WorldItem {
+    /// `step 1/60`
+    Step(Expr),
+    /// `collide a with b: block`
+    Collide(Collide),
+    /// `tiles name 32 x 32 { … }`
+    Tiles(Tiles),
+    /// `space name { … }`
+    Space(Space),
+    /// `player 1: hero`
+    Player(Player),
+    /// `goal name: predicate`
+    Goal(Question),
+    /// `never name: predicate`
+    Never(Question),
+}
+
+/// `collide a, b with c: block, keep velocity`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Collide {
+    /// The tags on the left.
+    pub left: Vec<Name>,
+    /// The tags on the right.
+    pub right: Vec<Name>,
+    /// What a contact does.
+    pub response: Response,
+    /// The whole.
+    pub span: Span,
+}
+
+/// What a contact does, as written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Response {
+    /// `block`, not `sense`.
+    pub block: bool,
+    /// `from above`
+    pub from_above: bool,
+    /// `keep velocity`
+    pub keep_velocity: bool,
+    /// `carry`
+    pub carry: bool,
+    /// The whole.
+    pub span: Span,
+}
+
+/// `tiles name w x h { 'c': tags … }`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tiles {
+    /// The set's name.
+    pub name: Name,
+    /// A tile's width, px.
+    pub width: Expr,
+    /// A tile's height, px.
+    pub height: Expr,
+    /// The characters.
+    pub tiles: Vec<Tile>,
+    /// The whole.
+    pub span: Span,
+}
+
+/// `'c': tags`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tile {
+    /// The character in the map.
+    pub symbol: char,
+    /// Where the character stands.
+    pub symbol_span: Span,
+    /// Its tags; `empty` stands for none.
+    pub tags: Vec<Name>,
+}
+
+/// `space name { … }`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Space {
+    /// Its name.
+    pub name: Name,
+    /// What it holds.
+    pub items: Vec<SpaceItem>,
+    /// The whole.
+    pub span: Span,
+}
+
+/// What a space may hold.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SpaceItem {
+    /// An inline map.
+    Map(Map),
+    /// An instance.
+    Place(Place),
+}
+
+/// `map tiles " … "`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Map {
+    /// The tile set.
+    pub tiles: Name,
+    /// The rows from top to bottom, trimmed.
+    pub rows: Vec<Name>,
+    /// The whole.
+    pub span: Span,
+}
+
+/// `place name: Entity at (x, y) { settings }`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Place {
+    /// The instance's name.
+    pub name: Name,
+    /// Its entity.
+    pub entity: Name,
+    /// Where it stands.
+    pub x: Expr,
+    /// Where it stands.
+    pub y: Expr,
+    /// Its own parameters and first values.
+    pub settings: Vec<Assignment>,
+    /// The whole.
+    pub span: Span,
+}
+
+/// `player 1: hero`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Player {
+    /// The player's number as written.
+    pub number: Name,
+    /// The instance it controls.
+    pub instance: Name,
+    /// The whole.
+    pub span: Span,
+}
+
+/// `goal name: predicate` or `never name: predicate`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Question {
+    /// Its name.
+    pub name: Name,
+    /// What is looked for.
+    pub predicate: Expr,
+}
+
+/// An expression and where it stands.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Expr {
+    /// What it is.
+    pub kind: ExprKind,
+    /// Where it stands.
+    pub span: Span,
+}
+
+/// A unit after a number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unit {
+    /// `s`
+    Seconds,
+    /// `ms`
+    Milliseconds,
+    /// `frames`, steps of the world
+    Frames,
+}
+
+/// Binary operators that join two values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BinaryOp {
+    /// `+`
+    Add,
+    /// `-`
+    Subtract,
+    /// `*`
+    Multiply,
+    /// `/`
+    Divide,
+    /// `and`
+    And,
+    /// `or`
+    Or,
+}
+
+/// Comparisons.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CompareOp {
+    /// `==`
+    Equal,
+    /// `!=`
+    Unequal,
+    /// `<`
+    Less,
+    /// `<=`
+    AtMost,
+    /// `>`
+    Greater,
+    /// `>=`
+    AtLeast,
+}
+
+/// What an expression is.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ExprKind {
+    /// `12`, `0.5s`
+    Number(f64, Option<Unit>),
+    /// `true`, `false`
+    Bool(bool),
+    /// `none`
+    NoneRef,
+    /// `self`
+    SelfRef,
+    /// `timer`
+    Timer,
+    /// `"text"`
+    Text(String),
+    /// `a`, `a.b`, `x'`
+    Path(Path),
+    /// `f(a, b) as c`
+    Call(Name, Vec<Expr>, Option<Name>),
+    /// `in mode`
+    InMode(Path),
+    /// `any Entity`
+    Any(Name),
+    /// `(a, b)`
+    Point(Box<Expr>, Box<Expr>),
+    /// `(a)`
+    Paren(Box<Expr>),
+    /// `-a`
+    Negate(Box<Expr>),
+    /// `not a`
+    Not(Box<Expr>),
+    /// `a + b`
+    Binary(BinaryOp, Box<Expr>, Box<Expr>),
+    /// `a < b`, `a <= b < c`
+    Compare(Box<Expr>, Vec<(CompareOp, Expr)>),
+    /// `a in mode`
+    In(Box<Expr>, Path),
+    /// `a is Entity`; none for `a is none`
+    Is(Box<Expr>, Option<Name>),
+    /// `a touching tag`
+    Touching(Box<Expr>, Name),
+}

@@ -1,0 +1,642 @@
+//! The syntax tree from pest's pairs: files, entities, modes, edges, envelopes. Worlds are in `build_world`,
+//! expressions in `expression`.
+
+use pest::Parser;
+use pest::iterators::Pair;
+
+use crate::diagnostic::Diagnostics;
+use crate::diagnostic::catalogue::syntax::{NotSupported, Unexpected};
+use crate::source::{FileId, Span};
+
+use super::ast::{
+    Assignment, Broken, Collider, Constant, Continuous, Dimension, Discrete, Domain, Edge, Entity,
+    Envelope, File, Group, Import, Initial, Item, Member, Mode, Name, Path, Ramp, RampKind, Rate,
+    Variable,
+};
+use super::scan::Scan;
+use super::{Grammar, Rule, message};
+
+/// What the builders share.
+pub(super) struct Builder<'a> {
+    file: FileId,
+    source: &'a str,
+    scan: &'a Scan,
+    text: &'a str,
+    broken: Vec<Broken>,
+    diagnostics: &'a mut Diagnostics,
+}
+
+/// Parses the scanned text and builds the tree.
+pub(super) fn file(
+    id: FileId,
+    source: &str,
+    mut scan: Scan,
+    diagnostics: &mut Diagnostics,
+) -> File {
+    let trivia = std::mem::take(&mut scan.trivia);
+    let mut out = File {
+        id,
+        items: Vec::new(),
+        trivia,
+        broken: Vec::new(),
+    };
+    let Some(text) = scan.text.take() else {
+        // Nothing of the file was read: later stages must not complain of what it would have declared.
+        out.broken.push(Broken {
+            span: Span::new(id, 0, source.len()),
+            names: vec!["*".into()],
+        });
+        return out;
+    };
+    let mut b = Builder {
+        file: id,
+        source,
+        scan: &scan,
+        text: &text,
+        broken: Vec::new(),
+        diagnostics,
+    };
+    match Grammar::parse(Rule::file, &text) {
+        Ok(pairs) => {
+            for pair in pairs.flat_map(Pair::into_inner) {
+                out.items.extend(b.item(&pair, &out.trivia));
+            }
+        }
+        Err(error) => {
+            let at = match error.location {
+                pest::error::InputLocation::Pos(at) | pest::error::InputLocation::Span((at, _)) => {
+                    at
+                }
+            };
+            let at = b.span(at, at + 1);
+            b.diagnostics.report(Unexpected {
+                at,
+                found: None,
+                expected: Vec::new(),
+                help: None,
+            });
+            b.broken.push(Broken {
+                span: at,
+                names: vec!["*".into()],
+            });
+        }
+    }
+    out.broken = b.broken;
+    out
+}
+
+/// The inner pairs without punctuation and introducing words.
+pub(super) fn parts<'i>(pair: &Pair<'i, Rule>) -> Vec<Pair<'i, Rule>> {
+    pair.clone()
+        .into_inner()
+        .filter(|p| !is_punctuation(p.as_rule()))
+        .collect()
+}
+
+fn is_punctuation(rule: Rule) -> bool {
+    use Rule as R;
+    matches!(
+        rule,
+        R::end
+            | R::EOI
+            | R::open_brace
+            | R::close_brace
+            | R::open_paren
+            | R::close_paren
+            | R::comma
+            | R::colon
+            | R::arrow
+            | R::dot
+            | R::range
+            | R::caret
+            | R::kw_import
+            | R::kw_const
+            | R::kw_entity
+            | R::kw_world
+            | R::kw_param
+            | R::kw_continuous
+            | R::kw_discrete
+            | R::kw_button
+            | R::kw_axis
+            | R::kw_collider
+            | R::kw_group
+            | R::kw_mode
+            | R::kw_when
+            | R::kw_envelope
+            | R::kw_as
+            | R::word_int
+            | R::word_initial
+            | R::word_by
+            | R::word_directions
+            | R::word_attack
+            | R::word_sustain
+            | R::word_for
+            | R::word_release
+            | R::word_while
+            | R::word_accel
+            | R::word_over
+            | R::word_to
+            | R::word_step
+            | R::word_collide
+            | R::word_with
+            | R::word_tiles
+            | R::word_x
+            | R::word_space
+            | R::word_player
+            | R::word_goal
+            | R::word_never
+            | R::word_map
+            | R::word_place
+            | R::word_at
+            | R::word_any
+            | R::word_touching
+    )
+}
+
+impl Builder<'_> {
+    /// A source span from bytes of the mended text.
+    pub fn span(&self, start: usize, end: usize) -> Span {
+        Span::new(
+            self.file,
+            self.scan.position(start),
+            self.scan.position(end),
+        )
+    }
+
+    /// The source span of a pair, without white space at its end.
+    pub fn span_of(&self, pair: &Pair<'_, Rule>) -> Span {
+        let (start, text) = (pair.as_span().start(), pair.as_str());
+        self.span(start, start + text.trim_end().len())
+    }
+
+    pub fn name(&self, pair: &Pair<'_, Rule>) -> Name {
+        match pair.as_rule() {
+            // A text's name is what stands between the quotes.
+            Rule::text => Name {
+                text: pair.as_str().trim_matches('"').to_string(),
+                span: self.span_of(pair),
+            },
+            Rule::tag => match pair.clone().into_inner().next() {
+                Some(inner) => self.name(&inner),
+                None => Name {
+                    text: pair.as_str().to_string(),
+                    span: self.span_of(pair),
+                },
+            },
+            _ => Name {
+                text: pair.as_str().trim_end().to_string(),
+                span: self.span_of(pair),
+            },
+        }
+    }
+
+    pub fn names(&self, pair: &Pair<'_, Rule>) -> Vec<Name> {
+        parts(pair).iter().map(|p| self.name(p)).collect()
+    }
+
+    /// Reports a slice that fit no rule. `rule` is what should have stood there.
+    pub fn bad(&mut self, rule: Rule, pair: &Pair<'_, Rule>) {
+        let (from, to) = (pair.as_span().start(), pair.as_span().end());
+        let span = self.span_of(pair);
+        self.broken.push(Broken {
+            span,
+            names: declared_names(pair.as_str()),
+        });
+        if self.scan.explained.iter().any(|e| e.contains(span)) {
+            return;
+        }
+        let fact = message::explain(rule, self.text, from, to, &|a, b| self.span(a, b));
+        self.diagnostics.report(fact);
+    }
+
+    /// Reports a construct of the language that this version cannot compile.
+    pub fn later(&mut self, pair: &Pair<'_, Rule>) {
+        let at = self.span_of(pair);
+        let what: String = pair
+            .as_str()
+            .split_whitespace()
+            .take_while(|w| w.chars().all(|c| c.is_alphanumeric() || c == '_'))
+            .take(1)
+            .collect();
+        self.broken.push(Broken {
+            span: at,
+            names: declared_names(pair.as_str()),
+        });
+        self.diagnostics.report(NotSupported {
+            at,
+            what: format!("`{what}`"),
+        });
+    }
+
+    fn item(&mut self, pair: &Pair<'_, Rule>, trivia: &[super::ast::Comment]) -> Option<Item> {
+        match pair.as_rule() {
+            Rule::import => {
+                let path = self.name(parts(pair).first()?);
+                Some(Item::Import(Import { path }))
+            }
+            Rule::constant => self.constant(pair, trivia).map(Item::Constant),
+            Rule::entity => {
+                let inner = parts(pair);
+                let name = self.name(inner.first()?);
+                let members = self.members(inner.get(1)?, trivia);
+                Some(Item::Entity(Entity {
+                    name,
+                    members,
+                    doc: self.doc(pair, trivia),
+                    span: self.span_of(pair),
+                }))
+            }
+            Rule::world => {
+                let doc = self.doc(pair, trivia);
+                self.world(pair, doc).map(Item::World)
+            }
+            Rule::later_item => {
+                self.later(pair);
+                None
+            }
+            Rule::bad_item => {
+                self.bad(Rule::only_item, pair);
+                None
+            }
+            _ => None,
+        }
+    }
+
+    /// The `///` lines directly above a pair.
+    fn doc(&self, pair: &Pair<'_, Rule>, trivia: &[super::ast::Comment]) -> Option<String> {
+        let mut start = self.span_of(pair).start as usize;
+        let mut lines = Vec::new();
+        let before = trivia.partition_point(|c| (c.span.start as usize) < start);
+        for comment in trivia.get(..before)?.iter().rev() {
+            let gap = self.source.get(comment.span.end as usize..start)?;
+            if !comment.documents || !gap.trim().is_empty() || gap.matches('\n').count() != 1 {
+                break;
+            }
+            let body = self
+                .source
+                .get(comment.span.range())?
+                .trim_start_matches('/');
+            lines.push(
+                body.strip_prefix(' ')
+                    .unwrap_or(body)
+                    .trim_end()
+                    .to_string(),
+            );
+            start = comment.span.start as usize;
+        }
+        lines.reverse();
+        (!lines.is_empty()).then(|| lines.join("\n"))
+    }
+
+    fn constant(
+        &mut self,
+        pair: &Pair<'_, Rule>,
+        trivia: &[super::ast::Comment],
+    ) -> Option<Constant> {
+        let inner = parts(pair);
+        let name = self.name(inner.first()?);
+        let dimension = inner
+            .iter()
+            .find(|p| p.as_rule() == Rule::annotation)
+            .and_then(|p| self.dimension(p));
+        let value = self.expression(inner.iter().find(|p| p.as_rule() == Rule::expression)?)?;
+        Some(Constant {
+            name,
+            dimension,
+            value,
+            doc: self.doc(pair, trivia),
+        })
+    }
+
+    fn dimension(&self, annotation: &Pair<'_, Rule>) -> Option<Dimension> {
+        let dimension = parts(annotation).into_iter().next()?;
+        let mut factors = Vec::new();
+        let mut sign = 1;
+        for part in parts(&dimension) {
+            if part.as_rule() == Rule::dimension_operator {
+                sign = if part.as_str().starts_with('/') {
+                    -1
+                } else {
+                    1
+                };
+                continue;
+            }
+            let inner = parts(&part);
+            let exponent = inner
+                .get(1)
+                .map_or(Some(1), |e| e.as_str().parse::<i32>().ok())?;
+            factors.push((self.name(inner.first()?), sign * exponent));
+        }
+        Some(Dimension {
+            factors,
+            span: self.span_of(&dimension),
+        })
+    }
+
+    fn members(&mut self, block: &Pair<'_, Rule>, trivia: &[super::ast::Comment]) -> Vec<Member> {
+        let mut members = Vec::new();
+        for pair in parts(block) {
+            match pair.as_rule() {
+                Rule::bad_member => self.bad(Rule::only_member, &pair),
+                Rule::later_member => self.later(&pair),
+                _ => members.extend(self.member(&pair, trivia)),
+            }
+        }
+        members
+    }
+
+    fn member(&mut self, pair: &Pair<'_, Rule>, trivia: &[super::ast::Comment]) -> Option<Member> {
+        let span = self.span_of(pair);
+        let inner = parts(pair);
+        Some(match pair.as_rule() {
+            Rule::parameter => Member::Parameter(self.constant(pair, trivia)?),
+            Rule::continuous => {
+                let name = self.name(inner.first()?);
+                let dimension = inner
+                    .iter()
+                    .find(|p| p.as_rule() == Rule::annotation)
+                    .and_then(|p| self.dimension(p));
+                let initial = inner.iter().find(|p| p.as_rule() == Rule::expression);
+                let initial = initial.and_then(|p| self.expression(p));
+                Member::Continuous(Continuous {
+                    name,
+                    dimension,
+                    initial,
+                })
+            }
+            Rule::discrete => {
+                let name = self.name(inner.first()?);
+                let domain = self.domain(inner.get(1)?)?;
+                let initial =
+                    self.expression(inner.iter().rfind(|p| p.as_rule() == Rule::expression)?)?;
+                Member::Discrete(Discrete {
+                    name,
+                    domain,
+                    initial,
+                })
+            }
+            Rule::buttons => Member::Buttons(self.names(pair), span),
+            Rule::axes => Member::Axes(self.names(pair), span),
+            Rule::collider => {
+                let kinematic = inner.first()?.as_rule() == Rule::kw_kinematic;
+                let tags = self.names(inner.iter().find(|p| p.as_rule() == Rule::tags)?);
+                let shape_pair = inner.iter().find(|p| p.as_rule() == Rule::shape)?;
+                let shape_parts = parts(shape_pair);
+                let shape = self.name(shape_parts.first()?);
+                let arguments = self.expressions(shape_parts.get(1..)?)?;
+                let guard = match inner.iter().find(|p| p.as_rule() == Rule::expression) {
+                    Some(guard) => Some(self.expression(guard)?),
+                    None => None,
+                };
+                Member::Collider(Collider {
+                    kinematic,
+                    tags,
+                    shape,
+                    arguments,
+                    guard,
+                    span,
+                })
+            }
+            Rule::group => {
+                let name = self.name(inner.first()?);
+                Member::Group(Group {
+                    name,
+                    members: self.members(inner.get(1)?, trivia),
+                    span,
+                })
+            }
+            Rule::mode => {
+                let mut inner = inner.into_iter();
+                let mut first = inner.next()?;
+                let mut initial = Initial::No;
+                if first.as_rule() == Rule::initial {
+                    let guard = parts(&first).into_iter().next();
+                    initial = match guard {
+                        Some(guard) => Initial::When(self.expression(&guard)?),
+                        None => Initial::Plain,
+                    };
+                    first = inner.next()?;
+                }
+                let name = self.name(&first);
+                let members = self.members(&inner.next()?, trivia);
+                Member::Mode(Mode {
+                    initial,
+                    name,
+                    members,
+                    doc: self.doc(pair, trivia),
+                    span,
+                })
+            }
+            Rule::assignment => {
+                let becomes = inner.get(1)?.as_rule() == Rule::becomes;
+                let assignment = Assignment {
+                    variable: self.variable(inner.first()?)?,
+                    value: self.expression(inner.get(2)?)?,
+                    span,
+                };
+                if becomes {
+                    Member::Entry(assignment)
+                } else {
+                    Member::Flow(assignment)
+                }
+            }
+            Rule::edge => {
+                let guard = self.expression(inner.first()?)?;
+                let mut target = None;
+                let mut updates = Vec::new();
+                for part in inner.iter().skip(1) {
+                    match part.as_rule() {
+                        Rule::target => target = Some(self.path(parts(part).first()?)?),
+                        Rule::updates => updates = self.updates(part),
+                        _ => {}
+                    }
+                }
+                Member::Edge(Edge {
+                    guard,
+                    target,
+                    updates,
+                    span,
+                })
+            }
+            Rule::envelope => Member::Envelope(self.envelope(pair)?),
+            _ => return None,
+        })
+    }
+
+    fn domain(&mut self, pair: &Pair<'_, Rule>) -> Option<Domain> {
+        let domain = parts(pair).into_iter().next()?;
+        let inner = parts(&domain);
+        Some(match domain.as_rule() {
+            Rule::int_domain => Domain::Int(
+                self.expression(inner.first()?)?,
+                self.expression(inner.get(1)?)?,
+            ),
+            Rule::bool_domain => Domain::Bool,
+            _ => Domain::Set(inner.iter().map(|p| self.name(p)).collect()),
+        })
+    }
+
+    pub fn variable(&self, pair: &Pair<'_, Rule>) -> Option<Variable> {
+        let inner = parts(pair);
+        let primes = inner.get(1).map_or(0, |p| p.as_str().len());
+        Some(Variable {
+            name: self.name(inner.first()?),
+            primes,
+            span: self.span_of(pair),
+        })
+    }
+
+    pub fn path(&self, pair: &Pair<'_, Rule>) -> Option<Path> {
+        let mut segments = Vec::new();
+        let mut primes = 0;
+        for part in parts(pair) {
+            if part.as_rule() == Rule::primes {
+                primes = part.as_str().len();
+            } else {
+                segments.push(self.name(&part));
+            }
+        }
+        (!segments.is_empty()).then(|| Path {
+            segments,
+            primes,
+            span: self.span_of(pair),
+        })
+    }
+
+    fn updates(&mut self, pair: &Pair<'_, Rule>) -> Vec<Assignment> {
+        let mut updates = Vec::new();
+        for part in parts(pair) {
+            match part.as_rule() {
+                Rule::bad_update => self.bad(Rule::only_update, &part),
+                Rule::later_update => self.later(&part),
+                _ => updates.extend(self.assignment(&part)),
+            }
+        }
+        updates
+    }
+
+    /// `variable = value` or `variable := value`.
+    pub fn assignment(&mut self, pair: &Pair<'_, Rule>) -> Option<Assignment> {
+        let inner = parts(pair);
+        Some(Assignment {
+            variable: self.variable(inner.first()?)?,
+            value: self.expression(inner.get(2)?)?,
+            span: self.span_of(pair),
+        })
+    }
+
+    fn envelope(&mut self, pair: &Pair<'_, Rule>) -> Option<Envelope> {
+        let mut out = Envelope {
+            controlled: Vec::new(),
+            by: None,
+            directions: None,
+            ramps: Vec::new(),
+            span: self.span_of(pair),
+        };
+        for part in parts(pair) {
+            match part.as_rule() {
+                Rule::controlled => {
+                    out.controlled = parts(&part)
+                        .iter()
+                        .map(|v| self.variable(v))
+                        .collect::<Option<_>>()?;
+                }
+                Rule::expression => out.by = Some(self.expression(&part)?),
+                Rule::directions => out.directions = parts(&part).first().map(|d| self.name(d)),
+                Rule::ramps => {
+                    for ramp in parts(&part) {
+                        match ramp.as_rule() {
+                            Rule::bad_ramp => self.bad(Rule::only_ramp, &ramp),
+                            Rule::later_ramp => self.later(&ramp),
+                            _ => out.ramps.extend(self.ramp(&ramp)),
+                        }
+                    }
+                }
+                _ => {}
+            }
+        }
+        Some(out)
+    }
+
+    fn ramp(&mut self, pair: &Pair<'_, Rule>) -> Option<Ramp> {
+        let inner = parts(pair);
+        let first = inner.first()?;
+        let kind = match pair.as_rule() {
+            Rule::attack => RampKind::Attack(self.rate(first)?, self.level(inner.get(1))),
+            Rule::sustain if first.as_rule() == Rule::sustain_for => {
+                RampKind::SustainFor(self.expression(parts(first).first()?)?)
+            }
+            Rule::sustain => RampKind::Sustain(self.expression(first)?),
+            Rule::release => match first.as_rule() {
+                Rule::hold => RampKind::ReleaseHold,
+                Rule::level => RampKind::Release(None, self.level(Some(first))),
+                _ => RampKind::Release(Some(self.rate(first)?), self.level(inner.get(1))),
+            },
+            Rule::driven_while => RampKind::While(self.expression(first)?),
+            _ => return None,
+        };
+        Some(Ramp {
+            kind,
+            span: self.span_of(pair),
+        })
+    }
+
+    fn rate(&mut self, pair: &Pair<'_, Rule>) -> Option<Rate> {
+        let rate = parts(pair).into_iter().next()?;
+        let value = parts(&rate);
+        Some(match rate.as_rule() {
+            Rule::accel => Rate::Accel(self.expression(value.first()?)?),
+            Rule::over => Rate::Over(self.expression(value.first()?)?),
+            _ => Rate::Instant,
+        })
+    }
+
+    fn level(&mut self, pair: Option<&Pair<'_, Rule>>) -> Option<super::ast::Expr> {
+        self.expression(parts(pair?).first()?)
+    }
+}
+
+/// The names that a broken declaration would have introduced: the words after a declaring word.
+fn declared_names(slice: &str) -> Vec<String> {
+    let mut names = Vec::new();
+    let mut declaring = false;
+    for token in slice
+        .split(|c: char| !(c.is_alphanumeric() || c == '_' || c == ','))
+        .filter(|t| !t.is_empty())
+    {
+        let list_goes_on = token.ends_with(',');
+        for word in token.split(',').filter(|w| !w.is_empty()) {
+            let declares = matches!(
+                word,
+                "param"
+                    | "continuous"
+                    | "discrete"
+                    | "ref"
+                    | "button"
+                    | "axis"
+                    | "collider"
+                    | "group"
+                    | "mode"
+                    | "entity"
+                    | "behavior"
+                    | "world"
+                    | "const"
+                    | "space"
+                    | "tiles"
+                    | "place"
+                    | "goal"
+                    | "never"
+                    | "map"
+            );
+            if declares {
+                declaring = true;
+            } else if declaring {
+                names.push(word.to_string());
+            }
+            if !declares && !list_goes_on {
+                declaring = false;
+            }
+        }
+    }
+    names
+}

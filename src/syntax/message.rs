@@ -1,0 +1,224 @@
+//! Words for syntax errors: a slice that fit no rule is parsed again with the rule that was expected, and
+//! pest's furthest failure becomes a diagnostic.
+
+use pest::Parser;
+use pest::error::{ErrorVariant, InputLocation};
+
+use crate::diagnostic::catalogue::syntax::Unexpected;
+use crate::source::Span;
+
+use super::{Grammar, Rule};
+
+/// Explains why `text[from..to]` does not parse as `rule`; `span` maps bytes of `text` to source spans.
+pub(super) fn explain(
+    rule: Rule,
+    text: &str,
+    from: usize,
+    to: usize,
+    span: &dyn Fn(usize, usize) -> Span,
+) -> Unexpected {
+    let slice = text.get(from..to).unwrap_or("");
+    let trimmed = slice.trim_end();
+    let (offset, expected) = match Grammar::parse(rule, trimmed) {
+        Ok(_) => (0, Vec::new()),
+        Err(error) => {
+            let at = match error.location {
+                InputLocation::Pos(at) | InputLocation::Span((at, _)) => at,
+            };
+            let expected = match error.variant {
+                ErrorVariant::ParsingError { positives, .. } => words(&positives),
+                ErrorVariant::CustomError { .. } => Vec::new(),
+            };
+            (at.min(trimmed.len()), expected)
+        }
+    };
+    // White space before the culprit is not the culprit.
+    let tail = trimmed.get(offset..).unwrap_or("");
+    let at = from + offset + (tail.len() - tail.trim_start().len());
+    let found = token_at(text, at);
+    let end_of_statement = found.is_empty();
+    let at_span = if end_of_statement {
+        let last = from + trimmed.char_indices().next_back().map_or(0, |(i, _)| i);
+        span(last, from + trimmed.len())
+    } else {
+        span(at, at + found.len())
+    };
+    let missing_colon = expected.iter().any(|e| e == "`:=`") && found == "=";
+    Unexpected {
+        at: at_span,
+        found: (!end_of_statement).then(|| found.to_string()),
+        expected,
+        help: missing_colon
+            .then(|| "inside `{ }` of an edge an update is written with `:=`".to_string()),
+    }
+}
+
+/// The token that starts at `at`, empty at the end of a line or of the text.
+fn token_at(text: &str, at: usize) -> &str {
+    let rest = text.get(at..).unwrap_or("");
+    let first = match rest.chars().next() {
+        None | Some('\n' | '\r') => return "",
+        Some(c) => c,
+    };
+    let is_word = |c: char| c.is_alphanumeric() || c == '_';
+    let length = if is_word(first) {
+        rest.find(|c| !is_word(c)).unwrap_or(rest.len())
+    } else {
+        ["->", ":=", "==", "!=", "<=", ">=", "''", ".."]
+            .iter()
+            .find(|t| rest.starts_with(**t))
+            .map_or(first.len_utf8(), |t| t.len())
+    };
+    rest.get(..length).unwrap_or("")
+}
+
+/// The rules that could have stood at an error, in the order of importance and without repetition.
+fn words(rules: &[Rule]) -> Vec<String> {
+    let mut words: Vec<&'static str> = Vec::new();
+    let mut add = |word: &'static str| {
+        if !words.contains(&word) {
+            words.push(word);
+        }
+    };
+    let has = |rule: Rule| rules.contains(&rule);
+    let starts_expression =
+        has(Rule::expression) || has(Rule::number) || has(Rule::primary) || has(Rule::digits);
+    let is_operator = |rule: &Rule| {
+        use Rule::{
+            above, at_least, at_most, below, divided, dot, equal, kw_and, kw_is, kw_or, minus,
+            plus, primes, relation, relation_in, relation_is, relation_touching, times, unequal,
+            unit, word_touching,
+        };
+        matches!(
+            rule,
+            plus | minus
+                | times
+                | divided
+                | equal
+                | unequal
+                | at_most
+                | at_least
+                | below
+                | above
+                | kw_and
+                | kw_or
+                | relation
+                | relation_in
+                | relation_is
+                | relation_touching
+                | kw_is
+                | word_touching
+                | primes
+                | unit
+                | dot
+        )
+    };
+    for rule in rules {
+        if starts_expression && starts_an_expression(*rule) {
+            add("an expression");
+        } else if is_operator(rule) || (*rule == Rule::kw_in && has(Rule::kw_is)) {
+            continue;
+        } else if let Some(word) = word(*rule) {
+            add(word);
+        }
+    }
+    if rules.iter().any(is_operator) && !starts_expression {
+        add("an operator");
+    }
+    words.iter().map(|w| (*w).to_string()).collect()
+}
+
+fn starts_an_expression(rule: Rule) -> bool {
+    use Rule::{
+        any_instance, argument, call, callee, digits, expression, in_mode, kw_clamp, kw_false,
+        kw_if, kw_in, kw_none, kw_not, kw_self, kw_timer, kw_true, name, negative, number,
+        open_paren, paren, path, primary, text, word_any,
+    };
+    matches!(
+        rule,
+        expression
+            | number
+            | digits
+            | primary
+            | call
+            | callee
+            | in_mode
+            | any_instance
+            | kw_timer
+            | path
+            | paren
+            | text
+            | kw_true
+            | kw_false
+            | kw_none
+            | kw_self
+            | kw_if
+            | kw_clamp
+            | kw_in
+            | kw_not
+            | negative
+            | name
+            | open_paren
+            | word_any
+            | argument
+    )
+}
+
+fn word(rule: Rule) -> Option<&'static str> {
+    use Rule as R;
+    Some(match rule {
+        R::EOI | R::end => "the end of the statement",
+        R::name | R::variable | R::path => "a name",
+        R::tag | R::tags => "a tag",
+        R::text => "a text in quotes",
+        R::map_text => "a map (`\"` at the end of the line, the rows, `\"` on a line of its own)",
+        R::number | R::digits => "a number",
+        R::open_brace | R::block | R::world_block | R::space_block | R::tile_block | R::ramps => {
+            "`{`"
+        }
+        R::close_brace => "`}`",
+        R::open_paren | R::point => "`(`",
+        R::close_paren => "`)`",
+        R::comma => "`,`",
+        R::colon | R::annotation => "`:`",
+        R::assign => "`=`",
+        R::becomes => "`:=`",
+        R::arrow | R::target => "`->`",
+        R::range => "`..`",
+        R::domain | R::int_domain | R::set_domain | R::bool_domain => {
+            "`int LOW..HIGH`, `bool` or `{a, b, c}`"
+        }
+        R::shape => "a shape such as `rect(x, y, width, height)`",
+        R::rate => "`accel`, `over` or `instant`",
+        R::response => "`block` or `sense`",
+        R::tile_char => "a tile's character in quotes such as `'#'`",
+        R::import => "`import`",
+        R::constant => "`const`",
+        R::entity => "`entity`",
+        R::world => "`world`",
+        R::parameter => "`param`",
+        R::mode | R::kw_mode => "`mode`",
+        R::edge | R::kw_when => "`when`",
+        R::kw_collider => "`collider`",
+        R::word_by => "`by`",
+        R::word_with => "`with`",
+        R::word_at => "`at`",
+        R::word_x => "`x`",
+        R::settings | R::updates => "`{`",
+        R::step => "`step`",
+        R::collide => "`collide`",
+        R::tiles => "`tiles`",
+        R::space => "`space`",
+        R::player => "`player`",
+        R::goal => "`goal`",
+        R::never => "`never`",
+        R::map => "`map`",
+        R::place => "`place`",
+        R::attack => "`attack`",
+        R::sustain => "`sustain`",
+        R::release => "`release`",
+        R::driven_while => "`while`",
+        R::dimension => "a dimension such as `px/s`",
+        _ => return None,
+    })
+}

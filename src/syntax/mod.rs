@@ -1,0 +1,35 @@
+//! From text to the syntax tree. The grammar is `grammar/hyped.pest`; it parses everything, errors included.
+//!
+//! [`parse`] never fails: a linear [`scan`] first keeps the limits that protect the parser's stack, collects the
+//! comments and mends unbalanced braces; then pest parses, and what fit no rule is reported and left out.
+
+pub mod ast;
+mod build;
+mod build_world;
+mod expression;
+mod import;
+mod message;
+mod scan;
+
+use crate::diagnostic::Diagnostics;
+use crate::source::FileId;
+
+use grammar::{Grammar, Rule};
+pub use import::load;
+pub use scan::{MAX_NESTING, MAX_OPERATORS};
+
+/// The parser that pest derives from the grammar; its `Rule` is an implementation detail of this stage.
+#[allow(missing_docs, reason = "derived code")]
+mod grammar {
+    #[derive(pest_derive::Parser)]
+    #[grammar = "../grammar/hyped.pest"]
+    pub struct Grammar;
+}
+
+/// Parses one file. The tree holds what could be read; the diagnostics say what could not.
+pub fn parse(file: FileId, text: &str) -> (ast::File, Diagnostics) {
+    let mut diagnostics = Diagnostics::new();
+    let scanned = scan::scan(file, text, &mut diagnostics);
+    let tree = build::file(file, text, scanned, &mut diagnostics);
+    (tree, diagnostics)
+}

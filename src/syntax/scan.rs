@@ -1,0 +1,457 @@
+//! The linear scan before parsing: limits on nesting and length (pest answers deep nesting by the size of the
+//! thread's stack), comments as trivia, maps without an end, and braces that do not match.
+//!
+//! Unbalanced braces are mended by indentation, so that one lost brace is one diagnostic and the rest of the file
+//! is still checked. The mended text differs from the source by inserted lines; [`Scan::position`] maps back.
+
+use crate::diagnostic::Diagnostics;
+use crate::diagnostic::catalogue::syntax::{
+    ExpressionTooLong, NestingTooDeep, StrayBrace, UnclosedBrace, UnterminatedMap,
+};
+use crate::source::{FileId, Span};
+
+use super::ast::Comment;
+
+/// How many brackets may be open at once.
+pub const MAX_NESTING: usize = 64;
+/// How many operators one expression may hold.
+pub const MAX_OPERATORS: usize = 256;
+
+/// What the scan leaves for the parser.
+pub(super) struct Scan {
+    /// The text to parse; none if a limit was passed.
+    pub text: Option<String>,
+    /// All comments.
+    pub trivia: Vec<Comment>,
+    /// Regions whose syntax errors are already explained.
+    pub explained: Vec<Span>,
+    /// Where lines were inserted (in the mended text) and how many bytes.
+    insertions: Vec<(usize, usize)>,
+    length: usize,
+}
+
+impl Scan {
+    /// The byte of the source behind a byte of the mended text.
+    pub fn position(&self, mended: usize) -> usize {
+        let mut shift = 0;
+        for &(at, length) in &self.insertions {
+            if mended <= at {
+                break;
+            }
+            shift += length.min(mended - at);
+        }
+        (mended - shift).min(self.length)
+    }
+}
+
+/// One brace of the text.
+#[derive(Clone, Copy)]
+struct Brace {
+    at: usize,
+    open: bool,
+    /// Width of the white space its line begins with.
+    indent: usize,
+    /// Whether nothing stands before it on its line.
+    leads: bool,
+}
+
+/// The first token of a line outside parentheses and text.
+#[derive(Clone, Copy)]
+struct LineStart {
+    line: usize,
+    token: usize,
+    indent: usize,
+}
+
+/// Scans a file.
+pub(super) fn scan(file: FileId, text: &str, diagnostics: &mut Diagnostics) -> Scan {
+    let mut scanner = Scanner::new(file, text, diagnostics);
+    scanner.run();
+    let Scanner {
+        trivia,
+        braces,
+        lines,
+        blanks,
+        explained,
+        within_limits,
+        ..
+    } = scanner;
+    let mut scan = Scan {
+        text: None,
+        trivia,
+        explained,
+        insertions: Vec::new(),
+        length: text.len(),
+    };
+    if within_limits {
+        let mut mended = text.as_bytes().to_vec();
+        for (from, to) in blanks {
+            for byte in mended.iter_mut().take(to).skip(from) {
+                if *byte != b'\n' && *byte != b'\r' {
+                    *byte = b' ';
+                }
+            }
+        }
+        let inserts = mend_braces(file, text.len(), &braces, &lines, &mut mended, diagnostics);
+        let mut out = String::with_capacity(mended.len() + 2 * inserts.len());
+        let mut done = 0;
+        for at in inserts {
+            out.push_str(&String::from_utf8_lossy(&mended[done..at]));
+            scan.insertions.push((out.len(), 3));
+            out.push_str("\n}\n");
+            done = at;
+        }
+        out.push_str(&String::from_utf8_lossy(&mended[done..]));
+        scan.text = Some(out);
+    }
+    scan
+}
+
+/// Finds braces without a partner and where the missing ones belong; blanks stray ones out of `text`.
+/// Returns the bytes before which a closing brace is to be inserted, in order.
+fn mend_braces(
+    file: FileId,
+    length: usize,
+    braces: &[Brace],
+    lines: &[LineStart],
+    text: &mut [u8],
+    diagnostics: &mut Diagnostics,
+) -> Vec<usize> {
+    let mut depth = 0i64;
+    let balanced = braces.iter().all(|b| {
+        depth += if b.open { 1 } else { -1 };
+        depth >= 0
+    }) && depth == 0;
+    if balanced {
+        return Vec::new();
+    }
+    let at = |byte: usize| Span::new(file, byte, byte + 1);
+    let mut inserts = Vec::new();
+    let mut open: Vec<Brace> = Vec::new();
+    let mut lines = lines.iter().peekable();
+    for brace in braces {
+        while let Some(line) = lines.next_if(|l| l.token < brace.at) {
+            while let Some(top) = open.last().copied().filter(|top| line.indent <= top.indent) {
+                diagnostics.report(UnclosedBrace {
+                    open: at(top.at),
+                    here: Some(at(line.token)),
+                });
+                inserts.push(line.line);
+                open.pop();
+            }
+        }
+        if brace.open {
+            open.push(*brace);
+            continue;
+        }
+        if brace.leads && open.iter().any(|o| o.indent == brace.indent) {
+            // The brace stands under its opener: what is open inside it has lost its own.
+            while let Some(top) = open.last().copied().filter(|top| top.indent > brace.indent) {
+                diagnostics.report(UnclosedBrace {
+                    open: at(top.at),
+                    here: Some(at(brace.at)),
+                });
+                inserts.push(brace.at);
+                open.pop();
+            }
+        }
+        if open.pop().is_none() {
+            diagnostics.report(StrayBrace { at: at(brace.at) });
+            text[brace.at] = b' ';
+        }
+    }
+    for line in lines {
+        while let Some(top) = open.last().copied().filter(|top| line.indent <= top.indent) {
+            diagnostics.report(UnclosedBrace {
+                open: at(top.at),
+                here: Some(at(line.token)),
+            });
+            inserts.push(line.line);
+            open.pop();
+        }
+    }
+    while let Some(top) = open.pop() {
+        diagnostics.report(UnclosedBrace {
+            open: at(top.at),
+            here: None,
+        });
+        inserts.push(length);
+    }
+    inserts
+}
+
+struct Scanner<'a> {
+    file: FileId,
+    text: &'a str,
+    bytes: &'a [u8],
+    diagnostics: &'a mut Diagnostics,
+    trivia: Vec<Comment>,
+    braces: Vec<Brace>,
+    lines: Vec<LineStart>,
+    /// Byte ranges to be replaced by blanks.
+    blanks: Vec<(usize, usize)>,
+    explained: Vec<Span>,
+    within_limits: bool,
+    /// Open parentheses of each open brace, outermost first.
+    parens: Vec<usize>,
+    operators: usize,
+    /// A newline came since the last token, outside parentheses.
+    newline: bool,
+    /// The last token lets a statement go on in the next line.
+    continues: bool,
+    line_start: usize,
+    indent: usize,
+    line_is_empty: bool,
+}
+
+impl<'a> Scanner<'a> {
+    fn new(file: FileId, text: &'a str, diagnostics: &'a mut Diagnostics) -> Self {
+        Scanner {
+            file,
+            text,
+            bytes: text.as_bytes(),
+            diagnostics,
+            trivia: Vec::new(),
+            braces: Vec::new(),
+            lines: Vec::new(),
+            blanks: Vec::new(),
+            explained: Vec::new(),
+            within_limits: true,
+            parens: vec![0],
+            operators: 0,
+            newline: false,
+            continues: false,
+            line_start: 0,
+            indent: 0,
+            line_is_empty: true,
+        }
+    }
+
+    fn run(&mut self) {
+        let mut i = 0;
+        while i < self.bytes.len() && self.within_limits {
+            i = match self.bytes[i] {
+                b'\n' => {
+                    self.newline = true;
+                    self.line_start = i + 1;
+                    self.indent = 0;
+                    self.line_is_empty = true;
+                    i + 1
+                }
+                b' ' | b'\t' | b'\r' => {
+                    if self.line_is_empty {
+                        self.indent += 1;
+                    }
+                    i + 1
+                }
+                b'/' if self.bytes.get(i + 1) == Some(&b'/') => self.comment(i),
+                _ => self.token(i),
+            };
+        }
+    }
+
+    fn line_end(&self, from: usize) -> usize {
+        self.bytes[from..]
+            .iter()
+            .position(|&b| b == b'\n')
+            .map_or(self.bytes.len(), |n| from + n)
+    }
+
+    fn comment(&mut self, start: usize) -> usize {
+        let end = self.line_end(start);
+        let body = self.text.get(start..end).unwrap_or("").trim_end();
+        let documents = body.starts_with("///") && !body.starts_with("////");
+        self.trivia.push(Comment {
+            span: Span::new(self.file, start, start + body.len()),
+            documents,
+        });
+        end
+    }
+
+    /// Takes the token at `i` and gives the byte after it.
+    fn token(&mut self, i: usize) -> usize {
+        let rest = &self.bytes[i..];
+        let word = word_length(rest);
+        let is_word = |w: &str| word == w.len() && rest.starts_with(w.as_bytes());
+        let joins = is_word("and") || is_word("or") || rest.starts_with(b"->") || rest[0] == b'{';
+        let inside = self.parens.last().is_some_and(|&p| p > 0);
+        if self.newline && !inside && !self.continues && !joins {
+            self.operators = 0;
+        }
+        self.newline = false;
+        self.continues = false;
+        if self.line_is_empty {
+            self.line_is_empty = false;
+            if !inside && rest[0] != b'}' && rest[0] != b'{' {
+                self.lines.push(LineStart {
+                    line: self.line_start,
+                    token: i,
+                    indent: self.indent,
+                });
+            }
+            self.brace_or_other(i, true, word)
+        } else {
+            self.brace_or_other(i, false, word)
+        }
+    }
+
+    fn brace_or_other(&mut self, i: usize, leads: bool, word: usize) -> usize {
+        let rest = &self.bytes[i..];
+        match rest[0] {
+            open @ (b'{' | b'}') => {
+                self.braces.push(Brace {
+                    at: i,
+                    open: open == b'{',
+                    indent: self.indent,
+                    leads,
+                });
+                self.operators = 0;
+                if open == b'{' {
+                    self.parens.push(0);
+                    self.check_nesting(i);
+                } else if self.parens.len() > 1 {
+                    self.parens.pop();
+                }
+                i + 1
+            }
+            b'(' => {
+                if let Some(depth) = self.parens.last_mut() {
+                    *depth += 1;
+                }
+                self.check_nesting(i);
+                i + 1
+            }
+            b')' => {
+                if let Some(depth) = self.parens.last_mut() {
+                    *depth = depth.saturating_sub(1);
+                }
+                i + 1
+            }
+            b';' => {
+                self.operators = 0;
+                i + 1
+            }
+            b',' => {
+                self.continues = true;
+                i + 1
+            }
+            b'"' => self.text_or_map(i),
+            b'\'' => self.tile_or_prime(i),
+            b'-' if rest.starts_with(b"->") => {
+                self.continues = true;
+                i + 2
+            }
+            b'+' | b'-' | b'*' | b'/' | b'<' | b'>' => self.operator(i, 1),
+            b'=' | b'!' | b':' if rest.get(1) == Some(&b'=') => {
+                if rest[0] == b':' {
+                    self.continues = true;
+                    return i + 2;
+                }
+                self.operator(i, 2)
+            }
+            b'=' => {
+                self.continues = true;
+                i + 1
+            }
+            _ if word > 0 => {
+                if matches!(&rest[..word], b"and" | b"or" | b"not") {
+                    self.operator(i, word)
+                } else {
+                    i + word
+                }
+            }
+            _ => i + char_length(rest),
+        }
+    }
+
+    fn operator(&mut self, i: usize, length: usize) -> usize {
+        self.operators += 1;
+        self.continues = true;
+        if self.operators > MAX_OPERATORS {
+            self.within_limits = false;
+            self.diagnostics.report(ExpressionTooLong {
+                at: Span::new(self.file, i, i + length),
+            });
+        }
+        i + length
+    }
+
+    fn check_nesting(&mut self, i: usize) {
+        let depth = self.parens.len() - 1 + self.parens.iter().sum::<usize>();
+        if depth > MAX_NESTING {
+            self.within_limits = false;
+            self.diagnostics.report(NestingTooDeep {
+                at: Span::new(self.file, i, i + 1),
+            });
+        }
+    }
+
+    /// `'` after a name is a prime; `'c'` is a tile's character.
+    fn tile_or_prime(&mut self, i: usize) -> usize {
+        let before = i.checked_sub(1).map(|b| self.bytes[b]);
+        if before.is_some_and(|b| b == b'\'' || is_word_byte(b)) {
+            return i + 1;
+        }
+        let length = self.bytes.get(i + 1..).map_or(0, char_length);
+        if self.bytes.get(i + 1 + length) == Some(&b'\'') {
+            i + length + 2
+        } else {
+            i + 1
+        }
+    }
+
+    /// Text on one line, or a map: its opening quote ends a line, its closing quote begins one.
+    fn text_or_map(&mut self, i: usize) -> usize {
+        let end = self.line_end(i);
+        if let Some(close) = self.bytes[i + 1..end].iter().position(|&b| b == b'"') {
+            return i + close + 2;
+        }
+        let after = self.text.get(i + 1..end).unwrap_or("x").trim();
+        if !after.is_empty() && !after.starts_with("//") {
+            return i + 1; // an unclosed text: the grammar reports it at its line's end
+        }
+        let mut line = end + 1;
+        while line < self.bytes.len() {
+            let line_end = self.line_end(line);
+            let row = self.text.get(line..line_end).unwrap_or("").trim();
+            if row.starts_with('"') {
+                return line
+                    + self.bytes[line..line_end]
+                        .iter()
+                        .position(|&b| b == b'"')
+                        .unwrap_or(0)
+                    + 1;
+            }
+            if row.contains('"') || row.starts_with('}') {
+                break;
+            }
+            line = line_end + 1;
+        }
+        let stop = line.min(self.bytes.len());
+        self.diagnostics.report(UnterminatedMap {
+            open: Span::new(self.file, i, i + 1),
+        });
+        self.explained
+            .push(Span::new(self.file, self.line_start, stop));
+        self.blanks.push((i, stop));
+        stop.saturating_sub(1).max(i + 1)
+    }
+}
+
+fn is_word_byte(b: u8) -> bool {
+    b.is_ascii_alphanumeric() || b == b'_' || b >= 0x80
+}
+
+fn word_length(bytes: &[u8]) -> usize {
+    bytes.iter().take_while(|&&b| is_word_byte(b)).count()
+}
+
+fn char_length(bytes: &[u8]) -> usize {
+    match bytes.first() {
+        None => 0,
+        Some(b) if *b < 0xc0 => 1,
+        Some(b) if *b < 0xe0 => 2,
+        Some(b) if *b < 0xf0 => 3,
+        Some(_) => 4,
+    }
+}

@@ -27,9 +27,5 @@ pub fn compile(root: &Path, files: &dyn Files) -> Compilation {
     diagnostics.append(found);
     diagnostics.sort();
     let program = (!diagnostics.has_errors()).then(|| ir::lower(&checked));
-    Compilation {
-        sources,
-        program,
-        diagnostics,
-    }
+    Compilation { sources, program, diagnostics }
 }

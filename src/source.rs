@@ -40,20 +40,12 @@ impl Span {
     /// The bytes `start..end` of `file`.
     pub fn new(file: FileId, start: usize, end: usize) -> Self {
         // Files are limited to `MAX_FILE_BYTES`, so the casts lose nothing.
-        Span {
-            file,
-            start: start as u32,
-            end: end as u32,
-        }
+        Span { file, start: start as u32, end: end as u32 }
     }
 
     /// The smallest span around both; `other` must be of the same file.
     pub fn to(self, other: Span) -> Span {
-        Span {
-            file: self.file,
-            start: self.start.min(other.start),
-            end: self.end.max(other.end),
-        }
+        Span { file: self.file, start: self.start.min(other.start), end: self.end.max(other.end) }
     }
 
     /// The span as a range of byte indices.
@@ -85,15 +77,9 @@ impl SourceFile {
     /// Line and column of a byte, both from 1; the column counts characters.
     pub fn line_column(&self, byte: usize) -> (usize, usize) {
         let byte = byte.min(self.text.len());
-        let line = self
-            .line_starts
-            .partition_point(|&start| start as usize <= byte)
-            .saturating_sub(1);
+        let line = self.line_starts.partition_point(|&start| start as usize <= byte).saturating_sub(1);
         let start = self.line_starts.get(line).map_or(0, |&s| s as usize);
-        let column = self
-            .text
-            .get(start..byte)
-            .map_or(0, |before| before.chars().count());
+        let column = self.text.get(start..byte).map_or(0, |before| before.chars().count());
         (line + 1, column + 1)
     }
 }
@@ -102,10 +88,7 @@ impl SourceFile {
     /// The bytes of a line (from 0), its line break included; none past the last line.
     pub fn line_range(&self, line: usize) -> Option<std::ops::Range<usize>> {
         let start = *self.line_starts.get(line)? as usize;
-        let end = self
-            .line_starts
-            .get(line + 1)
-            .map_or(self.text.len(), |&e| e as usize);
+        let end = self.line_starts.get(line + 1).map_or(self.text.len(), |&e| e as usize);
         Some(start..end)
     }
 }
@@ -126,18 +109,9 @@ impl SourceMap {
     pub fn add(&mut self, path: impl Into<PathBuf>, text: impl Into<String>) -> FileId {
         let text: String = text.into();
         let mut line_starts = vec![0];
-        line_starts.extend(
-            text.bytes()
-                .enumerate()
-                .filter(|&(_, b)| b == b'\n')
-                .map(|(i, _)| i as u32 + 1),
-        );
+        line_starts.extend(text.bytes().enumerate().filter(|&(_, b)| b == b'\n').map(|(i, _)| i as u32 + 1));
         let id = FileId(self.files.len() as u32);
-        self.files.push(SourceFile {
-            path: path.into(),
-            text,
-            line_starts,
-        });
+        self.files.push(SourceFile { path: path.into(), text, line_starts });
         id
     }
 
@@ -148,18 +122,12 @@ impl SourceMap {
 
     /// The text under a span, or nothing if the span is not of this map.
     pub fn slice(&self, span: Span) -> &str {
-        self.files
-            .get(span.file.0 as usize)
-            .and_then(|f| f.text.get(span.range()))
-            .unwrap_or("")
+        self.files.get(span.file.0 as usize).and_then(|f| f.text.get(span.range())).unwrap_or("")
     }
 
     /// All files with their ids.
     pub fn iter(&self) -> impl Iterator<Item = (FileId, &SourceFile)> {
-        self.files
-            .iter()
-            .enumerate()
-            .map(|(i, f)| (FileId(i as u32), f))
+        self.files.iter().enumerate().map(|(i, f)| (FileId(i as u32), f))
     }
 }
 
@@ -196,8 +164,7 @@ pub fn decode(bytes: Vec<u8>) -> Result<String, ReadError> {
     if bytes.len() > MAX_FILE_BYTES {
         return Err(ReadError::TooLarge(bytes.len() as u64));
     }
-    let text =
-        String::from_utf8(bytes).map_err(|e| ReadError::NotUtf8(e.utf8_error().valid_up_to()))?;
+    let text = String::from_utf8(bytes).map_err(|e| ReadError::NotUtf8(e.utf8_error().valid_up_to()))?;
     Ok(match text.strip_prefix('\u{feff}') {
         Some(rest) => rest.to_string(),
         None => text,

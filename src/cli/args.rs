@@ -76,12 +76,7 @@ pub(super) struct SimArgs {
     #[arg(long, value_name = "NAME")]
     pub world: Option<String>,
     /// An input script.
-    #[arg(
-        long,
-        value_name = "SCRIPT",
-        conflicts_with = "inputs_file",
-        allow_hyphen_values = true
-    )]
+    #[arg(long, value_name = "SCRIPT", conflicts_with = "inputs_file", allow_hyphen_values = true)]
     pub inputs: Option<String>,
     /// A file that holds an input script.
     #[arg(long, value_name = "PATH")]

@@ -16,11 +16,7 @@ pub(super) fn run(args: &CheckArgs) -> io::Result<Answer> {
     for path in &args.files {
         let compilation = compile(path, &Disk);
         let found = &compilation.diagnostics;
-        write!(
-            io::stdout(),
-            "{}",
-            rendered(&compilation.sources, found, args.format, color)
-        )?;
+        write!(io::stdout(), "{}", rendered(&compilation.sources, found, args.format, color))?;
         if args.format == FindingFormat::Human {
             writeln!(io::stderr(), "{}: {}", path.display(), summary(found))?;
         }
@@ -31,10 +27,7 @@ pub(super) fn run(args: &CheckArgs) -> io::Result<Answer> {
 
 fn judged(found: &Diagnostics) -> Answer {
     let unreadable = |code: Code| matches!(code, Code::Unreadable | Code::NotUtf8);
-    if found
-        .iter()
-        .any(|d| unreadable(d.code) && d.primary.is_none())
-    {
+    if found.iter().any(|d| unreadable(d.code) && d.primary.is_none()) {
         Answer::Unasked
     } else if found.has_errors() {
         Answer::No

@@ -1,10 +1,7 @@
 //! The command line: one file per subcommand. The only part that talks to the terminal, looks at a clock, reads the
 //! disk and chooses an exit code: 0 as wished, 1 the answer is no, 2 the question could not be asked.
 
-#![allow(
-    clippy::disallowed_methods,
-    reason = "seconds are a matter of the command line"
-)]
+#![allow(clippy::disallowed_methods, reason = "seconds are a matter of the command line")]
 
 mod args;
 mod check;

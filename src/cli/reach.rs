@@ -75,22 +75,13 @@ pub(super) fn run(args: &ReachArgs) -> io::Result<Answer> {
         goals: Vec::new(),
     };
     if args.format == ResultFormat::Human {
-        writeln!(
-            io::stdout(),
-            "{}, world {}, seed {}",
-            result.file,
-            result.world,
-            result.seed
-        )?;
+        writeln!(io::stdout(), "{}, world {}, seed {}", result.file, result.world, result.seed)?;
     }
     for &goal in &goals {
         let name = &sim.world().goals[goal].name;
         let problem = Problem::new(&sim, goal);
         let watch = CommandWatch::new(name, args.seconds);
-        let settings = Settings {
-            seed: args.seed,
-            ..Settings::default()
-        };
+        let settings = Settings { seed: args.seed, ..Settings::default() };
         let outcome = reach(&problem, &settings, &Limits { nodes: args.nodes }, &watch);
         watch.finish();
         let outcome = match outcome {
@@ -133,11 +124,7 @@ pub(super) fn run(args: &ReachArgs) -> io::Result<Answer> {
 }
 
 /// The goals that were asked for, or all; shows why if there are none.
-fn choose_goals(
-    loaded: &Loaded,
-    world: WorldId,
-    wanted: &[String],
-) -> io::Result<Option<Vec<GoalId>>> {
+fn choose_goals(loaded: &Loaded, world: WorldId, wanted: &[String]) -> io::Result<Option<Vec<GoalId>>> {
     let goals = &loaded.program.worlds[world].goals;
     let world = &loaded.program.worlds[world].name;
     let mut chosen = Vec::new();
@@ -163,14 +150,7 @@ fn choose_goals(
     if chosen.is_empty() {
         let why = format!("`{world}` has no goal");
         let help = Some("add one, such as `goal arrive: near(hero, (416, 48), 16)`".to_string());
-        show_fact(
-            &loaded.sources,
-            NoQuestion {
-                why,
-                near: None,
-                help,
-            },
-        )?;
+        show_fact(&loaded.sources, NoQuestion { why, near: None, help })?;
         return Ok(None);
     }
     Ok(Some(chosen))
@@ -184,11 +164,7 @@ fn row(sim: &Simulator<'_>, goal: &str, outcome: &Outcome, seconds: f64) -> Goal
     let s = &outcome.statistics;
     GoalResult {
         goal: goal.to_string(),
-        verdict: if plan.is_some() {
-            "reached"
-        } else {
-            "not found"
-        },
+        verdict: if plan.is_some() { "reached" } else { "not found" },
         steps: plan.map(|p| p.steps),
         seconds_of_play: plan.map(|p| p.steps as f64 * sim.world().step.seconds()),
         inputs: plan.map(|p| p.script.text(sim.program(), sim.world_id())),
@@ -208,9 +184,7 @@ fn human(row: &GoalResult) -> String {
     let trees = if row.trees == 1 { "tree" } else { "trees" };
     let mut out = format!("  goal {}: {}\n", row.goal, row.verdict);
     if let (Some(steps), Some(seconds)) = (row.steps, row.seconds_of_play) {
-        out.push_str(&format!(
-            "    path    {steps} steps ({seconds:.2} s of play)\n"
-        ));
+        out.push_str(&format!("    path    {steps} steps ({seconds:.2} s of play)\n"));
     }
     if let Some(inputs) = row.inputs.as_ref().filter(|i| !i.is_empty()) {
         out.push_str(&format!("    inputs  {inputs}\n"));

@@ -18,12 +18,7 @@ pub(super) fn colored(terminal: bool) -> bool {
 }
 
 /// Findings as text.
-pub(super) fn rendered(
-    sources: &SourceMap,
-    found: &Diagnostics,
-    format: FindingFormat,
-    color: bool,
-) -> String {
+pub(super) fn rendered(sources: &SourceMap, found: &Diagnostics, format: FindingFormat, color: bool) -> String {
     match format {
         FindingFormat::Human => render::human(sources, found.iter(), color),
         FindingFormat::Short => render::short(sources, found.iter()),
@@ -33,11 +28,7 @@ pub(super) fn rendered(
 /// Shows findings on standard error.
 pub(super) fn show(sources: &SourceMap, found: &Diagnostics) -> io::Result<()> {
     let color = colored(io::stderr().is_terminal());
-    write!(
-        io::stderr(),
-        "{}",
-        rendered(sources, found, FindingFormat::Human, color)
-    )
+    write!(io::stderr(), "{}", rendered(sources, found, FindingFormat::Human, color))
 }
 
 /// Shows one fact on standard error.
@@ -60,33 +51,16 @@ pub(super) struct Loaded {
 
 /// Compiles a file; shows what is wrong and gives nothing if it cannot be run.
 pub(super) fn load(path: &Path) -> io::Result<Option<Loaded>> {
-    let Compilation {
-        sources,
-        program,
-        diagnostics,
-    } = compile(path, &Disk);
+    let Compilation { sources, program, diagnostics } = compile(path, &Disk);
     show(&sources, &diagnostics)?;
     Ok(program.map(|program| Loaded { sources, program }))
 }
 
 /// The world of a name, or the only one; shows why if there is none.
-pub(super) fn choose_world(
-    loaded: &Loaded,
-    path: &Path,
-    name: Option<&str>,
-) -> io::Result<Option<WorldId>> {
+pub(super) fn choose_world(loaded: &Loaded, path: &Path, name: Option<&str>) -> io::Result<Option<WorldId>> {
     let worlds = &loaded.program.worlds;
     let names: Vec<&str> = worlds.iter().map(|w| w.name.as_str()).collect();
-    let list = || {
-        format!(
-            "there is {}",
-            names
-                .iter()
-                .map(|n| format!("`{n}`"))
-                .collect::<Vec<_>>()
-                .join(", ")
-        )
-    };
+    let list = || format!("there is {}", names.iter().map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", "));
     let found = match name {
         Some(name) => worlds.find(|w| w.name == name),
         None => worlds.ids().next().filter(|_| worlds.len() == 1),

@@ -39,12 +39,7 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Answer> {
                     }
                 }
             };
-            Some(TraceWriter::new(
-                &sim,
-                BufWriter::new(to),
-                &args.file.display().to_string(),
-                &text,
-            )?)
+            Some(TraceWriter::new(&sim, BufWriter::new(to), &args.file.display().to_string(), &text)?)
         }
         None => None,
     };
@@ -52,30 +47,20 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Answer> {
     let mut report = Report::new(&sim);
     let result = drive(&sim, &script, frames, &mut |step, input, state| {
         report.observe(step, state);
-        trace
-            .as_mut()
-            .map_or(Ok(()), |t| t.state(step, input, state))
+        trace.as_mut().map_or(Ok(()), |t| t.state(step, input, state))
     })?;
     if let Some(trace) = trace {
         trace.finish()?;
     }
     let to_stdout = args.trace.as_ref().is_some_and(|p| p.as_os_str() == "-");
     if !to_stdout {
-        write!(
-            io::stdout(),
-            "{}",
-            report.text(&args.file.display().to_string())
-        )?;
+        write!(io::stdout(), "{}", report.text(&args.file.display().to_string()))?;
     }
     if let Err((fault, step)) = result {
         show_fact(&loaded.sources, fault.fact(&loaded.program, world, step))?;
         return Ok(Answer::No);
     }
-    Ok(if report.violated() {
-        Answer::No
-    } else {
-        Answer::Yes
-    })
+    Ok(if report.violated() { Answer::No } else { Answer::Yes })
 }
 
 /// The script that was asked for; shows why if there is none.
@@ -85,31 +70,15 @@ fn script(args: &SimArgs, loaded: &mut Loaded, world: WorldId) -> io::Result<Opt
         (None, Some(path)) => match Disk.read(path) {
             Ok(text) => (path.clone(), text),
             Err(error) => {
-                show_fact(
-                    &loaded.sources,
-                    Unreadable {
-                        path: path.clone(),
-                        import: None,
-                        error,
-                    },
-                )?;
+                show_fact(&loaded.sources, Unreadable { path: path.clone(), import: None, error })?;
                 return Ok(None);
             }
         },
         (None, None) if args.frames.is_some() => return Ok(Some(Script::default())),
         (None, None) => {
             let why = "no inputs and no number of steps".to_string();
-            let help = Some(
-                "give `--inputs 'right*40'`, `--inputs-file PATH` or `--frames N`".to_string(),
-            );
-            show_fact(
-                &loaded.sources,
-                NoQuestion {
-                    why,
-                    near: None,
-                    help,
-                },
-            )?;
+            let help = Some("give `--inputs 'right*40'`, `--inputs-file PATH` or `--frames N`".to_string());
+            show_fact(&loaded.sources, NoQuestion { why, near: None, help })?;
             return Ok(None);
         }
     };
@@ -188,30 +157,18 @@ impl<'s> Report<'s> {
     fn text(&self, file: &str) -> String {
         let (program, world): (&Program, _) = (self.sim.program(), self.sim.world());
         let seconds = world.step.seconds() * self.steps as f64;
-        let mut out = format!(
-            "{file}, world {}: {} steps ({seconds:.2} s)\n",
-            world.name, self.steps
-        );
+        let mut out = format!("{file}, world {}: {} steps ({seconds:.2} s)\n", world.name, self.steps);
         if self.last.is_empty() {
             return out;
         }
-        let width = world
-            .slots
-            .iter()
-            .map(|s| s.name.chars().count())
-            .max()
-            .unwrap_or(0);
+        let width = world.slots.iter().map(|s| s.name.chars().count()).max().unwrap_or(0);
         for (id, slot) in world.slots.pairs() {
             let entity = &program.entities[slot.entity];
             let layout = &world.layout.slots[id];
             let modes: Vec<&str> = entity
                 .groups
                 .ids()
-                .map(|g| {
-                    entity.modes[entity.leaves[layout.leaf(&self.last, g)].mode]
-                        .path
-                        .as_str()
-                })
+                .map(|g| entity.modes[entity.leaves[layout.leaf(&self.last, g)].mode].path.as_str())
                 .collect();
             let mut values: Vec<String> = entity
                 .vars
@@ -222,15 +179,8 @@ impl<'s> Report<'s> {
                 })
                 .collect();
             let discretes = entity.discretes.pairs();
-            values.extend(
-                discretes.map(|(d, v)| format!("{} = {}", v.name, layout.discrete(&self.last, d))),
-            );
-            out.push_str(&format!(
-                "  {:width$}  {}  {}\n",
-                slot.name,
-                modes.join(", "),
-                values.join(", ")
-            ));
+            values.extend(discretes.map(|(d, v)| format!("{} = {}", v.name, layout.discrete(&self.last, d))));
+            out.push_str(&format!("  {:width$}  {}  {}\n", slot.name, modes.join(", "), values.join(", ")));
         }
         for (first, goal) in self.goals.iter().zip(world.goals.iter()) {
             out.push_str(&match first {
@@ -240,10 +190,7 @@ impl<'s> Report<'s> {
         }
         for (first, never) in self.nevers.iter().zip(world.nevers.iter()) {
             if let Some(step) = first {
-                out.push_str(&format!(
-                    "  never {}: violated at step {step}\n",
-                    never.name
-                ));
+                out.push_str(&format!("  never {}: violated at step {step}\n", never.name));
             }
         }
         out

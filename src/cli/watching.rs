@@ -39,24 +39,13 @@ pub(super) struct CommandWatch {
 impl CommandWatch {
     /// Starts the clock.
     pub fn new(what: &str, seconds: Option<f64>) -> Self {
-        let target = if io::stderr().is_terminal() {
-            ProgressDrawTarget::stderr()
-        } else {
-            ProgressDrawTarget::hidden()
-        };
+        let target =
+            if io::stderr().is_terminal() { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
         let bar = ProgressBar::with_draw_target(None, target);
-        let style = ProgressStyle::with_template(
-            "{spinner} {prefix}  {pos} of {len} nodes  {msg}  {elapsed}",
-        );
+        let style = ProgressStyle::with_template("{spinner} {prefix}  {pos} of {len} nodes  {msg}  {elapsed}");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
         bar.set_prefix(what.to_string());
-        CommandWatch {
-            interrupted: interrupted(),
-            started: Instant::now(),
-            seconds,
-            bar,
-            shown: Cell::new(None),
-        }
+        CommandWatch { interrupted: interrupted(), started: Instant::now(), seconds, bar, shown: Cell::new(None) }
     }
 
     /// Seconds since the start.
@@ -85,11 +74,7 @@ impl Watch for CommandWatch {
             return;
         }
         let now = Instant::now();
-        if self
-            .shown
-            .get()
-            .is_some_and(|last| now - last < Duration::from_millis(100))
-        {
+        if self.shown.get().is_some_and(|last| now - last < Duration::from_millis(100)) {
             return;
         }
         self.shown.set(Some(now));
@@ -97,7 +82,6 @@ impl Watch for CommandWatch {
         self.bar.set_position(progress.nodes);
         let speed = progress.nodes as f64 / self.seconds().max(1e-3);
         let trees = if progress.trees == 1 { "tree" } else { "trees" };
-        self.bar
-            .set_message(format!("{speed:.0}/s  {} {trees}", progress.trees));
+        self.bar.set_message(format!("{speed:.0}/s  {} {trees}", progress.trees));
     }
 }

@@ -89,12 +89,7 @@ mod tests {
     #[test]
     fn codes_are_in_order_and_differ() {
         for pair in Code::ALL.windows(2) {
-            assert!(
-                pair[0].text() < pair[1].text(),
-                "{} and {}",
-                pair[0],
-                pair[1]
-            );
+            assert!(pair[0].text() < pair[1].text(), "{} and {}", pair[0], pair[1]);
         }
     }
 }

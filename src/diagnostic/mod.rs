@@ -67,20 +67,14 @@ impl Diagnostic {
     /// Sets the place of the mistake.
     #[must_use]
     pub fn at(mut self, span: Span, text: impl Into<String>) -> Self {
-        self.primary = Some(Label {
-            span,
-            text: text.into(),
-        });
+        self.primary = Some(Label { span, text: text.into() });
         self
     }
 
     /// Adds another place.
     #[must_use]
     pub fn and(mut self, span: Span, text: impl Into<String>) -> Self {
-        self.secondary.push(Label {
-            span,
-            text: text.into(),
-        });
+        self.secondary.push(Label { span, text: text.into() });
         self
     }
 
@@ -134,18 +128,13 @@ impl Diagnostics {
 
     /// How many errors and how many warnings.
     pub fn counts(&self) -> (usize, usize) {
-        let errors = self
-            .list
-            .iter()
-            .filter(|d| d.severity == Severity::Error)
-            .count();
+        let errors = self.list.iter().filter(|d| d.severity == Severity::Error).count();
         (errors, self.list.len() - errors)
     }
 
     /// Sorts by file and place, those without a place first; equal findings become one.
     pub fn sort(&mut self) {
-        self.list
-            .sort_by_key(|d| (d.primary.as_ref().map(|l| l.span), d.code));
+        self.list.sort_by_key(|d| (d.primary.as_ref().map(|l| l.span), d.code));
         self.list.dedup();
     }
 

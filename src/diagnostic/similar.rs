@@ -3,7 +3,7 @@
 /// The candidate closest to `name`, if one is close enough to be a slip of the hand: at most a third of its
 /// letters differ (insertions, deletions, substitutions, swapped neighbours). Ties go to the first.
 pub fn similar<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
-    let limit = (name.chars().count().max(3) / 3).min(4);
+    let limit = (name.chars().count() / 3).min(4);
     candidates
         .into_iter()
         .filter(|c| *c != name)
@@ -29,9 +29,7 @@ fn distance(a: &str, b: &str) -> usize {
                 i
             } else {
                 let cost = usize::from(a[i - 1] != b[j - 1]);
-                let mut best = (rows[i - 1][j] + 1)
-                    .min(rows[i][j - 1] + 1)
-                    .min(rows[i - 1][j - 1] + cost);
+                let mut best = (rows[i - 1][j] + 1).min(rows[i][j - 1] + 1).min(rows[i - 1][j - 1] + cost);
                 if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
                     best = best.min(rows[i - 2][j - 2] + 1);
                 }
@@ -48,10 +46,7 @@ mod tests {
 
     #[test]
     fn slips_are_found_and_strangers_are_not() {
-        assert_eq!(
-            similar("walkng", ["running", "walking"]),
-            Some("walking".into())
-        );
+        assert_eq!(similar("walkng", ["running", "walking"]), Some("walking".into()));
         assert_eq!(similar("lfet", ["right", "left"]), Some("left".into()));
         assert_eq!(similar("jump", ["duck", "left"]), None);
     }

@@ -5,8 +5,7 @@ use crate::sema::{ConstantContext, evaluate};
 use crate::source::Span;
 
 use super::{
-    Entity, EntityId, Expr, ExprId, IdVec, ModeId, Program, SlotId, Subject, TagSet, Timer,
-    TimerId, Touch, TouchId,
+    Entity, EntityId, Expr, ExprId, IdVec, ModeId, Program, SlotId, Subject, TagSet, Timer, TimerId, Touch, TouchId,
 };
 
 /// Where a term is lowered: whose numbers its questions get.
@@ -35,11 +34,7 @@ impl Program {
     /// Appends a term to the arena.
     pub(super) fn term(&mut self, term: &Term, context: &Context<'_>) -> ExprId {
         if let Ok(value) = evaluate(term, ConstantContext::LITERALS) {
-            let folded = if term.ty == Type::Bool {
-                Expr::Bool(value != 0.0)
-            } else {
-                Expr::Number(value)
-            };
+            let folded = if term.ty == Type::Bool { Expr::Bool(value != 0.0) } else { Expr::Number(value) };
             return self.push(folded, term.span);
         }
         let expr = match &term.kind {
@@ -78,37 +73,16 @@ impl Program {
             }
             TermKind::Not(a) => Expr::Not(self.term(a, context)),
             TermKind::Button(press, button) => Expr::Button(*press, *button),
-            TermKind::Touching {
-                of,
-                mine,
-                other,
-                side,
-            } => {
+            TermKind::Touching { of, mine, other, side } => {
                 let mine = mine.map_or(TagSet::ALL, TagSet::of);
-                let touch = Touch {
-                    mine,
-                    other: *other,
-                    side: *side,
-                };
-                Expr::Touching(
-                    *of,
-                    touch_of(&mut self.entities[context.entity(*of)], touch),
-                )
+                let touch = Touch { mine, other: *other, side: *side };
+                Expr::Touching(*of, touch_of(&mut self.entities[context.entity(*of)], touch))
             }
             TermKind::InMode(of, mode) => Expr::InMode(*of, *mode),
             TermKind::InSpace(of, space) => Expr::InSpace(*of, *space),
             TermKind::Near { of, x, y, radius } => {
-                let (x, y, radius) = (
-                    self.term(x, context),
-                    self.term(y, context),
-                    self.term(radius, context),
-                );
-                Expr::Near {
-                    of: *of,
-                    x,
-                    y,
-                    radius,
-                }
+                let (x, y, radius) = (self.term(x, context), self.term(y, context), self.term(radius, context));
+                Expr::Near { of: *of, x, y, radius }
             }
         };
         self.push(expr, term.span)
@@ -116,12 +90,7 @@ impl Program {
 
     fn timer(&mut self, entity: EntityId, mode: ModeId) -> TimerId {
         let timers = &mut self.entities[entity].timers;
-        timers.find(|t| t.mode == mode).unwrap_or_else(|| {
-            timers.push(Timer {
-                mode,
-                thresholds: Some(Vec::new()),
-            })
-        })
+        timers.find(|t| t.mode == mode).unwrap_or_else(|| timers.push(Timer { mode, thresholds: Some(Vec::new()) }))
     }
 
     /// Fills in what each timer is compared with, once all code of the entity is in the arena.
@@ -157,9 +126,7 @@ pub(super) fn known_per_instance(exprs: &IdVec<ExprId, Expr>, id: ExprId) -> boo
     match exprs[id] {
         Expr::Number(_) | Expr::Frames(_) | Expr::Bool(_) | Expr::Param(_) => true,
         Expr::Negate(a) | Expr::Not(a) => known(a),
-        Expr::Arithmetic(_, a, b) | Expr::Compare(_, a, b) | Expr::And(a, b) | Expr::Or(a, b) => {
-            known(a) && known(b)
-        }
+        Expr::Arithmetic(_, a, b) | Expr::Compare(_, a, b) | Expr::And(a, b) | Expr::Or(a, b) => known(a) && known(b),
         Expr::Call(_, args) => args.into_iter().all(known),
         _ => false,
     }
@@ -167,10 +134,7 @@ pub(super) fn known_per_instance(exprs: &IdVec<ExprId, Expr>, id: ExprId) -> boo
 
 /// The number of a contact question of an entity.
 fn touch_of(entity: &mut Entity, touch: Touch) -> TouchId {
-    entity
-        .touches
-        .find(|t| *t == touch)
-        .unwrap_or_else(|| entity.touches.push(touch))
+    entity.touches.find(|t| *t == touch).unwrap_or_else(|| entity.touches.push(touch))
 }
 
 /// The rate of a ramp, per second: given, or what covers `distance` in a time; none at once.
@@ -186,10 +150,7 @@ pub(super) fn rate(
         checked::Rate::Accel(a) => Some(program.term(a, context)),
         checked::Rate::Over(time) => {
             let time = program.term(time, context);
-            Some(program.push(
-                Expr::Arithmetic(super::Arithmetic::Divide, distance, time),
-                span,
-            ))
+            Some(program.push(Expr::Arithmetic(super::Arithmetic::Divide, distance, time), span))
         }
     }
 }

@@ -39,11 +39,7 @@ pub struct SlotLayout {
 
 impl Layout {
     /// Lays out the state of a world with these slots and so many players.
-    pub(super) fn new(
-        slots: &IdVec<SlotId, Slot>,
-        players: usize,
-        entities: &IdVec<EntityId, Entity>,
-    ) -> Layout {
+    pub(super) fn new(slots: &IdVec<SlotId, Slot>, players: usize, entities: &IdVec<EntityId, Entity>) -> Layout {
         let mut at = 0;
         let mut take = |bytes: usize| {
             let start = at;
@@ -53,18 +49,12 @@ impl Layout {
         let of = |slot: &Slot| &entities[slot.entity];
         let vars: Vec<usize> = slots.iter().map(|s| take(24 * of(s).vars.len())).collect();
         let players = (0..players).map(|_| take(8)).collect();
-        let discretes: Vec<usize> = slots
-            .iter()
-            .map(|s| take(4 * of(s).discretes.len()))
-            .collect();
+        let discretes: Vec<usize> = slots.iter().map(|s| take(4 * of(s).discretes.len())).collect();
         let timers: Vec<usize> = slots.iter().map(|s| take(4 * of(s).timers.len())).collect();
         let leaves: Vec<usize> = slots.iter().map(|s| take(2 * of(s).groups.len())).collect();
         let spaces: Vec<usize> = slots.iter().map(|_| take(2)).collect();
         let alive: Vec<usize> = slots.iter().map(|_| take(1)).collect();
-        let touches: Vec<usize> = slots
-            .iter()
-            .map(|s| take(of(s).touches.len().div_ceil(8)))
-            .collect();
+        let touches: Vec<usize> = slots.iter().map(|s| take(of(s).touches.len().div_ceil(8))).collect();
         let slots = (0..slots.len())
             .map(|i| SlotLayout {
                 vars: vars[i],
@@ -76,10 +66,6 @@ impl Layout {
                 touches: touches[i],
             })
             .collect();
-        Layout {
-            size: at.next_multiple_of(8),
-            slots,
-            players,
-        }
+        Layout { size: at.next_multiple_of(8), slots, players }
     }
 }

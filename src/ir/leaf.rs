@@ -5,10 +5,7 @@ use crate::sema::checked;
 
 use super::fold::Context;
 use super::lower::{drive, owners};
-use super::{
-    Drive, EntityId, Expr, ExprId, GroupId, Id, IdVec, Inputs, Leaf, ModeId, Program, Release,
-    Update, VarId,
-};
+use super::{Drive, EntityId, Expr, ExprId, GroupId, Id, IdVec, Inputs, Leaf, ModeId, Program, Release, Update, VarId};
 
 /// The lowered drives of an entity.
 pub(super) struct Drives {
@@ -25,24 +22,13 @@ pub(super) struct Drives {
 pub(super) fn drives(program: &mut Program, e: &checked::Entity, context: &Context<'_>) -> Drives {
     let owners = owners(e);
     let mut lowered = |list: &[checked::Drive]| -> Vec<(VarId, Drive)> {
-        list.iter()
-            .map(|d| (d.var, drive(program, d, context)))
-            .collect()
+        list.iter().map(|d| (d.var, drive(program, d, context))).collect()
     };
     let entity = lowered(&e.drives);
     let modes = e.modes.iter().map(|m| lowered(&m.drives)).collect();
-    let free = e
-        .vars
-        .ids()
-        .filter(|v| owners[*v].is_none())
-        .map(|v| of(&entity, v).unwrap_or(Drive::Coast(v)));
+    let free = e.vars.ids().filter(|v| owners[*v].is_none()).map(|v| of(&entity, v).unwrap_or(Drive::Coast(v)));
     let free = free.collect();
-    Drives {
-        owners,
-        modes,
-        entity,
-        free,
-    }
+    Drives { owners, modes, entity, free }
 }
 
 fn of(drives: &[(VarId, Drive)], var: VarId) -> Option<Drive> {
@@ -57,12 +43,7 @@ pub(super) struct Leaves {
 }
 
 /// Resolves the leaves.
-pub(super) fn leaves(
-    program: &Program,
-    id: EntityId,
-    e: &checked::Entity,
-    drives: &Drives,
-) -> Leaves {
+pub(super) fn leaves(program: &Program, id: EntityId, e: &checked::Entity, drives: &Drives) -> Leaves {
     let reads = Reads { program, id };
     let mut always = Inputs::default();
     for drive in &drives.free {
@@ -79,28 +60,18 @@ pub(super) fn leaves(
         path.reverse();
         let resolve = |var: VarId| {
             let inner = path.iter().rev().find_map(|&m| of(&drives.modes[m], var));
-            inner
-                .or_else(|| of(&drives.entity, var))
-                .unwrap_or(Drive::Coast(var))
+            inner.or_else(|| of(&drives.entity, var)).unwrap_or(Drive::Coast(var))
         };
-        let own: Vec<Drive> = e
-            .vars
-            .ids()
-            .filter(|v| drives.owners[*v] == Some(m.group))
-            .map(resolve)
-            .collect();
+        let own: Vec<Drive> = e.vars.ids().filter(|v| drives.owners[*v] == Some(m.group)).map(resolve).collect();
         let all = path.iter().flat_map(|&m| e.modes[m].edges.iter().copied());
-        let (edges, internal): (Vec<_>, Vec<_>) =
-            all.partition(|&edge| e.edges[edge].target.is_some());
+        let (edges, internal): (Vec<_>, Vec<_>) = all.partition(|&edge| e.edges[edge].target.is_some());
         let mut inputs = always;
         for drive in &own {
             inputs = inputs.with(reads.drive(*drive));
         }
         for edge in edges.iter().chain(&internal) {
             let edge = &program.entities[id].edges[*edge];
-            inputs = inputs
-                .with(reads.expr(edge.guard))
-                .with(reads.updates(&edge.updates));
+            inputs = inputs.with(reads.expr(edge.guard)).with(reads.updates(&edge.updates));
         }
         // Entering by an edge is a step of the source leaf: its entry updates read that step's inputs.
         for target in edges.iter().filter_map(|&edge| e.edges[edge].target) {
@@ -114,14 +85,7 @@ pub(super) fn leaves(
                 inputs = inputs.with(reads.updates(&modes[ModeId(inner)].entry));
             }
         }
-        leaves.push(Leaf {
-            mode,
-            path,
-            drives: own,
-            edges,
-            internal,
-            inputs,
-        });
+        leaves.push(Leaf { mode, path, drives: own, edges, internal, inputs });
     }
     Leaves { leaves, always }
 }
@@ -134,9 +98,7 @@ struct Reads<'a> {
 
 impl Reads<'_> {
     fn updates(&self, updates: &[Update]) -> Inputs {
-        updates
-            .iter()
-            .fold(Inputs::default(), |all, u| all.with(self.expr(u.value)))
+        updates.iter().fold(Inputs::default(), |all, u| all.with(self.expr(u.value)))
     }
 
     fn drive(&self, drive: Drive) -> Inputs {
@@ -145,21 +107,16 @@ impl Reads<'_> {
             Drive::Flow { value, .. } => self.expr(value),
             Drive::Envelope(id) => {
                 let envelope = &self.program.entities[self.id].envelopes[id];
-                let axis = Inputs {
-                    buttons: 0,
-                    axes: 1 << envelope.axis.index(),
-                };
+                let axis = Inputs { buttons: 0, axes: 1 << envelope.axis.index() };
                 let release = match envelope.release {
                     Release::Hold => Inputs::default(),
-                    Release::To { rate, level } => rate
-                        .map_or(Inputs::default(), |r| self.expr(r))
-                        .with(self.expr(level)),
+                    Release::To { rate, level } => {
+                        rate.map_or(Inputs::default(), |r| self.expr(r)).with(self.expr(level))
+                    }
                 };
                 let optional = |e: Option<ExprId>| e.map_or(Inputs::default(), |e| self.expr(e));
                 let guard = optional(envelope.guard).with(optional(envelope.attack));
-                axis.with(self.expr(envelope.sustain))
-                    .with(release)
-                    .with(guard)
+                axis.with(self.expr(envelope.sustain)).with(release).with(guard)
             }
         }
     }
@@ -167,19 +124,10 @@ impl Reads<'_> {
     fn expr(&self, id: ExprId) -> Inputs {
         let both = |a, b| self.expr(a).with(self.expr(b));
         match self.program.exprs[id] {
-            Expr::Button(_, button) => Inputs {
-                buttons: 1 << button.index(),
-                axes: 0,
-            },
-            Expr::Axis(axis) => Inputs {
-                buttons: 0,
-                axes: 1 << axis.index(),
-            },
+            Expr::Button(_, button) => Inputs { buttons: 1 << button.index(), axes: 0 },
+            Expr::Axis(axis) => Inputs { buttons: 0, axes: 1 << axis.index() },
             Expr::Negate(a) | Expr::Not(a) => self.expr(a),
-            Expr::Arithmetic(_, a, b)
-            | Expr::Compare(_, a, b)
-            | Expr::And(a, b)
-            | Expr::Or(a, b) => both(a, b),
+            Expr::Arithmetic(_, a, b) | Expr::Compare(_, a, b) | Expr::And(a, b) | Expr::Or(a, b) => both(a, b),
             Expr::Call(_, [a, b, c]) => both(a, b).with(self.expr(c)),
             Expr::Near { x, y, radius, .. } => both(x, y).with(self.expr(radius)),
             Expr::Number(_)

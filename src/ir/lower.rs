@@ -5,17 +5,14 @@ use crate::source::Span;
 
 use super::fold::{Context, rate};
 use super::{
-    Arithmetic, Collider, Discrete, Domain, Drive, Edge, Entity, EntityId, EntitySpans, Envelope,
-    Expr, ExprId, Function, Group, GroupId, Id, IdVec, Inputs, LeafId, Mode, ModeId, Param,
-    Program, Release, TagSet, Update, VarId, leaf, verify, world,
+    Arithmetic, Collider, Discrete, Domain, Drive, Edge, Entity, EntityId, EntitySpans, Envelope, Expr, ExprId,
+    Function, Group, GroupId, Id, IdVec, Inputs, LeafId, Mode, ModeId, Param, Program, Release, TagSet, Update, VarId,
+    leaf, verify, world,
 };
 
 /// Lowers a program that checked without errors.
 pub fn lower(checked: &Checked) -> Program {
-    let mut program = Program {
-        tags: checked.tags.clone(),
-        ..Program::default()
-    };
+    let mut program = Program { tags: checked.tags.clone(), ..Program::default() };
     // Goals add contact questions to entities that are lowered already, so all entities must exist first.
     for entity in checked.entities.iter() {
         program.entities.push(shell(entity));
@@ -28,11 +25,7 @@ pub fn lower(checked: &Checked) -> Program {
         program.timer_thresholds(id, from, to);
     }
     // Contact questions of every world, before any layout counts them.
-    let predicates: Vec<_> = checked
-        .worlds
-        .iter()
-        .map(|w| world::predicates(&mut program, w))
-        .collect();
+    let predicates: Vec<_> = checked.worlds.iter().map(|w| world::predicates(&mut program, w)).collect();
     for (w, predicates) in checked.worlds.iter().zip(predicates) {
         world::lower(&mut program, w, predicates);
     }
@@ -86,27 +79,16 @@ fn spans(e: &checked::Entity) -> EntitySpans {
 }
 
 fn entity_code(program: &mut Program, id: EntityId, e: &checked::Entity) {
-    let context = Context {
-        me: Some(id),
-        slots: &|_| id,
-    };
+    let context = Context { me: Some(id), slots: &|_| id };
     for param in e.params.iter() {
         let default = program.term(&param.default, &context);
-        program.entities[id].params.push(Param {
-            name: param.name.text.clone(),
-            default,
-        });
+        program.entities[id].params.push(Param { name: param.name.text.clone(), default });
     }
     for collider in e.colliders.iter() {
         let rect = [0, 1, 2, 3].map(|i| program.term(&collider.rect[i], &context));
         let guard = collider.guard.as_ref().map(|g| program.term(g, &context));
         let tags = collider.tags.iter().copied().collect::<TagSet>();
-        program.entities[id].colliders.push(Collider {
-            tags,
-            kinematic: collider.kinematic,
-            rect,
-            guard,
-        });
+        program.entities[id].colliders.push(Collider { tags, kinematic: collider.kinematic, rect, guard });
     }
     for envelope in e.envelopes.iter() {
         let envelope = lower_envelope(program, envelope, &context);
@@ -115,12 +97,7 @@ fn entity_code(program: &mut Program, id: EntityId, e: &checked::Entity) {
     for edge in e.edges.iter() {
         let guard = program.term(&edge.guard, &context);
         let updates = lower_updates(program, &edge.updates, &context);
-        program.entities[id].edges.push(Edge {
-            source: edge.source,
-            target: edge.target,
-            guard,
-            updates,
-        });
+        program.entities[id].edges.push(Edge { source: edge.source, target: edge.target, guard, updates });
     }
     modes(program, id, e, &context);
     let tables = leaf::drives(program, e, &context);
@@ -131,18 +108,8 @@ fn entity_code(program: &mut Program, id: EntityId, e: &checked::Entity) {
     entity.leaves = built.leaves;
 }
 
-fn lower_updates(
-    program: &mut Program,
-    updates: &[checked::Update],
-    context: &Context<'_>,
-) -> Vec<Update> {
-    updates
-        .iter()
-        .map(|u| Update {
-            place: u.place,
-            value: program.term(&u.value, context),
-        })
-        .collect()
+fn lower_updates(program: &mut Program, updates: &[checked::Update], context: &Context<'_>) -> Vec<Update> {
+    updates.iter().map(|u| Update { place: u.place, value: program.term(&u.value, context) }).collect()
 }
 
 fn lower_envelope(program: &mut Program, e: &checked::Envelope, context: &Context<'_>) -> Envelope {
@@ -153,13 +120,9 @@ fn lower_envelope(program: &mut Program, e: &checked::Envelope, context: &Contex
         checked::Release::To(_, None) | checked::Release::Hold => zero(program, e.span),
     };
     let timed = |r: &checked::Rate| matches!(r, checked::Rate::Over(_));
-    let any_timed =
-        timed(&e.attack) || matches!(&e.release, checked::Release::To(r, _) if timed(r));
+    let any_timed = timed(&e.attack) || matches!(&e.release, checked::Release::To(r, _) if timed(r));
     let distance = if any_timed {
-        let way = program.push(
-            Expr::Arithmetic(Arithmetic::Subtract, sustain, level),
-            e.span,
-        );
+        let way = program.push(Expr::Arithmetic(Arithmetic::Subtract, sustain, level), e.span);
         program.push(Expr::Call(Function::Abs, [way; 3]), e.span)
     } else {
         level
@@ -167,21 +130,10 @@ fn lower_envelope(program: &mut Program, e: &checked::Envelope, context: &Contex
     let attack = rate(program, &e.attack, distance, context, e.span);
     let release = match &e.release {
         checked::Release::Hold => Release::Hold,
-        checked::Release::To(r, _) => Release::To {
-            rate: rate(program, r, distance, context, e.span),
-            level,
-        },
+        checked::Release::To(r, _) => Release::To { rate: rate(program, r, distance, context, e.span), level },
     };
     let guard = e.driven_while.as_ref().map(|g| program.term(g, context));
-    Envelope {
-        var: e.var,
-        degree: e.degree,
-        axis: e.axis,
-        sustain,
-        attack,
-        release,
-        guard,
-    }
+    Envelope { var: e.var, degree: e.degree, axis: e.axis, sustain, attack, release, guard }
 }
 
 /// Modes and groups. Checked modes are in preorder already, group by group.
@@ -196,10 +148,7 @@ fn modes(program: &mut Program, id: EntityId, e: &checked::Entity, context: &Con
         leaf_count += u32::from(m.children.is_empty());
     }
     for (mode, m) in e.modes.pairs().rev() {
-        let end = m
-            .children
-            .last()
-            .map_or(mode.0 + 1, |last| ends[last.index()]);
+        let end = m.children.last().map_or(mode.0 + 1, |last| ends[last.index()]);
         ends[mode.index()] = end;
         let after = first_leaf.get(end as usize).copied().unwrap_or(leaf_count);
         leaves[mode.index()] = (first_leaf[mode.index()], after);
@@ -237,11 +186,7 @@ fn modes(program: &mut Program, id: EntityId, e: &checked::Entity, context: &Con
 
 /// The mode marked `initial`, else the first.
 fn first_of(e: &checked::Entity, modes: &[ModeId]) -> Option<ModeId> {
-    modes
-        .iter()
-        .copied()
-        .find(|&m| e.modes[m].marked_initial)
-        .or(modes.first().copied())
+    modes.iter().copied().find(|&m| e.modes[m].marked_initial).or(modes.first().copied())
 }
 
 /// The flows and envelopes of one place, lowered.
@@ -249,11 +194,7 @@ pub(super) fn drive(program: &mut Program, drive: &checked::Drive, context: &Con
     match &drive.by {
         DriveBy::Flow(value) => {
             let value = program.term(value, context);
-            Drive::Flow {
-                var: drive.var,
-                degree: drive.degree,
-                value,
-            }
+            Drive::Flow { var: drive.var, degree: drive.degree, value }
         }
         DriveBy::Envelope(id) => Drive::Envelope(*id),
     }

@@ -16,17 +16,14 @@ mod world;
 pub use layout::{Layout, SlotLayout};
 pub use lower::lower;
 pub use program::{
-    Collide, Collider, Discrete, Domain, Drive, Edge, Entity, EntitySpans, Envelope, Expr, Group,
-    Inputs, Leaf, Mode, Param, Player, Predicate, Program, Release, Slot, Space, Spans, Step,
-    TagSet, Timer, Touch, Update, World, WorldSpans,
+    Collide, Collider, Discrete, Domain, Drive, Edge, Entity, EntitySpans, Envelope, Expr, Group, Inputs, Leaf, Mode,
+    Param, Player, Predicate, Program, Release, Slot, Space, Spans, Step, TagSet, Timer, Touch, Update, World,
+    WorldSpans,
 };
 pub use text::text;
 
-pub use crate::sema::checked::{
-    Arithmetic, CompareOp, Function, Place, Press, Response, Side, Subject,
-};
+pub use crate::sema::checked::{Arithmetic, CompareOp, Function, Place, Press, Response, Side, Subject};
 pub use crate::sema::ids::{
-    AxisId, ButtonId, ColliderId, DiscreteId, EdgeId, EntityId, EnvelopeId, ExprId, GoalId,
-    GroupId, Id, IdVec, LeafId, ModeId, NeverId, ParamId, PlayerId, SlotId, SpaceId, TagId,
-    TimerId, TouchId, VarId, WorldId,
+    AxisId, ButtonId, ColliderId, DiscreteId, EdgeId, EntityId, EnvelopeId, ExprId, GoalId, GroupId, Id, IdVec, LeafId,
+    ModeId, NeverId, ParamId, PlayerId, SlotId, SpaceId, TagId, TimerId, TouchId, VarId, WorldId,
 };

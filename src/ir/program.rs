@@ -4,9 +4,9 @@ use serde::Serialize;
 
 use super::layout::Layout;
 use super::{
-    Arithmetic, AxisId, ButtonId, ColliderId, CompareOp, DiscreteId, EdgeId, EntityId, EnvelopeId,
-    ExprId, Function, GoalId, GroupId, IdVec, LeafId, ModeId, NeverId, ParamId, Place, PlayerId,
-    Press, Response, Side, SlotId, SpaceId, Subject, TagId, TimerId, TouchId, VarId, WorldId,
+    Arithmetic, AxisId, ButtonId, ColliderId, CompareOp, DiscreteId, EdgeId, EntityId, EnvelopeId, ExprId, Function,
+    GoalId, GroupId, IdVec, LeafId, ModeId, NeverId, ParamId, Place, PlayerId, Press, Response, Side, SlotId, SpaceId,
+    Subject, TagId, TimerId, TouchId, VarId, WorldId,
 };
 use crate::level::TileMap;
 use crate::source::Span;
@@ -58,8 +58,7 @@ impl TagSet {
 
 impl FromIterator<TagId> for TagSet {
     fn from_iter<A: IntoIterator<Item = TagId>>(tags: A) -> TagSet {
-        tags.into_iter()
-            .fold(TagSet::default(), |set, tag| set.with(TagSet::of(tag)))
+        tags.into_iter().fold(TagSet::default(), |set, tag| set.with(TagSet::of(tag)))
     }
 }
 
@@ -322,10 +321,7 @@ impl Inputs {
     /// Both together.
     #[must_use]
     pub fn with(self, other: Inputs) -> Inputs {
-        Inputs {
-            buttons: self.buttons | other.buttons,
-            axes: self.axes | other.axes,
-        }
+        Inputs { buttons: self.buttons | other.buttons, axes: self.axes | other.axes }
     }
 }
 
@@ -474,18 +470,12 @@ impl World {
     pub fn response(&self, a: TagSet, b: TagSet) -> Option<Response> {
         let strength = |r: &Response| match r {
             Response::Sense => 0,
-            Response::Block {
-                keep_velocity: true,
-            } => 1,
-            Response::Block {
-                keep_velocity: false,
-            } => 2,
+            Response::Block { keep_velocity: true } => 1,
+            Response::Block { keep_velocity: false } => 2,
         };
         self.collide
             .iter()
-            .filter(|c| {
-                (c.left.meets(a) && c.right.meets(b)) || (c.left.meets(b) && c.right.meets(a))
-            })
+            .filter(|c| (c.left.meets(a) && c.right.meets(b)) || (c.left.meets(b) && c.right.meets(a)))
             .map(|c| c.response)
             .max_by_key(strength)
     }

@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use super::{
-    Arithmetic, CompareOp, Domain, Drive, Entity, Expr, ExprId, Function, Place, Press, Program,
-    Release, Response, Side, Subject, TagSet, Update, World,
+    Arithmetic, CompareOp, Domain, Drive, Entity, Expr, ExprId, Function, Place, Press, Program, Release, Response,
+    Side, Subject, TagSet, Update, World,
 };
 
 /// The whole program as text.
@@ -31,10 +31,7 @@ fn tags(p: &Program, set: TagSet) -> String {
     if set == TagSet::ALL {
         return "*".into();
     }
-    set.iter()
-        .filter_map(|t| p.tags.get(t).map(String::as_str))
-        .collect::<Vec<_>>()
-        .join(", ")
+    set.iter().filter_map(|t| p.tags.get(t).map(String::as_str)).collect::<Vec<_>>().join(", ")
 }
 
 struct EntityText<'a> {
@@ -69,40 +66,22 @@ impl EntityText<'_> {
         for (id, c) in e.colliders.pairs() {
             let rect: Vec<String> = c.rect.iter().map(|&r| self.expr(r)).collect();
             let kinematic = if c.kinematic { "kinematic " } else { "" };
-            let guard = c
-                .guard
-                .map_or(String::new(), |g| format!(" when {}", self.expr(g)));
-            writeln!(
-                out,
-                "  {id} {kinematic}{}: rect({}){guard}",
-                tags(p, c.tags),
-                rect.join(", ")
-            )?;
+            let guard = c.guard.map_or(String::new(), |g| format!(" when {}", self.expr(g)));
+            writeln!(out, "  {id} {kinematic}{}: rect({}){guard}", tags(p, c.tags), rect.join(", "))?;
         }
         for (id, t) in e.touches.pairs() {
             let side = t.side.map_or(String::new(), |s| format!(", {}", side(s)));
-            writeln!(
-                out,
-                "  {id} ({}, {}{side})",
-                tags(p, t.mine),
-                tags(p, TagSet::of(t.other))
-            )?;
+            writeln!(out, "  {id} ({}, {}{side})", tags(p, t.mine), tags(p, TagSet::of(t.other)))?;
         }
         for (id, t) in e.timers.pairs() {
             let limits = match &t.thresholds {
-                Some(list) => list
-                    .iter()
-                    .map(|&x| self.expr(x))
-                    .collect::<Vec<_>>()
-                    .join(", "),
+                Some(list) => list.iter().map(|&x| self.expr(x)).collect::<Vec<_>>().join(", "),
                 None => "anything".into(),
             };
             writeln!(out, "  {id} of {} against {limits}", e.modes[t.mode].path)?;
         }
         for (id, v) in e.envelopes.pairs() {
-            let attack = v
-                .attack
-                .map_or("instant".into(), |a| format!("accel {}", self.expr(a)));
+            let attack = v.attack.map_or("instant".into(), |a| format!("accel {}", self.expr(a)));
             let release = match v.release {
                 Release::Hold => "hold".into(),
                 Release::To { rate, level } => {
@@ -110,9 +89,7 @@ impl EntityText<'_> {
                     format!("{rate} to {}", self.expr(level))
                 }
             };
-            let guard = v
-                .guard
-                .map_or(String::new(), |g| format!(", while {}", self.expr(g)));
+            let guard = v.guard.map_or(String::new(), |g| format!(", while {}", self.expr(g)));
             let axis = &e.axes[v.axis];
             let sustain = self.expr(v.sustain);
             writeln!(
@@ -122,61 +99,39 @@ impl EntityText<'_> {
             )?;
         }
         for (id, edge) in e.edges.pairs() {
-            let target = edge
-                .target
-                .map_or("stays".into(), |t| format!("-> {}", e.modes[t].path));
+            let target = edge.target.map_or("stays".into(), |t| format!("-> {}", e.modes[t].path));
             let source = &e.modes[edge.source].path;
             let updates = self.updates(&edge.updates);
-            writeln!(
-                out,
-                "  {id} {source} {target} when {}{updates}",
-                self.expr(edge.guard)
-            )?;
+            writeln!(out, "  {id} {source} {target} when {}{updates}", self.expr(edge.guard))?;
         }
         self.drives(out, "  always", &e.free)?;
         for (id, group) in e.groups.pairs() {
             let name = group.name.as_deref().unwrap_or("(anonymous)");
-            writeln!(
-                out,
-                "  {id} {name}: starts at {}",
-                e.modes[e.leaves[group.initial].mode].path
-            )?;
+            writeln!(out, "  {id} {name}: starts at {}", e.modes[e.leaves[group.initial].mode].path)?;
             for mode in group.modes.0.0..group.modes.1.0 {
                 let id = super::ModeId(mode);
                 let m = &e.modes[id];
                 let entry = self.updates(&m.entry);
                 let initial = e.leaves[m.initial].mode;
-                let inner = if initial == id {
-                    String::new()
-                } else {
-                    format!(" enters {}", e.modes[initial].path)
-                };
+                let inner = if initial == id { String::new() } else { format!(" enters {}", e.modes[initial].path) };
                 writeln!(out, "    {id} {}{inner}{entry}", m.path)?;
                 if m.leaves.0 == m.initial && initial == id {
                     let leaf = &e.leaves[m.initial];
                     self.drives(out, &format!("      {}", m.initial), &leaf.drives)?;
                     if !leaf.edges.is_empty() {
-                        let list: Vec<String> =
-                            leaf.edges.iter().map(ToString::to_string).collect();
+                        let list: Vec<String> = leaf.edges.iter().map(ToString::to_string).collect();
                         writeln!(out, "      tries {}", list.join(", "))?;
                     }
                     if !leaf.internal.is_empty() {
-                        let list: Vec<String> =
-                            leaf.internal.iter().map(ToString::to_string).collect();
+                        let list: Vec<String> = leaf.internal.iter().map(ToString::to_string).collect();
                         writeln!(out, "      runs {}", list.join(", "))?;
                     }
                     let mut reads: Vec<&str> = Vec::new();
                     reads.extend(
-                        e.buttons
-                            .pairs()
-                            .filter(|(b, _)| leaf.inputs.buttons >> b.0 & 1 == 1)
-                            .map(|(_, n)| n.as_str()),
+                        e.buttons.pairs().filter(|(b, _)| leaf.inputs.buttons >> b.0 & 1 == 1).map(|(_, n)| n.as_str()),
                     );
                     reads.extend(
-                        e.axes
-                            .pairs()
-                            .filter(|(a, _)| leaf.inputs.axes >> a.0 & 1 == 1)
-                            .map(|(_, n)| n.as_str()),
+                        e.axes.pairs().filter(|(a, _)| leaf.inputs.axes >> a.0 & 1 == 1).map(|(_, n)| n.as_str()),
                     );
                     if !reads.is_empty() {
                         writeln!(out, "      reads {}", reads.join(", "))?;
@@ -252,17 +207,9 @@ fn expression<'a>(
         Expr::Number(n) => n.to_string(),
         Expr::Frames(n) => format!("{n}frames"),
         Expr::Bool(b) => b.to_string(),
-        Expr::Param(param) => me()
-            .params
-            .get(param)
-            .map_or_else(|| param.to_string(), |p| p.name.clone()),
+        Expr::Param(param) => me().params.get(param).map_or_else(|| param.to_string(), |p| p.name.clone()),
         Expr::Var(of, var, degree) => {
-            format!(
-                "{}{}{}",
-                owner(of),
-                entity(of).vars[var],
-                "'".repeat(usize::from(degree))
-            )
+            format!("{}{}{}", owner(of), entity(of).vars[var], "'".repeat(usize::from(degree)))
         }
         Expr::Discrete(of, d) => format!("{}{}", owner(of), entity(of).discretes[d].name),
         Expr::Axis(axis) => me().axes[axis].clone(),
@@ -319,13 +266,7 @@ fn expression<'a>(
         Expr::InMode(of, mode) => format!("{}in {}", owner(of), entity(of).modes[mode].path),
         Expr::InSpace(of, space) => format!("{}in {space}", owner(of)),
         Expr::Near { of, x, y, radius } => {
-            format!(
-                "near({}, ({}, {}), {})",
-                owner(of).trim_end_matches('.'),
-                sub(x),
-                sub(y),
-                sub(radius)
-            )
+            format!("near({}, ({}, {}), {})", owner(of).trim_end_matches('.'), sub(x), sub(y), sub(radius))
         }
     }
 }
@@ -336,19 +277,10 @@ fn write_world(out: &mut String, p: &Program, w: &World) -> Result {
     for c in &w.collide {
         let response = match c.response {
             Response::Sense => "sense",
-            Response::Block {
-                keep_velocity: false,
-            } => "block",
-            Response::Block {
-                keep_velocity: true,
-            } => "block, keep velocity",
+            Response::Block { keep_velocity: false } => "block",
+            Response::Block { keep_velocity: true } => "block, keep velocity",
         };
-        writeln!(
-            out,
-            "  {} with {}: {response}",
-            tags(p, c.left),
-            tags(p, c.right)
-        )?;
+        writeln!(out, "  {} with {}: {response}", tags(p, c.left), tags(p, c.right))?;
     }
     for (id, space) in w.spaces.pairs() {
         write!(out, "  {id} {}", space.name)?;
@@ -356,54 +288,24 @@ fn write_world(out: &mut String, p: &Program, w: &World) -> Result {
             writeln!(out)?;
             continue;
         };
-        writeln!(
-            out,
-            ": {} x {} tiles of {} x {} px",
-            map.columns, map.rows, map.tile.0, map.tile.1
-        )?;
+        writeln!(out, ": {} x {} tiles of {} x {} px", map.columns, map.rows, map.tile.0, map.tile.1)?;
         for kind in map.kinds.iter().filter(|k| !k.tags.is_empty()) {
-            writeln!(
-                out,
-                "    {} {}",
-                kind.symbol,
-                tags(p, kind.tags.iter().copied().collect())
-            )?;
+            writeln!(out, "    {} {}", kind.symbol, tags(p, kind.tags.iter().copied().collect()))?;
         }
         for row in (0..map.rows).rev() {
             let cells = map.cells.iter().skip(row * map.columns).take(map.columns);
-            let symbols: String = cells
-                .filter_map(|&c| map.kinds.get(usize::from(c)))
-                .map(|k| k.symbol)
-                .collect();
+            let symbols: String = cells.filter_map(|&c| map.kinds.get(usize::from(c))).map(|k| k.symbol).collect();
             writeln!(out, "    {symbols}")?;
         }
     }
     for (id, slot) in w.slots.pairs() {
         let e = &p.entities[slot.entity];
-        let player = slot.player.map_or(String::new(), |n| {
-            format!(", player {}", w.players[n].number)
-        });
-        writeln!(
-            out,
-            "  {id} {}: {} in {}{player}",
-            slot.name, e.name, slot.space
-        )?;
+        let player = slot.player.map_or(String::new(), |n| format!(", player {}", w.players[n].number));
+        writeln!(out, "  {id} {}: {} in {}{player}", slot.name, e.name, slot.space)?;
         let mut values: Vec<String> = Vec::new();
-        values.extend(
-            e.params
-                .pairs()
-                .map(|(id, param)| format!("{} = {}", param.name, slot.params[id])),
-        );
-        values.extend(
-            e.vars
-                .pairs()
-                .map(|(id, name)| format!("{name} = {:?}", slot.vars[id])),
-        );
-        values.extend(
-            e.discretes
-                .pairs()
-                .map(|(id, d)| format!("{} = {}", d.name, slot.discretes[id])),
-        );
+        values.extend(e.params.pairs().map(|(id, param)| format!("{} = {}", param.name, slot.params[id])));
+        values.extend(e.vars.pairs().map(|(id, name)| format!("{name} = {:?}", slot.vars[id])));
+        values.extend(e.discretes.pairs().map(|(id, d)| format!("{} = {}", d.name, slot.discretes[id])));
         writeln!(out, "    {}", values.join(", "))?;
         for (timer, limit) in slot.timer_limits.pairs().filter(|(_, l)| **l != u32::MAX) {
             writeln!(out, "    {timer} saturates at {limit}")?;
@@ -424,20 +326,10 @@ fn write_world(out: &mut String, p: &Program, w: &World) -> Result {
         Subject::Me => String::new(),
     };
     for (id, goal) in w.goals.pairs() {
-        writeln!(
-            out,
-            "  {id} {}: {}",
-            goal.name,
-            expression(p, goal.holds, &entity, &owner)
-        )?;
+        writeln!(out, "  {id} {}: {}", goal.name, expression(p, goal.holds, &entity, &owner))?;
     }
     for (id, never) in w.nevers.pairs() {
-        writeln!(
-            out,
-            "  {id} {}: {}",
-            never.name,
-            expression(p, never.holds, &entity, &owner)
-        )?;
+        writeln!(out, "  {id} {}: {}", never.name, expression(p, never.holds, &entity, &owner))?;
     }
     writeln!(out, "  a state is {} bytes", w.layout.size)?;
     writeln!(out)

@@ -1,29 +1,17 @@
 //! One look at every id after lowering, so that later stages may index without asking. Each struct is taken apart
 //! without `..`, so that a new field does not build before it is looked at. A failure is a bug of the compiler.
 
-use super::{
-    Drive, Edge, Entity, Expr, ExprId, Id, Leaf, Mode, Program, Release, Slot, Update, World,
-};
+use super::{Drive, Edge, Entity, Expr, ExprId, Id, Leaf, Mode, Program, Release, Slot, Update, World};
 
 /// Asserts, in builds with debug assertions, that every id of a program is of its table.
 pub(super) fn verify(program: &Program) {
     if !cfg!(debug_assertions) {
         return;
     }
-    let Program {
-        tags,
-        exprs,
-        entities,
-        worlds,
-        spans,
-    } = program;
+    let Program { tags, exprs, entities, worlds, spans } = program;
     assert!(tags.len() <= 64, "tags fit a word");
     assert_eq!(exprs.len(), spans.exprs.len(), "a span for each expression");
-    assert_eq!(
-        entities.len(),
-        spans.entities.len(),
-        "spans for each entity"
-    );
+    assert_eq!(entities.len(), spans.entities.len(), "spans for each entity");
     assert_eq!(worlds.len(), spans.worlds.len(), "spans for each world");
     for (id, expr) in exprs.pairs() {
         for operand in operands(*expr) {
@@ -45,12 +33,7 @@ fn operands(expr: Expr) -> Vec<ExprId> {
             vec![a, b]
         }
         Expr::Call(_, args) => args.to_vec(),
-        Expr::Near {
-            of: _,
-            x,
-            y,
-            radius,
-        } => vec![x, y, radius],
+        Expr::Near { of: _, x, y, radius } => vec![x, y, radius],
         Expr::Number(_)
         | Expr::Frames(_)
         | Expr::Bool(_)
@@ -88,53 +71,23 @@ fn verify_entity(program: &Program, entity: &Entity) {
         free,
         inputs: _,
     } = entity;
-    assert!(
-        buttons.len() <= 64 && axes.len() <= 8,
-        "inputs fit their masks"
-    );
+    assert!(buttons.len() <= 64 && axes.len() <= 8, "inputs fit their masks");
     params.iter().for_each(|p| expr(p.default));
     for collider in colliders.iter() {
-        collider
-            .rect
-            .iter()
-            .copied()
-            .chain(collider.guard)
-            .for_each(expr);
+        collider.rect.iter().copied().chain(collider.guard).for_each(expr);
     }
     for (id, mode) in modes.pairs() {
-        let Mode {
-            path: _,
-            parent,
-            end,
-            group,
-            leaves: inside,
-            initial,
-            entry,
-        } = mode;
-        assert!(
-            parent.is_none_or(|p| p < id) && end.index() <= modes.len() && *end > id,
-            "modes are in preorder"
-        );
+        let Mode { path: _, parent, end, group, leaves: inside, initial, entry } = mode;
+        assert!(parent.is_none_or(|p| p < id) && end.index() <= modes.len() && *end > id, "modes are in preorder");
         assert!(group.index() < groups.len(), "a mode's group exists");
-        assert!(
-            inside.0 <= *initial && *initial < inside.1 && inside.1.index() <= leaves.len(),
-            "a leaf is inside"
-        );
+        assert!(inside.0 <= *initial && *initial < inside.1 && inside.1.index() <= leaves.len(), "a leaf is inside");
         updates(entry);
     }
     for edge in edges.iter() {
-        let Edge {
-            source,
-            target,
-            guard,
-            updates: list,
-        } = edge;
+        let Edge { source, target, guard, updates: list } = edge;
         expr(*guard);
         updates(list);
-        assert!(
-            target.is_none_or(|t| modes[t].group == modes[*source].group),
-            "an edge stays in its group"
-        );
+        assert!(target.is_none_or(|t| modes[t].group == modes[*source].group), "an edge stays in its group");
     }
     for envelope in envelopes.iter() {
         let rate_and_level = match envelope.release {
@@ -142,36 +95,14 @@ fn verify_entity(program: &Program, entity: &Entity) {
             Release::To { rate, level } => (rate, Some(level)),
         };
         let (rate, level) = rate_and_level;
-        [
-            Some(envelope.sustain),
-            envelope.attack,
-            envelope.guard,
-            rate,
-            level,
-        ]
-        .into_iter()
-        .flatten()
-        .for_each(expr);
+        [Some(envelope.sustain), envelope.attack, envelope.guard, rate, level].into_iter().flatten().for_each(expr);
     }
     for (id, leaf) in leaves.pairs() {
-        let Leaf {
-            mode,
-            path,
-            drives,
-            edges: tried,
-            internal,
-            inputs: _,
-        } = leaf;
+        let Leaf { mode, path, drives, edges: tried, internal, inputs: _ } = leaf;
         assert_eq!(path.last(), Some(mode), "a leaf's path ends at it");
         assert_eq!(modes[*mode].leaves.0, id, "leaves are numbered in preorder");
-        assert!(
-            tried.iter().all(|&e| edges[e].target.is_some()),
-            "tried edges lead somewhere"
-        );
-        assert!(
-            internal.iter().all(|&e| edges[e].target.is_none()),
-            "internal edges stay"
-        );
+        assert!(tried.iter().all(|&e| edges[e].target.is_some()), "tried edges lead somewhere");
+        assert!(internal.iter().all(|&e| edges[e].target.is_none()), "internal edges stay");
         let driven = drives.iter().chain(free).count();
         assert!(driven <= vars.len(), "a variable is driven once");
     }
@@ -179,80 +110,30 @@ fn verify_entity(program: &Program, entity: &Entity) {
         match *drive {
             Drive::Coast(var) => assert!(var.index() < vars.len(), "a driven variable exists"),
             Drive::Flow { var, degree, value } => {
-                assert!(
-                    var.index() < vars.len() && degree <= 2,
-                    "a driven variable exists"
-                );
+                assert!(var.index() < vars.len() && degree <= 2, "a driven variable exists");
                 expr(value);
             }
             Drive::Envelope(id) => assert!(id.index() < envelopes.len(), "an envelope exists"),
         }
     }
-    assert!(
-        timers.iter().all(|t| t.mode.index() < modes.len()),
-        "a timer's mode exists"
-    );
+    assert!(timers.iter().all(|t| t.mode.index() < modes.len()), "a timer's mode exists");
 }
 
 fn verify_world(program: &Program, world: &World) {
-    let World {
-        name: _,
-        step,
-        spaces,
-        slots,
-        players,
-        collide: _,
-        goals,
-        nevers,
-        layout,
-    } = world;
-    assert!(
-        step.numerator > 0 && step.denominator > 0,
-        "a step is positive"
-    );
+    let World { name: _, step, spaces, slots, players, collide: _, goals, nevers, layout } = world;
+    assert!(step.numerator > 0 && step.denominator > 0, "a step is positive");
     assert_eq!(layout.slots.len(), slots.len(), "a layout for each slot");
-    assert_eq!(
-        layout.players.len(),
-        players.len(),
-        "a layout for each player"
-    );
+    assert_eq!(layout.players.len(), players.len(), "a layout for each player");
     for slot in slots.iter() {
-        let Slot {
-            name: _,
-            entity,
-            space,
-            player,
-            params,
-            vars,
-            discretes,
-            timer_limits,
-        } = slot;
+        let Slot { name: _, entity, space, player, params, vars, discretes, timer_limits } = slot;
         let entity = &program.entities[*entity];
-        assert!(
-            space.index() < spaces.len() && player.is_none_or(|p| p.index() < players.len()),
-            "a slot's ids"
-        );
-        assert_eq!(
-            params.len(),
-            entity.params.len(),
-            "a value for each parameter"
-        );
+        assert!(space.index() < spaces.len() && player.is_none_or(|p| p.index() < players.len()), "a slot's ids");
+        assert_eq!(params.len(), entity.params.len(), "a value for each parameter");
         assert_eq!(vars.len(), entity.vars.len(), "a value for each variable");
-        assert_eq!(
-            discretes.len(),
-            entity.discretes.len(),
-            "a value for each variable"
-        );
-        assert_eq!(
-            timer_limits.len(),
-            entity.timers.len(),
-            "a limit for each timer"
-        );
+        assert_eq!(discretes.len(), entity.discretes.len(), "a value for each variable");
+        assert_eq!(timer_limits.len(), entity.timers.len(), "a limit for each timer");
     }
     for predicate in goals.iter().chain(nevers.iter()) {
-        assert!(
-            predicate.holds.index() < program.exprs.len(),
-            "a predicate exists"
-        );
+        assert!(predicate.holds.index() < program.exprs.len(), "a predicate exists");
     }
 }

@@ -4,8 +4,8 @@ use crate::sema::{arithmetic, call, checked, compare};
 
 use super::fold::Context;
 use super::{
-    Collide, EntityId, Expr, ExprId, GoalId, IdVec, Layout, NeverId, ParamId, Player, PlayerId,
-    Predicate, Program, Slot, SlotId, Space, Step, TagSet, Timer, World, WorldSpans,
+    Collide, EntityId, Expr, ExprId, GoalId, IdVec, Layout, NeverId, ParamId, Player, PlayerId, Predicate, Program,
+    Slot, SlotId, Space, Step, TagSet, Timer, World, WorldSpans,
 };
 
 /// The predicates of a world, lowered.
@@ -17,14 +17,9 @@ pub(super) struct Predicates {
 /// Lowers `goal` and `never`; this may add contact questions to entities.
 pub(super) fn predicates(program: &mut Program, w: &checked::World) -> Predicates {
     let entity_of = |slot: SlotId| w.instances[slot].entity;
-    let context = Context {
-        me: None,
-        slots: &entity_of,
-    };
-    let mut lowered = |q: &checked::Question| Predicate {
-        name: q.name.text.clone(),
-        holds: program.term(&q.predicate, &context),
-    };
+    let context = Context { me: None, slots: &entity_of };
+    let mut lowered =
+        |q: &checked::Question| Predicate { name: q.name.text.clone(), holds: program.term(&q.predicate, &context) };
     let goals = w.goals.iter().map(&mut lowered).collect();
     let nevers = w.nevers.iter().map(&mut lowered).collect();
     Predicates { goals, nevers }
@@ -32,18 +27,9 @@ pub(super) fn predicates(program: &mut Program, w: &checked::World) -> Predicate
 
 /// Lowers a world; all contact questions must be known.
 pub(super) fn lower(program: &mut Program, w: &checked::World, predicates: Predicates) {
-    let step = Step {
-        numerator: w.step.0,
-        denominator: w.step.1,
-    };
-    let players: IdVec<PlayerId, Player> = w
-        .players
-        .iter()
-        .map(|p| Player {
-            number: p.number,
-            slot: p.slot,
-        })
-        .collect();
+    let step = Step { numerator: w.step.0, denominator: w.step.1 };
+    let players: IdVec<PlayerId, Player> =
+        w.players.iter().map(|p| Player { number: p.number, slot: p.slot }).collect();
     let slots: IdVec<SlotId, Slot> = w
         .instances
         .pairs()
@@ -59,14 +45,7 @@ pub(super) fn lower(program: &mut Program, w: &checked::World, predicates: Predi
         })
         .collect();
     let layout = Layout::new(&slots, players.len(), &program.entities);
-    let spaces = w
-        .spaces
-        .iter()
-        .map(|s| Space {
-            name: s.name.text.clone(),
-            map: s.map.clone(),
-        })
-        .collect();
+    let spaces = w.spaces.iter().map(|s| Space { name: s.name.text.clone(), map: s.map.clone() }).collect();
     let collide = w
         .collide
         .iter()

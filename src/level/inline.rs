@@ -36,12 +36,7 @@ pub fn inline_map<T: Clone>(
     }
     let count = columns.saturating_mul(rows.len());
     if count > MAX_TILES {
-        diagnostics.report(TooMany {
-            what: "tiles".into(),
-            count: count as u64,
-            limit: MAX_TILES as u64,
-            at: whole,
-        });
+        diagnostics.report(TooMany { what: "tiles".into(), count: count as u64, limit: MAX_TILES as u64, at: whole });
         return None;
     }
     let mut fits = true;
@@ -51,12 +46,7 @@ pub fn inline_map<T: Clone>(
         let length = row.chars().count();
         if length != columns {
             fits = false;
-            diagnostics.report(RowLength {
-                at: *span,
-                length,
-                expected: columns,
-                first: first_span,
-            });
+            diagnostics.report(RowLength { at: *span, length, expected: columns, first: first_span });
         }
         let base = (rows.len() - 1 - index) * columns;
         for (column, (byte, symbol)) in row.char_indices().enumerate() {
@@ -67,11 +57,7 @@ pub fn inline_map<T: Clone>(
                     Some((.., count)) => *count += 1,
                     None => {
                         let start = span.start as usize + byte;
-                        unknown.push((
-                            symbol,
-                            Span::new(span.file, start, start + symbol.len_utf8()),
-                            1,
-                        ));
+                        unknown.push((symbol, Span::new(span.file, start, start + symbol.len_utf8()), 1));
                     }
                 },
             }
@@ -79,26 +65,8 @@ pub fn inline_map<T: Clone>(
     }
     for (symbol, at, count) in unknown {
         fits = false;
-        diagnostics.report(UnknownTile {
-            symbol,
-            at,
-            count,
-            tiles: set.0.to_string(),
-            declared: set.1,
-        });
+        diagnostics.report(UnknownTile { symbol, at, count, tiles: set.0.to_string(), declared: set.1 });
     }
-    let kinds = tiles
-        .iter()
-        .map(|t| TileKind {
-            symbol: t.symbol,
-            tags: t.tags.clone(),
-        })
-        .collect();
-    fits.then_some(TileMap {
-        columns,
-        rows: rows.len(),
-        tile,
-        kinds,
-        cells,
-    })
+    let kinds = tiles.iter().map(|t| TileKind { symbol: t.symbol, tags: t.tags.clone() }).collect();
+    fits.then_some(TileMap { columns, rows: rows.len(), tile, kinds, cells })
 }

@@ -41,16 +41,11 @@ impl<T> TileMap<T> {
         if column >= self.columns {
             return None;
         }
-        self.cells
-            .get(row * self.columns + column)
-            .map(|&k| usize::from(k))
+        self.cells.get(row * self.columns + column).map(|&k| usize::from(k))
     }
 
     /// Width and height of the whole map, px.
     pub fn size(&self) -> (f64, f64) {
-        (
-            self.columns as f64 * self.tile.0,
-            self.rows as f64 * self.tile.1,
-        )
+        (self.columns as f64 * self.tile.0, self.rows as f64 * self.tile.1)
     }
 }

@@ -28,8 +28,7 @@ impl ControlSets {
         for &slot in problem.players() {
             let layout = &world.layout.slots[slot];
             let groups = program.entities[world.slots[slot].entity].groups.ids();
-            self.key
-                .extend(groups.map(|group| layout.leaf(state, group)));
+            self.key.extend(groups.map(|group| layout.leaf(state, group)));
         }
         if let Some(&set) = self.known.get(&self.key) {
             return set;
@@ -68,20 +67,10 @@ fn inputs_of(problem: &Problem<'_>, leaves: &[LeafId]) -> (Vec<Input>, bool) {
             reads = reads.with(entity.leaves[*leaf].inputs);
         }
         for button in (0..64).filter(|b| reads.buttons >> b & 1 == 1) {
-            complete &= multiply(
-                &mut all,
-                player,
-                &[|_, _| {}, |p: &mut PlayerInput, b| p.buttons |= 1 << b],
-                button,
-            );
+            complete &= multiply(&mut all, player, &[|_, _| {}, |p: &mut PlayerInput, b| p.buttons |= 1 << b], button);
         }
         for axis in (0..8).filter(|a| reads.axes >> a & 1 == 1) {
-            complete &= multiply(
-                &mut all,
-                player,
-                &[|_, _| {}, |p, a| p.axes[a] = -1.0, |p, a| p.axes[a] = 1.0],
-                axis,
-            );
+            complete &= multiply(&mut all, player, &[|_, _| {}, |p, a| p.axes[a] = -1.0, |p, a| p.axes[a] = 1.0], axis);
         }
     }
     (all, !complete)
@@ -89,12 +78,7 @@ fn inputs_of(problem: &Problem<'_>, leaves: &[LeafId]) -> (Vec<Input>, bool) {
 
 /// Every input so far with every variant of one more button or axis; false where that would be more than
 /// [`MAX_CONTROLS`], and the button or axis is left alone.
-fn multiply(
-    all: &mut Vec<Input>,
-    player: usize,
-    variants: &[fn(&mut PlayerInput, usize)],
-    which: usize,
-) -> bool {
+fn multiply(all: &mut Vec<Input>, player: usize, variants: &[fn(&mut PlayerInput, usize)], which: usize) -> bool {
     if all.len() * variants.len() > MAX_CONTROLS {
         return false;
     }

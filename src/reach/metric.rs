@@ -5,8 +5,7 @@
 use rand::{Rng, RngExt};
 
 use crate::ir::{
-    DiscreteId, Drive, Entity, Expr, GroupId, Id, LeafId, Place, Program, Slot, SlotId, TimerId,
-    VarId, World,
+    DiscreteId, Drive, Entity, Expr, GroupId, Id, LeafId, Place, Program, Slot, SlotId, TimerId, VarId, World,
 };
 use crate::sim::Simulator;
 
@@ -43,11 +42,7 @@ impl Coordinate {
     /// A value on the scale of the range: 0 at its lower end, 1 at its upper end.
     pub fn scaled(&self, value: f64) -> f32 {
         let width = self.high - self.low;
-        if width > 0.0 {
-            ((value - self.low) / width) as f32
-        } else {
-            0.0
-        }
+        if width > 0.0 { ((value - self.low) / width) as f32 } else { 0.0 }
     }
 }
 
@@ -87,16 +82,8 @@ impl Metric {
             for var in entity.vars.ids() {
                 let changes = changing_degrees(program, entity, s, var);
                 for degree in (0..3u8).filter(|&d| changes[usize::from(d)]) {
-                    let (low, high) = if degree == 0 {
-                        positions(world, var)
-                    } else {
-                        (-SPEED, SPEED)
-                    };
-                    reals.push(Coordinate {
-                        quantity: Quantity::Var(slot, var, degree),
-                        low,
-                        high,
-                    });
+                    let (low, high) = if degree == 0 { positions(world, var) } else { (-SPEED, SPEED) };
+                    reals.push(Coordinate { quantity: Quantity::Var(slot, var, degree), low, high });
                 }
             }
             for (id, discrete) in entity.discretes.pairs() {
@@ -105,36 +92,19 @@ impl Metric {
                     let (low, high) = discrete.range;
                     // An unbounded counter says little by its size.
                     let (low, high) = (f64::from(low.max(-1000)), f64::from(high.min(1000)));
-                    reals.push(Coordinate {
-                        quantity: Quantity::Discrete(slot, id),
-                        low,
-                        high,
-                    });
+                    reals.push(Coordinate { quantity: Quantity::Discrete(slot, id), low, high });
                 }
             }
             for (id, limit) in s.timer_limits.pairs() {
                 let high = f64::from((*limit).min(600));
-                reals.push(Coordinate {
-                    quantity: Quantity::Timer(slot, id),
-                    low: 0.0,
-                    high,
-                });
+                reals.push(Coordinate { quantity: Quantity::Timer(slot, id), low: 0.0, high });
             }
             for (group, g) in entity.groups.pairs() {
                 let first = entity.modes[g.modes.0].leaves.0;
-                let after = entity
-                    .leaves
-                    .ids()
-                    .rev()
-                    .find(|l| entity.leaves[*l].mode < g.modes.1);
+                let after = entity.leaves.ids().rev().find(|l| entity.leaves[*l].mode < g.modes.1);
                 let count = after.map_or(0, |last| last.0 + 1 - first.0);
                 if count > 1 {
-                    modes.push(ModeCoordinate {
-                        slot,
-                        group,
-                        first,
-                        count,
-                    });
+                    modes.push(ModeCoordinate { slot, group, first, count });
                 }
             }
         }
@@ -153,9 +123,7 @@ impl Metric {
 
     /// The place of a group in [`Point::modes`].
     pub fn mode_index(&self, slot: SlotId, group: GroupId) -> Option<usize> {
-        self.modes
-            .iter()
-            .position(|m| m.slot == slot && m.group == group)
+        self.modes.iter().position(|m| m.slot == slot && m.group == group)
     }
 
     /// A state as a point.
@@ -164,19 +132,14 @@ impl Metric {
         out.modes.clear();
         for c in &self.reals {
             let value = match c.quantity {
-                Quantity::Var(slot, var, degree) => {
-                    world.layout.slots[slot].var(state, var, degree)
-                }
-                Quantity::Discrete(slot, id) => {
-                    f64::from(world.layout.slots[slot].discrete(state, id))
-                }
+                Quantity::Var(slot, var, degree) => world.layout.slots[slot].var(state, var, degree),
+                Quantity::Discrete(slot, id) => f64::from(world.layout.slots[slot].discrete(state, id)),
                 Quantity::Timer(slot, id) => f64::from(world.layout.slots[slot].timer(state, id)),
             };
             out.reals.push(c.scaled(value));
         }
         for m in &self.modes {
-            out.modes
-                .push(world.layout.slots[m.slot].leaf(state, m.group).0 as f32);
+            out.modes.push(world.layout.slots[m.slot].leaf(state, m.group).0 as f32);
         }
     }
 
@@ -184,13 +147,8 @@ impl Metric {
     pub fn sample(&self, rng: &mut impl Rng, out: &mut Point) {
         out.reals.clear();
         out.modes.clear();
-        out.reals
-            .extend(self.reals.iter().map(|_| rng.random_range(0.0f32..1.0)));
-        out.modes.extend(
-            self.modes
-                .iter()
-                .map(|m| (m.first.0 + rng.random_range(0..m.count)) as f32),
-        );
+        out.reals.extend(self.reals.iter().map(|_| rng.random_range(0.0f32..1.0)));
+        out.modes.extend(self.modes.iter().map(|m| (m.first.0 + rng.random_range(0..m.count)) as f32));
     }
 }
 
@@ -200,11 +158,7 @@ fn positions(world: &World, var: VarId) -> (f64, f64) {
         return (-SPEED, SPEED);
     }
     let size = |(width, height): (f64, f64)| if var.index() == 0 { width } else { height };
-    let maps = world
-        .spaces
-        .iter()
-        .filter_map(|s| s.map.as_ref())
-        .map(|m| size(m.size()));
+    let maps = world.spaces.iter().filter_map(|s| s.map.as_ref()).map(|m| size(m.size()));
     let greatest = maps.fold(0.0f64, f64::max);
     if greatest > 0.0 {
         return (0.0, greatest);
@@ -217,9 +171,7 @@ fn positions(world: &World, var: VarId) -> (f64, f64) {
 
 fn updates(entity: &Entity) -> impl Iterator<Item = Place> {
     let edges = entity.edges.iter().flat_map(|e| &e.updates);
-    edges
-        .chain(entity.modes.iter().flat_map(|m| &m.entry))
-        .map(|u| u.place)
+    edges.chain(entity.modes.iter().flat_map(|m| &m.entry)).map(|u| u.place)
 }
 
 /// Which of position, velocity and acceleration of a variable can ever change.
@@ -234,27 +186,14 @@ fn changing_degrees(program: &Program, entity: &Entity, slot: &Slot, var: VarId)
     if acceleration != 0.0 {
         from(1);
     }
-    for drive in entity
-        .free
-        .iter()
-        .chain(entity.leaves.iter().flat_map(|l| &l.drives))
-    {
+    for drive in entity.free.iter().chain(entity.leaves.iter().flat_map(|l| &l.drives)) {
         match *drive {
-            Drive::Flow {
-                var: v,
-                degree,
-                value,
-            } if v == var => {
+            Drive::Flow { var: v, degree, value } if v == var => {
                 // An acceleration that a mode fixes is told by the mode.
-                let fixed = matches!(
-                    program.exprs[value],
-                    Expr::Number(_) | Expr::Param(_) | Expr::Negate(_)
-                );
+                let fixed = matches!(program.exprs[value], Expr::Number(_) | Expr::Param(_) | Expr::Negate(_));
                 from(usize::from(if degree == 2 && fixed { 1 } else { degree }));
             }
-            Drive::Envelope(id) if entity.envelopes[id].var == var => {
-                from(usize::from(entity.envelopes[id].degree))
-            }
+            Drive::Envelope(id) if entity.envelopes[id].var == var => from(usize::from(entity.envelopes[id].degree)),
             _ => {}
         }
     }

@@ -19,13 +19,7 @@ impl Linear {
     /// An empty set of points of `reals` coordinates and `modes` modes.
     pub fn new(reals: usize, modes: usize, penalty: f32) -> Self {
         // A removed point needs a coordinate to be removed by.
-        Linear {
-            reals: reals.max(1),
-            modes,
-            penalty,
-            len: 0,
-            blocks: Vec::new(),
-        }
+        Linear { reals: reals.max(1), modes, penalty, len: 0, blocks: Vec::new() }
     }
 
     fn rows(&self) -> usize {
@@ -79,10 +73,7 @@ impl Linear {
         for (number, block) in self.blocks.chunks_exact(self.rows()).enumerate() {
             let mut sums = [0.0f32; LANES];
             let (real_rows, mode_rows) = block.split_at(self.reals);
-            for (row, value) in real_rows
-                .iter()
-                .zip(reals.iter().chain(std::iter::repeat(&0.0)))
-            {
+            for (row, value) in real_rows.iter().zip(reals.iter().chain(std::iter::repeat(&0.0))) {
                 for lane in 0..LANES {
                     let d = row[lane] - value;
                     sums[lane] += d * d;
@@ -90,11 +81,7 @@ impl Linear {
             }
             for (row, value) in mode_rows.iter().zip(modes) {
                 for lane in 0..LANES {
-                    sums[lane] += if row[lane] == *value {
-                        0.0
-                    } else {
-                        self.penalty
-                    };
+                    sums[lane] += if row[lane] == *value { 0.0 } else { self.penalty };
                 }
             }
             let least = sums.iter().copied().fold(f32::INFINITY, f32::min);

@@ -46,11 +46,7 @@ impl<'s> Problem<'s> {
         if self.sim.goal(state, self.goal)? {
             return Ok(Standing::Goal);
         }
-        Ok(if self.in_bounds(state) {
-            Standing::Open
-        } else {
-            Standing::Dead
-        })
+        Ok(if self.in_bounds(state) { Standing::Open } else { Standing::Dead })
     }
 
     /// Whether every player is within its space: at or above the map's lower edge, between its sides. Above there is

@@ -41,11 +41,7 @@ impl GoalRegion {
         }
         let region = &self.boxes[rng.random_range(0..self.boxes.len())];
         for &(index, low, high) in &region.reals {
-            sample.reals[index] = if low < high {
-                rng.random_range(low..high)
-            } else {
-                low
-            };
+            sample.reals[index] = if low < high { rng.random_range(low..high) } else { low };
         }
         for &(index, mode) in &region.modes {
             sample.modes[index] = mode;
@@ -85,15 +81,8 @@ impl Finder<'_> {
                 either.truncate(MAX_BOXES);
                 either
             }
-            Expr::Near {
-                of: Subject::Slot(slot),
-                x,
-                y,
-                radius,
-            } => {
-                let (Some(x), Some(y), Some(r)) =
-                    (self.constant(x), self.constant(y), self.constant(radius))
-                else {
+            Expr::Near { of: Subject::Slot(slot), x, y, radius } => {
+                let (Some(x), Some(y), Some(r)) = (self.constant(x), self.constant(y), self.constant(radius)) else {
                     return anything();
                 };
                 // The square inside the circle.
@@ -103,20 +92,12 @@ impl Finder<'_> {
             Expr::Compare(op, a, b) => vec![self.comparison(op, a, b).unwrap_or_default()],
             Expr::InMode(Subject::Slot(slot), mode) => {
                 let world = self.problem.sim.world();
-                let mode =
-                    &self.problem.sim.program().entities[world.slots[slot].entity].modes[mode];
+                let mode = &self.problem.sim.program().entities[world.slots[slot].entity].modes[mode];
                 let Some(index) = self.metric.mode_index(slot, mode.group) else {
                     return anything();
                 };
-                let leaves = (mode.leaves.0.0..mode.leaves.1.0)
-                    .take(MAX_BOXES)
-                    .map(LeafId);
-                leaves
-                    .map(|leaf| Region {
-                        reals: Vec::new(),
-                        modes: vec![(index, leaf.0 as f32)],
-                    })
-                    .collect()
+                let leaves = (mode.leaves.0.0..mode.leaves.1.0).take(MAX_BOXES).map(LeafId);
+                leaves.map(|leaf| Region { reals: Vec::new(), modes: vec![(index, leaf.0 as f32)] }).collect()
             }
             Expr::Touching(Subject::Slot(slot), touch) => {
                 let boxes = self.touching(slot, touch);
@@ -128,71 +109,41 @@ impl Finder<'_> {
 
     fn constant(&self, id: ExprId) -> Option<f64> {
         let none = crate::ir::IdVec::new();
-        self.problem
-            .sim
-            .program()
-            .constant(id, &none, self.problem.sim.world().step)
+        self.problem.sim.program().constant(id, &none, self.problem.sim.world().step)
     }
 
     fn range(&self, quantity: Quantity, low: f64, high: f64) -> Option<(usize, f32, f32)> {
-        let index = self
-            .metric
-            .coordinates()
-            .iter()
-            .position(|c| c.quantity == quantity)?;
+        let index = self.metric.coordinates().iter().position(|c| c.quantity == quantity)?;
         let c = &self.metric.coordinates()[index];
-        Some((
-            index,
-            c.scaled(low.max(c.low).min(c.high.max(low))),
-            c.scaled(high.min(c.high).max(c.low.min(high))),
-        ))
+        Some((index, c.scaled(low.max(c.low).min(c.high.max(low))), c.scaled(high.min(c.high).max(c.low.min(high)))))
     }
 
     fn position_box(&self, slot: SlotId, x: (f64, f64), y: (f64, f64)) -> Region {
         let axes = [(VarId(0), x), (VarId(1), y)];
-        let ranges = axes
-            .iter()
-            .filter_map(|(var, (low, high))| self.range(Quantity::Var(slot, *var, 0), *low, *high));
-        Region {
-            reals: ranges.collect(),
-            modes: Vec::new(),
-        }
+        let ranges = axes.iter().filter_map(|(var, (low, high))| self.range(Quantity::Var(slot, *var, 0), *low, *high));
+        Region { reals: ranges.collect(), modes: Vec::new() }
     }
 
     fn comparison(&self, op: CompareOp, a: ExprId, b: ExprId) -> Option<Region> {
         let exprs = &self.problem.sim.program().exprs;
         let quantity = |id: ExprId| match exprs[id] {
             Expr::Var(Subject::Slot(slot), var, degree) => Some(Quantity::Var(slot, var, degree)),
-            Expr::Discrete(Subject::Slot(slot), discrete) => {
-                Some(Quantity::Discrete(slot, discrete))
-            }
+            Expr::Discrete(Subject::Slot(slot), discrete) => Some(Quantity::Discrete(slot, discrete)),
             _ => None,
         };
-        let (quantity, value, above) =
-            match (quantity(a), self.constant(b), quantity(b), self.constant(a)) {
-                (Some(q), Some(v), ..) => {
-                    (q, v, matches!(op, CompareOp::Greater | CompareOp::AtLeast))
-                }
-                (_, _, Some(q), Some(v)) => {
-                    (q, v, matches!(op, CompareOp::Less | CompareOp::AtMost))
-                }
-                _ => return None,
-            };
-        let c = self
-            .metric
-            .coordinates()
-            .iter()
-            .find(|c| c.quantity == quantity)?;
+        let (quantity, value, above) = match (quantity(a), self.constant(b), quantity(b), self.constant(a)) {
+            (Some(q), Some(v), ..) => (q, v, matches!(op, CompareOp::Greater | CompareOp::AtLeast)),
+            (_, _, Some(q), Some(v)) => (q, v, matches!(op, CompareOp::Less | CompareOp::AtMost)),
+            _ => return None,
+        };
+        let c = self.metric.coordinates().iter().find(|c| c.quantity == quantity)?;
         let range = match op {
             CompareOp::Equal => self.range(quantity, value, value),
             CompareOp::Unequal => None,
             _ if above => self.range(quantity, value, c.high.max(value)),
             _ => self.range(quantity, c.low.min(value), value),
         };
-        Some(Region {
-            reals: vec![range?],
-            modes: Vec::new(),
-        })
+        Some(Region { reals: vec![range?], modes: Vec::new() })
     }
 
     /// The positions at which a collider of the slot lies over a tile with the tag.
@@ -205,26 +156,16 @@ impl Finder<'_> {
             return Vec::new();
         };
         let wanted = TagSet::of(touch.other);
-        let kinds: Vec<bool> = map
-            .kinds
-            .iter()
-            .map(|k| k.tags.iter().copied().collect::<TagSet>().meets(wanted))
-            .collect();
+        let kinds: Vec<bool> =
+            map.kinds.iter().map(|k| k.tags.iter().copied().collect::<TagSet>().meets(wanted)).collect();
         let mut boxes = Vec::new();
         for collider in entity.colliders.iter().filter(|c| touch.mine.meets(c.tags)) {
-            let rect: Vec<f64> = collider
-                .rect
-                .iter()
-                .filter_map(|&id| program.constant(id, &s.params, world.step))
-                .collect();
+            let rect: Vec<f64> =
+                collider.rect.iter().filter_map(|&id| program.constant(id, &s.params, world.step)).collect();
             let [x, y, width, height] = rect.as_slice() else {
                 continue;
             };
-            let hits = map
-                .cells
-                .iter()
-                .enumerate()
-                .filter(|(_, kind)| kinds[usize::from(**kind)]);
+            let hits = map.cells.iter().enumerate().filter(|(_, kind)| kinds[usize::from(**kind)]);
             for (cell, _) in hits.take(MAX_BOXES) {
                 let (column, row) = ((cell % map.columns) as f64, (cell / map.columns) as f64);
                 let (left, bottom) = (column * map.tile.0, row * map.tile.1);

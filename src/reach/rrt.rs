@@ -20,9 +20,7 @@ pub struct Rrt {
 impl Rrt {
     /// A strategy for a space.
     pub fn new(metric: &Metric) -> Self {
-        Rrt {
-            open: Linear::new(metric.coordinates().len(), metric.modes(), MODE_PENALTY),
-        }
+        Rrt { open: Linear::new(metric.coordinates().len(), metric.modes(), MODE_PENALTY) }
     }
 }
 

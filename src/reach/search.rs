@@ -33,12 +33,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Settings {
-            seed: 1,
-            hold: (10, 10),
-            goal_bias: 0.05,
-            restart: 2_000,
-        }
+        Settings { seed: 1, hold: (10, 10), goal_bias: 0.05, restart: 2_000 }
     }
 }
 
@@ -85,12 +80,7 @@ pub trait Strategy {
 ///
 /// # Errors
 /// A [`Fault`] if the initial state breaks a rule.
-pub fn reach(
-    problem: &Problem<'_>,
-    settings: &Settings,
-    limits: &Limits,
-    watch: &dyn Watch,
-) -> Result<Outcome, Fault> {
+pub fn reach(problem: &Problem<'_>, settings: &Settings, limits: &Limits, watch: &dyn Watch) -> Result<Outcome, Fault> {
     let metric = Metric::new(problem.sim);
     let mut strategy = Rrt::new(&metric);
     search(problem, &metric, &mut strategy, settings, limits, watch)
@@ -123,10 +113,7 @@ pub fn search(
     match problem.judge(&root)? {
         Standing::Open => {}
         Standing::Goal => {
-            outcome.verdict = Verdict::Reached(Plan {
-                script: Script::default(),
-                steps: 0,
-            });
+            outcome.verdict = Verdict::Reached(Plan { script: Script::default(), steps: 0 });
             return Ok(outcome);
         }
         Standing::Dead => return Ok(outcome),
@@ -204,44 +191,28 @@ impl Planner<'_> {
         self.tree.clear();
         self.add(root, NodeId(0), 0, 0);
         self.outcome.statistics.trees += 1;
-        self.metric
-            .point(self.problem.sim.world(), root, &mut point);
+        self.metric.point(self.problem.sim.world(), root, &mut point);
         strategy.learn(&self.tree, None, Growth::Rooted(&point));
         let mut tries = 0u64;
-        while (self.tree.len() as u64) < allowance
-            && !self.is_done()
-            && !strategy.exhausted(&self.tree)
-        {
+        while (self.tree.len() as u64) < allowance && !self.is_done() && !strategy.exhausted(&self.tree) {
             tries += 1;
             if tries.is_multiple_of(WATCH_EVERY) {
                 let s = &self.outcome.statistics;
-                self.watch.progress(Progress {
-                    nodes: s.nodes,
-                    budget: self.limits.nodes,
-                    trees: s.trees,
-                });
+                self.watch.progress(Progress { nodes: s.nodes, budget: self.limits.nodes, trees: s.trees });
                 self.outcome.stopped = self.watch.stop();
             }
             self.metric.sample(&mut self.rng, &mut toward);
-            if self
-                .rng
-                .random_bool(self.settings.goal_bias.clamp(0.0, 1.0))
-            {
+            if self.rng.random_bool(self.settings.goal_bias.clamp(0.0, 1.0)) {
                 self.region.pull(&mut self.rng, &mut toward);
             }
             let Some(choice) = strategy.choose(&mut self.tree, &toward, &mut self.rng) else {
                 continue;
             };
             let (low, high) = self.settings.hold;
-            let hold = if low < high {
-                self.rng.random_range(low..=high)
-            } else {
-                low.max(1)
-            };
+            let hold = if low < high { self.rng.random_range(low..=high) } else { low.max(1) };
             match self.extend(choice, hold) {
                 Extension::Open => {
-                    self.metric
-                        .point(self.problem.sim.world(), &self.work, &mut point);
+                    self.metric.point(self.problem.sim.world(), &self.work, &mut point);
                     let state = std::mem::take(&mut self.work);
                     self.add(&state, choice.node, choice.input as u16, hold);
                     self.work = state;
@@ -253,9 +224,7 @@ impl Planner<'_> {
                 }
                 Extension::Goal(steps) => {
                     let set = self.tree.set(choice.node);
-                    let mut script = self
-                        .tree
-                        .script(choice.node, |set| self.controls.inputs(set));
+                    let mut script = self.tree.script(choice.node, |set| self.controls.inputs(set));
                     script.push(&self.controls.inputs(set)[choice.input], u32::from(steps));
                     if self.replays(&script) {
                         return Some(script);
@@ -281,22 +250,14 @@ impl Planner<'_> {
         self.outcome.statistics.extensions += 1;
         for step in 1..=hold {
             self.outcome.statistics.steps += 1;
-            let stepped = self
-                .problem
-                .sim
-                .step(&mut self.work, input, &mut self.scratch);
+            let stepped = self.problem.sim.step(&mut self.work, input, &mut self.scratch);
             match stepped.and_then(|()| self.problem.judge(&self.work)) {
                 Ok(Standing::Open) => {}
                 Ok(Standing::Goal) => return Extension::Goal(step),
                 Ok(Standing::Dead) => return Extension::Dead,
                 Err(fault) => {
-                    let before = self
-                        .tree
-                        .script(choice.node, |set| self.controls.inputs(set))
-                        .len();
-                    self.outcome
-                        .fault
-                        .get_or_insert((fault, before + u64::from(step)));
+                    let before = self.tree.script(choice.node, |set| self.controls.inputs(set)).len();
+                    self.outcome.fault.get_or_insert((fault, before + u64::from(step)));
                     return Extension::Dead;
                 }
             }
@@ -315,9 +276,7 @@ impl Planner<'_> {
             if standing != Ok(Standing::Open) {
                 return false;
             }
-            standing = sim
-                .step(&mut state, input, &mut self.scratch)
-                .and_then(|()| self.problem.judge(&state));
+            standing = sim.step(&mut state, input, &mut self.scratch).and_then(|()| self.problem.judge(&state));
         }
         standing == Ok(Standing::Goal)
     }

@@ -36,10 +36,7 @@ struct Node {
 impl Tree {
     /// An empty tree of states of a size in bytes.
     pub fn new(stride: usize) -> Self {
-        Tree {
-            stride: stride.max(1),
-            ..Tree::default()
-        }
+        Tree { stride: stride.max(1), ..Tree::default() }
     }
 
     /// Forgets all nodes, keeps the memory.
@@ -66,29 +63,14 @@ impl Tree {
     }
 
     /// Adds a node; the root is its own parent. `inputs` is the number of inputs of its control set.
-    pub fn push(
-        &mut self,
-        state: &[u8],
-        parent: NodeId,
-        input: u16,
-        hold: u16,
-        set: u32,
-        inputs: usize,
-    ) -> NodeId {
+    pub fn push(&mut self, state: &[u8], parent: NodeId, input: u16, hold: u16, set: u32, inputs: usize) -> NodeId {
         let id = NodeId(self.nodes.len() as u32);
         self.states.extend_from_slice(state);
         self.states.resize(self.stride * (self.nodes.len() + 1), 0);
         let tried = self.tried.len() as u32;
         self.tried.resize(self.tried.len() + inputs.div_ceil(64), 0);
         self.open += usize::from(inputs > 0);
-        self.nodes.push(Node {
-            parent: parent.0,
-            set,
-            input,
-            hold,
-            untried: inputs as u16,
-            tried,
-        });
+        self.nodes.push(Node { parent: parent.0, set, input, hold, untried: inputs as u16, tried });
         id
     }
 

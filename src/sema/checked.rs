@@ -8,8 +8,8 @@ use crate::source::Span;
 pub use crate::syntax::ast::{CompareOp, Name};
 
 use super::ids::{
-    AxisId, ButtonId, ColliderId, DiscreteId, EdgeId, EntityId, EnvelopeId, GoalId, GroupId, IdVec,
-    ModeId, NeverId, ParamId, PlayerId, SlotId, SpaceId, TagId, VarId, WorldId,
+    AxisId, ButtonId, ColliderId, DiscreteId, EdgeId, EntityId, EnvelopeId, GoalId, GroupId, IdVec, ModeId, NeverId,
+    ParamId, PlayerId, SlotId, SpaceId, TagId, VarId, WorldId,
 };
 
 /// A program without errors.

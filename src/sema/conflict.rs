@@ -10,17 +10,14 @@ impl Checker<'_> {
     /// Two drives of one variable in one mode, or in modes of two groups.
     pub(super) fn flow_conflicts(&mut self, entity: &Entity) {
         self.within(entity, &entity.drives);
-        let mut owners: IdVec<VarId, Option<(GroupId, &Drive)>> =
-            entity.vars.iter().map(|_| None).collect();
+        let mut owners: IdVec<VarId, Option<(GroupId, &Drive)>> = entity.vars.iter().map(|_| None).collect();
         let mut reported = vec![false; entity.vars.len()];
         for mode in entity.modes.iter() {
             self.within(entity, &mode.drives);
             for drive in &mode.drives {
                 match owners[drive.var] {
                     None => owners[drive.var] = Some((mode.group, drive)),
-                    Some((group, first))
-                        if group != mode.group && !reported[drive.var.0 as usize] =>
-                    {
+                    Some((group, first)) if group != mode.group && !reported[drive.var.0 as usize] => {
                         reported[drive.var.0 as usize] = true;
                         self.conflict(entity, first, drive, true);
                     }

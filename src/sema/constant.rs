@@ -17,10 +17,7 @@ pub struct ConstantContext<'a> {
 
 impl ConstantContext<'_> {
     /// Nothing but literals and constants.
-    pub const LITERALS: ConstantContext<'static> = ConstantContext {
-        params: None,
-        step: None,
-    };
+    pub const LITERALS: ConstantContext<'static> = ConstantContext { params: None, step: None };
 }
 
 /// Why a term has no constant value.
@@ -72,11 +69,7 @@ pub fn evaluate(term: &Term, context: ConstantContext<'_>) -> Result<f64, Broken
         | TermKind::InSpace(..)
         | TermKind::Near { .. } => return Err(unknown),
     };
-    if result.is_finite() {
-        Ok(result)
-    } else {
-        Err(Broken::NotFinite(term.span))
-    }
+    if result.is_finite() { Ok(result) } else { Err(Broken::NotFinite(term.span)) }
 }
 
 /// Arithmetic as the simulator does it; dividing by zero gives no finite number.

@@ -12,8 +12,7 @@ use crate::source::Span;
 use crate::syntax::ast;
 
 use super::checked::{
-    Arithmetic, Checked, DriveBy, Entity, Function, Place, Rate, Release, Subject, Term, TermKind,
-    Update,
+    Arithmetic, Checked, DriveBy, Entity, Function, Place, Rate, Release, Subject, Term, TermKind, Update,
 };
 use super::ids::{EntityId, ParamId, SlotId, VarId};
 
@@ -34,11 +33,7 @@ impl Annotation {
     /// # Errors
     /// The first name that is no unit.
     pub fn read(d: &ast::Dimension) -> Result<Self, ast::Name> {
-        let mut out = Annotation {
-            px: 0,
-            s: 0,
-            span: d.span,
-        };
+        let mut out = Annotation { px: 0, s: 0, span: d.span };
         for (name, exponent) in &d.factors {
             match name.text.as_str() {
                 "px" => out.px = out.px.saturating_add(*exponent),
@@ -68,12 +63,7 @@ impl Ratio {
         Ratio(n / g, d / g)
     }
     fn plus(self, o: Ratio) -> Ratio {
-        Ratio::new(
-            self.0
-                .saturating_mul(o.1)
-                .saturating_add(o.0.saturating_mul(self.1)),
-            self.1.saturating_mul(o.1),
-        )
+        Ratio::new(self.0.saturating_mul(o.1).saturating_add(o.0.saturating_mul(self.1)), self.1.saturating_mul(o.1))
     }
     fn times(self, o: Ratio) -> Ratio {
         Ratio::new(self.0.saturating_mul(o.0), self.1.saturating_mul(o.1))
@@ -92,28 +82,16 @@ struct Dim {
 
 impl Dim {
     fn known(px: i64, s: i64) -> Dim {
-        Dim {
-            px: Ratio(px, 1),
-            s: Ratio(s, 1),
-            unknowns: BTreeMap::new(),
-        }
+        Dim { px: Ratio(px, 1), s: Ratio(s, 1), unknowns: BTreeMap::new() }
     }
     fn unknown(u: Unknown) -> Dim {
-        Dim {
-            unknowns: BTreeMap::from([(u, Ratio::ONE)]),
-            ..Dim::known(0, 0)
-        }
+        Dim { unknowns: BTreeMap::from([(u, Ratio::ONE)]), ..Dim::known(0, 0) }
     }
     fn plus(mut self, other: &Dim, factor: Ratio) -> Dim {
         self.px = self.px.plus(other.px.times(factor));
         self.s = self.s.plus(other.s.times(factor));
         for (u, r) in &other.unknowns {
-            let sum = self
-                .unknowns
-                .get(u)
-                .copied()
-                .unwrap_or(Ratio::ZERO)
-                .plus(r.times(factor));
+            let sum = self.unknowns.get(u).copied().unwrap_or(Ratio::ZERO).plus(r.times(factor));
             if sum == Ratio::ZERO {
                 self.unknowns.remove(u);
             } else {
@@ -138,16 +116,8 @@ impl Dim {
                 _ => {}
             }
         }
-        let top = if top.is_empty() {
-            "1".to_string()
-        } else {
-            top.join("*")
-        };
-        if bottom.is_empty() {
-            top
-        } else {
-            format!("{top}/{}", bottom.join("/"))
-        }
+        let top = if top.is_empty() { "1".to_string() } else { top.join("*") };
+        if bottom.is_empty() { top } else { format!("{top}/{}", bottom.join("/")) }
     }
 }
 
@@ -156,25 +126,14 @@ const LENGTH: (i64, i64) = (1, 0);
 
 /// Checks all entities and worlds of a program that is otherwise right.
 pub(super) fn check(program: &Checked, diagnostics: &mut Diagnostics) {
-    let mut solver = Solver {
-        program,
-        solved: Vec::new(),
-        named: BTreeMap::new(),
-        conflicts: Vec::new(),
-    };
+    let mut solver = Solver { program, solved: Vec::new(), named: BTreeMap::new(), conflicts: Vec::new() };
     for (id, entity) in program.entities.pairs() {
         solver.entity(id, entity);
     }
     for world in program.worlds.iter() {
         for question in world.goals.iter().chain(world.nevers.iter()) {
             let entity_of = |slot: SlotId| world.instances[slot].entity;
-            solver.dimension(
-                &question.predicate,
-                &Here {
-                    me: None,
-                    entity_of: &entity_of,
-                },
-            );
+            solver.dimension(&question.predicate, &Here { me: None, entity_of: &entity_of });
         }
     }
     solver.report(diagnostics);
@@ -237,10 +196,7 @@ impl Solver<'_> {
     }
 
     fn reduce(&self, dim: &Dim) -> Dim {
-        let mut out = Dim {
-            unknowns: BTreeMap::new(),
-            ..dim.clone()
-        };
+        let mut out = Dim { unknowns: BTreeMap::new(), ..dim.clone() };
         for (u, r) in &dim.unknowns {
             match &self.solved[*u] {
                 Some((solution, _)) => out = out.plus(&self.reduce(solution), *r),
@@ -251,21 +207,11 @@ impl Solver<'_> {
     }
 
     /// Makes `found`, the dimension of `term`, equal to what its place needs.
-    fn need(
-        &mut self,
-        term: &Term,
-        found: &Dim,
-        needed: &Dim,
-        place: Option<Span>,
-        here: &Here<'_>,
-    ) {
+    fn need(&mut self, term: &Term, found: &Dim, needed: &Dim, place: Option<Span>, here: &Here<'_>) {
         let difference = self.reduce(found).plus(&self.reduce(needed), Ratio(-1, 1));
         // The unknown that stands alone is the one that this use determines.
-        let pick = difference
-            .unknowns
-            .iter()
-            .max_by_key(|(u, _)| found.unknowns.contains_key(*u))
-            .map(|(u, r)| (*u, *r));
+        let pick =
+            difference.unknowns.iter().max_by_key(|(u, _)| found.unknowns.contains_key(*u)).map(|(u, r)| (*u, *r));
         match pick {
             Some((u, r)) => {
                 let rest = difference.plus(&Dim::unknown(u), Ratio(-r.0, r.1));
@@ -300,9 +246,7 @@ impl Solver<'_> {
                 continue;
             };
             match &common {
-                Some((needed, place)) => {
-                    self.need(term, &found, &needed.clone(), Some(*place), here)
-                }
+                Some((needed, place)) => self.need(term, &found, &needed.clone(), Some(*place), here),
                 None => common = Some((found, term.span)),
             }
         }
@@ -317,9 +261,7 @@ impl Solver<'_> {
         };
         match &term.kind {
             TermKind::Number(_) | TermKind::Bool(_) => None,
-            TermKind::Seconds(_) | TermKind::Frames(_) | TermKind::Timer(_) => {
-                Some(Dim::known(TIME.0, TIME.1))
-            }
+            TermKind::Seconds(_) | TermKind::Frames(_) | TermKind::Timer(_) => Some(Dim::known(TIME.0, TIME.1)),
             TermKind::Param(p) => Some(self.name(Named::Param(here.me?, *p))),
             TermKind::Var(of, var, degree) => {
                 let base = self.name(Named::Var(entity(*of)?, *var));
@@ -327,15 +269,9 @@ impl Solver<'_> {
             }
             TermKind::Discrete(..) | TermKind::Axis(_) => Some(Dim::known(0, 0)),
             TermKind::Negate(a) => self.dimension(a, here),
-            TermKind::Arithmetic(Arithmetic::Add | Arithmetic::Subtract, a, b) => {
-                self.agree(&[a, b], here)
-            }
+            TermKind::Arithmetic(Arithmetic::Add | Arithmetic::Subtract, a, b) => self.agree(&[a, b], here),
             TermKind::Arithmetic(op, a, b) => {
-                let sign = if *op == Arithmetic::Divide {
-                    Ratio(-1, 1)
-                } else {
-                    Ratio::ONE
-                };
+                let sign = if *op == Arithmetic::Divide { Ratio(-1, 1) } else { Ratio::ONE };
                 let (a, b) = (self.dimension(a, here), self.dimension(b, here));
                 if a.is_none() && b.is_none() {
                     return None;
@@ -383,21 +319,14 @@ impl Solver<'_> {
                 }
                 None
             }
-            TermKind::Button(..)
-            | TermKind::Touching { .. }
-            | TermKind::InMode(..)
-            | TermKind::InSpace(..) => None,
+            TermKind::Button(..) | TermKind::Touching { .. } | TermKind::InMode(..) | TermKind::InSpace(..) => None,
         }
     }
 
     fn entity(&mut self, id: EntityId, entity: &Entity) {
-        let here = Here {
-            me: Some(id),
-            entity_of: &|_| id,
-        };
+        let here = Here { me: Some(id), entity_of: &|_| id };
         let of_var = |this: &mut Self, var: VarId, degree: u8| {
-            this.name(Named::Var(id, var))
-                .plus(&Dim::known(0, -i64::from(degree)), Ratio::ONE)
+            this.name(Named::Var(id, var)).plus(&Dim::known(0, -i64::from(degree)), Ratio::ONE)
         };
         let length = Dim::known(LENGTH.0, LENGTH.1);
         let time = Dim::known(TIME.0, TIME.1);
@@ -412,11 +341,7 @@ impl Solver<'_> {
                 }
             }
         };
-        for drive in entity
-            .drives
-            .iter()
-            .chain(entity.modes.iter().flat_map(|m| &m.drives))
-        {
+        for drive in entity.drives.iter().chain(entity.modes.iter().flat_map(|m| &m.drives)) {
             if let DriveBy::Flow(value) = &drive.by {
                 let needed = of_var(self, drive.var, drive.degree);
                 self.place(value, &needed, &here);
@@ -476,56 +401,31 @@ impl Solver<'_> {
 
     fn report(self, diagnostics: &mut Diagnostics) {
         for conflict in &self.conflicts {
-            let Conflict {
-                entity,
-                term,
-                needed,
-                found,
-                place,
-            } = conflict;
+            let Conflict { entity, term, needed, found, place } = conflict;
             let named = match (&term.kind, entity) {
-                (TermKind::Param(p), Some(e)) => Some((
-                    Named::Param(*e, *p),
-                    self.program.entities[*e].params[*p].name.text.clone(),
-                )),
+                (TermKind::Param(p), Some(e)) => {
+                    Some((Named::Param(*e, *p), self.program.entities[*e].params[*p].name.text.clone()))
+                }
                 (TermKind::Var(Subject::Me, v, degree), Some(e)) => {
                     let name = &self.program.entities[*e].vars[*v].name.text;
-                    Some((
-                        Named::Var(*e, *v),
-                        format!("{name}{}", "'".repeat(usize::from(*degree))),
-                    ))
+                    Some((Named::Var(*e, *v), format!("{name}{}", "'".repeat(usize::from(*degree)))))
                 }
                 _ => None,
             };
-            let reason = named
-                .as_ref()
-                .and_then(|(n, _)| self.named.get(n))
-                .and_then(|&u| self.solved[u].as_ref());
+            let reason = named.as_ref().and_then(|(n, _)| self.named.get(n)).and_then(|&u| self.solved[u].as_ref());
             let other = match (reason, place) {
                 (Some((_, span)), _) => Some((*span, found.words())),
                 (None, Some(place)) => Some((*place, needed.words())),
                 (None, None) => None,
             };
-            let what = named
-                .as_ref()
-                .map_or("this value".to_string(), |(_, n)| format!("`{n}`"));
+            let what = named.as_ref().map_or("this value".to_string(), |(_, n)| format!("`{n}`"));
             let at = match (&other, reason) {
                 (Some(_), Some(_)) => (term.span, needed.words()),
                 (Some(_), None) => (term.span, found.words()),
-                (None, _) => (
-                    term.span,
-                    format!("it is {}, and {} is needed", found.words(), needed.words()),
-                ),
+                (None, _) => (term.span, format!("it is {}, and {} is needed", found.words(), needed.words())),
             };
-            let near = entity.and_then(|e| {
-                self.of_dimension(e, needed, named.as_ref().map(|(_, n)| n.as_str()))
-            });
-            diagnostics.report(DimensionConflict {
-                what,
-                at,
-                other,
-                near,
-            });
+            let near = entity.and_then(|e| self.of_dimension(e, needed, named.as_ref().map(|(_, n)| n.as_str())));
+            diagnostics.report(DimensionConflict { what, at, other, near });
         }
     }
 
@@ -536,10 +436,7 @@ impl Solver<'_> {
             .params
             .pairs()
             .filter(|(p, _)| {
-                let solution = self
-                    .named
-                    .get(&Named::Param(entity, *p))
-                    .and_then(|&u| self.solved[u].as_ref());
+                let solution = self.named.get(&Named::Param(entity, *p)).and_then(|&u| self.solved[u].as_ref());
                 solution.is_some_and(|(d, _)| self.reduce(d) == *dim)
             })
             .map(|(_, p)| p.name.text.as_str())

@@ -9,9 +9,7 @@ use crate::diagnostic::catalogue::types::{NotConstant, OutOfRange, TypeMismatch,
 use crate::source::Span;
 use crate::syntax::ast::{self, Domain, Expr, Member, Name};
 
-use super::checked::{
-    Collider, Discrete, Drive, DriveBy, Entity, Group, Param, Term, TermKind, Type, Var,
-};
+use super::checked::{Collider, Discrete, Drive, DriveBy, Entity, Group, Param, Term, TermKind, Type, Var};
 use super::constant::{Broken, ConstantContext, evaluate};
 use super::dimension::Annotation;
 use super::expression::{Reads, Scope};
@@ -69,15 +67,8 @@ impl<'a> Checker<'a> {
             discrete_syntax: Vec::new(),
         };
         for text in ["x", "y"] {
-            let name = Name {
-                text: text.into(),
-                span: syntax.name.span,
-            };
-            let id = entity.vars.push(Var {
-                name: name.clone(),
-                initial: None,
-                dimension: None,
-            });
+            let name = Name { text: text.into(), span: syntax.name.span };
+            let id = entity.vars.push(Var { name: name.clone(), initial: None, dimension: None });
             names.vars.declare(&name, id, &mut self.diagnostics);
         }
         // Parameters and variables share one name space; buttons and axes another.
@@ -91,11 +82,7 @@ impl<'a> Checker<'a> {
                         continue;
                     }
                     let dimension = c.dimension.as_ref().and_then(|d| self.annotation(d));
-                    let id = entity.vars.push(Var {
-                        name: c.name.clone(),
-                        initial: None,
-                        dimension,
-                    });
+                    let id = entity.vars.push(Var { name: c.name.clone(), initial: None, dimension });
                     names.vars.declare(&c.name, id, &mut self.diagnostics);
                 }
                 Member::Discrete(d) => {
@@ -103,17 +90,9 @@ impl<'a> Checker<'a> {
                         continue;
                     }
                     let (ty, range) = self.domain(&d.domain);
-                    let initial = Term {
-                        kind: TermKind::Number(f64::from(range.0)),
-                        ty: ty.clone(),
-                        span: d.name.span,
-                    };
-                    let id = entity.discretes.push(Discrete {
-                        name: d.name.clone(),
-                        ty,
-                        range,
-                        initial,
-                    });
+                    let initial =
+                        Term { kind: TermKind::Number(f64::from(range.0)), ty: ty.clone(), span: d.name.span };
+                    let id = entity.discretes.push(Discrete { name: d.name.clone(), ty, range, initial });
                     names.discretes.declare(&d.name, id, &mut self.diagnostics);
                     names.discrete_syntax.push(&d.initial);
                 }
@@ -152,12 +131,7 @@ impl<'a> Checker<'a> {
     }
 
     pub(super) fn too_many(&mut self, what: &str, limit: usize, at: Span) {
-        self.diagnostics.report(TooMany {
-            what: what.into(),
-            count: limit as u64 + 1,
-            limit: limit as u64,
-            at,
-        });
+        self.diagnostics.report(TooMany { what: what.into(), count: limit as u64 + 1, limit: limit as u64, at });
     }
 
     fn is_new_value(&mut self, name: &Name, values: &mut Table<()>) -> bool {
@@ -173,35 +147,16 @@ impl<'a> Checker<'a> {
         values.declare(name, (), &mut self.diagnostics)
     }
 
-    fn parameter(
-        &mut self,
-        p: &ast::Constant,
-        entity: &mut Entity,
-        names: &mut Skeleton<'_>,
-        values: &mut Table<()>,
-    ) {
+    fn parameter(&mut self, p: &ast::Constant, entity: &mut Entity, names: &mut Skeleton<'_>, values: &mut Table<()>) {
         if !self.is_new_value(&p.name, values) {
             return;
         }
-        let scope = Scope {
-            entity: Some(entity),
-            names: Some(names),
-            ..Scope::constant()
-        }
-        .reading(Reads::Params);
+        let scope = Scope { entity: Some(entity), names: Some(names), ..Scope::constant() }.reading(Reads::Params);
         let default = self.value(&p.value, &scope);
         let dimension = p.dimension.as_ref().and_then(|d| self.annotation(d));
         // A parameter without a readable default is still a name.
-        let default = default.unwrap_or(Term {
-            kind: TermKind::Number(0.0),
-            ty: Type::Int,
-            span: p.value.span,
-        });
-        let id = entity.params.push(Param {
-            name: p.name.clone(),
-            default,
-            dimension,
-        });
+        let default = default.unwrap_or(Term { kind: TermKind::Number(0.0), ty: Type::Int, span: p.value.span });
+        let id = entity.params.push(Param { name: p.name.clone(), default, dimension });
         names.params.declare(&p.name, id, &mut self.diagnostics);
     }
 
@@ -305,13 +260,12 @@ impl<'a> Checker<'a> {
                     }
                     self.add_group(Some(&group.name), &modes, entity, names);
                 }
-                Member::Mode(mode) => match first_group {
-                    Some(group) => self.diagnostics.report(MixedGroups {
-                        mode: mode.name.span,
-                        group,
-                    }),
-                    None => anonymous.push(mode),
-                },
+                Member::Mode(mode) => {
+                    if let Some(group) = first_group.filter(|_| anonymous.is_empty()) {
+                        self.diagnostics.report(MixedGroups { mode: mode.name.span, group });
+                    }
+                    anonymous.push(mode);
+                }
                 _ => {}
             }
         }
@@ -328,21 +282,13 @@ impl<'a> Checker<'a> {
         if modes.is_empty() {
             return;
         }
-        let group: GroupId = entity.groups.push(Group {
-            name: name.cloned(),
-            modes: Vec::new(),
-        });
+        let group: GroupId = entity.groups.push(Group { name: name.cloned(), modes: Vec::new() });
         let path: Vec<String> = name.iter().map(|n| n.text.clone()).collect();
         let roots = self.mode_skeletons(modes, group, None, &path, entity, &mut names.mode_syntax);
         entity.groups[group].modes = roots;
     }
 
-    pub(super) fn misplaced(
-        &mut self,
-        member: &Member,
-        inside: &'static str,
-        belongs: &'static str,
-    ) {
+    pub(super) fn misplaced(&mut self, member: &Member, inside: &'static str, belongs: &'static str) {
         let (at, what) = match member {
             Member::Parameter(p) => (p.name.span, "a `param`"),
             Member::Continuous(c) => (c.name.span, "a `continuous`"),
@@ -357,29 +303,14 @@ impl<'a> Checker<'a> {
             Member::Edge(e) => (e.span, "an edge"),
             Member::Envelope(e) => (e.span, "an `envelope`"),
         };
-        self.diagnostics.report(Misplaced {
-            at,
-            what,
-            inside,
-            belongs,
-        });
+        self.diagnostics.report(Misplaced { at, what, inside, belongs });
     }
 
     /// The body of an entity whose skeleton is known.
-    pub(super) fn entity(
-        &mut self,
-        syntax: &ast::Entity,
-        names: Skeleton<'_>,
-        id: EntityId,
-    ) -> Entity {
+    pub(super) fn entity(&mut self, syntax: &ast::Entity, names: Skeleton<'_>, id: EntityId) -> Entity {
         let frozen = self.checked.entities[id].clone();
         let mut entity = frozen.clone();
-        let scope = Scope {
-            entity: Some(&frozen),
-            names: Some(&names),
-            ..Scope::constant()
-        }
-        .reading(Reads::All);
+        let scope = Scope { entity: Some(&frozen), names: Some(&names), ..Scope::constant() }.reading(Reads::All);
         self.initial_values(syntax, &names, &mut entity, &scope);
         for member in &syntax.members {
             match member {
@@ -395,29 +326,20 @@ impl<'a> Checker<'a> {
                 }
                 Member::Envelope(envelope) => self.envelope(envelope, &scope, &mut entity, None),
                 Member::Entry(_) | Member::Edge(_) => {
-                    self.misplaced(member, "an entity, outside of its modes", "inside a mode");
+                    self.misplaced(member, "an entity outside of its modes", "inside a mode");
                 }
                 _ => {}
             }
         }
         for (mode, syntax) in names.mode_syntax.iter().enumerate() {
-            let scope = Scope {
-                mode: Some(ModeId(mode as u32)),
-                ..scope
-            };
+            let scope = Scope { mode: Some(ModeId(mode as u32)), ..scope };
             self.mode(syntax, ModeId(mode as u32), &scope, &mut entity);
         }
         self.flow_conflicts(&entity);
         entity
     }
 
-    fn initial_values(
-        &mut self,
-        syntax: &ast::Entity,
-        names: &Skeleton<'_>,
-        entity: &mut Entity,
-        scope: &Scope<'_>,
-    ) {
+    fn initial_values(&mut self, syntax: &ast::Entity, names: &Skeleton<'_>, entity: &mut Entity, scope: &Scope<'_>) {
         let scope = scope.reading(Reads::Params);
         let mut seen = BTreeSet::new();
         for member in &syntax.members {
@@ -448,10 +370,7 @@ impl<'a> Checker<'a> {
             None => None,
         };
         if c.shape.text == "circle" {
-            self.diagnostics.report(NotSupported {
-                at: c.shape.span,
-                what: "`circle`".into(),
-            });
+            self.diagnostics.report(NotSupported { at: c.shape.span, what: "`circle`".into() });
             return None;
         }
         if c.shape.text != "rect" {
@@ -468,20 +387,11 @@ impl<'a> Checker<'a> {
             return None;
         }
         let sizes: Vec<Option<Term>> = c.arguments.iter().map(|a| self.number(a, &scope)).collect();
-        let rect: [Term; 4] = sizes
-            .into_iter()
-            .collect::<Option<Vec<_>>>()?
-            .try_into()
-            .ok()?;
+        let rect: [Term; 4] = sizes.into_iter().collect::<Option<Vec<_>>>()?.try_into().ok()?;
         for (term, what) in [(&rect[2], "width"), (&rect[3], "height")] {
             if let Ok(value) = evaluate(term, ConstantContext::LITERALS) {
                 if value <= 0.0 {
-                    self.diagnostics.report(BadCollider {
-                        at: term.span,
-                        what,
-                        value,
-                        instance: None,
-                    });
+                    self.diagnostics.report(BadCollider { at: term.span, what, value, instance: None });
                 }
             }
         }
@@ -489,13 +399,7 @@ impl<'a> Checker<'a> {
             Some(guard) => Some(guard?),
             None => None,
         };
-        Some(Collider {
-            tags,
-            kinematic: c.kinematic,
-            rect,
-            guard,
-            span: c.span,
-        })
+        Some(Collider { tags, kinematic: c.kinematic, rect, guard, span: c.span })
     }
 
     /// `x' = e`
@@ -503,51 +407,34 @@ impl<'a> Checker<'a> {
         let target = self.controlled(&flow.variable, scope);
         let value = self.number(&flow.value, scope);
         let (var, degree) = target?;
-        Some(Drive {
-            var,
-            degree,
-            by: DriveBy::Flow(value?),
-            span: flow.span,
-        })
+        Some(Drive { var, degree, by: DriveBy::Flow(value?), span: flow.span })
     }
 
     /// The continuous variable that a flow or an envelope drives, and its degree.
-    pub(super) fn controlled(
-        &mut self,
-        variable: &ast::Variable,
-        scope: &Scope<'_>,
-    ) -> Option<(VarId, u8)> {
+    pub(super) fn controlled(&mut self, variable: &ast::Variable, scope: &Scope<'_>) -> Option<(VarId, u8)> {
         let names = scope.names?;
         let name = &variable.name;
         if let Some(&var) = names.vars.get(&name.text) {
             return Some((var, self.primes(variable)?));
         }
-        if names.discretes.get(&name.text).is_some() || names.params.get(&name.text).is_some() {
+        let is_param = names.params.get(&name.text).is_some();
+        if is_param || names.discretes.get(&name.text).is_some() {
             self.diagnostics.report(TypeMismatch {
                 at: variable.span,
-                found: "no continuous variable".into(),
+                found: if is_param { "a parameter" } else { "a discrete variable" }.into(),
                 expected: "a continuous variable".into(),
-                help: Some("only `continuous` variables flow; a `discrete` one changes in the updates of edges".into()),
+                help: Some("only `x`, `y` and `continuous` variables flow".into()),
             });
             return None;
         }
-        let fact = unknown(
-            "continuous variable",
-            &name.text,
-            name.span,
-            names.vars.names(),
-        );
+        let fact = unknown("continuous variable", &name.text, name.span, names.vars.names());
         self.report_unknown(fact);
         None
     }
 
     /// The degree of a variable on a left side.
     pub(super) fn primes(&mut self, variable: &ast::Variable) -> Option<u8> {
-        let path = ast::Path {
-            segments: vec![variable.name.clone()],
-            primes: variable.primes,
-            span: variable.span,
-        };
+        let path = ast::Path { segments: vec![variable.name.clone()], primes: variable.primes, span: variable.span };
         self.degree(&path)
     }
 }

@@ -14,24 +14,13 @@ use super::names::unknown;
 
 impl Checker<'_> {
     /// Checks an envelope and adds it to its mode, or to the entity.
-    pub(super) fn envelope(
-        &mut self,
-        e: &ast::Envelope,
-        scope: &Scope<'_>,
-        entity: &mut Entity,
-        mode: Option<ModeId>,
-    ) {
+    pub(super) fn envelope(&mut self, e: &ast::Envelope, scope: &Scope<'_>, entity: &mut Entity, mode: Option<ModeId>) {
         let Some(envelope) = self.two_way(e, scope) else {
             return;
         };
         let (var, degree) = (envelope.var, envelope.degree);
         let id = entity.envelopes.push(envelope);
-        let drive = Drive {
-            var,
-            degree,
-            by: DriveBy::Envelope(id),
-            span: e.span,
-        };
+        let drive = Drive { var, degree, by: DriveBy::Envelope(id), span: e.span };
         match mode {
             Some(mode) => entity.modes[mode].drives.push(drive),
             None => entity.drives.push(drive),
@@ -40,10 +29,7 @@ impl Checker<'_> {
 
     fn two_way(&mut self, e: &ast::Envelope, scope: &Scope<'_>) -> Option<Envelope> {
         let unsupported = |this: &mut Self, at: Span, what: &str| {
-            this.diagnostics.report(NotSupported {
-                at,
-                what: what.into(),
-            });
+            this.diagnostics.report(NotSupported { at, what: what.into() });
         };
         let [variable] = e.controlled.as_slice() else {
             unsupported(self, e.span, "an envelope of several variables");
@@ -159,10 +145,7 @@ impl Checker<'_> {
                 unknown("axis", &name.text, name.span, names.axes.names())
             }
             _ => {
-                self.diagnostics.report(NotSupported {
-                    at: by.span,
-                    what: "an envelope by a button".into(),
-                });
+                self.diagnostics.report(NotSupported { at: by.span, what: "an envelope by a button".into() });
                 return None;
             }
         };

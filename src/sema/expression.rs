@@ -61,22 +61,12 @@ pub(super) struct WorldNames {
 impl<'s> Scope<'s> {
     /// Literals and constants only.
     pub fn constant() -> Self {
-        Scope {
-            entity: None,
-            names: None,
-            mode: None,
-            world: None,
-            reads: Reads::Constants,
-        }
+        Scope { entity: None, names: None, mode: None, world: None, reads: Reads::Constants }
     }
 
     /// Predicates of a world.
     pub fn predicate(world: &'s WorldNames) -> Self {
-        Scope {
-            world: Some(world),
-            reads: Reads::All,
-            ..Scope::constant()
-        }
+        Scope { world: Some(world), reads: Reads::All, ..Scope::constant() }
     }
 
     pub fn reading(self, reads: Reads) -> Self {
@@ -123,9 +113,7 @@ impl Checker<'_> {
             return Some(term);
         }
         let help = match (&term.ty, ty) {
-            (Type::Real, Type::Int) => {
-                Some("make it whole with `floor`, `ceil` or `round`".to_string())
-            }
+            (Type::Real, Type::Int) => Some("make it whole with `floor`, `ceil` or `round`".to_string()),
             (Type::Real | Type::Int, Type::Bool) => Some("compare it with something".to_string()),
             _ => None,
         };
@@ -146,21 +134,11 @@ impl Checker<'_> {
     }
 
     fn term(&mut self, e: &Expr, scope: &Scope<'_>, wanted: Option<&Type>) -> Option<Term> {
-        let make = |kind: TermKind, ty: Type| {
-            Some(Term {
-                kind,
-                ty,
-                span: e.span,
-            })
-        };
+        let make = |kind: TermKind, ty: Type| Some(Term { kind, ty, span: e.span });
         match &e.kind {
             ExprKind::Number(value, unit) => match unit {
                 None => {
-                    let ty = if value.fract() == 0.0 {
-                        Type::Int
-                    } else {
-                        Type::Real
-                    };
+                    let ty = if value.fract() == 0.0 { Type::Int } else { Type::Real };
                     make(TermKind::Number(*value), ty)
                 }
                 Some(Unit::Seconds) => make(TermKind::Seconds(*value), Type::Real),
@@ -175,18 +153,12 @@ impl Checker<'_> {
             }
             ExprKind::Paren(inner) => {
                 let inner = self.term(inner, scope, wanted)?;
-                Some(Term {
-                    span: e.span,
-                    ..inner
-                })
+                Some(Term { span: e.span, ..inner })
             }
             ExprKind::Path(path) => self.path(path, e.span, scope, wanted),
             ExprKind::Call(function, arguments, binding) => {
                 if let Some(binding) = binding {
-                    self.diagnostics.report(NotSupported {
-                        at: binding.span,
-                        what: "`as`".into(),
-                    });
+                    self.diagnostics.report(NotSupported { at: binding.span, what: "`as`".into() });
                     return None;
                 }
                 self.call(function, arguments, e.span, scope, wanted)
@@ -209,40 +181,24 @@ impl Checker<'_> {
             }
             ExprKind::Binary(op, a, b) => self.binary(*op, a, b, e.span, scope),
             ExprKind::Compare(first, rest) => self.comparison(first, rest, e.span, scope),
-            ExprKind::In(subject, path) => {
-                self.relation(subject, e.span, scope, |this, slot, entity| {
-                    let names = ModeNames::of(&this.checked.entities[entity]);
-                    let mode = this.mode_named(&names, path, None)?;
-                    Some(TermKind::InMode(Subject::Slot(slot), mode))
-                })
-            }
+            ExprKind::In(subject, path) => self.relation(subject, e.span, scope, |this, slot, entity| {
+                let names = ModeNames::of(&this.checked.entities[entity]);
+                let mode = this.mode_named(&names, path, None)?;
+                Some(TermKind::InMode(Subject::Slot(slot), mode))
+            }),
             ExprKind::Touching(subject, tag) => {
                 let other = self.tag(&tag.text);
                 self.relation(subject, e.span, scope, |_, slot, _| {
-                    Some(TermKind::Touching {
-                        of: Subject::Slot(slot),
-                        mine: None,
-                        other,
-                        side: None,
-                    })
+                    Some(TermKind::Touching { of: Subject::Slot(slot), mine: None, other, side: None })
                 })
             }
-            ExprKind::Any(entity) => {
-                self.any(entity, e.span, scope, |_, _, _| Some(TermKind::Bool(true)))
-            }
+            ExprKind::Any(entity) => self.any(entity, e.span, scope, |_, _, _| Some(TermKind::Bool(true))),
             ExprKind::NoneRef | ExprKind::SelfRef | ExprKind::Is(..) => {
-                self.diagnostics.report(NotSupported {
-                    at: e.span,
-                    what: "a reference".into(),
-                });
+                self.diagnostics.report(NotSupported { at: e.span, what: "a reference".into() });
                 None
             }
             ExprKind::Text(_) | ExprKind::Point(..) => {
-                let found = if matches!(e.kind, ExprKind::Text(_)) {
-                    "a text"
-                } else {
-                    "a point"
-                };
+                let found = if matches!(e.kind, ExprKind::Text(_)) { "a text" } else { "a point" };
                 self.diagnostics.report(TypeMismatch {
                     at: e.span,
                     found: found.into(),
@@ -280,13 +236,7 @@ impl Checker<'_> {
         None
     }
 
-    fn path(
-        &mut self,
-        path: &Path,
-        span: Span,
-        scope: &Scope<'_>,
-        wanted: Option<&Type>,
-    ) -> Option<Term> {
+    fn path(&mut self, path: &Path, span: Span, scope: &Scope<'_>, wanted: Option<&Type>) -> Option<Term> {
         let make = |kind: TermKind, ty: Type| Some(Term { kind, ty, span });
         let [name, rest @ ..] = path.segments.as_slice() else {
             return None;
@@ -311,10 +261,7 @@ impl Checker<'_> {
             }
             if let Some(&id) = names.discretes.get(&name.text).filter(|_| path.primes == 0) {
                 self.allow(Some(()), span, scope, Reads::State, "a variable")?;
-                return make(
-                    TermKind::Discrete(Subject::Me, id),
-                    entity.discretes[id].ty.clone(),
-                );
+                return make(TermKind::Discrete(Subject::Me, id), entity.discretes[id].ty.clone());
             }
             if let Some(&id) = names.axes.get(&name.text).filter(|_| path.primes == 0) {
                 self.allow(Some(()), span, scope, Reads::All, "an axis")?;
@@ -322,36 +269,29 @@ impl Checker<'_> {
             }
         }
         if let Some(constant) = self.constants.get(&name.text).filter(|_| path.primes == 0) {
-            return Some(Term {
-                span,
-                ..constant.clone()
+            return Some(Term { span, ..constant.clone() });
+        }
+        if scope.world.is_some_and(|w| w.instances.iter().any(|(n, _)| *n == name.text)) {
+            self.diagnostics.report(TypeMismatch {
+                at: span,
+                found: "an instance".into(),
+                expected: wanted.map_or("a value".into(), describe),
+                help: Some(format!("`{0}.x` reads it, `{0} in MODE` and `{0} touching TAG` ask it", name.text)),
             });
+            return None;
         }
         let mut known: Vec<&str> = Vec::new();
         if let Some(names) = scope.names {
             known.extend(names.vars.names());
             if path.primes == 0 {
-                known.extend(
-                    names
-                        .params
-                        .names()
-                        .chain(names.discretes.names())
-                        .chain(names.axes.names()),
-                );
+                known.extend(names.params.names().chain(names.discretes.names()).chain(names.axes.names()));
             }
         }
         if let Some(Type::Set(values)) = wanted {
             known.extend(values.iter().map(String::as_str));
         }
-        if let Some(world) = scope.world {
-            known.extend(world.instances.iter().map(|(n, _)| n.as_str()));
-        }
         known.extend(self.constants.names());
-        let kind = if path.primes > 0 {
-            "continuous variable"
-        } else {
-            "variable, parameter or constant"
-        };
+        let kind = if path.primes > 0 { "continuous variable" } else { "variable, parameter or constant" };
         let fact = unknown(kind, &name.text, name.span, known);
         self.report_unknown(fact);
         None
@@ -372,19 +312,9 @@ impl Checker<'_> {
     }
 
     /// `hero.x'`, `hero.keys`, `main.width`.
-    fn member(
-        &mut self,
-        path: &Path,
-        first: &Name,
-        second: &Name,
-        span: Span,
-        scope: &Scope<'_>,
-    ) -> Option<Term> {
+    fn member(&mut self, path: &Path, first: &Name, second: &Name, span: Span, scope: &Scope<'_>) -> Option<Term> {
         let Some(world) = scope.world else {
-            self.diagnostics.report(NotSupported {
-                at: span,
-                what: "reading another instance's variable".into(),
-            });
+            self.diagnostics.report(NotSupported { at: span, what: "reading another instance's variable".into() });
             return None;
         };
         if let Some(slot) = world.instances.iter().position(|(n, _)| *n == first.text) {
@@ -392,31 +322,14 @@ impl Checker<'_> {
             let of = Subject::Slot(SlotId(slot as u32));
             if let Some(var) = entity.vars.find(|v| v.name.text == second.text) {
                 let degree = self.degree(path)?;
-                return Some(Term {
-                    kind: TermKind::Var(of, var, degree),
-                    ty: Type::Real,
-                    span,
-                });
+                return Some(Term { kind: TermKind::Var(of, var, degree), ty: Type::Real, span });
             }
             if let Some(id) = entity.discretes.find(|v| v.name.text == second.text) {
                 let ty = entity.discretes[id].ty.clone();
-                return Some(Term {
-                    kind: TermKind::Discrete(of, id),
-                    ty,
-                    span,
-                });
+                return Some(Term { kind: TermKind::Discrete(of, id), ty, span });
             }
-            let known = entity
-                .vars
-                .iter()
-                .map(|v| &v.name)
-                .chain(entity.discretes.iter().map(|d| &d.name));
-            let fact = unknown(
-                "variable",
-                &second.text,
-                second.span,
-                known.map(|n| n.text.as_str()),
-            );
+            let known = entity.vars.iter().map(|v| &v.name).chain(entity.discretes.iter().map(|d| &d.name));
+            let fact = unknown("variable", &second.text, second.span, known.map(|n| n.text.as_str()));
             self.report_unknown(fact);
             return None;
         }
@@ -426,55 +339,27 @@ impl Checker<'_> {
                 "width" => size.0,
                 "height" => size.1,
                 other => {
-                    let fact = unknown(
-                        "measure of a space",
-                        other,
-                        second.span,
-                        ["width", "height"],
-                    );
+                    let fact = unknown("measure of a space", other, second.span, ["width", "height"]);
                     self.report_unknown(fact);
                     return None;
                 }
             };
-            return Some(Term {
-                kind: TermKind::Number(value),
-                ty: Type::Real,
-                span,
-            });
+            return Some(Term { kind: TermKind::Number(value), ty: Type::Real, span });
         }
-        let known = world
-            .instances
-            .iter()
-            .map(|(n, _)| n.as_str())
-            .chain(world.spaces.iter().map(|(n, _)| n.as_str()));
+        let known = world.instances.iter().map(|(n, _)| n.as_str()).chain(world.spaces.iter().map(|(n, _)| n.as_str()));
         let fact = unknown("instance or space", &first.text, first.span, known);
         self.report_unknown(fact);
         None
     }
 
-    fn binary(
-        &mut self,
-        op: BinaryOp,
-        a: &Expr,
-        b: &Expr,
-        span: Span,
-        scope: &Scope<'_>,
-    ) -> Option<Term> {
+    fn binary(&mut self, op: BinaryOp, a: &Expr, b: &Expr, span: Span, scope: &Scope<'_>) -> Option<Term> {
         let arithmetic = match op {
             BinaryOp::And | BinaryOp::Or => {
                 // Both sides are looked at, so that both can be wrong in one run.
                 let (a, b) = (self.guard(a, scope), self.guard(b, scope));
                 let (a, b) = (Box::new(a?), Box::new(b?));
-                let kind = if op == BinaryOp::And {
-                    TermKind::And(a, b)
-                } else {
-                    TermKind::Or(a, b)
-                };
-                return Some(Term {
-                    kind,
-                    ty: Type::Bool,
-                    span,
-                });
+                let kind = if op == BinaryOp::And { TermKind::And(a, b) } else { TermKind::Or(a, b) };
+                return Some(Term { kind, ty: Type::Bool, span });
             }
             BinaryOp::Add => Arithmetic::Add,
             BinaryOp::Subtract => Arithmetic::Subtract,
@@ -485,28 +370,12 @@ impl Checker<'_> {
         let (a, b) = (a?, b?);
         let whole = a.ty == Type::Int && b.ty == Type::Int && op != BinaryOp::Divide;
         let ty = if whole { Type::Int } else { Type::Real };
-        Some(Term {
-            kind: TermKind::Arithmetic(arithmetic, Box::new(a), Box::new(b)),
-            ty,
-            span,
-        })
+        Some(Term { kind: TermKind::Arithmetic(arithmetic, Box::new(a), Box::new(b)), ty, span })
     }
 
-    fn comparison(
-        &mut self,
-        first: &Expr,
-        rest: &[(CompareOp, Expr)],
-        span: Span,
-        scope: &Scope<'_>,
-    ) -> Option<Term> {
-        let up =
-            |op: &CompareOp| matches!(op, CompareOp::Less | CompareOp::AtMost | CompareOp::Equal);
-        let down = |op: &CompareOp| {
-            matches!(
-                op,
-                CompareOp::Greater | CompareOp::AtLeast | CompareOp::Equal
-            )
-        };
+    fn comparison(&mut self, first: &Expr, rest: &[(CompareOp, Expr)], span: Span, scope: &Scope<'_>) -> Option<Term> {
+        let up = |op: &CompareOp| matches!(op, CompareOp::Less | CompareOp::AtMost | CompareOp::Equal);
+        let down = |op: &CompareOp| matches!(op, CompareOp::Greater | CompareOp::AtLeast | CompareOp::Equal);
         let one_way = rest.iter().all(|(op, _)| up(op)) || rest.iter().all(|(op, _)| down(op));
         if rest.len() > 1 && !one_way {
             self.diagnostics.report(BadChain { at: span });
@@ -518,30 +387,18 @@ impl Checker<'_> {
             let link = self.compare(*op, left, right, scope)?;
             chain = Some(match chain {
                 None => link,
-                Some(before) => Term {
-                    kind: TermKind::And(Box::new(before), Box::new(link)),
-                    ty: Type::Bool,
-                    span,
-                },
+                Some(before) => Term { kind: TermKind::And(Box::new(before), Box::new(link)), ty: Type::Bool, span },
             });
             left = right;
         }
         chain
     }
 
-    fn compare(
-        &mut self,
-        op: CompareOp,
-        left: &Expr,
-        right: &Expr,
-        scope: &Scope<'_>,
-    ) -> Option<Term> {
+    fn compare(&mut self, op: CompareOp, left: &Expr, right: &Expr, scope: &Scope<'_>) -> Option<Term> {
         let span = left.span.to(right.span);
         let equality = matches!(op, CompareOp::Equal | CompareOp::Unequal);
         // The type of one side helps to read the other: `facing == left`, `left == facing`.
-        let hint = self
-            .set_type(left, scope)
-            .or_else(|| self.set_type(right, scope));
+        let hint = self.set_type(left, scope).or_else(|| self.set_type(right, scope));
         let (a, b) = match (&hint, equality) {
             (Some(ty), true) => {
                 let (a, b) = (self.typed(left, scope, ty), self.typed(right, scope, ty));
@@ -558,11 +415,7 @@ impl Checker<'_> {
                 }
             }
         };
-        Some(Term {
-            kind: TermKind::Compare(op, Box::new(a), Box::new(b)),
-            ty: Type::Bool,
-            span,
-        })
+        Some(Term { kind: TermKind::Compare(op, Box::new(a), Box::new(b)), ty: Type::Bool, span })
     }
 
     /// The type of a plain discrete variable that ranges over a set.
@@ -595,11 +448,7 @@ impl Checker<'_> {
     ) -> Option<Term> {
         let make = |kind: TermKind, ty: Type| Some(Term { kind, ty, span });
         let wrong = |this: &mut Self, usage: &'static str| {
-            this.diagnostics.report(WrongArguments {
-                function: function.text.clone(),
-                at: span,
-                usage,
-            });
+            this.diagnostics.report(WrongArguments { function: function.text.clone(), at: span, usage });
         };
         let (numeric, usage) = match function.text.as_str() {
             "min" => (Function::Min, "`min(a, b)`"),
@@ -628,17 +477,11 @@ impl Checker<'_> {
                 return make(TermKind::Call(Function::If, vec![condition, a, b]), ty);
             }
             "sin" | "cos" | "atan2" => {
-                self.diagnostics.report(NotSupported {
-                    at: function.span,
-                    what: format!("`{}`", function.text),
-                });
+                self.diagnostics.report(NotSupported { at: function.span, what: format!("`{}`", function.text) });
                 return None;
             }
             "entering" | "exiting" | "lost" => {
-                self.diagnostics.report(NotSupported {
-                    at: function.span,
-                    what: format!("`{}`", function.text),
-                });
+                self.diagnostics.report(NotSupported { at: function.span, what: format!("`{}`", function.text) });
                 return None;
             }
             "pressed" | "held" | "released" => {
@@ -646,13 +489,7 @@ impl Checker<'_> {
             }
             "touching" => return self.touching(arguments, span, scope, wrong),
             "timer" => {
-                let [
-                    Expr {
-                        kind: ExprKind::Path(path),
-                        ..
-                    },
-                ] = arguments
-                else {
+                let [Expr { kind: ExprKind::Path(path), .. }] = arguments else {
                     wrong(self, "`timer(mode)`");
                     return None;
                 };
@@ -663,14 +500,7 @@ impl Checker<'_> {
             }
             "near" => return self.near(arguments, span, scope, wrong),
             "inside" => {
-                let [
-                    subject,
-                    Expr {
-                        kind: ExprKind::Path(path),
-                        ..
-                    },
-                ] = arguments
-                else {
+                let [subject, Expr { kind: ExprKind::Path(path), .. }] = arguments else {
                     wrong(self, "`inside(instance, space)`");
                     return None;
                 };
@@ -683,16 +513,13 @@ impl Checker<'_> {
                     return None;
                 };
                 return self.relation(subject, span, scope, |_, slot, _| {
-                    Some(TermKind::InSpace(
-                        Subject::Slot(slot),
-                        SpaceId::from_index(space),
-                    ))
+                    Some(TermKind::InSpace(Subject::Slot(slot), SpaceId::from_index(space)))
                 });
             }
             other => {
                 let known = [
-                    "min", "max", "abs", "sign", "clamp", "floor", "ceil", "round", "sqrt", "if",
-                    "pressed", "held", "released", "touching", "timer", "near", "inside",
+                    "min", "max", "abs", "sign", "clamp", "floor", "ceil", "round", "sqrt", "if", "pressed", "held",
+                    "released", "touching", "timer", "near", "inside",
                 ];
                 let fact = unknown("function", other, function.span, known);
                 self.report_unknown(fact);
@@ -719,26 +546,10 @@ impl Checker<'_> {
         make(TermKind::Call(numeric, args), ty)
     }
 
-    fn button(
-        &mut self,
-        function: &Name,
-        arguments: &[Expr],
-        span: Span,
-        scope: &Scope<'_>,
-    ) -> Option<Term> {
-        let [
-            Expr {
-                kind: ExprKind::Path(path),
-                ..
-            },
-        ] = arguments
-        else {
+    fn button(&mut self, function: &Name, arguments: &[Expr], span: Span, scope: &Scope<'_>) -> Option<Term> {
+        let [Expr { kind: ExprKind::Path(path), .. }] = arguments else {
             let usage = "a button of this entity, such as `pressed(jump)`";
-            self.diagnostics.report(WrongArguments {
-                function: function.text.clone(),
-                at: span,
-                usage,
-            });
+            self.diagnostics.report(WrongArguments { function: function.text.clone(), at: span, usage });
             return None;
         };
         let names = self.allow(scope.names, span, scope, Reads::All, "a button")?;
@@ -748,16 +559,8 @@ impl Checker<'_> {
             "held" => Press::Held,
             _ => Press::Released,
         };
-        if let Some(&button) = names
-            .buttons
-            .get(&name.text)
-            .filter(|_| path.segments.len() == 1)
-        {
-            return Some(Term {
-                kind: TermKind::Button(press, button),
-                ty: Type::Bool,
-                span,
-            });
+        if let Some(&button) = names.buttons.get(&name.text).filter(|_| path.segments.len() == 1) {
+            return Some(Term { kind: TermKind::Button(press, button), ty: Type::Bool, span });
         }
         let fact = unknown("button", &name.text, name.span, names.buttons.names());
         self.report_unknown(fact);
@@ -771,16 +574,13 @@ impl Checker<'_> {
         scope: &Scope<'_>,
         wrong: impl Fn(&mut Self, &'static str),
     ) -> Option<Term> {
-        const USAGE: &str = "`touching(tag)`, `touching(tag, side)`, `touching(own tag, tag)` or `touching(own tag, tag, side)`";
+        const USAGE: &str =
+            "`touching(tag)`, `touching(tag, side)`, `touching(own tag, tag)` or `touching(own tag, tag, side)`";
         self.allow(scope.entity, span, scope, Reads::All, "`touching`")?;
         let mut words = Vec::new();
         for argument in arguments {
             match &argument.kind {
-                ExprKind::Path(Path {
-                    segments,
-                    primes: 0,
-                    ..
-                }) if segments.len() == 1 => {
+                ExprKind::Path(Path { segments, primes: 0, .. }) if segments.len() == 1 => {
                     words.extend(segments.first().map(|s| s.text.clone()));
                 }
                 ExprKind::Text(text) => words.push(text.clone()),
@@ -807,12 +607,7 @@ impl Checker<'_> {
             [mine, other, on] if side(on).is_some() => (Some(*mine), *other, side(on)),
             [_, _, on] => {
                 let at = arguments.last().map_or(span, |a| a.span);
-                self.diagnostics.report(unknown(
-                    "side",
-                    on,
-                    at,
-                    ["left", "right", "above", "below"],
-                ));
+                self.diagnostics.report(unknown("side", on, at, ["left", "right", "above", "below"]));
                 return None;
             }
             _ => {
@@ -822,16 +617,7 @@ impl Checker<'_> {
         };
         let mine = mine.map(|tag| self.tag(tag));
         let other = self.tag(other);
-        Some(Term {
-            kind: TermKind::Touching {
-                of: Subject::Me,
-                mine,
-                other,
-                side: on,
-            },
-            ty: Type::Bool,
-            span,
-        })
+        Some(Term { kind: TermKind::Touching { of: Subject::Me, mine, other, side: on }, ty: Type::Bool, span })
     }
 
     fn near(
@@ -842,10 +628,7 @@ impl Checker<'_> {
         wrong: impl Fn(&mut Self, &'static str),
     ) -> Option<Term> {
         let [subject, place, radius] = arguments else {
-            wrong(
-                self,
-                "`near(instance, (x, y), radius)` or `near(instance, instance, radius)`",
-            );
+            wrong(self, "`near(instance, (x, y), radius)` or `near(instance, instance, radius)`");
             return None;
         };
         self.allow(scope.world, span, scope, Reads::All, "`near`")?;
@@ -854,11 +637,8 @@ impl Checker<'_> {
             (x?, y?)
         } else {
             let (slot, _) = self.instance(place, scope)?;
-            let read = |var| Term {
-                kind: TermKind::Var(Subject::Slot(slot), var, 0),
-                ty: Type::Real,
-                span: place.span,
-            };
+            let read =
+                |var| Term { kind: TermKind::Var(Subject::Slot(slot), var, 0), ty: Type::Real, span: place.span };
             (read(super::entity::X), read(super::entity::Y))
         };
         let radius = self.number(radius, scope)?;
@@ -876,9 +656,7 @@ impl Checker<'_> {
     fn instance(&mut self, e: &Expr, scope: &Scope<'_>) -> Option<(SlotId, EntityId)> {
         let world = self.allow(scope.world, e.span, scope, Reads::All, "an instance")?;
         let name = match &e.kind {
-            ExprKind::Path(path) if path.segments.len() == 1 && path.primes == 0 => {
-                path.segments.first()?
-            }
+            ExprKind::Path(path) if path.segments.len() == 1 && path.primes == 0 => path.segments.first()?,
             _ => {
                 self.diagnostics.report(TypeMismatch {
                     at: e.span,
@@ -892,12 +670,7 @@ impl Checker<'_> {
         if let Some(slot) = world.instances.iter().position(|(n, _)| *n == name.text) {
             return Some((SlotId(slot as u32), world.instances[slot].1));
         }
-        let fact = unknown(
-            "instance",
-            &name.text,
-            name.span,
-            world.instances.iter().map(|(n, _)| n.as_str()),
-        );
+        let fact = unknown("instance", &name.text, name.span, world.instances.iter().map(|(n, _)| n.as_str()));
         self.report_unknown(fact);
         None
     }
@@ -914,18 +687,11 @@ impl Checker<'_> {
             return self.any(entity, span, scope, make);
         }
         if scope.world.is_none() {
-            self.diagnostics.report(NotSupported {
-                at: span,
-                what: "asking another instance".into(),
-            });
+            self.diagnostics.report(NotSupported { at: span, what: "asking another instance".into() });
             return None;
         }
         let (slot, entity) = self.instance(subject, scope)?;
-        Some(Term {
-            kind: make(self, slot, entity)?,
-            ty: Type::Bool,
-            span,
-        })
+        Some(Term { kind: make(self, slot, entity)?, ty: Type::Bool, span })
     }
 
     /// Whether `make` holds for some instance of an entity.
@@ -945,11 +711,7 @@ impl Checker<'_> {
         let mut some = Vec::new();
         for (slot, (_, of)) in world.instances.iter().enumerate() {
             if *of == entity {
-                some.push(Term {
-                    kind: make(self, SlotId(slot as u32), entity)?,
-                    ty: Type::Bool,
-                    span,
-                });
+                some.push(Term { kind: make(self, SlotId(slot as u32), entity)?, ty: Type::Bool, span });
             }
         }
         // A balanced tree: thousands of instances must not become thousands of levels.
@@ -958,20 +720,12 @@ impl Checker<'_> {
             let mut rest = some.into_iter();
             while let Some(a) = rest.next() {
                 halves.push(match rest.next() {
-                    Some(b) => Term {
-                        kind: TermKind::Or(Box::new(a), Box::new(b)),
-                        ty: Type::Bool,
-                        span,
-                    },
+                    Some(b) => Term { kind: TermKind::Or(Box::new(a), Box::new(b)), ty: Type::Bool, span },
                     None => a,
                 });
             }
             some = halves;
         }
-        Some(some.pop().unwrap_or(Term {
-            kind: TermKind::Bool(false),
-            ty: Type::Bool,
-            span,
-        }))
+        Some(some.pop().unwrap_or(Term { kind: TermKind::Bool(false), ty: Type::Bool, span }))
     }
 }

@@ -120,10 +120,7 @@ impl<I: Id, T> IdVec<I, T> {
 
     /// Ids and entries in order.
     pub fn pairs(&self) -> impl DoubleEndedIterator<Item = (I, &T)> + ExactSizeIterator {
-        self.entries
-            .iter()
-            .enumerate()
-            .map(|(i, e)| (I::from_index(i), e))
+        self.entries.iter().enumerate().map(|(i, e)| (I::from_index(i), e))
     }
 
     /// The id of the first entry that satisfies `test`.
@@ -134,19 +131,13 @@ impl<I: Id, T> IdVec<I, T> {
 
 impl<I, T> Default for IdVec<I, T> {
     fn default() -> Self {
-        IdVec {
-            entries: Vec::new(),
-            kind: PhantomData,
-        }
+        IdVec { entries: Vec::new(), kind: PhantomData }
     }
 }
 
 impl<I: Id, T> FromIterator<T> for IdVec<I, T> {
     fn from_iter<A: IntoIterator<Item = T>>(iter: A) -> Self {
-        IdVec {
-            entries: iter.into_iter().collect(),
-            kind: PhantomData,
-        }
+        IdVec { entries: iter.into_iter().collect(), kind: PhantomData }
     }
 }
 

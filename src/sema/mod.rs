@@ -43,10 +43,7 @@ pub const MAX_TILE_KINDS: usize = 4_096;
 pub fn check(files: &[ast::File]) -> (Checked, Diagnostics) {
     let mut checker = Checker::new(files);
     checker.declare(files);
-    for (index, (entity, skeleton)) in std::mem::take(&mut checker.skeletons)
-        .into_iter()
-        .enumerate()
-    {
+    for (index, (entity, skeleton)) in std::mem::take(&mut checker.skeletons).into_iter().enumerate() {
         let checked = checker.entity(entity, skeleton, EntityId(index as u32));
         checker.checked.entities[EntityId(index as u32)] = checked;
     }
@@ -57,11 +54,7 @@ pub fn check(files: &[ast::File]) -> (Checked, Diagnostics) {
             }
         }
     }
-    let Checker {
-        checked,
-        mut diagnostics,
-        ..
-    } = checker;
+    let Checker { checked, mut diagnostics, .. } = checker;
     dimension::check(&checked, &mut diagnostics);
     diagnostics.sort();
     (checked, diagnostics)
@@ -91,11 +84,7 @@ impl<'a> Checker<'a> {
             worlds: Table::new("world"),
             tags: std::collections::BTreeMap::new(),
             skeletons: Vec::new(),
-            suspects: files
-                .iter()
-                .flat_map(|f| &f.broken)
-                .flat_map(|b| b.names.iter().cloned())
-                .collect(),
+            suspects: files.iter().flat_map(|f| &f.broken).flat_map(|b| b.names.iter().cloned()).collect(),
         }
     }
 
@@ -113,8 +102,7 @@ impl<'a> Checker<'a> {
             for item in &file.items {
                 if let ast::Item::Entity(entity) = item {
                     let id = EntityId(self.skeletons.len() as u32);
-                    self.entities
-                        .declare(&entity.name, id, &mut self.diagnostics);
+                    self.entities.declare(&entity.name, id, &mut self.diagnostics);
                     let (checked, skeleton) = self.skeleton(entity);
                     self.checked.entities.push(checked);
                     self.skeletons.push((entity, skeleton));
@@ -127,8 +115,7 @@ impl<'a> Checker<'a> {
         let scope = expression::Scope::constant();
         let term = self.value(&constant.value, &scope);
         if let Some(term) = term {
-            self.constants
-                .declare(&constant.name, term, &mut self.diagnostics);
+            self.constants.declare(&constant.name, term, &mut self.diagnostics);
         } else {
             self.suspects.insert(constant.name.text.clone());
         }

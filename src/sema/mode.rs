@@ -21,13 +21,7 @@ pub(super) struct ModeNames {
 
 impl ModeNames {
     pub fn of(entity: &Entity) -> Self {
-        ModeNames {
-            modes: entity
-                .modes
-                .iter()
-                .map(|m| (m.path.clone(), m.group, m.name.span))
-                .collect(),
-        }
+        ModeNames { modes: entity.modes.iter().map(|m| (m.path.clone(), m.group, m.name.span)).collect() }
     }
 }
 
@@ -48,10 +42,7 @@ impl<'a> Checker<'a> {
                 self.too_many("modes", MAX_MODES, mode.name.span);
                 return ids;
             }
-            if let Some(&first) = ids
-                .iter()
-                .find(|&&id| entity.modes[id].name.text == mode.name.text)
-            {
+            if let Some(&first) = ids.iter().find(|&&id| entity.modes[id].name.text == mode.name.text) {
                 self.diagnostics.report(DuplicateName {
                     kind: "mode",
                     name: mode.name.text.clone(),
@@ -80,49 +71,24 @@ impl<'a> Checker<'a> {
             let inner: Vec<&ast::Mode> = mode
                 .members
                 .iter()
-                .filter_map(|m| {
-                    if let Member::Mode(inner) = m {
-                        Some(inner)
-                    } else {
-                        None
-                    }
-                })
+                .filter_map(|m| if let Member::Mode(inner) = m { Some(inner) } else { None })
                 .collect();
-            entity.modes[id].children =
-                self.mode_skeletons(&inner, group, Some(id), &full, entity, syntax);
+            entity.modes[id].children = self.mode_skeletons(&inner, group, Some(id), &full, entity, syntax);
             ids.push(id);
         }
         ids
     }
 
     /// The mode that a path names: the whole path, or a suffix that fits only one mode, those of `group` first.
-    pub(super) fn mode_named(
-        &mut self,
-        names: &ModeNames,
-        path: &Path,
-        group: Option<GroupId>,
-    ) -> Option<ModeId> {
+    pub(super) fn mode_named(&mut self, names: &ModeNames, path: &Path, group: Option<GroupId>) -> Option<ModeId> {
         let segments: Vec<&str> = path.segments.iter().map(|s| s.text.as_str()).collect();
         let fits = |mode: &[String]| {
             mode.len() >= segments.len()
-                && mode[mode.len() - segments.len()..]
-                    .iter()
-                    .zip(&segments)
-                    .all(|(a, b)| a == b)
+                && mode[mode.len() - segments.len()..].iter().zip(&segments).all(|(a, b)| a == b)
         };
-        let all: Vec<usize> = (0..names.modes.len())
-            .filter(|&i| path.primes == 0 && fits(&names.modes[i].0))
-            .collect();
-        let own: Vec<usize> = all
-            .iter()
-            .copied()
-            .filter(|&i| Some(names.modes[i].1) == group)
-            .collect();
-        let whole: Vec<usize> = all
-            .iter()
-            .copied()
-            .filter(|&i| names.modes[i].0.len() == segments.len())
-            .collect();
+        let all: Vec<usize> = (0..names.modes.len()).filter(|&i| path.primes == 0 && fits(&names.modes[i].0)).collect();
+        let own: Vec<usize> = all.iter().copied().filter(|&i| Some(names.modes[i].1) == group).collect();
+        let whole: Vec<usize> = all.iter().copied().filter(|&i| names.modes[i].0.len() == segments.len()).collect();
         for candidates in [&whole, &own, &all] {
             if let [only] = candidates.as_slice() {
                 return Some(ModeId::from_index(*only));
@@ -130,16 +96,10 @@ impl<'a> Checker<'a> {
         }
         let written = segments.join(".");
         if all.is_empty() {
-            let bare = names
-                .modes
-                .iter()
-                .filter_map(|(p, ..)| p.last().map(String::as_str));
+            let bare = names.modes.iter().filter_map(|(p, ..)| p.last().map(String::as_str));
             let joined: Vec<String> = names.modes.iter().map(|(p, ..)| p.join(".")).collect();
-            let known: Vec<&str> = if segments.len() == 1 {
-                bare.collect()
-            } else {
-                joined.iter().map(String::as_str).collect()
-            };
+            let known: Vec<&str> =
+                if segments.len() == 1 { bare.collect() } else { joined.iter().map(String::as_str).collect() };
             let mut known_once = known;
             known_once.sort_unstable();
             known_once.dedup();
@@ -147,32 +107,17 @@ impl<'a> Checker<'a> {
             self.report_unknown(fact);
             return None;
         }
-        let mut fits: Vec<(String, Span)> = all
-            .iter()
-            .map(|&i| (names.modes[i].0.join("."), names.modes[i].2))
-            .collect();
+        let mut fits: Vec<(String, Span)> =
+            all.iter().map(|&i| (names.modes[i].0.join("."), names.modes[i].2)).collect();
         fits.truncate(6);
-        self.diagnostics.report(AmbiguousMode {
-            name: written,
-            at: path.span,
-            fits,
-        });
+        self.diagnostics.report(AmbiguousMode { name: written, at: path.span, fits });
         None
     }
 
     /// The body of a mode.
-    pub(super) fn mode(
-        &mut self,
-        syntax: &ast::Mode,
-        id: ModeId,
-        scope: &Scope<'_>,
-        entity: &mut Entity,
-    ) {
+    pub(super) fn mode(&mut self, syntax: &ast::Mode, id: ModeId, scope: &Scope<'_>, entity: &mut Entity) {
         if let Initial::When(guard) = &syntax.initial {
-            self.diagnostics.report(NotSupported {
-                at: guard.span,
-                what: "`initial when`".into(),
-            });
+            self.diagnostics.report(NotSupported { at: guard.span, what: "`initial when`".into() });
             entity.modes[id].initial_when = self.guard(guard, &scope.reading(Reads::Params));
         }
         for member in &syntax.members {
@@ -213,12 +158,7 @@ impl<'a> Checker<'a> {
                     target: path.span,
                     path: entity.modes[target].path.join("."),
                     declared: entity.modes[target].name.span,
-                    own: entity
-                        .modes
-                        .iter()
-                        .filter(|m| m.group == group)
-                        .map(|m| m.path.join("."))
-                        .collect(),
+                    own: entity.modes.iter().filter(|m| m.group == group).map(|m| m.path.join(".")).collect(),
                 });
                 return None;
             }
@@ -235,40 +175,22 @@ impl<'a> Checker<'a> {
             Some(target) => Some(target?),
             None => None,
         };
-        Some(Edge {
-            source,
-            target,
-            guard: guard?,
-            updates,
-            span: edge.span,
-        })
+        Some(Edge { source, target, guard: guard?, updates, span: edge.span })
     }
 
     /// `y' := e`, `keys := keys + 1`
     fn update(&mut self, update: &ast::Assignment, scope: &Scope<'_>) -> Option<Update> {
         let names = scope.names?;
         let name = &update.variable.name;
-        if let Some(&id) = names
-            .discretes
-            .get(&name.text)
-            .filter(|_| update.variable.primes == 0)
-        {
+        if let Some(&id) = names.discretes.get(&name.text).filter(|_| update.variable.primes == 0) {
             let ty = scope.entity?.discretes[id].ty.clone();
             let value = self.typed(&update.value, scope, &ty)?;
-            return Some(Update {
-                place: Place::Discrete(id),
-                value,
-                span: update.span,
-            });
+            return Some(Update { place: Place::Discrete(id), value, span: update.span });
         }
         if let Some(&var) = names.vars.get(&name.text) {
             let degree = self.primes(&update.variable);
             let value = self.number(&update.value, scope)?;
-            return Some(Update {
-                place: Place::Var(var, degree?),
-                value,
-                span: update.span,
-            });
+            return Some(Update { place: Place::Var(var, degree?), value, span: update.span });
         }
         if names.params.get(&name.text).is_some() {
             self.diagnostics.report(TypeMismatch {
@@ -282,12 +204,7 @@ impl<'a> Checker<'a> {
             });
             return None;
         }
-        let fact = unknown(
-            "variable",
-            &name.text,
-            name.span,
-            names.vars.names().chain(names.discretes.names()),
-        );
+        let fact = unknown("variable", &name.text, name.span, names.vars.names().chain(names.discretes.names()));
         self.report_unknown(fact);
         None
     }
@@ -297,19 +214,11 @@ impl<'a> Checker<'a> {
         if let Some(first) = before.iter().find(|u| u.place == update.place) {
             let variable = match update.place {
                 Place::Var(var, degree) => {
-                    format!(
-                        "{}{}",
-                        entity.vars[var].name.text,
-                        "'".repeat(usize::from(degree))
-                    )
+                    format!("{}{}", entity.vars[var].name.text, "'".repeat(usize::from(degree)))
                 }
                 Place::Discrete(id) => entity.discretes[id].name.text.clone(),
             };
-            self.diagnostics.report(UpdateConflict {
-                variable,
-                first: first.span,
-                second: update.span,
-            });
+            self.diagnostics.report(UpdateConflict { variable, first: first.span, second: update.span });
         }
     }
 }

@@ -15,11 +15,7 @@ pub(super) struct Table<T> {
 
 impl<T> Table<T> {
     pub fn new(kind: &'static str) -> Self {
-        Table {
-            kind,
-            entries: Vec::new(),
-            index: std::collections::BTreeMap::new(),
-        }
+        Table { kind, entries: Vec::new(), index: std::collections::BTreeMap::new() }
     }
 
     /// Adds a name; the first of two equal ones stays.

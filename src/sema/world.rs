@@ -45,10 +45,7 @@ impl Checker<'_> {
         for item in &syntax.items {
             match item {
                 WorldItem::Step(e) => {
-                    let name = Name {
-                        text: "step".into(),
-                        span: e.span,
-                    };
+                    let name = Name { text: "step".into(), span: e.span };
                     if steps.declare(&name, (), &mut self.diagnostics) {
                         if let Some(step) = self.step(e) {
                             world.step = step;
@@ -69,10 +66,7 @@ impl Checker<'_> {
                 continue;
             };
             spaces.declare(&space.name, (), &mut self.diagnostics);
-            let id = world.spaces.push(Space {
-                name: space.name.clone(),
-                map: None,
-            });
+            let id = world.spaces.push(Space { name: space.name.clone(), map: None });
             let mut map_at = None;
             for item in &space.items {
                 match item {
@@ -84,9 +78,7 @@ impl Checker<'_> {
                             break;
                         }
                         if let Some(instance) = self.place(place, id, step) {
-                            names
-                                .instances
-                                .push((place.name.text.clone(), instance.entity));
+                            names.instances.push((place.name.text.clone(), instance.entity));
                             world.instances.push(instance);
                         } else {
                             // Goals may still name it.
@@ -95,10 +87,7 @@ impl Checker<'_> {
                     }
                 }
             }
-            let size = world.spaces[id]
-                .map
-                .as_ref()
-                .map(crate::level::TileMap::size);
+            let size = world.spaces[id].map.as_ref().map(crate::level::TileMap::size);
             names.spaces.push((space.name.text.clone(), size));
         }
         self.players(syntax, &mut world);
@@ -113,10 +102,7 @@ impl Checker<'_> {
             };
             let fresh = table.declare(&question.name, (), &mut self.diagnostics);
             if let Some(predicate) = self.guard(&question.predicate, &scope).filter(|_| fresh) {
-                let checked = Question {
-                    name: question.name.clone(),
-                    predicate,
-                };
+                let checked = Question { name: question.name.clone(), predicate };
                 if matches!(item, WorldItem::Goal(_)) {
                     world.goals.push(checked);
                 } else {
@@ -142,15 +128,12 @@ impl Checker<'_> {
             ExprKind::Binary(BinaryOp::Divide, a, b) => (self.step_part(a)?, self.step_part(b)?),
             _ => (self.step_part(e)?, 1.0),
         };
-        let fraction = exact(numerator)
-            .zip(exact(denominator))
-            .and_then(|((a, b), (c, d))| {
-                let (n, m) = (a.checked_mul(d)?, b.checked_mul(c)?);
-                let g = gcd(n, m);
-                (n > 0 && m > 0).then(|| (n / g, m / g))
-            });
-        let fraction = fraction
-            .filter(|&(n, m)| n <= m.saturating_mul(10) && m / n <= 1_000_000 && m < 1 << 32);
+        let fraction = exact(numerator).zip(exact(denominator)).and_then(|((a, b), (c, d))| {
+            let (n, m) = (a.checked_mul(d)?, b.checked_mul(c)?);
+            let g = gcd(n, m);
+            (n > 0 && m > 0).then(|| (n / g, m / g))
+        });
+        let fraction = fraction.filter(|&(n, m)| n <= m.saturating_mul(10) && m / n <= 1_000_000 && m < 1 << 32);
         if fraction.is_none() {
             self.diagnostics.report(BadStep { at: e.span });
         }
@@ -168,25 +151,12 @@ impl Checker<'_> {
         let r = &line.response;
         for (used, what) in [(r.from_above, "`from above`"), (r.carry, "`carry`")] {
             if used {
-                self.diagnostics.report(NotSupported {
-                    at: r.span,
-                    what: what.into(),
-                });
+                self.diagnostics.report(NotSupported { at: r.span, what: what.into() });
                 return None;
             }
         }
-        let response = if r.block {
-            Response::Block {
-                keep_velocity: r.keep_velocity,
-            }
-        } else {
-            Response::Sense
-        };
-        Some(CollideRule {
-            left,
-            right,
-            response,
-        })
+        let response = if r.block { Response::Block { keep_velocity: r.keep_velocity } } else { Response::Sense };
+        Some(CollideRule { left, right, response })
     }
 
     fn tiles(&mut self, tiles: &ast::Tiles, sets: &mut Table<TileSet>) {
@@ -205,31 +175,16 @@ impl Checker<'_> {
         };
         let (width, height) = (side(&tiles.width), side(&tiles.height));
         let mut symbols: Table<()> = Table::new("tile");
-        let mut set = TileSet {
-            name: tiles.name.clone(),
-            tile: (1.0, 1.0),
-            tiles: Vec::new(),
-        };
+        let mut set = TileSet { name: tiles.name.clone(), tile: (1.0, 1.0), tiles: Vec::new() };
         for tile in &tiles.tiles {
             if set.tiles.len() >= MAX_TILE_KINDS {
                 self.too_many("kinds of tiles", MAX_TILE_KINDS, tile.symbol_span);
                 break;
             }
-            let name = Name {
-                text: tile.symbol.to_string(),
-                span: tile.symbol_span,
-            };
+            let name = Name { text: tile.symbol.to_string(), span: tile.symbol_span };
             if symbols.declare(&name, (), &mut self.diagnostics) {
-                let tags = tile
-                    .tags
-                    .iter()
-                    .filter(|t| t.text != "empty")
-                    .map(|t| self.tag(&t.text))
-                    .collect();
-                set.tiles.push(InlineTile {
-                    symbol: tile.symbol,
-                    tags,
-                });
+                let tags = tile.tags.iter().filter(|t| t.text != "empty").map(|t| self.tag(&t.text)).collect();
+                set.tiles.push(InlineTile { symbol: tile.symbol, tags });
             }
         }
         match (width, height) {
@@ -243,13 +198,7 @@ impl Checker<'_> {
         }
     }
 
-    fn map(
-        &mut self,
-        map: &ast::Map,
-        sets: &Table<TileSet>,
-        first: &mut Option<Span>,
-        space: &mut Space,
-    ) {
+    fn map(&mut self, map: &ast::Map, sets: &Table<TileSet>, first: &mut Option<Span>, space: &mut Space) {
         if let Some(first) = *first {
             self.diagnostics.report(DuplicateName {
                 kind: "the map of",
@@ -267,36 +216,19 @@ impl Checker<'_> {
         };
         let rows: Vec<(&str, Span)> = map.rows.iter().map(|r| (r.text.as_str(), r.span)).collect();
         let declared = (set.name.text.as_str(), set.name.span);
-        space.map = inline_map(
-            &rows,
-            map.tiles.span,
-            declared,
-            set.tile,
-            &set.tiles,
-            &mut self.diagnostics,
-        );
+        space.map = inline_map(&rows, map.tiles.span, declared, set.tile, &set.tiles, &mut self.diagnostics);
     }
 
     /// A placed instance with the values of its parameters and variables.
     fn place(&mut self, place: &ast::Place, space: SpaceId, step: f64) -> Option<Instance> {
-        let constants = ConstantContext {
-            params: None,
-            step: Some(step),
-        };
+        let constants = ConstantContext { params: None, step: Some(step) };
         let scope = Scope::constant();
         let mut at = [None, None];
         for (slot, e) in at.iter_mut().zip([&place.x, &place.y]) {
-            *slot = self
-                .number(e, &scope)
-                .and_then(|term| self.evaluated(&term, constants));
+            *slot = self.number(e, &scope).and_then(|term| self.evaluated(&term, constants));
         }
         let Some(&id) = self.entities.get(&place.entity.text) else {
-            let fact = unknown(
-                "entity",
-                &place.entity.text,
-                place.entity.span,
-                self.entities.names(),
-            );
+            let fact = unknown("entity", &place.entity.text, place.entity.span, self.entities.names());
             self.report_unknown(fact);
             return None;
         };
@@ -311,20 +243,11 @@ impl Checker<'_> {
         for setting in &place.settings {
             let name = &setting.variable.name;
             let written = format!("{}{}", name.text, "'".repeat(setting.variable.primes));
-            if !set.declare(
-                &Name {
-                    text: written,
-                    span: setting.variable.span,
-                },
-                (),
-                &mut self.diagnostics,
-            ) {
+            if !set.declare(&Name { text: written, span: setting.variable.span }, (), &mut self.diagnostics) {
                 continue;
             }
             let mut value = |this: &mut Self, ty: &Type| {
-                let value = this
-                    .typed(&setting.value, &scope, ty)
-                    .and_then(|t| this.evaluated(&t, constants));
+                let value = this.typed(&setting.value, &scope, ty).and_then(|t| this.evaluated(&t, constants));
                 fits &= value.is_some();
                 value
             };
@@ -354,9 +277,7 @@ impl Checker<'_> {
             } else {
                 let known = entity.params.iter().map(|p| &p.name);
                 let known = known.chain(entity.discretes.iter().map(|d| &d.name));
-                let known = known
-                    .chain(entity.vars.iter().map(|v| &v.name))
-                    .map(|n| n.text.as_str());
+                let known = known.chain(entity.vars.iter().map(|v| &v.name)).map(|n| n.text.as_str());
                 let fact = unknown("parameter or variable", &name.text, name.span, known);
                 self.report_unknown(fact);
             }
@@ -369,19 +290,13 @@ impl Checker<'_> {
             let value = match params[id] {
                 Some(value) => value,
                 None => {
-                    let context = ConstantContext {
-                        params: Some(&values),
-                        step: Some(step),
-                    };
+                    let context = ConstantContext { params: Some(&values), step: Some(step) };
                     self.evaluated(&param.default, context)?
                 }
             };
             values.push(value);
         }
-        let context = ConstantContext {
-            params: Some(&values),
-            step: Some(step),
-        };
+        let context = ConstantContext { params: Some(&values), step: Some(step) };
         let mut first = IdVec::new();
         for (id, var) in entity.vars.pairs() {
             let mut value = [0.0; 3];
@@ -403,11 +318,7 @@ impl Checker<'_> {
             let (low, high) = discrete.range;
             if value < f64::from(low) || value > f64::from(high) || value.fract() != 0.0 {
                 self.diagnostics.report(OutOfRange {
-                    at: if discretes[id].is_some() {
-                        place.span
-                    } else {
-                        discrete.initial.span
-                    },
+                    at: if discretes[id].is_some() { place.span } else { discrete.initial.span },
                     what: format!("`{}` = {value}", discrete.name.text),
                     range: format!("{low}..{high}"),
                 });
@@ -427,12 +338,7 @@ impl Checker<'_> {
     }
 
     /// Sizes that depend on parameters are known only now.
-    fn collider_sizes(
-        &mut self,
-        entity: EntityId,
-        place: &ast::Place,
-        context: ConstantContext<'_>,
-    ) {
+    fn collider_sizes(&mut self, entity: EntityId, place: &ast::Place, context: ConstantContext<'_>) {
         let mut found = Vec::new();
         for collider in self.checked.entities[entity].colliders.iter() {
             for (term, what) in [(&collider.rect[2], "width"), (&collider.rect[3], "height")] {
@@ -445,12 +351,7 @@ impl Checker<'_> {
         }
         for (at, what, value) in found {
             let instance = Some((place.name.text.clone(), place.span));
-            self.diagnostics.report(BadCollider {
-                at,
-                what,
-                value,
-                instance,
-            });
+            self.diagnostics.report(BadCollider { at, what, value, instance });
         }
     }
 
@@ -459,57 +360,29 @@ impl Checker<'_> {
             let WorldItem::Player(player) = item else {
                 continue;
             };
-            let number = player
-                .number
-                .text
-                .parse::<u32>()
-                .ok()
-                .filter(|&n| (1..=64).contains(&n));
+            let number = player.number.text.parse::<u32>().ok().filter(|&n| (1..=64).contains(&n));
             let Some(number) = number else {
                 let why = "a player is a whole number from 1 to 64".to_string();
-                self.diagnostics.report(BadPlayer {
-                    at: player.number.span,
-                    why,
-                    other: None,
-                });
+                self.diagnostics.report(BadPlayer { at: player.number.span, why, other: None });
                 continue;
             };
-            let Some(slot) = world
-                .instances
-                .find(|i| i.name.text == player.instance.text)
-            else {
+            let Some(slot) = world.instances.find(|i| i.name.text == player.instance.text) else {
                 let known = world.instances.iter().map(|i| i.name.text.as_str());
-                let fact = unknown(
-                    "instance",
-                    &player.instance.text,
-                    player.instance.span,
-                    known,
-                );
+                let fact = unknown("instance", &player.instance.text, player.instance.span, known);
                 self.report_unknown(fact);
                 continue;
             };
-            let clash = world
-                .players
-                .iter()
-                .find(|p| p.number == number || p.slot == slot);
+            let clash = world.players.iter().find(|p| p.number == number || p.slot == slot);
             if let Some(other) = clash {
                 let why = if other.number == number {
                     format!("player {number} is declared twice")
                 } else {
                     format!("two players control `{}`", player.instance.text)
                 };
-                self.diagnostics.report(BadPlayer {
-                    at: player.span,
-                    why,
-                    other: Some(other.span),
-                });
+                self.diagnostics.report(BadPlayer { at: player.span, why, other: Some(other.span) });
                 continue;
             }
-            world.players.push(Player {
-                number,
-                slot,
-                span: player.span,
-            });
+            world.players.push(Player { number, slot, span: player.span });
         }
     }
 }

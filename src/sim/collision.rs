@@ -84,48 +84,25 @@ impl Overlap {
         if right < 0.0 || left < 0.0 || above < 0.0 || below < 0.0 {
             return None;
         }
-        let (x, x_side) = if right <= left {
-            (right, Side::Right)
-        } else {
-            (left, Side::Left)
-        };
-        let (y, y_side) = if above <= below {
-            (above, Side::Above)
-        } else {
-            (below, Side::Below)
-        };
+        let (x, x_side) = if right <= left { (right, Side::Right) } else { (left, Side::Left) };
+        let (y, y_side) = if above <= below { (above, Side::Above) } else { (below, Side::Below) };
         if x == 0.0 && y == 0.0 {
             return None;
         }
-        Some(Overlap {
-            x,
-            x_side,
-            y,
-            y_side,
-        })
+        Some(Overlap { x, x_side, y, y_side })
     }
 
     fn horizontal(&self) -> Contact {
-        Contact {
-            side: self.x_side,
-            depth: self.x,
-        }
+        Contact { side: self.x_side, depth: self.x }
     }
 
     fn vertical(&self) -> Contact {
-        Contact {
-            side: self.y_side,
-            depth: self.y,
-        }
+        Contact { side: self.y_side, depth: self.y }
     }
 
     /// Along the axis of least penetration, ties vertical.
     fn least(&self) -> Contact {
-        if self.x < self.y {
-            self.horizontal()
-        } else {
-            self.vertical()
-        }
+        if self.x < self.y { self.horizontal() } else { self.vertical() }
     }
 }
 
@@ -149,31 +126,18 @@ impl Collision {
                     .iter()
                     .map(|space| {
                         let kinds = space.map.iter().flat_map(|m| &m.kinds);
-                        kinds
-                            .map(|k| world.response(c.tags, k.tags.iter().copied().collect()))
-                            .collect()
+                        kinds.map(|k| world.response(c.tags, k.tags.iter().copied().collect())).collect()
                     })
                     .collect();
                 let fixed = fixed_rect(program, world, slot, c.rect);
-                bodies.push(Body {
-                    slot,
-                    collider,
-                    tags: c.tags,
-                    kinematic: c.kinematic,
-                    fixed,
-                    tiles,
-                });
+                bodies.push(Body { slot, collider, tags: c.tags, kinematic: c.kinematic, fixed, tiles });
             }
         }
         let mut pairs = Vec::new();
         for (i, a) in bodies.iter().enumerate() {
             for (j, b) in bodies.iter().enumerate().skip(i + 1) {
                 if a.slot != b.slot {
-                    pairs.extend(
-                        world
-                            .response(a.tags, b.tags)
-                            .map(|response| (i, j, response)),
-                    );
+                    pairs.extend(world.response(a.tags, b.tags).map(|response| (i, j, response)));
                 }
             }
         }
@@ -191,12 +155,7 @@ impl Collision {
 }
 
 /// The rectangle of a collider whose numbers read nothing but parameters.
-fn fixed_rect(
-    program: &Program,
-    world: &World,
-    slot: SlotId,
-    rect: [crate::ir::ExprId; 4],
-) -> Option<[f64; 4]> {
+fn fixed_rect(program: &Program, world: &World, slot: SlotId, rect: [crate::ir::ExprId; 4]) -> Option<[f64; 4]> {
     let params = &world.slots[slot].params;
     let mut values = [0.0; 4];
     for (value, id) in values.iter_mut().zip(rect) {
@@ -207,21 +166,11 @@ fn fixed_rect(
 
 impl Simulator<'_> {
     /// Finds all contacts and, with `push`, resolves the blocking ones.
-    pub(super) fn collide(
-        &self,
-        state: &mut [u8],
-        scratch: &mut StepScratch,
-        push: bool,
-    ) -> Result<(), Fault> {
+    pub(super) fn collide(&self, state: &mut [u8], scratch: &mut StepScratch, push: bool) -> Result<(), Fault> {
         self.place_boxes(state, scratch)?;
-        let Scratch {
-            boxes,
-            pushes,
-            stops,
-        } = &mut scratch.collision;
+        let Scratch { boxes, pushes, stops } = &mut scratch.collision;
         for id in self.world().slots.ids() {
-            self.layout(id)
-                .clear_touches(state, self.entity(id).touches.len());
+            self.layout(id).clear_touches(state, self.entity(id).touches.len());
         }
         pushes.fill([0.0; 2]);
         stops.fill(Stops::default());
@@ -246,12 +195,7 @@ impl Simulator<'_> {
                 if !body.kinematic {
                     let depth = contact.depth * share;
                     let at = body.slot.index();
-                    resolve(
-                        Contact { side, depth },
-                        keep_velocity,
-                        &mut pushes[at],
-                        &mut stops[at],
-                    );
+                    resolve(Contact { side, depth }, keep_velocity, &mut pushes[at], &mut stops[at]);
                 }
             }
         }
@@ -271,27 +215,16 @@ impl Simulator<'_> {
 
     /// Moves all boxes to where their instances are.
     fn place_boxes(&self, state: &[u8], scratch: &mut StepScratch) -> Result<(), Fault> {
-        let StepScratch {
-            frames, collision, ..
-        } = scratch;
+        let StepScratch { frames, collision, .. } = scratch;
         let fault = Cell::new(None);
         for (body, rect) in self.collision.bodies.iter().zip(collision.boxes.iter_mut()) {
             let collider = &self.entity(body.slot).colliders[body.collider];
-            let reader = Reader {
-                sim: self,
-                state,
-                frames,
-                fault: &fault,
-                me: body.slot,
-            };
-            rect.active = self.layout(body.slot).alive(state)
-                && collider.guard.is_none_or(|guard| reader.truth(guard));
+            let reader = Reader { sim: self, state, frames, fault: &fault, me: body.slot };
+            rect.active = self.layout(body.slot).alive(state) && collider.guard.is_none_or(|guard| reader.truth(guard));
             if !rect.active {
                 continue;
             }
-            let [x, y, width, height] = body
-                .fixed
-                .unwrap_or_else(|| collider.rect.map(|id| reader.number(id)));
+            let [x, y, width, height] = body.fixed.unwrap_or_else(|| collider.rect.map(|id| reader.number(id)));
             let (px, py) = self.position(state, body.slot);
             rect.left = px + x;
             rect.right = rect.left + width;
@@ -314,14 +247,7 @@ impl Simulator<'_> {
         }
     }
 
-    fn collide_tiles(
-        &self,
-        state: &mut [u8],
-        body: &Body,
-        rect: &Rect,
-        push: &mut [f64; 2],
-        stops: &mut Stops,
-    ) {
+    fn collide_tiles(&self, state: &mut [u8], body: &Body, rect: &Rect, push: &mut [f64; 2], stops: &mut Stops) {
         let space = self.layout(body.slot).space(state);
         let Some(map) = &self.world().spaces[space].map else {
             return;
@@ -334,37 +260,21 @@ impl Simulator<'_> {
         // A tile that is touched along its edge counts, so the range is closed at both ends.
         let columns = range(rect.left, rect.right, width, map.columns);
         let rows = range(rect.bottom, rect.top, height, map.rows);
-        let response =
-            |column: i64, row: i64| map.kind(column, row).and_then(|kind| responses[kind]);
-        let blocks =
-            |column: i64, row: i64| matches!(response(column, row), Some(Response::Block { .. }));
+        let response = |column: i64, row: i64| map.kind(column, row).and_then(|kind| responses[kind]);
+        let blocks = |column: i64, row: i64| matches!(response(column, row), Some(Response::Block { .. }));
         for column in columns {
             for row in rows.clone() {
                 let Some(found) = response(column, row) else {
                     continue;
                 };
                 let (left, bottom) = (column as f64 * width, row as f64 * height);
-                let tile = Rect {
-                    left,
-                    right: left + width,
-                    bottom,
-                    top: bottom + height,
-                    active: true,
-                };
+                let tile = Rect { left, right: left + width, bottom, top: bottom + height, active: true };
                 let Some(overlap) = Overlap::of(rect, &tile) else {
                     continue;
                 };
                 // The faces turned to the body; one that a neighbour covers never gives the side.
-                let beside = if overlap.x_side == Side::Right {
-                    column - 1
-                } else {
-                    column + 1
-                };
-                let over = if overlap.y_side == Side::Above {
-                    row - 1
-                } else {
-                    row + 1
-                };
+                let beside = if overlap.x_side == Side::Right { column - 1 } else { column + 1 };
+                let over = if overlap.y_side == Side::Above { row - 1 } else { row + 1 };
                 let contact = match (blocks(beside, row), blocks(column, over)) {
                     (true, false) => overlap.vertical(),
                     (false, true) => overlap.horizontal(),
@@ -383,10 +293,7 @@ impl Simulator<'_> {
 
     fn push(&self, state: &mut [u8], slot: SlotId, push: [f64; 2], stops: Stops) {
         let layout = self.layout(slot);
-        let axes = [
-            (VarId(0), stops.left, stops.right),
-            (VarId(1), stops.below, stops.above),
-        ];
+        let axes = [(VarId(0), stops.left, stops.right), (VarId(1), stops.below, stops.above)];
         for ((var, low, high), push) in axes.into_iter().zip(push) {
             if push != 0.0 {
                 let position = layout.var(state, var, 0);

@@ -28,13 +28,7 @@ impl Simulator<'_> {
             if !layout.alive(state) {
                 continue;
             }
-            let reader = Reader {
-                sim: self,
-                state,
-                frames,
-                fault: &fault,
-                me,
-            };
+            let reader = Reader { sim: self, state, frames, fault: &fault, me };
             for drive in &entity.free {
                 read_drive(&reader, *drive, own);
             }
@@ -60,14 +54,7 @@ impl Simulator<'_> {
         Ok(())
     }
 
-    fn integrate(
-        &self,
-        state: &mut [u8],
-        me: SlotId,
-        var: VarId,
-        degree: u8,
-        value: f64,
-    ) -> Result<(), Fault> {
+    fn integrate(&self, state: &mut [u8], me: SlotId, var: VarId, degree: u8, value: f64) -> Result<(), Fault> {
         let layout = self.layout(me);
         let dt = self.step;
         if degree == 0 {
@@ -80,11 +67,7 @@ impl Simulator<'_> {
             layout.set_var(state, var, 2, 0.0);
             value
         } else {
-            let acceleration = if degree == 2 {
-                value
-            } else {
-                layout.var(state, var, 2)
-            };
+            let acceleration = if degree == 2 { value } else { layout.var(state, var, 2) };
             layout.set_var(state, var, 2, acceleration);
             layout.var(state, var, 1) + acceleration * dt
         };
@@ -111,10 +94,7 @@ fn read_drive(reader: &Reader<'_>, drive: Drive, own: &mut [(u8, f64)]) {
 
 /// Where an envelope takes its variable in this step (attack, sustain and release after Swink, *Game Feel*, 2009).
 fn envelope_value(reader: &Reader<'_>, envelope: &Envelope) -> f64 {
-    let current = reader
-        .sim
-        .layout(reader.me)
-        .var(reader.state, envelope.var, envelope.degree);
+    let current = reader.sim.layout(reader.me).var(reader.state, envelope.var, envelope.degree);
     let axis = reader.axis(envelope.axis);
     let driven = axis != 0.0 && envelope.guard.is_none_or(|g| reader.truth(g));
     let approach = |target: f64, rate: Option<crate::ir::ExprId>| match rate {
@@ -122,27 +102,16 @@ fn envelope_value(reader: &Reader<'_>, envelope: &Envelope) -> f64 {
         Some(rate) => {
             let reach = reader.number(rate) * reader.sim.step;
             let way = target - current;
-            if way.abs() <= reach {
-                target
-            } else {
-                current + reach.copysign(way)
-            }
+            if way.abs() <= reach { target } else { current + reach.copysign(way) }
         }
     };
     if driven {
-        return approach(
-            axis.signum() * reader.number(envelope.sustain),
-            envelope.attack,
-        );
+        return approach(axis.signum() * reader.number(envelope.sustain), envelope.attack);
     }
     match envelope.release {
         Release::Hold => current,
         Release::To { rate, level } => {
-            let direction = if current == 0.0 {
-                0.0
-            } else {
-                current.signum()
-            };
+            let direction = if current == 0.0 { 0.0 } else { current.signum() };
             approach(direction * reader.number(level), rate)
         }
     }

@@ -17,13 +17,7 @@ impl Simulator<'_> {
             if !self.layout(me).alive(&scratch.before) {
                 continue;
             }
-            let reader = Reader {
-                sim: self,
-                state: &scratch.before,
-                frames: &scratch.frames,
-                fault: &fault,
-                me,
-            };
+            let reader = Reader { sim: self, state: &scratch.before, frames: &scratch.frames, fault: &fault, me };
             for (id, group) in self.entity(me).groups.pairs() {
                 self.group(state, &reader, id, group);
             }
@@ -41,25 +35,14 @@ impl Simulator<'_> {
                 self.update(state, reader, &edge.updates);
             }
         }
-        let taken = leaf
-            .edges
-            .iter()
-            .copied()
-            .find(|&edge| reader.truth(entity.edges[edge].guard));
+        let taken = leaf.edges.iter().copied().find(|&edge| reader.truth(entity.edges[edge].guard));
         if let Some(edge) = taken {
             self.take(state, reader, (id, group), active, edge);
         }
     }
 
     /// Leaves and enters modes and runs the updates: entries from the outermost in, then the edge's own.
-    fn take(
-        &self,
-        state: &mut [u8],
-        reader: &Reader<'_>,
-        group: (GroupId, &Group),
-        active: LeafId,
-        edge: EdgeId,
-    ) {
+    fn take(&self, state: &mut [u8], reader: &Reader<'_>, group: (GroupId, &Group), active: LeafId, edge: EdgeId) {
         let entity = self.entity(reader.me);
         let layout = self.layout(reader.me);
         let edge: &Edge = &entity.edges[edge];
@@ -69,10 +52,7 @@ impl Simulator<'_> {
         let (first, after) = group.1.modes;
         for (id, timer) in entity.timers.pairs() {
             let inside = first <= timer.mode && timer.mode < after;
-            if inside
-                && !(is_active(entity, next, timer.mode)
-                    && is_kept(entity, active, target, timer.mode))
-            {
+            if inside && !(is_active(entity, next, timer.mode) && is_kept(entity, active, target, timer.mode)) {
                 layout.set_timer(state, id, 0);
             }
         }
@@ -92,8 +72,7 @@ impl Simulator<'_> {
                 Place::Var(var, degree) => layout.set_var(state, var, degree, value),
                 Place::Discrete(id) => {
                     let (low, high) = self.entity(reader.me).discretes[id].range;
-                    let fits =
-                        value >= f64::from(low) && value <= f64::from(high) && value.fract() == 0.0;
+                    let fits = value >= f64::from(low) && value <= f64::from(high) && value.fract() == 0.0;
                     if fits {
                         layout.set_discrete(state, id, value as i32);
                     } else {

@@ -4,8 +4,7 @@
 use std::cell::Cell;
 
 use crate::ir::{
-    Arithmetic, AxisId, ButtonId, Entity, Expr, ExprId, Function, Id, Press, Slot, SlotId,
-    SlotLayout, Subject, VarId,
+    Arithmetic, AxisId, ButtonId, Entity, Expr, ExprId, Function, Id, Press, Slot, SlotId, SlotLayout, Subject, VarId,
 };
 use crate::sema::{arithmetic, call, compare};
 
@@ -45,9 +44,7 @@ impl<'a> Reader<'a> {
     }
 
     fn frame(&self) -> Option<&Frame> {
-        self.my_slot()
-            .player
-            .and_then(|p| self.frames.get(p.index()))
+        self.my_slot().player.and_then(|p| self.frames.get(p.index()))
     }
 
     fn checked(&self, id: ExprId, value: f64, operands: [f64; 2]) -> f64 {
@@ -62,18 +59,13 @@ impl<'a> Reader<'a> {
     #[cold]
     pub fn note(&self, kind: FaultKind) {
         if self.fault.get().is_none() {
-            self.fault.set(Some(Fault {
-                slot: self.me,
-                kind,
-            }));
+            self.fault.set(Some(Fault { slot: self.me, kind }));
         }
     }
 
     /// The value of an axis, 0 where nobody controls the instance.
     pub fn axis(&self, axis: AxisId) -> f64 {
-        self.frame()
-            .and_then(|f| f.axes.get(axis.index()).copied())
-            .unwrap_or(0.0)
+        self.frame().and_then(|f| f.axes.get(axis.index()).copied()).unwrap_or(0.0)
     }
 
     fn button(&self, press: Press, button: ButtonId) -> bool {
@@ -93,15 +85,9 @@ impl<'a> Reader<'a> {
             Expr::Number(n) => n,
             Expr::Param(p) => self.my_slot().params[p],
             Expr::Var(of, var, degree) => self.layout(of).var(self.state, var, degree),
-            Expr::Discrete(of, discrete) => {
-                f64::from(self.layout(of).discrete(self.state, discrete))
-            }
+            Expr::Discrete(of, discrete) => f64::from(self.layout(of).discrete(self.state, discrete)),
             Expr::Axis(axis) => self.axis(axis),
-            Expr::Timer(timer) => self
-                .sim
-                .world()
-                .step
-                .times(self.layout(Subject::Me).timer(self.state, timer)),
+            Expr::Timer(timer) => self.sim.world().step.times(self.layout(Subject::Me).timer(self.state, timer)),
             Expr::Frames(n) => n * self.sim.world().step.seconds(),
             Expr::Negate(a) => -self.number(a),
             Expr::Arithmetic(op, a, b) => {
@@ -112,9 +98,7 @@ impl<'a> Reader<'a> {
                 }
                 self.checked(id, arithmetic(op, a, b), [a, b])
             }
-            Expr::Call(Function::If, [condition, a, b]) => {
-                self.number(if self.truth(condition) { a } else { b })
-            }
+            Expr::Call(Function::If, [condition, a, b]) => self.number(if self.truth(condition) { a } else { b }),
             Expr::Call(function, [a, b, c]) => {
                 let (a, b, c) = (self.number(a), self.number(b), self.number(c));
                 self.checked(id, call(function, [a, b, c]), [a, b])
@@ -168,9 +152,6 @@ impl<'a> Reader<'a> {
 
     fn position(&self, of: Subject) -> (f64, f64) {
         let layout = self.layout(of);
-        (
-            layout.var(self.state, VarId(0), 0),
-            layout.var(self.state, VarId(1), 0),
-        )
+        (layout.var(self.state, VarId(0), 0), layout.var(self.state, VarId(1), 0))
     }
 }

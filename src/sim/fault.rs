@@ -37,11 +37,9 @@ impl Fault {
                 "a value left the finite numbers".to_string(),
                 vec![value("the left operand", a), value("the right operand", b)],
             ),
-            FaultKind::DivisionByZero(expr, a) => (
-                program.spans.exprs[expr],
-                "division by zero".to_string(),
-                vec![value("the dividend", a)],
-            ),
+            FaultKind::DivisionByZero(expr, a) => {
+                (program.spans.exprs[expr], "division by zero".to_string(), vec![value("the dividend", a)])
+            }
             FaultKind::Diverged(var) => (
                 program.spans.entities[slot.entity].vars[var],
                 format!("`{}` left the finite numbers", entity.vars[var]),
@@ -51,20 +49,11 @@ impl Fault {
                 let discrete = &entity.discretes[id];
                 (
                     program.spans.exprs[expr],
-                    format!(
-                        "`{}` left its range {}..{}",
-                        discrete.name, discrete.range.0, discrete.range.1
-                    ),
+                    format!("`{}` left its range {}..{}", discrete.name, discrete.range.0, discrete.range.1),
                     vec![value(&discrete.name, found)],
                 )
             }
         };
-        RunFault {
-            at,
-            what,
-            instance: slot.name.clone(),
-            step,
-            values,
-        }
+        RunFault { at, what, instance: slot.name.clone(), step, values }
     }
 }

@@ -39,11 +39,6 @@ pub(super) struct Frame {
 
 impl Frame {
     pub fn new(now: PlayerInput, last: u64) -> Frame {
-        Frame {
-            held: now.buttons,
-            pressed: now.buttons & !last,
-            released: last & !now.buttons,
-            axes: now.axes,
-        }
+        Frame { held: now.buttons, pressed: now.buttons & !last, released: last & !now.buttons, axes: now.axes }
     }
 }

@@ -44,22 +44,15 @@ impl Script {
     /// Appends so many steps of an input; equal neighbours become one.
     pub fn push(&mut self, input: &Input, count: u32) {
         match self.steps.last_mut() {
-            Some(last) if last.input == *input && last.count.checked_add(count).is_some() => {
-                last.count += count
-            }
-            _ if count > 0 => self.steps.push(ScriptStep {
-                input: input.clone(),
-                count,
-            }),
+            Some(last) if last.input == *input && last.count.checked_add(count).is_some() => last.count += count,
+            _ if count > 0 => self.steps.push(ScriptStep { input: input.clone(), count }),
             _ => {}
         }
     }
 
     /// The input of each step of the world.
     pub fn inputs(&self) -> impl Iterator<Item = &Input> {
-        self.steps
-            .iter()
-            .flat_map(|s| std::iter::repeat_n(&s.input, s.count as usize))
+        self.steps.iter().flat_map(|s| std::iter::repeat_n(&s.input, s.count as usize))
     }
 
     /// The script as text that [`parse_script`] reads back.
@@ -89,11 +82,7 @@ pub(super) fn names(program: &Program, world: WorldId, input: &Input) -> Vec<Str
     for (id, player) in world.players.pairs() {
         let entity = &program.entities[world.slots[player.slot].entity];
         let given = input.of(id);
-        let prefix = if Some(player.number) == first {
-            String::new()
-        } else {
-            format!("{}:", player.number)
-        };
+        let prefix = if Some(player.number) == first { String::new() } else { format!("{}:", player.number) };
         for (axis, name) in entity.axes.pairs() {
             let value = given.axes[axis.index()];
             if value != 0.0 {
@@ -116,34 +105,17 @@ pub(super) fn names(program: &Program, world: WorldId, input: &Input) -> Vec<Str
 }
 
 /// Words for the ends of the two usual axes.
-const DIRECTIONS: [(&str, &str, f64); 4] = [
-    ("left", "horizontal", -1.0),
-    ("right", "horizontal", 1.0),
-    ("down", "vertical", -1.0),
-    ("up", "vertical", 1.0),
-];
+const DIRECTIONS: [(&str, &str, f64); 4] =
+    [("left", "horizontal", -1.0), ("right", "horizontal", 1.0), ("down", "vertical", -1.0), ("up", "vertical", 1.0)];
 
 /// Reads a script for the players of a world. `file` is where `text` stands, for the diagnostics.
-pub fn parse_script(
-    program: &Program,
-    world: WorldId,
-    file: FileId,
-    text: &str,
-) -> (Script, Diagnostics) {
-    let mut parser = Parser {
-        program,
-        world,
-        file,
-        text,
-        diagnostics: Diagnostics::new(),
-    };
+pub fn parse_script(program: &Program, world: WorldId, file: FileId, text: &str) -> (Script, Diagnostics) {
+    let mut parser = Parser { program, world, file, text, diagnostics: Diagnostics::new() };
     let mut script = Script::default();
     let mut rest = text;
     while let Some(start) = rest.find(|c: char| !c.is_whitespace()) {
         let from = text.len() - rest.len() + start;
-        let length = text[from..]
-            .find(char::is_whitespace)
-            .unwrap_or(text.len() - from);
+        let length = text[from..].find(char::is_whitespace).unwrap_or(text.len() - from);
         rest = &text[from + length..];
         if let Some((input, count)) = parser.step(from, from + length) {
             script.push(&input, count);
@@ -153,10 +125,7 @@ pub fn parse_script(
         parser.report(
             0,
             text.len(),
-            format!(
-                "the script lasts {} steps, at most {MAX_STEPS} are run",
-                script.len()
-            ),
+            format!("the script lasts {} steps, at most {MAX_STEPS} are run", script.len()),
             None,
         );
     }
@@ -179,11 +148,7 @@ enum Target {
 
 impl Parser<'_> {
     fn report(&mut self, from: usize, to: usize, why: String, help: Option<String>) {
-        self.diagnostics.report(BadInput {
-            at: Span::new(self.file, from, to),
-            why,
-            help,
-        });
+        self.diagnostics.report(BadInput { at: Span::new(self.file, from, to), why, help });
     }
 
     fn step(&mut self, from: usize, to: usize) -> Option<(Input, u32)> {
@@ -224,17 +189,9 @@ impl Parser<'_> {
         let world = &self.program.worlds[self.world];
         let (player, name) = match part.split_once(':') {
             Some((number, name)) => {
-                let found = number
-                    .parse()
-                    .ok()
-                    .and_then(|n: u32| world.players.find(|p| p.number == n));
+                let found = number.parse().ok().and_then(|n: u32| world.players.find(|p| p.number == n));
                 if found.is_none() {
-                    self.report(
-                        from,
-                        to,
-                        format!("no player `{number}` in `{}`", world.name),
-                        None,
-                    );
+                    self.report(from, to, format!("no player `{number}` in `{}`", world.name), None);
                 }
                 (found?, name)
             }
@@ -252,12 +209,7 @@ impl Parser<'_> {
                 Ok(value) if (-1.0..=1.0).contains(&value) => (name, Some(value)),
                 _ => {
                     let at = to - value.len();
-                    self.report(
-                        at,
-                        to,
-                        format!("`{value}` is no value of an axis"),
-                        Some("-1 to 1".into()),
-                    );
+                    self.report(at, to, format!("`{value}` is no value of an axis"), Some("-1 to 1".into()));
                     return None;
                 }
             },
@@ -268,8 +220,7 @@ impl Parser<'_> {
                 self.player(input, player)?.buttons |= 1 << button.index();
             }
             Target::Axis(axis, direction) if value.is_some() != direction.is_some() => {
-                self.player(input, player)?.axes[axis.index()] +=
-                    value.or(direction).unwrap_or(0.0);
+                self.player(input, player)?.axes[axis.index()] += value.or(direction).unwrap_or(0.0);
             }
             Target::Button(_) => {
                 let why = format!("`{name}` is a button and takes no value");
@@ -278,12 +229,7 @@ impl Parser<'_> {
             }
             Target::Axis(..) => {
                 let why = format!("`{name}` is an axis and needs one value");
-                self.report(
-                    from,
-                    to,
-                    why,
-                    Some(format!("write `{name}=-1`, or any value to 1")),
-                );
+                self.report(from, to, why, Some(format!("write `{name}=-1`, or any value to 1")));
                 return None;
             }
         }
@@ -296,8 +242,7 @@ impl Parser<'_> {
 
     fn target(&mut self, player: PlayerId, name: &str, from: usize, to: usize) -> Option<Target> {
         let world = &self.program.worlds[self.world];
-        let entity: &Entity =
-            &self.program.entities[world.slots[world.players[player].slot].entity];
+        let entity: &Entity = &self.program.entities[world.slots[world.players[player].slot].entity];
         if let Some(button) = entity.buttons.find(|b| b == name) {
             return Some(Target::Button(button));
         }
@@ -309,25 +254,13 @@ impl Parser<'_> {
                 return Some(Target::Axis(axis, Some(*value)));
             }
         }
-        let known: Vec<&str> = entity
-            .buttons
-            .iter()
-            .chain(entity.axes.iter())
-            .map(String::as_str)
-            .collect();
+        let known: Vec<&str> = entity.buttons.iter().chain(entity.axes.iter()).map(String::as_str).collect();
         let near = similar(name, known.iter().copied());
         let why = format!("`{}` reads no button or axis `{name}`", entity.name);
         let help = match near {
             Some(near) => Some(format!("did you mean `{near}`?")),
             None if known.is_empty() => None,
-            None => Some(format!(
-                "it reads {}",
-                known
-                    .iter()
-                    .map(|k| format!("`{k}`"))
-                    .collect::<Vec<_>>()
-                    .join(", ")
-            )),
+            None => Some(format!("it reads {}", known.iter().map(|k| format!("`{k}`")).collect::<Vec<_>>().join(", "))),
         };
         self.report(from, to, why, help);
         None

@@ -2,10 +2,7 @@
 
 use std::cell::Cell;
 
-use crate::ir::{
-    Entity, ExprId, GoalId, Id, NeverId, Program, SlotId, SlotLayout, SpaceId, VarId, World,
-    WorldId,
-};
+use crate::ir::{Entity, ExprId, GoalId, Id, NeverId, Program, SlotId, SlotLayout, SpaceId, VarId, World, WorldId};
 
 use super::collision::Collision;
 use super::evaluate::Reader;
@@ -40,13 +37,7 @@ impl<'p> Simulator<'p> {
     pub fn new(program: &'p Program, id: WorldId) -> Self {
         let world = &program.worlds[id];
         let collision = Collision::new(program, world);
-        Simulator {
-            program,
-            world,
-            id,
-            step: world.step.seconds(),
-            collision,
-        }
+        Simulator { program, world, id, step: world.step.seconds(), collision }
     }
 
     /// The program.
@@ -114,12 +105,7 @@ impl<'p> Simulator<'p> {
     ///
     /// # Errors
     /// A [`Fault`] if the program breaks a rule; `state` is then not to be used.
-    pub fn step(
-        &self,
-        state: &mut [u8],
-        input: &Input,
-        scratch: &mut Scratch,
-    ) -> Result<(), Fault> {
+    pub fn step(&self, state: &mut [u8], input: &Input, scratch: &mut Scratch) -> Result<(), Fault> {
         scratch.before.copy_from_slice(state);
         for (player, &at) in self.world.layout.players.pairs() {
             let now = input.of(player);
@@ -137,13 +123,7 @@ impl<'p> Simulator<'p> {
     /// A [`Fault`] if the predicate breaks a rule.
     pub fn holds(&self, state: &[u8], predicate: ExprId) -> Result<bool, Fault> {
         let fault = Cell::new(None);
-        let reader = Reader {
-            sim: self,
-            state,
-            frames: &[],
-            fault: &fault,
-            me: SlotId(0),
-        };
+        let reader = Reader { sim: self, state, frames: &[], fault: &fault, me: SlotId(0) };
         let holds = reader.truth(predicate);
         match fault.get() {
             Some(fault) => Err(fault),
@@ -175,10 +155,7 @@ impl<'p> Simulator<'p> {
     /// A slot's position, px.
     pub fn position(&self, state: &[u8], slot: SlotId) -> (f64, f64) {
         let layout = self.layout(slot);
-        (
-            layout.var(state, VarId(0), 0),
-            layout.var(state, VarId(1), 0),
-        )
+        (layout.var(state, VarId(0), 0), layout.var(state, VarId(1), 0))
     }
 
     /// The space that a slot is in.
@@ -196,13 +173,6 @@ impl<'p> Simulator<'p> {
 
     /// The fault that a variable's new value is, if it is not finite.
     pub(super) fn finite(slot: SlotId, var: VarId, value: f64) -> Result<(), Fault> {
-        if value.is_finite() {
-            Ok(())
-        } else {
-            Err(Fault {
-                slot,
-                kind: FaultKind::Diverged(var),
-            })
-        }
+        if value.is_finite() { Ok(()) } else { Err(Fault { slot, kind: FaultKind::Diverged(var) }) }
     }
 }

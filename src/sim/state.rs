@@ -70,20 +70,13 @@ impl SlotLayout {
 
     /// The active leaf of a group.
     pub fn leaf(&self, state: &[u8], group: GroupId) -> LeafId {
-        LeafId(u32::from(u16::from_ne_bytes(load(
-            state,
-            self.leaves + 2 * group.index(),
-        ))))
+        LeafId(u32::from(u16::from_ne_bytes(load(state, self.leaves + 2 * group.index()))))
     }
 
     /// Makes a leaf of a group the active one.
     pub fn set_leaf(&self, state: &mut [u8], group: GroupId, leaf: LeafId) {
         // An entity has at most `sema::MAX_MODES` modes, so a leaf fits.
-        store(
-            state,
-            self.leaves + 2 * group.index(),
-            (leaf.0 as u16).to_ne_bytes(),
-        );
+        store(state, self.leaves + 2 * group.index(), (leaf.0 as u16).to_ne_bytes());
     }
 
     /// The space that the instance is in.

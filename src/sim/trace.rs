@@ -70,22 +70,9 @@ impl<'s, W: Write> TraceWriter<'s, W> {
         let line = Line {
             step,
             inputs: names(self.sim.program(), self.sim.world_id(), input),
-            instances: Instances {
-                sim: self.sim,
-                state,
-            },
-            goals: world
-                .goals
-                .iter()
-                .filter(|g| holds(g.holds))
-                .map(|g| g.name.as_str())
-                .collect(),
-            never: world
-                .nevers
-                .iter()
-                .filter(|n| holds(n.holds))
-                .map(|n| n.name.as_str())
-                .collect(),
+            instances: Instances { sim: self.sim, state },
+            goals: world.goals.iter().filter(|g| holds(g.holds)).map(|g| g.name.as_str()).collect(),
+            never: world.nevers.iter().filter(|n| holds(n.holds)).map(|n| n.name.as_str()).collect(),
         };
         serde_json::to_writer(&mut self.out, &line)?;
         self.out.write_all(b"\n")
@@ -111,14 +98,7 @@ impl Serialize for Instances<'_> {
         let mut map = serializer.serialize_map(None)?;
         for (id, slot) in world.slots.pairs() {
             if world.layout.slots[id].alive(self.state) {
-                map.serialize_entry(
-                    &slot.name,
-                    &Instance {
-                        sim: self.sim,
-                        state: self.state,
-                        slot: id,
-                    },
-                )?;
+                map.serialize_entry(&slot.name, &Instance { sim: self.sim, state: self.state, slot: id })?;
             }
         }
         map.end()
@@ -142,18 +122,11 @@ impl Serialize for Instance<'_> {
         let modes: Vec<&str> = entity
             .groups
             .ids()
-            .map(|g| {
-                entity.modes[entity.leaves[layout.leaf(self.state, g)].mode]
-                    .path
-                    .as_str()
-            })
+            .map(|g| entity.modes[entity.leaves[layout.leaf(self.state, g)].mode].path.as_str())
             .collect();
         map.serialize_entry("modes", &modes)?;
         for (var, name) in entity.vars.pairs() {
-            map.serialize_entry(
-                name,
-                &[0, 1, 2].map(|degree| layout.var(self.state, var, degree)),
-            )?;
+            map.serialize_entry(name, &[0, 1, 2].map(|degree| layout.var(self.state, var, degree)))?;
         }
         for (id, discrete) in entity.discretes.pairs() {
             let value = layout.discrete(self.state, id);
@@ -170,12 +143,7 @@ impl Serialize for Instance<'_> {
             let timers: std::collections::BTreeMap<&str, f64> = entity
                 .timers
                 .pairs()
-                .map(|(id, t)| {
-                    (
-                        entity.modes[t.mode].path.as_str(),
-                        world.step.times(layout.timer(self.state, id)),
-                    )
-                })
+                .map(|(id, t)| (entity.modes[t.mode].path.as_str(), world.step.times(layout.timer(self.state, id))))
                 .collect();
             map.serialize_entry("timers", &timers)?;
         }

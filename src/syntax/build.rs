@@ -5,16 +5,18 @@ use pest::Parser;
 use pest::iterators::Pair;
 
 use crate::diagnostic::Diagnostics;
-use crate::diagnostic::catalogue::syntax::{NotSupported, Unexpected};
+use crate::diagnostic::catalogue::syntax::{NotSupported, TooManyErrors, Unexpected};
 use crate::source::{FileId, Span};
 
 use super::ast::{
-    Assignment, Broken, Collider, Constant, Continuous, Dimension, Discrete, Domain, Edge, Entity,
-    Envelope, File, Group, Import, Initial, Item, Member, Mode, Name, Path, Ramp, RampKind, Rate,
-    Variable,
+    Assignment, Broken, Collider, Constant, Continuous, Dimension, Discrete, Domain, Edge, Entity, Envelope, File,
+    Group, Import, Initial, Item, Member, Mode, Name, Path, Ramp, RampKind, Rate, Variable,
 };
 use super::scan::Scan;
 use super::{Grammar, Rule, message};
+
+/// How many syntax errors of one file are shown.
+const MAX_SYNTAX_ERRORS: usize = 100;
 
 /// What the builders share.
 pub(super) struct Builder<'a> {
@@ -23,39 +25,20 @@ pub(super) struct Builder<'a> {
     scan: &'a Scan,
     text: &'a str,
     broken: Vec<Broken>,
+    errors: usize,
     diagnostics: &'a mut Diagnostics,
 }
 
 /// Parses the scanned text and builds the tree.
-pub(super) fn file(
-    id: FileId,
-    source: &str,
-    mut scan: Scan,
-    diagnostics: &mut Diagnostics,
-) -> File {
+pub(super) fn file(id: FileId, source: &str, mut scan: Scan, diagnostics: &mut Diagnostics) -> File {
     let trivia = std::mem::take(&mut scan.trivia);
-    let mut out = File {
-        id,
-        items: Vec::new(),
-        trivia,
-        broken: Vec::new(),
-    };
+    let mut out = File { id, items: Vec::new(), trivia, broken: Vec::new() };
     let Some(text) = scan.text.take() else {
         // Nothing of the file was read: later stages must not complain of what it would have declared.
-        out.broken.push(Broken {
-            span: Span::new(id, 0, source.len()),
-            names: vec!["*".into()],
-        });
+        out.broken.push(Broken { span: Span::new(id, 0, source.len()), names: vec!["*".into()] });
         return out;
     };
-    let mut b = Builder {
-        file: id,
-        source,
-        scan: &scan,
-        text: &text,
-        broken: Vec::new(),
-        diagnostics,
-    };
+    let mut b = Builder { file: id, source, scan: &scan, text: &text, broken: Vec::new(), errors: 0, diagnostics };
     match Grammar::parse(Rule::file, &text) {
         Ok(pairs) => {
             for pair in pairs.flat_map(Pair::into_inner) {
@@ -64,21 +47,11 @@ pub(super) fn file(
         }
         Err(error) => {
             let at = match error.location {
-                pest::error::InputLocation::Pos(at) | pest::error::InputLocation::Span((at, _)) => {
-                    at
-                }
+                pest::error::InputLocation::Pos(at) | pest::error::InputLocation::Span((at, _)) => at,
             };
             let at = b.span(at, at + 1);
-            b.diagnostics.report(Unexpected {
-                at,
-                found: None,
-                expected: Vec::new(),
-                help: None,
-            });
-            b.broken.push(Broken {
-                span: at,
-                names: vec!["*".into()],
-            });
+            b.diagnostics.report(Unexpected { at, found: None, expected: Vec::new(), help: None });
+            b.broken.push(Broken { span: at, names: vec!["*".into()] });
         }
     }
     out.broken = b.broken;
@@ -87,10 +60,7 @@ pub(super) fn file(
 
 /// The inner pairs without punctuation and introducing words.
 pub(super) fn parts<'i>(pair: &Pair<'i, Rule>) -> Vec<Pair<'i, Rule>> {
-    pair.clone()
-        .into_inner()
-        .filter(|p| !is_punctuation(p.as_rule()))
-        .collect()
+    pair.clone().into_inner().filter(|p| !is_punctuation(p.as_rule())).collect()
 }
 
 fn is_punctuation(rule: Rule) -> bool {
@@ -156,11 +126,7 @@ fn is_punctuation(rule: Rule) -> bool {
 impl Builder<'_> {
     /// A source span from bytes of the mended text.
     pub fn span(&self, start: usize, end: usize) -> Span {
-        Span::new(
-            self.file,
-            self.scan.position(start),
-            self.scan.position(end),
-        )
+        Span::new(self.file, self.scan.position(start), self.scan.position(end))
     }
 
     /// The source span of a pair, without white space at its end.
@@ -172,21 +138,12 @@ impl Builder<'_> {
     pub fn name(&self, pair: &Pair<'_, Rule>) -> Name {
         match pair.as_rule() {
             // A text's name is what stands between the quotes.
-            Rule::text => Name {
-                text: pair.as_str().trim_matches('"').to_string(),
-                span: self.span_of(pair),
-            },
+            Rule::text => Name { text: pair.as_str().trim_matches('"').to_string(), span: self.span_of(pair) },
             Rule::tag => match pair.clone().into_inner().next() {
                 Some(inner) => self.name(&inner),
-                None => Name {
-                    text: pair.as_str().to_string(),
-                    span: self.span_of(pair),
-                },
+                None => Name { text: pair.as_str().to_string(), span: self.span_of(pair) },
             },
-            _ => Name {
-                text: pair.as_str().trim_end().to_string(),
-                span: self.span_of(pair),
-            },
+            _ => Name { text: pair.as_str().trim_end().to_string(), span: self.span_of(pair) },
         }
     }
 
@@ -194,15 +151,23 @@ impl Builder<'_> {
         parts(pair).iter().map(|p| self.name(p)).collect()
     }
 
+    fn is_explained(&self, span: Span) -> bool {
+        self.scan.explained.iter().any(|e| e.contains(span))
+    }
+
     /// Reports a slice that fit no rule. `rule` is what should have stood there.
     pub fn bad(&mut self, rule: Rule, pair: &Pair<'_, Rule>) {
         let (from, to) = (pair.as_span().start(), pair.as_span().end());
         let span = self.span_of(pair);
-        self.broken.push(Broken {
-            span,
-            names: declared_names(pair.as_str()),
-        });
-        if self.scan.explained.iter().any(|e| e.contains(span)) {
+        self.broken.push(Broken { span, names: declared_names(pair.as_str()) });
+        if self.is_explained(span) {
+            return;
+        }
+        self.errors += 1;
+        if self.errors > MAX_SYNTAX_ERRORS {
+            if self.errors == MAX_SYNTAX_ERRORS + 1 {
+                self.diagnostics.report(TooManyErrors { at: span });
+            }
             return;
         }
         let fact = message::explain(rule, self.text, from, to, &|a, b| self.span(a, b));
@@ -212,20 +177,17 @@ impl Builder<'_> {
     /// Reports a construct of the language that this version cannot compile.
     pub fn later(&mut self, pair: &Pair<'_, Rule>) {
         let at = self.span_of(pair);
+        if self.is_explained(at) {
+            return;
+        }
         let what: String = pair
             .as_str()
             .split_whitespace()
             .take_while(|w| w.chars().all(|c| c.is_alphanumeric() || c == '_'))
             .take(1)
             .collect();
-        self.broken.push(Broken {
-            span: at,
-            names: declared_names(pair.as_str()),
-        });
-        self.diagnostics.report(NotSupported {
-            at,
-            what: format!("`{what}`"),
-        });
+        self.broken.push(Broken { span: at, names: declared_names(pair.as_str()) });
+        self.diagnostics.report(NotSupported { at, what: format!("`{what}`") });
     }
 
     fn item(&mut self, pair: &Pair<'_, Rule>, trivia: &[super::ast::Comment]) -> Option<Item> {
@@ -239,12 +201,7 @@ impl Builder<'_> {
                 let inner = parts(pair);
                 let name = self.name(inner.first()?);
                 let members = self.members(inner.get(1)?, trivia);
-                Some(Item::Entity(Entity {
-                    name,
-                    members,
-                    doc: self.doc(pair, trivia),
-                    span: self.span_of(pair),
-                }))
+                Some(Item::Entity(Entity { name, members, doc: self.doc(pair, trivia), span: self.span_of(pair) }))
             }
             Rule::world => {
                 let doc = self.doc(pair, trivia);
@@ -272,40 +229,20 @@ impl Builder<'_> {
             if !comment.documents || !gap.trim().is_empty() || gap.matches('\n').count() != 1 {
                 break;
             }
-            let body = self
-                .source
-                .get(comment.span.range())?
-                .trim_start_matches('/');
-            lines.push(
-                body.strip_prefix(' ')
-                    .unwrap_or(body)
-                    .trim_end()
-                    .to_string(),
-            );
+            let body = self.source.get(comment.span.range())?.trim_start_matches('/');
+            lines.push(body.strip_prefix(' ').unwrap_or(body).trim_end().to_string());
             start = comment.span.start as usize;
         }
         lines.reverse();
         (!lines.is_empty()).then(|| lines.join("\n"))
     }
 
-    fn constant(
-        &mut self,
-        pair: &Pair<'_, Rule>,
-        trivia: &[super::ast::Comment],
-    ) -> Option<Constant> {
+    fn constant(&mut self, pair: &Pair<'_, Rule>, trivia: &[super::ast::Comment]) -> Option<Constant> {
         let inner = parts(pair);
         let name = self.name(inner.first()?);
-        let dimension = inner
-            .iter()
-            .find(|p| p.as_rule() == Rule::annotation)
-            .and_then(|p| self.dimension(p));
+        let dimension = inner.iter().find(|p| p.as_rule() == Rule::annotation).and_then(|p| self.dimension(p));
         let value = self.expression(inner.iter().find(|p| p.as_rule() == Rule::expression)?)?;
-        Some(Constant {
-            name,
-            dimension,
-            value,
-            doc: self.doc(pair, trivia),
-        })
+        Some(Constant { name, dimension, value, doc: self.doc(pair, trivia) })
     }
 
     fn dimension(&self, annotation: &Pair<'_, Rule>) -> Option<Dimension> {
@@ -314,23 +251,14 @@ impl Builder<'_> {
         let mut sign = 1;
         for part in parts(&dimension) {
             if part.as_rule() == Rule::dimension_operator {
-                sign = if part.as_str().starts_with('/') {
-                    -1
-                } else {
-                    1
-                };
+                sign = if part.as_str().starts_with('/') { -1 } else { 1 };
                 continue;
             }
             let inner = parts(&part);
-            let exponent = inner
-                .get(1)
-                .map_or(Some(1), |e| e.as_str().parse::<i32>().ok())?;
+            let exponent = inner.get(1).map_or(Some(1), |e| e.as_str().parse::<i32>().ok())?;
             factors.push((self.name(inner.first()?), sign * exponent));
         }
-        Some(Dimension {
-            factors,
-            span: self.span_of(&dimension),
-        })
+        Some(Dimension { factors, span: self.span_of(&dimension) })
     }
 
     fn members(&mut self, block: &Pair<'_, Rule>, trivia: &[super::ast::Comment]) -> Vec<Member> {
@@ -352,28 +280,16 @@ impl Builder<'_> {
             Rule::parameter => Member::Parameter(self.constant(pair, trivia)?),
             Rule::continuous => {
                 let name = self.name(inner.first()?);
-                let dimension = inner
-                    .iter()
-                    .find(|p| p.as_rule() == Rule::annotation)
-                    .and_then(|p| self.dimension(p));
+                let dimension = inner.iter().find(|p| p.as_rule() == Rule::annotation).and_then(|p| self.dimension(p));
                 let initial = inner.iter().find(|p| p.as_rule() == Rule::expression);
                 let initial = initial.and_then(|p| self.expression(p));
-                Member::Continuous(Continuous {
-                    name,
-                    dimension,
-                    initial,
-                })
+                Member::Continuous(Continuous { name, dimension, initial })
             }
             Rule::discrete => {
                 let name = self.name(inner.first()?);
                 let domain = self.domain(inner.get(1)?)?;
-                let initial =
-                    self.expression(inner.iter().rfind(|p| p.as_rule() == Rule::expression)?)?;
-                Member::Discrete(Discrete {
-                    name,
-                    domain,
-                    initial,
-                })
+                let initial = self.expression(inner.iter().rfind(|p| p.as_rule() == Rule::expression)?)?;
+                Member::Discrete(Discrete { name, domain, initial })
             }
             Rule::buttons => Member::Buttons(self.names(pair), span),
             Rule::axes => Member::Axes(self.names(pair), span),
@@ -388,22 +304,11 @@ impl Builder<'_> {
                     Some(guard) => Some(self.expression(guard)?),
                     None => None,
                 };
-                Member::Collider(Collider {
-                    kinematic,
-                    tags,
-                    shape,
-                    arguments,
-                    guard,
-                    span,
-                })
+                Member::Collider(Collider { kinematic, tags, shape, arguments, guard, span })
             }
             Rule::group => {
                 let name = self.name(inner.first()?);
-                Member::Group(Group {
-                    name,
-                    members: self.members(inner.get(1)?, trivia),
-                    span,
-                })
+                Member::Group(Group { name, members: self.members(inner.get(1)?, trivia), span })
             }
             Rule::mode => {
                 let mut inner = inner.into_iter();
@@ -419,13 +324,7 @@ impl Builder<'_> {
                 }
                 let name = self.name(&first);
                 let members = self.members(&inner.next()?, trivia);
-                Member::Mode(Mode {
-                    initial,
-                    name,
-                    members,
-                    doc: self.doc(pair, trivia),
-                    span,
-                })
+                Member::Mode(Mode { initial, name, members, doc: self.doc(pair, trivia), span })
             }
             Rule::assignment => {
                 let becomes = inner.get(1)?.as_rule() == Rule::becomes;
@@ -434,11 +333,7 @@ impl Builder<'_> {
                     value: self.expression(inner.get(2)?)?,
                     span,
                 };
-                if becomes {
-                    Member::Entry(assignment)
-                } else {
-                    Member::Flow(assignment)
-                }
+                if becomes { Member::Entry(assignment) } else { Member::Flow(assignment) }
             }
             Rule::edge => {
                 let guard = self.expression(inner.first()?)?;
@@ -451,12 +346,7 @@ impl Builder<'_> {
                         _ => {}
                     }
                 }
-                Member::Edge(Edge {
-                    guard,
-                    target,
-                    updates,
-                    span,
-                })
+                Member::Edge(Edge { guard, target, updates, span })
             }
             Rule::envelope => Member::Envelope(self.envelope(pair)?),
             _ => return None,
@@ -467,10 +357,7 @@ impl Builder<'_> {
         let domain = parts(pair).into_iter().next()?;
         let inner = parts(&domain);
         Some(match domain.as_rule() {
-            Rule::int_domain => Domain::Int(
-                self.expression(inner.first()?)?,
-                self.expression(inner.get(1)?)?,
-            ),
+            Rule::int_domain => Domain::Int(self.expression(inner.first()?)?, self.expression(inner.get(1)?)?),
             Rule::bool_domain => Domain::Bool,
             _ => Domain::Set(inner.iter().map(|p| self.name(p)).collect()),
         })
@@ -479,11 +366,7 @@ impl Builder<'_> {
     pub fn variable(&self, pair: &Pair<'_, Rule>) -> Option<Variable> {
         let inner = parts(pair);
         let primes = inner.get(1).map_or(0, |p| p.as_str().len());
-        Some(Variable {
-            name: self.name(inner.first()?),
-            primes,
-            span: self.span_of(pair),
-        })
+        Some(Variable { name: self.name(inner.first()?), primes, span: self.span_of(pair) })
     }
 
     pub fn path(&self, pair: &Pair<'_, Rule>) -> Option<Path> {
@@ -496,11 +379,7 @@ impl Builder<'_> {
                 segments.push(self.name(&part));
             }
         }
-        (!segments.is_empty()).then(|| Path {
-            segments,
-            primes,
-            span: self.span_of(pair),
-        })
+        (!segments.is_empty()).then(|| Path { segments, primes, span: self.span_of(pair) })
     }
 
     fn updates(&mut self, pair: &Pair<'_, Rule>) -> Vec<Assignment> {
@@ -536,10 +415,7 @@ impl Builder<'_> {
         for part in parts(pair) {
             match part.as_rule() {
                 Rule::controlled => {
-                    out.controlled = parts(&part)
-                        .iter()
-                        .map(|v| self.variable(v))
-                        .collect::<Option<_>>()?;
+                    out.controlled = parts(&part).iter().map(|v| self.variable(v)).collect::<Option<_>>()?;
                 }
                 Rule::expression => out.by = Some(self.expression(&part)?),
                 Rule::directions => out.directions = parts(&part).first().map(|d| self.name(d)),
@@ -575,10 +451,7 @@ impl Builder<'_> {
             Rule::driven_while => RampKind::While(self.expression(first)?),
             _ => return None,
         };
-        Some(Ramp {
-            kind,
-            span: self.span_of(pair),
-        })
+        Some(Ramp { kind, span: self.span_of(pair) })
     }
 
     fn rate(&mut self, pair: &Pair<'_, Rule>) -> Option<Rate> {
@@ -600,10 +473,7 @@ impl Builder<'_> {
 fn declared_names(slice: &str) -> Vec<String> {
     let mut names = Vec::new();
     let mut declaring = false;
-    for token in slice
-        .split(|c: char| !(c.is_alphanumeric() || c == '_' || c == ','))
-        .filter(|t| !t.is_empty())
-    {
+    for token in slice.split(|c: char| !(c.is_alphanumeric() || c == '_' || c == ',')).filter(|t| !t.is_empty()) {
         let list_goes_on = token.ends_with(',');
         for word in token.split(',').filter(|w| !w.is_empty()) {
             let declares = matches!(

@@ -3,10 +3,7 @@
 use pest::iterators::Pair;
 
 use super::Rule;
-use super::ast::{
-    Collide, Map, Place, Player, Question, Response, Space, SpaceItem, Tile, Tiles, World,
-    WorldItem,
-};
+use super::ast::{Collide, Map, Place, Player, Question, Response, Space, SpaceItem, Tile, Tiles, World, WorldItem};
 use super::build::{Builder, parts};
 
 impl Builder<'_> {
@@ -21,12 +18,7 @@ impl Builder<'_> {
                 _ => items.extend(self.world_item(&item)),
             }
         }
-        Some(World {
-            name,
-            items,
-            doc,
-            span: self.span_of(pair),
-        })
+        Some(World { name, items, doc, span: self.span_of(pair) })
     }
 
     fn world_item(&mut self, pair: &Pair<'_, Rule>) -> Option<WorldItem> {
@@ -69,17 +61,11 @@ impl Builder<'_> {
                         _ => {}
                     }
                 }
-                WorldItem::Space(Space {
-                    name: self.name(first),
-                    items,
-                    span,
-                })
+                WorldItem::Space(Space { name: self.name(first), items, span })
             }
-            Rule::player => WorldItem::Player(Player {
-                number: self.name(first),
-                instance: self.name(inner.get(1)?),
-                span,
-            }),
+            Rule::player => {
+                WorldItem::Player(Player { number: self.name(first), instance: self.name(inner.get(1)?), span })
+            }
             Rule::goal => WorldItem::Goal(self.question(&inner)?),
             Rule::never => WorldItem::Never(self.question(&inner)?),
             _ => return None,
@@ -87,10 +73,7 @@ impl Builder<'_> {
     }
 
     fn question(&mut self, inner: &[Pair<'_, Rule>]) -> Option<Question> {
-        Some(Question {
-            name: self.name(inner.first()?),
-            predicate: self.expression(inner.get(1)?)?,
-        })
+        Some(Question { name: self.name(inner.first()?), predicate: self.expression(inner.get(1)?)? })
     }
 
     fn response(&self, pair: &Pair<'_, Rule>) -> Response {
@@ -107,27 +90,13 @@ impl Builder<'_> {
     fn tile(&mut self, pair: &Pair<'_, Rule>) -> Option<Tile> {
         let inner = parts(pair);
         let symbol = inner.first()?;
-        let character = symbol
-            .clone()
-            .into_inner()
-            .next()?
-            .as_str()
-            .chars()
-            .next()?;
+        let character = symbol.clone().into_inner().next()?.as_str().chars().next()?;
         let tags = inner.get(1)?;
         if tags.as_rule() == Rule::later_tile {
             self.later(tags);
         }
-        let tags = if tags.as_rule() == Rule::tags {
-            self.names(tags)
-        } else {
-            Vec::new()
-        };
-        Some(Tile {
-            symbol: character,
-            symbol_span: self.span_of(symbol),
-            tags,
-        })
+        let tags = if tags.as_rule() == Rule::tags { self.names(tags) } else { Vec::new() };
+        Some(Tile { symbol: character, symbol_span: self.span_of(symbol), tags })
     }
 
     fn map(&mut self, pair: &Pair<'_, Rule>) -> Option<Map> {
@@ -135,18 +104,10 @@ impl Builder<'_> {
         let rows = parts(inner.get(1)?)
             .iter()
             .filter(|row| row.as_rule() == Rule::map_row)
-            .filter_map(|row| {
-                row.clone()
-                    .into_inner()
-                    .find(|c| c.as_rule() == Rule::map_cells)
-            })
+            .filter_map(|row| row.clone().into_inner().find(|c| c.as_rule() == Rule::map_cells))
             .map(|cells| self.name(&cells))
             .collect();
-        Some(Map {
-            tiles: self.name(inner.first()?),
-            rows,
-            span: self.span_of(pair),
-        })
+        Some(Map { tiles: self.name(inner.first()?), rows, span: self.span_of(pair) })
     }
 
     fn place(&mut self, pair: &Pair<'_, Rule>) -> Option<Place> {

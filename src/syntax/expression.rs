@@ -72,15 +72,9 @@ impl Builder<'_> {
                     // `a < b < c` is one chain; `(a < b) < c` is not, its left side is a `Paren`.
                     if let ExprKind::Compare(first, mut rest) = left.kind {
                         rest.push((op, right));
-                        return Some(Expr {
-                            kind: ExprKind::Compare(first, rest),
-                            span,
-                        });
+                        return Some(Expr { kind: ExprKind::Compare(first, rest), span });
                     }
-                    return Some(Expr {
-                        kind: ExprKind::Compare(Box::new(left), vec![(op, right)]),
-                        span,
-                    });
+                    return Some(Expr { kind: ExprKind::Compare(Box::new(left), vec![(op, right)]), span });
                 }
                 let op = match operator.as_rule() {
                     Rule::kw_and => BinaryOp::And,
@@ -90,10 +84,7 @@ impl Builder<'_> {
                     Rule::times => BinaryOp::Multiply,
                     _ => BinaryOp::Divide,
                 };
-                Some(Expr {
-                    kind: ExprKind::Binary(op, Box::new(left), Box::new(right)),
-                    span,
-                })
+                Some(Expr { kind: ExprKind::Binary(op, Box::new(left), Box::new(right)), span })
             })
             .parse(inner)
     }
@@ -111,10 +102,7 @@ impl Builder<'_> {
         let subject = Box::new(atom);
         let kind = match relation.as_rule() {
             Rule::relation_in => ExprKind::In(subject, self.path(&object)?),
-            Rule::relation_is => ExprKind::Is(
-                subject,
-                (object.as_rule() != Rule::kw_none).then(|| self.name(&object)),
-            ),
+            Rule::relation_is => ExprKind::Is(subject, (object.as_rule() != Rule::kw_none).then(|| self.name(&object))),
             _ => ExprKind::Touching(subject, self.name(&object)),
         };
         Some(Expr { kind, span })
@@ -147,9 +135,7 @@ impl Builder<'_> {
                 let mut binding = None;
                 for part in inner.iter().skip(1) {
                     match part.as_rule() {
-                        Rule::argument => {
-                            arguments.push(self.expression(&part.clone().into_inner().next()?)?)
-                        }
+                        Rule::argument => arguments.push(self.expression(&part.clone().into_inner().next()?)?),
                         Rule::binding => binding = parts(part).first().map(|b| self.name(b)),
                         _ => {}
                     }
@@ -158,9 +144,7 @@ impl Builder<'_> {
             }
             Rule::paren => match inner.as_slice() {
                 [only] => ExprKind::Paren(Box::new(self.expression(only)?)),
-                [x, y] => {
-                    ExprKind::Point(Box::new(self.expression(x)?), Box::new(self.expression(y)?))
-                }
+                [x, y] => ExprKind::Point(Box::new(self.expression(x)?), Box::new(self.expression(y)?)),
                 _ => return None,
             },
             _ => return None,

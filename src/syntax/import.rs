@@ -28,14 +28,7 @@ pub fn load(root: &Path, files: &dyn Files, sources: &mut SourceMap) -> (Vec<Fil
     let mut done: Vec<File> = Vec::new();
     let mut known: BTreeMap<PathBuf, FileId> = BTreeMap::new();
     let mut stack: Vec<Open> = Vec::new();
-    stack.extend(open(
-        root,
-        None,
-        files,
-        sources,
-        &mut known,
-        &mut diagnostics,
-    ));
+    stack.extend(open(root, None, files, sources, &mut known, &mut diagnostics));
     while let Some(top) = stack.last_mut() {
         let Some((path, at)) = top.imports.next() else {
             done.extend(stack.pop().map(|finished| finished.file));
@@ -46,37 +39,19 @@ pub fn load(root: &Path, files: &dyn Files, sources: &mut SourceMap) -> (Vec<Fil
         if let Some(first) = cycle {
             let mut chain: Vec<PathBuf> = stack[first..].iter().map(|o| o.path.clone()).collect();
             chain.push(path);
-            diagnostics.report(ImportCycle {
-                import: at,
-                files: chain,
-            });
+            diagnostics.report(ImportCycle { import: at, files: chain });
         } else if !known.contains_key(&identity) {
             if known.len() >= MAX_FILES {
                 let count = known.len() as u64 + 1;
-                diagnostics.report(TooMany {
-                    what: "files".into(),
-                    count,
-                    limit: MAX_FILES as u64,
-                    at,
-                });
+                diagnostics.report(TooMany { what: "files".into(), count, limit: MAX_FILES as u64, at });
                 continue;
             }
-            match open(
-                &path,
-                Some(at),
-                files,
-                sources,
-                &mut known,
-                &mut diagnostics,
-            ) {
+            match open(&path, Some(at), files, sources, &mut known, &mut diagnostics) {
                 Some(next) => stack.push(next),
                 // Whatever it declares is not known, and that is explained already.
                 None => {
                     if let Some(top) = stack.last_mut() {
-                        top.file.broken.push(Broken {
-                            span: at,
-                            names: vec!["*".into()],
-                        });
+                        top.file.broken.push(Broken { span: at, names: vec!["*".into()] });
                     }
                 }
             }
@@ -97,11 +72,7 @@ fn open(
     let text = match files.read(path) {
         Ok(text) => text,
         Err(error) => {
-            diagnostics.report(Unreadable {
-                path: path.to_path_buf(),
-                import,
-                error,
-            });
+            diagnostics.report(Unreadable { path: path.to_path_buf(), import, error });
             return None;
         }
     };
@@ -119,10 +90,5 @@ fn open(
             _ => None,
         })
         .collect();
-    Some(Open {
-        file,
-        path: path.to_path_buf(),
-        identity,
-        imports: imports.into_iter(),
-    })
+    Some(Open { file, path: path.to_path_buf(), identity, imports: imports.into_iter() })
 }

@@ -35,7 +35,7 @@ pub(super) fn explain(
     // White space before the culprit is not the culprit.
     let tail = trimmed.get(offset..).unwrap_or("");
     let at = from + offset + (tail.len() - tail.trim_start().len());
-    let found = token_at(text, at);
+    let found = if offset < trimmed.len() { token_at(text, at) } else { "" };
     let end_of_statement = found.is_empty();
     let at_span = if end_of_statement {
         let last = from + trimmed.char_indices().next_back().map_or(0, |(i, _)| i);
@@ -48,8 +48,7 @@ pub(super) fn explain(
         at: at_span,
         found: (!end_of_statement).then(|| found.to_string()),
         expected,
-        help: missing_colon
-            .then(|| "inside `{ }` of an edge an update is written with `:=`".to_string()),
+        help: missing_colon.then(|| "inside `{ }` of an edge an update is written with `:=`".to_string()),
     }
 }
 
@@ -81,13 +80,11 @@ fn words(rules: &[Rule]) -> Vec<String> {
         }
     };
     let has = |rule: Rule| rules.contains(&rule);
-    let starts_expression =
-        has(Rule::expression) || has(Rule::number) || has(Rule::primary) || has(Rule::digits);
+    let starts_expression = has(Rule::expression) || has(Rule::number) || has(Rule::primary) || has(Rule::digits);
     let is_operator = |rule: &Rule| {
         use Rule::{
-            above, at_least, at_most, below, divided, dot, equal, kw_and, kw_is, kw_or, minus,
-            plus, primes, relation, relation_in, relation_is, relation_touching, times, unequal,
-            unit, word_touching,
+            above, at_least, at_most, below, divided, dot, equal, kw_and, kw_is, kw_or, minus, plus, primes, relation,
+            relation_in, relation_is, relation_touching, times, unequal, unit, word_touching,
         };
         matches!(
             rule,
@@ -113,7 +110,12 @@ fn words(rules: &[Rule]) -> Vec<String> {
                 | dot
         )
     };
+    let in_list = has(Rule::comma) || has(Rule::close_paren);
     for rule in rules {
+        // After a name in a list a call is possible, but hardly what is missing.
+        if in_list && *rule == Rule::open_paren {
+            continue;
+        }
         if starts_expression && starts_an_expression(*rule) {
             add("an expression");
         } else if is_operator(rule) || (*rule == Rule::kw_in && has(Rule::kw_is)) {
@@ -130,9 +132,8 @@ fn words(rules: &[Rule]) -> Vec<String> {
 
 fn starts_an_expression(rule: Rule) -> bool {
     use Rule::{
-        any_instance, argument, call, callee, digits, expression, in_mode, kw_clamp, kw_false,
-        kw_if, kw_in, kw_none, kw_not, kw_self, kw_timer, kw_true, name, negative, number,
-        open_paren, paren, path, primary, text, word_any,
+        any_instance, argument, call, callee, digits, expression, in_mode, kw_clamp, kw_false, kw_if, kw_in, kw_none,
+        kw_not, kw_self, kw_timer, kw_true, name, negative, number, open_paren, paren, path, primary, text, word_any,
     };
     matches!(
         rule,
@@ -173,9 +174,7 @@ fn word(rule: Rule) -> Option<&'static str> {
         R::text => "a text in quotes",
         R::map_text => "a map (`\"` at the end of the line, the rows, `\"` on a line of its own)",
         R::number | R::digits => "a number",
-        R::open_brace | R::block | R::world_block | R::space_block | R::tile_block | R::ramps => {
-            "`{`"
-        }
+        R::open_brace | R::block | R::world_block | R::space_block | R::tile_block | R::ramps => "`{`",
         R::close_brace => "`}`",
         R::open_paren | R::point => "`(`",
         R::close_paren => "`)`",
@@ -185,9 +184,7 @@ fn word(rule: Rule) -> Option<&'static str> {
         R::becomes => "`:=`",
         R::arrow | R::target => "`->`",
         R::range => "`..`",
-        R::domain | R::int_domain | R::set_domain | R::bool_domain => {
-            "`int LOW..HIGH`, `bool` or `{a, b, c}`"
-        }
+        R::domain | R::int_domain | R::set_domain | R::bool_domain => "`int LOW..HIGH`, `bool` or `{a, b, c}`",
         R::shape => "a shape such as `rect(x, y, width, height)`",
         R::rate => "`accel`, `over` or `instant`",
         R::response => "`block` or `sense`",

@@ -16,7 +16,7 @@ use crate::source::FileId;
 
 use grammar::{Grammar, Rule};
 pub use import::load;
-pub use scan::{MAX_NESTING, MAX_OPERATORS};
+pub use scan::{MAX_NESTING, MAX_OPERATORS, MAX_WORD};
 
 /// The parser that pest derives from the grammar; its `Rule` is an implementation detail of this stage.
 #[allow(missing_docs, reason = "derived code")]

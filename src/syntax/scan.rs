@@ -6,7 +6,7 @@
 
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::syntax::{
-    ExpressionTooLong, NestingTooDeep, StrayBrace, UnclosedBrace, UnterminatedMap,
+    ExpressionTooLong, LongWord, NestingTooDeep, StrayBrace, UnclosedBrace, UnterminatedMap,
 };
 use crate::source::{FileId, Span};
 
@@ -16,6 +16,9 @@ use super::ast::Comment;
 pub const MAX_NESTING: usize = 64;
 /// How many operators one expression may hold.
 pub const MAX_OPERATORS: usize = 256;
+
+/// How many bytes a name or a number may have.
+pub const MAX_WORD: usize = 255;
 
 /// What the scan leaves for the parser.
 pub(super) struct Scan {
@@ -67,22 +70,8 @@ struct LineStart {
 pub(super) fn scan(file: FileId, text: &str, diagnostics: &mut Diagnostics) -> Scan {
     let mut scanner = Scanner::new(file, text, diagnostics);
     scanner.run();
-    let Scanner {
-        trivia,
-        braces,
-        lines,
-        blanks,
-        explained,
-        within_limits,
-        ..
-    } = scanner;
-    let mut scan = Scan {
-        text: None,
-        trivia,
-        explained,
-        insertions: Vec::new(),
-        length: text.len(),
-    };
+    let Scanner { trivia, braces, lines, blanks, explained, within_limits, .. } = scanner;
+    let mut scan = Scan { text: None, trivia, explained, insertions: Vec::new(), length: text.len() };
     if within_limits {
         let mut mended = text.as_bytes().to_vec();
         for (from, to) in blanks {
@@ -132,10 +121,7 @@ fn mend_braces(
     for brace in braces {
         while let Some(line) = lines.next_if(|l| l.token < brace.at) {
             while let Some(top) = open.last().copied().filter(|top| line.indent <= top.indent) {
-                diagnostics.report(UnclosedBrace {
-                    open: at(top.at),
-                    here: Some(at(line.token)),
-                });
+                diagnostics.report(UnclosedBrace { open: at(top.at), here: Some(at(line.token)) });
                 inserts.push(line.line);
                 open.pop();
             }
@@ -147,10 +133,7 @@ fn mend_braces(
         if brace.leads && open.iter().any(|o| o.indent == brace.indent) {
             // The brace stands under its opener: what is open inside it has lost its own.
             while let Some(top) = open.last().copied().filter(|top| top.indent > brace.indent) {
-                diagnostics.report(UnclosedBrace {
-                    open: at(top.at),
-                    here: Some(at(brace.at)),
-                });
+                diagnostics.report(UnclosedBrace { open: at(top.at), here: Some(at(brace.at)) });
                 inserts.push(brace.at);
                 open.pop();
             }
@@ -162,19 +145,13 @@ fn mend_braces(
     }
     for line in lines {
         while let Some(top) = open.last().copied().filter(|top| line.indent <= top.indent) {
-            diagnostics.report(UnclosedBrace {
-                open: at(top.at),
-                here: Some(at(line.token)),
-            });
+            diagnostics.report(UnclosedBrace { open: at(top.at), here: Some(at(line.token)) });
             inserts.push(line.line);
             open.pop();
         }
     }
     while let Some(top) = open.pop() {
-        diagnostics.report(UnclosedBrace {
-            open: at(top.at),
-            here: None,
-        });
+        diagnostics.report(UnclosedBrace { open: at(top.at), here: None });
         inserts.push(length);
     }
     inserts
@@ -251,20 +228,14 @@ impl<'a> Scanner<'a> {
     }
 
     fn line_end(&self, from: usize) -> usize {
-        self.bytes[from..]
-            .iter()
-            .position(|&b| b == b'\n')
-            .map_or(self.bytes.len(), |n| from + n)
+        self.bytes[from..].iter().position(|&b| b == b'\n').map_or(self.bytes.len(), |n| from + n)
     }
 
     fn comment(&mut self, start: usize) -> usize {
         let end = self.line_end(start);
         let body = self.text.get(start..end).unwrap_or("").trim_end();
         let documents = body.starts_with("///") && !body.starts_with("////");
-        self.trivia.push(Comment {
-            span: Span::new(self.file, start, start + body.len()),
-            documents,
-        });
+        self.trivia.push(Comment { span: Span::new(self.file, start, start + body.len()), documents });
         end
     }
 
@@ -283,11 +254,7 @@ impl<'a> Scanner<'a> {
         if self.line_is_empty {
             self.line_is_empty = false;
             if !inside && rest[0] != b'}' && rest[0] != b'{' {
-                self.lines.push(LineStart {
-                    line: self.line_start,
-                    token: i,
-                    indent: self.indent,
-                });
+                self.lines.push(LineStart { line: self.line_start, token: i, indent: self.indent });
             }
             self.brace_or_other(i, true, word)
         } else {
@@ -299,12 +266,7 @@ impl<'a> Scanner<'a> {
         let rest = &self.bytes[i..];
         match rest[0] {
             open @ (b'{' | b'}') => {
-                self.braces.push(Brace {
-                    at: i,
-                    open: open == b'{',
-                    indent: self.indent,
-                    leads,
-                });
+                self.braces.push(Brace { at: i, open: open == b'{', indent: self.indent, leads });
                 self.operators = 0;
                 if open == b'{' {
                     self.parens.push(0);
@@ -353,6 +315,11 @@ impl<'a> Scanner<'a> {
                 self.continues = true;
                 i + 1
             }
+            _ if word > MAX_WORD => {
+                self.within_limits = false;
+                self.diagnostics.report(LongWord { at: Span::new(self.file, i, i + 1), length: word });
+                i + word
+            }
             _ if word > 0 => {
                 if matches!(&rest[..word], b"and" | b"or" | b"not") {
                     self.operator(i, word)
@@ -369,9 +336,7 @@ impl<'a> Scanner<'a> {
         self.continues = true;
         if self.operators > MAX_OPERATORS {
             self.within_limits = false;
-            self.diagnostics.report(ExpressionTooLong {
-                at: Span::new(self.file, i, i + length),
-            });
+            self.diagnostics.report(ExpressionTooLong { at: Span::new(self.file, i, i + length) });
         }
         i + length
     }
@@ -380,9 +345,7 @@ impl<'a> Scanner<'a> {
         let depth = self.parens.len() - 1 + self.parens.iter().sum::<usize>();
         if depth > MAX_NESTING {
             self.within_limits = false;
-            self.diagnostics.report(NestingTooDeep {
-                at: Span::new(self.file, i, i + 1),
-            });
+            self.diagnostics.report(NestingTooDeep { at: Span::new(self.file, i, i + 1) });
         }
     }
 
@@ -393,11 +356,7 @@ impl<'a> Scanner<'a> {
             return i + 1;
         }
         let length = self.bytes.get(i + 1..).map_or(0, char_length);
-        if self.bytes.get(i + 1 + length) == Some(&b'\'') {
-            i + length + 2
-        } else {
-            i + 1
-        }
+        if self.bytes.get(i + 1 + length) == Some(&b'\'') { i + length + 2 } else { i + 1 }
     }
 
     /// Text on one line, or a map: its opening quote ends a line, its closing quote begins one.
@@ -415,12 +374,7 @@ impl<'a> Scanner<'a> {
             let line_end = self.line_end(line);
             let row = self.text.get(line..line_end).unwrap_or("").trim();
             if row.starts_with('"') {
-                return line
-                    + self.bytes[line..line_end]
-                        .iter()
-                        .position(|&b| b == b'"')
-                        .unwrap_or(0)
-                    + 1;
+                return line + self.bytes[line..line_end].iter().position(|&b| b == b'"').unwrap_or(0) + 1;
             }
             if row.contains('"') || row.starts_with('}') {
                 break;
@@ -428,11 +382,8 @@ impl<'a> Scanner<'a> {
             line = line_end + 1;
         }
         let stop = line.min(self.bytes.len());
-        self.diagnostics.report(UnterminatedMap {
-            open: Span::new(self.file, i, i + 1),
-        });
-        self.explained
-            .push(Span::new(self.file, self.line_start, stop));
+        self.diagnostics.report(UnterminatedMap { open: Span::new(self.file, i, i + 1) });
+        self.explained.push(Span::new(self.file, self.line_start, stop));
         self.blanks.push((i, stop));
         stop.saturating_sub(1).max(i + 1)
     }

@@ -19,20 +19,14 @@ impl Fact for Unreadable {
     fn word(self) -> Diagnostic {
         let path = self.path.display();
         let d = match self.error {
-            ReadError::Unreadable(why) => {
-                Diagnostic::new(Code::Unreadable, format!("cannot read `{path}`: {why}"))
+            ReadError::Unreadable(why) => Diagnostic::new(Code::Unreadable, format!("cannot read `{path}`: {why}")),
+            ReadError::NotUtf8(byte) => {
+                Diagnostic::new(Code::NotUtf8, format!("`{path}` is not UTF-8 text: byte {byte} fits no character"))
+                    .help("save the file with the encoding UTF-8")
             }
-            ReadError::NotUtf8(byte) => Diagnostic::new(
-                Code::NotUtf8,
-                format!("`{path}` is not UTF-8 text: byte {byte} fits no character"),
-            )
-            .help("save the file with the encoding UTF-8"),
             ReadError::TooLarge(bytes) => Diagnostic::new(
                 Code::TooLarge,
-                format!(
-                    "`{path}` is too large: {bytes} bytes, at most {} are read",
-                    crate::source::MAX_FILE_BYTES
-                ),
+                format!("`{path}` is too large: {bytes} bytes, at most {} are read", crate::source::MAX_FILE_BYTES),
             ),
         };
         match self.import {
@@ -52,17 +46,10 @@ pub struct ImportCycle {
 
 impl Fact for ImportCycle {
     fn word(self) -> Diagnostic {
-        let chain: Vec<String> = self
-            .files
-            .iter()
-            .map(|f| format!("`{}`", f.display()))
-            .collect();
-        Diagnostic::new(
-            Code::ImportCycle,
-            format!("files import each other: {}", chain.join(" → ")),
-        )
-        .at(self.import, "this import closes the cycle")
-        .help("move what both need into a third file")
+        let chain: Vec<String> = self.files.iter().map(|f| format!("`{}`", f.display())).collect();
+        Diagnostic::new(Code::ImportCycle, format!("files import each other: {}", chain.join(" → ")))
+            .at(self.import, "this import closes the cycle")
+            .help("move what both need into a third file")
     }
 }
 
@@ -80,13 +67,7 @@ pub struct TooMany {
 
 impl Fact for TooMany {
     fn word(self) -> Diagnostic {
-        Diagnostic::new(
-            Code::TooLarge,
-            format!(
-                "too many {}: {}, at most {}",
-                self.what, self.count, self.limit
-            ),
-        )
-        .at(self.at, format!("{} {}", self.count, self.what))
+        Diagnostic::new(Code::TooLarge, format!("too many {}: {}, at most {}", self.what, self.count, self.limit))
+            .at(self.at, format!("{} {}", self.count, self.what))
     }
 }

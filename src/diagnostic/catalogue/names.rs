@@ -20,27 +20,14 @@ pub struct UnknownName {
 
 impl Fact for UnknownName {
     fn word(self) -> Diagnostic {
-        let UnknownName {
-            kind,
-            name,
-            at,
-            near,
-            known,
-        } = self;
-        let d = Diagnostic::new(
-            Code::UnknownName,
-            format!("no {kind} named `{name}`{}", did_you_mean(near.as_ref())),
-        )
-        .at(at, "not declared");
+        let UnknownName { kind, name, at, near, known } = self;
+        let d = Diagnostic::new(Code::UnknownName, format!("no {kind} named `{name}`{}", did_you_mean(near.as_ref())))
+            .at(at, "not declared");
         if near.is_some() || known.is_empty() || known.len() > 8 {
             return d;
         }
         let known: Vec<String> = known.iter().map(|n| format!("`{n}`")).collect();
-        d.help(format!(
-            "there {} {}",
-            if known.len() == 1 { "is" } else { "are" },
-            super::list(&known, "and")
-        ))
+        d.help(format!("there {} {}", if known.len() == 1 { "is" } else { "are" }, super::list(&known, "and")))
     }
 }
 
@@ -58,12 +45,9 @@ pub struct DuplicateName {
 
 impl Fact for DuplicateName {
     fn word(self) -> Diagnostic {
-        Diagnostic::new(
-            Code::DuplicateName,
-            format!("{} `{}` is declared twice", self.kind, self.name),
-        )
-        .at(self.second, "declared again")
-        .and(self.first, "first declared here")
+        Diagnostic::new(Code::DuplicateName, format!("{} `{}` is declared twice", self.kind, self.name))
+            .at(self.second, "declared again")
+            .and(self.first, "first declared here")
     }
 }
 
@@ -79,17 +63,10 @@ pub struct AmbiguousMode {
 
 impl Fact for AmbiguousMode {
     fn word(self) -> Diagnostic {
-        let paths: Vec<String> = self
-            .fits
-            .iter()
-            .map(|(path, _)| format!("`{path}`"))
-            .collect();
-        let mut d = Diagnostic::new(
-            Code::AmbiguousMode,
-            format!("`{}` fits several modes", self.name),
-        )
-        .at(self.at, "which one?")
-        .help(format!("write {}", super::list(&paths, "or")));
+        let paths: Vec<String> = self.fits.iter().map(|(path, _)| format!("`{path}`")).collect();
+        let mut d = Diagnostic::new(Code::AmbiguousMode, format!("`{}` fits several modes", self.name))
+            .at(self.at, "which one?")
+            .help(format!("write {}", super::list(&paths, "or")));
         for (path, span) in self.fits {
             d = d.and(span, format!("`{path}`"));
         }

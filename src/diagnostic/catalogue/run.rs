@@ -36,10 +36,7 @@ pub struct NoQuestion {
 
 impl Fact for NoQuestion {
     fn word(self) -> Diagnostic {
-        let d = Diagnostic::new(
-            Code::NoQuestion,
-            format!("{}{}", self.why, did_you_mean(self.near.as_ref())),
-        );
+        let d = Diagnostic::new(Code::NoQuestion, format!("{}{}", self.why, did_you_mean(self.near.as_ref())));
         match self.help {
             Some(help) => d.help(help),
             None => d,
@@ -63,25 +60,12 @@ pub struct RunFault {
 
 impl Fact for RunFault {
     fn word(self) -> Diagnostic {
-        let RunFault {
-            at,
-            what,
-            instance,
-            step,
-            values,
-        } = self;
-        let d = Diagnostic::new(
-            Code::Fault,
-            format!("step {step} stopped: {what} in `{instance}`"),
-        )
-        .at(at, what);
+        let RunFault { at, what, instance, step, values } = self;
+        let d = Diagnostic::new(Code::Fault, format!("step {step} stopped: {what} in `{instance}`")).at(at, what);
         if values.is_empty() {
             return d;
         }
-        let values: Vec<String> = values
-            .iter()
-            .map(|(name, value)| format!("{name} = {value}"))
-            .collect();
+        let values: Vec<String> = values.iter().map(|(name, value)| format!("{name} = {value}")).collect();
         d.note(values.join(", "))
     }
 }

@@ -20,10 +20,7 @@ impl Fact for EdgeOutOfGroup {
         let own: Vec<String> = self.own.iter().map(|m| format!("`{m}`")).collect();
         let d = Diagnostic::new(
             Code::EdgeOutOfGroup,
-            format!(
-                "an edge cannot lead to `{}`, which is in another group",
-                self.path
-            ),
+            format!("an edge cannot lead to `{}`, which is in another group", self.path),
         )
         .at(self.target, "leads out of the group")
         .and(self.declared, "declared here");
@@ -48,16 +45,11 @@ pub struct FlowConflict {
 
 impl Fact for FlowConflict {
     fn word(self) -> Diagnostic {
-        let d = Diagnostic::new(
-            Code::FlowConflict,
-            format!("`{}` is driven twice at once", self.variable),
-        )
-        .at(self.second, "driven again here")
-        .and(self.first, "driven here");
+        let d = Diagnostic::new(Code::FlowConflict, format!("`{}` is driven twice at once", self.variable))
+            .at(self.second, "driven again here")
+            .and(self.first, "driven here");
         if self.across_groups {
-            d.note(
-                "modes of two groups can be active together; only one group may drive a variable",
-            )
+            d.note("modes of two groups can be active together; only one group may drive a variable")
         } else {
             d.note("one mode drives a variable with one flow or envelope; an inner mode may override it")
         }
@@ -76,13 +68,10 @@ pub struct UpdateConflict {
 
 impl Fact for UpdateConflict {
     fn word(self) -> Diagnostic {
-        Diagnostic::new(
-            Code::UpdateConflict,
-            format!("`{}` is updated twice", self.variable),
-        )
-        .at(self.second, "updated again here")
-        .and(self.first, "updated here")
-        .note("all updates of one edge happen at once")
+        Diagnostic::new(Code::UpdateConflict, format!("`{}` is updated twice", self.variable))
+            .at(self.second, "updated again here")
+            .and(self.first, "updated here")
+            .note("all updates of one edge happen at once")
     }
 }
 
@@ -142,11 +131,8 @@ pub struct BadCollider {
 
 impl Fact for BadCollider {
     fn word(self) -> Diagnostic {
-        let d = Diagnostic::new(
-            Code::BadCollider,
-            format!("a collider's {} is {}", self.what, self.value),
-        )
-        .at(self.at, "must be more than 0 px");
+        let d = Diagnostic::new(Code::BadCollider, format!("a collider's {} is {}", self.what, self.value))
+            .at(self.at, "must be more than 0 px");
         match self.instance {
             Some((name, span)) => d.and(span, format!("for the instance `{name}`")),
             None => d,

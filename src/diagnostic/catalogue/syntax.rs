@@ -3,7 +3,7 @@
 use super::list;
 use crate::diagnostic::{Code, Diagnostic, Fact};
 use crate::source::Span;
-use crate::syntax::{MAX_NESTING, MAX_OPERATORS};
+use crate::syntax::{MAX_NESTING, MAX_OPERATORS, MAX_WORD};
 
 /// A token that fits no rule.
 pub struct Unexpected {
@@ -25,22 +25,44 @@ impl Fact for Unexpected {
         };
         // A long list of possibilities helps nobody.
         let (message, label) = if self.expected.is_empty() || self.expected.len() > 6 {
-            (
-                format!("unexpected {found}"),
-                "does not fit here".to_string(),
-            )
+            (format!("unexpected {found}"), "does not fit here".to_string())
         } else {
             let expected = list(&self.expected, "or");
-            (
-                format!("expected {expected}, found {found}"),
-                format!("expected {expected}"),
-            )
+            (format!("expected {expected}, found {found}"), format!("expected {expected}"))
         };
         let d = Diagnostic::new(Code::Syntax, message).at(self.at, label);
         match self.help {
             Some(help) => d.help(help),
             None => d,
         }
+    }
+}
+
+/// More syntax errors than are worth showing.
+pub struct TooManyErrors {
+    /// The first that is not shown.
+    pub at: Span,
+}
+
+impl Fact for TooManyErrors {
+    fn word(self) -> Diagnostic {
+        Diagnostic::new(Code::Syntax, "too many syntax errors; those from here on are not shown")
+            .at(self.at, "the first that is not shown")
+    }
+}
+
+/// A word longer than is supported.
+pub struct LongWord {
+    /// Its beginning.
+    pub at: Span,
+    /// Its length in bytes.
+    pub length: usize,
+}
+
+impl Fact for LongWord {
+    fn word(self) -> Diagnostic {
+        let message = format!("a word has {} letters, at most {MAX_WORD} are read", self.length);
+        Diagnostic::new(Code::TooLarge, message).at(self.at, "begins here").note("nothing after this place was checked")
     }
 }
 
@@ -67,13 +89,10 @@ pub struct ExpressionTooLong {
 
 impl Fact for ExpressionTooLong {
     fn word(self) -> Diagnostic {
-        Diagnostic::new(
-            Code::ExpressionTooLong,
-            format!("an expression has more than {MAX_OPERATORS} operators"),
-        )
-        .at(self.at, "one operator too many")
-        .help("name parts of it with `const` or `param`")
-        .note("nothing after this place was checked")
+        Diagnostic::new(Code::ExpressionTooLong, format!("an expression has more than {MAX_OPERATORS} operators"))
+            .at(self.at, "one operator too many")
+            .help("name parts of it with `const` or `param`")
+            .note("nothing after this place was checked")
     }
 }
 
@@ -87,8 +106,7 @@ pub struct UnclosedBrace {
 
 impl Fact for UnclosedBrace {
     fn word(self) -> Diagnostic {
-        let d = Diagnostic::new(Code::UnbalancedBrace, "this `{` is never closed")
-            .at(self.open, "opened here");
+        let d = Diagnostic::new(Code::UnbalancedBrace, "this `{` is never closed").at(self.open, "opened here");
         match self.here {
             Some(here) => d.and(here, "by its indentation, a `}` is missing before this"),
             None => d.help("add a `}` at the end of the file"),
@@ -138,12 +156,9 @@ pub struct Misplaced {
 
 impl Fact for Misplaced {
     fn word(self) -> Diagnostic {
-        Diagnostic::new(
-            Code::Misplaced,
-            format!("{} cannot stand inside {}", self.what, self.inside),
-        )
-        .at(self.at, format!("not inside {}", self.inside))
-        .help(format!("it belongs {}", self.belongs))
+        Diagnostic::new(Code::Misplaced, format!("{} cannot stand in {}", self.what, self.inside))
+            .at(self.at, "out of place")
+            .help(format!("it belongs {}", self.belongs))
     }
 }
 
@@ -157,10 +172,7 @@ pub struct NotSupported {
 
 impl Fact for NotSupported {
     fn word(self) -> Diagnostic {
-        Diagnostic::new(
-            Code::NotSupported,
-            format!("{} is not supported by this version of hypedc", self.what),
-        )
-        .at(self.at, "cannot be compiled yet")
+        Diagnostic::new(Code::NotSupported, format!("{} is not supported by this version of hypedc", self.what))
+            .at(self.at, "cannot be compiled yet")
     }
 }

@@ -18,11 +18,8 @@ pub struct TypeMismatch {
 
 impl Fact for TypeMismatch {
     fn word(self) -> Diagnostic {
-        let d = Diagnostic::new(
-            Code::TypeMismatch,
-            format!("expected {}, found {}", self.expected, self.found),
-        )
-        .at(self.at, format!("this is {}", self.found));
+        let d = Diagnostic::new(Code::TypeMismatch, format!("expected {}, found {}", self.expected, self.found))
+            .at(self.at, format!("this is {}", self.found));
         match self.help {
             Some(help) => d.help(help),
             None => d,
@@ -47,21 +44,14 @@ impl Fact for DimensionConflict {
         let (at, here) = self.at;
         let mut d = match self.other {
             Some((span, there)) => {
-                let message = format!(
-                    "{} is used as {} and as {}",
-                    self.what,
-                    kind(&here),
-                    kind(&there)
-                );
+                let message = format!("{} is used as {} and as {}", self.what, kind(&here), kind(&there));
                 Diagnostic::new(Code::DimensionConflict, message)
                     .at(at, format!("here it must be {here}"))
                     .and(span, format!("here it must be {there}"))
             }
-            None => Diagnostic::new(
-                Code::DimensionConflict,
-                format!("{} does not fit: {here}", self.what),
-            )
-            .at(at, here),
+            None => {
+                Diagnostic::new(Code::DimensionConflict, format!("{} does not fit: {here}", self.what)).at(at, here)
+            }
         };
         if self.near.is_some() {
             d.message.push_str(&did_you_mean(self.near.as_ref()));
@@ -95,11 +85,8 @@ pub struct WrongArguments {
 
 impl Fact for WrongArguments {
     fn word(self) -> Diagnostic {
-        Diagnostic::new(
-            Code::WrongArguments,
-            format!("`{}` is called with the wrong arguments", self.function),
-        )
-        .at(self.at, format!("expected {}", self.usage))
+        Diagnostic::new(Code::WrongArguments, format!("`{}` is called with the wrong arguments", self.function))
+            .at(self.at, format!("expected {}", self.usage))
     }
 }
 
@@ -115,12 +102,9 @@ pub struct NotConstant {
 
 impl Fact for NotConstant {
     fn word(self) -> Diagnostic {
-        Diagnostic::new(
-            Code::NotConstant,
-            format!("{} must be known before the world runs", self.what),
-        )
-        .at(self.at, "changes while the world runs")
-        .help(format!("it may read {}", self.may_read))
+        Diagnostic::new(Code::NotConstant, format!("{} must be known before the world runs", self.what))
+            .at(self.at, "changes while the world runs")
+            .help(format!("it may read {}", self.may_read))
     }
 }
 
@@ -150,10 +134,7 @@ pub struct OutOfRange {
 
 impl Fact for OutOfRange {
     fn word(self) -> Diagnostic {
-        Diagnostic::new(
-            Code::OutOfRange,
-            format!("{} lies outside of {}", self.what, self.range),
-        )
-        .at(self.at, format!("must be within {}", self.range))
+        Diagnostic::new(Code::OutOfRange, format!("{} lies outside of {}", self.what, self.range))
+            .at(self.at, format!("must be within {}", self.range))
     }
 }

@@ -17,15 +17,9 @@ pub struct RowLength {
 
 impl Fact for RowLength {
     fn word(self) -> Diagnostic {
-        Diagnostic::new(
-            Code::BadMap,
-            format!(
-                "a row has {} tiles, the first row has {}",
-                self.length, self.expected
-            ),
-        )
-        .at(self.at, format!("{} tiles", self.length))
-        .and(self.first, format!("{} tiles", self.expected))
+        Diagnostic::new(Code::BadMap, format!("a row has {} tiles, the first row has {}", self.length, self.expected))
+            .at(self.at, format!("{} tiles", self.length))
+            .and(self.first, format!("{} tiles", self.expected))
     }
 }
 
@@ -45,21 +39,11 @@ pub struct UnknownTile {
 
 impl Fact for UnknownTile {
     fn word(self) -> Diagnostic {
-        let times = if self.count == 1 {
-            String::new()
-        } else {
-            format!(" ({} times)", self.count)
-        };
-        Diagnostic::new(
-            Code::BadMap,
-            format!("no tile `{}` in `tiles {}`{times}", self.symbol, self.tiles),
-        )
-        .at(self.at, "no tile has this character")
-        .and(self.declared, "the tile set")
-        .help(format!(
-            "add `'{}': empty`, or tags instead of `empty`",
-            self.symbol
-        ))
+        let times = if self.count == 1 { String::new() } else { format!(" ({} times)", self.count) };
+        Diagnostic::new(Code::BadMap, format!("no tile `{}` in `tiles {}`{times}", self.symbol, self.tiles))
+            .at(self.at, "no tile has this character")
+            .and(self.declared, "the tile set")
+            .help(format!("add `'{}': empty`, or tags instead of `empty`", self.symbol))
     }
 }
 

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use ariadne::{Cache, Color, Config, IndexType, Label, Report, ReportKind, Source};
 
-use crate::diagnostic::{Diagnostic, Severity};
+use crate::diagnostic::{Diagnostic, Label as MarkedPlace, Severity};
 use crate::source::{FileId, SourceMap, Span};
 
 impl ariadne::Span for Span {
@@ -47,59 +47,78 @@ impl<'a> Cache<FileId> for Excerpts<'a> {
 }
 
 /// Renders findings with excerpts of the source, one below the other.
-pub fn human<'d>(
-    sources: &SourceMap,
-    diagnostics: impl IntoIterator<Item = &'d Diagnostic>,
-    color: bool,
-) -> String {
-    let mut excerpts = Excerpts {
-        map: sources,
-        made: sources.iter().map(|_| None).collect(),
-    };
-    let mut out = Vec::new();
-    for diagnostic in diagnostics {
-        match &diagnostic.primary {
-            Some(_) => {
-                let report = report(sources, diagnostic, color);
-                // Writing into a vector cannot fail; a span outside of its source is left out by `clamp`.
-                let _ = report.write(&mut excerpts, &mut out);
+pub fn human<'d>(sources: &SourceMap, diagnostics: impl IntoIterator<Item = &'d Diagnostic>, color: bool) -> String {
+    let mut excerpts = Excerpts { map: sources, made: sources.iter().map(|_| None).collect() };
+    let mut out = String::new();
+    for d in diagnostics {
+        out.push_str(&header(d, color));
+        if let Some(primary) = d.primary.as_ref().filter(|_| is_printable(sources, d)) {
+            let mut text = Vec::new();
+            // Writing into a vector cannot fail.
+            let _ = report(sources, d, primary, color).write(&mut excerpts, &mut text);
+            let text = String::from_utf8_lossy(&text);
+            // The first line is ariadne's header; ours is the form that compilers share. Carets are padded with
+            // blanks, which would be noise in a log.
+            for line in text.lines().skip(1) {
+                out.push_str(line.trim_end());
+                out.push('\n');
             }
-            None => out.extend(plain(diagnostic).into_bytes()),
+        } else {
+            for label in d.primary.iter().chain(&d.secondary) {
+                let file = sources.file(label.span.file);
+                let (line, column) = file.line_column(label.span.range().start);
+                out.push_str(&format!("  {}:{line}:{column}: {}\n", file.path.display(), label.text));
+            }
+            for (word, lines) in [("help", &d.helps), ("note", &d.notes)] {
+                for line in lines {
+                    out.push_str(&format!("  {word}: {line}\n"));
+                }
+            }
         }
-        out.push(b'\n');
+        out.push('\n');
     }
-    String::from_utf8_lossy(&out).into_owned()
+    out
 }
 
-fn report(sources: &SourceMap, d: &Diagnostic, color: bool) -> Report<'static, Span> {
-    let (kind, primary_color) = match d.severity {
-        Severity::Error => (ReportKind::Custom("error", Color::Red), Color::Red),
-        Severity::Warning => (ReportKind::Custom("warning", Color::Yellow), Color::Yellow),
+/// The longest line that is shown as an excerpt, in bytes.
+const MAX_LINE: usize = 400;
+
+/// Whether all lines that would be shown fit on a screen.
+fn is_printable(sources: &SourceMap, d: &Diagnostic) -> bool {
+    d.primary.iter().chain(&d.secondary).all(|label| {
+        let file = sources.file(label.span.file);
+        let lines = file.line_column(label.span.range().start).0..=file.line_column(label.span.range().end).0;
+        lines.take(8).all(|line| file.line_range(line - 1).is_none_or(|range| range.len() <= MAX_LINE))
+    })
+}
+
+/// `error[E0302]: message`
+fn header(d: &Diagnostic, color: bool) -> String {
+    let (word, code) = match d.severity {
+        Severity::Error => ("error", 31),
+        Severity::Warning => ("warning", 33),
     };
-    let fallback = Span::new(FileId(0), 0, 0);
-    let at = clamp(sources, d.primary.as_ref().map_or(fallback, |l| l.span));
-    let mut report = Report::build(kind, at)
-        .with_config(
-            Config::default()
-                .with_color(color)
-                .with_index_type(IndexType::Byte),
-        )
-        .with_code(d.code)
-        .with_message(&d.message);
-    if let Some(primary) = &d.primary {
-        report.add_label(
-            Label::new(clamp(sources, primary.span))
-                .with_message(&primary.text)
-                .with_color(primary_color)
-                .with_priority(1),
-        );
+    if color {
+        format!("\u{1b}[1;{code}m{word}[{}]\u{1b}[0m\u{1b}[1m: {}\u{1b}[0m\n", d.code, d.message)
+    } else {
+        format!("{word}[{}]: {}\n", d.code, d.message)
     }
-    for label in &d.secondary {
-        report.add_label(
-            Label::new(clamp(sources, label.span))
-                .with_message(&label.text)
-                .with_color(Color::Blue),
-        );
+}
+
+fn report(sources: &SourceMap, d: &Diagnostic, primary: &MarkedPlace, color: bool) -> Report<'static, Span> {
+    let (kind, primary_color) = match d.severity {
+        Severity::Error => (ReportKind::Error, Color::Red),
+        Severity::Warning => (ReportKind::Warning, Color::Yellow),
+    };
+    let at = clamp(sources, primary.span);
+    let config = Config::default().with_color(color).with_index_type(IndexType::Byte);
+    let mut report = Report::build(kind, at).with_config(config);
+    let mut labels = vec![(primary, primary_color)];
+    labels.extend(d.secondary.iter().map(|l| (l, Color::Blue)));
+    // Excerpts run down the page: the file of the mistake first, then by line.
+    labels.sort_by_key(|(l, _)| (l.span.file != primary.span.file, l.span.file, l.span.start));
+    for (label, color) in labels {
+        report.add_label(Label::new(clamp(sources, label.span)).with_message(&label.text).with_color(color));
     }
     for help in &d.helps {
         report.add_help(help);
@@ -123,19 +142,4 @@ fn clamp(sources: &SourceMap, span: Span) -> Span {
         end += 1;
     }
     Span::new(span.file, start, end)
-}
-
-fn plain(d: &Diagnostic) -> String {
-    let severity = match d.severity {
-        Severity::Error => "error",
-        Severity::Warning => "warning",
-    };
-    let mut out = format!("{severity}[{}]: {}\n", d.code, d.message);
-    for help in &d.helps {
-        out.push_str(&format!("  help: {help}\n"));
-    }
-    for note in &d.notes {
-        out.push_str(&format!("  note: {note}\n"));
-    }
-    out
 }

@@ -30,22 +30,13 @@ impl<'a> Files<'a> for Sources<'a> {
     }
 
     fn line_range(&'a self, id: FileId, line: usize) -> Result<Range<usize>, Error> {
-        self.0.file(id).line_range(line).ok_or(Error::LineTooLarge {
-            given: line,
-            max: 0,
-        })
+        self.0.file(id).line_range(line).ok_or(Error::LineTooLarge { given: line, max: 0 })
     }
 }
 
 /// Renders findings one per line, without colours.
-pub fn short<'d>(
-    sources: &SourceMap,
-    diagnostics: impl IntoIterator<Item = &'d Diagnostic>,
-) -> String {
-    let config = Config {
-        display_style: DisplayStyle::Short,
-        ..Config::default()
-    };
+pub fn short<'d>(sources: &SourceMap, diagnostics: impl IntoIterator<Item = &'d Diagnostic>) -> String {
+    let config = Config { display_style: DisplayStyle::Short, ..Config::default() };
     let files = Sources(sources);
     let mut out = String::new();
     for d in diagnostics {
@@ -53,19 +44,9 @@ pub fn short<'d>(
             Severity::Error => Report::error(),
             Severity::Warning => Report::warning(),
         };
-        let labels = d
-            .primary
-            .iter()
-            .map(|l| Label::primary(l.span.file, l.span.range()))
-            .collect();
-        let report = report
-            .with_code(d.code.text())
-            .with_message(&d.message)
-            .with_labels(labels);
-        out.push_str(
-            &emit_into_string(&config, &files, &report)
-                .unwrap_or_else(|e| format!("{}: {e}\n", d.message)),
-        );
+        let labels = d.primary.iter().map(|l| Label::primary(l.span.file, l.span.range())).collect();
+        let report = report.with_code(d.code.text()).with_message(&d.message).with_labels(labels);
+        out.push_str(&emit_into_string(&config, &files, &report).unwrap_or_else(|e| format!("{}: {e}\n", d.message)));
     }
     out
 }

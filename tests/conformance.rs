@@ -1,25 +1,18 @@
 //! Conformance with the 2017 Python system: its recorded runs, replayed from the initial state by our simulator.
 //! The traces are data of that system (see `conformance/LICENSE-HyPED-2017`).
 
-use std::path::{Path, PathBuf};
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod support;
+
+use std::path::Path;
 
 use hypedc::compile::compile;
 use hypedc::ir::{VarId, WorldId};
 use hypedc::sim::{Simulator, parse_script};
-use hypedc::source::{Files, ReadError, SourceMap, decode};
+use hypedc::source::SourceMap;
 use serde_json::Value;
-
-struct Disk;
-
-impl Files for Disk {
-    fn read(&self, path: &Path) -> Result<String, ReadError> {
-        decode(std::fs::read(path).map_err(|e| ReadError::Unreadable(e.to_string()))?)
-    }
-
-    fn identity(&self, path: &Path) -> PathBuf {
-        path.canonicalize().unwrap_or_else(|_| path.to_path_buf())
-    }
-}
+use support::Disk;
 
 /// How far two numbers may differ.
 const TOLERANCE: f64 = 1e-6;

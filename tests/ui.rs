@@ -1,33 +1,18 @@
 //! What a user sees: every program of `tests/ui` beside its rendered findings, in both forms.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod support;
+
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use hypedc::compile::compile;
 use hypedc::diagnostic::{Code, render};
-use hypedc::source::{Files, ReadError, decode};
-
-struct Disk;
-
-impl Files for Disk {
-    fn read(&self, path: &Path) -> Result<String, ReadError> {
-        decode(std::fs::read(path).map_err(|_| ReadError::Unreadable("no such file".into()))?)
-    }
-
-    fn identity(&self, path: &Path) -> PathBuf {
-        path.canonicalize().unwrap_or_else(|_| path.to_path_buf())
-    }
-}
+use support::Disk;
 
 fn programs() -> Vec<PathBuf> {
-    let mut files: Vec<PathBuf> = std::fs::read_dir("tests/ui")
-        .unwrap()
-        .map(|f| f.unwrap().path())
-        .filter(|p| p.extension().is_some_and(|e| e == "hyped"))
-        .collect();
-    files.sort();
-    assert!(files.len() > 25, "the programs are there");
-    files
+    support::files("tests/ui", "hyped")
 }
 
 #[test]

@@ -88,13 +88,11 @@ fn script(args: &SimArgs, loaded: &mut Loaded, world: WorldId) -> io::Result<Opt
     Ok((!found.has_errors()).then_some(script))
 }
 
+/// Shown the number of a step, its input and the state after it.
+type See<'a> = dyn FnMut(u64, &Input, &[u8]) -> io::Result<()> + 'a;
+
 /// Runs so many steps and shows every state, the initial one first. A fault comes with its step.
-fn drive(
-    sim: &Simulator<'_>,
-    script: &Script,
-    frames: u64,
-    see: &mut dyn FnMut(u64, &Input, &[u8]) -> io::Result<()>,
-) -> io::Result<Result<(), (Fault, u64)>> {
+fn drive(sim: &Simulator<'_>, script: &Script, frames: u64, see: &mut See<'_>) -> io::Result<Result<(), (Fault, u64)>> {
     let mut scratch = sim.scratch();
     let nothing = Input::nothing(sim.world().players.len());
     let mut state = match sim.initial(&mut scratch) {

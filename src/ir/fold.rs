@@ -103,10 +103,10 @@ impl Program {
                 Expr::Timer(timer) => uses[timer.0 as usize] += 1,
                 Expr::Compare(_, a, b) => {
                     for (timer, other) in [(a, b), (b, a)] {
-                        if let Expr::Timer(timer) = self.exprs[timer] {
-                            if known_per_instance(&self.exprs, other) {
-                                thresholds[timer.0 as usize].push(other);
-                            }
+                        if let Expr::Timer(timer) = self.exprs[timer]
+                            && known_per_instance(&self.exprs, other)
+                        {
+                            thresholds[timer.0 as usize].push(other);
                         }
                     }
                 }

@@ -27,3 +27,4 @@ pub use crate::sema::ids::{
     AxisId, ButtonId, ColliderId, DiscreteId, EdgeId, EntityId, EnvelopeId, ExprId, GoalId, GroupId, Id, IdVec, LeafId,
     ModeId, NeverId, ParamId, PlayerId, SlotId, SpaceId, TagId, TimerId, TouchId, VarId, WorldId,
 };
+pub use crate::sema::{MAX_AXES, arithmetic, call, compare};

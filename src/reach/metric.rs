@@ -198,10 +198,10 @@ fn changing_degrees(program: &Program, entity: &Entity, slot: &Slot, var: VarId)
         }
     }
     for place in updates(entity) {
-        if let Place::Var(v, degree) = place {
-            if v == var {
-                from(usize::from(degree));
-            }
+        if let Place::Var(v, degree) = place
+            && v == var
+        {
+            from(usize::from(degree));
         }
     }
     if var.index() <= 1 && entity.colliders.iter().any(|c| !c.kinematic) {

@@ -175,10 +175,10 @@ impl Solver<'_> {
     }
 
     fn name(&mut self, name: Named) -> Dim {
-        if let Named::Var(_, var) = name {
-            if var <= super::entity::Y {
-                return Dim::known(1, 0);
-            }
+        if let Named::Var(_, var) = name
+            && var <= super::entity::Y
+        {
+            return Dim::known(1, 0);
         }
         if let Some(&u) = self.named.get(&name) {
             return Dim::unknown(u);

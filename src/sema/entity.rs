@@ -365,10 +365,7 @@ impl<'a> Checker<'a> {
     fn collider(&mut self, c: &ast::Collider, scope: &Scope<'_>) -> Option<Collider> {
         let scope = scope.reading(Reads::State);
         let tags = c.tags.iter().map(|t| self.tag(&t.text)).collect();
-        let guard = match &c.guard {
-            Some(guard) => Some(self.guard(guard, &scope)),
-            None => None,
-        };
+        let guard = c.guard.as_ref().map(|guard| self.guard(guard, &scope));
         if c.shape.text == "circle" {
             self.diagnostics.report(NotSupported { at: c.shape.span, what: "`circle`".into() });
             return None;
@@ -389,10 +386,10 @@ impl<'a> Checker<'a> {
         let sizes: Vec<Option<Term>> = c.arguments.iter().map(|a| self.number(a, &scope)).collect();
         let rect: [Term; 4] = sizes.into_iter().collect::<Option<Vec<_>>>()?.try_into().ok()?;
         for (term, what) in [(&rect[2], "width"), (&rect[3], "height")] {
-            if let Ok(value) = evaluate(term, ConstantContext::LITERALS) {
-                if value <= 0.0 {
-                    self.diagnostics.report(BadCollider { at: term.span, what, value, instance: None });
-                }
+            if let Ok(value) = evaluate(term, ConstantContext::LITERALS)
+                && value <= 0.0
+            {
+                self.diagnostics.report(BadCollider { at: term.span, what, value, instance: None });
             }
         }
         let guard = match guard {

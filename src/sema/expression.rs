@@ -2,14 +2,14 @@
 
 use crate::diagnostic::catalogue::names::UnknownName;
 use crate::diagnostic::catalogue::syntax::{Misplaced, NotSupported};
-use crate::diagnostic::catalogue::types::{BadChain, NotConstant, TypeMismatch, WrongArguments};
+use crate::diagnostic::catalogue::types::{BadChain, NotConstant, TypeMismatch};
 use crate::source::Span;
-use crate::syntax::ast::{BinaryOp, CompareOp, Expr, ExprKind, Name, Path, Unit};
+use crate::syntax::ast::{BinaryOp, CompareOp, Expr, ExprKind, Path, Unit};
 
 use super::Checker;
-use super::checked::{Arithmetic, Entity, Function, Press, Side, Subject, Term, TermKind, Type};
+use super::checked::{Arithmetic, Entity, Subject, Term, TermKind, Type};
 use super::entity::Skeleton;
-use super::ids::{EntityId, Id, ModeId, SlotId, SpaceId};
+use super::ids::{EntityId, ModeId};
 use super::mode::ModeNames;
 use super::names::unknown;
 
@@ -108,7 +108,7 @@ impl Checker<'_> {
     }
 
     /// The term if its value may stand where `ty` is needed: an int may stand where a real may.
-    fn expect(&mut self, term: Term, ty: &Type) -> Option<Term> {
+    pub(super) fn expect(&mut self, term: Term, ty: &Type) -> Option<Term> {
         if term.ty == *ty || (term.ty == Type::Int && *ty == Type::Real) {
             return Some(term);
         }
@@ -133,7 +133,7 @@ impl Checker<'_> {
         }
     }
 
-    fn term(&mut self, e: &Expr, scope: &Scope<'_>, wanted: Option<&Type>) -> Option<Term> {
+    pub(super) fn term(&mut self, e: &Expr, scope: &Scope<'_>, wanted: Option<&Type>) -> Option<Term> {
         let make = |kind: TermKind, ty: Type| Some(Term { kind, ty, span: e.span });
         match &e.kind {
             ExprKind::Number(value, unit) => match unit {
@@ -211,7 +211,7 @@ impl Checker<'_> {
     }
 
     /// `item` if the scope has it and may read that much.
-    fn allow<T>(
+    pub(super) fn allow<T>(
         &mut self,
         item: Option<T>,
         at: Span,
@@ -244,10 +244,10 @@ impl Checker<'_> {
         if let [second, ..] = rest {
             return self.member(path, name, second, span, scope);
         }
-        if let (Some(Type::Set(values)), 0) = (wanted, path.primes) {
-            if let Some(index) = values.iter().position(|v| *v == name.text) {
-                return make(TermKind::Number(index as f64), Type::Set(values.clone()));
-            }
+        if let (Some(Type::Set(values)), 0) = (wanted, path.primes)
+            && let Some(index) = values.iter().position(|v| *v == name.text)
+        {
+            return make(TermKind::Number(index as f64), Type::Set(values.clone()));
         }
         if let (Some(entity), Some(names)) = (scope.entity, scope.names) {
             if let Some(&id) = names.params.get(&name.text).filter(|_| path.primes == 0) {
@@ -309,47 +309,6 @@ impl Checker<'_> {
             return None;
         }
         Some(path.primes as u8)
-    }
-
-    /// `hero.x'`, `hero.keys`, `main.width`.
-    fn member(&mut self, path: &Path, first: &Name, second: &Name, span: Span, scope: &Scope<'_>) -> Option<Term> {
-        let Some(world) = scope.world else {
-            self.diagnostics.report(NotSupported { at: span, what: "reading another instance's variable".into() });
-            return None;
-        };
-        if let Some(slot) = world.instances.iter().position(|(n, _)| *n == first.text) {
-            let entity = &self.checked.entities[world.instances[slot].1];
-            let of = Subject::Slot(SlotId(slot as u32));
-            if let Some(var) = entity.vars.find(|v| v.name.text == second.text) {
-                let degree = self.degree(path)?;
-                return Some(Term { kind: TermKind::Var(of, var, degree), ty: Type::Real, span });
-            }
-            if let Some(id) = entity.discretes.find(|v| v.name.text == second.text) {
-                let ty = entity.discretes[id].ty.clone();
-                return Some(Term { kind: TermKind::Discrete(of, id), ty, span });
-            }
-            let known = entity.vars.iter().map(|v| &v.name).chain(entity.discretes.iter().map(|d| &d.name));
-            let fact = unknown("variable", &second.text, second.span, known.map(|n| n.text.as_str()));
-            self.report_unknown(fact);
-            return None;
-        }
-        if let Some((_, size)) = world.spaces.iter().find(|(n, _)| *n == first.text) {
-            let size = (*size)?;
-            let value = match second.text.as_str() {
-                "width" => size.0,
-                "height" => size.1,
-                other => {
-                    let fact = unknown("measure of a space", other, second.span, ["width", "height"]);
-                    self.report_unknown(fact);
-                    return None;
-                }
-            };
-            return Some(Term { kind: TermKind::Number(value), ty: Type::Real, span });
-        }
-        let known = world.instances.iter().map(|(n, _)| n.as_str()).chain(world.spaces.iter().map(|(n, _)| n.as_str()));
-        let fact = unknown("instance or space", &first.text, first.span, known);
-        self.report_unknown(fact);
-        None
     }
 
     fn binary(&mut self, op: BinaryOp, a: &Expr, b: &Expr, span: Span, scope: &Scope<'_>) -> Option<Term> {
@@ -436,296 +395,5 @@ impl Checker<'_> {
             _ => return None,
         };
         matches!(ty, Type::Set(_)).then(|| ty.clone())
-    }
-
-    fn call(
-        &mut self,
-        function: &Name,
-        arguments: &[Expr],
-        span: Span,
-        scope: &Scope<'_>,
-        wanted: Option<&Type>,
-    ) -> Option<Term> {
-        let make = |kind: TermKind, ty: Type| Some(Term { kind, ty, span });
-        let wrong = |this: &mut Self, usage: &'static str| {
-            this.diagnostics.report(WrongArguments { function: function.text.clone(), at: span, usage });
-        };
-        let (numeric, usage) = match function.text.as_str() {
-            "min" => (Function::Min, "`min(a, b)`"),
-            "max" => (Function::Max, "`max(a, b)`"),
-            "abs" => (Function::Abs, "`abs(a)`"),
-            "sign" => (Function::Sign, "`sign(a)`"),
-            "clamp" => (Function::Clamp, "`clamp(value, low, high)`"),
-            "floor" => (Function::Floor, "`floor(a)`"),
-            "ceil" => (Function::Ceil, "`ceil(a)`"),
-            "round" => (Function::Round, "`round(a)`"),
-            "sqrt" => (Function::Sqrt, "`sqrt(a)`"),
-            "if" => {
-                let [condition, a, b] = arguments else {
-                    wrong(self, "`if(condition, a, b)`");
-                    return None;
-                };
-                let condition = self.guard(condition, scope);
-                let a = self.term(a, scope, wanted);
-                let b = self.term(b, scope, wanted);
-                let (condition, a, b) = (condition?, a?, b?);
-                let ty = match (&a.ty, &b.ty) {
-                    (Type::Int, Type::Real) | (Type::Real, Type::Int) => Type::Real,
-                    _ => a.ty.clone(),
-                };
-                let b = self.expect(b, &ty)?;
-                return make(TermKind::Call(Function::If, vec![condition, a, b]), ty);
-            }
-            "sin" | "cos" | "atan2" => {
-                self.diagnostics.report(NotSupported { at: function.span, what: format!("`{}`", function.text) });
-                return None;
-            }
-            "entering" | "exiting" | "lost" => {
-                self.diagnostics.report(NotSupported { at: function.span, what: format!("`{}`", function.text) });
-                return None;
-            }
-            "pressed" | "held" | "released" => {
-                return self.button(function, arguments, span, scope);
-            }
-            "touching" => return self.touching(arguments, span, scope, wrong),
-            "timer" => {
-                let [Expr { kind: ExprKind::Path(path), .. }] = arguments else {
-                    wrong(self, "`timer(mode)`");
-                    return None;
-                };
-                let entity = self.allow(scope.entity, span, scope, Reads::State, "`timer`")?;
-                let group = scope.mode.map(|m| entity.modes[m].group);
-                let mode = self.mode_named(&scope.names?.modes, path, group)?;
-                return make(TermKind::Timer(mode), Type::Real);
-            }
-            "near" => return self.near(arguments, span, scope, wrong),
-            "inside" => {
-                let [subject, Expr { kind: ExprKind::Path(path), .. }] = arguments else {
-                    wrong(self, "`inside(instance, space)`");
-                    return None;
-                };
-                let world = self.allow(scope.world, span, scope, Reads::All, "`inside`")?;
-                let name = path.segments.first()?;
-                let Some(space) = world.spaces.iter().position(|(n, _)| *n == name.text) else {
-                    let known = world.spaces.iter().map(|(n, _)| n.as_str());
-                    let fact = unknown("space", &name.text, name.span, known);
-                    self.report_unknown(fact);
-                    return None;
-                };
-                return self.relation(subject, span, scope, |_, slot, _| {
-                    Some(TermKind::InSpace(Subject::Slot(slot), SpaceId::from_index(space)))
-                });
-            }
-            other => {
-                let known = [
-                    "min", "max", "abs", "sign", "clamp", "floor", "ceil", "round", "sqrt", "if", "pressed", "held",
-                    "released", "touching", "timer", "near", "inside",
-                ];
-                let fact = unknown("function", other, function.span, known);
-                self.report_unknown(fact);
-                return None;
-            }
-        };
-        let count = match numeric {
-            Function::Min | Function::Max => 2,
-            Function::Clamp => 3,
-            _ => 1,
-        };
-        if arguments.len() != count {
-            wrong(self, usage);
-            return None;
-        }
-        let args: Vec<Option<Term>> = arguments.iter().map(|a| self.number(a, scope)).collect();
-        let args: Vec<Term> = args.into_iter().collect::<Option<_>>()?;
-        let ty = match numeric {
-            Function::Floor | Function::Ceil | Function::Round | Function::Sign => Type::Int,
-            Function::Sqrt => Type::Real,
-            _ if args.iter().all(|a| a.ty == Type::Int) => Type::Int,
-            _ => Type::Real,
-        };
-        make(TermKind::Call(numeric, args), ty)
-    }
-
-    fn button(&mut self, function: &Name, arguments: &[Expr], span: Span, scope: &Scope<'_>) -> Option<Term> {
-        let [Expr { kind: ExprKind::Path(path), .. }] = arguments else {
-            let usage = "a button of this entity, such as `pressed(jump)`";
-            self.diagnostics.report(WrongArguments { function: function.text.clone(), at: span, usage });
-            return None;
-        };
-        let names = self.allow(scope.names, span, scope, Reads::All, "a button")?;
-        let name = path.segments.first()?;
-        let press = match function.text.as_str() {
-            "pressed" => Press::Pressed,
-            "held" => Press::Held,
-            _ => Press::Released,
-        };
-        if let Some(&button) = names.buttons.get(&name.text).filter(|_| path.segments.len() == 1) {
-            return Some(Term { kind: TermKind::Button(press, button), ty: Type::Bool, span });
-        }
-        let fact = unknown("button", &name.text, name.span, names.buttons.names());
-        self.report_unknown(fact);
-        None
-    }
-
-    fn touching(
-        &mut self,
-        arguments: &[Expr],
-        span: Span,
-        scope: &Scope<'_>,
-        wrong: impl Fn(&mut Self, &'static str),
-    ) -> Option<Term> {
-        const USAGE: &str =
-            "`touching(tag)`, `touching(tag, side)`, `touching(own tag, tag)` or `touching(own tag, tag, side)`";
-        self.allow(scope.entity, span, scope, Reads::All, "`touching`")?;
-        let mut words = Vec::new();
-        for argument in arguments {
-            match &argument.kind {
-                ExprKind::Path(Path { segments, primes: 0, .. }) if segments.len() == 1 => {
-                    words.extend(segments.first().map(|s| s.text.clone()));
-                }
-                ExprKind::Text(text) => words.push(text.clone()),
-                _ => {
-                    wrong(self, USAGE);
-                    return None;
-                }
-            }
-        }
-        let side = |word: &str| {
-            Some(match word {
-                "left" => Side::Left,
-                "right" => Side::Right,
-                "above" => Side::Above,
-                "below" => Side::Below,
-                _ => return None,
-            })
-        };
-        let words: Vec<&str> = words.iter().map(String::as_str).collect();
-        let (mine, other, on) = match words.as_slice() {
-            [other] => (None, *other, None),
-            [other, on] if side(on).is_some() => (None, *other, side(on)),
-            [mine, other] => (Some(*mine), *other, None),
-            [mine, other, on] if side(on).is_some() => (Some(*mine), *other, side(on)),
-            [_, _, on] => {
-                let at = arguments.last().map_or(span, |a| a.span);
-                self.diagnostics.report(unknown("side", on, at, ["left", "right", "above", "below"]));
-                return None;
-            }
-            _ => {
-                wrong(self, USAGE);
-                return None;
-            }
-        };
-        let mine = mine.map(|tag| self.tag(tag));
-        let other = self.tag(other);
-        Some(Term { kind: TermKind::Touching { of: Subject::Me, mine, other, side: on }, ty: Type::Bool, span })
-    }
-
-    fn near(
-        &mut self,
-        arguments: &[Expr],
-        span: Span,
-        scope: &Scope<'_>,
-        wrong: impl Fn(&mut Self, &'static str),
-    ) -> Option<Term> {
-        let [subject, place, radius] = arguments else {
-            wrong(self, "`near(instance, (x, y), radius)` or `near(instance, instance, radius)`");
-            return None;
-        };
-        self.allow(scope.world, span, scope, Reads::All, "`near`")?;
-        let (x, y) = if let ExprKind::Point(x, y) = &place.kind {
-            let (x, y) = (self.number(x, scope), self.number(y, scope));
-            (x?, y?)
-        } else {
-            let (slot, _) = self.instance(place, scope)?;
-            let read =
-                |var| Term { kind: TermKind::Var(Subject::Slot(slot), var, 0), ty: Type::Real, span: place.span };
-            (read(super::entity::X), read(super::entity::Y))
-        };
-        let radius = self.number(radius, scope)?;
-        self.relation(subject, span, scope, |_, slot, _| {
-            Some(TermKind::Near {
-                of: Subject::Slot(slot),
-                x: Box::new(x.clone()),
-                y: Box::new(y.clone()),
-                radius: Box::new(radius.clone()),
-            })
-        })
-    }
-
-    /// A named instance of the world.
-    fn instance(&mut self, e: &Expr, scope: &Scope<'_>) -> Option<(SlotId, EntityId)> {
-        let world = self.allow(scope.world, e.span, scope, Reads::All, "an instance")?;
-        let name = match &e.kind {
-            ExprKind::Path(path) if path.segments.len() == 1 && path.primes == 0 => path.segments.first()?,
-            _ => {
-                self.diagnostics.report(TypeMismatch {
-                    at: e.span,
-                    found: "an expression".into(),
-                    expected: "the name of an instance".into(),
-                    help: None,
-                });
-                return None;
-            }
-        };
-        if let Some(slot) = world.instances.iter().position(|(n, _)| *n == name.text) {
-            return Some((SlotId(slot as u32), world.instances[slot].1));
-        }
-        let fact = unknown("instance", &name.text, name.span, world.instances.iter().map(|(n, _)| n.as_str()));
-        self.report_unknown(fact);
-        None
-    }
-
-    /// What `make` says of the instance, or of any instance of an entity, that stands left of `in` or `touching`.
-    fn relation(
-        &mut self,
-        subject: &Expr,
-        span: Span,
-        scope: &Scope<'_>,
-        make: impl Fn(&mut Self, SlotId, EntityId) -> Option<TermKind>,
-    ) -> Option<Term> {
-        if let ExprKind::Any(entity) = &subject.kind {
-            return self.any(entity, span, scope, make);
-        }
-        if scope.world.is_none() {
-            self.diagnostics.report(NotSupported { at: span, what: "asking another instance".into() });
-            return None;
-        }
-        let (slot, entity) = self.instance(subject, scope)?;
-        Some(Term { kind: make(self, slot, entity)?, ty: Type::Bool, span })
-    }
-
-    /// Whether `make` holds for some instance of an entity.
-    fn any(
-        &mut self,
-        name: &Name,
-        span: Span,
-        scope: &Scope<'_>,
-        make: impl Fn(&mut Self, SlotId, EntityId) -> Option<TermKind>,
-    ) -> Option<Term> {
-        let world = self.allow(scope.world, span, scope, Reads::All, "`any`")?;
-        let Some(&entity) = self.entities.get(&name.text) else {
-            let fact = unknown("entity", &name.text, name.span, self.entities.names());
-            self.report_unknown(fact);
-            return None;
-        };
-        let mut some = Vec::new();
-        for (slot, (_, of)) in world.instances.iter().enumerate() {
-            if *of == entity {
-                some.push(Term { kind: make(self, SlotId(slot as u32), entity)?, ty: Type::Bool, span });
-            }
-        }
-        // A balanced tree: thousands of instances must not become thousands of levels.
-        while some.len() > 1 {
-            let mut halves = Vec::with_capacity(some.len().div_ceil(2));
-            let mut rest = some.into_iter();
-            while let Some(a) = rest.next() {
-                halves.push(match rest.next() {
-                    Some(b) => Term { kind: TermKind::Or(Box::new(a), Box::new(b)), ty: Type::Bool, span },
-                    None => a,
-                });
-            }
-            some = halves;
-        }
-        Some(some.pop().unwrap_or(Term { kind: TermKind::Bool(false), ty: Type::Bool, span }))
     }
 }

@@ -46,10 +46,10 @@ impl Checker<'_> {
             match item {
                 WorldItem::Step(e) => {
                     let name = Name { text: "step".into(), span: e.span };
-                    if steps.declare(&name, (), &mut self.diagnostics) {
-                        if let Some(step) = self.step(e) {
-                            world.step = step;
-                        }
+                    if steps.declare(&name, (), &mut self.diagnostics)
+                        && let Some(step) = self.step(e)
+                    {
+                        world.step = step;
                     }
                 }
                 WorldItem::Tiles(tiles) => self.tiles(tiles, &mut sets),

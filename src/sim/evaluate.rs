@@ -5,8 +5,8 @@ use std::cell::Cell;
 
 use crate::ir::{
     Arithmetic, AxisId, ButtonId, Entity, Expr, ExprId, Function, Id, Press, Slot, SlotId, SlotLayout, Subject, VarId,
+    arithmetic, call, compare,
 };
-use crate::sema::{arithmetic, call, compare};
 
 use super::fault::{Fault, FaultKind};
 use super::input::Frame;

@@ -1,7 +1,7 @@
 //! The inputs of one step: for each player the buttons that are down and the axes.
 
+use crate::ir::MAX_AXES;
 use crate::ir::{Id, PlayerId};
-use crate::sema::MAX_AXES;
 
 /// What one player gives at one step.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -215,6 +215,16 @@ impl Parser<'_> {
             },
             None => (name, None),
         };
+        if name.is_empty() {
+            let help = "names stand on both sides of `+`: `right+jump`".to_string();
+            self.report(
+                from.min(self.text.len().saturating_sub(1)),
+                to.max(from + 1),
+                "an input is missing".into(),
+                Some(help),
+            );
+            return None;
+        }
         match self.target(player, name, from, to)? {
             Target::Button(button) if value.is_none() => {
                 self.player(input, player)?.buttons |= 1 << button.index();
@@ -249,10 +259,10 @@ impl Parser<'_> {
         if let Some(axis) = entity.axes.find(|a| a == name) {
             return Some(Target::Axis(axis, None));
         }
-        if let Some((_, axis, value)) = DIRECTIONS.iter().find(|(word, ..)| *word == name) {
-            if let Some(axis) = entity.axes.find(|a| a == axis) {
-                return Some(Target::Axis(axis, Some(*value)));
-            }
+        if let Some((_, axis, value)) = DIRECTIONS.iter().find(|(word, ..)| *word == name)
+            && let Some(axis) = entity.axes.find(|a| a == axis)
+        {
+            return Some(Target::Axis(axis, Some(*value)));
         }
         let known: Vec<&str> = entity.buttons.iter().chain(entity.axes.iter()).map(String::as_str).collect();
         let near = similar(name, known.iter().copied());

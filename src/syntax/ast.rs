@@ -153,7 +153,7 @@ pub struct Discrete {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Domain {
     /// `int low..high`, both ends included.
-    Int(Expr, Expr),
+    Int(Box<Expr>, Box<Expr>),
     /// `bool`
     Bool,
     /// `{a, b, c}`
@@ -415,7 +415,7 @@ pub enum SpaceItem {
     /// An inline map.
     Map(Map),
     /// An instance.
-    Place(Place),
+    Place(Box<Place>),
 }
 
 /// `map tiles " … "`

@@ -357,7 +357,9 @@ impl Builder<'_> {
         let domain = parts(pair).into_iter().next()?;
         let inner = parts(&domain);
         Some(match domain.as_rule() {
-            Rule::int_domain => Domain::Int(self.expression(inner.first()?)?, self.expression(inner.get(1)?)?),
+            Rule::int_domain => {
+                Domain::Int(Box::new(self.expression(inner.first()?)?), Box::new(self.expression(inner.get(1)?)?))
+            }
             Rule::bool_domain => Domain::Bool,
             _ => Domain::Set(inner.iter().map(|p| self.name(p)).collect()),
         })

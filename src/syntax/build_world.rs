@@ -57,7 +57,7 @@ impl Builder<'_> {
                         Rule::bad_space_item => self.bad(Rule::only_space_item, &item),
                         Rule::later_space_item => self.later(&item),
                         Rule::map => items.extend(self.map(&item).map(SpaceItem::Map)),
-                        Rule::place => items.extend(self.place(&item).map(SpaceItem::Place)),
+                        Rule::place => items.extend(self.place(&item).map(|p| SpaceItem::Place(Box::new(p)))),
                         _ => {}
                     }
                 }

@@ -317,7 +317,7 @@ impl<'a> Scanner<'a> {
             }
             _ if word > MAX_WORD => {
                 self.within_limits = false;
-                self.diagnostics.report(LongWord { at: Span::new(self.file, i, i + 1), length: word });
+                self.diagnostics.report(LongWord { at: Span::new(self.file, i, i + 1), length: word, limit: MAX_WORD });
                 i + word
             }
             _ if word > 0 => {
@@ -336,7 +336,8 @@ impl<'a> Scanner<'a> {
         self.continues = true;
         if self.operators > MAX_OPERATORS {
             self.within_limits = false;
-            self.diagnostics.report(ExpressionTooLong { at: Span::new(self.file, i, i + length) });
+            self.diagnostics
+                .report(ExpressionTooLong { at: Span::new(self.file, i, i + length), limit: MAX_OPERATORS });
         }
         i + length
     }
@@ -345,7 +346,7 @@ impl<'a> Scanner<'a> {
         let depth = self.parens.len() - 1 + self.parens.iter().sum::<usize>();
         if depth > MAX_NESTING {
             self.within_limits = false;
-            self.diagnostics.report(NestingTooDeep { at: Span::new(self.file, i, i + 1) });
+            self.diagnostics.report(NestingTooDeep { at: Span::new(self.file, i, i + 1), limit: MAX_NESTING });
         }
     }
 

@@ -3,7 +3,6 @@
 use super::list;
 use crate::diagnostic::{Code, Diagnostic, Fact};
 use crate::source::Span;
-use crate::syntax::{MAX_NESTING, MAX_OPERATORS, MAX_WORD};
 
 /// A token that fits no rule.
 pub struct Unexpected {
@@ -57,11 +56,13 @@ pub struct LongWord {
     pub at: Span,
     /// Its length in bytes.
     pub length: usize,
+    /// The greatest length that is read.
+    pub limit: usize,
 }
 
 impl Fact for LongWord {
     fn word(self) -> Diagnostic {
-        let message = format!("a word has {} letters, at most {MAX_WORD} are read", self.length);
+        let message = format!("a word has {} letters, at most {} are read", self.length, self.limit);
         Diagnostic::new(Code::TooLarge, message).at(self.at, "begins here").note("nothing after this place was checked")
     }
 }
@@ -70,11 +71,13 @@ impl Fact for LongWord {
 pub struct NestingTooDeep {
     /// The first bracket too many.
     pub at: Span,
+    /// How many may be open.
+    pub limit: usize,
 }
 
 impl Fact for NestingTooDeep {
     fn word(self) -> Diagnostic {
-        Diagnostic::new(Code::NestingTooDeep, format!("more than {MAX_NESTING} brackets are open at once"))
+        Diagnostic::new(Code::NestingTooDeep, format!("more than {} brackets are open at once", self.limit))
             .at(self.at, "one bracket too many")
             .help("is a bracket left open further up? if not, name parts of the expression or flatten the modes")
             .note("nothing after this place was checked")
@@ -85,11 +88,13 @@ impl Fact for NestingTooDeep {
 pub struct ExpressionTooLong {
     /// The first operator too many.
     pub at: Span,
+    /// How many there may be.
+    pub limit: usize,
 }
 
 impl Fact for ExpressionTooLong {
     fn word(self) -> Diagnostic {
-        Diagnostic::new(Code::ExpressionTooLong, format!("an expression has more than {MAX_OPERATORS} operators"))
+        Diagnostic::new(Code::ExpressionTooLong, format!("an expression has more than {} operators", self.limit))
             .at(self.at, "one operator too many")
             .help("name parts of it with `const` or `param`")
             .note("nothing after this place was checked")

@@ -1,0 +1,202 @@
+//! Calls: functions of numbers, buttons, contacts, timers.
+
+use crate::diagnostic::catalogue::syntax::NotSupported;
+use crate::diagnostic::catalogue::types::WrongArguments;
+use crate::source::Span;
+use crate::syntax::ast::{Expr, ExprKind, Name, Path};
+
+use super::Checker;
+use super::checked::{Function, Press, Side, Subject, Term, TermKind, Type};
+use super::expression::{Reads, Scope};
+use super::ids::{Id, SpaceId};
+use super::names::unknown;
+
+impl Checker<'_> {
+    pub(super) fn call(
+        &mut self,
+        function: &Name,
+        arguments: &[Expr],
+        span: Span,
+        scope: &Scope<'_>,
+        wanted: Option<&Type>,
+    ) -> Option<Term> {
+        let make = |kind: TermKind, ty: Type| Some(Term { kind, ty, span });
+        let wrong = |this: &mut Self, usage: &'static str| {
+            this.diagnostics.report(WrongArguments { function: function.text.clone(), at: span, usage });
+        };
+        let (numeric, usage) = match function.text.as_str() {
+            "min" => (Function::Min, "`min(a, b)`"),
+            "max" => (Function::Max, "`max(a, b)`"),
+            "abs" => (Function::Abs, "`abs(a)`"),
+            "sign" => (Function::Sign, "`sign(a)`"),
+            "clamp" => (Function::Clamp, "`clamp(value, low, high)`"),
+            "floor" => (Function::Floor, "`floor(a)`"),
+            "ceil" => (Function::Ceil, "`ceil(a)`"),
+            "round" => (Function::Round, "`round(a)`"),
+            "sqrt" => (Function::Sqrt, "`sqrt(a)`"),
+            "if" => {
+                let [condition, a, b] = arguments else {
+                    wrong(self, "`if(condition, a, b)`");
+                    return None;
+                };
+                let condition = self.guard(condition, scope);
+                let a = self.term(a, scope, wanted);
+                let b = self.term(b, scope, wanted);
+                let (condition, a, b) = (condition?, a?, b?);
+                let ty = match (&a.ty, &b.ty) {
+                    (Type::Int, Type::Real) | (Type::Real, Type::Int) => Type::Real,
+                    _ => a.ty.clone(),
+                };
+                let b = self.expect(b, &ty)?;
+                return make(TermKind::Call(Function::If, vec![condition, a, b]), ty);
+            }
+            "sin" | "cos" | "atan2" => {
+                self.diagnostics.report(NotSupported { at: function.span, what: format!("`{}`", function.text) });
+                return None;
+            }
+            "entering" | "exiting" | "lost" => {
+                self.diagnostics.report(NotSupported { at: function.span, what: format!("`{}`", function.text) });
+                return None;
+            }
+            "pressed" | "held" | "released" => {
+                return self.button(function, arguments, span, scope);
+            }
+            "touching" => return self.touching(arguments, span, scope, wrong),
+            "timer" => {
+                let [Expr { kind: ExprKind::Path(path), .. }] = arguments else {
+                    wrong(self, "`timer(mode)`");
+                    return None;
+                };
+                let entity = self.allow(scope.entity, span, scope, Reads::State, "`timer`")?;
+                let group = scope.mode.map(|m| entity.modes[m].group);
+                let mode = self.mode_named(&scope.names?.modes, path, group)?;
+                return make(TermKind::Timer(mode), Type::Real);
+            }
+            "near" => return self.near(arguments, span, scope, wrong),
+            "inside" => {
+                let [subject, Expr { kind: ExprKind::Path(path), .. }] = arguments else {
+                    wrong(self, "`inside(instance, space)`");
+                    return None;
+                };
+                let world = self.allow(scope.world, span, scope, Reads::All, "`inside`")?;
+                let name = path.segments.first()?;
+                let Some(space) = world.spaces.iter().position(|(n, _)| *n == name.text) else {
+                    let known = world.spaces.iter().map(|(n, _)| n.as_str());
+                    let fact = unknown("space", &name.text, name.span, known);
+                    self.report_unknown(fact);
+                    return None;
+                };
+                return self.relation(subject, span, scope, |_, slot, _| {
+                    Some(TermKind::InSpace(Subject::Slot(slot), SpaceId::from_index(space)))
+                });
+            }
+            other => {
+                let known = [
+                    "min", "max", "abs", "sign", "clamp", "floor", "ceil", "round", "sqrt", "if", "pressed", "held",
+                    "released", "touching", "timer", "near", "inside",
+                ];
+                let fact = unknown("function", other, function.span, known);
+                self.report_unknown(fact);
+                return None;
+            }
+        };
+        let count = match numeric {
+            Function::Min | Function::Max => 2,
+            Function::Clamp => 3,
+            _ => 1,
+        };
+        if arguments.len() != count {
+            wrong(self, usage);
+            return None;
+        }
+        let args: Vec<Option<Term>> = arguments.iter().map(|a| self.number(a, scope)).collect();
+        let args: Vec<Term> = args.into_iter().collect::<Option<_>>()?;
+        let ty = match numeric {
+            Function::Floor | Function::Ceil | Function::Round | Function::Sign => Type::Int,
+            Function::Sqrt => Type::Real,
+            _ if args.iter().all(|a| a.ty == Type::Int) => Type::Int,
+            _ => Type::Real,
+        };
+        make(TermKind::Call(numeric, args), ty)
+    }
+
+    pub(super) fn button(
+        &mut self,
+        function: &Name,
+        arguments: &[Expr],
+        span: Span,
+        scope: &Scope<'_>,
+    ) -> Option<Term> {
+        let [Expr { kind: ExprKind::Path(path), .. }] = arguments else {
+            let usage = "a button of this entity, such as `pressed(jump)`";
+            self.diagnostics.report(WrongArguments { function: function.text.clone(), at: span, usage });
+            return None;
+        };
+        let names = self.allow(scope.names, span, scope, Reads::All, "a button")?;
+        let name = path.segments.first()?;
+        let press = match function.text.as_str() {
+            "pressed" => Press::Pressed,
+            "held" => Press::Held,
+            _ => Press::Released,
+        };
+        if let Some(&button) = names.buttons.get(&name.text).filter(|_| path.segments.len() == 1) {
+            return Some(Term { kind: TermKind::Button(press, button), ty: Type::Bool, span });
+        }
+        let fact = unknown("button", &name.text, name.span, names.buttons.names());
+        self.report_unknown(fact);
+        None
+    }
+
+    pub(super) fn touching(
+        &mut self,
+        arguments: &[Expr],
+        span: Span,
+        scope: &Scope<'_>,
+        wrong: impl Fn(&mut Self, &'static str),
+    ) -> Option<Term> {
+        const USAGE: &str =
+            "`touching(tag)`, `touching(tag, side)`, `touching(own tag, tag)` or `touching(own tag, tag, side)`";
+        self.allow(scope.entity, span, scope, Reads::All, "`touching`")?;
+        let mut words = Vec::new();
+        for argument in arguments {
+            match &argument.kind {
+                ExprKind::Path(Path { segments, primes: 0, .. }) if segments.len() == 1 => {
+                    words.extend(segments.first().map(|s| s.text.clone()));
+                }
+                ExprKind::Text(text) => words.push(text.clone()),
+                _ => {
+                    wrong(self, USAGE);
+                    return None;
+                }
+            }
+        }
+        let side = |word: &str| {
+            Some(match word {
+                "left" => Side::Left,
+                "right" => Side::Right,
+                "above" => Side::Above,
+                "below" => Side::Below,
+                _ => return None,
+            })
+        };
+        let words: Vec<&str> = words.iter().map(String::as_str).collect();
+        let (mine, other, on) = match words.as_slice() {
+            [other] => (None, *other, None),
+            [other, on] if side(on).is_some() => (None, *other, side(on)),
+            [mine, other] => (Some(*mine), *other, None),
+            [mine, other, on] if side(on).is_some() => (Some(*mine), *other, side(on)),
+            [_, _, on] => {
+                let at = arguments.last().map_or(span, |a| a.span);
+                self.diagnostics.report(unknown("side", on, at, ["left", "right", "above", "below"]));
+                return None;
+            }
+            _ => {
+                wrong(self, USAGE);
+                return None;
+            }
+        };
+        let mine = mine.map(|tag| self.tag(tag));
+        let other = self.tag(other);
+        Some(Term { kind: TermKind::Touching { of: Subject::Me, mine, other, side: on }, ty: Type::Bool, span })
+    }
+}

@@ -1,0 +1,171 @@
+//! What predicates of a world say of its instances: `hero.x`, `hero in dead`, `near(hero, …)`, `any Goomba`.
+
+use crate::diagnostic::catalogue::syntax::NotSupported;
+use crate::diagnostic::catalogue::types::TypeMismatch;
+use crate::source::Span;
+use crate::syntax::ast::{Expr, ExprKind, Name, Path};
+
+use super::Checker;
+use super::checked::{Subject, Term, TermKind, Type};
+use super::expression::{Reads, Scope};
+use super::ids::{EntityId, SlotId};
+use super::names::unknown;
+
+impl Checker<'_> {
+    /// `hero.x'`, `hero.keys`, `main.width`.
+    pub(super) fn member(
+        &mut self,
+        path: &Path,
+        first: &Name,
+        second: &Name,
+        span: Span,
+        scope: &Scope<'_>,
+    ) -> Option<Term> {
+        let Some(world) = scope.world else {
+            self.diagnostics.report(NotSupported { at: span, what: "reading another instance's variable".into() });
+            return None;
+        };
+        if let Some(slot) = world.instances.iter().position(|(n, _)| *n == first.text) {
+            let entity = &self.checked.entities[world.instances[slot].1];
+            let of = Subject::Slot(SlotId(slot as u32));
+            if let Some(var) = entity.vars.find(|v| v.name.text == second.text) {
+                let degree = self.degree(path)?;
+                return Some(Term { kind: TermKind::Var(of, var, degree), ty: Type::Real, span });
+            }
+            if let Some(id) = entity.discretes.find(|v| v.name.text == second.text) {
+                let ty = entity.discretes[id].ty.clone();
+                return Some(Term { kind: TermKind::Discrete(of, id), ty, span });
+            }
+            let known = entity.vars.iter().map(|v| &v.name).chain(entity.discretes.iter().map(|d| &d.name));
+            let fact = unknown("variable", &second.text, second.span, known.map(|n| n.text.as_str()));
+            self.report_unknown(fact);
+            return None;
+        }
+        if let Some((_, size)) = world.spaces.iter().find(|(n, _)| *n == first.text) {
+            let size = (*size)?;
+            let value = match second.text.as_str() {
+                "width" => size.0,
+                "height" => size.1,
+                other => {
+                    let fact = unknown("measure of a space", other, second.span, ["width", "height"]);
+                    self.report_unknown(fact);
+                    return None;
+                }
+            };
+            return Some(Term { kind: TermKind::Number(value), ty: Type::Real, span });
+        }
+        let known = world.instances.iter().map(|(n, _)| n.as_str()).chain(world.spaces.iter().map(|(n, _)| n.as_str()));
+        let fact = unknown("instance or space", &first.text, first.span, known);
+        self.report_unknown(fact);
+        None
+    }
+
+    pub(super) fn near(
+        &mut self,
+        arguments: &[Expr],
+        span: Span,
+        scope: &Scope<'_>,
+        wrong: impl Fn(&mut Self, &'static str),
+    ) -> Option<Term> {
+        let [subject, place, radius] = arguments else {
+            wrong(self, "`near(instance, (x, y), radius)` or `near(instance, instance, radius)`");
+            return None;
+        };
+        self.allow(scope.world, span, scope, Reads::All, "`near`")?;
+        let (x, y) = if let ExprKind::Point(x, y) = &place.kind {
+            let (x, y) = (self.number(x, scope), self.number(y, scope));
+            (x?, y?)
+        } else {
+            let (slot, _) = self.instance(place, scope)?;
+            let read =
+                |var| Term { kind: TermKind::Var(Subject::Slot(slot), var, 0), ty: Type::Real, span: place.span };
+            (read(super::entity::X), read(super::entity::Y))
+        };
+        let radius = self.number(radius, scope)?;
+        self.relation(subject, span, scope, |_, slot, _| {
+            Some(TermKind::Near {
+                of: Subject::Slot(slot),
+                x: Box::new(x.clone()),
+                y: Box::new(y.clone()),
+                radius: Box::new(radius.clone()),
+            })
+        })
+    }
+
+    /// A named instance of the world.
+    pub(super) fn instance(&mut self, e: &Expr, scope: &Scope<'_>) -> Option<(SlotId, EntityId)> {
+        let world = self.allow(scope.world, e.span, scope, Reads::All, "an instance")?;
+        let name = match &e.kind {
+            ExprKind::Path(path) if path.segments.len() == 1 && path.primes == 0 => path.segments.first()?,
+            _ => {
+                self.diagnostics.report(TypeMismatch {
+                    at: e.span,
+                    found: "an expression".into(),
+                    expected: "the name of an instance".into(),
+                    help: None,
+                });
+                return None;
+            }
+        };
+        if let Some(slot) = world.instances.iter().position(|(n, _)| *n == name.text) {
+            return Some((SlotId(slot as u32), world.instances[slot].1));
+        }
+        let fact = unknown("instance", &name.text, name.span, world.instances.iter().map(|(n, _)| n.as_str()));
+        self.report_unknown(fact);
+        None
+    }
+
+    /// What `make` says of the instance, or of any instance of an entity, that stands left of `in` or `touching`.
+    pub(super) fn relation(
+        &mut self,
+        subject: &Expr,
+        span: Span,
+        scope: &Scope<'_>,
+        make: impl Fn(&mut Self, SlotId, EntityId) -> Option<TermKind>,
+    ) -> Option<Term> {
+        if let ExprKind::Any(entity) = &subject.kind {
+            return self.any(entity, span, scope, make);
+        }
+        if scope.world.is_none() {
+            self.diagnostics.report(NotSupported { at: span, what: "asking another instance".into() });
+            return None;
+        }
+        let (slot, entity) = self.instance(subject, scope)?;
+        Some(Term { kind: make(self, slot, entity)?, ty: Type::Bool, span })
+    }
+
+    /// Whether `make` holds for some instance of an entity.
+    pub(super) fn any(
+        &mut self,
+        name: &Name,
+        span: Span,
+        scope: &Scope<'_>,
+        make: impl Fn(&mut Self, SlotId, EntityId) -> Option<TermKind>,
+    ) -> Option<Term> {
+        let world = self.allow(scope.world, span, scope, Reads::All, "`any`")?;
+        let Some(&entity) = self.entities.get(&name.text) else {
+            let fact = unknown("entity", &name.text, name.span, self.entities.names());
+            self.report_unknown(fact);
+            return None;
+        };
+        let mut some = Vec::new();
+        for (slot, (_, of)) in world.instances.iter().enumerate() {
+            if *of == entity {
+                some.push(Term { kind: make(self, SlotId(slot as u32), entity)?, ty: Type::Bool, span });
+            }
+        }
+        // A balanced tree: thousands of instances must not become thousands of levels.
+        while some.len() > 1 {
+            let mut halves = Vec::with_capacity(some.len().div_ceil(2));
+            let mut rest = some.into_iter();
+            while let Some(a) = rest.next() {
+                halves.push(match rest.next() {
+                    Some(b) => Term { kind: TermKind::Or(Box::new(a), Box::new(b)), ty: Type::Bool, span },
+                    None => a,
+                });
+            }
+            some = halves;
+        }
+        Some(some.pop().unwrap_or(Term { kind: TermKind::Bool(false), ty: Type::Bool, span }))
+    }
+}

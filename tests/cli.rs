@@ -1,0 +1,209 @@
+//! The command line as a user meets it: what it prints, where, and the exit codes.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod support;
+
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+use support::files;
+
+fn hypedc(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_hypedc")).args(arguments).output().unwrap()
+}
+
+/// Exit code, standard output and standard error as one text.
+fn shown(arguments: &[&str]) -> String {
+    let output = hypedc(arguments);
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    format!(
+        "$ hypedc {}\n--- exit {}\n{}--- standard error\n{}",
+        arguments.join(" "),
+        output.status.code().unwrap(),
+        text(&output.stdout),
+        text(&output.stderr)
+    )
+}
+
+fn code(arguments: &[&str]) -> i32 {
+    hypedc(arguments).status.code().unwrap()
+}
+
+/// A place for files of this test run.
+fn temporary(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name)
+}
+
+fn written(name: &str, text: &str) -> String {
+    let path = temporary(name);
+    std::fs::write(&path, text).unwrap();
+    path.to_string_lossy().into_owned()
+}
+
+const TEST1: &str = "examples/paper/test1.hyped";
+const TEST2: &str = "examples/paper/test2.hyped";
+
+#[test]
+fn examples_check_clean() {
+    let examples = files("examples", "hyped");
+    let paths: Vec<&str> = examples.iter().map(|p| p.to_str().unwrap()).collect();
+    let output = hypedc(&[&["check", "--format", "short"], paths.as_slice()].concat());
+    assert_eq!((output.status.code(), output.stdout.as_slice(), output.stderr.as_slice()), (Some(0), &[][..], &[][..]));
+}
+
+#[test]
+fn check_finds_all_mistakes_in_one_run() {
+    insta::assert_snapshot!(shown(&["check", "--format", "short", "tests/ui/syntax_errors.hyped"]));
+    let unreadable = shown(&["check", "no/such/file.hyped"]);
+    assert!(unreadable.contains("exit 2") && unreadable.contains("cannot read `no/such/file.hyped`"), "{unreadable}");
+    assert_eq!(code(&["check", TEST1, "no/such/file.hyped", "tests/ui/step.hyped"]), 2);
+    assert_eq!(code(&["check", TEST1, "tests/ui/step.hyped"]), 1);
+    assert_eq!(code(&["check"]), 2);
+    assert_eq!(code(&["check", "examples"]), 2);
+}
+
+#[test]
+fn deep_and_long_programs_get_an_answer() {
+    let times = |text: &str, count: usize| text.repeat(count);
+    let deep = 20_000;
+    let programs = [
+        ("parens", format!("const a = {}1{}\n", times("(", deep), times(")", deep)), "E0004"),
+        ("open_parens", format!("const a = {}", times("(", deep)), "E0004"),
+        ("modes", format!("entity A {{ {}{} }}\n", times("mode a {", deep), times("}", deep)), "E0004"),
+        ("open_modes", format!("entity A {{ {}", times("mode a {\n", deep)), "E0004"),
+        ("nots", format!("entity A {{ mode a {{ when {} true -> a }} }}\n", times("not ", deep)), "E0005"),
+        ("terms", format!("const a = 1{}\n", times(" + 1", 1_000_000)), "E0005"),
+        ("negations", format!("const a = {}1\n", times("-", deep)), "E0005"),
+        ("name", format!("const {} = 1\n", times("a", 1_000_000)), "E0003"),
+    ];
+    for (name, text, expected) in programs {
+        let path = written(&format!("deep_{name}.hyped"), &text);
+        for format in ["human", "short"] {
+            let output = hypedc(&["check", "--format", format, &path]);
+            let found = String::from_utf8_lossy(&output.stdout).into_owned();
+            assert_eq!(output.status.code(), Some(1), "{name}");
+            assert!(found.contains(expected) && found.len() < 2_000, "{name}: {} bytes", found.len());
+        }
+    }
+}
+
+#[test]
+fn odd_files_get_an_answer() {
+    assert_eq!(code(&["check", &written("empty.hyped", "")]), 0);
+    assert_eq!(code(&["check", &written("crlf.hyped", "\u{feff}entity A {\r\n    x' = 3\r\n}\r\n")]), 0);
+    let bytes = temporary("bytes.hyped");
+    std::fs::write(&bytes, [b'a', 0xff, 0xfe]).unwrap();
+    let output = hypedc(&["check", bytes.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("error[E0002]"));
+}
+
+#[test]
+fn the_ir_is_text_and_json() {
+    insta::assert_snapshot!(shown(&["ir", TEST2]));
+    let output = hypedc(&["ir", TEST2, "--format", "json"]);
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["worlds"][0]["slots"][0]["name"], "hero");
+    assert_eq!(json["exprs"].as_array().unwrap().len(), json["spans"]["exprs"].as_array().unwrap().len());
+    assert_eq!(code(&["ir", "tests/ui/step.hyped"]), 2);
+}
+
+#[test]
+fn sim_runs_scripts_and_writes_traces() {
+    insta::assert_snapshot!(shown(&["sim", TEST1, "--inputs", "right*40 left+right*3 -*10"]));
+    let trace = temporary("trace.jsonl");
+    let trace = trace.to_str().unwrap();
+    assert_eq!(code(&["sim", TEST2, "--inputs", "right*3 right+jump -", "--frames", "9", "--trace", trace]), 0);
+    let lines: Vec<Value> =
+        std::fs::read_to_string(trace).unwrap().lines().map(|l| serde_json::from_str(l).unwrap()).collect();
+    assert_eq!(lines.len(), 11, "a header and the states 0 to 9");
+    assert_eq!(lines[0]["world"], "Test2");
+    assert_eq!(lines[1]["step"], 0);
+    assert_eq!(lines[4]["inputs"], serde_json::json!(["right"]));
+    assert_eq!(lines[5]["inputs"], serde_json::json!(["right", "jump"]));
+    let hero = &lines[10]["instances"]["hero"];
+    assert_eq!((&hero["entity"], &hero["space"]), (&"Mario".into(), &"main".into()));
+    assert_eq!(hero["x"].as_array().unwrap().len(), 3);
+    assert_eq!(hero["modes"].as_array().unwrap().len(), 1);
+}
+
+#[test]
+fn sim_says_what_is_wrong_with_inputs() {
+    let mut all = String::new();
+    for script in ["rihgt*3", "right*x", "right*99999999999", "2:right", "right=0.5", "+", "right*3 jump"] {
+        all.push_str(&shown(&["sim", TEST1, "--inputs", script]));
+    }
+    all.push_str(&shown(&["sim", TEST2, "--inputs", "horizontal horizontal=2 left=1 jump=1"]));
+    all.push_str(&shown(&["sim", TEST1]));
+    insta::assert_snapshot!(all);
+    assert_eq!(code(&["sim", TEST1, "--inputs-file", "no/such/file"]), 2);
+    assert_eq!(code(&["sim", TEST1, "--frames", "3", "--trace", "no/such/folder/trace"]), 2);
+}
+
+#[test]
+fn a_fault_stops_the_step_and_is_shown() {
+    let fault = written(
+        "fault.hyped",
+        "entity Counter {
+    discrete count: int 0..3 = 0
+    mode a { when timer >= 1frames { count := count + 1 } }
+}
+entity Divider {
+    param speed = 60
+    param end = 10
+    x' = speed * end / (end - y)
+    y' = speed
+}
+world Counting { space main { place counter: Counter at (0, 0) } }
+world Dividing { space main { place divider: Divider at (0, 0) } }
+",
+    );
+    for (world, step, what) in [("Counting", 5, "left its range"), ("Dividing", 11, "division by zero")] {
+        let output = hypedc(&["sim", &fault, "--world", world, "--frames", "100"]);
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{error}");
+        assert!(error.contains(&format!("step {step} stopped")) && error.contains(what), "{error}");
+    }
+}
+
+#[test]
+fn reach_answers_with_exit_codes() {
+    assert_eq!(code(&["reach", TEST1]), 0);
+    assert_eq!(code(&["reach", TEST2, "--goal", "drawn", "--seed", "7"]), 0);
+    assert_eq!(code(&["reach", TEST1, "--nodes", "2"]), 1);
+    assert_eq!(code(&["reach", TEST1, "--seconds", "0", "--nodes", "1000000000", "--seed", "3"]), 1);
+    let mut all = String::new();
+    all.push_str(&shown(&["reach", TEST1, "--goal", "arive"]));
+    all.push_str(&shown(&["reach", TEST1, "--world", "Test2"]));
+    all.push_str(&shown(&["reach", "examples/paper/robot.hyped"]));
+    all.push_str(&shown(&["reach", "tests/conformance/flappy_long.hyped"]));
+    insta::assert_snapshot!(all);
+    assert_eq!(code(&["reach", "no/such/file.hyped"]), 2);
+    assert_eq!(code(&["reach", TEST1, "--seconds", "soon"]), 2);
+    assert_eq!(code(&["reach", "tests/ui/step.hyped"]), 2);
+}
+
+#[test]
+fn reach_saves_inputs_that_replay_and_repeat() {
+    let mut saved = Vec::new();
+    for name in ["first.inputs", "second.inputs"] {
+        let path = temporary(name);
+        let arguments = ["reach", TEST2, "--seed", "11", "--format", "json", "--save-inputs", path.to_str().unwrap()];
+        let json: Value = serde_json::from_slice(&hypedc(&arguments).stdout).unwrap();
+        for goal in json["goals"].as_array().unwrap() {
+            assert_eq!(goal["verdict"], "reached");
+            let file = temporary(&name.replace(".inputs", &format!(".{}.inputs", goal["goal"].as_str().unwrap())));
+            let script = std::fs::read_to_string(&file).unwrap();
+            assert_eq!(script.trim_end(), goal["inputs"].as_str().unwrap());
+            let output = hypedc(&["sim", TEST2, "--inputs-file", file.to_str().unwrap()]);
+            let text = String::from_utf8_lossy(&output.stdout).into_owned();
+            let reached = format!("goal {}: reached at step {}\n", goal["goal"].as_str().unwrap(), goal["steps"]);
+            assert!(text.contains(&reached), "{text}");
+            saved.push(script);
+        }
+    }
+    assert_eq!(saved.len(), 4);
+    assert_eq!(saved[..2], saved[2..]);
+}

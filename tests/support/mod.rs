@@ -1,0 +1,67 @@
+//! What the tests share: files from the disk, and compiling programs that must be right.
+
+#![allow(dead_code, reason = "not every test binary uses all of it")]
+
+use std::path::{Path, PathBuf};
+
+use hypedc::compile::{Compilation, compile};
+use hypedc::diagnostic::render;
+use hypedc::ir::Program;
+use hypedc::source::{Files, ReadError, decode};
+
+/// Reads from the disk.
+pub struct Disk;
+
+impl Files for Disk {
+    fn read(&self, path: &Path) -> Result<String, ReadError> {
+        // Without the system's own words, which differ between systems.
+        decode(std::fs::read(path).map_err(|_| ReadError::Unreadable("no such file".into()))?)
+    }
+
+    fn identity(&self, path: &Path) -> PathBuf {
+        path.canonicalize().unwrap_or_else(|_| path.to_path_buf())
+    }
+}
+
+/// One text under the name `test.hyped`, and nothing else.
+pub struct Text<'a>(pub &'a str);
+
+impl Files for Text<'_> {
+    fn read(&self, path: &Path) -> Result<String, ReadError> {
+        if path == Path::new("test.hyped") {
+            Ok(self.0.to_string())
+        } else {
+            Err(ReadError::Unreadable("no such file".into()))
+        }
+    }
+}
+
+/// Compiles a text.
+pub fn compile_text(text: &str) -> Compilation {
+    compile(Path::new("test.hyped"), &Text(text))
+}
+
+/// The program of a compilation, or what is wrong with it.
+pub fn program(compilation: Compilation) -> Program {
+    let Compilation { sources, program, diagnostics } = compilation;
+    program.unwrap_or_else(|| panic!("{}", render::human(&sources, diagnostics.iter(), false)))
+}
+
+/// All files of a folder and the folders in it with an extension, sorted.
+pub fn files(folder: &str, extension: &str) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut folders = vec![PathBuf::from(folder)];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(&folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| e == extension) {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    assert!(!found.is_empty(), "{folder} holds .{extension} files");
+    found
+}

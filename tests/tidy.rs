@@ -1,0 +1,111 @@
+//! The structure that the documentation promises: what each file opens with, how long it is, and that the arrows
+//! between modules run one way.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod support;
+
+use std::path::Path;
+
+use support::files;
+
+/// Each module of the library with those that it may use, in the order of the pipeline.
+const ARROWS: &[(&str, &[&str])] = &[
+    ("source", &[]),
+    ("watch", &[]),
+    ("diagnostic", &["source"]),
+    ("syntax", &["source", "diagnostic"]),
+    ("level", &["source", "diagnostic"]),
+    ("sema", &["source", "diagnostic", "syntax", "level"]),
+    ("ir", &["source", "level", "sema"]),
+    ("compile", &["source", "diagnostic", "syntax", "sema", "ir"]),
+    ("sim", &["source", "diagnostic", "ir"]),
+    ("reach", &["watch", "ir", "sim"]),
+    ("cli", &["source", "watch", "diagnostic", "ir", "compile", "sim", "reach"]),
+];
+
+/// The longest a source file may be before it is time to look for the seam.
+const MAX_LINES: usize = 620;
+
+#[test]
+fn files_say_what_they_are_and_stay_short() {
+    for path in files("src", "rs") {
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(text.starts_with("//! "), "{} does not say what it is", path.display());
+        let lines = text.lines().count();
+        assert!(lines <= MAX_LINES, "{} has {lines} lines", path.display());
+    }
+}
+
+#[test]
+fn arrows_between_modules_run_one_way() {
+    let mut seen = Vec::new();
+    for path in files("src", "rs") {
+        let inside = path.strip_prefix("src").unwrap();
+        let module = inside.components().next().unwrap().as_os_str().to_str().unwrap().trim_end_matches(".rs");
+        if matches!(module, "lib" | "main") {
+            continue;
+        }
+        let (_, allowed) = ARROWS.iter().find(|(m, _)| *m == module).unwrap_or_else(|| panic!("{module} is not drawn"));
+        seen.push(module.to_string());
+        let text = std::fs::read_to_string(&path).unwrap();
+        for (_, after) in text.match_indices("crate::").map(|(at, word)| (at, &text[at + word.len()..])) {
+            let used: String = after.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+            let fine = used == module || allowed.contains(&used.as_str());
+            assert!(fine, "{} uses {used}, which the pipeline does not allow", path.display());
+        }
+    }
+    for (module, _) in ARROWS {
+        assert!(seen.iter().any(|s| s == module), "{module} is drawn, but is not there");
+    }
+}
+
+#[test]
+fn the_map_names_every_module() {
+    let map = std::fs::read_to_string("src/lib.rs").unwrap();
+    for (module, _) in ARROWS {
+        assert!(map.contains(&format!("//! | [`{module}`] |")), "src/lib.rs does not say what {module} holds");
+    }
+    assert!(Path::new("grammar/hyped.pest").exists());
+}
+
+#[test]
+fn the_readme_is_true() {
+    let readme = std::fs::read_to_string("README.md").unwrap();
+    let blocks: Vec<&str> = readme.split("```").collect();
+    let program = blocks.iter().find_map(|b| b.strip_prefix("hyped\n")).unwrap();
+    assert_eq!(program, std::fs::read_to_string("examples/balloon.hyped").unwrap(), "the first program");
+    let mut sessions = 0;
+    for block in blocks.iter().filter_map(|b| b.strip_prefix("text\n$ hypedc ")) {
+        let (command, expected) = block.split_once('\n').unwrap();
+        let arguments = arguments(command);
+        let output = std::process::Command::new(env!("CARGO_BIN_EXE_hypedc")).args(&arguments).output().unwrap();
+        let found = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(without_seconds(&found), without_seconds(expected), "{command}");
+        sessions += 1;
+    }
+    assert!(sessions >= 2);
+}
+
+/// The words of a command line, single quotes taken off.
+fn arguments(command: &str) -> Vec<String> {
+    let mut words = Vec::new();
+    for (index, part) in command.split('\'').enumerate() {
+        if index % 2 == 1 {
+            words.push(part.to_string());
+        } else {
+            words.extend(part.split_whitespace().map(str::to_string));
+        }
+    }
+    words
+}
+
+/// How long a search took is no two times the same.
+fn without_seconds(text: &str) -> String {
+    text.lines()
+        .map(|line| match (line.find("trees, "), line.find(" s; ")) {
+            (Some(from), Some(to)) if from < to => format!("{}{}\n", &line[..from], &line[to..]),
+            _ => format!("{line}\n"),
+        })
+        .collect()
+}

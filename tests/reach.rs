@@ -130,7 +130,7 @@ proptest! {
         jump in 100u32..400,
     ) {
         // 0 a gap, 1 floor, 2 floor with a wall of one tile, 3 a platform above a gap
-        let mut rows = vec![String::from("......"), "......".into(), "......".into(), "......".into(), "######".into()];
+        let mut rows = [String::from("......"), "......".into(), "......".into(), "......".into(), "######".into()];
         for kind in columns {
             for (row, symbols) in rows.iter_mut().zip(["....", "....", "...#", "..#.", ".##."]) {
                 row.push(symbols.chars().nth(kind).unwrap());
@@ -138,8 +138,8 @@ proptest! {
         }
         rows[3].push('G');
         rows[4].push('#');
-        for row in 0..3 {
-            rows[row].push('.');
+        for row in rows.iter_mut().take(3) {
+            row.push('.');
         }
         let map = rows.join("\n");
         let text = format!(

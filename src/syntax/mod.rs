@@ -1,6 +1,6 @@
 //! From text to the syntax tree. The grammar is `grammar/hyped.pest`; it parses everything, errors included.
 //!
-//! [`parse`] never fails: a linear [`scan`] first keeps the limits that protect the parser's stack, collects the
+//! [`parse`] never fails: a linear scan first keeps the limits that protect the parser's stack, collects the
 //! comments and mends unbalanced braces; then pest parses, and what fit no rule is reported and left out.
 
 pub mod ast;

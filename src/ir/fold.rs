@@ -4,9 +4,7 @@ use crate::sema::checked::{self, Term, TermKind, Type};
 use crate::sema::{ConstantContext, evaluate};
 use crate::source::Span;
 
-use super::{
-    Entity, EntityId, Expr, ExprId, IdVec, ModeId, Program, SlotId, Subject, TagSet, Timer, TimerId, Touch, TouchId,
-};
+use super::{EntityId, Expr, ExprId, IdVec, ModeId, Program, SlotId, Subject, TagSet, Timer, TimerId, Touch, TouchId};
 
 /// Where a term is lowered: whose numbers its questions get.
 pub(super) struct Context<'a> {
@@ -76,7 +74,7 @@ impl Program {
             TermKind::Touching { of, mine, other, side } => {
                 let mine = mine.map_or(TagSet::ALL, TagSet::of);
                 let touch = Touch { mine, other: *other, side: *side };
-                Expr::Touching(*of, touch_of(&mut self.entities[context.entity(*of)], touch))
+                Expr::Touching(*of, self.touch(context.entity(*of), touch, term.span))
             }
             TermKind::InMode(of, mode) => Expr::InMode(*of, *mode),
             TermKind::InSpace(of, space) => Expr::InSpace(*of, *space),
@@ -86,6 +84,15 @@ impl Program {
             }
         };
         self.push(expr, term.span)
+    }
+
+    /// The number of a contact question of an entity.
+    fn touch(&mut self, entity: EntityId, touch: Touch, span: Span) -> TouchId {
+        let touches = &mut self.entities[entity].touches;
+        touches.find(|t| *t == touch).unwrap_or_else(|| {
+            self.spans.entities[entity].touches.push(span);
+            touches.push(touch)
+        })
     }
 
     fn timer(&mut self, entity: EntityId, mode: ModeId) -> TimerId {
@@ -130,11 +137,6 @@ pub(super) fn known_per_instance(exprs: &IdVec<ExprId, Expr>, id: ExprId) -> boo
         Expr::Call(_, args) => args.into_iter().all(known),
         _ => false,
     }
-}
-
-/// The number of a contact question of an entity.
-fn touch_of(entity: &mut Entity, touch: Touch) -> TouchId {
-    entity.touches.find(|t| *t == touch).unwrap_or_else(|| entity.touches.push(touch))
 }
 
 /// The rate of a ramp, per second: given, or what covers `distance` in a time; none at once.

@@ -12,7 +12,8 @@ use super::{
 
 /// Lowers a program that checked without errors.
 pub fn lower(checked: &Checked) -> Program {
-    let mut program = Program { tags: checked.tags.clone(), ..Program::default() };
+    let mut program = Program { tags: checked.tags.iter().map(|t| t.text.clone()).collect(), ..Program::default() };
+    program.spans.tags = checked.tags.iter().map(|t| t.span).collect();
     // Goals add contact questions to entities that are lowered already, so all entities must exist first.
     for entity in checked.entities.iter() {
         program.entities.push(shell(entity));
@@ -71,7 +72,11 @@ fn spans(e: &checked::Entity) -> EntitySpans {
         params: e.params.iter().map(|p| p.name.span).collect(),
         vars: e.vars.iter().map(|v| v.name.span).collect(),
         discretes: e.discretes.iter().map(|d| d.name.span).collect(),
+        buttons: e.buttons.iter().map(|b| b.span).collect(),
+        axes: e.axes.iter().map(|a| a.span).collect(),
         colliders: e.colliders.iter().map(|c| c.span).collect(),
+        groups: e.groups.iter().map(|g| g.name.as_ref().map_or(e.name.span, |n| n.span)).collect(),
+        touches: IdVec::new(),
         modes: e.modes.iter().map(|m| m.name.span).collect(),
         edges: e.edges.iter().map(|x| x.span).collect(),
         envelopes: e.envelopes.iter().map(|x| x.span).collect(),

@@ -484,6 +484,8 @@ impl World {
 /// Where the entries of the tables come from.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Spans {
+    /// Of each tag: its first use.
+    pub tags: IdVec<TagId, Span>,
     /// Of each expression.
     pub exprs: IdVec<ExprId, Span>,
     /// Of each entity's entries.
@@ -492,7 +494,7 @@ pub struct Spans {
     pub worlds: IdVec<WorldId, WorldSpans>,
 }
 
-/// Where an entity's entries come from.
+/// Where an entity's entries come from; a leaf and a timer come from their modes.
 #[derive(Debug, Clone, Serialize)]
 pub struct EntitySpans {
     /// The entity's name.
@@ -503,8 +505,16 @@ pub struct EntitySpans {
     pub vars: IdVec<VarId, Span>,
     /// Of each discrete variable's name.
     pub discretes: IdVec<DiscreteId, Span>,
+    /// Of each button's name.
+    pub buttons: IdVec<ButtonId, Span>,
+    /// Of each axis' name.
+    pub axes: IdVec<AxisId, Span>,
     /// Of each collider.
     pub colliders: IdVec<ColliderId, Span>,
+    /// Of each group's name (of the anonymous one: the entity's).
+    pub groups: IdVec<GroupId, Span>,
+    /// Of each contact question: where it is first asked.
+    pub touches: IdVec<TouchId, Span>,
     /// Of each mode's name.
     pub modes: IdVec<ModeId, Span>,
     /// Of each edge.
@@ -518,8 +528,12 @@ pub struct EntitySpans {
 pub struct WorldSpans {
     /// The world's name.
     pub name: Span,
+    /// Of each space's name.
+    pub spaces: IdVec<SpaceId, Span>,
     /// Of each slot.
     pub slots: IdVec<SlotId, Span>,
+    /// Of each player's line.
+    pub players: IdVec<PlayerId, Span>,
     /// Of each goal's name.
     pub goals: IdVec<GoalId, Span>,
     /// Of each never's name.

@@ -10,6 +10,10 @@ pub(super) fn verify(program: &Program) {
     }
     let Program { tags, exprs, entities, worlds, spans } = program;
     assert!(tags.len() <= 64, "tags fit a word");
+    assert_eq!(tags.len(), spans.tags.len(), "a span for each tag");
+    for (id, entity) in entities.pairs() {
+        assert_eq!(entity.touches.len(), spans.entities[id].touches.len(), "a span for each contact question");
+    }
     assert_eq!(exprs.len(), spans.exprs.len(), "a span for each expression");
     assert_eq!(entities.len(), spans.entities.len(), "spans for each entity");
     assert_eq!(worlds.len(), spans.worlds.len(), "spans for each world");

@@ -57,7 +57,9 @@ pub(super) fn lower(program: &mut Program, w: &checked::World, predicates: Predi
         .collect();
     program.spans.worlds.push(WorldSpans {
         name: w.name.span,
+        spaces: w.spaces.iter().map(|s| s.name.span).collect(),
         slots: w.instances.iter().map(|i| i.span).collect(),
+        players: w.players.iter().map(|p| p.span).collect(),
         goals: w.goals.iter().map(|g| g.name.span).collect(),
         nevers: w.nevers.iter().map(|n| n.name.span).collect(),
     });

@@ -157,21 +157,23 @@ impl Checker<'_> {
         const USAGE: &str =
             "`touching(tag)`, `touching(tag, side)`, `touching(own tag, tag)` or `touching(own tag, tag, side)`";
         self.allow(scope.entity, span, scope, Reads::All, "`touching`")?;
-        let mut words = Vec::new();
+        let mut words: Vec<Name> = Vec::new();
         for argument in arguments {
-            match &argument.kind {
+            let text = match &argument.kind {
                 ExprKind::Path(Path { segments, primes: 0, .. }) if segments.len() == 1 => {
-                    words.extend(segments.first().map(|s| s.text.clone()));
+                    segments.first().map(|s| s.text.clone())
                 }
-                ExprKind::Text(text) => words.push(text.clone()),
-                _ => {
-                    wrong(self, USAGE);
-                    return None;
-                }
-            }
+                ExprKind::Text(text) => Some(text.clone()),
+                _ => None,
+            };
+            let Some(text) = text else {
+                wrong(self, USAGE);
+                return None;
+            };
+            words.push(Name { text, span: argument.span });
         }
-        let side = |word: &str| {
-            Some(match word {
+        let side = |word: &Name| {
+            Some(match word.text.as_str() {
                 "left" => Side::Left,
                 "right" => Side::Right,
                 "above" => Side::Above,
@@ -179,15 +181,13 @@ impl Checker<'_> {
                 _ => return None,
             })
         };
-        let words: Vec<&str> = words.iter().map(String::as_str).collect();
         let (mine, other, on) = match words.as_slice() {
-            [other] => (None, *other, None),
-            [other, on] if side(on).is_some() => (None, *other, side(on)),
-            [mine, other] => (Some(*mine), *other, None),
-            [mine, other, on] if side(on).is_some() => (Some(*mine), *other, side(on)),
+            [other] => (None, other, None),
+            [other, on] if side(on).is_some() => (None, other, side(on)),
+            [mine, other] => (Some(mine), other, None),
+            [mine, other, on] if side(on).is_some() => (Some(mine), other, side(on)),
             [_, _, on] => {
-                let at = arguments.last().map_or(span, |a| a.span);
-                self.diagnostics.report(unknown("side", on, at, ["left", "right", "above", "below"]));
+                self.diagnostics.report(unknown("side", &on.text, on.span, ["left", "right", "above", "below"]));
                 return None;
             }
             _ => {

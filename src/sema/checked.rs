@@ -16,7 +16,7 @@ use super::ids::{
 #[derive(Debug, Clone, Default)]
 pub struct Checked {
     /// All tags that occur, in order of first use.
-    pub tags: IdVec<TagId, String>,
+    pub tags: IdVec<TagId, Name>,
     /// All entities.
     pub entities: IdVec<EntityId, Entity>,
     /// All worlds, those of the root file first.

@@ -364,7 +364,7 @@ impl<'a> Checker<'a> {
 
     fn collider(&mut self, c: &ast::Collider, scope: &Scope<'_>) -> Option<Collider> {
         let scope = scope.reading(Reads::State);
-        let tags = c.tags.iter().map(|t| self.tag(&t.text)).collect();
+        let tags = c.tags.iter().map(|t| self.tag(t)).collect();
         let guard = c.guard.as_ref().map(|guard| self.guard(guard, &scope));
         if c.shape.text == "circle" {
             self.diagnostics.report(NotSupported { at: c.shape.span, what: "`circle`".into() });

@@ -187,7 +187,7 @@ impl Checker<'_> {
                 Some(TermKind::InMode(Subject::Slot(slot), mode))
             }),
             ExprKind::Touching(subject, tag) => {
-                let other = self.tag(&tag.text);
+                let other = self.tag(tag);
                 self.relation(subject, e.span, scope, |_, slot, _| {
                     Some(TermKind::Touching { of: Subject::Slot(slot), mine: None, other, side: None })
                 })

@@ -124,12 +124,12 @@ impl<'a> Checker<'a> {
     }
 
     /// The id of a tag, made when it is first seen.
-    fn tag(&mut self, name: &str) -> TagId {
-        if let Some(&id) = self.tags.get(name) {
+    fn tag(&mut self, name: &ast::Name) -> TagId {
+        if let Some(&id) = self.tags.get(&name.text) {
             return id;
         }
-        let id = self.checked.tags.push(name.to_string());
-        self.tags.insert(name.to_string(), id);
+        let id = self.checked.tags.push(name.clone());
+        self.tags.insert(name.text.clone(), id);
         id
     }
 }

@@ -146,8 +146,8 @@ impl Checker<'_> {
     }
 
     fn collide(&mut self, line: &ast::Collide) -> Option<CollideRule> {
-        let left = line.left.iter().map(|t| self.tag(&t.text)).collect();
-        let right = line.right.iter().map(|t| self.tag(&t.text)).collect();
+        let left = line.left.iter().map(|t| self.tag(t)).collect();
+        let right = line.right.iter().map(|t| self.tag(t)).collect();
         let r = &line.response;
         for (used, what) in [(r.from_above, "`from above`"), (r.carry, "`carry`")] {
             if used {
@@ -183,7 +183,7 @@ impl Checker<'_> {
             }
             let name = Name { text: tile.symbol.to_string(), span: tile.symbol_span };
             if symbols.declare(&name, (), &mut self.diagnostics) {
-                let tags = tile.tags.iter().filter(|t| t.text != "empty").map(|t| self.tag(&t.text)).collect();
+                let tags = tile.tags.iter().filter(|t| t.text != "empty").map(|t| self.tag(t)).collect();
                 set.tiles.push(InlineTile { symbol: tile.symbol, tags });
             }
         }

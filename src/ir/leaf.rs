@@ -1,10 +1,9 @@
 //! Resolving leaves: for each, the drive of each variable (the innermost wins), the edges in the order in which
 //! they are tried, and the inputs that anything active reads.
 
-use crate::sema::checked;
+use crate::sema::checked::{self, DriveBy};
 
 use super::fold::Context;
-use super::lower::{drive, owners};
 use super::{Drive, EntityId, Expr, ExprId, GroupId, Id, IdVec, Inputs, Leaf, ModeId, Program, Release, Update, VarId};
 
 /// The lowered drives of an entity.
@@ -142,4 +141,26 @@ impl Reads<'_> {
             | Expr::InSpace(..) => Inputs::default(),
         }
     }
+}
+
+/// The flows and envelopes of one place, lowered.
+fn drive(program: &mut Program, drive: &checked::Drive, context: &Context<'_>) -> Drive {
+    match &drive.by {
+        DriveBy::Flow(value) => {
+            let value = program.term(value, context);
+            Drive::Flow { var: drive.var, degree: drive.degree, value }
+        }
+        DriveBy::Envelope(id) => Drive::Envelope(*id),
+    }
+}
+
+/// The group that drives each variable somewhere.
+fn owners(e: &checked::Entity) -> IdVec<VarId, Option<GroupId>> {
+    let mut owners: IdVec<VarId, Option<GroupId>> = e.vars.iter().map(|_| None).collect();
+    for mode in e.modes.iter() {
+        for drive in &mode.drives {
+            owners[drive.var] = Some(mode.group);
+        }
+    }
+    owners
 }

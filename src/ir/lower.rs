@@ -1,13 +1,12 @@
 //! Lowering: a checked program into the tables.
 
-use crate::sema::checked::{self, Checked, DriveBy};
+use crate::sema::checked::{self, Checked};
 use crate::source::Span;
 
 use super::fold::{Context, rate};
 use super::{
-    Arithmetic, Collider, Discrete, Domain, Drive, Edge, Entity, EntityId, EntitySpans, Envelope, Expr, ExprId,
-    Function, Group, GroupId, Id, IdVec, Inputs, LeafId, Mode, ModeId, Param, Program, Release, TagSet, Update, VarId,
-    leaf, verify, world,
+    Arithmetic, Collider, Discrete, Domain, Edge, Entity, EntityId, EntitySpans, Envelope, Expr, ExprId, Function,
+    Group, Id, IdVec, Inputs, LeafId, Mode, ModeId, Param, Program, Release, TagSet, Update, leaf, verify, world,
 };
 
 /// Lowers a program that checked without errors.
@@ -192,26 +191,4 @@ fn modes(program: &mut Program, id: EntityId, e: &checked::Entity, context: &Con
 /// The mode marked `initial`, else the first.
 fn first_of(e: &checked::Entity, modes: &[ModeId]) -> Option<ModeId> {
     modes.iter().copied().find(|&m| e.modes[m].marked_initial).or(modes.first().copied())
-}
-
-/// The flows and envelopes of one place, lowered.
-pub(super) fn drive(program: &mut Program, drive: &checked::Drive, context: &Context<'_>) -> Drive {
-    match &drive.by {
-        DriveBy::Flow(value) => {
-            let value = program.term(value, context);
-            Drive::Flow { var: drive.var, degree: drive.degree, value }
-        }
-        DriveBy::Envelope(id) => Drive::Envelope(*id),
-    }
-}
-
-/// The group that drives each variable somewhere.
-pub(super) fn owners(e: &checked::Entity) -> IdVec<VarId, Option<GroupId>> {
-    let mut owners: IdVec<VarId, Option<GroupId>> = e.vars.iter().map(|_| None).collect();
-    for mode in e.modes.iter() {
-        for drive in &mode.drives {
-            owners[drive.var] = Some(mode.group);
-        }
-    }
-    owners
 }

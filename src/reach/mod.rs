@@ -11,6 +11,7 @@ mod problem;
 mod region;
 mod rrt;
 mod search;
+mod strategy;
 mod tree;
 
 pub use controls::{ControlSets, MAX_CONTROLS};
@@ -19,5 +20,19 @@ pub use nearest::Linear;
 pub use outcome::{Outcome, Plan, Statistics, Verdict};
 pub use problem::{Problem, Standing};
 pub use rrt::Rrt;
-pub use search::{Choice, Growth, Limits, Settings, Strategy, reach, search};
+pub use search::{Limits, Settings, search};
+pub use strategy::{Choice, Growth, Strategy};
 pub use tree::{NodeId, Tree};
+
+use crate::sim::Fault;
+use crate::watch::Watch;
+
+/// Looks for a way to the problem's goal with the plain RRT.
+///
+/// # Errors
+/// A [`Fault`] if the initial state breaks a rule.
+pub fn reach(problem: &Problem<'_>, settings: &Settings, limits: &Limits, watch: &dyn Watch) -> Result<Outcome, Fault> {
+    let metric = Metric::new(problem.sim);
+    let mut strategy = Rrt::new(&metric);
+    search(problem, &metric, &mut strategy, settings, limits, watch)
+}

@@ -8,7 +8,7 @@ use rand_pcg::Pcg64;
 
 use super::metric::{MODE_PENALTY, Metric, Point};
 use super::nearest::Linear;
-use super::search::{Choice, Growth, Strategy};
+use super::strategy::{Choice, Growth, Strategy};
 use super::tree::{NodeId, Tree};
 
 /// The plain RRT.

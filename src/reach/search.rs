@@ -15,7 +15,7 @@ use super::metric::{Metric, Point};
 use super::outcome::{Outcome, Plan, Statistics, Verdict};
 use super::problem::{Problem, Standing};
 use super::region::GoalRegion;
-use super::rrt::Rrt;
+use super::strategy::{Choice, Growth, Strategy};
 use super::tree::{NodeId, Tree};
 
 /// How a search goes about it.
@@ -42,48 +42,6 @@ impl Default for Settings {
 pub struct Limits {
     /// Nodes over all trees.
     pub nodes: u64,
-}
-
-/// A node and the index of an input of its control set.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Choice {
-    /// The node to grow.
-    pub node: NodeId,
-    /// The input.
-    pub input: usize,
-}
-
-/// What came of a choice.
-#[derive(Debug, Clone, Copy)]
-pub enum Growth<'p> {
-    /// A new tree was begun with this root.
-    Rooted(&'p Point),
-    /// A node was added at this point; its id is the number of nodes before it.
-    Added(&'p Point),
-    /// The extension ended in a dead state.
-    Failed,
-}
-
-/// Everything in which the published planners differ; [`search`] owns the rest.
-pub trait Strategy {
-    /// Which node to grow and how; none to discard this sample. The input is marked as tried.
-    fn choose(&mut self, tree: &mut Tree, toward: &Point, rng: &mut Pcg64) -> Option<Choice>;
-
-    /// Told what came of a choice, or of none at a root.
-    fn learn(&mut self, tree: &Tree, choice: Option<Choice>, growth: Growth<'_>);
-
-    /// Whether nothing is left to try in this tree.
-    fn exhausted(&self, tree: &Tree) -> bool;
-}
-
-/// Looks for a way to the problem's goal with the plain RRT.
-///
-/// # Errors
-/// A [`Fault`] if the initial state breaks a rule.
-pub fn reach(problem: &Problem<'_>, settings: &Settings, limits: &Limits, watch: &dyn Watch) -> Result<Outcome, Fault> {
-    let metric = Metric::new(problem.sim);
-    let mut strategy = Rrt::new(&metric);
-    search(problem, &metric, &mut strategy, settings, limits, watch)
 }
 
 /// How often the watch is asked, in extensions.

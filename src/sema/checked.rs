@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use crate::level::TileMap;
 use crate::source::Span;
+use crate::syntax::ast::Dimension;
 pub use crate::syntax::ast::{CompareOp, Name};
 
 use super::ids::{
@@ -227,7 +228,7 @@ pub struct Param {
     /// Its default.
     pub default: Term,
     /// Its annotated dimension.
-    pub dimension: Option<super::dimension::Annotation>,
+    pub dimension: Option<Annotation>,
 }
 
 /// A continuous variable.
@@ -238,7 +239,7 @@ pub struct Var {
     /// Its first value; none for `x` and `y`, which are placed.
     pub initial: Option<Term>,
     /// Its annotated dimension.
-    pub dimension: Option<super::dimension::Annotation>,
+    pub dimension: Option<Annotation>,
 }
 
 /// A discrete variable.
@@ -499,4 +500,34 @@ pub struct Question {
     pub name: Name,
     /// The predicate.
     pub predicate: Term,
+}
+
+/// A dimension that the author wrote.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Annotation {
+    /// Exponent of px.
+    pub px: i32,
+    /// Exponent of s.
+    pub s: i32,
+    /// Where it stands.
+    pub span: Span,
+}
+
+impl Annotation {
+    /// Reads `px/s^2`.
+    ///
+    /// # Errors
+    /// The first name that is no unit.
+    pub fn read(d: &Dimension) -> Result<Self, Name> {
+        let mut out = Annotation { px: 0, s: 0, span: d.span };
+        for (name, exponent) in &d.factors {
+            match name.text.as_str() {
+                "px" => out.px = out.px.saturating_add(*exponent),
+                "s" => out.s = out.s.saturating_add(*exponent),
+                "1" => {}
+                _ => return Err(name.clone()),
+            }
+        }
+        Ok(out)
+    }
 }

@@ -9,42 +9,11 @@ use std::collections::BTreeMap;
 use crate::diagnostic::catalogue::types::DimensionConflict;
 use crate::diagnostic::{Diagnostics, similar};
 use crate::source::Span;
-use crate::syntax::ast;
 
 use super::checked::{
     Arithmetic, Checked, DriveBy, Entity, Function, Place, Rate, Release, Subject, Term, TermKind, Update,
 };
 use super::ids::{EntityId, ParamId, SlotId, VarId};
-
-/// A dimension that the author wrote.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Annotation {
-    /// Exponent of px.
-    pub px: i32,
-    /// Exponent of s.
-    pub s: i32,
-    /// Where it stands.
-    pub span: Span,
-}
-
-impl Annotation {
-    /// Reads `px/s^2`.
-    ///
-    /// # Errors
-    /// The first name that is no unit.
-    pub fn read(d: &ast::Dimension) -> Result<Self, ast::Name> {
-        let mut out = Annotation { px: 0, s: 0, span: d.span };
-        for (name, exponent) in &d.factors {
-            match name.text.as_str() {
-                "px" => out.px = out.px.saturating_add(*exponent),
-                "s" => out.s = out.s.saturating_add(*exponent),
-                "1" => {}
-                _ => return Err(name.clone()),
-            }
-        }
-        Ok(out)
-    }
-}
 
 /// A fraction in lowest terms with a positive denominator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -9,9 +9,8 @@ use crate::diagnostic::catalogue::types::{NotConstant, OutOfRange, TypeMismatch,
 use crate::source::Span;
 use crate::syntax::ast::{self, Domain, Expr, Member, Name};
 
-use super::checked::{Collider, Discrete, Drive, DriveBy, Entity, Group, Param, Term, TermKind, Type, Var};
+use super::checked::{Annotation, Collider, Discrete, Drive, DriveBy, Entity, Group, Param, Term, TermKind, Type, Var};
 use super::constant::{Broken, ConstantContext, evaluate};
-use super::dimension::Annotation;
 use super::expression::{Reads, Scope};
 use super::ids::{AxisId, ButtonId, DiscreteId, EntityId, GroupId, IdVec, ModeId, ParamId, VarId};
 use super::mode::ModeNames;

@@ -74,6 +74,8 @@ codes! {
     BadInput Error "E0601" "an input script cannot be read"
     NoQuestion Error "E0602" "there is nothing to run or to ask"
     Fault Error "E0603" "a running world broke a rule"
+
+    IdleEdge Warning "W0401" "an edge does nothing"
 }
 
 impl fmt::Display for Code {

@@ -36,7 +36,7 @@ impl Program {
             return self.push(folded, term.span);
         }
         let expr = match &term.kind {
-            TermKind::Number(n) | TermKind::Seconds(n) => Expr::Number(*n),
+            TermKind::Number(n) | TermKind::Quantity(n, ..) => Expr::Number(*n),
             TermKind::Frames(n) => Expr::Frames(*n),
             TermKind::Bool(b) => Expr::Bool(*b),
             TermKind::Param(p) => Expr::Param(*p),

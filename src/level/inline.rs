@@ -25,11 +25,16 @@ pub fn inline_map<T: Clone>(
     tiles: &[InlineTile<T>],
     diagnostics: &mut Diagnostics,
 ) -> Option<TileMap<T>> {
-    let Some(&(first, first_span)) = rows.first() else {
+    let Some(&(_, first_span)) = rows.first() else {
         diagnostics.report(EmptyMap { at: whole });
         return None;
     };
-    let columns = first.chars().count();
+    // The length that most rows have is the one that was meant; the first such row is shown beside the others.
+    let mut lengths: Vec<usize> = rows.iter().map(|(row, _)| row.chars().count()).collect();
+    lengths.sort_unstable();
+    let runs = lengths.chunk_by(|a, b| a == b);
+    let columns = runs.max_by_key(|run| (run.len(), run[0])).map_or(0, |run| run[0]);
+    let model = rows.iter().find(|(row, _)| row.chars().count() == columns).map_or(first_span, |(_, span)| *span);
     if columns == 0 {
         diagnostics.report(EmptyMap { at: whole });
         return None;
@@ -46,7 +51,7 @@ pub fn inline_map<T: Clone>(
         let length = row.chars().count();
         if length != columns {
             fits = false;
-            diagnostics.report(RowLength { at: *span, length, expected: columns, first: first_span });
+            diagnostics.report(RowLength { at: *span, length, expected: columns, model });
         }
         let base = (rows.len() - 1 - index) * columns;
         for (column, (byte, symbol)) in row.char_indices().enumerate() {

@@ -39,10 +39,11 @@ pub struct Coordinate {
 }
 
 impl Coordinate {
-    /// A value on the scale of the range: 0 at its lower end, 1 at its upper end.
+    /// A value on the scale of the range: 0 at its lower end, 1 at its upper end. What lies far outside is kept at a
+    /// distance whose square is still a number.
     pub fn scaled(&self, value: f64) -> f32 {
         let width = self.high - self.low;
-        if width > 0.0 { ((value - self.low) / width) as f32 } else { 0.0 }
+        if width > 0.0 { ((value - self.low) / width).clamp(-1e9, 1e9) as f32 } else { 0.0 }
     }
 }
 

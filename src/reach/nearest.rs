@@ -2,8 +2,8 @@
 //! coordinate after the other, so that the compiler can use vector instructions.
 
 const LANES: usize = 16;
-/// Farther than any point; a removed point is moved here.
-const REMOVED: f32 = 1e18;
+/// Where a removed point is moved: farther than any point, as coordinates are finite.
+const REMOVED: f32 = f32::INFINITY;
 
 /// Points with real coordinates and modes; a mode that differs adds a fixed penalty to the squared distance.
 #[derive(Debug, Clone)]
@@ -90,7 +90,7 @@ impl Linear {
                 best = (least, number * LANES + lane);
             }
         }
-        (best.0 < REMOVED).then_some(best.1)
+        (best.0 < f32::INFINITY).then_some(best.1)
     }
 }
 

@@ -44,6 +44,9 @@ pub struct Limits {
     pub nodes: u64,
 }
 
+/// How many samples in a row a strategy may discard before its tree is given up.
+const MAX_FRUITLESS: u64 = 10_000;
+
 /// How often the watch is asked, in extensions.
 const WATCH_EVERY: u64 = 64;
 
@@ -152,6 +155,7 @@ impl Planner<'_> {
         self.metric.point(self.problem.sim.world(), root, &mut point);
         strategy.learn(&self.tree, None, Growth::Rooted(&point));
         let mut tries = 0u64;
+        let mut fruitless = 0u64;
         while (self.tree.len() as u64) < allowance && !self.is_done() && !strategy.exhausted(&self.tree) {
             tries += 1;
             if tries.is_multiple_of(WATCH_EVERY) {
@@ -164,8 +168,14 @@ impl Planner<'_> {
                 self.region.pull(&mut self.rng, &mut toward);
             }
             let Some(choice) = strategy.choose(&mut self.tree, &toward, &mut self.rng) else {
+                // A strategy that discards every sample has nothing more to say about this tree.
+                fruitless += 1;
+                if fruitless >= MAX_FRUITLESS {
+                    break;
+                }
                 continue;
             };
+            fruitless = 0;
             let (low, high) = self.settings.hold;
             let hold = if low < high { self.rng.random_range(low..=high) } else { low.max(1) };
             match self.extend(choice, hold) {

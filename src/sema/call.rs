@@ -79,7 +79,11 @@ impl Checker<'_> {
                     return None;
                 };
                 let world = self.allow(scope.world, span, scope, Reads::All, "`inside`")?;
-                let name = path.segments.first()?;
+                let name = path.segments.first().filter(|_| path.segments.len() == 1 && path.primes == 0);
+                let Some(name) = name else {
+                    wrong(self, "`inside(instance, space)`");
+                    return None;
+                };
                 let Some(space) = world.spaces.iter().position(|(n, _)| *n == name.text) else {
                     let known = world.spaces.iter().map(|(n, _)| n.as_str());
                     let fact = unknown("space", &name.text, name.span, known);
@@ -127,7 +131,7 @@ impl Checker<'_> {
         span: Span,
         scope: &Scope<'_>,
     ) -> Option<Term> {
-        let [Expr { kind: ExprKind::Path(path), .. }] = arguments else {
+        let [Expr { kind: ExprKind::Path(path @ Path { primes: 0, .. }), .. }] = arguments else {
             let usage = "a button of this entity, such as `pressed(jump)`";
             self.diagnostics.report(WrongArguments { function: function.text.clone(), at: span, usage });
             return None;
@@ -142,7 +146,8 @@ impl Checker<'_> {
         if let Some(&button) = names.buttons.get(&name.text).filter(|_| path.segments.len() == 1) {
             return Some(Term { kind: TermKind::Button(press, button), ty: Type::Bool, span });
         }
-        let fact = unknown("button", &name.text, name.span, names.buttons.names());
+        let written = path.segments.iter().map(|s| s.text.as_str()).collect::<Vec<_>>().join(".");
+        let fact = unknown("button", &written, path.span, names.buttons.names());
         self.report_unknown(fact);
         None
     }

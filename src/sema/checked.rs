@@ -129,8 +129,8 @@ pub enum Side {
 pub enum TermKind {
     /// A number, or the index of a set's value.
     Number(f64),
-    /// A number of seconds.
-    Seconds(f64),
+    /// A number with a dimension of its own: the exponents of px and of s.
+    Quantity(f64, i32, i32),
     /// So many steps of the world, in seconds.
     Frames(f64),
     /// A truth value.
@@ -414,6 +414,8 @@ pub struct World {
     pub name: Name,
     /// The length of a step as a fraction of seconds.
     pub step: (u64, u64),
+    /// What must be lengths: the sides of tiles.
+    pub lengths: Vec<Term>,
     /// `collide` lines in source order.
     pub collide: Vec<CollideRule>,
     /// Its spaces.
@@ -478,8 +480,21 @@ pub struct Instance {
     pub vars: IdVec<VarId, [f64; 3]>,
     /// The values of its discrete variables.
     pub discretes: IdVec<DiscreteId, i32>,
+    /// What its place sets, as written.
+    pub given: Vec<(Given, Term)>,
     /// Where it is placed.
     pub span: Span,
+}
+
+/// What a `place` can set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Given {
+    /// A parameter.
+    Param(ParamId),
+    /// A continuous variable or one of its derivatives.
+    Var(VarId, u8),
+    /// A discrete variable.
+    Discrete(DiscreteId),
 }
 
 /// A player.

@@ -38,7 +38,7 @@ pub fn evaluate(term: &Term, context: ConstantContext<'_>) -> Result<f64, Broken
     let truth = |b: bool| f64::from(u8::from(b));
     let unknown = Broken::NotConstant(term.span);
     let result = match &term.kind {
-        TermKind::Number(n) | TermKind::Seconds(n) => *n,
+        TermKind::Number(n) | TermKind::Quantity(n, ..) => *n,
         TermKind::Frames(n) => n * context.step.ok_or(unknown)?,
         TermKind::Bool(b) => truth(*b),
         TermKind::Param(id) => *context.params.and_then(|p| p.get(*id)).ok_or(unknown)?,

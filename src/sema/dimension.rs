@@ -11,7 +11,7 @@ use crate::diagnostic::{Diagnostics, similar};
 use crate::source::Span;
 
 use super::checked::{
-    Arithmetic, Checked, DriveBy, Entity, Function, Place, Rate, Release, Subject, Term, TermKind, Update,
+    Arithmetic, Checked, DriveBy, Entity, Function, Given, Place, Rate, Release, Subject, Term, TermKind, Update, World,
 };
 use super::ids::{EntityId, ParamId, SlotId, VarId};
 
@@ -95,11 +95,13 @@ const LENGTH: (i64, i64) = (1, 0);
 
 /// Checks all entities and worlds of a program that is otherwise right.
 pub(super) fn check(program: &Checked, diagnostics: &mut Diagnostics) {
-    let mut solver = Solver { program, solved: Vec::new(), named: BTreeMap::new(), conflicts: Vec::new() };
+    let mut solver =
+        Solver { program, solved: Vec::new(), named: BTreeMap::new(), conflicts: Vec::new(), roots: Vec::new() };
     for (id, entity) in program.entities.pairs() {
         solver.entity(id, entity);
     }
     for world in program.worlds.iter() {
+        solver.world(world);
         for question in world.goals.iter().chain(world.nevers.iter()) {
             let entity_of = |slot: SlotId| world.instances[slot].entity;
             solver.dimension(&question.predicate, &Here { me: None, entity_of: &entity_of });
@@ -135,6 +137,8 @@ struct Solver<'p> {
     solved: Vec<Option<(Dim, Span)>>,
     named: BTreeMap<Named, Unknown>,
     conflicts: Vec<Conflict>,
+    /// Of each square root: its dimension and what it is taken of.
+    roots: Vec<(Dim, Term)>,
 }
 
 impl Solver<'_> {
@@ -230,7 +234,8 @@ impl Solver<'_> {
         };
         match &term.kind {
             TermKind::Number(_) | TermKind::Bool(_) => None,
-            TermKind::Seconds(_) | TermKind::Frames(_) | TermKind::Timer(_) => Some(Dim::known(TIME.0, TIME.1)),
+            TermKind::Quantity(_, px, s) => Some(Dim::known(i64::from(*px), i64::from(*s))),
+            TermKind::Frames(_) | TermKind::Timer(_) => Some(Dim::known(TIME.0, TIME.1)),
             TermKind::Param(p) => Some(self.name(Named::Param(here.me?, *p))),
             TermKind::Var(of, var, degree) => {
                 let base = self.name(Named::Var(entity(*of)?, *var));
@@ -264,6 +269,7 @@ impl Solver<'_> {
                         let root = Dim::unknown(self.fresh());
                         let twice = Dim::known(0, 0).plus(&root, Ratio(2, 1));
                         self.need(a, &twice, &square, None, here);
+                        self.roots.push((root.clone(), (*a).clone()));
                         Some(root)
                     }
                     _ => self.agree(&args, here),
@@ -292,11 +298,34 @@ impl Solver<'_> {
         }
     }
 
+    fn world(&mut self, world: &World) {
+        let length = Dim::known(LENGTH.0, LENGTH.1);
+        let nobody = Here { me: None, entity_of: &|_| EntityId(0) };
+        for side in &world.lengths {
+            self.place(side, &length, &nobody);
+        }
+        for instance in world.instances.iter() {
+            let id = instance.entity;
+            let here = Here { me: Some(id), entity_of: &|_| id };
+            for (what, term) in &instance.given {
+                let needed = match *what {
+                    Given::Param(param) => self.name(Named::Param(id, param)),
+                    Given::Var(var, degree) => self.derivative(id, var, degree),
+                    Given::Discrete(_) => Dim::known(0, 0),
+                };
+                self.place(term, &needed, &here);
+            }
+        }
+    }
+
+    /// The dimension of a variable or one of its derivatives.
+    fn derivative(&mut self, id: EntityId, var: VarId, degree: u8) -> Dim {
+        self.name(Named::Var(id, var)).plus(&Dim::known(0, -i64::from(degree)), Ratio::ONE)
+    }
+
     fn entity(&mut self, id: EntityId, entity: &Entity) {
         let here = Here { me: Some(id), entity_of: &|_| id };
-        let of_var = |this: &mut Self, var: VarId, degree: u8| {
-            this.name(Named::Var(id, var)).plus(&Dim::known(0, -i64::from(degree)), Ratio::ONE)
-        };
+        let of_var = |this: &mut Self, var: VarId, degree: u8| this.derivative(id, var, degree);
         let length = Dim::known(LENGTH.0, LENGTH.1);
         let time = Dim::known(TIME.0, TIME.1);
         let updates = |this: &mut Self, updates: &[Update]| {
@@ -310,6 +339,13 @@ impl Solver<'_> {
                 }
             }
         };
+        // What a parameter is given is the first that is known of it.
+        for (param, declared) in entity.params.pairs() {
+            if let Some(found) = self.dimension(&declared.default, &here) {
+                let needed = self.name(Named::Param(id, param));
+                self.need(&declared.default, &found, &needed, None, &here);
+            }
+        }
         for drive in entity.drives.iter().chain(entity.modes.iter().flat_map(|m| &m.drives)) {
             if let DriveBy::Flow(value) = &drive.by {
                 let needed = of_var(self, drive.var, drive.degree);
@@ -360,15 +396,17 @@ impl Solver<'_> {
                 self.place(initial, &needed, &here);
             }
         }
-        for (param, declared) in entity.params.pairs() {
-            if let Some(found) = self.dimension(&declared.default, &here) {
-                let needed = self.name(Named::Param(id, param));
-                self.need(&declared.default, &found, &needed, None, &here);
-            }
-        }
     }
 
     fn report(self, diagnostics: &mut Diagnostics) {
+        for (root, of) in &self.roots {
+            let root = self.reduce(root);
+            if root.unknowns.is_empty() && (root.px.1 != 1 || root.s.1 != 1) {
+                let square = Dim::known(0, 0).plus(&root, Ratio(2, 1)).words();
+                let at = (of.span, format!("it is {square}, which is no square"));
+                diagnostics.report(DimensionConflict { what: "a square root".into(), at, other: None, near: None });
+            }
+        }
         for conflict in &self.conflicts {
             let Conflict { entity, term, needed, found, place } = conflict;
             let named = match (&term.kind, entity) {

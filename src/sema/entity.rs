@@ -356,8 +356,23 @@ impl<'a> Checker<'a> {
             let id = DiscreteId(index as u32);
             let ty = entity.discretes[id].ty.clone();
             if let Some(term) = self.typed(initial, &scope, &ty) {
+                self.certainly_in_range(&term, &entity.discretes[id]);
                 entity.discretes[id].initial = term;
             }
+        }
+    }
+
+    /// Reports a value that is known now and lies outside of a discrete variable's range.
+    pub(super) fn certainly_in_range(&mut self, value: &Term, discrete: &Discrete) {
+        let (low, high) = discrete.range;
+        if let Ok(known) = evaluate(value, ConstantContext::LITERALS)
+            && !(f64::from(low)..=f64::from(high)).contains(&known)
+        {
+            self.diagnostics.report(OutOfRange {
+                at: value.span,
+                what: format!("`{}` = {known}", discrete.name.text),
+                range: format!("{low}..{high}"),
+            });
         }
     }
 
@@ -425,6 +440,10 @@ impl<'a> Checker<'a> {
         }
         let fact = unknown("continuous variable", &name.text, name.span, names.vars.names());
         self.report_unknown(fact);
+        if variable.primes == 0 {
+            // `speed = 3`, its `param` forgotten: once is enough.
+            self.suspects.insert(name.text.clone());
+        }
         None
     }
 

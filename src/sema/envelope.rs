@@ -47,7 +47,7 @@ impl Checker<'_> {
         let axis = self.axis(by, scope);
         let (mut attack, mut sustain, mut release, mut driven_while) = (None, None, None, None);
         let mut seen: Vec<(&'static str, Span)> = Vec::new();
-        let mut complete = true;
+        let mut complete = e.complete;
         for ramp in &e.ramps {
             let name = match &ramp.kind {
                 RampKind::Attack(..) => "attack",

@@ -46,7 +46,7 @@ impl Reads {
         match self {
             Reads::Constants => ("this value", "literals and constants"),
             Reads::Params => ("this value", "literals, constants and parameters"),
-            Reads::State | Reads::All => ("a collider", "variables, parameters, modes and timers"),
+            Reads::State | Reads::All => ("a collider's shape and guard", "variables, parameters, modes and timers"),
         }
     }
 }
@@ -141,9 +141,9 @@ impl Checker<'_> {
                     let ty = if value.fract() == 0.0 { Type::Int } else { Type::Real };
                     make(TermKind::Number(*value), ty)
                 }
-                Some(Unit::Seconds) => make(TermKind::Seconds(*value), Type::Real),
+                Some(Unit::Seconds) => make(TermKind::Quantity(*value, 0, 1), Type::Real),
                 // Divided, not multiplied by 0.001, so that 250ms is the same number as 0.25s.
-                Some(Unit::Milliseconds) => make(TermKind::Seconds(value / 1000.0), Type::Real),
+                Some(Unit::Milliseconds) => make(TermKind::Quantity(value / 1000.0, 0, 1), Type::Real),
                 Some(Unit::Frames) => make(TermKind::Frames(*value), Type::Real),
             },
             ExprKind::Bool(b) => make(TermKind::Bool(*b), Type::Bool),
@@ -229,6 +229,13 @@ impl Checker<'_> {
                 inside: "a world's predicate",
                 belongs: "in an entity; a predicate reads instances, such as `hero.x` or `hero in dead`",
             });
+        } else if scope.reads == Reads::All {
+            let (inside, belongs) = if scope.entity.is_some() && scope.mode.is_none() && needs == Reads::State {
+                ("an entity outside of its modes", "inside a mode, or names one: `timer(MODE)`")
+            } else {
+                ("an entity", "in a `goal` or `never` of a world")
+            };
+            self.diagnostics.report(Misplaced { at, what, inside, belongs });
         } else {
             let (what, may_read) = scope.reads.words();
             self.diagnostics.report(NotConstant { at, what, may_read });
@@ -250,7 +257,8 @@ impl Checker<'_> {
             return make(TermKind::Number(index as f64), Type::Set(values.clone()));
         }
         if let (Some(entity), Some(names)) = (scope.entity, scope.names) {
-            if let Some(&id) = names.params.get(&name.text).filter(|_| path.primes == 0) {
+            if let Some(&id) = names.params.get(&name.text) {
+                self.unprimed(path)?;
                 self.allow(Some(()), span, scope, Reads::Params, "a parameter")?;
                 return make(TermKind::Param(id), entity.params[id].default.ty.clone());
             }
@@ -259,7 +267,8 @@ impl Checker<'_> {
                 self.allow(Some(()), span, scope, Reads::State, "a variable")?;
                 return make(TermKind::Var(Subject::Me, id, degree), Type::Real);
             }
-            if let Some(&id) = names.discretes.get(&name.text).filter(|_| path.primes == 0) {
+            if let Some(&id) = names.discretes.get(&name.text) {
+                self.unprimed(path)?;
                 self.allow(Some(()), span, scope, Reads::State, "a variable")?;
                 return make(TermKind::Discrete(Subject::Me, id), entity.discretes[id].ty.clone());
             }
@@ -294,6 +303,20 @@ impl Checker<'_> {
         let kind = if path.primes > 0 { "continuous variable" } else { "variable, parameter or constant" };
         let fact = unknown(kind, &name.text, name.span, known);
         self.report_unknown(fact);
+        None
+    }
+
+    /// Reports primes on what has no derivative.
+    pub(super) fn unprimed(&mut self, path: &Path) -> Option<()> {
+        if path.primes == 0 {
+            return Some(());
+        }
+        self.diagnostics.report(TypeMismatch {
+            at: path.span,
+            found: "a derivative of what does not flow".into(),
+            expected: "no primes".into(),
+            help: Some("only `x`, `y` and `continuous` variables have derivatives".into()),
+        });
         None
     }
 
@@ -379,8 +402,13 @@ impl Checker<'_> {
 
     /// The type of a plain discrete variable that ranges over a set.
     fn set_type(&self, e: &Expr, scope: &Scope<'_>) -> Option<Type> {
-        let ExprKind::Path(path) = &e.kind else {
-            return None;
+        let path = match &e.kind {
+            ExprKind::Path(path) => path,
+            ExprKind::Paren(inner) => return self.set_type(inner, scope),
+            ExprKind::Call(function, arguments, _) if function.text == "if" => {
+                return arguments.iter().skip(1).find_map(|a| self.set_type(a, scope));
+            }
+            _ => return None,
         };
         let ty = match (path.segments.as_slice(), scope.world) {
             ([name], _) => {

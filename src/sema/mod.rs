@@ -20,6 +20,8 @@ mod world;
 use std::collections::BTreeSet;
 
 use crate::diagnostic::Diagnostics;
+use crate::diagnostic::catalogue::file::TooMany;
+use crate::diagnostic::catalogue::types::TypeMismatch;
 use crate::syntax::ast;
 
 use checked::Checked;
@@ -56,6 +58,7 @@ pub fn check(files: &[ast::File]) -> (Checked, Diagnostics) {
             }
         }
     }
+    checker.count_tags();
     let Checker { checked, mut diagnostics, .. } = checker;
     dimension::check(&checked, &mut diagnostics);
     diagnostics.sort();
@@ -113,14 +116,41 @@ impl<'a> Checker<'a> {
         }
     }
 
+    fn count_tags(&mut self) {
+        if let Some(first) = self.checked.tags.get(TagId(MAX_TAGS as u32)) {
+            let (count, at) = (self.checked.tags.len() as u64, first.span);
+            self.diagnostics.report(TooMany { what: "tags".into(), count, limit: MAX_TAGS as u64, at });
+        }
+    }
+
     fn constant(&mut self, constant: &ast::Constant) {
         let scope = expression::Scope::constant();
-        let term = self.value(&constant.value, &scope);
+        let mut term = self.value(&constant.value, &scope);
+        if let Some(annotation) = constant.dimension.as_ref().and_then(|d| self.annotation(d)) {
+            term = term.and_then(|term| self.pinned(term, annotation));
+        }
         if let Some(term) = term {
             self.constants.declare(&constant.name, term, &mut self.diagnostics);
         } else {
             self.suspects.insert(constant.name.text.clone());
         }
+    }
+
+    /// A constant with the dimension that its annotation gives it.
+    fn pinned(&mut self, term: checked::Term, to: checked::Annotation) -> Option<checked::Term> {
+        let value = self.evaluated(&term, ConstantContext::LITERALS)?;
+        if let checked::TermKind::Quantity(_, px, s) = term.kind
+            && (px, s) != (to.px, to.s)
+        {
+            self.diagnostics.report(TypeMismatch {
+                at: term.span,
+                found: "a value of another dimension".into(),
+                expected: "a value of the annotated dimension".into(),
+                help: None,
+            });
+            return None;
+        }
+        Some(checked::Term { kind: checked::TermKind::Quantity(value, to.px, to.s), ..term })
     }
 
     /// The id of a tag, made when it is first seen.

@@ -1,7 +1,7 @@
 //! Modes: their tree, the look-up of a mode by path, edges and updates.
 
 use crate::diagnostic::catalogue::names::{AmbiguousMode, DuplicateName};
-use crate::diagnostic::catalogue::structure::{EdgeOutOfGroup, UpdateConflict};
+use crate::diagnostic::catalogue::structure::{EdgeOutOfGroup, IdleEdge, UpdateConflict};
 use crate::diagnostic::catalogue::syntax::NotSupported;
 use crate::diagnostic::catalogue::types::TypeMismatch;
 use crate::source::Span;
@@ -164,6 +164,9 @@ impl<'a> Checker<'a> {
             }
             Some(target)
         });
+        if edge.target.is_none() && edge.is_empty {
+            self.diagnostics.report(IdleEdge { at: edge.span });
+        }
         let mut updates: Vec<Update> = Vec::new();
         for update in &edge.updates {
             if let Some(update) = self.update(update, scope) {
@@ -182,9 +185,12 @@ impl<'a> Checker<'a> {
     fn update(&mut self, update: &ast::Assignment, scope: &Scope<'_>) -> Option<Update> {
         let names = scope.names?;
         let name = &update.variable.name;
-        if let Some(&id) = names.discretes.get(&name.text).filter(|_| update.variable.primes == 0) {
-            let ty = scope.entity?.discretes[id].ty.clone();
-            let value = self.typed(&update.value, scope, &ty)?;
+        if let Some(&id) = names.discretes.get(&name.text) {
+            let v = &update.variable;
+            self.unprimed(&Path { segments: vec![v.name.clone()], primes: v.primes, span: v.span })?;
+            let discrete = scope.entity?.discretes[id].clone();
+            let value = self.typed(&update.value, scope, &discrete.ty)?;
+            self.certainly_in_range(&value, &discrete);
             return Some(Update { place: Place::Discrete(id), value, span: update.span });
         }
         if let Some(&var) = names.vars.get(&name.text) {

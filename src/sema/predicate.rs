@@ -25,14 +25,24 @@ impl Checker<'_> {
             self.diagnostics.report(NotSupported { at: span, what: "reading another instance's variable".into() });
             return None;
         };
+        if let Some(extra) = path.segments.get(2) {
+            self.diagnostics.report(TypeMismatch {
+                at: extra.span,
+                found: "a name too many".into(),
+                expected: "`instance.variable` or `space.width`".into(),
+                help: None,
+            });
+            return None;
+        }
         if let Some(slot) = world.instances.iter().position(|(n, _)| *n == first.text) {
-            let entity = &self.checked.entities[world.instances[slot].1];
+            let entity = self.checked.entities[world.instances[slot].1].clone();
             let of = Subject::Slot(SlotId(slot as u32));
             if let Some(var) = entity.vars.find(|v| v.name.text == second.text) {
                 let degree = self.degree(path)?;
                 return Some(Term { kind: TermKind::Var(of, var, degree), ty: Type::Real, span });
             }
             if let Some(id) = entity.discretes.find(|v| v.name.text == second.text) {
+                self.unprimed(path)?;
                 let ty = entity.discretes[id].ty.clone();
                 return Some(Term { kind: TermKind::Discrete(of, id), ty, span });
             }
@@ -41,8 +51,17 @@ impl Checker<'_> {
             self.report_unknown(fact);
             return None;
         }
+        self.unprimed(path)?;
         if let Some((_, size)) = world.spaces.iter().find(|(n, _)| *n == first.text) {
-            let size = (*size)?;
+            let Some(size) = size else {
+                self.diagnostics.report(TypeMismatch {
+                    at: span,
+                    found: "a space without a map".into(),
+                    expected: "a space with a map".into(),
+                    help: Some("the size of a space is the size of its map".into()),
+                });
+                return None;
+            };
             let value = match second.text.as_str() {
                 "width" => size.0,
                 "height" => size.1,

@@ -1,22 +1,23 @@
 //! Worlds: the step, collision lines, tiles and maps, placed instances with their first values, players, goals.
 
-use crate::diagnostic::catalogue::file::TooMany;
 use crate::diagnostic::catalogue::names::DuplicateName;
 use crate::diagnostic::catalogue::structure::BadCollider;
 use crate::diagnostic::catalogue::syntax::NotSupported;
 use crate::diagnostic::catalogue::types::OutOfRange;
-use crate::diagnostic::catalogue::world::{BadPlayer, BadStep};
+use crate::diagnostic::catalogue::world::{BadPlayer, BadStep, BadTile};
 use crate::level::{InlineTile, inline_map};
 use crate::source::Span;
-use crate::syntax::ast::{self, BinaryOp, Expr, ExprKind, Name, SpaceItem, WorldItem};
+use crate::syntax::ast::{self, Expr, Name, SpaceItem, WorldItem};
 
-use super::checked::{CollideRule, Instance, Player, Question, Response, Space, Type, World};
+use super::checked::{
+    Arithmetic, CollideRule, Given, Instance, Player, Question, Response, Space, Term, TermKind, Type, World,
+};
 use super::constant::{ConstantContext, evaluate};
 use super::entity::{X, Y};
 use super::expression::{Scope, WorldNames};
 use super::ids::{EntityId, IdVec, SpaceId, TagId};
 use super::names::{Table, unknown};
-use super::{Checker, MAX_INSTANCES, MAX_TAGS, MAX_TILE_KINDS};
+use super::{Checker, MAX_INSTANCES, MAX_TILE_KINDS};
 
 /// A tile set: its size and its tiles.
 struct TileSet {
@@ -32,6 +33,7 @@ impl Checker<'_> {
         let mut world = World {
             name: syntax.name.clone(),
             step: (1, 60),
+            lengths: Vec::new(),
             collide: Vec::new(),
             spaces: IdVec::new(),
             instances: IdVec::new(),
@@ -52,7 +54,7 @@ impl Checker<'_> {
                         world.step = step;
                     }
                 }
-                WorldItem::Tiles(tiles) => self.tiles(tiles, &mut sets),
+                WorldItem::Tiles(tiles) => self.tiles(tiles, &mut sets, &mut world.lengths),
                 WorldItem::Collide(line) => world.collide.extend(self.collide(line)),
                 _ => {}
             }
@@ -110,23 +112,17 @@ impl Checker<'_> {
                 }
             }
         }
-        if self.checked.tags.len() > MAX_TAGS {
-            let count = self.checked.tags.len() as u64;
-            self.diagnostics.report(TooMany {
-                what: "tags".into(),
-                count,
-                limit: MAX_TAGS as u64,
-                at: syntax.name.span,
-            });
-        }
         self.checked.worlds.push(world);
     }
 
     /// `1/60`, `0.02`, `16ms`: an exact fraction of a second.
     fn step(&mut self, e: &Expr) -> Option<(u64, u64)> {
-        let (numerator, denominator) = match &e.kind {
-            ExprKind::Binary(BinaryOp::Divide, a, b) => (self.step_part(a)?, self.step_part(b)?),
-            _ => (self.step_part(e)?, 1.0),
+        let term = self.number(e, &Scope::constant())?;
+        let (numerator, denominator) = match &term.kind {
+            TermKind::Arithmetic(Arithmetic::Divide, a, b) => {
+                (self.evaluated(a, ConstantContext::LITERALS)?, self.evaluated(b, ConstantContext::LITERALS)?)
+            }
+            _ => (self.evaluated(&term, ConstantContext::LITERALS)?, 1.0),
         };
         let fraction = exact(numerator).zip(exact(denominator)).and_then(|((a, b), (c, d))| {
             let (n, m) = (a.checked_mul(d)?, b.checked_mul(c)?);
@@ -138,11 +134,6 @@ impl Checker<'_> {
             self.diagnostics.report(BadStep { at: e.span });
         }
         fraction
-    }
-
-    fn step_part(&mut self, e: &Expr) -> Option<f64> {
-        let term = self.number(e, &Scope::constant())?;
-        self.evaluated(&term, ConstantContext::LITERALS)
     }
 
     fn collide(&mut self, line: &ast::Collide) -> Option<CollideRule> {
@@ -159,10 +150,11 @@ impl Checker<'_> {
         Some(CollideRule { left, right, response })
     }
 
-    fn tiles(&mut self, tiles: &ast::Tiles, sets: &mut Table<TileSet>) {
+    fn tiles(&mut self, tiles: &ast::Tiles, sets: &mut Table<TileSet>, lengths: &mut Vec<Term>) {
         let mut side = |e: &Expr| {
             let term = self.number(e, &Scope::constant())?;
             let value = self.evaluated(&term, ConstantContext::LITERALS)?;
+            lengths.push(term);
             if value > 0.0 {
                 return Some(value);
             }
@@ -180,6 +172,10 @@ impl Checker<'_> {
             if set.tiles.len() >= MAX_TILE_KINDS {
                 self.too_many("kinds of tiles", MAX_TILE_KINDS, tile.symbol_span);
                 break;
+            }
+            if tile.symbol.is_whitespace() || tile.symbol == '"' {
+                self.diagnostics.report(BadTile { at: tile.symbol_span });
+                continue;
             }
             let name = Name { text: tile.symbol.to_string(), span: tile.symbol_span };
             if symbols.declare(&name, (), &mut self.diagnostics) {
@@ -224,8 +220,12 @@ impl Checker<'_> {
         let constants = ConstantContext { params: None, step: Some(step) };
         let scope = Scope::constant();
         let mut at = [None, None];
-        for (slot, e) in at.iter_mut().zip([&place.x, &place.y]) {
-            *slot = self.number(e, &scope).and_then(|term| self.evaluated(&term, constants));
+        let mut given = Vec::new();
+        for ((slot, e), var) in at.iter_mut().zip([&place.x, &place.y]).zip([X, Y]) {
+            if let Some(term) = self.number(e, &scope) {
+                *slot = self.evaluated(&term, constants);
+                given.push((Given::Var(var, 0), term));
+            }
         }
         let Some(&id) = self.entities.get(&place.entity.text) else {
             let fact = unknown("entity", &place.entity.text, place.entity.span, self.entities.names());
@@ -246,8 +246,10 @@ impl Checker<'_> {
             if !set.declare(&Name { text: written, span: setting.variable.span }, (), &mut self.diagnostics) {
                 continue;
             }
-            let mut value = |this: &mut Self, ty: &Type| {
-                let value = this.typed(&setting.value, &scope, ty).and_then(|t| this.evaluated(&t, constants));
+            let mut value = |this: &mut Self, ty: &Type, what: Given| {
+                let term = this.typed(&setting.value, &scope, ty);
+                let value = term.as_ref().and_then(|t| this.evaluated(t, constants));
+                given.extend(term.map(|t| (what, t)));
                 fits &= value.is_some();
                 value
             };
@@ -257,9 +259,9 @@ impl Checker<'_> {
                     Type::Int => Type::Real,
                     ty => ty.clone(),
                 };
-                params[p] = value(self, &ty);
+                params[p] = value(self, &ty, Given::Param(p));
             } else if let Some(d) = entity.discretes.find(|d| plain && d.name.text == name.text) {
-                discretes[d] = value(self, &entity.discretes[d].ty);
+                discretes[d] = value(self, &entity.discretes[d].ty, Given::Discrete(d));
             } else if let Some(v) = entity.vars.find(|v| v.name.text == name.text) {
                 if v <= Y && plain {
                     self.diagnostics.report(DuplicateName {
@@ -270,9 +272,8 @@ impl Checker<'_> {
                     });
                     continue;
                 }
-                let value = value(self, &Type::Real);
                 if let Some(degree) = self.primes(&setting.variable) {
-                    vars[v][usize::from(degree)] = value;
+                    vars[v][usize::from(degree)] = value(self, &Type::Real, Given::Var(v, degree));
                 }
             } else {
                 let known = entity.params.iter().map(|p| &p.name);
@@ -316,11 +317,13 @@ impl Checker<'_> {
                 None => self.evaluated(&discrete.initial, context)?,
             };
             let (low, high) = discrete.range;
-            if value < f64::from(low) || value > f64::from(high) || value.fract() != 0.0 {
+            let certain = discretes[id].is_none() && evaluate(&discrete.initial, ConstantContext::LITERALS).is_ok();
+            let inside = value >= f64::from(low) && value <= f64::from(high);
+            if !certain && (!inside || value.fract() != 0.0) {
                 self.diagnostics.report(OutOfRange {
                     at: if discretes[id].is_some() { place.span } else { discrete.initial.span },
                     what: format!("`{}` = {value}", discrete.name.text),
-                    range: format!("{low}..{high}"),
+                    range: if inside { "the whole numbers".into() } else { format!("{low}..{high}") },
                 });
             }
             whole.push(value as i32);
@@ -333,6 +336,7 @@ impl Checker<'_> {
             params: values,
             vars: first,
             discretes: whole,
+            given,
             span: place.span,
         })
     }

@@ -49,7 +49,11 @@ impl Fault {
                 let discrete = &entity.discretes[id];
                 (
                     program.spans.exprs[expr],
-                    format!("`{}` left its range {}..{}", discrete.name, discrete.range.0, discrete.range.1),
+                    if found.fract() == 0.0 {
+                        format!("`{}` left its range {}..{}", discrete.name, discrete.range.0, discrete.range.1)
+                    } else {
+                        format!("`{}` was given a value that is not whole", discrete.name)
+                    },
                     vec![value(&discrete.name, found)],
                 )
             }

@@ -243,8 +243,10 @@ pub struct Edge {
     pub guard: Expr,
     /// The mode it leads to; none for an edge that stays.
     pub target: Option<Path>,
-    /// What it changes.
+    /// What it changes, as far as it could be read.
     pub updates: Vec<Assignment>,
+    /// Whether it has no updates, readable or not.
+    pub is_empty: bool,
     /// The whole.
     pub span: Span,
 }
@@ -260,6 +262,8 @@ pub struct Envelope {
     pub directions: Option<Name>,
     /// Its parts in source order.
     pub ramps: Vec<Ramp>,
+    /// Whether all of its parts could be read.
+    pub complete: bool,
     /// The whole.
     pub span: Span,
 }

@@ -339,14 +339,18 @@ impl Builder<'_> {
                 let guard = self.expression(inner.first()?)?;
                 let mut target = None;
                 let mut updates = Vec::new();
+                let mut is_empty = true;
                 for part in inner.iter().skip(1) {
                     match part.as_rule() {
                         Rule::target => target = Some(self.path(parts(part).first()?)?),
-                        Rule::updates => updates = self.updates(part),
+                        Rule::updates => {
+                            is_empty = parts(part).is_empty();
+                            updates = self.updates(part);
+                        }
                         _ => {}
                     }
                 }
-                Member::Edge(Edge { guard, target, updates, span })
+                Member::Edge(Edge { guard, target, updates, is_empty, span })
             }
             Rule::envelope => Member::Envelope(self.envelope(pair)?),
             _ => return None,
@@ -412,6 +416,7 @@ impl Builder<'_> {
             by: None,
             directions: None,
             ramps: Vec::new(),
+            complete: true,
             span: self.span_of(pair),
         };
         for part in parts(pair) {
@@ -424,8 +429,14 @@ impl Builder<'_> {
                 Rule::ramps => {
                     for ramp in parts(&part) {
                         match ramp.as_rule() {
-                            Rule::bad_ramp => self.bad(Rule::only_ramp, &ramp),
-                            Rule::later_ramp => self.later(&ramp),
+                            Rule::bad_ramp => {
+                                out.complete = false;
+                                self.bad(Rule::only_ramp, &ramp);
+                            }
+                            Rule::later_ramp => {
+                                out.complete = false;
+                                self.later(&ramp);
+                            }
                             _ => out.ramps.extend(self.ramp(&ramp)),
                         }
                     }
@@ -471,43 +482,46 @@ impl Builder<'_> {
     }
 }
 
-/// The names that a broken declaration would have introduced: the words after a declaring word.
+/// The names that a broken declaration would have introduced: the words after a declaring word, or after a first word
+/// that opens nothing and may be a slip.
 fn declared_names(slice: &str) -> Vec<String> {
+    const DECLARING: &[&str] = &[
+        "param",
+        "continuous",
+        "discrete",
+        "ref",
+        "button",
+        "axis",
+        "collider",
+        "group",
+        "mode",
+        "entity",
+        "behavior",
+        "world",
+        "const",
+        "space",
+        "tiles",
+        "place",
+        "goal",
+        "never",
+        "map",
+    ];
+    const OTHER: &[&str] = &["when", "envelope", "import", "step", "collide", "player", "kinematic", "initial", "use"];
     let mut names = Vec::new();
     let mut declaring = false;
-    for token in slice.split(|c: char| !(c.is_alphanumeric() || c == '_' || c == ',')).filter(|t| !t.is_empty()) {
+    let is_word = |c: char| c.is_alphanumeric() || c == '_';
+    let mut first = true;
+    for token in slice.split(|c: char| !is_word(c) && c != ',').filter(|t| !t.is_empty()) {
         let list_goes_on = token.ends_with(',');
         for word in token.split(',').filter(|w| !w.is_empty()) {
-            let declares = matches!(
-                word,
-                "param"
-                    | "continuous"
-                    | "discrete"
-                    | "ref"
-                    | "button"
-                    | "axis"
-                    | "collider"
-                    | "group"
-                    | "mode"
-                    | "entity"
-                    | "behavior"
-                    | "world"
-                    | "const"
-                    | "space"
-                    | "tiles"
-                    | "place"
-                    | "goal"
-                    | "never"
-                    | "map"
-            );
-            if declares {
-                declaring = true;
-            } else if declaring {
+            let slip = first && !OTHER.contains(&word) && !DECLARING.contains(&word);
+            let declares = DECLARING.contains(&word) || slip;
+            // `speed 100`, its `param` forgotten, declares its first word.
+            if slip || (declaring && !declares) {
                 names.push(word.to_string());
             }
-            if !declares && !list_goes_on {
-                declaring = false;
-            }
+            declaring = declares || (declaring && list_goes_on);
+            first = false;
         }
     }
     names

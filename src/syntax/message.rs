@@ -5,6 +5,7 @@ use pest::Parser;
 use pest::error::{ErrorVariant, InputLocation};
 
 use crate::diagnostic::catalogue::syntax::Unexpected;
+use crate::diagnostic::similar;
 use crate::source::Span;
 
 use super::{Grammar, Rule};
@@ -43,12 +44,49 @@ pub(super) fn explain(
     } else {
         span(at, at + found.len())
     };
-    let missing_colon = expected.iter().any(|e| e == "`:=`") && found == "=";
-    Unexpected {
-        at: at_span,
-        found: (!end_of_statement).then(|| found.to_string()),
-        expected,
-        help: missing_colon.then(|| "inside `{ }` of an edge an update is written with `:=`".to_string()),
+    let help = help(rule, trimmed, &expected, found);
+    Unexpected { at: at_span, found: (!end_of_statement).then(|| found.to_string()), expected, help }
+}
+
+/// A way out where the slip is a usual one.
+fn help(rule: Rule, slice: &str, expected: &[String], found: &str) -> Option<String> {
+    let expects = |word: &str| expected.iter().any(|e| e == word);
+    if found == "=" && expects("`:=`") {
+        return Some("inside `{ }` of an edge an update is written with `:=`".into());
+    }
+    if found == "=" && expects("an operator") {
+        return Some("two values are compared with `==`".into());
+    }
+    let first: String = slice.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+    let words = opening_words(rule);
+    if words.contains(&first.as_str()) {
+        return None;
+    }
+    similar(&first, words.iter().copied()).map(|word| format!("did you mean `{word}`?"))
+}
+
+/// The words that can open what a rule describes.
+fn opening_words(rule: Rule) -> &'static [&'static str] {
+    match rule {
+        Rule::only_item => &["import", "const", "entity", "world", "behavior"],
+        Rule::only_member => &[
+            "param",
+            "continuous",
+            "discrete",
+            "button",
+            "axis",
+            "collider",
+            "kinematic",
+            "group",
+            "mode",
+            "when",
+            "envelope",
+            "initial",
+        ],
+        Rule::only_world_item => &["step", "collide", "tiles", "space", "player", "goal", "never"],
+        Rule::only_space_item => &["map", "place"],
+        Rule::only_ramp => &["attack", "sustain", "release", "while"],
+        _ => &[],
     }
 }
 
@@ -110,9 +148,9 @@ fn words(rules: &[Rule]) -> Vec<String> {
                 | dot
         )
     };
-    let in_list = has(Rule::comma) || has(Rule::close_paren);
+    let in_list = has(Rule::comma) || has(Rule::close_paren) || (has(Rule::plus) && !starts_expression);
     for rule in rules {
-        // After a name in a list a call is possible, but hardly what is missing.
+        // After a name a call is possible, but hardly what is missing.
         if in_list && *rule == Rule::open_paren {
             continue;
         }

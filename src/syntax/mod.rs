@@ -8,6 +8,7 @@ mod build;
 mod build_world;
 mod expression;
 mod import;
+mod mend;
 mod message;
 mod scan;
 

@@ -5,12 +5,11 @@
 //! is still checked. The mended text differs from the source by inserted lines; [`Scan::position`] maps back.
 
 use crate::diagnostic::Diagnostics;
-use crate::diagnostic::catalogue::syntax::{
-    ExpressionTooLong, LongWord, NestingTooDeep, StrayBrace, UnclosedBrace, UnterminatedMap,
-};
+use crate::diagnostic::catalogue::syntax::{ExpressionTooLong, LongWord, NestingTooDeep, UnterminatedMap};
 use crate::source::{FileId, Span};
 
 use super::ast::Comment;
+use super::mend::{Brace, Insert, LineStart, mend_braces};
 
 /// How many brackets may be open at once.
 pub const MAX_NESTING: usize = 64;
@@ -47,24 +46,8 @@ impl Scan {
     }
 }
 
-/// One brace of the text.
-#[derive(Clone, Copy)]
-struct Brace {
-    at: usize,
-    open: bool,
-    /// Width of the white space its line begins with.
-    indent: usize,
-    /// Whether nothing stands before it on its line.
-    leads: bool,
-}
-
-/// The first token of a line outside parentheses and text.
-#[derive(Clone, Copy)]
-struct LineStart {
-    line: usize,
-    token: usize,
-    indent: usize,
-}
+/// Words whose line opens a block.
+const HEADERS: &[&str] = &["entity", "world", "behavior", "mode", "group", "space", "tiles", "envelope"];
 
 /// Scans a file.
 pub(super) fn scan(file: FileId, text: &str, diagnostics: &mut Diagnostics) -> Scan {
@@ -84,77 +67,16 @@ pub(super) fn scan(file: FileId, text: &str, diagnostics: &mut Diagnostics) -> S
         let inserts = mend_braces(file, text.len(), &braces, &lines, &mut mended, diagnostics);
         let mut out = String::with_capacity(mended.len() + 2 * inserts.len());
         let mut done = 0;
-        for at in inserts {
+        for Insert { at, text } in inserts {
             out.push_str(&String::from_utf8_lossy(&mended[done..at]));
-            scan.insertions.push((out.len(), 3));
-            out.push_str("\n}\n");
+            scan.insertions.push((out.len(), text.len()));
+            out.push_str(text);
             done = at;
         }
         out.push_str(&String::from_utf8_lossy(&mended[done..]));
         scan.text = Some(out);
     }
     scan
-}
-
-/// Finds braces without a partner and where the missing ones belong; blanks stray ones out of `text`.
-/// Returns the bytes before which a closing brace is to be inserted, in order.
-fn mend_braces(
-    file: FileId,
-    length: usize,
-    braces: &[Brace],
-    lines: &[LineStart],
-    text: &mut [u8],
-    diagnostics: &mut Diagnostics,
-) -> Vec<usize> {
-    let mut depth = 0i64;
-    let balanced = braces.iter().all(|b| {
-        depth += if b.open { 1 } else { -1 };
-        depth >= 0
-    }) && depth == 0;
-    if balanced {
-        return Vec::new();
-    }
-    let at = |byte: usize| Span::new(file, byte, byte + 1);
-    let mut inserts = Vec::new();
-    let mut open: Vec<Brace> = Vec::new();
-    let mut lines = lines.iter().peekable();
-    for brace in braces {
-        while let Some(line) = lines.next_if(|l| l.token < brace.at) {
-            while let Some(top) = open.last().copied().filter(|top| line.indent <= top.indent) {
-                diagnostics.report(UnclosedBrace { open: at(top.at), here: Some(at(line.token)) });
-                inserts.push(line.line);
-                open.pop();
-            }
-        }
-        if brace.open {
-            open.push(*brace);
-            continue;
-        }
-        if brace.leads && open.iter().any(|o| o.indent == brace.indent) {
-            // The brace stands under its opener: what is open inside it has lost its own.
-            while let Some(top) = open.last().copied().filter(|top| top.indent > brace.indent) {
-                diagnostics.report(UnclosedBrace { open: at(top.at), here: Some(at(brace.at)) });
-                inserts.push(brace.at);
-                open.pop();
-            }
-        }
-        if open.pop().is_none() {
-            diagnostics.report(StrayBrace { at: at(brace.at) });
-            text[brace.at] = b' ';
-        }
-    }
-    for line in lines {
-        while let Some(top) = open.last().copied().filter(|top| line.indent <= top.indent) {
-            diagnostics.report(UnclosedBrace { open: at(top.at), here: Some(at(line.token)) });
-            inserts.push(line.line);
-            open.pop();
-        }
-    }
-    while let Some(top) = open.pop() {
-        diagnostics.report(UnclosedBrace { open: at(top.at), here: None });
-        inserts.push(length);
-    }
-    inserts
 }
 
 struct Scanner<'a> {
@@ -254,19 +176,44 @@ impl<'a> Scanner<'a> {
         if self.line_is_empty {
             self.line_is_empty = false;
             if !inside && rest[0] != b'}' && rest[0] != b'{' {
-                self.lines.push(LineStart { line: self.line_start, token: i, indent: self.indent });
+                let bare_header = HEADERS.iter().any(|h| is_word(h));
+                self.lines.push(LineStart {
+                    line: self.line_start,
+                    token: i,
+                    indent: self.indent,
+                    end: i,
+                    bare_header,
+                });
             }
-            self.brace_or_other(i, true, word)
+            self.one_token(i, true, word)
         } else {
-            self.brace_or_other(i, false, word)
+            self.one_token(i, false, word)
         }
+    }
+
+    fn one_token(&mut self, i: usize, leads: bool, word: usize) -> usize {
+        let is_brace = matches!(self.bytes[i], b'{' | b'}');
+        let after = self.brace_or_other(i, leads, word);
+        // An opening brace may stand alone on the next line.
+        let belongs = !leads || self.bytes[i] == b'{' || self.lines.last().is_some_and(|l| l.token == i);
+        if let Some(line) = self.lines.last_mut().filter(|_| belongs) {
+            line.bare_header &= !is_brace;
+            line.end = line.end.max(after);
+        }
+        after
     }
 
     fn brace_or_other(&mut self, i: usize, leads: bool, word: usize) -> usize {
         let rest = &self.bytes[i..];
         match rest[0] {
             open @ (b'{' | b'}') => {
-                self.braces.push(Brace { at: i, open: open == b'{', indent: self.indent, leads });
+                self.braces.push(Brace {
+                    at: i,
+                    open: open == b'{',
+                    indent: self.indent,
+                    leads,
+                    line: self.line_start,
+                });
                 self.operators = 0;
                 if open == b'{' {
                     self.parens.push(0);
@@ -320,6 +267,7 @@ impl<'a> Scanner<'a> {
                 self.diagnostics.report(LongWord { at: Span::new(self.file, i, i + 1), length: word, limit: MAX_WORD });
                 i + word
             }
+            _ if leads && &rest[..word] == b"map" => self.map_without_quote(i, word),
             _ if word > 0 => {
                 if matches!(&rest[..word], b"and" | b"or" | b"not") {
                     self.operator(i, word)
@@ -377,16 +325,46 @@ impl<'a> Scanner<'a> {
             if row.starts_with('"') {
                 return line + self.bytes[line..line_end].iter().position(|&b| b == b'"').unwrap_or(0) + 1;
             }
-            if row.contains('"') || row.starts_with('}') {
+            if row.ends_with('"') && !row.contains(char::is_whitespace) {
+                // The closing quote stands at the end of the last row.
+                line = line_end + 1;
+                break;
+            }
+            if row.contains('"') || row.contains(": ") || row == "}" {
                 break;
             }
             line = line_end + 1;
         }
         let stop = line.min(self.bytes.len());
-        self.diagnostics.report(UnterminatedMap { open: Span::new(self.file, i, i + 1) });
+        self.diagnostics.report(UnterminatedMap { open: Span::new(self.file, i, i + 1), opening: false });
         self.explained.push(Span::new(self.file, self.line_start, stop));
         self.blanks.push((i, stop));
         stop.saturating_sub(1).max(i + 1)
+    }
+
+    /// `map NAME` whose rows follow without an opening quote, up to a closing one that stands alone.
+    fn map_without_quote(&mut self, i: usize, word: usize) -> usize {
+        let end = self.line_end(i);
+        let name = self.text.get(i + word..end).unwrap_or("").trim();
+        if name.is_empty() || name.contains(|c: char| !(c.is_alphanumeric() || c == '_')) {
+            return i + word;
+        }
+        let mut line = end + 1;
+        while line < self.bytes.len() {
+            let line_end = self.line_end(line);
+            let row = self.text.get(line..line_end).unwrap_or("").trim();
+            if row == "\"" {
+                self.diagnostics.report(UnterminatedMap { open: Span::new(self.file, i, end), opening: true });
+                self.explained.push(Span::new(self.file, self.line_start, line_end));
+                self.blanks.push((end, line_end));
+                return line_end;
+            }
+            if row.contains('"') || row.contains(": ") || row == "}" {
+                break;
+            }
+            line = line_end + 1;
+        }
+        i + word
     }
 }
 

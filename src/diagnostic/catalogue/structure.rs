@@ -139,3 +139,17 @@ impl Fact for BadCollider {
         }
     }
 }
+
+/// An edge without a target and without updates.
+pub struct IdleEdge {
+    /// The edge.
+    pub at: Span,
+}
+
+impl Fact for IdleEdge {
+    fn word(self) -> Diagnostic {
+        Diagnostic::new(Code::IdleEdge, "this edge does nothing: it has neither a target nor updates")
+            .at(self.at, "leads nowhere")
+            .help("add `-> MODE`, or updates in `{ }`")
+    }
+}

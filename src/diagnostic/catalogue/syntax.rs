@@ -24,7 +24,7 @@ impl Fact for Unexpected {
         };
         // A long list of possibilities helps nobody.
         let (message, label) = if self.expected.is_empty() || self.expected.len() > 6 {
-            (format!("unexpected {found}"), "does not fit here".to_string())
+            (format!("unexpected {}", found.trim_start_matches("the ")), "does not fit here".to_string())
         } else {
             let expected = list(&self.expected, "or");
             (format!("expected {expected}, found {found}"), format!("expected {expected}"))
@@ -119,6 +119,18 @@ impl Fact for UnclosedBrace {
     }
 }
 
+/// The header of a block without its opening brace.
+pub struct MissingOpenBrace {
+    /// The end of the header.
+    pub header: Span,
+}
+
+impl Fact for MissingOpenBrace {
+    fn word(self) -> Diagnostic {
+        Diagnostic::new(Code::UnbalancedBrace, "a `{` is missing").at(self.header, "expected `{` after this")
+    }
+}
+
 /// A closing brace without an opening one.
 pub struct StrayBrace {
     /// The brace.
@@ -135,12 +147,19 @@ impl Fact for StrayBrace {
 
 /// An inline map without a closing quote.
 pub struct UnterminatedMap {
-    /// The opening quote.
+    /// The opening quote, or the line that lacks it.
     pub open: Span,
+    /// Whether the opening quote is the one that is missing.
+    pub opening: bool,
 }
 
 impl Fact for UnterminatedMap {
     fn word(self) -> Diagnostic {
+        if self.opening {
+            return Diagnostic::new(Code::UnterminatedMap, "this map has no opening quote")
+                .at(self.open, "the map begins here")
+                .help("end this line with a `\"`");
+        }
         Diagnostic::new(Code::UnterminatedMap, "this map has no end")
             .at(self.open, "the map begins here")
             .help("close it with a `\"` on a line of its own below the last row")

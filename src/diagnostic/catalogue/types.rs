@@ -102,8 +102,8 @@ pub struct NotConstant {
 
 impl Fact for NotConstant {
     fn word(self) -> Diagnostic {
-        Diagnostic::new(Code::NotConstant, format!("{} must be known before the world runs", self.what))
-            .at(self.at, "changes while the world runs")
+        Diagnostic::new(Code::NotConstant, format!("{} cannot depend on this", self.what))
+            .at(self.at, "not known when it is needed")
             .help(format!("it may read {}", self.may_read))
     }
 }

@@ -9,17 +9,17 @@ pub struct RowLength {
     pub at: Span,
     /// How many tiles it has.
     pub length: usize,
-    /// How many the first row has.
+    /// How many most rows have.
     pub expected: usize,
-    /// The first row.
-    pub first: Span,
+    /// One of them.
+    pub model: Span,
 }
 
 impl Fact for RowLength {
     fn word(self) -> Diagnostic {
-        Diagnostic::new(Code::BadMap, format!("a row has {} tiles, the first row has {}", self.length, self.expected))
+        Diagnostic::new(Code::BadMap, format!("a row has {} tiles, others have {}", self.length, self.expected))
             .at(self.at, format!("{} tiles", self.length))
-            .and(self.first, format!("{} tiles", self.expected))
+            .and(self.model, format!("{} tiles", self.expected))
     }
 }
 
@@ -67,8 +67,8 @@ pub struct BadStep {
 
 impl Fact for BadStep {
     fn word(self) -> Diagnostic {
-        Diagnostic::new(Code::BadStep, "a step is a positive number of seconds")
-            .at(self.at, "not a positive time")
+        Diagnostic::new(Code::BadStep, "a step is a positive number of seconds, at most 10")
+            .at(self.at, "not an exact fraction of a second")
             .help("write it as a number or as a fraction of two numbers: `step 1/60`")
     }
 }
@@ -90,5 +90,19 @@ impl Fact for BadPlayer {
             Some(other) => d.and(other, "the other one"),
             None => d,
         }
+    }
+}
+
+/// A character that cannot be a tile.
+pub struct BadTile {
+    /// The character.
+    pub at: Span,
+}
+
+impl Fact for BadTile {
+    fn word(self) -> Diagnostic {
+        Diagnostic::new(Code::BadMap, "a tile is neither white space nor `\"`")
+            .at(self.at, "cannot stand in a map")
+            .help("rows are trimmed, and a `\"` ends the map; use another character")
     }
 }

@@ -1,0 +1,151 @@
+//! Mending braces that do not match, by indentation: one lost brace is one diagnostic, and what stands around it is
+//! still checked. Used by the scan, before the grammar sees the text.
+
+use crate::diagnostic::Diagnostics;
+use crate::diagnostic::catalogue::syntax::{MissingOpenBrace, StrayBrace, UnclosedBrace};
+use crate::source::{FileId, Span};
+
+/// One brace of the text.
+#[derive(Clone, Copy)]
+pub(super) struct Brace {
+    pub at: usize,
+    pub open: bool,
+    /// Width of the white space its line begins with.
+    pub indent: usize,
+    /// Whether nothing stands before it on its line.
+    pub leads: bool,
+    /// Where its line begins.
+    pub line: usize,
+}
+
+/// The first token of a line outside parentheses and text.
+#[derive(Clone, Copy)]
+pub(super) struct LineStart {
+    pub line: usize,
+    pub token: usize,
+    pub indent: usize,
+    /// One past the last token of the line.
+    pub end: usize,
+    /// Whether it begins a block and has no brace.
+    pub bare_header: bool,
+}
+
+/// What is put into the text before a byte to mend it.
+pub(super) struct Insert {
+    pub at: usize,
+    pub text: &'static str,
+}
+
+const CLOSE: &str = "\n}\n";
+const OPEN: &str = " {";
+
+/// Finds braces without a partner and where the missing ones belong; blanks stray ones out of `text`.
+/// Returns what is to be inserted, in order.
+pub(super) fn mend_braces(
+    file: FileId,
+    length: usize,
+    braces: &[Brace],
+    lines: &[LineStart],
+    text: &mut [u8],
+    diagnostics: &mut Diagnostics,
+) -> Vec<Insert> {
+    let mut depth = 0i64;
+    let balanced = braces.iter().all(|b| {
+        depth += if b.open { 1 } else { -1 };
+        depth >= 0
+    }) && depth == 0;
+    if balanced {
+        return Vec::new();
+    }
+    let mut mender = Mender { file, text, diagnostics, inserts: Vec::new(), open: Vec::new(), suspect: None };
+    let mut lines = lines.iter().peekable();
+    for brace in braces {
+        while let Some(line) = lines.next_if(|l| l.token < brace.at) {
+            mender.line(*line);
+        }
+        mender.brace(*brace);
+    }
+    for line in lines {
+        mender.line(*line);
+    }
+    mender.end(length);
+    mender.inserts
+}
+
+struct Mender<'a> {
+    file: FileId,
+    text: &'a mut [u8],
+    diagnostics: &'a mut Diagnostics,
+    inserts: Vec<Insert>,
+    open: Vec<Brace>,
+    /// A closing brace in the middle of its line that closed a block of an earlier line, and that block's opener.
+    suspect: Option<(Brace, Brace)>,
+}
+
+impl Mender<'_> {
+    fn at(&self, byte: usize) -> Span {
+        Span::new(self.file, byte, byte + 1)
+    }
+
+    /// Closes what is open and should not be, up to where `keep` holds.
+    fn close_until(&mut self, at: usize, seen: usize, keep: impl Fn(&Brace) -> bool) {
+        while let Some(top) = self.open.last().copied().filter(|top| !keep(top)) {
+            self.diagnostics.report(UnclosedBrace { open: self.at(top.at), here: Some(self.at(seen)) });
+            self.inserts.push(Insert { at, text: CLOSE });
+            self.open.pop();
+        }
+    }
+
+    fn line(&mut self, line: LineStart) {
+        if let Some((stray, opener)) = self.suspect.filter(|(_, opener)| line.indent > opener.indent)
+            && self.open.last().is_none_or(|top| top.indent < opener.indent)
+        {
+            self.stray(stray);
+            self.open.push(opener);
+        }
+        self.suspect = None;
+        self.close_until(line.line, line.token, |top| line.indent > top.indent);
+        if line.bare_header {
+            let end = Span::new(self.file, line.end.saturating_sub(1), line.end);
+            self.diagnostics.report(MissingOpenBrace { header: end });
+            self.inserts.push(Insert { at: line.end, text: OPEN });
+            self.open.push(Brace { at: line.end, open: true, indent: line.indent, leads: false, line: line.line });
+        }
+    }
+
+    fn brace(&mut self, brace: Brace) {
+        if brace.open {
+            self.open.push(brace);
+            return;
+        }
+        if brace.leads && self.open.iter().any(|o| o.indent == brace.indent) {
+            // The brace stands under its opener: what is open inside it has lost its own.
+            self.close_until(brace.at, brace.at, |top| top.indent <= brace.indent);
+        }
+        if let Some((stray, _)) = self.suspect.filter(|(_, opener)| brace.leads && opener.indent == brace.indent)
+            && self.open.last().is_none_or(|top| top.indent < brace.indent)
+        {
+            // This one is the partner of what the suspect closed.
+            self.stray(stray);
+            self.suspect = None;
+            return;
+        }
+        match self.open.pop() {
+            Some(opener) if !brace.leads && opener.line != brace.line => self.suspect = Some((brace, opener)),
+            Some(_) => {}
+            None => self.stray(brace),
+        }
+    }
+
+    fn stray(&mut self, brace: Brace) {
+        self.diagnostics.report(StrayBrace { at: self.at(brace.at) });
+        self.text[brace.at] = b' ';
+    }
+
+    fn end(&mut self, length: usize) {
+        while let Some(top) = self.open.pop() {
+            self.diagnostics.report(UnclosedBrace { open: self.at(top.at), here: None });
+            self.inserts.push(Insert { at: length, text: CLOSE });
+        }
+    }
+}

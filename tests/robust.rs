@@ -133,7 +133,7 @@ proptest! {
         prop_assert_eq!(human.is_empty(), found.is_empty());
         prop_assert_eq!(short.lines().count(), found.iter().count());
         for label in found.iter().flat_map(|d| d.primary.iter().chain(&d.secondary)) {
-            prop_assert!(label.span.range().end <= text.len());
+            prop_assert!(label.span.range().end <= text.len(), "{label:?} of {text:?}");
         }
         if let Some(program) = &compiled.program {
             for world in program.worlds.ids().take(2) {

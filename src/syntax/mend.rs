@@ -90,7 +90,7 @@ impl Mender<'_> {
     /// Closes what is open and should not be, up to where `keep` holds.
     fn close_until(&mut self, at: usize, seen: usize, keep: impl Fn(&Brace) -> bool) {
         while let Some(top) = self.open.last().copied().filter(|top| !keep(top)) {
-            self.diagnostics.report(UnclosedBrace { open: self.at(top.at), here: Some(self.at(seen)) });
+            self.unclosed(top, Some(seen));
             self.inserts.push(Insert { at, text: CLOSE });
             self.open.pop();
         }
@@ -137,6 +137,14 @@ impl Mender<'_> {
         }
     }
 
+    /// Reports an opener, unless it is one that was put in and reported as missing.
+    fn unclosed(&mut self, opener: Brace, here: Option<usize>) {
+        if self.text.get(opener.at) == Some(&b'{') {
+            let here = here.map(|byte| self.at(byte));
+            self.diagnostics.report(UnclosedBrace { open: self.at(opener.at), here });
+        }
+    }
+
     fn stray(&mut self, brace: Brace) {
         self.diagnostics.report(StrayBrace { at: self.at(brace.at) });
         self.text[brace.at] = b' ';
@@ -144,7 +152,7 @@ impl Mender<'_> {
 
     fn end(&mut self, length: usize) {
         while let Some(top) = self.open.pop() {
-            self.diagnostics.report(UnclosedBrace { open: self.at(top.at), here: None });
+            self.unclosed(top, None);
             self.inserts.push(Insert { at: length, text: CLOSE });
         }
     }

@@ -15,6 +15,8 @@ use super::simulator::{Scratch as StepScratch, Simulator};
 #[derive(Debug)]
 pub(super) struct Collision {
     bodies: Vec<Body>,
+    /// For each space, for each kind of tile: its tags.
+    tile_tags: Vec<Vec<TagSet>>,
     /// Pairs of bodies that can meet, with what a contact does.
     pairs: Vec<(usize, usize, Response)>,
 }
@@ -119,16 +121,15 @@ impl Collision {
     /// Prepares a world.
     pub fn new(program: &Program, world: &World) -> Self {
         let mut bodies = Vec::new();
+        let tile_tags: Vec<Vec<TagSet>> = world
+            .spaces
+            .iter()
+            .map(|s| s.map.iter().flat_map(|m| &m.kinds).map(|k| k.tags.iter().copied().collect()).collect())
+            .collect();
         for (slot, s) in world.slots.pairs() {
             for (collider, c) in program.entities[s.entity].colliders.pairs() {
-                let tiles = world
-                    .spaces
-                    .iter()
-                    .map(|space| {
-                        let kinds = space.map.iter().flat_map(|m| &m.kinds);
-                        kinds.map(|k| world.response(c.tags, k.tags.iter().copied().collect())).collect()
-                    })
-                    .collect();
+                let tiles =
+                    tile_tags.iter().map(|kinds| kinds.iter().map(|&k| world.response(c.tags, k)).collect()).collect();
                 let fixed = fixed_rect(program, world, slot, c.rect);
                 bodies.push(Body { slot, collider, tags: c.tags, kinematic: c.kinematic, fixed, tiles });
             }
@@ -141,7 +142,7 @@ impl Collision {
                 }
             }
         }
-        Collision { bodies, pairs }
+        Collision { bodies, tile_tags, pairs }
     }
 
     /// Working memory for this world.
@@ -260,13 +261,13 @@ impl Simulator<'_> {
         // A tile that is touched along its edge counts, so the range is closed at both ends.
         let columns = range(rect.left, rect.right, width, map.columns);
         let rows = range(rect.bottom, rect.top, height, map.rows);
+        let tags = &self.collision.tile_tags[space.index()];
         let response = |column: i64, row: i64| map.kind(column, row).and_then(|kind| responses[kind]);
         let blocks = |column: i64, row: i64| matches!(response(column, row), Some(Response::Block { .. }));
         for column in columns {
             for row in rows.clone() {
-                let Some(found) = response(column, row) else {
-                    continue;
-                };
+                let Some(kind) = map.kind(column, row) else { continue };
+                let Some(found) = responses[kind] else { continue };
                 let (left, bottom) = (column as f64 * width, row as f64 * height);
                 let tile = Rect { left, right: left + width, bottom, top: bottom + height, active: true };
                 let Some(overlap) = Overlap::of(rect, &tile) else {
@@ -280,10 +281,7 @@ impl Simulator<'_> {
                     (false, true) => overlap.horizontal(),
                     _ => overlap.least(),
                 };
-                if let Some(kind) = map.kind(column, row) {
-                    let tags = map.kinds[kind].tags.iter().copied().collect();
-                    self.touch(state, body, tags, contact.side);
-                }
+                self.touch(state, body, tags[kind], contact.side);
                 if let (Response::Block { keep_velocity }, false) = (found, body.kinematic) {
                     resolve(contact, keep_velocity, push, stops);
                 }

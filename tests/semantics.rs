@@ -1,0 +1,427 @@
+//! The meaning of programs, rule by rule: small worlds whose next states are known by hand.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod support;
+
+use hypedc::ir::{Program, SlotId, VarId, WorldId};
+use hypedc::sim::{Scratch, Simulator, parse_script};
+use hypedc::source::SourceMap;
+use support::{compile_text, program};
+
+/// A run of the first world of a program.
+struct Run<'p> {
+    program: &'p Program,
+    sim: Simulator<'p>,
+    scratch: Scratch,
+    state: Vec<u8>,
+}
+
+impl<'p> Run<'p> {
+    fn new(program: &'p Program) -> Self {
+        let sim = Simulator::new(program, WorldId(0));
+        let mut scratch = sim.scratch();
+        let state = sim.initial(&mut scratch).unwrap();
+        Run { program, sim, scratch, state }
+    }
+
+    fn step(&mut self, script: &str) {
+        let file = SourceMap::new().add("inputs", script);
+        let (script, found) = parse_script(self.program, WorldId(0), file, script);
+        assert!(found.is_empty(), "{found:?}");
+        for input in script.inputs() {
+            self.sim.step(&mut self.state, input, &mut self.scratch).unwrap();
+        }
+    }
+
+    fn slot(&self, name: &str) -> SlotId {
+        self.program.worlds[WorldId(0)].slots.find(|s| s.name == name).unwrap()
+    }
+
+    /// `x`, `y'` … of an instance.
+    fn var(&self, slot: &str, variable: &str) -> f64 {
+        let name = variable.trim_end_matches('\'');
+        let degree = (variable.len() - name.len()) as u8;
+        let slot = self.slot(slot);
+        let world = &self.program.worlds[WorldId(0)];
+        let entity = &self.program.entities[world.slots[slot].entity];
+        let var: VarId = entity.vars.find(|v| v == name).unwrap();
+        world.layout.slots[slot].var(&self.state, var, degree)
+    }
+
+    fn discrete(&self, slot: &str, name: &str) -> i32 {
+        let slot = self.slot(slot);
+        let world = &self.program.worlds[WorldId(0)];
+        let entity = &self.program.entities[world.slots[slot].entity];
+        world.layout.slots[slot].discrete(&self.state, entity.discretes.find(|d| d.name == name).unwrap())
+    }
+
+    /// The active innermost modes, one for each group.
+    fn modes(&self, slot: &str) -> Vec<&str> {
+        let slot = self.slot(slot);
+        let world = &self.program.worlds[WorldId(0)];
+        let entity = &self.program.entities[world.slots[slot].entity];
+        let leaf = |group| world.layout.slots[slot].leaf(&self.state, group);
+        entity.groups.ids().map(|g| entity.modes[entity.leaves[leaf(g)].mode].path.as_str()).collect()
+    }
+}
+
+/// One entity, placed once as `a` under player 1, in a world without a map.
+fn alone(entity: &str) -> Program {
+    program(compile_text(&format!(
+        "entity A {{ {entity} }}
+         world W {{ step 1/10; space main {{ place a: A at (0, 0) }} player 1: a }}"
+    )))
+}
+
+#[test]
+fn the_outermost_edge_wins_and_then_source_order() {
+    let p = alone(
+        "button go
+         mode outer {
+             when held(go) -> second
+             when held(go) -> first
+             mode inner { when held(go) -> other }
+             mode other { }
+         }
+         mode first { }
+         mode second { }",
+    );
+    let mut run = Run::new(&p);
+    assert_eq!(run.modes("a"), ["outer.inner"]);
+    run.step("-");
+    assert_eq!(run.modes("a"), ["outer.inner"]);
+    run.step("go");
+    assert_eq!(run.modes("a"), ["second"]);
+}
+
+#[test]
+fn updates_read_the_state_before_and_the_last_one_wins() {
+    let p = alone(
+        "discrete n: int 0..99 = 1
+         discrete m: int 0..99 = 10
+         mode a {
+             when n < 50 { n := m; m := n }
+             mode b {
+                 when n == 10 -> c { n := n + 5 }
+             }
+             mode c {
+                 m := 77
+                 when n == 15 -> d { m := m + 1 }
+                 mode d { n := 40; when n == 40 { n := 41 } }
+             }
+         }",
+    );
+    let mut run = Run::new(&p);
+    run.step("-");
+    assert_eq!((run.discrete("a", "n"), run.discrete("a", "m")), (10, 1), "values are exchanged");
+    // The edge to c: internal first (n 1, m 10), entries of c (m 77) and d (n 40), then its own (n 15).
+    run.step("-");
+    assert_eq!((run.discrete("a", "n"), run.discrete("a", "m")), (15, 77));
+    assert_eq!(run.modes("a"), ["a.c.d"]);
+    // c stays active: only d is left and entered again.
+    run.step("-");
+    assert_eq!((run.discrete("a", "n"), run.discrete("a", "m")), (40, 78));
+    // Without a target nothing is entered.
+    run.step("-");
+    assert_eq!((run.discrete("a", "n"), run.discrete("a", "m")), (41, 40));
+}
+
+#[test]
+fn timers_count_steps_and_start_anew_when_a_mode_is_entered() {
+    let p = alone(
+        "button back
+         mode a {
+             mode b { when timer >= 0.3 -> c }
+             mode c { when held(back) -> b; when timer >= 2frames -> c { x := x + 1 } }
+             when timer(a) >= 10 -> a
+         }",
+    );
+    let mut run = Run::new(&p);
+    run.step("-*3");
+    assert_eq!(run.modes("a"), ["a.b"]);
+    run.step("-");
+    assert_eq!(run.modes("a"), ["a.c"]);
+    run.step("-*2");
+    assert_eq!(run.var("a", "x"), 1.0, "two steps after it was entered");
+    run.step("-*2");
+    assert_eq!(run.var("a", "x"), 2.0, "a self-edge starts it anew");
+    run.step("back -*2");
+    assert_eq!(run.modes("a"), ["a.b"]);
+    run.step("-");
+    assert_eq!(run.modes("a"), ["a.c"]);
+}
+
+#[test]
+fn an_edge_to_an_ancestor_leaves_and_enters_it() {
+    let p = alone(
+        "discrete n: int 0..99 = 0
+         mode a {
+             n := n + 1
+             mode b { when true -> c }
+             mode c { when timer >= 0.1 -> a }
+         }",
+    );
+    let mut run = Run::new(&p);
+    run.step("-");
+    assert_eq!((run.modes("a"), run.discrete("a", "n")), (vec!["a.c"], 0), "a stays, so it is not entered");
+    run.step("-");
+    assert_eq!((run.modes("a"), run.discrete("a", "n")), (vec!["a.b"], 1));
+}
+
+#[test]
+fn flows_of_every_degree_and_none() {
+    let p = alone(
+        "button off
+         continuous p = 1
+         continuous q = 2
+         x'' = 10
+         y' = 5
+         p = q
+         mode on { when held(off) -> off_ }
+         mode off_ { x' = 3; mode inner { y = x; initial mode deeper { when timer >= 1 -> none_ } mode none_ { } } }
+         group_free = 1"
+            .replace("group_free = 1", "")
+            .as_str(),
+    );
+    let mut run = Run::new(&p);
+    run.step("-*2");
+    assert_eq!((run.var("a", "x''"), run.var("a", "x'"), run.var("a", "x")), (10.0, 2.0, 0.1 + 0.2));
+    assert_eq!((run.var("a", "y''"), run.var("a", "y'"), run.var("a", "y")), (0.0, 5.0, 1.0));
+    assert_eq!((run.var("a", "p"), run.var("a", "p'"), run.var("a", "q")), (2.0, 0.0, 2.0));
+    let before = run.var("a", "x");
+    run.step("off");
+    assert_eq!((run.var("a", "x''"), run.var("a", "x'")), (0.0, 3.0), "the inner flow replaces the outer one");
+    assert_eq!(run.var("a", "y"), before, "right sides are read before anything moves");
+}
+
+#[test]
+fn without_a_flow_the_last_acceleration_stays() {
+    let p = alone("mode a { x'' = 10; when timer >= 0.2 -> b } mode b { }");
+    let mut run = Run::new(&p);
+    run.step("-*2");
+    let velocity = run.var("a", "x'");
+    run.step("-*3");
+    assert_eq!(run.modes("a"), ["b"]);
+    assert_eq!(run.var("a", "x''"), 10.0);
+    assert!((run.var("a", "x'") - velocity - 3.0).abs() < 1e-12);
+}
+
+#[test]
+fn groups_run_side_by_side_and_drive_what_is_theirs() {
+    let p = alone(
+        "button grow, go
+         y'' = -10
+         group size { mode small { when pressed(grow) -> big } mode big { y' = 1 } }
+         group move { mode stand { when held(go) and in size.big -> walk } mode walk { x' = 7 } }",
+    );
+    let mut run = Run::new(&p);
+    run.step("grow+go");
+    assert_eq!(run.modes("a"), ["size.big", "move.stand"], "guards read the state before the step");
+    assert_eq!(run.var("a", "y'"), 1.0);
+    run.step("go");
+    assert_eq!(run.modes("a"), ["size.big", "move.walk"]);
+    assert_eq!(run.var("a", "x'"), 7.0);
+}
+
+#[test]
+fn buttons_are_pressed_and_released_at_one_step() {
+    let p = alone(
+        "button b
+         discrete pressed_: int 0..99 = 0
+         discrete held_: int 0..99 = 0
+         discrete released_: int 0..99 = 0
+         mode a {
+             when pressed(b) { pressed_ := pressed_ + 1 }
+             when held(b) { held_ := held_ + 1 }
+             when released(b) { released_ := released_ + 1 }
+         }",
+    );
+    let mut run = Run::new(&p);
+    run.step("b*3 -*2 b*2");
+    assert_eq!(["pressed_", "held_", "released_"].map(|n| run.discrete("a", n)), [2, 5, 1]);
+}
+
+#[test]
+fn a_two_way_envelope_rises_holds_and_falls() {
+    let text = |release: &str| {
+        format!(
+            "axis horizontal
+             discrete ice: bool = false
+             envelope x' by horizontal {{ attack accel 200; sustain 50; release {release}; while not in slip }}
+             mode dry {{ }} mode slip {{ }}"
+        )
+    };
+    let p = alone(&text("accel 100"));
+    let mut run = Run::new(&p);
+    let mut seen = Vec::new();
+    for step in ["right", "right", "right", "right", "-", "-", "left", "left", "left", "left", "left"] {
+        run.step(step);
+        seen.push(run.var("a", "x'"));
+    }
+    assert_eq!(seen, [20.0, 40.0, 50.0, 50.0, 40.0, 30.0, 10.0, -10.0, -30.0, -50.0, -50.0]);
+    run.step("left+right");
+    assert_eq!(run.var("a", "x'"), -40.0, "opposite directions cancel");
+    for (release, expected) in
+        [("hold", 50.0), ("instant", 0.0), ("to 30", 30.0), ("over 0.5s", 40.0), ("accel 300 to 35", 35.0)]
+    {
+        let p = alone(&text(release));
+        let mut run = Run::new(&p);
+        run.step("right*5 -");
+        assert_eq!(run.var("a", "x'"), expected, "release {release}");
+    }
+    let p = alone("axis steer; envelope x' by steer { attack over 0.5s; sustain 50 } mode a { }");
+    let mut run = Run::new(&p);
+    run.step("steer=0.25");
+    assert_eq!(run.var("a", "x'"), 10.0, "the sign of the axis counts, and the way takes 0.5 s");
+}
+
+/// Entities in a level of tiles; the first is player 1's.
+fn level(entities: &str, collide: &str, map: &str, places: &str) -> Program {
+    program(compile_text(&format!(
+        "{entities}
+         world W {{
+             step 1/10
+             {collide}
+             tiles t 10 x 10 {{ '.': empty; '#': wall; 'o': wall, odd }}
+             space main {{
+                 map t \"
+{map}
+                 \"
+                 {places}
+             }}
+         }}"
+    )))
+}
+
+const BALL: &str = "entity Ball {
+    param vx = 0
+    param vy = 0
+    collider body: rect(0, 0, 4, 4)
+    mode go { when timer >= 0 -> free { x' := vx; y' := vy } }
+    mode free { }
+}";
+
+#[test]
+fn both_axes_are_pushed_out_at_once_and_velocities_into_walls_stop() {
+    let p = level(
+        BALL,
+        "collide body with wall: block",
+        "..#\n..#\n###",
+        "place a: Ball at (14, 12) { vx = 30; vy = -30 }",
+    );
+    let mut run = Run::new(&p);
+    run.step("-");
+    assert_eq!((run.var("a", "x"), run.var("a", "y")), (16.0, 10.0));
+    assert_eq!((run.var("a", "x'"), run.var("a", "y'")), (0.0, 0.0));
+}
+
+#[test]
+fn kept_velocities_bounce_nothing_and_leaving_ones_stay() {
+    let keep = "collide body with wall: block, keep velocity";
+    let p = level(BALL, keep, "...\n###", "place a: Ball at (3, 11) { vx = 20; vy = -20 }");
+    let mut run = Run::new(&p);
+    run.step("-");
+    assert_eq!((run.var("a", "y"), run.var("a", "y'")), (10.0, -20.0));
+    // Inside of a floor, but on its way out.
+    let p = level(BALL, "collide body with wall: block", "...\n###", "place a: Ball at (3, 8) { vy = 10 }");
+    let mut run = Run::new(&p);
+    run.step("-");
+    assert_eq!((run.var("a", "y"), run.var("a", "y'")), (10.0, 10.0));
+}
+
+#[test]
+fn seams_between_tiles_do_not_bump() {
+    let runner = "entity Ball {
+        collider body: rect(0, 0, 4, 4)
+        x' = 33
+        y'' = -100
+    }";
+    let p = level(runner, "collide body with wall: block", "..........\n##########", "place a: Ball at (0, 10)");
+    let mut run = Run::new(&p);
+    for _ in 0..25 {
+        let before = run.var("a", "x");
+        run.step("-");
+        assert!((run.var("a", "x") - before - 3.3).abs() < 1e-9, "it slides freely");
+        assert_eq!(run.var("a", "y"), 10.0);
+    }
+}
+
+#[test]
+fn touching_knows_tags_and_sides_and_corners_do_not_count() {
+    let probe = "entity Probe {
+        discrete below: bool = false
+        discrete right: bool = false
+        discrete odd_: bool = false
+        collider body: rect(0, 0, 4, 4)
+        mode a { when true {
+            below := touching(body, wall, below); right := touching(wall, right); odd_ := touching(body, odd)
+        } }
+    }";
+    let at = |x: f64, y: f64| {
+        let place = format!("place a: Probe at ({x}, {y})");
+        let p = level(probe, "collide body with wall: block", "..o\n...\n##.", &place);
+        let mut run = Run::new(&p);
+        run.step("-");
+        ["below", "right", "odd_"].map(|n| run.discrete("a", n) == 1)
+    };
+    assert_eq!(at(3.0, 10.0), [true, false, false], "standing exactly on an edge");
+    assert_eq!(at(3.0, 10.001), [false, false, false]);
+    assert_eq!(at(16.0, 24.0), [false, true, true], "beside the odd tile");
+    assert_eq!(at(20.0, 10.0), [false, false, false], "a corner is no contact");
+    assert_eq!(at(16.0, 16.0), [false, false, false], "a corner is no contact");
+}
+
+#[test]
+fn two_that_can_move_share_the_push_and_kinematic_ones_never_move() {
+    let entities = "entity Crate { collider box: rect(0, 0, 10, 10) }
+                    entity Wall { kinematic collider box: rect(0, 0, 10, 10) }";
+    let p =
+        level(entities, "collide box with box: block", "....", "place a: Crate at (0, 0)\nplace b: Crate at (6, 0)");
+    let mut run = Run::new(&p);
+    run.step("-");
+    assert_eq!((run.var("a", "x"), run.var("b", "x")), (-2.0, 8.0));
+    let p = level(entities, "collide box with box: block", "....", "place a: Wall at (0, 0)\nplace b: Crate at (6, 1)");
+    let mut run = Run::new(&p);
+    run.step("-");
+    assert_eq!((run.var("a", "x"), run.var("b", "x"), run.var("b", "y")), (0.0, 10.0, 1.0));
+    let p = level(entities, "collide box with box: block", "....", "place a: Wall at (0, 0)\nplace b: Wall at (6, 1)");
+    let mut run = Run::new(&p);
+    run.step("-");
+    assert_eq!((run.var("a", "x"), run.var("b", "x")), (0.0, 6.0));
+}
+
+#[test]
+fn colliders_are_there_while_their_guard_holds() {
+    let p = level(
+        "entity Ghost {
+             collider body: rect(0, 0, 4, 4) when in solid
+             y' = -10
+             mode thin { when timer >= 0.2 -> solid }
+             mode solid { }
+         }",
+        "collide body with wall: block",
+        "...\n...\n###",
+        "place a: Ghost at (3, 10)",
+    );
+    let mut run = Run::new(&p);
+    run.step("-*2");
+    assert_eq!(run.var("a", "y"), 8.0, "it sinks into the floor");
+    run.step("-");
+    assert_eq!(run.var("a", "y"), 10.0, "and is pushed out of it");
+}
+
+#[test]
+fn something_at_rest_stays_at_rest() {
+    let p = level(
+        "entity Rock { collider body: rect(0.1, -0.3, 4.7, 3.9); y'' = -300 }",
+        "collide body with wall: block",
+        "...\n...\n###",
+        "place a: Rock at (3.3, 10.3)",
+    );
+    let mut run = Run::new(&p);
+    run.step("-*10");
+    let (x, y) = (run.var("a", "x"), run.var("a", "y"));
+    run.step("-*100000");
+    assert_eq!((run.var("a", "x"), run.var("a", "y")), (x, y));
+}

@@ -425,3 +425,32 @@ fn something_at_rest_stays_at_rest() {
     run.step("-*100000");
     assert_eq!((run.var("a", "x"), run.var("a", "y")), (x, y));
 }
+
+#[test]
+fn functions_compute_what_they_say() {
+    let cases = [
+        ("min(3, -2)", -2.0),
+        ("max(3, -2)", 3.0),
+        ("abs(-2.5)", 2.5),
+        ("sign(-7) + sign(0) + sign(3)", 0.0),
+        ("clamp(7, 1, 5)", 5.0),
+        ("floor(-1.5)", -2.0),
+        ("ceil(-1.5)", -1.0),
+        ("round(2.5) + round(-2.5) + round(0.4)", 0.0),
+        ("sqrt(2.25)", 1.5),
+        ("if(x < 1, 4, 5)", 4.0),
+        ("cos(zero)", 1.0),
+        ("sin(zero)", 0.0),
+        ("atan2(1, 1) * 4", std::f64::consts::PI),
+        ("2 + 3 * 4 - 6 / 4", 12.5),
+        ("-2 - -3", 1.0),
+        ("if(not x > 1 and 1 < 2, 1, 0)", 1.0),
+    ];
+    for (expression, expected) in cases {
+        // Through a variable that has the dimension of whatever it is given.
+        let p = alone(&format!("param zero = 0; continuous v = 0; v = {expression}"));
+        let mut run = Run::new(&p);
+        run.step("-");
+        assert!((run.var("a", "v") - expected).abs() < 1e-15, "{expression} = {}", run.var("a", "v"));
+    }
+}

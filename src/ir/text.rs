@@ -236,6 +236,9 @@ fn expression<'a>(
                 Function::Ceil => ("ceil", 1),
                 Function::Round => ("round", 1),
                 Function::Sqrt => ("sqrt", 1),
+                Function::Sin => ("sin", 1),
+                Function::Cos => ("cos", 1),
+                Function::Atan2 => ("atan2", 2),
             };
             let args: Vec<String> = args.iter().take(count).map(|&a| sub(a)).collect();
             format!("{name}({})", args.join(", "))

@@ -34,6 +34,9 @@ impl Checker<'_> {
             "ceil" => (Function::Ceil, "`ceil(a)`"),
             "round" => (Function::Round, "`round(a)`"),
             "sqrt" => (Function::Sqrt, "`sqrt(a)`"),
+            "sin" => (Function::Sin, "`sin(angle)`"),
+            "cos" => (Function::Cos, "`cos(angle)`"),
+            "atan2" => (Function::Atan2, "`atan2(y, x)`"),
             "if" => {
                 let [condition, a, b] = arguments else {
                     wrong(self, "`if(condition, a, b)`");
@@ -49,10 +52,6 @@ impl Checker<'_> {
                 };
                 let b = self.expect(b, &ty)?;
                 return make(TermKind::Call(Function::If, vec![condition, a, b]), ty);
-            }
-            "sin" | "cos" | "atan2" => {
-                self.diagnostics.report(NotSupported { at: function.span, what: format!("`{}`", function.text) });
-                return None;
             }
             "entering" | "exiting" | "lost" => {
                 self.diagnostics.report(NotSupported { at: function.span, what: format!("`{}`", function.text) });
@@ -96,8 +95,8 @@ impl Checker<'_> {
             }
             other => {
                 let known = [
-                    "min", "max", "abs", "sign", "clamp", "floor", "ceil", "round", "sqrt", "if", "pressed", "held",
-                    "released", "touching", "timer", "near", "inside",
+                    "min", "max", "abs", "sign", "clamp", "floor", "ceil", "round", "sqrt", "sin", "cos", "atan2",
+                    "if", "pressed", "held", "released", "touching", "timer", "near", "inside",
                 ];
                 let fact = unknown("function", other, function.span, known);
                 self.report_unknown(fact);
@@ -105,7 +104,7 @@ impl Checker<'_> {
             }
         };
         let count = match numeric {
-            Function::Min | Function::Max => 2,
+            Function::Min | Function::Max | Function::Atan2 => 2,
             Function::Clamp => 3,
             _ => 1,
         };
@@ -117,7 +116,7 @@ impl Checker<'_> {
         let args: Vec<Term> = args.into_iter().collect::<Option<_>>()?;
         let ty = match numeric {
             Function::Floor | Function::Ceil | Function::Round | Function::Sign => Type::Int,
-            Function::Sqrt => Type::Real,
+            Function::Sqrt | Function::Sin | Function::Cos | Function::Atan2 => Type::Real,
             _ if args.iter().all(|a| a.ty == Type::Int) => Type::Int,
             _ => Type::Real,
         };

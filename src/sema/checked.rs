@@ -94,6 +94,12 @@ pub enum Function {
     Round,
     /// The square root; of a negative number it stops the step.
     Sqrt,
+    /// The sine of an angle in radians, as a portable library computes it.
+    Sin,
+    /// The cosine of an angle in radians.
+    Cos,
+    /// `atan2(y, x)`: the angle of a direction, in radians.
+    Atan2,
     /// `if(condition, a, b)`
     If,
 }

@@ -260,8 +260,12 @@ impl Solver<'_> {
                         self.dimension(condition, here);
                         self.agree(values, here)
                     }
-                    (Function::Sign, _) => {
+                    (Function::Sign | Function::Atan2, _) => {
                         self.agree(&args, here);
+                        Some(Dim::known(0, 0))
+                    }
+                    (Function::Sin | Function::Cos, [angle]) => {
+                        self.place(angle, &Dim::known(0, 0), here);
                         Some(Dim::known(0, 0))
                     }
                     (Function::Sqrt, [a]) => {

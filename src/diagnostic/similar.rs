@@ -1,12 +1,18 @@
 //! "Did you mean": the nearest name by edit distance.
 
+/// How many names are compared.
+const MAX_CANDIDATES: usize = 1_000;
+
 /// The candidate closest to `name`, if one is close enough to be a slip of the hand: at most a third of its
 /// letters differ (insertions, deletions, substitutions, swapped neighbours). Ties go to the first.
 pub fn similar<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let limit = (name.chars().count() / 3).min(4);
+    let length = name.chars().count();
     candidates
         .into_iter()
-        .filter(|c| *c != name)
+        // Among thousands of names nobody looks for a slip of the hand.
+        .take(MAX_CANDIDATES)
+        .filter(|c| *c != name && c.chars().count().abs_diff(length) <= limit)
         .map(|c| (distance(name, c), c))
         .filter(|&(d, _)| d <= limit)
         .min_by_key(|&(d, _)| d)

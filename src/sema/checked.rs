@@ -1,6 +1,8 @@
 //! The checked program: what `sema` makes of the syntax tree. Every name is an id, every expression has a type,
 //! the hierarchy of modes is kept; flattening it is the work of `ir`.
 
+use std::rc::Rc;
+
 use serde::Serialize;
 
 use crate::level::TileMap;
@@ -19,7 +21,7 @@ pub struct Checked {
     /// All tags that occur, in order of first use.
     pub tags: IdVec<TagId, Name>,
     /// All entities.
-    pub entities: IdVec<EntityId, Entity>,
+    pub entities: IdVec<EntityId, Rc<Entity>>,
     /// All worlds, those of the root file first.
     pub worlds: IdVec<WorldId, World>,
 }

@@ -308,8 +308,8 @@ impl<'a> Checker<'a> {
     /// The body of an entity whose skeleton is known.
     pub(super) fn entity(&mut self, syntax: &ast::Entity, names: Skeleton<'_>, id: EntityId) -> Entity {
         let frozen = self.checked.entities[id].clone();
-        let mut entity = frozen.clone();
-        let scope = Scope { entity: Some(&frozen), names: Some(&names), ..Scope::constant() }.reading(Reads::All);
+        let mut entity = (*frozen).clone();
+        let scope = Scope { entity: Some(&*frozen), names: Some(&names), ..Scope::constant() }.reading(Reads::All);
         self.initial_values(syntax, &names, &mut entity, &scope);
         for member in &syntax.members {
             match member {

@@ -14,6 +14,7 @@ mod expression;
 pub mod ids;
 mod mode;
 mod names;
+mod place;
 mod predicate;
 mod world;
 
@@ -49,7 +50,7 @@ pub fn check(files: &[ast::File]) -> (Checked, Diagnostics) {
     checker.declare(files);
     for (index, (entity, skeleton)) in std::mem::take(&mut checker.skeletons).into_iter().enumerate() {
         let checked = checker.entity(entity, skeleton, EntityId(index as u32));
-        checker.checked.entities[EntityId(index as u32)] = checked;
+        checker.checked.entities[EntityId(index as u32)] = checked.into();
     }
     for file in files {
         for item in &file.items {
@@ -109,7 +110,7 @@ impl<'a> Checker<'a> {
                     let id = EntityId(self.skeletons.len() as u32);
                     self.entities.declare(&entity.name, id, &mut self.diagnostics);
                     let (checked, skeleton) = self.skeleton(entity);
-                    self.checked.entities.push(checked);
+                    self.checked.entities.push(checked.into());
                     self.skeletons.push((entity, skeleton));
                 }
             }

@@ -104,7 +104,7 @@ pub(super) struct ReachArgs {
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
     /// The most nodes to grow for each goal.
-    #[arg(long, value_name = "N", default_value_t = 500_000)]
+    #[arg(long, value_name = "N", default_value_t = 200_000)]
     pub nodes: u64,
     /// The most seconds to take for each goal.
     #[arg(long, value_name = "S", value_parser = seconds)]

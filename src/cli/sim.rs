@@ -26,6 +26,7 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Answer> {
     };
     let sim = Simulator::new(&loaded.program, world);
     let text = script.text(&loaded.program, world);
+    let frames = args.frames.unwrap_or(script.len());
     let mut trace = match &args.trace {
         Some(path) => {
             let to: Box<dyn Write> = if path.as_os_str() == "-" {
@@ -39,11 +40,10 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Answer> {
                     }
                 }
             };
-            Some(TraceWriter::new(&sim, BufWriter::new(to), &args.file.display().to_string(), &text)?)
+            Some(TraceWriter::new(&sim, BufWriter::new(to), &args.file.display().to_string(), &text, frames)?)
         }
         None => None,
     };
-    let frames = args.frames.unwrap_or(script.len());
     let mut report = Report::new(&sim);
     let result = drive(&sim, &script, frames, &mut |step, input, state| {
         report.observe(step, state);

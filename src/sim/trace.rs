@@ -27,6 +27,7 @@ struct Header<'a> {
     world: &'a str,
     step: String,
     inputs: &'a str,
+    steps: u64,
 }
 
 #[derive(serde::Serialize)]
@@ -41,11 +42,12 @@ struct Line<'a> {
 }
 
 impl<'s, W: Write> TraceWriter<'s, W> {
-    /// Starts a trace with its header; `script` is the text of the whole input.
+    /// Starts a trace with its header; `script` is the text of the whole input, of which `steps` steps are run (with no
+    /// input after its end).
     ///
     /// # Errors
     /// What the writer says.
-    pub fn new(sim: &'s Simulator<'s>, mut out: W, file: &str, script: &str) -> io::Result<Self> {
+    pub fn new(sim: &'s Simulator<'s>, mut out: W, file: &str, script: &str, steps: u64) -> io::Result<Self> {
         let step = sim.world().step;
         let header = Header {
             trace: TRACE_VERSION,
@@ -54,6 +56,7 @@ impl<'s, W: Write> TraceWriter<'s, W> {
             world: &sim.world().name,
             step: format!("{}/{}", step.numerator, step.denominator),
             inputs: script,
+            steps,
         };
         serde_json::to_writer(&mut out, &header)?;
         out.write_all(b"\n")?;

@@ -118,6 +118,32 @@ fn never_comes_before_the_goal() {
     assert_eq!(search(&at_once, 0, 1, 1_000).verdict, Verdict::NotFound);
 }
 
+#[test]
+fn a_branch_ends_below_and_beside_the_bounds_but_not_above() {
+    let text = |bounds: &str, goal: &str| {
+        format!(
+            "entity Kite {{
+                 axis horizontal, vertical
+                 envelope x' by horizontal {{ sustain 60 }}
+                 envelope y' by vertical {{ sustain 60 }}
+             }}
+             world W {{
+                 space main {{ place kite: Kite at (5, 5); {bounds} }}
+                 player 1: kite
+                 goal there: {goal}
+             }}"
+        )
+    };
+    for (goal, inside) in
+        [("kite.y > 200", true), ("kite.y < -20", false), ("kite.x < -20", false), ("kite.x > 120", false)]
+    {
+        let free = program(compile_text(&text("", goal)));
+        assert!(matches!(search(&free, 0, 1, 20_000).verdict, Verdict::Reached(_)), "{goal} without bounds");
+        let bounded = program(compile_text(&text("bounds rect(0, 0, 100, 100)", goal)));
+        assert_eq!(matches!(search(&bounded, 0, 1, 20_000).verdict, Verdict::Reached(_)), inside, "{goal}");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
 

@@ -454,3 +454,23 @@ fn functions_compute_what_they_say() {
         assert!((run.var("a", "v") - expected).abs() < 1e-15, "{expression} = {}", run.var("a", "v"));
     }
 }
+
+#[test]
+fn rectangles_stand_free_and_need_no_map() {
+    let p = program(compile_text(&format!(
+        "{BALL}
+         world W {{
+             step 1/10
+             collide body with wall, ice: block
+             space main {{
+                 rect wall, ice (-20, -10, 40, 10)
+                 place a: Ball at (3, 1) {{ vx = 10; vy = -20 }}
+             }}
+         }}"
+    )));
+    let mut run = Run::new(&p);
+    run.step("-");
+    assert_eq!((run.var("a", "x"), run.var("a", "y"), run.var("a", "y'")), (4.0, 0.0, 0.0));
+    run.step("-*100");
+    assert!(run.var("a", "x") > 100.0 && run.var("a", "y") == 0.0, "nothing pulls it down beyond the edge");
+}

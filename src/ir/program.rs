@@ -413,6 +413,40 @@ pub struct Space {
     pub name: String,
     /// Its map.
     pub map: Option<TileMap<TagId>>,
+    /// Free-standing static geometry.
+    pub solids: Vec<Solid>,
+    /// Where a player may be: a branch of a search ends below and beside; none where there is neither a map nor a word
+    /// of it.
+    pub bounds: Option<Bounds>,
+}
+
+/// Free-standing static geometry.
+#[derive(Debug, Clone, Serialize)]
+pub struct Solid {
+    /// What it counts as.
+    pub tags: TagSet,
+    /// Where it is.
+    pub bounds: Bounds,
+}
+
+/// A rectangle, px.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Bounds {
+    /// Its least x.
+    pub left: f64,
+    /// Its greatest x.
+    pub right: f64,
+    /// Its least y.
+    pub bottom: f64,
+    /// Its greatest y.
+    pub top: f64,
+}
+
+impl Bounds {
+    /// From the lower-left corner, the width and the height.
+    pub fn new([x, y, width, height]: [f64; 4]) -> Self {
+        Bounds { left: x, right: x + width, bottom: y, top: y + height }
+    }
 }
 
 /// A place for an instance, with the instance's first values.
@@ -530,6 +564,8 @@ pub struct WorldSpans {
     pub name: Span,
     /// Of each space's name.
     pub spaces: IdVec<SpaceId, Span>,
+    /// Of each space's free-standing geometry.
+    pub solids: IdVec<SpaceId, Vec<Span>>,
     /// Of each slot.
     pub slots: IdVec<SlotId, Span>,
     /// Of each player's line.

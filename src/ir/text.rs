@@ -287,11 +287,18 @@ fn write_world(out: &mut String, p: &Program, w: &World) -> Result {
     }
     for (id, space) in w.spaces.pairs() {
         write!(out, "  {id} {}", space.name)?;
+        if let Some(b) = space.bounds {
+            write!(out, " in {}..{}, {}..{}", b.left, b.right, b.bottom, b.top)?;
+        }
+        for solid in &space.solids {
+            let b = solid.bounds;
+            write!(out, "\n    {} at {}..{}, {}..{}", tags(p, solid.tags), b.left, b.right, b.bottom, b.top)?;
+        }
         let Some(map) = &space.map else {
             writeln!(out)?;
             continue;
         };
-        writeln!(out, ": {} x {} tiles of {} x {} px", map.columns, map.rows, map.tile.0, map.tile.1)?;
+        writeln!(out, "\n    {} x {} tiles of {} x {} px", map.columns, map.rows, map.tile.0, map.tile.1)?;
         for kind in map.kinds.iter().filter(|k| !k.tags.is_empty()) {
             writeln!(out, "    {} {}", kind.symbol, tags(p, kind.tags.iter().copied().collect()))?;
         }

@@ -4,8 +4,8 @@ use crate::sema::{arithmetic, call, checked, compare};
 
 use super::fold::Context;
 use super::{
-    Collide, EntityId, Expr, ExprId, GoalId, IdVec, Layout, NeverId, ParamId, Player, PlayerId, Predicate, Program,
-    Slot, SlotId, Space, Step, TagSet, Timer, World, WorldSpans,
+    Bounds, Collide, EntityId, Expr, ExprId, GoalId, IdVec, Layout, NeverId, ParamId, Player, PlayerId, Predicate,
+    Program, Slot, SlotId, Solid, Space, Step, TagSet, Timer, World, WorldSpans,
 };
 
 /// The predicates of a world, lowered.
@@ -45,7 +45,7 @@ pub(super) fn lower(program: &mut Program, w: &checked::World, predicates: Predi
         })
         .collect();
     let layout = Layout::new(&slots, players.len(), &program.entities);
-    let spaces = w.spaces.iter().map(|s| Space { name: s.name.text.clone(), map: s.map.clone() }).collect();
+    let spaces = w.spaces.iter().map(space).collect();
     let collide = w
         .collide
         .iter()
@@ -58,6 +58,7 @@ pub(super) fn lower(program: &mut Program, w: &checked::World, predicates: Predi
     program.spans.worlds.push(WorldSpans {
         name: w.name.span,
         spaces: w.spaces.iter().map(|s| s.name.span).collect(),
+        solids: w.spaces.iter().map(|s| s.solids.iter().map(|x| x.span).collect()).collect(),
         slots: w.instances.iter().map(|i| i.span).collect(),
         players: w.players.iter().map(|p| p.span).collect(),
         goals: w.goals.iter().map(|g| g.name.span).collect(),
@@ -74,6 +75,20 @@ pub(super) fn lower(program: &mut Program, w: &checked::World, predicates: Predi
         nevers: predicates.nevers,
         layout,
     });
+}
+
+fn space(s: &checked::Space) -> Space {
+    let of_map = s.map.as_ref().map(|m| [0.0, 0.0, m.size().0, m.size().1]);
+    Space {
+        name: s.name.text.clone(),
+        map: s.map.clone(),
+        solids: s
+            .solids
+            .iter()
+            .map(|solid| Solid { tags: solid.tags.iter().copied().collect(), bounds: Bounds::new(solid.rect) })
+            .collect(),
+        bounds: s.bounds.or(of_map).map(Bounds::new),
+    }
 }
 
 /// The count above which a timer's value no longer matters: the first whose time exceeds all it is compared with.

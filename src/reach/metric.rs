@@ -5,7 +5,7 @@
 use rand::{Rng, RngExt};
 
 use crate::ir::{
-    DiscreteId, Drive, Entity, Expr, GroupId, Id, LeafId, Place, Program, Slot, SlotId, TimerId, VarId, World,
+    Bounds, DiscreteId, Drive, Entity, Expr, GroupId, Id, LeafId, Place, Program, Slot, SlotId, TimerId, VarId, World,
 };
 use crate::sim::Simulator;
 
@@ -158,11 +158,10 @@ fn positions(world: &World, var: VarId) -> (f64, f64) {
     if var.index() > 1 {
         return (-SPEED, SPEED);
     }
-    let size = |(width, height): (f64, f64)| if var.index() == 0 { width } else { height };
-    let maps = world.spaces.iter().filter_map(|s| s.map.as_ref()).map(|m| size(m.size()));
-    let greatest = maps.fold(0.0f64, f64::max);
-    if greatest > 0.0 {
-        return (0.0, greatest);
+    let side = |b: &Bounds| if var.index() == 0 { (b.left, b.right) } else { (b.bottom, b.top) };
+    let around = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
+    if let Some(range) = world.spaces.iter().filter_map(|s| s.bounds.as_ref()).map(side).reduce(around) {
+        return range;
     }
     let placed = || world.slots.iter().map(|s| s.vars[var][0]);
     let low = placed().fold(f64::INFINITY, f64::min).min(0.0);

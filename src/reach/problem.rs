@@ -10,7 +10,7 @@ pub enum Standing {
     Open,
     /// The goal holds.
     Goal,
-    /// A `never` holds, or a player's position lies below or beside its space's map.
+    /// A `never` holds, or a player's position lies below or beside its space's bounds.
     Dead,
 }
 
@@ -49,16 +49,13 @@ impl<'s> Problem<'s> {
         Ok(if self.in_bounds(state) { Standing::Open } else { Standing::Dead })
     }
 
-    /// Whether every player is within its space: at or above the map's lower edge, between its sides. Above there is
-    /// no bound, and where there is no map there is none at all.
+    /// Whether every player is within its space: at or above the bounds' lower edge, between their sides. Above there is
+    /// no bound, and where there is neither a map nor a `bounds` there is none at all.
     fn in_bounds(&self, state: &[u8]) -> bool {
         self.players.iter().all(|&slot| {
-            let Some(map) = &self.sim.world().spaces[self.sim.space(state, slot)].map else {
-                return true;
-            };
+            let Some(bounds) = self.sim.world().spaces[self.sim.space(state, slot)].bounds else { return true };
             let (x, y) = self.sim.position(state, slot);
-            let (width, _) = map.size();
-            x >= 0.0 && x <= width && y >= 0.0
+            (bounds.left..=bounds.right).contains(&x) && y >= bounds.bottom
         })
     }
 }

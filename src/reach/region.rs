@@ -3,7 +3,7 @@
 
 use rand::{Rng, RngExt};
 
-use crate::ir::{CompareOp, Entity, Expr, ExprId, LeafId, SlotId, Subject, TagSet, TouchId, VarId};
+use crate::ir::{Bounds, CompareOp, Entity, Expr, ExprId, LeafId, SlotId, Subject, TagSet, TouchId, VarId};
 
 use super::metric::{Metric, Point, Quantity};
 use super::problem::Problem;
@@ -146,35 +146,32 @@ impl Finder<'_> {
         Some(Region { reals: vec![range?], modes: Vec::new() })
     }
 
-    /// The positions at which a collider of the slot lies over a tile with the tag.
+    /// The positions at which a collider of the slot lies over a tile or a rectangle with the tag.
     fn touching(&self, slot: SlotId, touch: TouchId) -> Vec<Region> {
         let (program, world) = (self.problem.sim.program(), self.problem.sim.world());
         let s = &world.slots[slot];
         let entity: &Entity = &program.entities[s.entity];
         let touch = entity.touches[touch];
-        let Some(map) = &world.spaces[s.space].map else {
-            return Vec::new();
-        };
+        let space = &world.spaces[s.space];
         let wanted = TagSet::of(touch.other);
-        let kinds: Vec<bool> =
-            map.kinds.iter().map(|k| k.tags.iter().copied().collect::<TagSet>().meets(wanted)).collect();
+        let mut targets: Vec<Bounds> = space.solids.iter().filter(|x| x.tags.meets(wanted)).map(|x| x.bounds).collect();
+        if let Some(map) = &space.map {
+            let kinds: Vec<bool> =
+                map.kinds.iter().map(|k| k.tags.iter().copied().collect::<TagSet>().meets(wanted)).collect();
+            let hits = map.cells.iter().enumerate().filter(|(_, kind)| kinds[usize::from(**kind)]);
+            targets.extend(hits.take(MAX_BOXES).map(|(cell, _)| {
+                let (column, row) = ((cell % map.columns) as f64, (cell / map.columns) as f64);
+                Bounds::new([column * map.tile.0, row * map.tile.1, map.tile.0, map.tile.1])
+            }));
+        }
         let mut boxes = Vec::new();
         for collider in entity.colliders.iter().filter(|c| touch.mine.meets(c.tags)) {
             let rect: Vec<f64> =
                 collider.rect.iter().filter_map(|&id| program.constant(id, &s.params, world.step)).collect();
-            let [x, y, width, height] = rect.as_slice() else {
-                continue;
-            };
-            let hits = map.cells.iter().enumerate().filter(|(_, kind)| kinds[usize::from(**kind)]);
-            for (cell, _) in hits.take(MAX_BOXES) {
-                let (column, row) = ((cell % map.columns) as f64, (cell / map.columns) as f64);
-                let (left, bottom) = (column * map.tile.0, row * map.tile.1);
-                boxes.push(self.position_box(
-                    slot,
-                    (left - x - width, left + map.tile.0 - x),
-                    (bottom - y - height, bottom + map.tile.1 - y),
-                ));
-            }
+            let [x, y, width, height] = rect.as_slice() else { continue };
+            boxes.extend(targets.iter().take(MAX_BOXES).map(|t| {
+                self.position_box(slot, (t.left - x - width, t.right - x), (t.bottom - y - height, t.top - y))
+            }));
         }
         boxes.truncate(MAX_BOXES);
         boxes

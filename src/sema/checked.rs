@@ -471,6 +471,21 @@ pub struct Space {
     pub name: Name,
     /// Its map, with the tags of each kind of tile.
     pub map: Option<TileMap<TagId>>,
+    /// Free-standing static geometry.
+    pub solids: Vec<Solid>,
+    /// Where a player may be: x and y of the lower-left corner, width, height; px.
+    pub bounds: Option<[f64; 4]>,
+}
+
+/// Free-standing static geometry.
+#[derive(Debug, Clone)]
+pub struct Solid {
+    /// What it counts as.
+    pub tags: Vec<TagId>,
+    /// x and y of the lower-left corner, width, height; px.
+    pub rect: [f64; 4],
+    /// The line.
+    pub span: Span,
 }
 
 /// A placed instance with its first values.

@@ -8,7 +8,7 @@ use crate::level::{InlineTile, inline_map};
 use crate::source::Span;
 use crate::syntax::ast::{self, Expr, Name, SpaceItem, WorldItem};
 
-use super::checked::{Arithmetic, CollideRule, Player, Question, Response, Space, Term, TermKind, World};
+use super::checked::{Arithmetic, CollideRule, Player, Question, Response, Solid, Space, Term, TermKind, World};
 use super::constant::ConstantContext;
 use super::expression::{Scope, WorldNames};
 use super::ids::{IdVec, TagId};
@@ -64,11 +64,25 @@ impl Checker<'_> {
                 continue;
             };
             spaces.declare(&space.name, (), &mut self.diagnostics);
-            let id = world.spaces.push(Space { name: space.name.clone(), map: None });
+            let id = world.spaces.push(Space { name: space.name.clone(), map: None, solids: Vec::new(), bounds: None });
             let mut map_at = None;
+            let mut bounds: Table<()> = Table::new("the bounds of");
             for item in &space.items {
                 match item {
                     SpaceItem::Map(map) => self.map(map, &sets, &mut map_at, &mut world.spaces[id]),
+                    SpaceItem::Solid(solid) => {
+                        let tags = solid.tags.iter().map(|t| self.tag(t)).collect();
+                        if let Some(rect) = self.rectangle(&solid.rectangle, &mut world.lengths) {
+                            let span = solid.rectangle.span;
+                            world.spaces[id].solids.push(Solid { tags, rect, span });
+                        }
+                    }
+                    SpaceItem::Bounds(rectangle) => {
+                        let name = Name { text: space.name.text.clone(), span: rectangle.span };
+                        if bounds.declare(&name, (), &mut self.diagnostics) {
+                            world.spaces[id].bounds = self.rectangle(rectangle, &mut world.lengths);
+                        }
+                    }
                     SpaceItem::Place(place) => {
                         instances.declare(&place.name, (), &mut self.diagnostics);
                         if world.instances.is_full(MAX_INSTANCES) {
@@ -188,6 +202,28 @@ impl Checker<'_> {
                 self.suspects.insert(tiles.name.text.clone());
             }
         }
+    }
+
+    /// A rectangle of known sides, px.
+    fn rectangle(&mut self, r: &ast::Rectangle, lengths: &mut Vec<Term>) -> Option<[f64; 4]> {
+        let mut known = [None; 4];
+        for (index, (slot, e)) in known.iter_mut().zip(r.sides.iter()).enumerate() {
+            let Some(term) = self.number(e, &Scope::constant()) else { continue };
+            *slot = self.evaluated(&term, ConstantContext::LITERALS);
+            lengths.push(term);
+            if index >= 2
+                && let Some(value) = slot.filter(|v| *v <= 0.0)
+            {
+                *slot = None;
+                self.diagnostics.report(OutOfRange {
+                    at: e.span,
+                    what: format!("a side of {value} px"),
+                    range: "what is above 0 px".into(),
+                });
+            }
+        }
+        let [x, y, width, height] = known;
+        Some([x?, y?, width?, height?])
     }
 
     fn map(&mut self, map: &ast::Map, sets: &Table<TileSet>, first: &mut Option<Span>, space: &mut Space) {

@@ -5,7 +5,7 @@
 
 use std::cell::Cell;
 
-use crate::ir::{ColliderId, Id, Program, Response, Side, SlotId, TagSet, VarId, World};
+use crate::ir::{Bounds, ColliderId, Id, Program, Response, Side, SlotId, TagSet, VarId, World};
 
 use super::evaluate::Reader;
 use super::fault::Fault;
@@ -32,6 +32,8 @@ struct Body {
     fixed: Option<[f64; 4]>,
     /// For each space, for each kind of tile: what a contact does.
     tiles: Vec<Vec<Option<Response>>>,
+    /// For each space, for each free-standing rectangle: what a contact does.
+    solids: Vec<Vec<Option<Response>>>,
 }
 
 /// A rectangle in a space.
@@ -130,8 +132,13 @@ impl Collision {
             for (collider, c) in program.entities[s.entity].colliders.pairs() {
                 let tiles =
                     tile_tags.iter().map(|kinds| kinds.iter().map(|&k| world.response(c.tags, k)).collect()).collect();
+                let solids = world
+                    .spaces
+                    .iter()
+                    .map(|s| s.solids.iter().map(|x| world.response(c.tags, x.tags)).collect())
+                    .collect();
                 let fixed = fixed_rect(program, world, slot, c.rect);
-                bodies.push(Body { slot, collider, tags: c.tags, kinematic: c.kinematic, fixed, tiles });
+                bodies.push(Body { slot, collider, tags: c.tags, kinematic: c.kinematic, fixed, tiles, solids });
             }
         }
         let mut pairs = Vec::new();
@@ -203,6 +210,7 @@ impl Simulator<'_> {
         for (body, rect) in self.collision.bodies.iter().zip(boxes.iter()) {
             if rect.active {
                 let at = body.slot.index();
+                self.collide_solids(state, body, rect, &mut pushes[at], &mut stops[at]);
                 self.collide_tiles(state, body, rect, &mut pushes[at], &mut stops[at]);
             }
         }
@@ -244,6 +252,21 @@ impl Simulator<'_> {
             let on_side = touch.side.is_none_or(|wanted| wanted == side);
             if on_side && touch.mine.meets(body.tags) && other.meets(TagSet::of(touch.other)) {
                 layout.set_touch(state, id);
+            }
+        }
+    }
+
+    fn collide_solids(&self, state: &mut [u8], body: &Body, rect: &Rect, push: &mut [f64; 2], stops: &mut Stops) {
+        let space = self.layout(body.slot).space(state);
+        let solids = &self.world().spaces[space].solids;
+        for (solid, response) in solids.iter().zip(&body.solids[space.index()]) {
+            let Some(response) = *response else { continue };
+            let Bounds { left, right, bottom, top } = solid.bounds;
+            let other = Rect { left, right, bottom, top, active: true };
+            let Some(contact) = Overlap::of(rect, &other).map(|o| o.least()) else { continue };
+            self.touch(state, body, solid.tags, contact.side);
+            if let (Response::Block { keep_velocity }, false) = (response, body.kinematic) {
+                resolve(contact, keep_velocity, push, stops);
             }
         }
     }

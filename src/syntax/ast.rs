@@ -420,6 +420,28 @@ pub enum SpaceItem {
     Map(Map),
     /// An instance.
     Place(Box<Place>),
+    /// `rect tags (x, y, width, height)`: free-standing static geometry.
+    Solid(Solid),
+    /// `bounds rect(x, y, width, height)`
+    Bounds(Rectangle),
+}
+
+/// `rect tags (x, y, width, height)`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solid {
+    /// What it counts as.
+    pub tags: Vec<Name>,
+    /// Where it is.
+    pub rectangle: Rectangle,
+}
+
+/// `(x, y, width, height)`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rectangle {
+    /// x and y of the lower-left corner, width, height.
+    pub sides: Box<[Expr; 4]>,
+    /// The whole line.
+    pub span: Span,
 }
 
 /// `map tiles " … "`

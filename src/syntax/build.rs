@@ -118,6 +118,8 @@ fn is_punctuation(rule: Rule) -> bool {
             | R::word_map
             | R::word_place
             | R::word_at
+            | R::word_rect
+            | R::word_bounds
             | R::word_any
             | R::word_touching
     )

@@ -3,7 +3,10 @@
 use pest::iterators::Pair;
 
 use super::Rule;
-use super::ast::{Collide, Map, Place, Player, Question, Response, Space, SpaceItem, Tile, Tiles, World, WorldItem};
+use super::ast::{
+    Collide, Expr, Map, Place, Player, Question, Rectangle, Response, Solid, Space, SpaceItem, Tile, Tiles, World,
+    WorldItem,
+};
 use super::build::{Builder, parts};
 
 impl Builder<'_> {
@@ -56,6 +59,11 @@ impl Builder<'_> {
                     match item.as_rule() {
                         Rule::bad_space_item => self.bad(Rule::only_space_item, &item),
                         Rule::later_space_item => self.later(&item),
+                        Rule::solid => items.extend(self.solid(&item)),
+                        Rule::bounds => {
+                            let rectangle = parts(&item).first().and_then(|r| self.rectangle(r, &item));
+                            items.extend(rectangle.map(SpaceItem::Bounds));
+                        }
                         Rule::map => items.extend(self.map(&item).map(SpaceItem::Map)),
                         Rule::place => items.extend(self.place(&item).map(|p| SpaceItem::Place(Box::new(p)))),
                         _ => {}
@@ -108,6 +116,18 @@ impl Builder<'_> {
             .map(|cells| self.name(&cells))
             .collect();
         Some(Map { tiles: self.name(inner.first()?), rows, span: self.span_of(pair) })
+    }
+
+    fn solid(&self, pair: &Pair<'_, Rule>) -> Option<SpaceItem> {
+        let inner = parts(pair);
+        let tags = self.names(inner.first()?);
+        let rectangle = self.rectangle(inner.get(1)?, pair)?;
+        Some(SpaceItem::Solid(Solid { tags, rectangle }))
+    }
+
+    fn rectangle(&self, pair: &Pair<'_, Rule>, line: &Pair<'_, Rule>) -> Option<Rectangle> {
+        let sides: [Expr; 4] = self.expressions(&parts(pair))?.try_into().ok()?;
+        Some(Rectangle { sides: Box::new(sides), span: self.span_of(line) })
     }
 
     fn place(&mut self, pair: &Pair<'_, Rule>) -> Option<Place> {

@@ -84,7 +84,7 @@ fn opening_words(rule: Rule) -> &'static [&'static str] {
             "initial",
         ],
         Rule::only_world_item => &["step", "collide", "tiles", "space", "player", "goal", "never"],
-        Rule::only_space_item => &["map", "place"],
+        Rule::only_space_item => &["map", "place", "rect", "bounds"],
         Rule::only_ramp => &["attack", "sustain", "release", "while"],
         _ => &[],
     }
@@ -249,6 +249,9 @@ fn word(rule: Rule) -> Option<&'static str> {
         R::never => "`never`",
         R::map => "`map`",
         R::place => "`place`",
+        R::solid => "`rect`",
+        R::bounds => "`bounds`",
+        R::rectangle => "`(x, y, width, height)`",
         R::attack => "`attack`",
         R::sustain => "`sustain`",
         R::release => "`release`",

@@ -474,3 +474,36 @@ fn rectangles_stand_free_and_need_no_map() {
     run.step("-*100");
     assert!(run.var("a", "x") > 100.0 && run.var("a", "y") == 0.0, "nothing pulls it down beyond the edge");
 }
+
+#[test]
+fn the_initial_mode_can_depend_on_parameters() {
+    let p = program(compile_text(
+        "entity A {
+             param level = 0
+             button go
+             mode a {
+                 mode plain { }
+                 initial mode usual { }
+                 initial when level > 1 mode hard { initial when level > 2 mode harder { } initial mode soft { } mode odd { } }
+                 when pressed(go) -> b
+             }
+             initial when level < 0 mode b { when pressed(go) -> a }
+         }
+         world W {
+             space main {
+                 place one: A at (0, 0)
+                 place two: A at (0, 0) { level = 2 }
+                 place three: A at (0, 0) { level = 3 }
+                 place none_: A at (0, 0) { level = -1 }
+             }
+             player 1: three
+         }",
+    ));
+    let mut run = Run::new(&p);
+    let modes = |run: &Run<'_>| ["one", "two", "three", "none_"].map(|n| run.modes(n)[0].to_string());
+    assert_eq!(modes(&run), ["a.usual", "a.hard.soft", "a.hard.harder", "b"]);
+    run.step("go");
+    assert_eq!(run.modes("three"), ["b"]);
+    run.step("- go");
+    assert_eq!(run.modes("three"), ["a.hard.harder"], "the guard decides whenever the mode is entered");
+}

@@ -5,8 +5,9 @@ use crate::source::Span;
 
 use super::fold::{Context, rate};
 use super::{
-    Arithmetic, Collider, Discrete, Domain, Edge, Entity, EntityId, EntitySpans, Envelope, Expr, ExprId, Function,
-    Group, Id, IdVec, Inputs, LeafId, Mode, ModeId, Param, Program, Release, TagSet, Update, leaf, verify, world,
+    Arithmetic, Choice, Collider, Discrete, Domain, Edge, Entity, EntityId, EntitySpans, Envelope, Expr, ExprId,
+    Function, Group, Id, IdVec, Inputs, LeafId, Mode, ModeId, Param, Program, Release, TagSet, Update, leaf, verify,
+    world,
 };
 
 /// Lowers a program that checked without errors.
@@ -166,6 +167,7 @@ fn modes(program: &mut Program, id: EntityId, e: &checked::Entity, context: &Con
     };
     for (mode, m) in e.modes.pairs() {
         let entry = lower_updates(program, &m.entry, context);
+        let choices = choices_of(program, e, &m.children, context);
         let (first, after) = leaves[mode.index()];
         program.entities[id].modes.push(Mode {
             path: m.path.join("."),
@@ -174,18 +176,36 @@ fn modes(program: &mut Program, id: EntityId, e: &checked::Entity, context: &Con
             group: m.group,
             leaves: (LeafId(first), LeafId(after)),
             initial: initial(mode),
+            chooses: !choices.is_empty(),
+            choices,
+            inner: first_of(e, &m.children),
             entry,
         });
     }
+    // A mode chooses if anything inside it does; inner modes come later, so from the last to the first.
+    let table = &mut program.entities[id].modes;
+    for mode in (0..count as u32).rev().map(ModeId) {
+        if let Some(parent) = table[mode].parent {
+            table[parent].chooses |= table[mode].chooses;
+        }
+    }
     for group in e.groups.iter() {
         let first = group.modes.first().copied().unwrap_or(ModeId(0));
+        let choices = choices_of(program, e, &group.modes, context);
         let end = group.modes.last().map_or(0, |last| ends[last.index()]);
         program.entities[id].groups.push(Group {
             name: group.name.as_ref().map(|n| n.text.clone()),
             modes: (first, ModeId(end)),
-            initial: first_of(e, &group.modes).map_or(LeafId(0), initial),
+            first: first_of(e, &group.modes).unwrap_or(first),
+            choices,
         });
     }
+}
+
+/// The modes marked `initial when`.
+fn choices_of(program: &mut Program, e: &checked::Entity, modes: &[ModeId], context: &Context<'_>) -> Vec<Choice> {
+    let guarded = modes.iter().filter_map(|&mode| e.modes[mode].initial_when.as_ref().map(|guard| (mode, guard)));
+    guarded.map(|(mode, guard)| Choice { guard: program.term(guard, context), mode }).collect()
 }
 
 /// The mode marked `initial`, else the first.

@@ -16,9 +16,9 @@ mod world;
 pub use layout::{Layout, SlotLayout};
 pub use lower::lower;
 pub use program::{
-    Bounds, Collide, Collider, Discrete, Domain, Drive, Edge, Entity, EntitySpans, Envelope, Expr, Group, Inputs, Leaf,
-    Mode, Param, Player, Predicate, Program, Release, Slot, Solid, Space, Spans, Step, TagSet, Timer, Touch, Update,
-    World, WorldSpans,
+    Bounds, Choice, Collide, Collider, Discrete, Domain, Drive, Edge, Entity, EntitySpans, Envelope, Expr, Group,
+    Inputs, Leaf, Mode, Param, Player, Predicate, Program, Release, Slot, Solid, Space, Spans, Step, TagSet, Timer,
+    Touch, Update, World, WorldSpans,
 };
 pub use text::text;
 

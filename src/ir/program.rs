@@ -210,8 +210,19 @@ pub struct Group {
     pub name: Option<String>,
     /// Its modes: from the first to before the second.
     pub modes: (ModeId, ModeId),
-    /// The leaf that is active at first.
-    pub initial: LeafId,
+    /// The mode that is active at first, if no choice says otherwise.
+    pub first: ModeId,
+    /// Modes that are active at first instead, the first whose guard holds.
+    pub choices: Vec<Choice>,
+}
+
+/// A mode that is the initial one where its guard holds; the guard reads parameters only.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Choice {
+    /// When it is.
+    pub guard: ExprId,
+    /// The mode.
+    pub mode: ModeId,
 }
 
 /// A mode.
@@ -227,8 +238,14 @@ pub struct Mode {
     pub group: GroupId,
     /// The leaves inside it (itself, if it is one): from the first to before the second.
     pub leaves: (LeafId, LeafId),
-    /// The leaf that becomes active when it is entered.
+    /// The leaf that becomes active when it is entered, if no choice inside says otherwise.
     pub initial: LeafId,
+    /// Modes directly inside that are entered instead, the first whose guard holds.
+    pub choices: Vec<Choice>,
+    /// Whether it or a mode inside has choices.
+    pub chooses: bool,
+    /// The mode directly inside that is entered if no guard holds; none for a leaf.
+    pub inner: Option<ModeId>,
     /// What happens when it is entered by an edge.
     pub entry: Vec<Update>,
 }

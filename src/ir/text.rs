@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use super::{
-    Arithmetic, CompareOp, Domain, Drive, Entity, Expr, ExprId, Function, Place, Press, Program, Release, Response,
-    Side, Subject, TagSet, Update, World,
+    Arithmetic, Choice, CompareOp, Domain, Drive, Entity, Expr, ExprId, Function, Place, Press, Program, Release,
+    Response, Side, Subject, TagSet, Update, World,
 };
 
 /// The whole program as text.
@@ -107,13 +107,16 @@ impl EntityText<'_> {
         self.drives(out, "  always", &e.free)?;
         for (id, group) in e.groups.pairs() {
             let name = group.name.as_deref().unwrap_or("(anonymous)");
-            writeln!(out, "  {id} {name}: starts at {}", e.modes[e.leaves[group.initial].mode].path)?;
+            writeln!(out, "  {id} {name}: starts at {}{}", self.choices(&group.choices), e.modes[group.first].path)?;
             for mode in group.modes.0.0..group.modes.1.0 {
                 let id = super::ModeId(mode);
                 let m = &e.modes[id];
                 let entry = self.updates(&m.entry);
                 let initial = e.leaves[m.initial].mode;
-                let inner = if initial == id { String::new() } else { format!(" enters {}", e.modes[initial].path) };
+                let inner = match m.inner {
+                    None => String::new(),
+                    Some(inner) => format!(" enters {}{}", self.choices(&m.choices), e.modes[inner].path),
+                };
                 writeln!(out, "    {id} {}{inner}{entry}", m.path)?;
                 if m.leaves.0 == m.initial && initial == id {
                     let leaf = &e.leaves[m.initial];
@@ -140,6 +143,12 @@ impl EntityText<'_> {
             }
         }
         writeln!(out)
+    }
+
+    /// `a if GUARD, else `
+    fn choices(&self, choices: &[Choice]) -> String {
+        let one = |c: &Choice| format!("{} if {}, else ", self.e.modes[c.mode].path, self.expr(c.guard));
+        choices.iter().map(one).collect()
     }
 
     fn drives(&self, out: &mut String, head: &str, drives: &[Drive]) -> Result {

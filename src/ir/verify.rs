@@ -81,11 +81,14 @@ fn verify_entity(program: &Program, entity: &Entity) {
         collider.rect.iter().copied().chain(collider.guard).for_each(expr);
     }
     for (id, mode) in modes.pairs() {
-        let Mode { path: _, parent, end, group, leaves: inside, initial, entry } = mode;
+        let Mode { path: _, parent, end, group, leaves: inside, initial, choices, chooses: _, inner, entry } = mode;
         assert!(parent.is_none_or(|p| p < id) && end.index() <= modes.len() && *end > id, "modes are in preorder");
         assert!(group.index() < groups.len(), "a mode's group exists");
         assert!(inside.0 <= *initial && *initial < inside.1 && inside.1.index() <= leaves.len(), "a leaf is inside");
         updates(entry);
+        assert!(inner.is_none_or(|i| id < i && i < *end), "the initial mode inside is inside");
+        assert!(choices.iter().all(|c| id < c.mode && c.mode < *end), "a choice is inside");
+        choices.iter().for_each(|c| expr(c.guard));
     }
     for edge in edges.iter() {
         let Edge { source, target, guard, updates: list } = edge;

@@ -2,7 +2,6 @@
 
 use crate::diagnostic::catalogue::names::{AmbiguousMode, DuplicateName};
 use crate::diagnostic::catalogue::structure::{EdgeOutOfGroup, IdleEdge, UpdateConflict};
-use crate::diagnostic::catalogue::syntax::NotSupported;
 use crate::diagnostic::catalogue::types::TypeMismatch;
 use crate::source::Span;
 use crate::syntax::ast::{self, Initial, Member, Path};
@@ -117,7 +116,6 @@ impl<'a> Checker<'a> {
     /// The body of a mode.
     pub(super) fn mode(&mut self, syntax: &ast::Mode, id: ModeId, scope: &Scope<'_>, entity: &mut Entity) {
         if let Initial::When(guard) = &syntax.initial {
-            self.diagnostics.report(NotSupported { at: guard.span, what: "`initial when`".into() });
             entity.modes[id].initial_when = self.guard(guard, &scope.reading(Reads::Params));
         }
         for member in &syntax.members {

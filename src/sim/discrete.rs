@@ -47,7 +47,7 @@ impl Simulator<'_> {
         let layout = self.layout(reader.me);
         let edge: &Edge = &entity.edges[edge];
         let Some(target) = edge.target else { return };
-        let next = entity.modes[target].initial;
+        let next = reader.entered(target);
         layout.set_leaf(state, group.0, next);
         let (first, after) = group.1.modes;
         for (id, timer) in entity.timers.pairs() {

@@ -4,8 +4,8 @@
 use std::cell::Cell;
 
 use crate::ir::{
-    Arithmetic, AxisId, ButtonId, Entity, Expr, ExprId, Function, Id, Press, Slot, SlotId, SlotLayout, Subject, VarId,
-    arithmetic, call, compare,
+    Arithmetic, AxisId, ButtonId, Choice, Entity, Expr, ExprId, Function, Id, LeafId, ModeId, Press, Slot, SlotId,
+    SlotLayout, Subject, VarId, arithmetic, call, compare,
 };
 
 use super::fault::{Fault, FaultKind};
@@ -66,6 +66,22 @@ impl<'a> Reader<'a> {
     /// The value of an axis, 0 where nobody controls the instance.
     pub fn axis(&self, axis: AxisId) -> f64 {
         self.frame().and_then(|f| f.axes.get(axis.index()).copied()).unwrap_or(0.0)
+    }
+
+    /// The first mode of some whose guard holds, or `otherwise`.
+    pub fn chosen(&self, choices: &[Choice], otherwise: ModeId) -> ModeId {
+        choices.iter().find(|c| self.truth(c.guard)).map_or(otherwise, |c| c.mode)
+    }
+
+    /// The leaf that becomes active when a mode of one's own is entered.
+    pub fn entered(&self, mode: ModeId) -> LeafId {
+        let modes = &self.entity(Subject::Me).modes;
+        let mut at = &modes[mode];
+        while at.chooses {
+            let Some(inner) = at.inner else { break };
+            at = &modes[self.chosen(&at.choices, inner)];
+        }
+        at.initial
     }
 
     fn button(&self, press: Press, button: ButtonId) -> bool {

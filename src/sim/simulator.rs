@@ -90,9 +90,14 @@ impl<'p> Simulator<'p> {
             for (discrete, value) in slot.discretes.pairs() {
                 layout.set_discrete(&mut state, discrete, *value);
             }
+            let fault = Cell::new(None);
+            // Guards of `initial when` read parameters only, so any state will do.
+            let reader = Reader { sim: self, state: &[], frames: &[], fault: &fault, me: id };
             for (group, g) in self.entity(id).groups.pairs() {
-                layout.set_leaf(&mut state, group, g.initial);
+                let leaf = reader.entered(reader.chosen(&g.choices, g.first));
+                layout.set_leaf(&mut state, group, leaf);
             }
+            Self::settle(&fault)?;
             layout.set_space(&mut state, slot.space);
             layout.set_alive(&mut state, true);
         }

@@ -283,7 +283,7 @@ fn level(entities: &str, collide: &str, map: &str, places: &str) -> Program {
          world W {{
              step 1/10
              {collide}
-             tiles t 10 x 10 {{ '.': empty; '#': wall; 'o': wall, odd }}
+             tiles t 10 x 10 {{ '.': empty; '#': wall; 'o': wall, \"odd tile\" }}
              space main {{
                  map t \"
 {map}
@@ -355,7 +355,7 @@ fn touching_knows_tags_and_sides_and_corners_do_not_count() {
         discrete odd_: bool = false
         collider body: rect(0, 0, 4, 4)
         mode a { when true {
-            below := touching(body, wall, below); right := touching(wall, right); odd_ := touching(body, odd)
+            below := touching(body, wall, below); right := touching(wall, right); odd_ := touching(body, \"odd tile\")
         } }
     }";
     let at = |x: f64, y: f64| {

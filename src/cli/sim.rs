@@ -133,12 +133,8 @@ impl<'s> Report<'s> {
 
     fn observe(&mut self, step: u64, state: &[u8]) {
         let world = self.sim.world();
-        for (first, predicate) in self.goals.iter_mut().zip(world.goals.iter()) {
-            if first.is_none() && self.sim.holds(state, predicate.holds) == Ok(true) {
-                *first = Some(step);
-            }
-        }
-        for (first, predicate) in self.nevers.iter_mut().zip(world.nevers.iter()) {
+        let goals = self.goals.iter_mut().zip(world.goals.iter());
+        for (first, predicate) in goals.chain(self.nevers.iter_mut().zip(world.nevers.iter())) {
             if first.is_none() && self.sim.holds(state, predicate.holds) == Ok(true) {
                 *first = Some(step);
             }

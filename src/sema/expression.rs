@@ -9,7 +9,7 @@ use crate::syntax::ast::{BinaryOp, CompareOp, Expr, ExprKind, Path, Unit};
 use super::Checker;
 use super::checked::{Arithmetic, Entity, Subject, Term, TermKind, Type};
 use super::entity::Skeleton;
-use super::ids::{EntityId, ModeId};
+use super::ids::{EntityId, ModeId, SlotId};
 use super::mode::ModeNames;
 use super::names::unknown;
 
@@ -56,6 +56,19 @@ impl Reads {
 pub(super) struct WorldNames {
     pub instances: Vec<(String, EntityId)>,
     pub spaces: Vec<(String, Option<(f64, f64)>)>,
+}
+
+impl WorldNames {
+    /// The slot of a named instance, and its entity.
+    pub fn instance(&self, name: &str) -> Option<(SlotId, EntityId)> {
+        let slot = self.instances.iter().position(|(n, _)| n == name)?;
+        Some((SlotId(slot as u32), self.instances[slot].1))
+    }
+
+    /// The names of all instances.
+    pub fn instance_names(&self) -> impl Iterator<Item = &str> {
+        self.instances.iter().map(|(n, _)| n.as_str())
+    }
 }
 
 impl<'s> Scope<'s> {
@@ -280,7 +293,7 @@ impl Checker<'_> {
         if let Some(constant) = self.constants.get(&name.text).filter(|_| path.primes == 0) {
             return Some(Term { span, ..constant.clone() });
         }
-        if scope.world.is_some_and(|w| w.instances.iter().any(|(n, _)| *n == name.text)) {
+        if scope.world.is_some_and(|w| w.instance(&name.text).is_some()) {
             self.diagnostics.report(TypeMismatch {
                 at: span,
                 found: "an instance".into(),
@@ -416,8 +429,8 @@ impl Checker<'_> {
                 &scope.entity?.discretes[id].ty
             }
             ([instance, name], Some(world)) => {
-                let (_, entity) = world.instances.iter().find(|(n, _)| *n == instance.text)?;
-                let entity = &self.checked.entities[*entity];
+                let (_, entity) = world.instance(&instance.text)?;
+                let entity = &self.checked.entities[entity];
                 &entity.discretes[entity.discretes.find(|d| d.name.text == name.text)?].ty
             }
             _ => return None,

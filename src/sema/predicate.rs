@@ -34,9 +34,9 @@ impl Checker<'_> {
             });
             return None;
         }
-        if let Some(slot) = world.instances.iter().position(|(n, _)| *n == first.text) {
-            let entity = self.checked.entities[world.instances[slot].1].clone();
-            let of = Subject::Slot(SlotId(slot as u32));
+        if let Some((slot, entity)) = world.instance(&first.text) {
+            let entity = self.checked.entities[entity].clone();
+            let of = Subject::Slot(slot);
             if let Some(var) = entity.vars.find(|v| v.name.text == second.text) {
                 let degree = self.degree(path)?;
                 return Some(Term { kind: TermKind::Var(of, var, degree), ty: Type::Real, span });
@@ -73,7 +73,7 @@ impl Checker<'_> {
             };
             return Some(Term { kind: TermKind::Number(value), ty: Type::Real, span });
         }
-        let known = world.instances.iter().map(|(n, _)| n.as_str()).chain(world.spaces.iter().map(|(n, _)| n.as_str()));
+        let known = world.instance_names().chain(world.spaces.iter().map(|(n, _)| n.as_str()));
         let fact = unknown("instance or space", &first.text, first.span, known);
         self.report_unknown(fact);
         None
@@ -126,10 +126,10 @@ impl Checker<'_> {
                 return None;
             }
         };
-        if let Some(slot) = world.instances.iter().position(|(n, _)| *n == name.text) {
-            return Some((SlotId(slot as u32), world.instances[slot].1));
+        if let Some(found) = world.instance(&name.text) {
+            return Some(found);
         }
-        let fact = unknown("instance", &name.text, name.span, world.instances.iter().map(|(n, _)| n.as_str()));
+        let fact = unknown("instance", &name.text, name.span, world.instance_names());
         self.report_unknown(fact);
         None
     }

@@ -256,6 +256,22 @@ impl Simulator<'_> {
         }
     }
 
+    /// A contact with something that never moves: the body alone is pushed.
+    fn meet(
+        &self,
+        state: &mut [u8],
+        body: &Body,
+        other: TagSet,
+        response: Response,
+        contact: Contact,
+        (push, stops): (&mut [f64; 2], &mut Stops),
+    ) {
+        self.touch(state, body, other, contact.side);
+        if let (Response::Block { keep_velocity }, false) = (response, body.kinematic) {
+            resolve(contact, keep_velocity, push, stops);
+        }
+    }
+
     fn collide_solids(&self, state: &mut [u8], body: &Body, rect: &Rect, push: &mut [f64; 2], stops: &mut Stops) {
         let space = self.layout(body.slot).space(state);
         let solids = &self.world().spaces[space].solids;
@@ -264,10 +280,7 @@ impl Simulator<'_> {
             let Bounds { left, right, bottom, top } = solid.bounds;
             let other = Rect { left, right, bottom, top, active: true };
             let Some(contact) = Overlap::of(rect, &other).map(|o| o.least()) else { continue };
-            self.touch(state, body, solid.tags, contact.side);
-            if let (Response::Block { keep_velocity }, false) = (response, body.kinematic) {
-                resolve(contact, keep_velocity, push, stops);
-            }
+            self.meet(state, body, solid.tags, response, contact, (push, stops));
         }
     }
 
@@ -304,10 +317,7 @@ impl Simulator<'_> {
                     (false, true) => overlap.horizontal(),
                     _ => overlap.least(),
                 };
-                self.touch(state, body, tags[kind], contact.side);
-                if let (Response::Block { keep_velocity }, false) = (found, body.kinematic) {
-                    resolve(contact, keep_velocity, push, stops);
-                }
+                self.meet(state, body, tags[kind], found, contact, (push, stops));
             }
         }
     }

@@ -15,7 +15,6 @@ use super::mend::{Brace, Insert, LineStart, mend_braces};
 pub const MAX_NESTING: usize = 64;
 /// How many operators one expression may hold.
 pub const MAX_OPERATORS: usize = 256;
-
 /// How many bytes a name or a number may have.
 pub const MAX_WORD: usize = 255;
 
@@ -330,7 +329,7 @@ impl<'a> Scanner<'a> {
                 line = line_end + 1;
                 break;
             }
-            if row.contains('"') || row.contains(": ") || row == "}" {
+            if is_no_row(row) {
                 break;
             }
             line = line_end + 1;
@@ -359,13 +358,18 @@ impl<'a> Scanner<'a> {
                 self.blanks.push((end, line_end));
                 return line_end;
             }
-            if row.contains('"') || row.contains(": ") || row == "}" {
+            if is_no_row(row) {
                 break;
             }
             line = line_end + 1;
         }
         i + word
     }
+}
+
+/// Whether a line can be no row of a map: the map that runs into it has lost a quote.
+fn is_no_row(line: &str) -> bool {
+    line.contains('"') || line.contains(": ") || line == "}"
 }
 
 fn is_word_byte(b: u8) -> bool {

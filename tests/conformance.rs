@@ -73,7 +73,11 @@ fn free_run(name: &str) -> (usize, usize, Option<String>) {
     if trace["initial_contacts"].as_array().unwrap().is_empty() {
         // Theirs overlooks a tile that is touched exactly along its edge before the first step; later ones it sees.
         for (id, slot) in sim.world().slots.pairs() {
-            sim.world().layout.slots[id].clear_touches(&mut state, program.entities[slot.entity].touches.len());
+            sim.world().layout.slots[id].clear_touches(
+                &mut state,
+                program.entities[slot.entity].touches.len(),
+                program.entities[slot.entity].bound,
+            );
         }
     }
     let steps = trace["steps"].as_array().unwrap();

@@ -162,7 +162,7 @@ impl Checker<'_> {
         let right = line.right.iter().map(|t| self.tag(t)).collect();
         let r = &line.response;
         let wrong = [(r.from_above, "`from above`"), (r.carry, "`carry`"), (r.keep_velocity, "`keep velocity`")];
-        for (_, what) in wrong.into_iter().filter(|(used, _)| *used && !r.block) {
+        if let Some((_, what)) = wrong.into_iter().find(|(used, _)| *used && !r.block) {
             self.diagnostics.report(Misplaced { at: r.span, what, inside: "`sense`", belongs: "after `block`" });
             return None;
         }

@@ -131,7 +131,7 @@ pub struct Space {
 #[derive(Debug, Clone, PartialEq)]
 pub enum SpaceItem {
     /// A map.
-    Map(Map),
+    Map(Box<Map>),
     /// A way into another space.
     Link(Box<Link>),
     /// An instance.

@@ -57,7 +57,7 @@ impl Builder<'_> {
                             let rectangle = parts(&item).first().and_then(|r| self.rectangle(r, &item));
                             items.extend(rectangle.map(SpaceItem::Bounds));
                         }
-                        Rule::map => items.extend(self.map(&item).map(SpaceItem::Map)),
+                        Rule::map => items.extend(self.map(&item).map(|m| SpaceItem::Map(Box::new(m)))),
                         Rule::place => items.extend(self.place(&item).map(|p| SpaceItem::Place(Box::new(p)))),
                         _ => {}
                     }

@@ -61,9 +61,13 @@ fn reason(before: &Record, after: &Record, all: &[Difference], difference: &Diff
         return Some(Reason::Transfer);
     }
     let pushes: Vec<[f64; 2]> = after.contacts.iter().filter_map(|c| c.push_of(slot)).collect();
-    let both_axes = pushes.iter().any(|p| p[0] != 0.0) && pushes.iter().any(|p| p[1] != 0.0);
+    let deepest = |axis: usize| pushes.iter().map(|p| p[axis].abs()).fold(0.0, f64::max);
+    let both_axes = deepest(0) > 0.0 && deepest(1) > 0.0;
     match difference.what {
-        What::Var(_, 0 | 1, ..) if both_axes => Some(Reason::BothAxes),
+        What::Var(axis, 0, found, recorded) if both_axes => {
+            ((found - recorded).abs() <= deepest(axis.index()) + TOLERANCE).then_some(Reason::BothAxes)
+        }
+        What::Var(_, 1, 0.0, _) if both_axes => Some(Reason::BothAxes),
         What::Var(axis, 1, found, 0.0) => {
             pushes.iter().any(|p| p[axis.index()] * found > 0.0).then_some(Reason::OutOfSurface)
         }

@@ -81,7 +81,7 @@ impl<'p> Test<'p> {
         // The system of 2017 sees no contact before the first step.
         for (slot, layout) in sim.world().layout.slots.pairs() {
             let entity = &sim.program().entities[sim.world().slots[slot].entity];
-            layout.clear_touches(&mut start, entity.touches.len());
+            layout.clear_touches(&mut start, entity.touches.len(), entity.bound);
         }
         let inputs = W::INPUTS.iter().map(|&held| input(&sim, held)).collect();
         let episodes = seeds.iter().map(|&seed| episode::<W>(seed)).collect();

@@ -39,7 +39,8 @@ fn every_code_of_the_checker_is_shown() {
         seen.extend(compile(&path, &Disk).diagnostics.iter().map(|d| d.code));
     }
     // These need a file that is no text, or a running world; the tests of the command line show them.
-    let elsewhere = [Code::NotUtf8, Code::BadInput, Code::NoQuestion, Code::Fault];
+    let elsewhere =
+        [Code::NotUtf8, Code::BadInput, Code::NoQuestion, Code::Fault, Code::InvariantBroken, Code::SpawnRefused];
     let missing: Vec<Code> =
         Code::ALL.iter().copied().filter(|c| !seen.contains(c) && !elsewhere.contains(c)).collect();
     assert!(missing.is_empty(), "no program shows {missing:?}");

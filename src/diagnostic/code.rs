@@ -66,16 +66,22 @@ codes! {
     MixedGroups Error "E0404" "modes stand beside named groups"
     BadEnvelope Error "E0405" "an envelope is incomplete or contradicts itself"
     BadCollider Error "E0406" "a collider has no extent"
+    LostReference Error "E0407" "a reference is read where it may be none"
+    JointCycle Error "E0408" "groups wait for each other's transitions"
 
     BadMap Error "E0501" "a map does not fit its tiles"
     BadStep Error "E0502" "a world's step is not a positive time"
     BadPlayer Error "E0503" "players and instances do not fit together"
+    BadLimit Error "E0504" "more instances than a limit allows, or none given"
+    TileInstances Error "E0505" "a named tile instance does not stand exactly once"
 
     BadInput Error "E0601" "an input script cannot be read"
     NoQuestion Error "E0602" "there is nothing to run or to ask"
     Fault Error "E0603" "a running world broke a rule"
+    InvariantBroken Error "E0604" "an invariant does not hold in a running world"
 
     IdleEdge Warning "W0401" "an edge does nothing"
+    SpawnRefused Warning "W0601" "a spawn found no free slot"
 }
 
 impl fmt::Display for Code {

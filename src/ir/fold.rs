@@ -12,6 +12,8 @@ pub(super) struct Context<'a> {
     pub me: Option<EntityId>,
     /// The entity of each slot of the world, for `Subject::Slot`.
     pub slots: &'a dyn Fn(SlotId) -> EntityId,
+    /// Whether the instance of a slot always lives.
+    pub immortal: &'a dyn Fn(SlotId) -> bool,
 }
 
 impl Context<'_> {
@@ -19,6 +21,8 @@ impl Context<'_> {
         match of {
             Subject::Me => self.me.unwrap_or(EntityId(0)),
             Subject::Slot(slot) => (self.slots)(slot),
+            // Contact questions are asked of oneself and of named instances only.
+            Subject::Ref(_) | Subject::Touched(_) => self.me.unwrap_or(EntityId(0)),
         }
     }
 }
@@ -39,7 +43,13 @@ impl Program {
             TermKind::Number(n) | TermKind::Quantity(n, ..) => Expr::Number(*n),
             TermKind::Frames(n) => Expr::Frames(*n),
             TermKind::Bool(b) => Expr::Bool(*b),
-            TermKind::Param(p) => Expr::Param(*p),
+            TermKind::Param(of, p) => Expr::Param(*of, *p),
+            TermKind::Joint { mode, entering } => Expr::Joint(*mode, *entering),
+            TermKind::IsNone(of) => Expr::IsNone(*of),
+            TermKind::Is(of, entity) => Expr::Is(*of, *entity),
+            TermKind::Alive(slot) => Expr::Alive(*slot),
+            // References as values are lowered where they are assigned.
+            TermKind::NoneRef | TermKind::Instance(_) => Expr::Bool(false),
             TermKind::Var(of, var, degree) => Expr::Var(*of, *var, *degree),
             TermKind::Discrete(of, id) => Expr::Discrete(*of, *id),
             TermKind::Axis(axis) => Expr::Axis(*axis),
@@ -62,6 +72,11 @@ impl Program {
                 Expr::Compare(*op, left, right)
             }
             TermKind::And(a, b) => {
+                if let TermKind::Alive(slot) = a.kind
+                    && (context.immortal)(slot)
+                {
+                    return self.term(b, context);
+                }
                 let (a, b) = (self.term(a, context), self.term(b, context));
                 Expr::And(a, b)
             }
@@ -71,9 +86,10 @@ impl Program {
             }
             TermKind::Not(a) => Expr::Not(self.term(a, context)),
             TermKind::Button(press, button) => Expr::Button(*press, *button),
-            TermKind::Touching { of, mine, other, side } => {
+            TermKind::Touching { of, bound: Some(touch), .. } => Expr::Touching(*of, *touch),
+            TermKind::Touching { of, mine, other, side, bound: None } => {
                 let mine = mine.map_or(TagSet::ALL, TagSet::of);
-                let touch = Touch { mine, other: *other, side: *side };
+                let touch = Touch { mine, other: *other, side: *side, bound: false };
                 Expr::Touching(*of, self.touch(context.entity(*of), touch, term.span))
             }
             TermKind::InMode(of, mode) => Expr::InMode(*of, *mode),
@@ -95,7 +111,7 @@ impl Program {
         })
     }
 
-    fn timer(&mut self, entity: EntityId, mode: ModeId) -> TimerId {
+    pub(super) fn timer(&mut self, entity: EntityId, mode: ModeId) -> TimerId {
         let timers = &mut self.entities[entity].timers;
         timers.find(|t| t.mode == mode).unwrap_or_else(|| timers.push(Timer { mode, thresholds: Some(Vec::new()) }))
     }
@@ -120,6 +136,15 @@ impl Program {
                 _ => {}
             }
         }
+        // An envelope by the clock is done after the sum of its parts.
+        for envelope in self.entities[entity].envelopes.iter() {
+            if let super::By::Clock { timer, total, .. } = envelope.by {
+                uses[timer.0 as usize] += 1;
+                if known_per_instance(&self.exprs, total) {
+                    thresholds[timer.0 as usize].push(total);
+                }
+            }
+        }
         for (index, timer) in self.entities[entity].timers.iter_mut().enumerate() {
             let compared = std::mem::take(&mut thresholds[index]);
             timer.thresholds = (compared.len() == uses[index]).then_some(compared);
@@ -131,11 +156,29 @@ impl Program {
 pub(super) fn known_per_instance(exprs: &IdVec<ExprId, Expr>, id: ExprId) -> bool {
     let known = |id| known_per_instance(exprs, id);
     match exprs[id] {
-        Expr::Number(_) | Expr::Frames(_) | Expr::Bool(_) | Expr::Param(_) => true,
+        Expr::Number(_) | Expr::Frames(_) | Expr::Bool(_) | Expr::Param(Subject::Me, _) => true,
         Expr::Negate(a) | Expr::Not(a) => known(a),
         Expr::Arithmetic(_, a, b) | Expr::Compare(_, a, b) | Expr::And(a, b) | Expr::Or(a, b) => known(a) && known(b),
         Expr::Call(_, args) => args.into_iter().all(known),
         _ => false,
+    }
+}
+
+/// What a ramp takes, s: given, or what its rate needs for `distance`.
+pub(super) fn duration(
+    program: &mut Program,
+    rate: &checked::Rate,
+    distance: ExprId,
+    context: &Context<'_>,
+    span: Span,
+) -> ExprId {
+    match rate {
+        checked::Rate::Instant => program.push(Expr::Number(0.0), span),
+        checked::Rate::Over(time) => program.term(time, context),
+        checked::Rate::Accel(a) => {
+            let a = program.term(a, context);
+            program.push(Expr::Arithmetic(super::Arithmetic::Divide, distance, a), span)
+        }
     }
 }
 

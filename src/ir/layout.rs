@@ -1,11 +1,11 @@
 //! The layout of a state: one block of bytes, of a size known when the world is compiled.
 //!
-//! Widest fields first, so that every field is aligned: real numbers, the players' buttons, whole numbers and
-//! timers, leaves and spaces, flags and contact bits.
+//! The players' buttons come first, then one block for each slot. Within a block the widest fields come first, so that
+//! every field is aligned: real numbers, whole numbers and timers, leaves, references and spaces, flags, contact bits.
 
 use serde::Serialize;
 
-use super::{Entity, EntityId, IdVec, PlayerId, Slot, SlotId};
+use super::{Entity, EntityId, IdVec, Origin, PlayerId, Slot, SlotId};
 
 /// Byte offsets within a state.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -21,17 +21,29 @@ pub struct Layout {
 /// Byte offsets of one slot.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct SlotLayout {
+    /// The slot's block: from the first byte to before the second.
+    pub block: (usize, usize),
     /// `f64` triples: position, velocity, acceleration of each continuous variable.
     pub vars: usize,
+    /// `f64`s: the parameters, where they may differ from one instance of the slot to the next.
+    pub params: Option<usize>,
     /// An `i32` for each discrete variable.
     pub discretes: usize,
     /// A `u32` for each timer: the steps since its mode was entered, 0 while the mode is not active.
     pub timers: usize,
     /// A `u16` for each group: the active leaf.
     pub leaves: usize,
+    /// A `u16` for each envelope: 0, or 1 plus the number of the direction in which its peak was reached.
+    pub peaks: usize,
+    /// A `u16` for each reference: 0 for none, or 1 plus the slot.
+    pub refs: usize,
+    /// A `u16` for each contact question that is bound: 0, or 1 plus the lowest slot that is touched.
+    pub bound: usize,
     /// A `u16`: the space.
     pub space: usize,
-    /// A byte: whether the instance is alive.
+    /// A `u16`: 0, or 1 plus the slot that the instance stands on and that carries it.
+    pub carrier: usize,
+    /// A byte: 0 where there is no instance, 1 for one that is alive.
     pub alive: usize,
     /// Bits from the lowest: whether each contact question held in the last collision phase.
     pub touches: usize,
@@ -46,26 +58,39 @@ impl Layout {
             at += bytes;
             start
         };
-        let of = |slot: &Slot| &entities[slot.entity];
-        let vars: Vec<usize> = slots.iter().map(|s| take(24 * of(s).vars.len())).collect();
         let players = (0..players).map(|_| take(8)).collect();
-        let discretes: Vec<usize> = slots.iter().map(|s| take(4 * of(s).discretes.len())).collect();
-        let timers: Vec<usize> = slots.iter().map(|s| take(4 * of(s).timers.len())).collect();
-        let leaves: Vec<usize> = slots.iter().map(|s| take(2 * of(s).groups.len())).collect();
-        let spaces: Vec<usize> = slots.iter().map(|_| take(2)).collect();
-        let alive: Vec<usize> = slots.iter().map(|_| take(1)).collect();
-        let touches: Vec<usize> = slots.iter().map(|s| take(of(s).touches.len().div_ceil(8))).collect();
-        let slots = (0..slots.len())
-            .map(|i| SlotLayout {
-                vars: vars[i],
-                discretes: discretes[i],
-                timers: timers[i],
-                leaves: leaves[i],
-                space: spaces[i],
-                alive: alive[i],
-                touches: touches[i],
+        let slots = slots
+            .iter()
+            .map(|slot| {
+                let e = &entities[slot.entity];
+                let start = take(0);
+                let vars = take(24 * e.vars.len());
+                let params = (slot.origin != Origin::Named).then(|| take(8 * e.params.len()));
+                let (discretes, timers) = (take(4 * e.discretes.len()), take(4 * e.timers.len()));
+                let peaked = e.envelopes.iter().any(|v| v.peak.is_some());
+                let peaks = take(if peaked { 2 * e.envelopes.len() } else { 0 });
+                let (leaves, refs, bound) = (take(2 * e.groups.len()), take(2 * e.refs.len()), take(2 * e.bound));
+                let (space, carrier) = (take(2), take(2));
+                let (alive, touches) = (take(1), take(e.touches.len().div_ceil(8)));
+                let end = take(0);
+                take(end.next_multiple_of(8) - end);
+                SlotLayout {
+                    block: (start, take(0)),
+                    vars,
+                    params,
+                    discretes,
+                    timers,
+                    leaves,
+                    peaks,
+                    refs,
+                    bound,
+                    space,
+                    carrier,
+                    alive,
+                    touches,
+                }
             })
             .collect();
-        Layout { size: at.next_multiple_of(8), slots, players }
+        Layout { size: at, slots, players }
     }
 }

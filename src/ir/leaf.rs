@@ -4,7 +4,10 @@
 use crate::sema::checked::{self, DriveBy};
 
 use super::fold::Context;
-use super::{Drive, EntityId, Expr, ExprId, GroupId, Id, IdVec, Inputs, Leaf, ModeId, Program, Release, Update, VarId};
+use super::{
+    Actions, By, Drive, EntityId, Expr, ExprId, FollowId, GroupId, Id, IdVec, Inputs, Leaf, ModeId, Program, Release,
+    Update, VarId,
+};
 
 /// The lowered drives of an entity.
 pub(super) struct Drives {
@@ -21,7 +24,7 @@ pub(super) struct Drives {
 pub(super) fn drives(program: &mut Program, e: &checked::Entity, context: &Context<'_>) -> Drives {
     let owners = owners(e);
     let mut lowered = |list: &[checked::Drive]| -> Vec<(VarId, Drive)> {
-        list.iter().map(|d| (d.var, drive(program, d, context))).collect()
+        list.iter().map(|d| (d.var, drive(program, e, d, context))).collect()
     };
     let entity = lowered(&e.drives);
     let modes = e.modes.iter().map(|m| lowered(&m.drives)).collect();
@@ -48,6 +51,15 @@ pub(super) fn leaves(program: &Program, id: EntityId, e: &checked::Entity, drive
     for drive in &drives.free {
         always = always.with(reads.drive(*drive));
     }
+    let mut next = 0;
+    let follows: IdVec<ModeId, Vec<FollowId>> = e
+        .modes
+        .iter()
+        .map(|m| {
+            next += m.follows.len() as u32;
+            (next - m.follows.len() as u32..next).map(FollowId).collect()
+        })
+        .collect();
     let mut leaves = IdVec::new();
     for (mode, m) in e.modes.pairs().filter(|(_, m)| m.children.is_empty()) {
         let mut path = vec![mode];
@@ -63,28 +75,35 @@ pub(super) fn leaves(program: &Program, id: EntityId, e: &checked::Entity, drive
         };
         let own: Vec<Drive> = e.vars.ids().filter(|v| drives.owners[*v] == Some(m.group)).map(resolve).collect();
         let all = path.iter().flat_map(|&m| e.modes[m].edges.iter().copied());
-        let (edges, internal): (Vec<_>, Vec<_>) = all.partition(|&edge| e.edges[edge].target.is_some());
+        let (mut edges, internal): (Vec<_>, Vec<_>) = all.partition(|&edge| e.edges[edge].target.is_some());
+        // Edges whose whole guard is `lost(…)` are tried before all others.
+        edges.sort_by_key(|&edge| e.edges[edge].lost.is_none());
+        let follows: Vec<FollowId> = path.iter().flat_map(|&m| follows[m].iter().copied()).collect();
         let mut inputs = always;
         for drive in &own {
             inputs = inputs.with(reads.drive(*drive));
         }
         for edge in edges.iter().chain(&internal) {
             let edge = &program.entities[id].edges[*edge];
-            inputs = inputs.with(reads.expr(edge.guard)).with(reads.updates(&edge.updates));
+            inputs = inputs.with(reads.expr(edge.guard)).with(reads.actions(&edge.actions));
+        }
+        for &follow in &follows {
+            let follow = &program.entities[id].follows[follow];
+            inputs = inputs.with(reads.optional(follow.guard)).with(reads.actions(&follow.actions));
         }
         // Entering by an edge is a step of the source leaf: its entry updates read that step's inputs.
         for target in edges.iter().filter_map(|&edge| e.edges[edge].target) {
             let modes = &program.entities[id].modes;
             let mut around = Some(target);
             while let Some(mode) = around {
-                inputs = inputs.with(reads.updates(&modes[mode].entry));
+                inputs = inputs.with(reads.actions(&modes[mode].entry));
                 around = modes[mode].parent;
             }
             for inner in target.0..modes[target].end.0 {
-                inputs = inputs.with(reads.updates(&modes[ModeId(inner)].entry));
+                inputs = inputs.with(reads.actions(&modes[ModeId(inner)].entry));
             }
         }
-        leaves.push(Leaf { mode, path, drives: own, edges, internal, inputs });
+        leaves.push(Leaf { mode, path, drives: own, edges, internal, follows, inputs });
     }
     Leaves { leaves, always }
 }
@@ -96,6 +115,18 @@ struct Reads<'a> {
 }
 
 impl Reads<'_> {
+    fn actions(&self, actions: &Actions) -> Inputs {
+        let spawns = actions.spawns.iter().map(|&s| &self.program.entities[self.id].spawns[s]);
+        spawns.fold(self.updates(&actions.updates), |all, spawn| {
+            let params = spawn.params.iter().fold(Inputs::default(), |all, (_, e)| all.with(self.expr(*e)));
+            all.with(params).with(self.updates(&spawn.updates))
+        })
+    }
+
+    fn optional(&self, id: Option<ExprId>) -> Inputs {
+        id.map_or(Inputs::default(), |e| self.expr(e))
+    }
+
     fn updates(&self, updates: &[Update]) -> Inputs {
         updates.iter().fold(Inputs::default(), |all, u| all.with(self.expr(u.value)))
     }
@@ -104,18 +135,24 @@ impl Reads<'_> {
         match drive {
             Drive::Coast(_) => Inputs::default(),
             Drive::Flow { value, .. } => self.expr(value),
-            Drive::Envelope(id) => {
+            Drive::Envelope(id, _) => {
                 let envelope = &self.program.entities[self.id].envelopes[id];
-                let axis = Inputs { buttons: 0, axes: 1 << envelope.axis.index() };
+                let axis = |id: super::AxisId| Inputs { buttons: 0, axes: 1 << id.index() };
+                let by = match &envelope.by {
+                    By::Button(button) => Inputs { buttons: 1 << button.index(), axes: 0 },
+                    By::Axis(id) => axis(*id),
+                    By::Axes([x, y], _) => axis(*x).with(axis(*y)),
+                    By::Clock { total, .. } => self.expr(*total),
+                };
                 let release = match envelope.release {
                     Release::Hold => Inputs::default(),
                     Release::To { rate, level } => {
                         rate.map_or(Inputs::default(), |r| self.expr(r)).with(self.expr(level))
                     }
                 };
-                let optional = |e: Option<ExprId>| e.map_or(Inputs::default(), |e| self.expr(e));
-                let guard = optional(envelope.guard).with(optional(envelope.attack));
-                axis.with(self.expr(envelope.sustain)).with(release).with(guard)
+                let ramps = [envelope.guard, envelope.attack, envelope.peak, envelope.decay];
+                let ramps = ramps.into_iter().fold(Inputs::default(), |all, e| all.with(self.optional(e)));
+                by.with(self.expr(envelope.sustain)).with(release).with(ramps)
             }
         }
     }
@@ -132,7 +169,11 @@ impl Reads<'_> {
             Expr::Number(_)
             | Expr::Frames(_)
             | Expr::Bool(_)
-            | Expr::Param(_)
+            | Expr::Param(..)
+            | Expr::Joint(..)
+            | Expr::IsNone(_)
+            | Expr::Is(..)
+            | Expr::Alive(_)
             | Expr::Var(..)
             | Expr::Discrete(..)
             | Expr::Timer(_)
@@ -144,13 +185,16 @@ impl Reads<'_> {
 }
 
 /// The flows and envelopes of one place, lowered.
-fn drive(program: &mut Program, drive: &checked::Drive, context: &Context<'_>) -> Drive {
+fn drive(program: &mut Program, e: &checked::Entity, drive: &checked::Drive, context: &Context<'_>) -> Drive {
     match &drive.by {
         DriveBy::Flow(value) => {
             let value = program.term(value, context);
             Drive::Flow { var: drive.var, degree: drive.degree, value }
         }
-        DriveBy::Envelope(id) => Drive::Envelope(*id),
+        DriveBy::Envelope(id) => {
+            let component = e.envelopes[*id].vars.iter().position(|v| *v == drive.var).unwrap_or(0);
+            Drive::Envelope(*id, component as u8)
+        }
     }
 }
 

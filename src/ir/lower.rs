@@ -3,11 +3,12 @@
 use crate::sema::checked::{self, Checked};
 use crate::source::Span;
 
-use super::fold::{Context, rate};
+use super::actions;
+use super::fold::{Context, duration, rate};
 use super::{
-    Arithmetic, Choice, Collider, Discrete, Domain, Edge, Entity, EntityId, EntitySpans, Envelope, Expr, ExprId,
-    Function, Group, Id, IdVec, Inputs, LeafId, Mode, ModeId, Param, Program, Release, TagSet, Update, leaf, verify,
-    world,
+    Arithmetic, By, Choice, Clamp, Collider, Discrete, Domain, Edge, Entity, EntityId, EntitySpans, Envelope, Expr,
+    ExprId, Follow, FollowId, Function, Group, Id, IdVec, Inputs, LeafId, Mode, ModeId, Param, Program, Reference,
+    Release, Shape, TagSet, Touch, leaf, verify, world,
 };
 
 /// Lowers a program that checked without errors.
@@ -41,16 +42,19 @@ fn shell(e: &checked::Entity) -> Entity {
         domain: match &d.ty {
             checked::Type::Bool => Domain::Bool,
             checked::Type::Set(names) => Domain::Set(names.clone()),
-            checked::Type::Int | checked::Type::Real => Domain::Int,
+            checked::Type::Int | checked::Type::Real | checked::Type::Ref(_) => Domain::Int,
         },
         range: d.range,
+        first: ExprId(0),
     });
     Entity {
         name: e.name.text.clone(),
         doc: e.doc.clone(),
         params: IdVec::new(),
         vars: e.vars.iter().map(|v| v.name.text.clone()).collect(),
+        first: IdVec::new(),
         discretes: discretes.collect(),
+        refs: e.refs.iter().map(|r| Reference { name: r.name.text.clone(), entity: r.entity }).collect(),
         buttons: e.buttons.iter().map(|b| b.text.clone()).collect(),
         axes: e.axes.iter().map(|a| a.text.clone()).collect(),
         colliders: IdVec::new(),
@@ -59,8 +63,18 @@ fn shell(e: &checked::Entity) -> Entity {
         edges: IdVec::new(),
         envelopes: IdVec::new(),
         leaves: IdVec::new(),
-        touches: IdVec::new(),
+        touches: e
+            .bound
+            .iter()
+            .map(|b| Touch { mine: b.mine.map_or(TagSet::ALL, TagSet::of), other: b.other, side: b.side, bound: true })
+            .collect(),
+        bound: e.bound.len(),
         timers: IdVec::new(),
+        spawns: IdVec::new(),
+        follows: IdVec::new(),
+        clamps: Vec::new(),
+        invariants: Vec::new(),
+        order: e.order.clone(),
         free: Vec::new(),
         inputs: Inputs::default(),
     }
@@ -76,7 +90,11 @@ fn spans(e: &checked::Entity) -> EntitySpans {
         axes: e.axes.iter().map(|a| a.span).collect(),
         colliders: e.colliders.iter().map(|c| c.span).collect(),
         groups: e.groups.iter().map(|g| g.name.as_ref().map_or(e.name.span, |n| n.span)).collect(),
-        touches: IdVec::new(),
+        touches: e.bound.iter().map(|b| b.span).collect(),
+        refs: e.refs.iter().map(|r| r.name.span).collect(),
+        spawns: IdVec::new(),
+        follows: e.modes.iter().flat_map(|m| &m.follows).map(|f| f.span).collect(),
+        invariants: e.invariants.iter().map(|i| i.span).collect(),
         modes: e.modes.iter().map(|m| m.name.span).collect(),
         edges: e.edges.iter().map(|x| x.span).collect(),
         envelopes: e.envelopes.iter().map(|x| x.span).collect(),
@@ -84,25 +102,58 @@ fn spans(e: &checked::Entity) -> EntitySpans {
 }
 
 fn entity_code(program: &mut Program, id: EntityId, e: &checked::Entity) {
-    let context = Context { me: Some(id), slots: &|_| id };
+    let context = Context { me: Some(id), slots: &|_| id, immortal: &|_| false };
     for param in e.params.iter() {
         let default = program.term(&param.default, &context);
         program.entities[id].params.push(Param { name: param.name.text.clone(), default });
     }
+    for var in e.vars.iter() {
+        let first = var.initial.as_ref().map(|first| program.term(first, &context));
+        program.entities[id].first.push(first);
+    }
+    for (index, discrete) in e.discretes.pairs() {
+        program.entities[id].discretes[index].first = program.term(&discrete.initial, &context);
+    }
     for collider in e.colliders.iter() {
-        let rect = [0, 1, 2, 3].map(|i| program.term(&collider.rect[i], &context));
+        let shape = match &collider.shape {
+            checked::Shape::Rect(numbers) => Shape::Rect([0, 1, 2, 3].map(|i| program.term(&numbers[i], &context))),
+            checked::Shape::Circle(numbers) => Shape::Circle([0, 1, 2].map(|i| program.term(&numbers[i], &context))),
+        };
         let guard = collider.guard.as_ref().map(|g| program.term(g, &context));
         let tags = collider.tags.iter().copied().collect::<TagSet>();
-        program.entities[id].colliders.push(Collider { tags, kinematic: collider.kinematic, rect, guard });
+        program.entities[id].colliders.push(Collider { tags, kinematic: collider.kinematic, shape, guard });
     }
     for envelope in e.envelopes.iter() {
-        let envelope = lower_envelope(program, envelope, &context);
+        let envelope = lower_envelope(program, id, envelope, &context);
         program.entities[id].envelopes.push(envelope);
+    }
+    for (index, mode) in e.modes.pairs() {
+        for drive in &mode.drives {
+            if let checked::DriveBy::Envelope(envelope) = drive.by {
+                program.entities[id].envelopes[envelope].mode = Some(index);
+            }
+        }
     }
     for edge in e.edges.iter() {
         let guard = program.term(&edge.guard, &context);
-        let updates = lower_updates(program, &edge.updates, &context);
-        program.entities[id].edges.push(Edge { source: edge.source, target: edge.target, guard, updates });
+        let actions = actions::lower(program, id, &edge.actions, &context);
+        let (source, target, needs) = (edge.source, edge.target, edge.needs.clone());
+        program.entities[id].edges.push(Edge { source, target, guard, actions, needs });
+    }
+    for follow in e.modes.iter().flat_map(|m| &m.follows) {
+        let guard = follow.guard.as_ref().map(|g| program.term(g, &context));
+        let actions = actions::lower(program, id, &follow.actions, &context);
+        let needs = follow.needs.clone();
+        let _: FollowId = program.entities[id].follows.push(Follow { guard, actions, needs });
+    }
+    for clamp in &e.clamps {
+        let mut bound = |b: &Option<checked::Term>| b.as_ref().map(|b| program.term(b, &context));
+        let (low, high) = (bound(&clamp.low), bound(&clamp.high));
+        program.entities[id].clamps.push(Clamp { var: clamp.var, degree: clamp.degree, low, high });
+    }
+    for invariant in &e.invariants {
+        let holds = program.term(invariant, &context);
+        program.entities[id].invariants.push(holds);
     }
     modes(program, id, e, &context);
     let tables = leaf::drives(program, e, &context);
@@ -113,32 +164,93 @@ fn entity_code(program: &mut Program, id: EntityId, e: &checked::Entity) {
     entity.leaves = built.leaves;
 }
 
-fn lower_updates(program: &mut Program, updates: &[checked::Update], context: &Context<'_>) -> Vec<Update> {
-    updates.iter().map(|u| Update { place: u.place, value: program.term(&u.value, context) }).collect()
-}
-
-fn lower_envelope(program: &mut Program, e: &checked::Envelope, context: &Context<'_>) -> Envelope {
+fn lower_envelope(program: &mut Program, id: EntityId, e: &checked::Envelope, context: &Context<'_>) -> Envelope {
     let sustain = program.term(&e.sustain, context);
     let zero = |program: &mut Program, span: Span| program.push(Expr::Number(0.0), span);
     let level = match &e.release {
         checked::Release::To(_, Some(level)) => program.term(level, context),
         checked::Release::To(_, None) | checked::Release::Hold => zero(program, e.span),
     };
-    let timed = |r: &checked::Rate| matches!(r, checked::Rate::Over(_));
-    let any_timed = timed(&e.attack) || matches!(&e.release, checked::Release::To(r, _) if timed(r));
-    let distance = if any_timed {
-        let way = program.push(Expr::Arithmetic(Arithmetic::Subtract, sustain, level), e.span);
+    let peak = e.peak.as_ref().map(|p| program.term(p, context));
+    let distance = |program: &mut Program, a: ExprId, b: ExprId| {
+        let way = program.push(Expr::Arithmetic(Arithmetic::Subtract, a, b), e.span);
         program.push(Expr::Call(Function::Abs, [way; 3]), e.span)
-    } else {
-        level
     };
-    let attack = rate(program, &e.attack, distance, context, e.span);
+    if let checked::By::Clock(mode) = e.by {
+        let way = distance(program, sustain, level);
+        let rise = duration(program, &e.attack, way, context, e.span);
+        let hold = match &e.sustain_for {
+            Some(time) => program.term(time, context),
+            None => zero(program, e.span),
+        };
+        let fall = match &e.release {
+            checked::Release::To(rate, _) => duration(program, rate, way, context, e.span),
+            checked::Release::Hold => zero(program, e.span),
+        };
+        let still = program.push(Expr::Arithmetic(Arithmetic::Add, hold, fall), e.span);
+        let total = program.push(Expr::Arithmetic(Arithmetic::Add, rise, still), e.span);
+        return Envelope {
+            mode: Some(mode),
+            vars: e.vars.clone(),
+            degree: e.degree,
+            by: By::Clock { timer: program.timer(id, mode), rise, hold, fall, total },
+            sustain,
+            attack: None,
+            peak: None,
+            decay: None,
+            release: Release::To { rate: None, level },
+            guard: None,
+        };
+    }
+    let top = peak.unwrap_or(sustain);
+    let rise = distance(program, top, level);
+    let attack = rate(program, &e.attack, rise, context, e.span);
+    let sink = distance(program, top, sustain);
+    let decay = rate(program, &e.decay, sink, context, e.span);
+    let fall = distance(program, sustain, level);
     let release = match &e.release {
         checked::Release::Hold => Release::Hold,
-        checked::Release::To(r, _) => Release::To { rate: rate(program, r, distance, context, e.span), level },
+        checked::Release::To(r, _) => Release::To { rate: rate(program, r, fall, context, e.span), level },
+    };
+    let by = match &e.by {
+        checked::By::Button(button) => By::Button(*button),
+        checked::By::Axis(axis) => By::Axis(*axis),
+        checked::By::Axes(axes, ways) => {
+            let at = |i: usize| axes.get(i).copied().unwrap_or(super::AxisId(0));
+            By::Axes([at(0), at(1)], ways.map_or(Vec::new(), directions))
+        }
+        checked::By::Clock(_) => By::Button(super::ButtonId(0)),
     };
     let guard = e.driven_while.as_ref().map(|g| program.term(g, context));
-    Envelope { var: e.var, degree: e.degree, axis: e.axis, sustain, attack, release, guard }
+    let (vars, degree) = (e.vars.clone(), e.degree);
+    Envelope { mode: None, vars, degree, by, sustain, attack, peak, decay, release, guard }
+}
+
+/// So many unit vectors, from the right anticlockwise; those along the axes are exact.
+fn directions(ways: u32) -> Vec<[f64; 2]> {
+    let at = |k: u32| {
+        // Reduced to the first eighth of a turn, so that mirrored directions are mirrored to the last bit.
+        let turn = f64::from(k) / f64::from(ways);
+        let quarter = (turn * 4.0).floor();
+        let rest = turn * 4.0 - quarter;
+        let angle = |part: f64| part * std::f64::consts::FRAC_PI_2;
+        let (sin, cos) = if rest == 0.0 {
+            (0.0, 1.0)
+        } else if rest == 0.5 {
+            (std::f64::consts::FRAC_1_SQRT_2, std::f64::consts::FRAC_1_SQRT_2)
+        } else if rest < 0.5 {
+            (libm::sin(angle(rest)), libm::cos(angle(rest)))
+        } else {
+            (libm::cos(angle(1.0 - rest)), libm::sin(angle(1.0 - rest)))
+        };
+        match quarter as u32 % 4 {
+            0 => [cos, sin],
+            1 => [-sin, cos],
+            2 => [-cos, -sin],
+            _ => [sin, -cos],
+        }
+    };
+    (0..ways).map(at).collect()
 }
 
 /// Modes and groups. Checked modes are in preorder already, group by group.
@@ -166,7 +278,7 @@ fn modes(program: &mut Program, id: EntityId, e: &checked::Entity, context: &Con
         LeafId(first_leaf[mode.index()])
     };
     for (mode, m) in e.modes.pairs() {
-        let entry = lower_updates(program, &m.entry, context);
+        let entry = actions::lower(program, id, &m.entry, context);
         let choices = choices_of(program, e, &m.children, context);
         let (first, after) = leaves[mode.index()];
         program.entities[id].modes.push(Mode {

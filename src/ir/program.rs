@@ -2,14 +2,12 @@
 
 use serde::Serialize;
 
-use super::layout::Layout;
+use super::Spans;
 use super::{
-    Arithmetic, AxisId, ButtonId, ColliderId, CompareOp, DiscreteId, EdgeId, EntityId, EnvelopeId, ExprId, Function,
-    GoalId, GroupId, IdVec, LeafId, ModeId, NeverId, ParamId, Place, PlayerId, Press, Response, Side, SlotId, SpaceId,
-    Subject, TagId, TimerId, TouchId, VarId, WorldId,
+    Arithmetic, AxisId, ButtonId, ColliderId, CompareOp, DiscreteId, EdgeId, EntityId, EnvelopeId, ExprId, FollowId,
+    Function, GroupId, IdVec, LeafId, ModeId, ParamId, Place, Press, RefId, Side, SlotId, SpaceId, SpawnId, Subject,
+    TagId, TimerId, TouchId, VarId, World, WorldId,
 };
-use crate::level::TileMap;
-use crate::source::Span;
 
 /// A compiled program.
 #[derive(Debug, Clone, Default, Serialize)]
@@ -73,8 +71,8 @@ pub enum Expr {
     Frames(f64),
     /// A truth value.
     Bool(bool),
-    /// A parameter of the instance.
-    Param(ParamId),
+    /// A parameter.
+    Param(Subject, ParamId),
     /// A continuous variable (0), its velocity (1) or acceleration (2).
     Var(Subject, VarId, u8),
     /// A discrete variable.
@@ -101,7 +99,15 @@ pub enum Expr {
     Button(Press, ButtonId),
     /// A bit that the last collision phase set.
     Touching(Subject, TouchId),
-    /// The active leaf of the mode's group lies in the mode.
+    /// A mode of another group of the instance is entered (true) or left in this step.
+    Joint(ModeId, bool),
+    /// There is no such instance.
+    IsNone(Subject),
+    /// There is one, of this entity.
+    Is(Subject, EntityId),
+    /// The slot's instance is alive.
+    Alive(SlotId),
+    /// The active leaf of the mode's group lies in the mode; false of none.
     InMode(Subject, ModeId),
     /// The instance is in a space.
     InSpace(Subject, SpaceId),
@@ -130,8 +136,12 @@ pub struct Entity {
     pub params: IdVec<ParamId, Param>,
     /// Continuous variables by name; `x` and `y` are the first two.
     pub vars: IdVec<VarId, String>,
+    /// Their first values, 0 where there is none; they read parameters only.
+    pub first: IdVec<VarId, Option<ExprId>>,
     /// Discrete variables.
     pub discretes: IdVec<DiscreteId, Discrete>,
+    /// References to other instances.
+    pub refs: IdVec<RefId, Reference>,
     /// Buttons that it reads; at most 64.
     pub buttons: IdVec<ButtonId, String>,
     /// Axes that it reads; at most 4.
@@ -150,8 +160,20 @@ pub struct Entity {
     pub leaves: IdVec<LeafId, Leaf>,
     /// The distinct contact questions of the entity and of the goals about it: one bit each.
     pub touches: IdVec<TouchId, Touch>,
+    /// How many of them, the first ones, keep the instance that is touched.
+    pub bound: usize,
     /// The modes whose time is read: one counter each.
     pub timers: IdVec<TimerId, Timer>,
+    /// What is spawned on edges.
+    pub spawns: IdVec<SpawnId, Spawn>,
+    /// `follow links` of all modes.
+    pub follows: IdVec<FollowId, Follow>,
+    /// Soft bounds of variables.
+    pub clamps: Vec<Clamp>,
+    /// What must always hold.
+    pub invariants: Vec<ExprId>,
+    /// The groups in the order in which they are decided.
+    pub order: Vec<GroupId>,
     /// Drives of the variables that no group drives, one for each of them.
     pub free: Vec<Drive>,
     /// Inputs that it reads in whatever mode.
@@ -176,6 +198,8 @@ pub struct Discrete {
     pub domain: Domain,
     /// The least and the greatest value; leaving them stops the step.
     pub range: (i32, i32),
+    /// Its first value; reads parameters only.
+    pub first: ExprId,
 }
 
 /// What a discrete variable's number stands for.
@@ -190,15 +214,57 @@ pub enum Domain {
     Set(Vec<String>),
 }
 
-/// A rectangle relative to the position.
+/// A reference to another instance.
+#[derive(Debug, Clone, Serialize)]
+pub struct Reference {
+    /// Its name.
+    pub name: String,
+    /// What it may refer to; any entity if none.
+    pub entity: Option<EntityId>,
+}
+
+/// A soft bound, applied in the continuous phase: to a velocity before it moves the position, to a position after.
+#[derive(Debug, Clone, Serialize)]
+pub struct Clamp {
+    /// The variable.
+    pub var: VarId,
+    /// Position (0) or velocity (1).
+    pub degree: u8,
+    /// The least value, read before the phase.
+    pub low: Option<ExprId>,
+    /// The greatest value, read before the phase.
+    pub high: Option<ExprId>,
+}
+
+/// The shape of a collider relative to the position, px; read at the start of the collision phase.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Shape {
+    /// x and y of the lower-left corner, width, height.
+    Rect([ExprId; 4]),
+    /// x and y of the centre, radius.
+    Circle([ExprId; 3]),
+}
+
+impl Shape {
+    /// Its numbers.
+    pub fn numbers(&self) -> &[ExprId] {
+        match self {
+            Shape::Rect(numbers) => numbers,
+            Shape::Circle(numbers) => numbers,
+        }
+    }
+}
+
+/// A collider.
 #[derive(Debug, Clone, Serialize)]
 pub struct Collider {
     /// What it counts as.
     pub tags: TagSet,
     /// Whether it is never pushed.
     pub kinematic: bool,
-    /// x and y of the lower-left corner, width, height; px; read at the start of the collision phase.
-    pub rect: [ExprId; 4],
+    /// Its shape.
+    pub shape: Shape,
     /// While this holds it is there; read at the start of the collision phase.
     pub guard: Option<ExprId>,
 }
@@ -247,7 +313,7 @@ pub struct Mode {
     /// The mode directly inside that is entered if no guard holds; none for a leaf.
     pub inner: Option<ModeId>,
     /// What happens when it is entered by an edge.
-    pub entry: Vec<Update>,
+    pub entry: Actions,
 }
 
 /// An edge.
@@ -260,7 +326,67 @@ pub struct Edge {
     /// When it is taken.
     pub guard: ExprId,
     /// What it changes.
+    pub actions: Actions,
+    /// References that must not be none for an edge without a target to run.
+    pub needs: Vec<RefId>,
+}
+
+/// `follow links`: the instance goes where a link leads.
+#[derive(Debug, Clone, Serialize)]
+pub struct Follow {
+    /// When; always if none.
+    pub guard: Option<ExprId>,
+    /// What it changes when a link is followed.
+    pub actions: Actions,
+    /// References that must not be none.
+    pub needs: Vec<RefId>,
+}
+
+/// What happens on an edge, or when a mode is entered. All right sides read the state before the step.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Actions {
+    /// Variables that change.
     pub updates: Vec<Update>,
+    /// References that change.
+    pub refs: Vec<RefUpdate>,
+    /// Instances that come to be.
+    pub spawns: Vec<SpawnId>,
+    /// Instances that cease to be.
+    pub destroys: Vec<RefValue>,
+}
+
+/// A reference gets a value.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct RefUpdate {
+    /// The reference.
+    pub reference: RefId,
+    /// What it refers to from now on.
+    pub value: RefValue,
+}
+
+/// An instance or none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RefValue {
+    /// None.
+    None,
+    /// What a subject stands for, perhaps none.
+    Of(Subject),
+}
+
+/// A new instance takes the lowest free slot of its entity; `x`, `y` and the space are the spawner's where not given.
+#[derive(Debug, Clone, Serialize)]
+pub struct Spawn {
+    /// The entity.
+    pub entity: EntityId,
+    /// The spawner's reference that is set to it, or to none where no slot is free.
+    pub into: Option<RefId>,
+    /// Parameters that are given; the expressions are the spawner's.
+    pub params: Vec<(ParamId, ExprId)>,
+    /// Variables that are given.
+    pub updates: Vec<Update>,
+    /// References that are given.
+    pub refs: Vec<RefUpdate>,
 }
 
 /// An update; the right side reads the state before the step.
@@ -287,27 +413,58 @@ pub enum Drive {
         /// Its value.
         value: ExprId,
     },
-    /// An envelope.
-    Envelope(EnvelopeId),
+    /// A component of an envelope.
+    Envelope(EnvelopeId, u8),
 }
 
-/// A two-way envelope: while driven, towards the axis' sign times `sustain`.
+/// An envelope: while driven, towards the direction times `sustain`.
 #[derive(Debug, Clone, Serialize)]
 pub struct Envelope {
-    /// The variable.
-    pub var: VarId,
+    /// The mode that holds it; none at the entity's own level.
+    pub mode: Option<ModeId>,
+    /// The variables: one, or the components of a vector.
+    pub vars: Vec<VarId>,
     /// Which derivative is controlled.
     pub degree: u8,
-    /// The axis that drives it.
-    pub axis: AxisId,
-    /// The level to be held.
+    /// What drives it.
+    pub by: By,
+    /// The level to be held; by the clock: the peak.
     pub sustain: ExprId,
     /// How fast it rises, per second; none at once.
     pub attack: Option<ExprId>,
+    /// The level it rises to first, if not to the one that is held.
+    pub peak: Option<ExprId>,
+    /// How fast it goes from the peak to the held level, per second; none at once.
+    pub decay: Option<ExprId>,
     /// How it ends.
     pub release: Release,
     /// It counts as released while this does not hold.
     pub guard: Option<ExprId>,
+}
+
+/// What drives an envelope.
+#[derive(Debug, Clone, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum By {
+    /// A button: while it is down.
+    Button(ButtonId),
+    /// The sign of an axis.
+    Axis(AxisId),
+    /// The direction of two axes: the nearest of these unit vectors, or as it is if there are none.
+    Axes([AxisId; 2], Vec<[f64; 2]>),
+    /// The time since the mode was entered: it rises for `rise` seconds to `sustain`, stays for `hold`, falls for `fall`.
+    Clock {
+        /// Counts the steps.
+        timer: TimerId,
+        /// Seconds.
+        rise: ExprId,
+        /// Seconds.
+        hold: ExprId,
+        /// Seconds.
+        fall: ExprId,
+        /// All three together.
+        total: ExprId,
+    },
 }
 
 /// How an envelope ends.
@@ -355,6 +512,8 @@ pub struct Leaf {
     pub edges: Vec<EdgeId>,
     /// Edges without a target, in walk order; each that holds runs.
     pub internal: Vec<EdgeId>,
+    /// `follow links`, in walk order; the first that holds counts.
+    pub follows: Vec<FollowId>,
     /// Inputs that anything active reads.
     pub inputs: Inputs,
 }
@@ -368,6 +527,8 @@ pub struct Touch {
     pub other: TagId,
     /// The side of one's own collider, if it matters.
     pub side: Option<Side>,
+    /// Only instances count, and the lowest one is kept.
+    pub bound: bool,
 }
 
 /// A mode whose time is read.
@@ -377,218 +538,4 @@ pub struct Timer {
     pub mode: ModeId,
     /// All that it is compared with, where all of it is known per instance: the count saturates above.
     pub thresholds: Option<Vec<ExprId>>,
-}
-
-/// A world, ready to run.
-#[derive(Debug, Clone, Serialize)]
-pub struct World {
-    /// Its name.
-    pub name: String,
-    /// The length of a step.
-    pub step: Step,
-    /// Its spaces.
-    pub spaces: IdVec<SpaceId, Space>,
-    /// Its slots.
-    pub slots: IdVec<SlotId, Slot>,
-    /// Its players.
-    pub players: IdVec<PlayerId, Player>,
-    /// Which colliders meet, and what a contact does.
-    pub collide: Vec<Collide>,
-    /// What is looked for.
-    pub goals: IdVec<GoalId, Predicate>,
-    /// What must not happen.
-    pub nevers: IdVec<NeverId, Predicate>,
-    /// Where everything stands in a state.
-    pub layout: Layout,
-}
-
-/// The length of a step as a fraction in lowest terms, s.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub struct Step {
-    /// Numerator, more than 0.
-    pub numerator: u64,
-    /// Denominator, more than 0.
-    pub denominator: u64,
-}
-
-impl Step {
-    /// The length, s.
-    pub fn seconds(self) -> f64 {
-        self.numerator as f64 / self.denominator as f64
-    }
-
-    /// The length of so many steps, s, rounded once.
-    pub fn times(self, count: u32) -> f64 {
-        (f64::from(count) * self.numerator as f64) / self.denominator as f64
-    }
-}
-
-/// A room.
-#[derive(Debug, Clone, Serialize)]
-pub struct Space {
-    /// Its name.
-    pub name: String,
-    /// Its map.
-    pub map: Option<TileMap<TagId>>,
-    /// Free-standing static geometry.
-    pub solids: Vec<Solid>,
-    /// Where a player may be: a branch of a search ends below and beside; none where there is neither a map nor a word
-    /// of it.
-    pub bounds: Option<Bounds>,
-}
-
-/// Free-standing static geometry.
-#[derive(Debug, Clone, Serialize)]
-pub struct Solid {
-    /// What it counts as.
-    pub tags: TagSet,
-    /// Where it is.
-    pub bounds: Bounds,
-}
-
-/// A rectangle, px.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Bounds {
-    /// Its least x.
-    pub left: f64,
-    /// Its greatest x.
-    pub right: f64,
-    /// Its least y.
-    pub bottom: f64,
-    /// Its greatest y.
-    pub top: f64,
-}
-
-impl Bounds {
-    /// From the lower-left corner, the width and the height.
-    pub fn new([x, y, width, height]: [f64; 4]) -> Self {
-        Bounds { left: x, right: x + width, bottom: y, top: y + height }
-    }
-}
-
-/// A place for an instance, with the instance's first values.
-#[derive(Debug, Clone, Serialize)]
-pub struct Slot {
-    /// The instance's name.
-    pub name: String,
-    /// Its entity.
-    pub entity: EntityId,
-    /// The space it is in at first.
-    pub space: SpaceId,
-    /// Who controls it.
-    pub player: Option<PlayerId>,
-    /// The values of its parameters.
-    pub params: IdVec<ParamId, f64>,
-    /// Position, velocity and acceleration of each continuous variable.
-    pub vars: IdVec<VarId, [f64; 3]>,
-    /// The values of its discrete variables, within their ranges.
-    pub discretes: IdVec<DiscreteId, i32>,
-    /// Where each timer's count saturates.
-    pub timer_limits: IdVec<TimerId, u32>,
-}
-
-/// A player.
-#[derive(Debug, Clone, Serialize)]
-pub struct Player {
-    /// The number as written.
-    pub number: u32,
-    /// The slot it controls; no other player does.
-    pub slot: SlotId,
-}
-
-/// Colliders with a tag of `left` and one with a tag of `right` meet.
-#[derive(Debug, Clone, Copy, Serialize)]
-pub struct Collide {
-    /// The one side.
-    pub left: TagSet,
-    /// The other.
-    pub right: TagSet,
-    /// What a contact does.
-    pub response: Response,
-}
-
-/// A `goal` or a `never`.
-#[derive(Debug, Clone, Serialize)]
-pub struct Predicate {
-    /// Its name.
-    pub name: String,
-    /// When it holds; reads instances, no inputs.
-    pub holds: ExprId,
-}
-
-impl World {
-    /// What a contact between colliders of these tags does; none if they do not meet. The strongest line holds.
-    pub fn response(&self, a: TagSet, b: TagSet) -> Option<Response> {
-        let strength = |r: &Response| match r {
-            Response::Sense => 0,
-            Response::Block { keep_velocity: true } => 1,
-            Response::Block { keep_velocity: false } => 2,
-        };
-        self.collide
-            .iter()
-            .filter(|c| (c.left.meets(a) && c.right.meets(b)) || (c.left.meets(b) && c.right.meets(a)))
-            .map(|c| c.response)
-            .max_by_key(strength)
-    }
-}
-
-/// Where the entries of the tables come from.
-#[derive(Debug, Clone, Default, Serialize)]
-pub struct Spans {
-    /// Of each tag: its first use.
-    pub tags: IdVec<TagId, Span>,
-    /// Of each expression.
-    pub exprs: IdVec<ExprId, Span>,
-    /// Of each entity's entries.
-    pub entities: IdVec<EntityId, EntitySpans>,
-    /// Of each world's entries.
-    pub worlds: IdVec<WorldId, WorldSpans>,
-}
-
-/// Where an entity's entries come from; a leaf and a timer come from their modes.
-#[derive(Debug, Clone, Serialize)]
-pub struct EntitySpans {
-    /// The entity's name.
-    pub name: Span,
-    /// Of each parameter's name.
-    pub params: IdVec<ParamId, Span>,
-    /// Of each variable's name (of `x` and `y`: the entity's).
-    pub vars: IdVec<VarId, Span>,
-    /// Of each discrete variable's name.
-    pub discretes: IdVec<DiscreteId, Span>,
-    /// Of each button's name.
-    pub buttons: IdVec<ButtonId, Span>,
-    /// Of each axis' name.
-    pub axes: IdVec<AxisId, Span>,
-    /// Of each collider.
-    pub colliders: IdVec<ColliderId, Span>,
-    /// Of each group's name (of the anonymous one: the entity's).
-    pub groups: IdVec<GroupId, Span>,
-    /// Of each contact question: where it is first asked.
-    pub touches: IdVec<TouchId, Span>,
-    /// Of each mode's name.
-    pub modes: IdVec<ModeId, Span>,
-    /// Of each edge.
-    pub edges: IdVec<EdgeId, Span>,
-    /// Of each envelope.
-    pub envelopes: IdVec<EnvelopeId, Span>,
-}
-
-/// Where a world's entries come from.
-#[derive(Debug, Clone, Serialize)]
-pub struct WorldSpans {
-    /// The world's name.
-    pub name: Span,
-    /// Of each space's name.
-    pub spaces: IdVec<SpaceId, Span>,
-    /// Of each space's free-standing geometry.
-    pub solids: IdVec<SpaceId, Vec<Span>>,
-    /// Of each slot.
-    pub slots: IdVec<SlotId, Span>,
-    /// Of each player's line.
-    pub players: IdVec<PlayerId, Span>,
-    /// Of each goal's name.
-    pub goals: IdVec<GoalId, Span>,
-    /// Of each never's name.
-    pub nevers: IdVec<NeverId, Span>,
 }

@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use super::{
-    Arithmetic, Choice, CompareOp, Domain, Drive, Entity, Expr, ExprId, Function, Place, Press, Program, Release,
-    Response, Side, Subject, TagSet, Update, World,
+    Actions, Arithmetic, By, Choice, CompareOp, Domain, Drive, Entity, Expr, ExprId, Function, Origin, Place, Press,
+    Program, Push, RefValue, Release, Response, Shape, Side, Subject, TagSet, World,
 };
 
 /// The whole program as text.
@@ -64,14 +64,16 @@ impl EntityText<'_> {
             writeln!(out, "  {id} {name}")?;
         }
         for (id, c) in e.colliders.pairs() {
-            let rect: Vec<String> = c.rect.iter().map(|&r| self.expr(r)).collect();
+            let numbers: Vec<String> = c.shape.numbers().iter().map(|&r| self.expr(r)).collect();
+            let shape = if matches!(c.shape, Shape::Rect(_)) { "rect" } else { "circle" };
             let kinematic = if c.kinematic { "kinematic " } else { "" };
             let guard = c.guard.map_or(String::new(), |g| format!(" when {}", self.expr(g)));
-            writeln!(out, "  {id} {kinematic}{}: rect({}){guard}", tags(p, c.tags), rect.join(", "))?;
+            writeln!(out, "  {id} {kinematic}{}: {shape}({}){guard}", tags(p, c.tags), numbers.join(", "))?;
         }
         for (id, t) in e.touches.pairs() {
             let side = t.side.map_or(String::new(), |s| format!(", {}", side(s)));
-            writeln!(out, "  {id} ({}, {}{side})", tags(p, t.mine), tags(p, TagSet::of(t.other)))?;
+            let kept = if t.bound { " as an instance" } else { "" };
+            writeln!(out, "  {id} ({}, {}{side}){kept}", tags(p, t.mine), tags(p, TagSet::of(t.other)))?;
         }
         for (id, t) in e.timers.pairs() {
             let limits = match &t.thresholds {
@@ -90,19 +92,63 @@ impl EntityText<'_> {
                 }
             };
             let guard = v.guard.map_or(String::new(), |g| format!(", while {}", self.expr(g)));
-            let axis = &e.axes[v.axis];
+            let vars: Vec<String> = v.vars.iter().map(|&var| self.var(var, v.degree)).collect();
             let sustain = self.expr(v.sustain);
-            writeln!(
-                out,
-                "  {id} {} by {axis}: attack {attack}, sustain {sustain}, release {release}{guard}",
-                self.var(v.var, v.degree)
-            )?;
+            if let By::Clock { timer, rise, hold, fall, .. } = v.by {
+                let (rise, hold, fall) = (self.expr(rise), self.expr(hold), self.expr(fall));
+                let times = format!("rises to {sustain} over {rise}, stays for {hold}, falls over {fall}");
+                writeln!(out, "  {id} {} by {timer}: {times}, {release}", vars.join(", "))?;
+                continue;
+            }
+            let by = match &v.by {
+                By::Button(button) => format!("held({})", e.buttons[*button]),
+                By::Axis(axis) => e.axes[*axis].clone(),
+                By::Axes([x, y], ways) => {
+                    let ways = if ways.is_empty() { "any".to_string() } else { ways.len().to_string() };
+                    format!("({}, {}) directions {ways}", e.axes[*x], e.axes[*y])
+                }
+                By::Clock { .. } => String::new(),
+            };
+            let peak = v.peak.map_or(String::new(), |peak| {
+                let decay = v.decay.map_or("instant".into(), |d| format!("accel {}", self.expr(d)));
+                format!(" to {}, decay {decay}", self.expr(peak))
+            });
+            let vars = vars.join(", ");
+            writeln!(out, "  {id} {vars} by {by}: attack {attack}{peak}, sustain {sustain}, release {release}{guard}")?;
         }
         for (id, edge) in e.edges.pairs() {
             let target = edge.target.map_or("stays".into(), |t| format!("-> {}", e.modes[t].path));
             let source = &e.modes[edge.source].path;
-            let updates = self.updates(&edge.updates);
+            let updates = self.actions(&edge.actions);
             writeln!(out, "  {id} {source} {target} when {}{updates}", self.expr(edge.guard))?;
+        }
+        for (id, spawn) in e.spawns.pairs() {
+            let of = &p.entities[spawn.entity];
+            let mut sets: Vec<String> = Vec::new();
+            sets.extend(
+                spawn.params.iter().map(|(param, x)| format!("{} = {}", of.params[*param].name, self.expr(*x))),
+            );
+            sets.extend(spawn.updates.iter().map(|u| format!("{} = {}", place(of, u.place), self.expr(u.value))));
+            let refs = spawn.refs.iter().map(|r| format!("{} = {}", of.refs[r.reference].name, self.instance(r.value)));
+            sets.extend(refs);
+            let into = spawn.into.map_or(String::new(), |r| format!(" into {}", e.refs[r].name));
+            writeln!(out, "  {id} {}({}){into}", of.name, sets.join(", "))?;
+        }
+        for (id, follow) in e.follows.pairs() {
+            let guard = follow.guard.map_or(String::new(), |g| format!(" when {}", self.expr(g)));
+            writeln!(out, "  {id} links{guard}{}", self.actions(&follow.actions))?;
+        }
+        for clamp in &e.clamps {
+            let bound = |b: Option<ExprId>| b.map_or(String::new(), |b| self.expr(b));
+            let var = self.var(clamp.var, clamp.degree);
+            writeln!(out, "  clamp {var} in {}..{}", bound(clamp.low), bound(clamp.high))?;
+        }
+        for &invariant in &e.invariants {
+            writeln!(out, "  invariant {}", self.expr(invariant))?;
+        }
+        if e.order.windows(2).any(|pair| pair[0] > pair[1]) {
+            let order: Vec<String> = e.order.iter().map(ToString::to_string).collect();
+            writeln!(out, "  decides {}", order.join(", "))?;
         }
         self.drives(out, "  always", &e.free)?;
         for (id, group) in e.groups.pairs() {
@@ -111,7 +157,7 @@ impl EntityText<'_> {
             for mode in group.modes.0.0..group.modes.1.0 {
                 let id = super::ModeId(mode);
                 let m = &e.modes[id];
-                let entry = self.updates(&m.entry);
+                let entry = self.actions(&m.entry);
                 let initial = e.leaves[m.initial].mode;
                 let inner = match m.inner {
                     None => String::new(),
@@ -128,6 +174,10 @@ impl EntityText<'_> {
                     if !leaf.internal.is_empty() {
                         let list: Vec<String> = leaf.internal.iter().map(ToString::to_string).collect();
                         writeln!(out, "      runs {}", list.join(", "))?;
+                    }
+                    if !leaf.follows.is_empty() {
+                        let list: Vec<String> = leaf.follows.iter().map(ToString::to_string).collect();
+                        writeln!(out, "      may go by {}", list.join(", "))?;
                     }
                     let mut reads: Vec<&str> = Vec::new();
                     reads.extend(
@@ -162,7 +212,7 @@ impl EntityText<'_> {
                 Drive::Flow { var, degree, value } => {
                     format!("{} = {}", self.var(var, degree), self.expr(value))
                 }
-                Drive::Envelope(id) => id.to_string(),
+                Drive::Envelope(id, component) => format!("{id}.{component}"),
             })
             .collect();
         writeln!(out, "{head}: {}", list.join("; "))
@@ -172,25 +222,40 @@ impl EntityText<'_> {
         format!("{}{}", self.e.vars[var], "'".repeat(usize::from(degree)))
     }
 
-    fn updates(&self, updates: &[Update]) -> String {
-        if updates.is_empty() {
-            return String::new();
+    fn actions(&self, actions: &Actions) -> String {
+        let e = self.e;
+        let mut list: Vec<String> = Vec::new();
+        list.extend(actions.updates.iter().map(|u| format!("{} := {}", place(e, u.place), self.expr(u.value))));
+        list.extend(actions.refs.iter().map(|r| format!("{} := {}", e.refs[r.reference].name, self.instance(r.value))));
+        list.extend(actions.spawns.iter().map(ToString::to_string));
+        list.extend(actions.destroys.iter().map(|d| format!("destroy {}", self.instance(*d))));
+        if list.is_empty() { String::new() } else { format!(" {{ {} }}", list.join("; ")) }
+    }
+
+    fn instance(&self, value: RefValue) -> String {
+        match value {
+            RefValue::None => "none".into(),
+            RefValue::Of(Subject::Me) => "self".into(),
+            RefValue::Of(subject) => self.owner(subject).trim_end_matches('.').to_string(),
         }
-        let list: Vec<String> = updates
-            .iter()
-            .map(|u| {
-                let place = match u.place {
-                    Place::Var(var, degree) => self.var(var, degree),
-                    Place::Discrete(id) => self.e.discretes[id].name.clone(),
-                };
-                format!("{place} := {}", self.expr(u.value))
-            })
-            .collect();
-        format!(" {{ {} }}", list.join("; "))
+    }
+
+    fn owner(&self, of: Subject) -> String {
+        match of {
+            Subject::Me => String::new(),
+            Subject::Slot(slot) => format!("{slot}."),
+            Subject::Ref(id) => format!("{}.", self.e.refs[id].name),
+            Subject::Touched(touch) => format!("{touch}."),
+        }
     }
 
     fn expr(&self, id: ExprId) -> String {
-        expression(self.p, id, &|_| self.e, &|_| String::new())
+        let entity = |of: Subject| match of {
+            Subject::Me => Some(self.e),
+            Subject::Ref(id) => self.e.refs[id].entity.map(|e| &self.p.entities[e]),
+            Subject::Slot(_) | Subject::Touched(_) => None,
+        };
+        expression(self.p, id, &entity, self.e, &|of| self.owner(of))
     }
 }
 
@@ -207,20 +272,35 @@ fn side(side: Side) -> &'static str {
 fn expression<'a>(
     p: &Program,
     id: ExprId,
-    entity: &dyn Fn(Subject) -> &'a Entity,
+    entity: &dyn Fn(Subject) -> Option<&'a Entity>,
+    none: &'a Entity,
     owner: &dyn Fn(Subject) -> String,
 ) -> String {
-    let sub = |id| expression(p, id, entity, owner);
-    let me = || entity(Subject::Me);
+    let sub = |id| expression(p, id, entity, none, owner);
+    let me = || entity(Subject::Me).unwrap_or(none);
     match p.exprs[id] {
         Expr::Number(n) => n.to_string(),
         Expr::Frames(n) => format!("{n}frames"),
         Expr::Bool(b) => b.to_string(),
-        Expr::Param(param) => me().params.get(param).map_or_else(|| param.to_string(), |p| p.name.clone()),
-        Expr::Var(of, var, degree) => {
-            format!("{}{}{}", owner(of), entity(of).vars[var], "'".repeat(usize::from(degree)))
+        Expr::Param(of, param) => {
+            let name = entity(of).and_then(|e| e.params.get(param));
+            format!("{}{}", owner(of), name.map_or_else(|| param.to_string(), |p| p.name.clone()))
         }
-        Expr::Discrete(of, d) => format!("{}{}", owner(of), entity(of).discretes[d].name),
+        Expr::Var(of, var, degree) => {
+            let name = entity(of).and_then(|e| e.vars.get(var)).cloned();
+            let name = name.unwrap_or_else(|| ["x", "y"].get(var.0 as usize).map_or(var.to_string(), |n| (*n).into()));
+            format!("{}{name}{}", owner(of), "'".repeat(usize::from(degree)))
+        }
+        Expr::Discrete(of, d) => {
+            let name = entity(of).and_then(|e| e.discretes.get(d));
+            format!("{}{}", owner(of), name.map_or_else(|| d.to_string(), |d| d.name.clone()))
+        }
+        Expr::Joint(mode, entering) => {
+            format!("{}({})", if entering { "entering" } else { "exiting" }, me().modes[mode].path)
+        }
+        Expr::IsNone(of) => format!("{} is none", owner(of).trim_end_matches('.')),
+        Expr::Is(of, e) => format!("{} is {}", owner(of).trim_end_matches('.'), p.entities[e].name),
+        Expr::Alive(slot) => format!("{}alive", owner(Subject::Slot(slot))),
         Expr::Axis(axis) => me().axes[axis].clone(),
         Expr::Timer(timer) => format!("timer({})", me().modes[me().timers[timer].mode].path),
         Expr::Negate(a) => format!("-{}", sub(a)),
@@ -275,7 +355,10 @@ fn expression<'a>(
             format!("{word}({})", me().buttons[button])
         }
         Expr::Touching(of, touch) => format!("{}{touch}", owner(of)),
-        Expr::InMode(of, mode) => format!("{}in {}", owner(of), entity(of).modes[mode].path),
+        Expr::InMode(of, mode) => {
+            let path = entity(of).and_then(|e| e.modes.get(mode)).map_or_else(|| mode.to_string(), |m| m.path.clone());
+            format!("{}in {path}", owner(of))
+        }
         Expr::InSpace(of, space) => format!("{}in {space}", owner(of)),
         Expr::Near { of, x, y, radius } => {
             format!("near({}, ({}, {}), {})", owner(of).trim_end_matches('.'), sub(x), sub(y), sub(radius))
@@ -283,16 +366,42 @@ fn expression<'a>(
     }
 }
 
+/// An expression that reads the instances of a world.
+fn world_expression(p: &Program, w: &World, id: ExprId) -> String {
+    let Some(none) = p.entities.iter().next() else { return String::new() };
+    let entity = |of: Subject| match of {
+        Subject::Slot(slot) => Some(&p.entities[w.slots[slot].entity]),
+        _ => None,
+    };
+    let owner = |of: Subject| match of {
+        Subject::Slot(slot) => format!("{}.", w.slots[slot].name),
+        _ => String::new(),
+    };
+    expression(p, id, &entity, none, &owner)
+}
+
+/// What an update writes.
+fn place(e: &Entity, place: Place) -> String {
+    match place {
+        Place::Var(var, degree) => format!("{}{}", e.vars[var], "'".repeat(usize::from(degree))),
+        Place::Discrete(id) => e.discretes[id].name.clone(),
+        Place::Ref(id) => e.refs[id].name.clone(),
+    }
+}
+
 fn write_world(out: &mut String, p: &Program, w: &World) -> Result {
     writeln!(out, "world {}", w.name)?;
     writeln!(out, "  step {}/{}", w.step.numerator, w.step.denominator)?;
     for c in &w.collide {
-        let response = match c.response {
-            Response::Sense => "sense",
-            Response::Block { keep_velocity: false } => "block",
-            Response::Block { keep_velocity: true } => "block, keep velocity",
+        let Response { push, stop, carry } = c.response;
+        let push = match push {
+            Push::Sense => "sense",
+            Push::FromAbove => "block from above",
+            Push::Block => "block",
         };
-        writeln!(out, "  {} with {}: {response}", tags(p, c.left), tags(p, c.right))?;
+        let keep = if stop || c.response.push == Push::Sense { "" } else { ", keep velocity" };
+        let carry = if carry { ", carry" } else { "" };
+        writeln!(out, "  {} with {}: {push}{keep}{carry}", tags(p, c.left), tags(p, c.right))?;
     }
     for (id, space) in w.spaces.pairs() {
         write!(out, "  {id} {}", space.name)?;
@@ -302,6 +411,11 @@ fn write_world(out: &mut String, p: &Program, w: &World) -> Result {
         for solid in &space.solids {
             let b = solid.bounds;
             write!(out, "\n    {} at {}..{}, {}..{}", tags(p, solid.tags), b.left, b.right, b.bottom, b.top)?;
+        }
+        for link in &space.links {
+            let side = |b: super::Bounds| format!("{}..{}, {}..{}", b.left, b.right, b.bottom, b.top);
+            let guard = link.guard.map_or(String::new(), |g| format!(" when {}", world_expression(p, w, g)));
+            write!(out, "\n    link {} -> {} at {}{guard}", side(link.from), link.space, side(link.to))?;
         }
         let Some(map) = &space.map else {
             writeln!(out)?;
@@ -320,11 +434,20 @@ fn write_world(out: &mut String, p: &Program, w: &World) -> Result {
     for (id, slot) in w.slots.pairs() {
         let e = &p.entities[slot.entity];
         let player = slot.player.map_or(String::new(), |n| format!(", player {}", w.players[n].number));
+        if slot.origin == Origin::Free {
+            let at = &w.layout.slots[id];
+            writeln!(out, "  {id} {}: free, at {}..{}", slot.name, at.block.0, at.block.1)?;
+            continue;
+        }
         writeln!(out, "  {id} {}: {} in {}{player}", slot.name, e.name, slot.space)?;
         let mut values: Vec<String> = Vec::new();
         values.extend(e.params.pairs().map(|(id, param)| format!("{} = {}", param.name, slot.params[id])));
         values.extend(e.vars.pairs().map(|(id, name)| format!("{name} = {:?}", slot.vars[id])));
         values.extend(e.discretes.pairs().map(|(id, d)| format!("{} = {}", d.name, slot.discretes[id])));
+        let target = |t: super::SlotId| w.slots[t].name.clone();
+        let refs =
+            e.refs.pairs().map(|(id, r)| format!("{} = {}", r.name, slot.refs[id].map_or("none".into(), target)));
+        values.extend(refs);
         writeln!(out, "    {}", values.join(", "))?;
         for (timer, limit) in slot.timer_limits.pairs().filter(|(_, l)| **l != u32::MAX) {
             writeln!(out, "    {timer} saturates at {limit}")?;
@@ -336,19 +459,11 @@ fn write_world(out: &mut String, p: &Program, w: &World) -> Result {
             at.vars, at.discretes, at.timers, at.leaves, at.space, at.alive, at.touches
         )?;
     }
-    let entity = |of: Subject| match of {
-        Subject::Slot(slot) => &p.entities[w.slots[slot].entity],
-        Subject::Me => &p.entities[super::EntityId(0)],
-    };
-    let owner = |of: Subject| match of {
-        Subject::Slot(slot) => format!("{}.", w.slots[slot].name),
-        Subject::Me => String::new(),
-    };
     for (id, goal) in w.goals.pairs() {
-        writeln!(out, "  {id} {}: {}", goal.name, expression(p, goal.holds, &entity, &owner))?;
+        writeln!(out, "  {id} {}: {}", goal.name, world_expression(p, w, goal.holds))?;
     }
     for (id, never) in w.nevers.pairs() {
-        writeln!(out, "  {id} {}: {}", never.name, expression(p, never.holds, &entity, &owner))?;
+        writeln!(out, "  {id} {}: {}", never.name, world_expression(p, w, never.holds))?;
     }
     writeln!(out, "  a state is {} bytes", w.layout.size)?;
     writeln!(out)

@@ -4,25 +4,55 @@ use crate::sema::{arithmetic, call, checked, compare};
 
 use super::fold::Context;
 use super::{
-    Bounds, Collide, EntityId, Expr, ExprId, GoalId, IdVec, Layout, NeverId, ParamId, Player, PlayerId, Predicate,
-    Program, Slot, SlotId, Solid, Space, Step, TagSet, Timer, World, WorldSpans,
+    Bounds, Collide, Entity, EntityId, Expr, ExprId, GoalId, IdVec, Layout, Link, NeverId, Origin, ParamId, Player,
+    PlayerId, Predicate, Program, RefValue, Slot, SlotId, Solid, Space, SpaceId, Step, Subject, TagSet, Timer, World,
+    WorldSpans,
 };
 
 /// The predicates of a world, lowered.
 pub(super) struct Predicates {
     goals: IdVec<GoalId, Predicate>,
     nevers: IdVec<NeverId, Predicate>,
+    /// Of each space, the guards of its links.
+    links: IdVec<SpaceId, Vec<Option<ExprId>>>,
 }
 
 /// Lowers `goal` and `never`; this may add contact questions to entities.
 pub(super) fn predicates(program: &mut Program, w: &checked::World) -> Predicates {
     let entity_of = |slot: SlotId| w.instances[slot].entity;
-    let context = Context { me: None, slots: &entity_of };
+    let immortal = immortal(program, w);
+    let immortal = |slot: SlotId| immortal[slot.0 as usize];
+    let context = Context { me: None, slots: &entity_of, immortal: &immortal };
     let mut lowered =
         |q: &checked::Question| Predicate { name: q.name.text.clone(), holds: program.term(&q.predicate, &context) };
     let goals = w.goals.iter().map(&mut lowered).collect();
     let nevers = w.nevers.iter().map(&mut lowered).collect();
-    Predicates { goals, nevers }
+    let mut links = IdVec::new();
+    for space in w.spaces.iter() {
+        let guards = space.links.iter().map(|l| l.guard.as_ref().map(|g| program.term(g, &context)));
+        links.push(guards.collect());
+    }
+    Predicates { goals, nevers, links }
+}
+
+/// Of each slot, whether its instance lives from the first step to the last.
+fn immortal(program: &Program, w: &checked::World) -> Vec<bool> {
+    let actions = |e: &Entity| -> Vec<(EntityId, RefValue)> {
+        let id = program.entities.find(|x| std::ptr::eq(x, e)).unwrap_or(EntityId(0));
+        let edges = e.edges.iter().map(|x| &x.actions);
+        let all = edges.chain(e.modes.iter().map(|m| &m.entry)).chain(e.follows.iter().map(|f| &f.actions));
+        all.flat_map(|a| a.destroys.iter().map(move |d| (id, *d))).collect()
+    };
+    let destroys: Vec<(EntityId, RefValue)> = program.entities.iter().flat_map(actions).collect();
+    let may_be_destroyed = |entity: EntityId| {
+        destroys.iter().any(|(by, what)| match what {
+            RefValue::None => false,
+            RefValue::Of(Subject::Me) => *by == entity,
+            RefValue::Of(Subject::Ref(id)) => program.entities[*by].refs[*id].entity.is_none_or(|e| e == entity),
+            RefValue::Of(_) => true,
+        })
+    };
+    w.instances.iter().map(|i| i.origin == Origin::Named && !may_be_destroyed(i.entity)).collect()
 }
 
 /// Lowers a world; all contact questions must be known.
@@ -35,17 +65,24 @@ pub(super) fn lower(program: &mut Program, w: &checked::World, predicates: Predi
         .pairs()
         .map(|(id, instance)| Slot {
             name: instance.name.text.clone(),
+            origin: instance.origin,
             entity: instance.entity,
             space: instance.space,
             player: players.find(|p| p.slot == id),
             params: instance.params.clone(),
             vars: instance.vars.clone(),
             discretes: instance.discretes.clone(),
-            timer_limits: timer_limits(program, instance.entity, &instance.params, step),
+            refs: instance.refs.clone(),
+            timer_limits: {
+                // A slot that can be used again has no parameters that are known now.
+                let none = IdVec::new();
+                let known = if instance.origin == Origin::Named { &instance.params } else { &none };
+                timer_limits(program, instance.entity, known, step)
+            },
         })
         .collect();
     let layout = Layout::new(&slots, players.len(), &program.entities);
-    let spaces = w.spaces.iter().map(space).collect();
+    let spaces = w.spaces.iter().zip(predicates.links.iter()).map(|(s, links)| space(s, links)).collect();
     let collide = w
         .collide
         .iter()
@@ -59,6 +96,7 @@ pub(super) fn lower(program: &mut Program, w: &checked::World, predicates: Predi
         name: w.name.span,
         spaces: w.spaces.iter().map(|s| s.name.span).collect(),
         solids: w.spaces.iter().map(|s| s.solids.iter().map(|x| x.span).collect()).collect(),
+        links: w.spaces.iter().map(|s| s.links.iter().map(|l| l.span).collect()).collect(),
         slots: w.instances.iter().map(|i| i.span).collect(),
         players: w.players.iter().map(|p| p.span).collect(),
         goals: w.goals.iter().map(|g| g.name.span).collect(),
@@ -77,7 +115,7 @@ pub(super) fn lower(program: &mut Program, w: &checked::World, predicates: Predi
     });
 }
 
-fn space(s: &checked::Space) -> Space {
+fn space(s: &checked::Space, guards: &[Option<ExprId>]) -> Space {
     let of_map = s.map.as_ref().map(|m| [0.0, 0.0, m.size().0, m.size().1]);
     Space {
         name: s.name.text.clone(),
@@ -88,6 +126,12 @@ fn space(s: &checked::Space) -> Space {
             .map(|solid| Solid { tags: solid.tags.iter().copied().collect(), bounds: Bounds::new(solid.rect) })
             .collect(),
         bounds: s.bounds.or(of_map).map(Bounds::new),
+        links: s
+            .links
+            .iter()
+            .zip(guards)
+            .map(|(l, guard)| Link { from: Bounds::new(l.from), space: l.space, to: Bounds::new(l.to), guard: *guard })
+            .collect(),
     }
 }
 
@@ -131,7 +175,7 @@ impl Program {
             Expr::Number(n) => n,
             Expr::Frames(n) => n * step.seconds(),
             Expr::Bool(b) => f64::from(u8::from(b)),
-            Expr::Param(p) => *params.get(p)?,
+            Expr::Param(Subject::Me, p) => *params.get(p)?,
             Expr::Negate(a) => -value(a)?,
             Expr::Not(a) => f64::from(u8::from(value(a)? == 0.0)),
             Expr::And(a, b) => f64::from(u8::from(value(a)? != 0.0 && value(b)? != 0.0)),

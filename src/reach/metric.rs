@@ -5,7 +5,8 @@
 use rand::{Rng, RngExt};
 
 use crate::ir::{
-    Bounds, DiscreteId, Drive, Entity, Expr, GroupId, Id, LeafId, Place, Program, Slot, SlotId, TimerId, VarId, World,
+    Bounds, DiscreteId, Drive, Entity, Expr, GroupId, Id, LeafId, Origin, Place, Program, Slot, SlotId, TimerId, VarId,
+    World,
 };
 use crate::sim::Simulator;
 
@@ -170,8 +171,9 @@ fn positions(world: &World, var: VarId) -> (f64, f64) {
 }
 
 fn updates(entity: &Entity) -> impl Iterator<Item = Place> {
-    let edges = entity.edges.iter().flat_map(|e| &e.updates);
-    edges.chain(entity.modes.iter().flat_map(|m| &m.entry)).map(|u| u.place)
+    let edges = entity.edges.iter().map(|e| &e.actions);
+    let all = edges.chain(entity.modes.iter().map(|m| &m.entry)).chain(entity.follows.iter().map(|f| &f.actions));
+    all.flat_map(|a| &a.updates).map(|u| u.place)
 }
 
 /// Which of position, velocity and acceleration of a variable can ever change.
@@ -179,6 +181,10 @@ fn changing_degrees(program: &Program, entity: &Entity, slot: &Slot, var: VarId)
     let mut changes = [false; 3];
     // Whatever changes a derivative changes what it is a derivative of.
     let mut from = |degree: usize| changes.iter_mut().take(degree + 1).for_each(|c| *c = true);
+    if slot.origin != Origin::Named {
+        // A spawn may set anything.
+        return [true; 3];
+    }
     let [_, velocity, acceleration] = slot.vars[var];
     if velocity != 0.0 {
         from(0);
@@ -190,10 +196,12 @@ fn changing_degrees(program: &Program, entity: &Entity, slot: &Slot, var: VarId)
         match *drive {
             Drive::Flow { var: v, degree, value } if v == var => {
                 // An acceleration that a mode fixes is told by the mode.
-                let fixed = matches!(program.exprs[value], Expr::Number(_) | Expr::Param(_) | Expr::Negate(_));
+                let fixed = matches!(program.exprs[value], Expr::Number(_) | Expr::Param(..) | Expr::Negate(_));
                 from(usize::from(if degree == 2 && fixed { 1 } else { degree }));
             }
-            Drive::Envelope(id) if entity.envelopes[id].var == var => from(usize::from(entity.envelopes[id].degree)),
+            Drive::Envelope(id, component) if entity.envelopes[id].vars[usize::from(component)] == var => {
+                from(usize::from(entity.envelopes[id].degree));
+            }
             _ => {}
         }
     }

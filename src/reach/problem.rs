@@ -53,6 +53,9 @@ impl<'s> Problem<'s> {
     /// no bound, and where there is neither a map nor a `bounds` there is none at all.
     fn in_bounds(&self, state: &[u8]) -> bool {
         self.players.iter().all(|&slot| {
+            if !self.sim.world().layout.slots[slot].alive(state) {
+                return true;
+            }
             let Some(bounds) = self.sim.world().spaces[self.sim.space(state, slot)].bounds else { return true };
             let (x, y) = self.sim.position(state, slot);
             (bounds.left..=bounds.right).contains(&x) && y >= bounds.bottom

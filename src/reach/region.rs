@@ -166,9 +166,13 @@ impl Finder<'_> {
         }
         let mut boxes = Vec::new();
         for collider in entity.colliders.iter().filter(|c| touch.mine.meets(c.tags)) {
-            let rect: Vec<f64> =
-                collider.rect.iter().filter_map(|&id| program.constant(id, &s.params, world.step)).collect();
-            let [x, y, width, height] = rect.as_slice() else { continue };
+            let numbers = collider.shape.numbers().iter();
+            let numbers: Vec<f64> = numbers.filter_map(|&id| program.constant(id, &s.params, world.step)).collect();
+            let [x, y, width, height] = match numbers.as_slice() {
+                [x, y, width, height] => [*x, *y, *width, *height],
+                [x, y, radius] => [x - radius, y - radius, 2.0 * radius, 2.0 * radius],
+                _ => continue,
+            };
             boxes.extend(targets.iter().take(MAX_BOXES).map(|t| {
                 self.position_box(slot, (t.left - x - width, t.right - x), (t.bottom - y - height, t.top - y))
             }));

@@ -1,12 +1,13 @@
 //! Calls: functions of numbers, buttons, contacts, timers.
 
-use crate::diagnostic::catalogue::syntax::NotSupported;
+use crate::diagnostic::catalogue::structure::JointCycle;
+use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::WrongArguments;
 use crate::source::Span;
 use crate::syntax::ast::{Expr, ExprKind, Name, Path};
 
 use super::Checker;
-use super::checked::{Function, Press, Side, Subject, Term, TermKind, Type};
+use super::checked::{BoundTouch, Function, Press, Side, Subject, Term, TermKind, Type};
 use super::expression::{Reads, Scope};
 use super::ids::{Id, SpaceId};
 use super::names::unknown;
@@ -16,10 +17,22 @@ impl Checker<'_> {
         &mut self,
         function: &Name,
         arguments: &[Expr],
+        binding: Option<&Name>,
         span: Span,
         scope: &Scope<'_>,
         wanted: Option<&Type>,
     ) -> Option<Term> {
+        if let Some(binding) = binding
+            && (function.text != "touching" || !self.facts.bindable)
+        {
+            self.diagnostics.report(Misplaced {
+                at: binding.span,
+                what: "`as`",
+                inside: "this expression",
+                belongs: "after `touching(…)` in the guard of an edge, outside of `not` and `or`",
+            });
+            return None;
+        }
         let make = |kind: TermKind, ty: Type| Some(Term { kind, ty, span });
         let wrong = |this: &mut Self, usage: &'static str| {
             this.diagnostics.report(WrongArguments { function: function.text.clone(), at: span, usage });
@@ -43,8 +56,17 @@ impl Checker<'_> {
                     return None;
                 };
                 let condition = self.guard(condition, scope);
-                let a = self.term(a, scope, wanted);
-                let b = self.term(b, scope, wanted);
+                let mark = self.facts.mark();
+                let branch = |this: &mut Self, e: &Expr, outcome: bool| {
+                    if let Some(condition) = &condition {
+                        this.facts.learn(condition, outcome);
+                    }
+                    let term = this.term(e, scope, wanted);
+                    this.facts.forget(mark);
+                    term
+                };
+                let a = branch(self, a, true);
+                let b = branch(self, b, false);
                 let (condition, a, b) = (condition?, a?, b?);
                 let ty = match (&a.ty, &b.ty) {
                     (Type::Int, Type::Real) | (Type::Real, Type::Int) => Type::Real,
@@ -53,14 +75,35 @@ impl Checker<'_> {
                 let b = self.expect(b, &ty)?;
                 return make(TermKind::Call(Function::If, vec![condition, a, b]), ty);
             }
-            "entering" | "exiting" | "lost" => {
-                self.diagnostics.report(NotSupported { at: function.span, what: format!("`{}`", function.text) });
-                return None;
+            "entering" | "exiting" => {
+                let [Expr { kind: ExprKind::Path(path), .. }] = arguments else {
+                    wrong(self, "a mode of another group, such as `entering(hurt.yes)`");
+                    return None;
+                };
+                let entity = self.allow(scope.entity, span, scope, Reads::All, "a joint transition")?;
+                let mode = self.mode_named(&scope.names?.modes, path, None)?;
+                let group = entity.modes[mode].group;
+                if scope.mode.is_some_and(|m| entity.modes[m].group == group) {
+                    let name =
+                        entity.groups[group].name.as_ref().map_or("the modes".into(), |n| format!("`{}`", n.text));
+                    self.diagnostics.report(JointCycle { steps: vec![(name, span)] });
+                    return None;
+                }
+                return make(TermKind::Joint { mode, entering: function.text == "entering" }, Type::Bool);
+            }
+            "lost" => {
+                let [reference] = arguments else {
+                    wrong(self, "a reference, such as `lost(target)`");
+                    return None;
+                };
+                self.allow(scope.entity, span, scope, Reads::State, "`lost`")?;
+                let (subject, _) = self.reference(reference, scope)?;
+                return make(TermKind::IsNone(subject), Type::Bool);
             }
             "pressed" | "held" | "released" => {
                 return self.button(function, arguments, span, scope);
             }
-            "touching" => return self.touching(arguments, span, scope, wrong),
+            "touching" => return self.touching(arguments, binding, span, scope, wrong),
             "timer" => {
                 let [Expr { kind: ExprKind::Path(path), .. }] = arguments else {
                     wrong(self, "`timer(mode)`");
@@ -96,7 +139,8 @@ impl Checker<'_> {
             other => {
                 let known = [
                     "min", "max", "abs", "sign", "clamp", "floor", "ceil", "round", "sqrt", "sin", "cos", "atan2",
-                    "if", "pressed", "held", "released", "touching", "timer", "near", "inside",
+                    "if", "pressed", "held", "released", "touching", "timer", "entering", "exiting", "lost", "near",
+                    "inside",
                 ];
                 let fact = unknown("function", other, function.span, known);
                 self.report_unknown(fact);
@@ -154,6 +198,7 @@ impl Checker<'_> {
     pub(super) fn touching(
         &mut self,
         arguments: &[Expr],
+        binding: Option<&Name>,
         span: Span,
         scope: &Scope<'_>,
         wrong: impl Fn(&mut Self, &'static str),
@@ -201,6 +246,7 @@ impl Checker<'_> {
         };
         let mine = mine.map(|tag| self.tag(tag));
         let other = self.tag(other);
-        Some(Term { kind: TermKind::Touching { of: Subject::Me, mine, other, side: on }, ty: Type::Bool, span })
+        let bound = binding.map(|name| self.facts.name(name, BoundTouch { mine, other, side: on, span }));
+        Some(Term { kind: TermKind::Touching { of: Subject::Me, mine, other, side: on, bound }, ty: Type::Bool, span })
     }
 }

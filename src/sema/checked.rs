@@ -5,14 +5,14 @@ use std::rc::Rc;
 
 use serde::Serialize;
 
-use crate::level::TileMap;
+pub use super::checked_world::*;
 use crate::source::Span;
 use crate::syntax::ast::Dimension;
 pub use crate::syntax::ast::{CompareOp, Name};
 
 use super::ids::{
-    AxisId, ButtonId, ColliderId, DiscreteId, EdgeId, EntityId, EnvelopeId, GoalId, GroupId, IdVec, ModeId, NeverId,
-    ParamId, PlayerId, SlotId, SpaceId, TagId, VarId, WorldId,
+    AxisId, ButtonId, ColliderId, DiscreteId, EdgeId, EntityId, EnvelopeId, GroupId, IdVec, ModeId, ParamId, RefId,
+    SlotId, SpaceId, TagId, TouchId, VarId, WorldId,
 };
 
 /// A program without errors.
@@ -37,6 +37,8 @@ pub enum Type {
     Bool,
     /// One of a list of names, kept as its index.
     Set(Vec<String>),
+    /// An instance of an entity (of any, if none), or none.
+    Ref(Option<EntityId>),
 }
 
 /// Whose variable, contact or mode an expression reads.
@@ -47,6 +49,10 @@ pub enum Subject {
     Me,
     /// A named instance of the world.
     Slot(SlotId),
+    /// What a reference of the instance refers to.
+    Ref(RefId),
+    /// The instance that a contact question of the instance found (`touching(…) as e`).
+    Touched(TouchId),
 }
 
 /// An expression with its type.
@@ -143,8 +149,8 @@ pub enum TermKind {
     Frames(f64),
     /// A truth value.
     Bool(bool),
-    /// A parameter of the instance.
-    Param(ParamId),
+    /// A parameter.
+    Param(Subject, ParamId),
     /// A continuous variable (degree 0) or its first or second derivative.
     Var(Subject, VarId, u8),
     /// A discrete variable.
@@ -179,7 +185,26 @@ pub enum TermKind {
         other: TagId,
         /// The side of one's own collider.
         side: Option<Side>,
+        /// The question whose answer is named (`as`); it asks for instances only.
+        bound: Option<TouchId>,
     },
+    /// A mode of another group is entered (or left) in this very step.
+    Joint {
+        /// The mode.
+        mode: ModeId,
+        /// Entered, not left.
+        entering: bool,
+    },
+    /// The reference is none.
+    IsNone(Subject),
+    /// The reference is to an instance of an entity.
+    Is(Subject, EntityId),
+    /// The instance is alive.
+    Alive(SlotId),
+    /// No instance, as a value.
+    NoneRef,
+    /// An instance, as a value.
+    Instance(Subject),
     /// A mode is active.
     InMode(Subject, ModeId),
     /// The instance is in a space.
@@ -210,6 +235,10 @@ pub struct Entity {
     pub vars: IdVec<VarId, Var>,
     /// Discrete variables.
     pub discretes: IdVec<DiscreteId, Discrete>,
+    /// References.
+    pub refs: IdVec<RefId, Reference>,
+    /// Contact questions whose answers are named.
+    pub bound: IdVec<TouchId, BoundTouch>,
     /// Buttons that it reads.
     pub buttons: IdVec<ButtonId, Name>,
     /// Axes that it reads.
@@ -226,6 +255,49 @@ pub struct Entity {
     pub envelopes: IdVec<EnvelopeId, Envelope>,
     /// Flows and envelopes at the entity's own level.
     pub drives: Vec<Drive>,
+    /// Soft bounds of variables.
+    pub clamps: Vec<Clamp>,
+    /// What must always hold.
+    pub invariants: Vec<Term>,
+    /// The groups in the order in which they are decided: what a guard waits for comes before it.
+    pub order: Vec<GroupId>,
+}
+
+/// A reference to another instance.
+#[derive(Debug, Clone)]
+pub struct Reference {
+    /// Its name.
+    pub name: Name,
+    /// What it may refer to; any entity if none.
+    pub entity: Option<EntityId>,
+}
+
+/// A contact question whose answer is named by `as`.
+#[derive(Debug, Clone)]
+pub struct BoundTouch {
+    /// The tag of one's own collider.
+    pub mine: Option<TagId>,
+    /// The tag of what is touched.
+    pub other: TagId,
+    /// The side of one's own collider.
+    pub side: Option<Side>,
+    /// Where it stands.
+    pub span: Span,
+}
+
+/// A soft bound: what is outside is clipped in the continuous phase.
+#[derive(Debug, Clone)]
+pub struct Clamp {
+    /// The variable.
+    pub var: VarId,
+    /// Position (0) or velocity (1).
+    pub degree: u8,
+    /// The least value.
+    pub low: Option<Term>,
+    /// The greatest value.
+    pub high: Option<Term>,
+    /// The line.
+    pub span: Span,
 }
 
 /// A parameter.
@@ -270,12 +342,39 @@ pub struct Collider {
     pub tags: Vec<TagId>,
     /// Whether it is never pushed.
     pub kinematic: bool,
-    /// x and y of the lower-left corner, width, height; px.
-    pub rect: [Term; 4],
+    /// Its shape.
+    pub shape: Shape,
     /// While this holds it is there.
     pub guard: Option<Term>,
     /// The whole.
     pub span: Span,
+}
+
+/// A collider's shape, relative to the position, px.
+#[derive(Debug, Clone)]
+pub enum Shape {
+    /// x and y of the lower-left corner, width, height.
+    Rect([Term; 4]),
+    /// x and y of the centre, radius.
+    Circle([Term; 3]),
+}
+
+impl Shape {
+    /// Its numbers, sizes last.
+    pub fn numbers(&self) -> &[Term] {
+        match self {
+            Shape::Rect(numbers) => numbers,
+            Shape::Circle(numbers) => numbers,
+        }
+    }
+
+    /// The numbers that must be more than 0, with what they are called.
+    pub fn sizes(&self) -> Vec<(&Term, &'static str)> {
+        match self {
+            Shape::Rect([_, _, width, height]) => vec![(width, "width"), (height, "height")],
+            Shape::Circle([_, _, radius]) => vec![(radius, "radius")],
+        }
+    }
 }
 
 /// A group.
@@ -308,10 +407,12 @@ pub struct Mode {
     pub initial_when: Option<Term>,
     /// Flows and envelopes.
     pub drives: Vec<Drive>,
-    /// Entry updates.
-    pub entry: Vec<Update>,
+    /// What happens when an edge enters it.
+    pub entry: Vec<Action>,
     /// Edges in source order.
     pub edges: Vec<EdgeId>,
+    /// `follow links` in source order.
+    pub follows: Vec<Follow>,
     /// The whole.
     pub span: Span,
 }
@@ -348,7 +449,48 @@ pub struct Edge {
     /// When it is taken.
     pub guard: Term,
     /// What it changes.
-    pub updates: Vec<Update>,
+    pub actions: Vec<Action>,
+    /// The reference that its whole guard says is lost: such edges are tried first.
+    pub lost: Option<RefId>,
+    /// References that it reads and nothing but an edge on `lost` covers.
+    pub needs: Vec<RefId>,
+    /// The whole.
+    pub span: Span,
+}
+
+/// `follow links when guard { … }`
+#[derive(Debug, Clone)]
+pub struct Follow {
+    /// When; always if none.
+    pub guard: Option<Term>,
+    /// What it changes when a link is followed.
+    pub actions: Vec<Action>,
+    /// References that it reads and nothing but an edge on `lost` covers.
+    pub needs: Vec<RefId>,
+    /// The whole.
+    pub span: Span,
+}
+
+/// What happens on an edge, or when a mode is entered.
+#[derive(Debug, Clone)]
+pub enum Action {
+    /// A variable or a reference changes.
+    Update(Update),
+    /// An instance comes to be.
+    Spawn(Spawn),
+    /// An instance ceases to be.
+    Destroy(Term),
+}
+
+/// `into := spawn Entity(…)`
+#[derive(Debug, Clone)]
+pub struct Spawn {
+    /// The reference that is set.
+    pub into: Option<RefId>,
+    /// The entity.
+    pub entity: EntityId,
+    /// Its own parameters and first values; the terms are the spawner's.
+    pub given: Vec<(Given, Term)>,
     /// The whole.
     pub span: Span,
 }
@@ -372,27 +514,48 @@ pub enum Place {
     Var(VarId, u8),
     /// A discrete variable.
     Discrete(DiscreteId),
+    /// A reference.
+    Ref(RefId),
 }
 
-/// A two-way envelope: the sign of an axis mirrors it.
+/// An envelope: attack, decay, sustain, release.
 #[derive(Debug, Clone)]
 pub struct Envelope {
-    /// What it drives.
-    pub var: VarId,
+    /// What it drives: one variable, or the components of a vector.
+    pub vars: Vec<VarId>,
     /// Of which degree.
     pub degree: u8,
-    /// The axis.
-    pub axis: AxisId,
+    /// What drives it.
+    pub by: By,
     /// How it rises.
     pub attack: Rate,
-    /// The level it rises to.
+    /// The level it rises to first, if not to the sustained one.
+    pub peak: Option<Term>,
+    /// How it goes from the peak to the sustained level.
+    pub decay: Rate,
+    /// The level it holds while it is driven; of a `fixed` one the peak.
     pub sustain: Term,
+    /// How long a `fixed` one holds its peak; 0 if none.
+    pub sustain_for: Option<Term>,
     /// How it falls.
     pub release: Release,
     /// Holds while it can be driven.
     pub driven_while: Option<Term>,
     /// The whole.
     pub span: Span,
+}
+
+/// What drives an envelope.
+#[derive(Debug, Clone, PartialEq)]
+pub enum By {
+    /// A button: while it is down.
+    Button(ButtonId),
+    /// The sign of an axis.
+    Axis(AxisId),
+    /// The direction of several axes, to the nearest of so many ways, or as it is.
+    Axes(Vec<AxisId>, Option<u32>),
+    /// The clock of the mode that holds it.
+    Clock(ModeId),
 }
 
 /// How fast a ramp is.
@@ -413,131 +576,6 @@ pub enum Release {
     Hold,
     /// It goes to a level (0 if none).
     To(Rate, Option<Term>),
-}
-
-/// A world.
-#[derive(Debug, Clone)]
-pub struct World {
-    /// Its name.
-    pub name: Name,
-    /// The length of a step as a fraction of seconds.
-    pub step: (u64, u64),
-    /// What must be lengths: the sides of tiles.
-    pub lengths: Vec<Term>,
-    /// `collide` lines in source order.
-    pub collide: Vec<CollideRule>,
-    /// Its spaces.
-    pub spaces: IdVec<SpaceId, Space>,
-    /// Its placed instances.
-    pub instances: IdVec<SlotId, Instance>,
-    /// Its players.
-    pub players: IdVec<PlayerId, Player>,
-    /// What is looked for.
-    pub goals: IdVec<GoalId, Question>,
-    /// What must not happen.
-    pub nevers: IdVec<NeverId, Question>,
-    /// The whole.
-    pub span: Span,
-}
-
-/// What a contact does.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Response {
-    /// It is noticed.
-    Sense,
-    /// The one that can move is pushed out.
-    Block {
-        /// Its velocity into the surface is kept.
-        keep_velocity: bool,
-    },
-}
-
-/// A `collide` line.
-#[derive(Debug, Clone)]
-pub struct CollideRule {
-    /// The tags on one side.
-    pub left: Vec<TagId>,
-    /// The tags on the other.
-    pub right: Vec<TagId>,
-    /// What a contact does.
-    pub response: Response,
-}
-
-/// A space.
-#[derive(Debug, Clone)]
-pub struct Space {
-    /// Its name.
-    pub name: Name,
-    /// Its map, with the tags of each kind of tile.
-    pub map: Option<TileMap<TagId>>,
-    /// Free-standing static geometry.
-    pub solids: Vec<Solid>,
-    /// Where a player may be: x and y of the lower-left corner, width, height; px.
-    pub bounds: Option<[f64; 4]>,
-}
-
-/// Free-standing static geometry.
-#[derive(Debug, Clone)]
-pub struct Solid {
-    /// What it counts as.
-    pub tags: Vec<TagId>,
-    /// x and y of the lower-left corner, width, height; px.
-    pub rect: [f64; 4],
-    /// The line.
-    pub span: Span,
-}
-
-/// A placed instance with its first values.
-#[derive(Debug, Clone)]
-pub struct Instance {
-    /// Its name.
-    pub name: Name,
-    /// Its entity.
-    pub entity: EntityId,
-    /// The space it stands in.
-    pub space: SpaceId,
-    /// The values of its parameters.
-    pub params: IdVec<ParamId, f64>,
-    /// Position, velocity and acceleration of each continuous variable.
-    pub vars: IdVec<VarId, [f64; 3]>,
-    /// The values of its discrete variables.
-    pub discretes: IdVec<DiscreteId, i32>,
-    /// What its place sets, as written.
-    pub given: Vec<(Given, Term)>,
-    /// Where it is placed.
-    pub span: Span,
-}
-
-/// What a `place` can set.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Given {
-    /// A parameter.
-    Param(ParamId),
-    /// A continuous variable or one of its derivatives.
-    Var(VarId, u8),
-    /// A discrete variable.
-    Discrete(DiscreteId),
-}
-
-/// A player.
-#[derive(Debug, Clone)]
-pub struct Player {
-    /// The number as written.
-    pub number: u32,
-    /// The instance it controls.
-    pub slot: SlotId,
-    /// The line.
-    pub span: Span,
-}
-
-/// A `goal` or a `never`.
-#[derive(Debug, Clone)]
-pub struct Question {
-    /// Its name.
-    pub name: Name,
-    /// The predicate.
-    pub predicate: Term,
 }
 
 /// A dimension that the author wrote.

@@ -3,7 +3,7 @@
 use crate::source::Span;
 use crate::syntax::ast::CompareOp;
 
-use super::checked::{Arithmetic, Function, Term, TermKind};
+use super::checked::{Arithmetic, Function, Subject, Term, TermKind};
 use super::ids::{IdVec, ParamId};
 
 /// What a constant term may read.
@@ -41,7 +41,7 @@ pub fn evaluate(term: &Term, context: ConstantContext<'_>) -> Result<f64, Broken
         TermKind::Number(n) | TermKind::Quantity(n, ..) => *n,
         TermKind::Frames(n) => n * context.step.ok_or(unknown)?,
         TermKind::Bool(b) => truth(*b),
-        TermKind::Param(id) => *context.params.and_then(|p| p.get(*id)).ok_or(unknown)?,
+        TermKind::Param(Subject::Me, id) => *context.params.and_then(|p| p.get(*id)).ok_or(unknown)?,
         TermKind::Negate(a) => -value(a)?,
         TermKind::Arithmetic(op, a, b) => arithmetic(*op, value(a)?, value(b)?),
         TermKind::Call(Function::If, args) => match args.as_slice() {
@@ -59,7 +59,14 @@ pub fn evaluate(term: &Term, context: ConstantContext<'_>) -> Result<f64, Broken
         TermKind::And(a, b) => truth(value(a)? != 0.0 && value(b)? != 0.0),
         TermKind::Or(a, b) => truth(value(a)? != 0.0 || value(b)? != 0.0),
         TermKind::Not(a) => truth(value(a)? == 0.0),
-        TermKind::Var(..)
+        TermKind::Param(..)
+        | TermKind::Var(..)
+        | TermKind::Joint { .. }
+        | TermKind::IsNone(_)
+        | TermKind::Is(..)
+        | TermKind::Alive(_)
+        | TermKind::NoneRef
+        | TermKind::Instance(_)
         | TermKind::Discrete(..)
         | TermKind::Axis(_)
         | TermKind::Timer(_)

@@ -11,7 +11,8 @@ use crate::diagnostic::{Diagnostics, similar};
 use crate::source::Span;
 
 use super::checked::{
-    Arithmetic, Checked, DriveBy, Entity, Function, Given, Place, Rate, Release, Subject, Term, TermKind, Update, World,
+    Action, Arithmetic, By, Checked, DriveBy, Entity, Function, Given, Place, Rate, Release, Subject, Term, TermKind,
+    World,
 };
 use super::ids::{EntityId, ParamId, SlotId, VarId};
 
@@ -105,6 +106,10 @@ pub(super) fn check(program: &Checked, diagnostics: &mut Diagnostics) {
         for question in world.goals.iter().chain(world.nevers.iter()) {
             let entity_of = |slot: SlotId| world.instances[slot].entity;
             solver.dimension(&question.predicate, &Here { me: None, entity_of: &entity_of });
+        }
+        for guard in world.spaces.iter().flat_map(|s| &s.links).filter_map(|l| l.guard.as_ref()) {
+            let entity_of = |slot: SlotId| world.instances[slot].entity;
+            solver.dimension(guard, &Here { me: None, entity_of: &entity_of });
         }
     }
     solver.report(diagnostics);
@@ -231,14 +236,20 @@ impl Solver<'_> {
         let entity = |of: Subject| match of {
             Subject::Me => here.me,
             Subject::Slot(slot) => Some((here.entity_of)(slot)),
+            Subject::Ref(id) => here.me.and_then(|me| self.program.entities[me].refs[id].entity),
+            Subject::Touched(_) => None,
         };
         match &term.kind {
             TermKind::Number(_) | TermKind::Bool(_) => None,
             TermKind::Quantity(_, px, s) => Some(Dim::known(i64::from(*px), i64::from(*s))),
             TermKind::Frames(_) | TermKind::Timer(_) => Some(Dim::known(TIME.0, TIME.1)),
-            TermKind::Param(p) => Some(self.name(Named::Param(here.me?, *p))),
+            TermKind::Param(of, p) => Some(self.name(Named::Param(entity(*of)?, *p))),
             TermKind::Var(of, var, degree) => {
-                let base = self.name(Named::Var(entity(*of)?, *var));
+                let base = match entity(*of) {
+                    Some(entity) => self.name(Named::Var(entity, *var)),
+                    None if *var <= super::entity::Y => Dim::known(LENGTH.0, LENGTH.1),
+                    None => return None,
+                };
                 Some(base.plus(&Dim::known(0, -i64::from(*degree)), Ratio::ONE))
             }
             TermKind::Discrete(..) | TermKind::Axis(_) => Some(Dim::known(0, 0)),
@@ -298,7 +309,16 @@ impl Solver<'_> {
                 }
                 None
             }
-            TermKind::Button(..) | TermKind::Touching { .. } | TermKind::InMode(..) | TermKind::InSpace(..) => None,
+            TermKind::Button(..)
+            | TermKind::Touching { .. }
+            | TermKind::Joint { .. }
+            | TermKind::IsNone(_)
+            | TermKind::Is(..)
+            | TermKind::Alive(_)
+            | TermKind::NoneRef
+            | TermKind::Instance(_)
+            | TermKind::InMode(..)
+            | TermKind::InSpace(..) => None,
         }
     }
 
@@ -311,14 +331,20 @@ impl Solver<'_> {
         for instance in world.instances.iter() {
             let id = instance.entity;
             let here = Here { me: Some(id), entity_of: &|_| id };
-            for (what, term) in &instance.given {
-                let needed = match *what {
-                    Given::Param(param) => self.name(Named::Param(id, param)),
-                    Given::Var(var, degree) => self.derivative(id, var, degree),
-                    Given::Discrete(_) => Dim::known(0, 0),
-                };
-                self.place(term, &needed, &here);
-            }
+            self.given(id, &instance.given, &here);
+        }
+    }
+
+    /// What is given to an instance of an entity; the terms are those of `here`.
+    fn given(&mut self, id: EntityId, given: &[(Given, Term)], here: &Here<'_>) {
+        for (what, term) in given {
+            let needed = match *what {
+                Given::Param(param) => self.name(Named::Param(id, param)),
+                Given::Var(var, degree) => self.derivative(id, var, degree),
+                Given::Discrete(_) => Dim::known(0, 0),
+                Given::Ref(_) => continue,
+            };
+            self.place(term, &needed, here);
         }
     }
 
@@ -332,14 +358,19 @@ impl Solver<'_> {
         let of_var = |this: &mut Self, var: VarId, degree: u8| this.derivative(id, var, degree);
         let length = Dim::known(LENGTH.0, LENGTH.1);
         let time = Dim::known(TIME.0, TIME.1);
-        let updates = |this: &mut Self, updates: &[Update]| {
-            for update in updates {
-                match update.place {
-                    Place::Var(var, degree) => {
-                        let needed = of_var(this, var, degree);
-                        this.place(&update.value, &needed, &here);
-                    }
-                    Place::Discrete(_) => this.place(&update.value, &Dim::known(0, 0), &here),
+        let updates = |this: &mut Self, actions: &[Action]| {
+            for action in actions {
+                match action {
+                    Action::Update(update) => match update.place {
+                        Place::Var(var, degree) => {
+                            let needed = of_var(this, var, degree);
+                            this.place(&update.value, &needed, &here);
+                        }
+                        Place::Discrete(_) => this.place(&update.value, &Dim::known(0, 0), &here),
+                        Place::Ref(_) => {}
+                    },
+                    Action::Spawn(spawn) => this.given(spawn.entity, &spawn.given, &here),
+                    Action::Destroy(_) => {}
                 }
             }
         };
@@ -357,8 +388,14 @@ impl Solver<'_> {
             }
         }
         for envelope in entity.envelopes.iter() {
-            let level = of_var(self, envelope.var, envelope.degree);
-            let rate_of = of_var(self, envelope.var, envelope.degree + 1);
+            let Some(&var) = envelope.vars.first() else { continue };
+            let level = of_var(self, var, envelope.degree);
+            let rate_of = of_var(self, var, envelope.degree + 1);
+            // The components of a vector are of one dimension.
+            for &other in envelope.vars.iter().skip(1) {
+                let found = of_var(self, other, envelope.degree);
+                self.need(&envelope.sustain, &found, &level, None, &here);
+            }
             let rate = |this: &mut Self, rate: &Rate| match rate {
                 Rate::Instant => {}
                 Rate::Accel(a) => this.place(a, &rate_of, &here),
@@ -366,6 +403,13 @@ impl Solver<'_> {
             };
             rate(self, &envelope.attack);
             self.place(&envelope.sustain, &level, &here);
+            if let Some(peak) = &envelope.peak {
+                self.place(peak, &level, &here);
+                rate(self, &envelope.decay);
+            }
+            if let (By::Clock(_), Some(held)) = (&envelope.by, &envelope.sustain_for) {
+                self.place(held, &time, &here);
+            }
             if let Release::To(release, to) = &envelope.release {
                 rate(self, release);
                 if let Some(to) = to {
@@ -381,18 +425,33 @@ impl Solver<'_> {
             if let Some(guard) = &mode.initial_when {
                 self.dimension(guard, &here);
             }
+            for follow in &mode.follows {
+                updates(self, &follow.actions);
+                if let Some(guard) = &follow.guard {
+                    self.dimension(guard, &here);
+                }
+            }
         }
         for edge in entity.edges.iter() {
             self.dimension(&edge.guard, &here);
-            updates(self, &edge.updates);
+            updates(self, &edge.actions);
         }
         for collider in entity.colliders.iter() {
-            for side in &collider.rect {
+            for side in collider.shape.numbers() {
                 self.place(side, &length, &here);
             }
             if let Some(guard) = &collider.guard {
                 self.dimension(guard, &here);
             }
+        }
+        for clamp in &entity.clamps {
+            let needed = of_var(self, clamp.var, clamp.degree);
+            for bound in clamp.low.iter().chain(&clamp.high) {
+                self.place(bound, &needed, &here);
+            }
+        }
+        for invariant in &entity.invariants {
+            self.dimension(invariant, &here);
         }
         for (var, declared) in entity.vars.pairs() {
             if let Some(initial) = &declared.initial {
@@ -414,7 +473,7 @@ impl Solver<'_> {
         for conflict in &self.conflicts {
             let Conflict { entity, term, needed, found, place } = conflict;
             let named = match (&term.kind, entity) {
-                (TermKind::Param(p), Some(e)) => {
+                (TermKind::Param(Subject::Me, p), Some(e)) => {
                     Some((Named::Param(*e, *p), self.program.entities[*e].params[*p].name.text.clone()))
                 }
                 (TermKind::Var(Subject::Me, v, degree), Some(e)) => {

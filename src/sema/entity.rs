@@ -3,18 +3,20 @@
 use std::collections::BTreeSet;
 
 use crate::diagnostic::catalogue::file::TooMany;
-use crate::diagnostic::catalogue::structure::{BadCollider, MixedGroups};
-use crate::diagnostic::catalogue::syntax::{Misplaced, NotSupported};
-use crate::diagnostic::catalogue::types::{NotConstant, OutOfRange, TypeMismatch, WrongArguments};
+use crate::diagnostic::catalogue::structure::MixedGroups;
+use crate::diagnostic::catalogue::syntax::Misplaced;
+use crate::diagnostic::catalogue::types::{NotConstant, OutOfRange};
 use crate::source::Span;
 use crate::syntax::ast::{self, Domain, Expr, Member, Name};
 
-use super::checked::{Annotation, Collider, Discrete, Drive, DriveBy, Entity, Group, Param, Term, TermKind, Type, Var};
+use super::checked::{Annotation, Discrete, Entity, Group, Param, Reference, Term, TermKind, Type, Var};
 use super::constant::{Broken, ConstantContext, evaluate};
 use super::expression::{Reads, Scope};
-use super::ids::{AxisId, ButtonId, DiscreteId, EntityId, GroupId, IdVec, ModeId, ParamId, VarId};
+use super::facts::Facts;
+use super::ids::{AxisId, ButtonId, DiscreteId, EntityId, GroupId, IdVec, ModeId, ParamId, RefId, VarId};
 use super::mode::ModeNames;
 use super::names::{Table, unknown};
+use super::reference::lost_by;
 use super::{Checker, MAX_AXES, MAX_BUTTONS};
 
 /// The variable `x`.
@@ -28,11 +30,14 @@ pub(super) struct Skeleton<'a> {
     pub params: Table<ParamId>,
     pub vars: Table<VarId>,
     pub discretes: Table<DiscreteId>,
+    pub refs: Table<RefId>,
     pub buttons: Table<ButtonId>,
     pub axes: Table<AxisId>,
     pub modes: ModeNames,
     /// Modes in preorder, as their ids number them.
     pub mode_syntax: Vec<&'a ast::Mode>,
+    /// Of each mode: the references of which it has an edge on `lost`.
+    pub lost: Vec<Vec<String>>,
     /// The discrete variables' first values, in order of their ids.
     discrete_syntax: Vec<&'a Expr>,
 }
@@ -46,6 +51,8 @@ impl<'a> Checker<'a> {
             params: IdVec::new(),
             vars: IdVec::new(),
             discretes: IdVec::new(),
+            refs: IdVec::new(),
+            bound: IdVec::new(),
             buttons: IdVec::new(),
             axes: IdVec::new(),
             colliders: IdVec::new(),
@@ -54,15 +61,20 @@ impl<'a> Checker<'a> {
             edges: IdVec::new(),
             envelopes: IdVec::new(),
             drives: Vec::new(),
+            clamps: Vec::new(),
+            invariants: Vec::new(),
+            order: Vec::new(),
         };
         let mut names = Skeleton {
             params: Table::new("parameter"),
             vars: Table::new("variable"),
             discretes: Table::new("variable"),
+            refs: Table::new("reference"),
             buttons: Table::new("button"),
             axes: Table::new("axis"),
             modes: ModeNames::default(),
             mode_syntax: Vec::new(),
+            lost: Vec::new(),
             discrete_syntax: Vec::new(),
         };
         for text in ["x", "y"] {
@@ -95,6 +107,24 @@ impl<'a> Checker<'a> {
                     names.discretes.declare(&d.name, id, &mut self.diagnostics);
                     names.discrete_syntax.push(&d.initial);
                 }
+                Member::Reference(r) => {
+                    if !self.is_new_value(&r.name, &mut values) {
+                        continue;
+                    }
+                    let entity_id = match self.entities.get(&r.entity.text) {
+                        Some(&id) => Some(id),
+                        None if r.entity.text == "any" => None,
+                        None => {
+                            let known = self.entities.names().chain(["any"]);
+                            let fact = unknown("entity", &r.entity.text, r.entity.span, known);
+                            self.report_unknown(fact);
+                            self.suspects.insert(r.name.text.clone());
+                            continue;
+                        }
+                    };
+                    let id = entity.refs.push(Reference { name: r.name.clone(), entity: entity_id });
+                    names.refs.declare(&r.name, id, &mut self.diagnostics);
+                }
                 Member::Buttons(list, _) => {
                     for name in list {
                         if !inputs.declare(name, (), &mut self.diagnostics) {
@@ -126,6 +156,14 @@ impl<'a> Checker<'a> {
         }
         self.groups(syntax, &mut entity, &mut names);
         names.modes = ModeNames::of(&entity);
+        let lost = |mode: &&ast::Mode| {
+            let edges = mode.members.iter().filter_map(|m| match m {
+                Member::Edge(edge) if edge.target.is_some() => lost_by(&edge.guard),
+                _ => None,
+            });
+            edges.map(|name| name.text.clone()).collect()
+        };
+        names.lost = names.mode_syntax.iter().map(lost).collect();
         (entity, names)
     }
 
@@ -298,7 +336,16 @@ impl<'a> Checker<'a> {
             Member::Group(g) => (g.name.span, "a `group`"),
             Member::Mode(m) => (m.name.span, "a `mode`"),
             Member::Flow(a) => (a.span, "a flow"),
-            Member::Entry(a) => (a.span, "an update"),
+            Member::Entry(update) => match update {
+                ast::Update::Assign(a) => (a.span, "an update"),
+                ast::Update::Spawn(s) => (s.span, "a `spawn`"),
+                ast::Update::Destroy(d) => (d.span, "a `destroy`"),
+            },
+            Member::Reference(r) => (r.name.span, "a `ref`"),
+            Member::Clamp(c) => (c.span, "a `clamp`"),
+            Member::Invariant(i) => (i.span, "an `invariant`"),
+            Member::Follow(f) => (f.span, "`follow links`"),
+            Member::Use(u) => (u.span, "a `use`"),
             Member::Edge(e) => (e.span, "an edge"),
             Member::Envelope(e) => (e.span, "an `envelope`"),
         };
@@ -309,7 +356,9 @@ impl<'a> Checker<'a> {
     pub(super) fn entity(&mut self, syntax: &ast::Entity, names: Skeleton<'_>, id: EntityId) -> Entity {
         let frozen = self.checked.entities[id].clone();
         let mut entity = (*frozen).clone();
-        let scope = Scope { entity: Some(&*frozen), names: Some(&names), ..Scope::constant() }.reading(Reads::All);
+        let scope = Scope { entity: Some(&*frozen), names: Some(&names), me: Some(id), ..Scope::constant() };
+        let scope = scope.reading(Reads::All);
+        self.facts = Facts::default();
         self.initial_values(syntax, &names, &mut entity, &scope);
         for member in &syntax.members {
             match member {
@@ -324,17 +373,26 @@ impl<'a> Checker<'a> {
                     }
                 }
                 Member::Envelope(envelope) => self.envelope(envelope, &scope, &mut entity, None),
-                Member::Entry(_) | Member::Edge(_) => {
+                Member::Clamp(clamp) => entity.clamps.extend(self.clamp(clamp, &scope)),
+                Member::Invariant(invariant) => {
+                    let scope = scope.reading(Reads::State);
+                    entity.invariants.extend(self.guard(&invariant.predicate, &scope));
+                }
+                Member::Entry(_) | Member::Edge(_) | Member::Follow(_) => {
                     self.misplaced(member, "an entity outside of its modes", "inside a mode");
                 }
                 _ => {}
             }
         }
+        let mut tested = Vec::new();
         for (mode, syntax) in names.mode_syntax.iter().enumerate() {
-            let scope = Scope { mode: Some(ModeId(mode as u32)), ..scope };
-            self.mode(syntax, ModeId(mode as u32), &scope, &mut entity);
+            let scope = Scope { mode: Some(ModeId(mode as u32)), covered: true, ..scope };
+            self.mode(syntax, ModeId(mode as u32), &scope, &mut entity, &mut tested);
         }
         self.flow_conflicts(&entity);
+        self.lost_entries(&entity, &tested);
+        entity.order = self.group_order(&entity);
+        entity.bound = std::mem::take(&mut self.facts.bound);
         entity
     }
 
@@ -374,82 +432,5 @@ impl<'a> Checker<'a> {
                 range: format!("{low}..{high}"),
             });
         }
-    }
-
-    fn collider(&mut self, c: &ast::Collider, scope: &Scope<'_>) -> Option<Collider> {
-        let scope = scope.reading(Reads::State);
-        let tags = c.tags.iter().map(|t| self.tag(t)).collect();
-        let guard = c.guard.as_ref().map(|guard| self.guard(guard, &scope));
-        if c.shape.text == "circle" {
-            self.diagnostics.report(NotSupported { at: c.shape.span, what: "`circle`".into() });
-            return None;
-        }
-        if c.shape.text != "rect" {
-            let fact = unknown("shape", &c.shape.text, c.shape.span, ["rect", "circle"]);
-            self.report_unknown(fact);
-            return None;
-        }
-        if c.arguments.len() != 4 {
-            self.diagnostics.report(WrongArguments {
-                function: "rect".into(),
-                at: c.shape.span,
-                usage: "`rect(x, y, width, height)`",
-            });
-            return None;
-        }
-        let sizes: Vec<Option<Term>> = c.arguments.iter().map(|a| self.number(a, &scope)).collect();
-        let rect: [Term; 4] = sizes.into_iter().collect::<Option<Vec<_>>>()?.try_into().ok()?;
-        for (term, what) in [(&rect[2], "width"), (&rect[3], "height")] {
-            if let Ok(value) = evaluate(term, ConstantContext::LITERALS)
-                && value <= 0.0
-            {
-                self.diagnostics.report(BadCollider { at: term.span, what, value, instance: None });
-            }
-        }
-        let guard = match guard {
-            Some(guard) => Some(guard?),
-            None => None,
-        };
-        Some(Collider { tags, kinematic: c.kinematic, rect, guard, span: c.span })
-    }
-
-    /// `x' = e`
-    pub(super) fn flow(&mut self, flow: &ast::Assignment, scope: &Scope<'_>) -> Option<Drive> {
-        let target = self.controlled(&flow.variable, scope);
-        let value = self.number(&flow.value, scope);
-        let (var, degree) = target?;
-        Some(Drive { var, degree, by: DriveBy::Flow(value?), span: flow.span })
-    }
-
-    /// The continuous variable that a flow or an envelope drives, and its degree.
-    pub(super) fn controlled(&mut self, variable: &ast::Variable, scope: &Scope<'_>) -> Option<(VarId, u8)> {
-        let names = scope.names?;
-        let name = &variable.name;
-        if let Some(&var) = names.vars.get(&name.text) {
-            return Some((var, self.primes(variable)?));
-        }
-        let is_param = names.params.get(&name.text).is_some();
-        if is_param || names.discretes.get(&name.text).is_some() {
-            self.diagnostics.report(TypeMismatch {
-                at: variable.span,
-                found: if is_param { "a parameter" } else { "a discrete variable" }.into(),
-                expected: "a continuous variable".into(),
-                help: Some("only `x`, `y` and `continuous` variables flow".into()),
-            });
-            return None;
-        }
-        let fact = unknown("continuous variable", &name.text, name.span, names.vars.names());
-        self.report_unknown(fact);
-        if variable.primes == 0 {
-            // `speed = 3`, its `param` forgotten: once is enough.
-            self.suspects.insert(name.text.clone());
-        }
-        None
-    }
-
-    /// The degree of a variable on a left side.
-    pub(super) fn primes(&mut self, variable: &ast::Variable) -> Option<u8> {
-        let path = ast::Path { segments: vec![variable.name.clone()], primes: variable.primes, span: variable.span };
-        self.degree(&path)
     }
 }

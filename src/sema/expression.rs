@@ -1,7 +1,7 @@
 //! Expressions: names resolved and types checked, with one scope for each place where an expression can stand.
 
 use crate::diagnostic::catalogue::names::UnknownName;
-use crate::diagnostic::catalogue::syntax::{Misplaced, NotSupported};
+use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::{BadChain, NotConstant, TypeMismatch};
 use crate::source::Span;
 use crate::syntax::ast::{BinaryOp, CompareOp, Expr, ExprKind, Path, Unit};
@@ -20,8 +20,12 @@ pub(super) struct Scope<'s> {
     pub entity: Option<&'s Entity>,
     /// Its names.
     pub names: Option<&'s Skeleton<'s>>,
+    /// The entity's id.
+    pub me: Option<EntityId>,
     /// The mode around it.
     pub mode: Option<ModeId>,
+    /// Whether an edge on `lost` of a mode around it keeps it from reading what is none.
+    pub covered: bool,
     /// The world around it.
     pub world: Option<&'s WorldNames>,
     /// What its value must not depend on.
@@ -74,7 +78,7 @@ impl WorldNames {
 impl<'s> Scope<'s> {
     /// Literals and constants only.
     pub fn constant() -> Self {
-        Scope { entity: None, names: None, mode: None, world: None, reads: Reads::Constants }
+        Scope { entity: None, names: None, me: None, mode: None, covered: false, world: None, reads: Reads::Constants }
     }
 
     /// Predicates of a world.
@@ -87,8 +91,9 @@ impl<'s> Scope<'s> {
     }
 }
 
-fn describe(ty: &Type) -> String {
+pub(super) fn describe(ty: &Type) -> String {
     match ty {
+        Type::Ref(_) => "a reference".into(),
         Type::Real => "a number".into(),
         Type::Int => "a whole number".into(),
         Type::Bool => "a truth value".into(),
@@ -122,10 +127,27 @@ impl Checker<'_> {
 
     /// The term if its value may stand where `ty` is needed: an int may stand where a real may.
     pub(super) fn expect(&mut self, term: Term, ty: &Type) -> Option<Term> {
-        if term.ty == *ty || (term.ty == Type::Int && *ty == Type::Real) {
+        let fits = match (&term.ty, ty) {
+            (Type::Int, Type::Real) | (Type::Ref(_), Type::Ref(None)) => true,
+            (Type::Ref(None), Type::Ref(_)) => term.kind == TermKind::NoneRef,
+            (found, wanted) => found == wanted,
+        };
+        if fits {
             return Some(term);
         }
+        if let (Type::Ref(found), Type::Ref(Some(wanted))) = (&term.ty, ty) {
+            let instance = |e: EntityId| format!("an instance of `{}`", self.checked.entities[e].name.text);
+            let wanted = self.checked.entities[*wanted].name.text.clone();
+            self.diagnostics.report(TypeMismatch {
+                at: term.span,
+                found: found.map_or("an instance of any entity".into(), instance),
+                expected: format!("an instance of `{wanted}`"),
+                help: Some(format!("test it with `is {wanted}` in the same guard")),
+            });
+            return None;
+        }
         let help = match (&term.ty, ty) {
+            (Type::Ref(_), _) => Some("`.x` reads it, `is none`, `is ENTITY` and `in MODE` ask it".to_string()),
             (Type::Real, Type::Int) => Some("make it whole with `floor`, `ceil` or `round`".to_string()),
             (Type::Real | Type::Int, Type::Bool) => Some("compare it with something".to_string()),
             _ => None,
@@ -147,6 +169,16 @@ impl Checker<'_> {
     }
 
     pub(super) fn term(&mut self, e: &Expr, scope: &Scope<'_>, wanted: Option<&Type>) -> Option<Term> {
+        // Only what must hold for the guard to hold can name something.
+        let bindable = self.facts.bindable;
+        let conjunct = matches!(&e.kind, ExprKind::Paren(_) | ExprKind::Binary(BinaryOp::And, ..) | ExprKind::Call(..));
+        self.facts.bindable &= conjunct;
+        let term = self.any_term(e, scope, wanted);
+        self.facts.bindable = bindable;
+        term
+    }
+
+    fn any_term(&mut self, e: &Expr, scope: &Scope<'_>, wanted: Option<&Type>) -> Option<Term> {
         let make = |kind: TermKind, ty: Type| Some(Term { kind, ty, span: e.span });
         match &e.kind {
             ExprKind::Number(value, unit) => match unit {
@@ -170,11 +202,7 @@ impl Checker<'_> {
             }
             ExprKind::Path(path) => self.path(path, e.span, scope, wanted),
             ExprKind::Call(function, arguments, binding) => {
-                if let Some(binding) = binding {
-                    self.diagnostics.report(NotSupported { at: binding.span, what: "`as`".into() });
-                    return None;
-                }
-                self.call(function, arguments, e.span, scope, wanted)
+                self.call(function, arguments, binding.as_ref(), e.span, scope, wanted)
             }
             ExprKind::InMode(path) => {
                 let entity = self.allow(scope.entity, e.span, scope, Reads::State, "`in`")?;
@@ -194,6 +222,28 @@ impl Checker<'_> {
             }
             ExprKind::Binary(op, a, b) => self.binary(*op, a, b, e.span, scope),
             ExprKind::Compare(first, rest) => self.comparison(first, rest, e.span, scope),
+            ExprKind::In(subject, path) if scope.entity.is_some() => {
+                let (of, entity) = self.reference(subject, scope)?;
+                let Some(entity) = entity else {
+                    self.of_any(subject.span, "whose modes could be asked");
+                    return None;
+                };
+                let names = ModeNames::of(&self.checked.entities[entity]);
+                let mode = self.mode_named(&names, path, None)?;
+                make(TermKind::InMode(of, mode), Type::Bool)
+            }
+            ExprKind::Is(subject, entity) if scope.entity.is_some() => {
+                let (of, _) = self.reference(subject, scope)?;
+                let Some(name) = entity else {
+                    return make(TermKind::IsNone(of), Type::Bool);
+                };
+                let Some(&entity) = self.entities.get(&name.text) else {
+                    let fact = unknown("entity", &name.text, name.span, self.entities.names());
+                    self.report_unknown(fact);
+                    return None;
+                };
+                make(TermKind::Is(of, entity), Type::Bool)
+            }
             ExprKind::In(subject, path) => self.relation(subject, e.span, scope, |this, slot, entity| {
                 let names = ModeNames::of(&this.checked.entities[entity]);
                 let mode = this.mode_named(&names, path, None)?;
@@ -202,12 +252,19 @@ impl Checker<'_> {
             ExprKind::Touching(subject, tag) => {
                 let other = self.tag(tag);
                 self.relation(subject, e.span, scope, |_, slot, _| {
-                    Some(TermKind::Touching { of: Subject::Slot(slot), mine: None, other, side: None })
+                    let of = Subject::Slot(slot);
+                    Some(TermKind::Touching { of, mine: None, other, side: None, bound: None })
                 })
             }
             ExprKind::Any(entity) => self.any(entity, e.span, scope, |_, _, _| Some(TermKind::Bool(true))),
-            ExprKind::NoneRef | ExprKind::SelfRef | ExprKind::Is(..) => {
-                self.diagnostics.report(NotSupported { at: e.span, what: "a reference".into() });
+            ExprKind::NoneRef | ExprKind::SelfRef => self.reference_value(e, scope),
+            ExprKind::Is(..) => {
+                self.diagnostics.report(Misplaced {
+                    at: e.span,
+                    what: "`is`",
+                    inside: "a world's predicate",
+                    belongs: "in an entity, where it asks a reference",
+                });
                 None
             }
             ExprKind::Text(_) | ExprKind::Point(..) => {
@@ -273,7 +330,7 @@ impl Checker<'_> {
             if let Some(&id) = names.params.get(&name.text) {
                 self.unprimed(path)?;
                 self.allow(Some(()), span, scope, Reads::Params, "a parameter")?;
-                return make(TermKind::Param(id), entity.params[id].default.ty.clone());
+                return make(TermKind::Param(Subject::Me, id), entity.params[id].default.ty.clone());
             }
             if let Some(&id) = names.vars.get(&name.text) {
                 let degree = self.degree(path)?;
@@ -289,6 +346,11 @@ impl Checker<'_> {
                 self.allow(Some(()), span, scope, Reads::All, "an axis")?;
                 return make(TermKind::Axis(id), Type::Real);
             }
+        }
+        if let Some((subject, entity)) = self.referred(&name.text, scope) {
+            self.unprimed(path)?;
+            self.allow(Some(()), span, scope, Reads::State, "a reference")?;
+            return make(TermKind::Instance(subject), Type::Ref(entity));
         }
         if let Some(constant) = self.constants.get(&name.text).filter(|_| path.primes == 0) {
             return Some(Term { span, ..constant.clone() });
@@ -351,7 +413,15 @@ impl Checker<'_> {
         let arithmetic = match op {
             BinaryOp::And | BinaryOp::Or => {
                 // Both sides are looked at, so that both can be wrong in one run.
-                let (a, b) = (self.guard(a, scope), self.guard(b, scope));
+                let a = self.guard(a, scope);
+                let mark = self.facts.mark();
+                if let Some(a) = &a {
+                    self.facts.learn(a, op == BinaryOp::And);
+                }
+                let b = self.guard(b, scope);
+                if !self.facts.bindable {
+                    self.facts.forget(mark);
+                }
                 let (a, b) = (Box::new(a?), Box::new(b?));
                 let kind = if op == BinaryOp::And { TermKind::And(a, b) } else { TermKind::Or(a, b) };
                 return Some(Term { kind, ty: Type::Bool, span });
@@ -410,7 +480,18 @@ impl Checker<'_> {
                 }
             }
         };
-        Some(Term { kind: TermKind::Compare(op, Box::new(a), Box::new(b)), ty: Type::Bool, span })
+        let compared = Term { kind: TermKind::Compare(op, Box::new(a), Box::new(b)), ty: Type::Bool, span };
+        Some(if scope.world.is_some() { super::predicate::while_alive(compared) } else { compared })
+    }
+
+    /// Reports that a reference may be to any entity where one must be known.
+    pub(super) fn of_any(&mut self, at: Span, what: &str) {
+        self.diagnostics.report(TypeMismatch {
+            at,
+            found: "a reference to any entity".into(),
+            expected: format!("a reference to a known entity, {what}"),
+            help: Some("test it with `is ENTITY` in the same `and` before".into()),
+        });
     }
 
     /// The type of a plain discrete variable that ranges over a set.
@@ -428,8 +509,11 @@ impl Checker<'_> {
                 let id = *scope.names?.discretes.get(&name.text)?;
                 &scope.entity?.discretes[id].ty
             }
-            ([instance, name], Some(world)) => {
-                let (_, entity) = world.instance(&instance.text)?;
+            ([instance, name], world) => {
+                let entity = match world {
+                    Some(world) => world.instance(&instance.text)?.1,
+                    None => self.referred(&instance.text, scope)?.1?,
+                };
                 let entity = &self.checked.entities[entity];
                 &entity.discretes[entity.discretes.find(|d| d.name.text == name.text)?].ty
             }

@@ -5,17 +5,23 @@
 
 mod call;
 pub mod checked;
+mod checked_world;
 mod conflict;
 mod constant;
 pub mod dimension;
 mod entity;
 mod envelope;
 mod expression;
+mod facts;
 pub mod ids;
+mod joint;
+mod member;
 mod mode;
 mod names;
 mod place;
+mod population;
 mod predicate;
+mod reference;
 mod world;
 
 use std::collections::BTreeSet;
@@ -78,6 +84,8 @@ struct Checker<'a> {
     skeletons: Vec<(&'a ast::Entity, entity::Skeleton<'a>)>,
     /// Names that broken slices would have declared.
     suspects: BTreeSet<String>,
+    /// What is known at the place that is being checked.
+    facts: facts::Facts,
 }
 
 impl<'a> Checker<'a> {
@@ -90,6 +98,7 @@ impl<'a> Checker<'a> {
             worlds: Table::new("world"),
             tags: std::collections::BTreeMap::new(),
             skeletons: Vec::new(),
+            facts: facts::Facts::default(),
             suspects: files.iter().flat_map(|f| &f.broken).flat_map(|b| b.names.iter().cloned()).collect(),
         }
     }
@@ -104,16 +113,16 @@ impl<'a> Checker<'a> {
                 }
             }
         }
-        for file in files {
-            for item in &file.items {
-                if let ast::Item::Entity(entity) = item {
-                    let id = EntityId(self.skeletons.len() as u32);
-                    self.entities.declare(&entity.name, id, &mut self.diagnostics);
-                    let (checked, skeleton) = self.skeleton(entity);
-                    self.checked.entities.push(checked.into());
-                    self.skeletons.push((entity, skeleton));
-                }
-            }
+        let items = files.iter().flat_map(|f| &f.items);
+        let entities = || items.clone().filter_map(|i| if let ast::Item::Entity(e) = i { Some(e) } else { None });
+        // References name entities, so all names are known before any skeleton.
+        for (index, entity) in entities().enumerate() {
+            self.entities.declare(&entity.name, EntityId(index as u32), &mut self.diagnostics);
+        }
+        for entity in entities() {
+            let (checked, skeleton) = self.skeleton(entity);
+            self.checked.entities.push(checked.into());
+            self.skeletons.push((entity, skeleton));
         }
     }
 

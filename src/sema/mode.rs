@@ -6,10 +6,11 @@ use crate::diagnostic::catalogue::types::TypeMismatch;
 use crate::source::Span;
 use crate::syntax::ast::{self, Initial, Member, Path};
 
-use super::checked::{Edge, Entity, Mode, Place, Update};
+use super::checked::{Action, Edge, Entity, Follow, Mode, Place, Subject, Term, Type, Update};
 use super::expression::{Reads, Scope};
-use super::ids::{EdgeId, GroupId, Id, ModeId};
+use super::ids::{EdgeId, GroupId, Id, ModeId, RefId};
 use super::names::unknown;
+use super::reference::lost_by;
 use super::{Checker, MAX_MODES};
 
 /// What a look-up by path needs to know of an entity's modes.
@@ -64,6 +65,7 @@ impl<'a> Checker<'a> {
                 drives: Vec::new(),
                 entry: Vec::new(),
                 edges: Vec::new(),
+                follows: Vec::new(),
                 span: mode.span,
             });
             syntax.push(mode);
@@ -113,8 +115,15 @@ impl<'a> Checker<'a> {
         None
     }
 
-    /// The body of a mode.
-    pub(super) fn mode(&mut self, syntax: &ast::Mode, id: ModeId, scope: &Scope<'_>, entity: &mut Entity) {
+    /// The body of a mode. `tested` gets, for each edge of the entity, the references that its guard tests.
+    pub(super) fn mode(
+        &mut self,
+        syntax: &ast::Mode,
+        id: ModeId,
+        scope: &Scope<'_>,
+        entity: &mut Entity,
+        tested: &mut Vec<Vec<RefId>>,
+    ) {
         if let Initial::When(guard) = &syntax.initial {
             entity.modes[id].initial_when = self.guard(guard, &scope.reading(Reads::Params));
         }
@@ -127,28 +136,42 @@ impl<'a> Checker<'a> {
                 }
                 Member::Envelope(envelope) => self.envelope(envelope, scope, entity, Some(id)),
                 Member::Entry(update) => {
-                    if let Some(update) = self.update(update, scope) {
-                        self.update_conflict(&entity.modes[id].entry, &update, scope);
-                        entity.modes[id].entry.push(update);
-                    }
+                    // An entry reads the state before the edge, when the mode was not active.
+                    let scope = Scope { covered: false, ..*scope };
+                    self.action(update, &scope, &mut entity.modes[id].entry);
                 }
                 Member::Edge(edge) => {
-                    if let Some(edge) = self.edge(edge, id, scope) {
+                    if let Some((edge, tests)) = self.edge(edge, id, scope) {
                         let edge: EdgeId = entity.edges.push(edge);
                         entity.modes[id].edges.push(edge);
+                        tested.push(tests);
                     }
                 }
-                Member::Mode(_) => {}
+                Member::Follow(follow) => {
+                    if let Some(follow) = self.follow(follow, scope) {
+                        entity.modes[id].follows.push(follow);
+                    }
+                }
+                Member::Mode(_) | Member::Use(_) => {}
                 other => self.misplaced(other, "a mode", "in the entity, outside of its modes"),
             }
         }
     }
 
-    fn edge(&mut self, edge: &ast::Edge, source: ModeId, scope: &Scope<'_>) -> Option<Edge> {
+    /// An edge, and the references that its guard tests.
+    fn edge(&mut self, edge: &ast::Edge, source: ModeId, scope: &Scope<'_>) -> Option<(Edge, Vec<RefId>)> {
         let names = scope.names?;
         let entity = scope.entity?;
         let group = entity.modes[source].group;
+        let mark = self.facts.mark();
+        self.facts.needs.clear();
+        self.facts.bindable = true;
         let guard = self.guard(&edge.guard, scope);
+        self.facts.bindable = false;
+        if let Some(guard) = &guard {
+            self.facts.learn(guard, true);
+        }
+        let tests = entity.refs.ids().filter(|r| self.facts.is_set(Subject::Ref(*r))).collect();
         let target = edge.target.as_ref().map(|path| {
             let target = self.mode_named(&names.modes, path, Some(group))?;
             if entity.modes[target].group != group {
@@ -165,18 +188,67 @@ impl<'a> Checker<'a> {
         if edge.target.is_none() && edge.is_empty {
             self.diagnostics.report(IdleEdge { at: edge.span });
         }
-        let mut updates: Vec<Update> = Vec::new();
+        let mut actions: Vec<Action> = Vec::new();
         for update in &edge.updates {
-            if let Some(update) = self.update(update, scope) {
-                self.update_conflict(&updates, &update, scope);
-                updates.push(update);
-            }
+            self.action(update, scope, &mut actions);
         }
+        self.facts.forget(mark);
+        let needs = std::mem::take(&mut self.facts.needs);
+        let lost = lost_by(&edge.guard).and_then(|name| names.refs.get(&name.text).copied());
         let target = match target {
             Some(target) => Some(target?),
             None => None,
         };
-        Some(Edge { source, target, guard: guard?, updates, span: edge.span })
+        // What a mode around the source loses, it does not read when this edge is taken.
+        let mut tests: Vec<RefId> = tests;
+        let mut around = Some(source);
+        while let Some(at) = around {
+            tests.extend(names.lost[at.index()].iter().filter_map(|name| names.refs.get(name).copied()));
+            around = entity.modes[at].parent;
+        }
+        if let Some(lost) = lost {
+            tests.retain(|r| *r != lost);
+        }
+        if actions.len() < edge.updates.len() {
+            // What could not be read may have set any of them.
+            tests.extend(entity.refs.ids());
+        }
+        Some((Edge { source, target, guard: guard?, actions, lost, needs, span: edge.span }, tests))
+    }
+
+    /// `follow links when guard { … }`
+    fn follow(&mut self, follow: &ast::Follow, scope: &Scope<'_>) -> Option<Follow> {
+        let mark = self.facts.mark();
+        self.facts.needs.clear();
+        self.facts.bindable = true;
+        let guard = follow.guard.as_ref().map(|g| self.guard(g, scope));
+        self.facts.bindable = false;
+        if let Some(Some(guard)) = &guard {
+            self.facts.learn(guard, true);
+        }
+        let mut actions = Vec::new();
+        for update in &follow.updates {
+            self.action(update, scope, &mut actions);
+        }
+        self.facts.forget(mark);
+        let needs = std::mem::take(&mut self.facts.needs);
+        let guard = match guard {
+            Some(guard) => Some(guard?),
+            None => None,
+        };
+        Some(Follow { guard, actions, needs, span: follow.span })
+    }
+
+    /// Adds an update, a `spawn` or a `destroy` to those of one edge or entry.
+    fn action(&mut self, update: &ast::Update, scope: &Scope<'_>, before: &mut Vec<Action>) {
+        let action = match update {
+            ast::Update::Assign(assignment) => self.update(assignment, scope).map(Action::Update),
+            ast::Update::Spawn(spawn) => self.spawn(spawn, scope).map(Action::Spawn),
+            ast::Update::Destroy(destroy) => self.typed(&destroy.what, scope, &Type::Ref(None)).map(Action::Destroy),
+        };
+        let Some(action) = action else { return };
+        self.update_conflict(before, &action, scope);
+        before.push(action);
     }
 
     /// `y' := e`, `keys := keys + 1`
@@ -190,6 +262,12 @@ impl<'a> Checker<'a> {
             let value = self.typed(&update.value, scope, &discrete.ty)?;
             self.certainly_in_range(&value, &discrete);
             return Some(Update { place: Place::Discrete(id), value, span: update.span });
+        }
+        if let Some(&id) = names.refs.get(&name.text) {
+            self.reference_place(&update.variable, scope)?;
+            let ty = Type::Ref(scope.entity?.refs[id].entity);
+            let value: Term = self.typed(&update.value, scope, &ty)?;
+            return Some(Update { place: Place::Ref(id), value, span: update.span });
         }
         if let Some(&var) = names.vars.get(&name.text) {
             let degree = self.primes(&update.variable);
@@ -208,21 +286,37 @@ impl<'a> Checker<'a> {
             });
             return None;
         }
-        let fact = unknown("variable", &name.text, name.span, names.vars.names().chain(names.discretes.names()));
+        let fact = unknown(
+            "variable",
+            &name.text,
+            name.span,
+            names.vars.names().chain(names.discretes.names()).chain(names.refs.names()),
+        );
         self.report_unknown(fact);
         None
     }
 
-    fn update_conflict(&mut self, before: &[Update], update: &Update, scope: &Scope<'_>) {
+    fn update_conflict(&mut self, before: &[Action], action: &Action, scope: &Scope<'_>) {
         let Some(entity) = scope.entity else { return };
-        if let Some(first) = before.iter().find(|u| u.place == update.place) {
-            let variable = match update.place {
+        let Some((place, second)) = written(action) else { return };
+        if let Some((_, first)) = before.iter().filter_map(written).find(|(p, _)| *p == place) {
+            let variable = match place {
                 Place::Var(var, degree) => {
                     format!("{}{}", entity.vars[var].name.text, "'".repeat(usize::from(degree)))
                 }
                 Place::Discrete(id) => entity.discretes[id].name.text.clone(),
+                Place::Ref(id) => entity.refs[id].name.text.clone(),
             };
-            self.diagnostics.report(UpdateConflict { variable, first: first.span, second: update.span });
+            self.diagnostics.report(UpdateConflict { variable, first, second });
         }
+    }
+}
+
+/// What an action writes, and where it stands.
+fn written(action: &Action) -> Option<(Place, Span)> {
+    match action {
+        Action::Update(update) => Some((update.place, update.span)),
+        Action::Spawn(spawn) => spawn.into.map(|into| (Place::Ref(into), spawn.span)),
+        Action::Destroy(_) => None,
     }
 }

@@ -1,28 +1,53 @@
-//! Placed instances: the values of their parameters and variables before the first step.
+//! Instances with the values of their parameters and variables before the first step.
 
-use crate::diagnostic::catalogue::names::DuplicateName;
 use crate::diagnostic::catalogue::structure::BadCollider;
-use crate::diagnostic::catalogue::types::OutOfRange;
-use crate::syntax::ast::{self, Name};
+use crate::diagnostic::catalogue::types::{OutOfRange, TypeMismatch};
+use crate::source::Span;
+use crate::syntax::ast::{self, ExprKind, Name};
 
 use super::Checker;
-use super::checked::{Given, Instance, Type};
+use super::checked::{Entity, Given, Instance, Origin};
 use super::constant::{ConstantContext, evaluate};
 use super::entity::{X, Y};
 use super::expression::Scope;
-use super::ids::{EntityId, IdVec, SpaceId};
+use super::ids::{DiscreteId, EntityId, IdVec, ParamId, RefId, SlotId, SpaceId, VarId};
 use super::names::{Table, unknown};
 
+/// What is set of an instance; the rest follows from the entity.
+pub(super) struct Values {
+    pub params: IdVec<ParamId, Option<f64>>,
+    pub vars: IdVec<VarId, [Option<f64>; 3]>,
+    pub discretes: IdVec<DiscreteId, Option<f64>>,
+}
+
+impl Values {
+    /// Nothing set.
+    pub fn of(entity: &Entity) -> Self {
+        Values {
+            params: entity.params.iter().map(|_| None).collect(),
+            vars: entity.vars.iter().map(|_| [None; 3]).collect(),
+            discretes: entity.discretes.iter().map(|_| None).collect(),
+        }
+    }
+}
+
 impl Checker<'_> {
-    /// A placed instance with the values of its parameters and variables.
-    pub(super) fn place(&mut self, place: &ast::Place, space: SpaceId, step: f64) -> Option<Instance> {
+    /// A placed instance. What its references refer to is noted by name: not all instances are known yet.
+    pub(super) fn place(
+        &mut self,
+        place: &ast::Place,
+        space: SpaceId,
+        step: f64,
+        slot: SlotId,
+        references: &mut Vec<(SlotId, RefId, Name)>,
+    ) -> Option<Instance> {
         let constants = ConstantContext { params: None, step: Some(step) };
         let scope = Scope::constant();
         let mut at = [None, None];
         let mut given = Vec::new();
-        for ((slot, e), var) in at.iter_mut().zip([&place.x, &place.y]).zip([X, Y]) {
+        for ((value, e), var) in at.iter_mut().zip([&place.x, &place.y]).zip([X, Y]) {
             if let Some(term) = self.number(e, &scope) {
-                *slot = self.evaluated(&term, constants);
+                *value = self.evaluated(&term, constants);
                 given.push((Given::Var(var, 0), term));
             }
         }
@@ -32,129 +57,133 @@ impl Checker<'_> {
             return None;
         };
         let entity = self.checked.entities[id].clone();
+        let mut values = Values::of(&entity);
+        values.vars[X][0] = at[0];
+        values.vars[Y][0] = at[1];
         let mut set: Table<()> = Table::new("setting");
-        let mut params: IdVec<_, Option<f64>> = entity.params.iter().map(|_| None).collect();
-        let mut vars: IdVec<_, [Option<f64>; 3]> = entity.vars.iter().map(|_| [None; 3]).collect();
-        vars[X][0] = at[0];
-        vars[Y][0] = at[1];
-        let mut discretes: IdVec<_, Option<f64>> = entity.discretes.iter().map(|_| None).collect();
         let mut fits = at[0].is_some() && at[1].is_some();
         for setting in &place.settings {
-            let name = &setting.variable.name;
-            let written = format!("{}{}", name.text, "'".repeat(setting.variable.primes));
-            if !set.declare(&Name { text: written, span: setting.variable.span }, (), &mut self.diagnostics) {
+            let variable = &setting.variable;
+            let written = format!("{}{}", variable.name.text, "'".repeat(variable.primes));
+            if !set.declare(&Name { text: written, span: variable.span }, (), &mut self.diagnostics) {
                 continue;
             }
-            let mut value = |this: &mut Self, ty: &Type, what: Given| {
-                let term = this.typed(&setting.value, &scope, ty);
-                let value = term.as_ref().and_then(|t| this.evaluated(t, constants));
-                given.extend(term.map(|t| (what, t)));
-                fits &= value.is_some();
-                value
-            };
-            let plain = setting.variable.primes == 0;
-            if let Some(p) = entity.params.find(|p| plain && p.name.text == name.text) {
-                let ty = match &entity.params[p].default.ty {
-                    Type::Int => Type::Real,
-                    ty => ty.clone(),
-                };
-                params[p] = value(self, &ty, Given::Param(p));
-            } else if let Some(d) = entity.discretes.find(|d| plain && d.name.text == name.text) {
-                discretes[d] = value(self, &entity.discretes[d].ty, Given::Discrete(d));
-            } else if let Some(v) = entity.vars.find(|v| v.name.text == name.text) {
-                if v <= Y && plain {
-                    self.diagnostics.report(DuplicateName {
-                        kind: "the position",
-                        name: name.text.clone(),
-                        first: place.x.span.to(place.y.span),
-                        second: setting.span,
-                    });
-                    continue;
-                }
-                if let Some(degree) = self.primes(&setting.variable) {
-                    vars[v][usize::from(degree)] = value(self, &Type::Real, Given::Var(v, degree));
-                }
-            } else {
-                let known = entity.params.iter().map(|p| &p.name);
-                let known = known.chain(entity.discretes.iter().map(|d| &d.name));
-                let known = known.chain(entity.vars.iter().map(|v| &v.name)).map(|n| n.text.as_str());
-                let fact = unknown("parameter or variable", &name.text, name.span, known);
-                self.report_unknown(fact);
+            let Some((what, ty)) = self.setting(&entity, variable) else { continue };
+            if self.position_is_placed(place, setting, what) {
+                continue;
+            }
+            if let Given::Ref(reference) = what {
+                references.extend(self.instance_name(&setting.value).map(|name| (slot, reference, name)));
+                continue;
+            }
+            let term = self.typed(&setting.value, &scope, &ty);
+            let value = term.as_ref().and_then(|t| self.evaluated(t, constants));
+            given.extend(term.map(|t| (what, t)));
+            fits &= value.is_some();
+            match what {
+                Given::Param(id) => values.params[id] = value,
+                Given::Discrete(id) => values.discretes[id] = value,
+                Given::Var(id, degree) => values.vars[id][usize::from(degree)] = value,
+                Given::Ref(_) => {}
             }
         }
         if !fits {
             return None;
         }
-        let mut values: IdVec<_, f64> = IdVec::new();
+        let made = self.instance_of(id, values, place.name.clone(), Origin::Named, space, step, place.span)?;
+        Some(Instance { given, ..made })
+    }
+
+    /// The name that a reference of a placed instance is set to; none for `none`.
+    fn instance_name(&mut self, e: &ast::Expr) -> Option<Name> {
+        match &e.kind {
+            ExprKind::NoneRef => None,
+            ExprKind::Path(path) if path.segments.len() == 1 && path.primes == 0 => path.segments.first().cloned(),
+            _ => {
+                self.diagnostics.report(TypeMismatch {
+                    at: e.span,
+                    found: "an expression".into(),
+                    expected: "the name of an instance of this world".into(),
+                    help: None,
+                });
+                None
+            }
+        }
+    }
+
+    /// An instance with what is set; the rest are defaults.
+    #[allow(clippy::too_many_arguments, reason = "an instance is all of these")]
+    pub(super) fn instance_of(
+        &mut self,
+        id: EntityId,
+        set: Values,
+        name: Name,
+        origin: Origin,
+        space: SpaceId,
+        step: f64,
+        span: Span,
+    ) -> Option<Instance> {
+        let entity = self.checked.entities[id].clone();
+        let mut params: IdVec<_, f64> = IdVec::new();
         for (id, param) in entity.params.pairs() {
-            let value = match params[id] {
+            let value = match set.params[id] {
                 Some(value) => value,
                 None => {
-                    let context = ConstantContext { params: Some(&values), step: Some(step) };
+                    let context = ConstantContext { params: Some(&params), step: Some(step) };
                     self.evaluated(&param.default, context)?
                 }
             };
-            values.push(value);
+            params.push(value);
         }
-        let context = ConstantContext { params: Some(&values), step: Some(step) };
-        let mut first = IdVec::new();
+        let context = ConstantContext { params: Some(&params), step: Some(step) };
+        let mut vars = IdVec::new();
         for (id, var) in entity.vars.pairs() {
             let mut value = [0.0; 3];
             for degree in 0..3 {
-                value[degree] = match (vars[id][degree], &var.initial) {
+                value[degree] = match (set.vars[id][degree], &var.initial) {
                     (Some(value), _) => value,
                     (None, Some(initial)) if degree == 0 => self.evaluated(initial, context)?,
                     _ => 0.0,
                 };
             }
-            first.push(value);
+            vars.push(value);
         }
-        let mut whole = IdVec::new();
+        let mut discretes = IdVec::new();
         for (id, discrete) in entity.discretes.pairs() {
-            let value = match discretes[id] {
+            let value = match set.discretes[id] {
                 Some(value) => value,
                 None => self.evaluated(&discrete.initial, context)?,
             };
             let (low, high) = discrete.range;
-            let certain = discretes[id].is_none() && evaluate(&discrete.initial, ConstantContext::LITERALS).is_ok();
+            let certain = set.discretes[id].is_none() && evaluate(&discrete.initial, ConstantContext::LITERALS).is_ok();
             let inside = value >= f64::from(low) && value <= f64::from(high);
             if !certain && (!inside || value.fract() != 0.0) {
                 self.diagnostics.report(OutOfRange {
-                    at: if discretes[id].is_some() { place.span } else { discrete.initial.span },
+                    at: if set.discretes[id].is_some() { span } else { discrete.initial.span },
                     what: format!("`{}` = {value}", discrete.name.text),
                     range: if inside { "the whole numbers".into() } else { format!("{low}..{high}") },
                 });
             }
-            whole.push(value as i32);
+            discretes.push(value as i32);
         }
-        self.collider_sizes(id, place, context);
-        Some(Instance {
-            name: place.name.clone(),
-            entity: id,
-            space,
-            params: values,
-            vars: first,
-            discretes: whole,
-            given,
-            span: place.span,
-        })
+        self.collider_sizes(&entity, &name, span, context);
+        let refs = entity.refs.iter().map(|_| None).collect();
+        Some(Instance { name, origin, entity: id, space, params, vars, discretes, refs, given: Vec::new(), span })
     }
 
     /// Sizes that depend on parameters are known only now.
-    fn collider_sizes(&mut self, entity: EntityId, place: &ast::Place, context: ConstantContext<'_>) {
-        let mut found = Vec::new();
-        for collider in self.checked.entities[entity].colliders.iter() {
-            for (term, what) in [(&collider.rect[2], "width"), (&collider.rect[3], "height")] {
+    fn collider_sizes(&mut self, entity: &Entity, name: &Name, span: Span, context: ConstantContext<'_>) {
+        for collider in entity.colliders.iter() {
+            for (term, what) in collider.shape.sizes() {
                 let always = evaluate(term, ConstantContext::LITERALS).is_ok();
                 match evaluate(term, context) {
-                    Ok(value) if value <= 0.0 && !always => found.push((term.span, what, value)),
+                    Ok(value) if value <= 0.0 && !always => {
+                        let instance = Some((name.text.clone(), span));
+                        self.diagnostics.report(BadCollider { at: term.span, what, value, instance });
+                    }
                     _ => {}
                 }
             }
-        }
-        for (at, what, value) in found {
-            let instance = Some((place.name.text.clone(), place.span));
-            self.diagnostics.report(BadCollider { at, what, value, instance });
         }
     }
 }

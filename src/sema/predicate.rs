@@ -1,6 +1,6 @@
 //! What predicates of a world say of its instances: `hero.x`, `hero in dead`, `near(hero, …)`, `any Goomba`.
 
-use crate::diagnostic::catalogue::syntax::NotSupported;
+use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::TypeMismatch;
 use crate::source::Span;
 use crate::syntax::ast::{Expr, ExprKind, Name, Path};
@@ -21,35 +21,26 @@ impl Checker<'_> {
         span: Span,
         scope: &Scope<'_>,
     ) -> Option<Term> {
-        let Some(world) = scope.world else {
-            self.diagnostics.report(NotSupported { at: span, what: "reading another instance's variable".into() });
-            return None;
-        };
         if let Some(extra) = path.segments.get(2) {
             self.diagnostics.report(TypeMismatch {
                 at: extra.span,
                 found: "a name too many".into(),
-                expected: "`instance.variable` or `space.width`".into(),
+                expected: if scope.world.is_some() {
+                    "`instance.variable` or `space.width`"
+                } else {
+                    "`reference.variable`"
+                }
+                .into(),
                 help: None,
             });
             return None;
         }
+        if scope.entity.is_some() {
+            return self.referred_member(path, first, second, span, scope);
+        }
+        let world = self.allow(scope.world, span, scope, Reads::All, "another instance's variable")?;
         if let Some((slot, entity)) = world.instance(&first.text) {
-            let entity = self.checked.entities[entity].clone();
-            let of = Subject::Slot(slot);
-            if let Some(var) = entity.vars.find(|v| v.name.text == second.text) {
-                let degree = self.degree(path)?;
-                return Some(Term { kind: TermKind::Var(of, var, degree), ty: Type::Real, span });
-            }
-            if let Some(id) = entity.discretes.find(|v| v.name.text == second.text) {
-                self.unprimed(path)?;
-                let ty = entity.discretes[id].ty.clone();
-                return Some(Term { kind: TermKind::Discrete(of, id), ty, span });
-            }
-            let known = entity.vars.iter().map(|v| &v.name).chain(entity.discretes.iter().map(|d| &d.name));
-            let fact = unknown("variable", &second.text, second.span, known.map(|n| n.text.as_str()));
-            self.report_unknown(fact);
-            return None;
+            return self.value_of(Subject::Slot(slot), entity, path, second, span);
         }
         self.unprimed(path)?;
         if let Some((_, size)) = world.spaces.iter().find(|(n, _)| *n == first.text) {
@@ -77,6 +68,66 @@ impl Checker<'_> {
         let fact = unknown("instance or space", &first.text, first.span, known);
         self.report_unknown(fact);
         None
+    }
+
+    /// `target.x` in an entity.
+    fn referred_member(
+        &mut self,
+        path: &Path,
+        first: &Name,
+        second: &Name,
+        span: Span,
+        scope: &Scope<'_>,
+    ) -> Option<Term> {
+        let Some((subject, entity)) = self.referred(&first.text, scope) else {
+            let refs = scope.names.map(|n| n.refs.names().collect::<Vec<_>>()).unwrap_or_default();
+            let known: Vec<String> = refs.into_iter().chain(self.facts.names()).map(str::to_string).collect();
+            let fact = unknown("reference", &first.text, first.span, known.iter().map(String::as_str));
+            self.report_unknown(fact);
+            return None;
+        };
+        self.allow(Some(()), span, scope, Reads::State, "another instance's variable")?;
+        self.readable(subject, first, span, scope);
+        let Some(entity) = entity else {
+            // Every instance has a position.
+            let var = match second.text.as_str() {
+                "x" => super::entity::X,
+                "y" => super::entity::Y,
+                _ => {
+                    self.of_any(first.span, "to read more than `x` and `y` of it");
+                    return None;
+                }
+            };
+            let degree = self.degree(path)?;
+            return Some(Term { kind: TermKind::Var(subject, var, degree), ty: Type::Real, span });
+        };
+        self.value_of(subject, entity, path, second, span)
+    }
+
+    /// A variable or a parameter of another instance.
+    fn value_of(&mut self, of: Subject, id: EntityId, path: &Path, second: &Name, span: Span) -> Option<Term> {
+        {
+            let entity = self.checked.entities[id].clone();
+            if let Some(var) = entity.vars.find(|v| v.name.text == second.text) {
+                let degree = self.degree(path)?;
+                return Some(Term { kind: TermKind::Var(of, var, degree), ty: Type::Real, span });
+            }
+            if let Some(id) = entity.discretes.find(|v| v.name.text == second.text) {
+                self.unprimed(path)?;
+                let ty = entity.discretes[id].ty.clone();
+                return Some(Term { kind: TermKind::Discrete(of, id), ty, span });
+            }
+            if let Some(id) = entity.params.find(|p| p.name.text == second.text) {
+                self.unprimed(path)?;
+                let ty = entity.params[id].default.ty.clone();
+                return Some(Term { kind: TermKind::Param(of, id), ty, span });
+            }
+            let known = entity.vars.iter().map(|v| &v.name).chain(entity.discretes.iter().map(|d| &d.name));
+            let known = known.chain(entity.params.iter().map(|p| &p.name)).map(|n| n.text.as_str());
+            let fact = unknown("variable", &second.text, second.span, known);
+            self.report_unknown(fact);
+            None
+        }
     }
 
     pub(super) fn near(
@@ -145,12 +196,17 @@ impl Checker<'_> {
         if let ExprKind::Any(entity) = &subject.kind {
             return self.any(entity, span, scope, make);
         }
-        if scope.world.is_none() {
-            self.diagnostics.report(NotSupported { at: span, what: "asking another instance".into() });
+        if scope.entity.is_some() {
+            self.diagnostics.report(Misplaced {
+                at: span,
+                what: "this question",
+                inside: "an entity",
+                belongs: "in a `goal` or `never` of a world; an entity asks `touching(TAG)`",
+            });
             return None;
         }
         let (slot, entity) = self.instance(subject, scope)?;
-        Some(Term { kind: make(self, slot, entity)?, ty: Type::Bool, span })
+        Some(while_alive(Term { kind: make(self, slot, entity)?, ty: Type::Bool, span }))
     }
 
     /// Whether `make` holds for some instance of an entity.
@@ -170,7 +226,13 @@ impl Checker<'_> {
         let mut some = Vec::new();
         for (slot, (_, of)) in world.instances.iter().enumerate() {
             if *of == entity {
-                some.push(Term { kind: make(self, SlotId(slot as u32), entity)?, ty: Type::Bool, span });
+                let slot = SlotId(slot as u32);
+                let alive = Term { kind: TermKind::Alive(slot), ty: Type::Bool, span };
+                let holds = Term { kind: make(self, slot, entity)?, ty: Type::Bool, span };
+                some.push(match holds.kind {
+                    TermKind::Bool(true) => alive,
+                    _ => Term { kind: TermKind::And(Box::new(alive), Box::new(holds)), ty: Type::Bool, span },
+                });
             }
         }
         // A balanced tree: thousands of instances must not become thousands of levels.
@@ -186,5 +248,46 @@ impl Checker<'_> {
             some = halves;
         }
         Some(some.pop().unwrap_or(Term { kind: TermKind::Bool(false), ty: Type::Bool, span }))
+    }
+}
+
+/// A question about instances that is false where one of them is destroyed.
+pub(super) fn while_alive(question: Term) -> Term {
+    let mut slots = Vec::new();
+    read_slots(&question, &mut slots);
+    let span = question.span;
+    slots.into_iter().rev().fold(question, |question, slot| {
+        let alive = Term { kind: TermKind::Alive(slot), ty: Type::Bool, span };
+        Term { kind: TermKind::And(Box::new(alive), Box::new(question)), ty: Type::Bool, span }
+    })
+}
+
+/// The instances that a term reads, each once.
+fn read_slots(term: &Term, out: &mut Vec<SlotId>) {
+    let mut add = |of: &Subject| {
+        if let Subject::Slot(slot) = of
+            && !out.contains(slot)
+        {
+            out.push(*slot);
+        }
+    };
+    match &term.kind {
+        TermKind::Var(of, ..)
+        | TermKind::Discrete(of, _)
+        | TermKind::Param(of, _)
+        | TermKind::InMode(of, _)
+        | TermKind::InSpace(of, _)
+        | TermKind::Touching { of, .. } => add(of),
+        TermKind::Near { of, x, y, radius } => {
+            add(of);
+            [x, y, radius].into_iter().for_each(|t| read_slots(t, out));
+        }
+        TermKind::Negate(a) | TermKind::Not(a) => read_slots(a, out),
+        TermKind::Arithmetic(_, a, b) | TermKind::Compare(_, a, b) | TermKind::And(a, b) | TermKind::Or(a, b) => {
+            read_slots(a, out);
+            read_slots(b, out);
+        }
+        TermKind::Call(_, args) => args.iter().for_each(|a| read_slots(a, out)),
+        _ => {}
     }
 }

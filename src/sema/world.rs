@@ -1,25 +1,30 @@
 //! Worlds: the step, collision lines, tiles and maps, placed instances with their first values, players, goals.
 
 use crate::diagnostic::catalogue::names::DuplicateName;
-use crate::diagnostic::catalogue::syntax::NotSupported;
+use crate::diagnostic::catalogue::syntax::{Misplaced, NotSupported};
 use crate::diagnostic::catalogue::types::OutOfRange;
 use crate::diagnostic::catalogue::world::{BadPlayer, BadStep, BadTile};
 use crate::level::{InlineTile, inline_map};
 use crate::source::Span;
-use crate::syntax::ast::{self, Expr, Name, SpaceItem, WorldItem};
+use crate::syntax::ast::{self, Expr, MapSource, Name, SpaceItem, WorldItem};
 
-use super::checked::{Arithmetic, CollideRule, Player, Question, Response, Solid, Space, Term, TermKind, World};
+use super::checked::{
+    Arithmetic, CollideRule, Link, Origin, Player, Push, Question, Response, Solid, Space, Term, TermKind, World,
+};
 use super::constant::ConstantContext;
 use super::expression::{Scope, WorldNames};
-use super::ids::{IdVec, TagId};
+use super::ids::{IdVec, SpaceId, TagId};
 use super::names::{Table, unknown};
-use super::{Checker, MAX_INSTANCES, MAX_TILE_KINDS};
+use super::population::Population;
+use super::{Checker, MAX_TILE_KINDS};
 
-/// A tile set: its size and its tiles.
-struct TileSet {
-    name: Name,
-    tile: (f64, f64),
-    tiles: Vec<InlineTile<TagId>>,
+/// A tile set: its size, its tiles, and what stands on them at first.
+pub(super) struct TileSet<'a> {
+    pub name: Name,
+    pub tile: (f64, f64),
+    pub tiles: Vec<InlineTile<TagId>>,
+    /// Of each tile.
+    pub spawns: Vec<Option<&'a ast::TileSpawn>>,
 }
 
 impl Checker<'_> {
@@ -39,7 +44,7 @@ impl Checker<'_> {
             span: syntax.span,
         };
         let mut steps: Table<()> = Table::new("the step");
-        let mut sets: Table<TileSet> = Table::new("tile set");
+        let mut sets: Table<TileSet<'_>> = Table::new("tile set");
         for item in &syntax.items {
             match item {
                 WorldItem::Step(e) => {
@@ -56,20 +61,31 @@ impl Checker<'_> {
             }
         }
         let step = world.step.0 as f64 / world.step.1 as f64;
-        let mut names = WorldNames::default();
-        let mut spaces: Table<()> = Table::new("space");
-        let mut instances: Table<()> = Table::new("instance");
+        let mut population = Population::new(step);
+        let mut spaces: Table<SpaceId> = Table::new("space");
+        let mut sizes = Vec::new();
         for item in &syntax.items {
             let WorldItem::Space(space) = item else {
                 continue;
             };
-            spaces.declare(&space.name, (), &mut self.diagnostics);
-            let id = world.spaces.push(Space { name: space.name.clone(), map: None, solids: Vec::new(), bounds: None });
+            let id = world.spaces.push(Space {
+                name: space.name.clone(),
+                map: None,
+                solids: Vec::new(),
+                bounds: None,
+                links: Vec::new(),
+            });
+            spaces.declare(&space.name, id, &mut self.diagnostics);
             let mut map_at = None;
             let mut bounds: Table<()> = Table::new("the bounds of");
             for item in &space.items {
                 match item {
-                    SpaceItem::Map(map) => self.map(map, &sets, &mut map_at, &mut world.spaces[id]),
+                    SpaceItem::Map(map) => {
+                        if let Some(set) = self.map(map, &sets, &mut map_at, &mut world.spaces[id]) {
+                            self.tile_instances(&world.spaces[id], id, set, map.span, &mut population);
+                        }
+                    }
+                    SpaceItem::Link(_) => {}
                     SpaceItem::Solid(solid) => {
                         let tags = solid.tags.iter().map(|t| self.tag(t)).collect();
                         if let Some(rect) = self.rectangle(&solid.rectangle, &mut world.lengths) {
@@ -83,25 +99,20 @@ impl Checker<'_> {
                             world.spaces[id].bounds = self.rectangle(rectangle, &mut world.lengths);
                         }
                     }
-                    SpaceItem::Place(place) => {
-                        instances.declare(&place.name, (), &mut self.diagnostics);
-                        if world.instances.is_full(MAX_INSTANCES) {
-                            self.too_many("instances", MAX_INSTANCES, place.span);
-                            break;
-                        }
-                        if let Some(instance) = self.place(place, id, step) {
-                            names.instances.push((place.name.text.clone(), instance.entity));
-                            world.instances.push(instance);
-                        } else {
-                            // Goals may still name it.
-                            self.suspects.insert(place.name.text.clone());
-                        }
-                    }
+                    SpaceItem::Place(place) => self.placed(place, id, &mut population),
                 }
             }
             let size = world.spaces[id].map.as_ref().map(crate::level::TileMap::size);
-            names.spaces.push((space.name.text.clone(), size));
+            sizes.push((space.name.text.clone(), size));
         }
+        self.limits(syntax, &mut population);
+        self.placed_references(&mut population);
+        world.instances = population.instances;
+        let names = WorldNames {
+            instances: world.instances.iter().map(|i| (i.name.text.clone(), i.entity)).collect(),
+            spaces: sizes,
+        };
+        self.links(syntax, &names, &spaces, &mut world);
         self.players(syntax, &mut world);
         let mut goals: Table<()> = Table::new("goal");
         let mut nevers: Table<()> = Table::new("never");
@@ -150,17 +161,21 @@ impl Checker<'_> {
         let left = line.left.iter().map(|t| self.tag(t)).collect();
         let right = line.right.iter().map(|t| self.tag(t)).collect();
         let r = &line.response;
-        for (used, what) in [(r.from_above, "`from above`"), (r.carry, "`carry`")] {
-            if used {
-                self.diagnostics.report(NotSupported { at: r.span, what: what.into() });
-                return None;
-            }
+        let wrong = [(r.from_above, "`from above`"), (r.carry, "`carry`"), (r.keep_velocity, "`keep velocity`")];
+        if let Some((_, what)) = wrong.into_iter().find(|(used, _)| *used && !r.block) {
+            self.diagnostics.report(Misplaced { at: r.span, what, inside: "`sense`", belongs: "after `block`" });
+            return None;
         }
-        let response = if r.block { Response::Block { keep_velocity: r.keep_velocity } } else { Response::Sense };
+        let push = match (r.block, r.from_above) {
+            (true, true) => Push::FromAbove,
+            (true, false) => Push::Block,
+            (false, _) => Push::Sense,
+        };
+        let response = Response { push, stop: r.block && !r.keep_velocity, carry: r.carry };
         Some(CollideRule { left, right, response })
     }
 
-    fn tiles(&mut self, tiles: &ast::Tiles, sets: &mut Table<TileSet>, lengths: &mut Vec<Term>) {
+    fn tiles<'t>(&mut self, tiles: &'t ast::Tiles, sets: &mut Table<TileSet<'t>>, lengths: &mut Vec<Term>) {
         let mut side = |e: &Expr| {
             let term = self.number(e, &Scope::constant())?;
             let value = self.evaluated(&term, ConstantContext::LITERALS)?;
@@ -177,7 +192,7 @@ impl Checker<'_> {
         };
         let (width, height) = (side(&tiles.width), side(&tiles.height));
         let mut symbols: Table<()> = Table::new("tile");
-        let mut set = TileSet { name: tiles.name.clone(), tile: (1.0, 1.0), tiles: Vec::new() };
+        let mut set = TileSet { name: tiles.name.clone(), tile: (1.0, 1.0), tiles: Vec::new(), spawns: Vec::new() };
         for tile in &tiles.tiles {
             if set.tiles.len() >= MAX_TILE_KINDS {
                 self.too_many("kinds of tiles", MAX_TILE_KINDS, tile.symbol_span);
@@ -191,6 +206,7 @@ impl Checker<'_> {
             if symbols.declare(&name, (), &mut self.diagnostics) {
                 let tags = tile.tags.iter().filter(|t| t.text != "empty").map(|t| self.tag(t)).collect();
                 set.tiles.push(InlineTile { symbol: tile.symbol, tags });
+                set.spawns.push(tile.spawn.as_ref());
             }
         }
         match (width, height) {
@@ -226,7 +242,14 @@ impl Checker<'_> {
         Some([x?, y?, width?, height?])
     }
 
-    fn map(&mut self, map: &ast::Map, sets: &Table<TileSet>, first: &mut Option<Span>, space: &mut Space) {
+    /// Reads a map into its space; gives the tile set, so that instances can be made.
+    fn map<'s, 't>(
+        &mut self,
+        map: &ast::Map,
+        sets: &'s Table<TileSet<'t>>,
+        first: &mut Option<Span>,
+        space: &mut Space,
+    ) -> Option<&'s TileSet<'t>> {
         if let Some(first) = *first {
             self.diagnostics.report(DuplicateName {
                 kind: "the map of",
@@ -234,17 +257,50 @@ impl Checker<'_> {
                 first,
                 second: map.span,
             });
-            return;
+            return None;
         }
         *first = Some(map.span);
-        let Some(set) = sets.get(&map.tiles.text) else {
-            let fact = unknown("tile set", &map.tiles.text, map.tiles.span, sets.names());
-            self.report_unknown(fact);
-            return;
+        let MapSource::Inline(tiles, rows) = &map.source else {
+            self.diagnostics.report(NotSupported { at: map.span, what: "a map from a file".into() });
+            return None;
         };
-        let rows: Vec<(&str, Span)> = map.rows.iter().map(|r| (r.text.as_str(), r.span)).collect();
+        let Some(set) = sets.get(&tiles.text) else {
+            let fact = unknown("tile set", &tiles.text, tiles.span, sets.names());
+            self.report_unknown(fact);
+            return None;
+        };
+        let rows: Vec<(&str, Span)> = rows.iter().map(|r| (r.text.as_str(), r.span)).collect();
         let declared = (set.name.text.as_str(), set.name.span);
-        space.map = inline_map(&rows, map.tiles.span, declared, set.tile, &set.tiles, &mut self.diagnostics);
+        space.map = inline_map(&rows, tiles.span, declared, set.tile, &set.tiles, &mut self.diagnostics);
+        Some(set)
+    }
+
+    /// Ways into other spaces.
+    fn links(&mut self, syntax: &ast::World, names: &WorldNames, spaces: &Table<SpaceId>, world: &mut World) {
+        let scope = Scope::predicate(names);
+        let syntax = syntax.items.iter().filter_map(|i| if let WorldItem::Space(s) = i { Some(s) } else { None });
+        for (id, space) in syntax.enumerate() {
+            let id = SpaceId(id as u32);
+            for item in &space.items {
+                let SpaceItem::Link(link) = item else { continue };
+                let from = self.rectangle(&link.from, &mut world.lengths);
+                let to = self.rectangle(&link.to, &mut world.lengths);
+                let guard = link.guard.as_ref().map(|g| self.guard(g, &scope));
+                let Some(&target) = spaces.get(&link.space.text) else {
+                    let fact = unknown("space", &link.space.text, link.space.span, spaces.names());
+                    self.report_unknown(fact);
+                    continue;
+                };
+                let guard = match guard {
+                    Some(None) => continue,
+                    Some(guard) => guard,
+                    None => None,
+                };
+                if let (Some(from), Some(to)) = (from, to) {
+                    world.spaces[id].links.push(Link { from, space: target, to, guard, span: link.span });
+                }
+            }
+        }
     }
 
     fn players(&mut self, syntax: &ast::World, world: &mut World) {
@@ -258,8 +314,9 @@ impl Checker<'_> {
                 self.diagnostics.report(BadPlayer { at: player.number.span, why, other: None });
                 continue;
             };
-            let Some(slot) = world.instances.find(|i| i.name.text == player.instance.text) else {
-                let known = world.instances.iter().map(|i| i.name.text.as_str());
+            let named = |i: &&super::checked::Instance| i.origin == Origin::Named;
+            let Some(slot) = world.instances.find(|i| named(&i) && i.name.text == player.instance.text) else {
+                let known = world.instances.iter().filter(named).map(|i| i.name.text.as_str());
                 let fact = unknown("instance", &player.instance.text, player.instance.span, known);
                 self.report_unknown(fact);
                 continue;

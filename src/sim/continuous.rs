@@ -1,12 +1,13 @@
-//! The continuous phase: flows, envelopes, semi-implicit Euler, timers.
+//! The continuous phase: flows, envelopes, semi-implicit Euler, clamps, timers.
 //!
 //! All right sides are read before anything moves. Degree 2: `a = f; v += a·dt; p += v·dt`; degree 1: `a = 0;
 //! v = f; p += v·dt`; degree 0: `p = f; v = a = 0`; no flow: the last acceleration stays in force.
 
 use std::cell::Cell;
 
-use crate::ir::{Drive, Envelope, Release, SlotId, VarId};
+use crate::ir::{Clamp, Drive, Entity, Id, SlotId, VarId};
 
+use super::envelope::{envelope_value, next_peak};
 use super::evaluate::Reader;
 use super::fault::Fault;
 use super::simulator::{Scratch, Simulator};
@@ -17,49 +18,85 @@ const COAST: u8 = 3;
 impl Simulator<'_> {
     /// Moves every live slot by one step.
     pub(super) fn flow(&self, state: &mut [u8], scratch: &mut Scratch) -> Result<(), Fault> {
-        let Scratch { frames, flows, .. } = scratch;
+        let Scratch { frames, flows, clamps, peaks, taken, .. } = scratch;
         let fault = Cell::new(None);
-        let mut base = 0;
+        let (mut base, mut clamp_base, mut peak_base) = (0, 0, 0);
         for me in self.world().slots.ids() {
             let entity = self.entity(me);
             let own = &mut flows[base..base + entity.vars.len()];
+            let own_clamps = &mut clamps[clamp_base..clamp_base + entity.clamps.len()];
+            let own_peaks = &mut peaks[peak_base..peak_base + entity.envelopes.len()];
             base += own.len();
+            clamp_base += own_clamps.len();
+            peak_base += own_peaks.len();
             let layout = self.layout(me);
-            if !layout.alive(state) {
+            if !layout.acts(state) {
                 continue;
             }
-            let reader = Reader { sim: self, state, frames, fault: &fault, me };
+            let first = self.groups[me.index()];
+            let taken = &taken[first..first + entity.groups.len()];
+            let reader = Reader { sim: self, state, frames, taken, fault: &fault, me };
             for drive in &entity.free {
-                read_drive(&reader, *drive, own);
+                read_drive(&reader, entity, *drive, own);
             }
             for group in entity.groups.ids() {
                 for drive in &entity.leaves[layout.leaf(state, group)].drives {
-                    read_drive(&reader, *drive, own);
+                    read_drive(&reader, entity, *drive, own);
+                }
+            }
+            for (clamp, bounds) in entity.clamps.iter().zip(own_clamps) {
+                *bounds = (
+                    clamp.low.map_or(f64::NEG_INFINITY, |low| reader.number(low)),
+                    clamp.high.map_or(f64::INFINITY, |high| reader.number(high)),
+                );
+            }
+            for (envelope, peak) in entity.envelopes.iter().zip(own_peaks) {
+                if envelope.peak.is_some() {
+                    *peak = next_peak(&reader, entity, envelope);
                 }
             }
         }
         Self::settle(&fault)?;
-        base = 0;
+        (base, clamp_base, peak_base) = (0, 0, 0);
         for me in self.world().slots.ids() {
-            let count = self.entity(me).vars.len();
-            let own = &flows[base..base + count];
-            base += count;
-            if self.layout(me).alive(state) {
-                for (var, &(degree, value)) in (0u32..).map(VarId).zip(own) {
-                    self.integrate(state, me, var, degree, value)?;
-                }
-                self.count_timers(state, me);
+            let entity = self.entity(me);
+            let own = &flows[base..base + entity.vars.len()];
+            let bounds = &clamps[clamp_base..clamp_base + entity.clamps.len()];
+            let own_peaks = &peaks[peak_base..peak_base + entity.envelopes.len()];
+            base += own.len();
+            clamp_base += bounds.len();
+            peak_base += own_peaks.len();
+            let layout = self.layout(me);
+            if !layout.acts(state) {
+                continue;
             }
+            for (var, &flow) in (0u32..).map(VarId).zip(own) {
+                self.integrate(state, me, var, flow, (entity, bounds))?;
+            }
+            for ((id, envelope), peak) in entity.envelopes.pairs().zip(own_peaks) {
+                if envelope.peak.is_some() {
+                    layout.set_peak(state, id, *peak);
+                }
+            }
+            self.count_timers(state, me);
         }
         Ok(())
     }
 
-    fn integrate(&self, state: &mut [u8], me: SlotId, var: VarId, degree: u8, value: f64) -> Result<(), Fault> {
+    fn integrate(
+        &self,
+        state: &mut [u8],
+        me: SlotId,
+        var: VarId,
+        (degree, value): (u8, f64),
+        (entity, bounds): (&Entity, &[(f64, f64)]),
+    ) -> Result<(), Fault> {
         let layout = self.layout(me);
         let dt = self.step;
+        let clip = |value: f64, degree: u8| clip(&entity.clamps, bounds, var, degree, value);
         if degree == 0 {
-            layout.set_var(state, var, 0, value);
-            layout.set_var(state, var, 1, 0.0);
+            layout.set_var(state, var, 0, clip(value, 0));
+            layout.set_var(state, var, 1, clip(0.0, 1));
             layout.set_var(state, var, 2, 0.0);
             return Ok(());
         }
@@ -71,48 +108,30 @@ impl Simulator<'_> {
             layout.set_var(state, var, 2, acceleration);
             layout.var(state, var, 1) + acceleration * dt
         };
-        let position = layout.var(state, var, 0) + velocity * dt;
+        let velocity = clip(velocity, 1);
+        let position = clip(layout.var(state, var, 0) + velocity * dt, 0);
         layout.set_var(state, var, 1, velocity);
         layout.set_var(state, var, 0, position);
         Self::finite(me, var, position)
     }
 }
 
+/// A value within all clamps of its variable.
+fn clip(clamps: &[Clamp], bounds: &[(f64, f64)], var: VarId, degree: u8, value: f64) -> f64 {
+    let own = clamps.iter().zip(bounds).filter(|(c, _)| c.var == var && c.degree == degree);
+    own.fold(value, |value, (_, &(low, high))| value.max(low).min(high))
+}
+
 /// Notes the value of a drive where its variable will find it.
-fn read_drive(reader: &Reader<'_>, drive: Drive, own: &mut [(u8, f64)]) {
-    use crate::ir::Id;
+fn read_drive(reader: &Reader<'_>, entity: &Entity, drive: Drive, own: &mut [(u8, f64)]) {
     match drive {
         Drive::Coast(var) => own[var.index()] = (COAST, 0.0),
         Drive::Flow { var, degree, value } => own[var.index()] = (degree, reader.number(value)),
-        Drive::Envelope(id) => {
-            let entity = reader.sim.entity(reader.me);
+        Drive::Envelope(id, component) => {
             let envelope = &entity.envelopes[id];
-            own[envelope.var.index()] = (envelope.degree, envelope_value(reader, envelope));
-        }
-    }
-}
-
-/// Where an envelope takes its variable in this step (attack, sustain and release after Swink, *Game Feel*, 2009).
-fn envelope_value(reader: &Reader<'_>, envelope: &Envelope) -> f64 {
-    let current = reader.sim.layout(reader.me).var(reader.state, envelope.var, envelope.degree);
-    let axis = reader.axis(envelope.axis);
-    let driven = axis != 0.0 && envelope.guard.is_none_or(|g| reader.truth(g));
-    let approach = |target: f64, rate: Option<crate::ir::ExprId>| match rate {
-        None => target,
-        Some(rate) => {
-            let reach = reader.number(rate) * reader.sim.step;
-            let way = target - current;
-            if way.abs() <= reach { target } else { current + reach.copysign(way) }
-        }
-    };
-    if driven {
-        return approach(axis.signum() * reader.number(envelope.sustain), envelope.attack);
-    }
-    match envelope.release {
-        Release::Hold => current,
-        Release::To { rate, level } => {
-            let direction = if current == 0.0 { 0.0 } else { current.signum() };
-            approach(direction * reader.number(level), rate)
+            let component = usize::from(component);
+            let value = envelope_value(reader, id, envelope, component);
+            own[envelope.vars[component].index()] = (envelope.degree, value);
         }
     }
 }

@@ -1,85 +1,168 @@
 //! The discrete phase: edges, updates, entering and leaving modes. Everything is read from the state as the step
-//! began and written to the new one, so that the order of instances does not matter.
+//! began and written to the new one, so that the order of instances does not matter. Who is destroyed, spawned or
+//! goes through a link is noted, and done once all have decided.
 
 use std::cell::Cell;
 
-use crate::ir::{Edge, EdgeId, Entity, Group, GroupId, LeafId, ModeId, Place, SlotId, Update};
+use crate::ir::{Actions, EdgeId, Entity, Follow, GroupId, Id, Leaf, LeafId, ModeId, Place, SlotId, Update};
 
 use super::evaluate::Reader;
 use super::fault::{Fault, FaultKind};
+use super::life::Changes;
 use super::simulator::{Scratch, Simulator};
+
+/// An edge that a group takes in this step.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Taken {
+    pub edge: EdgeId,
+    pub target: ModeId,
+    /// The leaf that was active.
+    pub from: LeafId,
+    /// The leaf that becomes active.
+    pub to: LeafId,
+}
 
 impl Simulator<'_> {
     /// Takes the edges of every live slot.
-    pub(super) fn transitions(&self, state: &mut [u8], scratch: &Scratch) -> Result<(), Fault> {
+    pub(super) fn transitions(&self, state: &mut [u8], scratch: &mut Scratch) -> Result<(), Fault> {
+        let Scratch { before, frames, taken, changes, .. } = scratch;
         let fault = Cell::new(None);
+        changes.clear();
         for me in self.world().slots.ids() {
-            if !self.layout(me).alive(&scratch.before) {
+            if !self.layout(me).acts(before) {
                 continue;
             }
-            let reader = Reader { sim: self, state: &scratch.before, frames: &scratch.frames, fault: &fault, me };
-            for (id, group) in self.entity(me).groups.pairs() {
-                self.group(state, &reader, id, group);
+            let entity = self.entity(me);
+            let first = self.groups[me.index()];
+            let own = first..first + entity.groups.len();
+            let decided = taken[own.clone()].iter_mut();
+            decided.for_each(|t| *t = None);
+            for &group in &entity.order {
+                let reader = Reader { sim: self, state: before, frames, taken: &taken[own.clone()], fault: &fault, me };
+                let choice = self.decide(&reader, entity, group);
+                taken[first + group.index()] = choice;
+            }
+            let reader = Reader { sim: self, state: before, frames, taken: &taken[own.clone()], fault: &fault, me };
+            for (group, choice) in entity.groups.ids().zip(&taken[own]) {
+                self.run(state, &reader, entity, group, *choice, changes);
             }
         }
-        Self::settle(&fault)
+        Self::settle(&fault)?;
+        self.change(state, scratch)
     }
 
-    fn group(&self, state: &mut [u8], reader: &Reader<'_>, id: GroupId, group: &Group) {
-        let entity = self.entity(reader.me);
-        let active = self.layout(reader.me).leaf(reader.state, id);
-        let leaf = &entity.leaves[active];
+    /// The edge that a group takes: the first that holds.
+    fn decide(&self, reader: &Reader<'_>, entity: &Entity, group: GroupId) -> Option<Taken> {
+        let from = self.layout(reader.me).leaf(reader.state, group);
+        let leaf = &entity.leaves[from];
+        let edge = leaf.edges.iter().copied().find(|&edge| reader.truth(entity.edges[edge].guard))?;
+        let target = entity.edges[edge].target?;
+        Some(Taken { edge, target, from, to: reader.entered(target) })
+    }
+
+    /// Runs what a group does: edges without a target, the edge that is taken, links.
+    fn run(
+        &self,
+        state: &mut [u8],
+        reader: &Reader<'_>,
+        entity: &Entity,
+        group: GroupId,
+        taken: Option<Taken>,
+        changes: &mut Changes,
+    ) {
+        let from = self.layout(reader.me).leaf(reader.state, group);
+        let leaf: &Leaf = &entity.leaves[from];
+        let set = |needs: &[crate::ir::RefId]| {
+            needs.iter().all(|&r| self.layout(reader.me).reference(reader.state, r).is_some())
+        };
         for &edge in &leaf.internal {
             let edge = &entity.edges[edge];
-            if reader.truth(edge.guard) {
-                self.update(state, reader, &edge.updates);
+            if set(&edge.needs) && reader.truth(edge.guard) {
+                self.act(state, reader, &edge.actions, changes);
             }
         }
-        let taken = leaf.edges.iter().copied().find(|&edge| reader.truth(entity.edges[edge].guard));
-        if let Some(edge) = taken {
-            self.take(state, reader, (id, group), active, edge);
+        if let Some(taken) = taken {
+            self.take(state, reader, entity, group, taken, changes);
+        }
+        for &follow in &leaf.follows {
+            let follow: &Follow = &entity.follows[follow];
+            if changes.is_moving(reader.me) || !set(&follow.needs) || !follow.guard.is_none_or(|g| reader.truth(g)) {
+                continue;
+            }
+            if let Some(link) = self.link_at(reader) {
+                changes.go(reader.me, link);
+                self.act(state, reader, &follow.actions, changes);
+            }
         }
     }
 
     /// Leaves and enters modes and runs the updates: entries from the outermost in, then the edge's own.
-    fn take(&self, state: &mut [u8], reader: &Reader<'_>, group: (GroupId, &Group), active: LeafId, edge: EdgeId) {
-        let entity = self.entity(reader.me);
+    fn take(
+        &self,
+        state: &mut [u8],
+        reader: &Reader<'_>,
+        entity: &Entity,
+        group: GroupId,
+        taken: Taken,
+        changes: &mut Changes,
+    ) {
+        let Taken { edge, target, from, to } = taken;
         let layout = self.layout(reader.me);
-        let edge: &Edge = &entity.edges[edge];
-        let Some(target) = edge.target else { return };
-        let next = reader.entered(target);
-        layout.set_leaf(state, group.0, next);
-        let (first, after) = group.1.modes;
+        layout.set_leaf(state, group, to);
+        let (first, after) = entity.groups[group].modes;
         for (id, timer) in entity.timers.pairs() {
             let inside = first <= timer.mode && timer.mode < after;
-            if inside && !(is_active(entity, next, timer.mode) && is_kept(entity, active, target, timer.mode)) {
+            if inside && !(is_active(entity, to, timer.mode) && is_kept(entity, from, target, timer.mode)) {
                 layout.set_timer(state, id, 0);
             }
         }
-        for &mode in &entity.leaves[next].path {
-            if !is_kept(entity, active, target, mode) {
-                self.update(state, reader, &entity.modes[mode].entry);
+        for &mode in &entity.leaves[to].path {
+            if !is_kept(entity, from, target, mode) {
+                self.act(state, reader, &entity.modes[mode].entry, changes);
             }
         }
-        self.update(state, reader, &edge.updates);
+        self.act(state, reader, &entity.edges[edge].actions, changes);
     }
 
-    fn update(&self, state: &mut [u8], reader: &Reader<'_>, updates: &[Update]) {
-        let layout = self.layout(reader.me);
-        for update in updates {
-            let value = reader.number(update.value);
-            match update.place {
-                Place::Var(var, degree) => layout.set_var(state, var, degree, value),
-                Place::Discrete(id) => {
-                    let (low, high) = self.entity(reader.me).discretes[id].range;
-                    let fits = value >= f64::from(low) && value <= f64::from(high) && value.fract() == 0.0;
-                    if fits {
-                        layout.set_discrete(state, id, value as i32);
-                    } else {
-                        reader.note(FaultKind::OutOfRange(update.value, id, value));
-                    }
+    fn act(&self, state: &mut [u8], reader: &Reader<'_>, actions: &Actions, changes: &mut Changes) {
+        for update in &actions.updates {
+            self.update(state, reader.me, reader, update);
+        }
+        for update in &actions.refs {
+            changes.assigns(reader.me, update.reference);
+            let target = reader.reference(update.value);
+            self.layout(reader.me).set_reference(state, update.reference, target);
+        }
+        for &spawn in &actions.spawns {
+            let into = self.entity(reader.me).spawns[spawn].into;
+            if let Some(into) = into {
+                changes.assigns(reader.me, into);
+            }
+            changes.spawn(reader.me, spawn, into);
+        }
+        for &what in &actions.destroys {
+            if let Some(target) = reader.reference(what) {
+                changes.destroy(target);
+            }
+        }
+    }
+
+    /// Writes a variable of a slot; the value is what `reader` reads.
+    pub(super) fn update(&self, state: &mut [u8], slot: SlotId, reader: &Reader<'_>, update: &Update) {
+        let value = reader.number(update.value);
+        match update.place {
+            Place::Var(var, degree) => self.layout(slot).set_var(state, var, degree, value),
+            Place::Discrete(id) => {
+                let (low, high) = self.entity(slot).discretes[id].range;
+                let fits = value >= f64::from(low) && value <= f64::from(high) && value.fract() == 0.0;
+                if fits {
+                    self.layout(slot).set_discrete(state, id, value as i32);
+                } else {
+                    let entity = self.world().slots[slot].entity;
+                    reader.note(FaultKind::OutOfRange(update.value, entity, id, value));
                 }
             }
+            Place::Ref(_) => {}
         }
     }
 
@@ -99,12 +182,12 @@ impl Simulator<'_> {
 }
 
 /// Whether a mode is active while a leaf is.
-fn is_active(entity: &Entity, leaf: LeafId, mode: ModeId) -> bool {
+pub(super) fn is_active(entity: &Entity, leaf: LeafId, mode: ModeId) -> bool {
     let (first, after) = entity.modes[mode].leaves;
     first <= leaf && leaf < after
 }
 
 /// Whether an edge from a leaf to `target` neither leaves nor enters a mode: an active proper ancestor of the target.
-fn is_kept(entity: &Entity, active: LeafId, target: ModeId, mode: ModeId) -> bool {
+pub(super) fn is_kept(entity: &Entity, active: LeafId, target: ModeId, mode: ModeId) -> bool {
     mode < target && target < entity.modes[mode].end && is_active(entity, active, mode)
 }

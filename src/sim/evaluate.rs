@@ -4,10 +4,11 @@
 use std::cell::Cell;
 
 use crate::ir::{
-    Arithmetic, AxisId, ButtonId, Choice, Entity, Expr, ExprId, Function, Id, LeafId, ModeId, Press, Slot, SlotId,
-    SlotLayout, Subject, VarId, arithmetic, call, compare,
+    Arithmetic, AxisId, ButtonId, Choice, Expr, ExprId, Function, Id, LeafId, ModeId, ParamId, Press, RefValue, Slot,
+    SlotId, SlotLayout, Subject, arithmetic, call, compare,
 };
 
+use super::discrete::{Taken, is_active, is_kept};
 use super::fault::{Fault, FaultKind};
 use super::input::Frame;
 use super::simulator::Simulator;
@@ -18,25 +19,58 @@ pub(super) struct Reader<'a> {
     pub sim: &'a Simulator<'a>,
     pub state: &'a [u8],
     pub frames: &'a [Frame],
+    /// What the groups of the instance do in this step, as far as it is decided.
+    pub taken: &'a [Option<Taken>],
     pub fault: &'a Cell<Option<Fault>>,
     /// The instance that `Subject::Me` stands for.
     pub me: SlotId,
 }
 
 impl<'a> Reader<'a> {
-    fn slot(&self, of: Subject) -> SlotId {
+    /// The instance that a subject stands for, if there is one.
+    pub fn instance(&self, of: Subject) -> Option<SlotId> {
         match of {
-            Subject::Me => self.me,
-            Subject::Slot(slot) => slot,
+            Subject::Me => Some(self.me),
+            Subject::Slot(slot) => Some(slot),
+            Subject::Ref(id) => self.mine().reference(self.state, id),
+            Subject::Touched(id) => self.mine().touched(self.state, id),
         }
     }
 
-    fn layout(&self, of: Subject) -> &'a SlotLayout {
-        &self.sim.world().layout.slots[self.slot(of)]
+    fn mine(&self) -> &'a SlotLayout {
+        self.sim.layout(self.me)
     }
 
-    fn entity(&self, of: Subject) -> &'a Entity {
-        &self.sim.program().entities[self.sim.world().slots[self.slot(of)].entity]
+    /// Where the instance of a subject stands in the state; notes a fault where there is none.
+    fn layout(&self, of: Subject, at: ExprId) -> Option<&'a SlotLayout> {
+        if of == Subject::Me {
+            return Some(self.mine());
+        }
+        match self.instance(of) {
+            Some(slot) => Some(self.sim.layout(slot)),
+            None => {
+                self.note(FaultKind::ReadNone(at));
+                None
+            }
+        }
+    }
+
+    fn param(&self, of: Subject, id: ParamId, at: ExprId) -> f64 {
+        let Some(slot) = self.instance(of) else {
+            self.note(FaultKind::ReadNone(at));
+            return 0.0;
+        };
+        match self.sim.layout(slot).param(self.state, id) {
+            Some(value) => value,
+            None => self.sim.world().slots[slot].params[id],
+        }
+    }
+
+    fn joint(&self, mode: ModeId, entering: bool) -> bool {
+        let entity = self.sim.entity(self.me);
+        let taken = self.taken.get(entity.modes[mode].group.index());
+        let Some(Some(Taken { from, to, target, .. })) = taken.copied() else { return false };
+        is_active(entity, if entering { to } else { from }, mode) && !is_kept(entity, from, target, mode)
     }
 
     fn my_slot(&self) -> &'a Slot {
@@ -75,7 +109,7 @@ impl<'a> Reader<'a> {
 
     /// The leaf that becomes active when a mode of one's own is entered.
     pub fn entered(&self, mode: ModeId) -> LeafId {
-        let modes = &self.entity(Subject::Me).modes;
+        let modes = &self.sim.entity(self.me).modes;
         let mut at = &modes[mode];
         while at.chooses {
             let Some(inner) = at.inner else { break };
@@ -84,7 +118,7 @@ impl<'a> Reader<'a> {
         at.initial
     }
 
-    fn button(&self, press: Press, button: ButtonId) -> bool {
+    pub fn button(&self, press: Press, button: ButtonId) -> bool {
         self.frame().is_some_and(|f| {
             let bits = match press {
                 Press::Pressed => f.pressed,
@@ -95,15 +129,25 @@ impl<'a> Reader<'a> {
         })
     }
 
+    /// The instance that a value stands for.
+    pub fn reference(&self, value: RefValue) -> Option<SlotId> {
+        match value {
+            RefValue::None => None,
+            RefValue::Of(subject) => self.instance(subject),
+        }
+    }
+
     /// An expression as a number.
     pub fn number(&self, id: ExprId) -> f64 {
         match self.sim.program().exprs[id] {
             Expr::Number(n) => n,
-            Expr::Param(p) => self.my_slot().params[p],
-            Expr::Var(of, var, degree) => self.layout(of).var(self.state, var, degree),
-            Expr::Discrete(of, discrete) => f64::from(self.layout(of).discrete(self.state, discrete)),
+            Expr::Param(of, p) => self.param(of, p, id),
+            Expr::Var(of, var, degree) => self.layout(of, id).map_or(0.0, |l| l.var(self.state, var, degree)),
+            Expr::Discrete(of, discrete) => {
+                self.layout(of, id).map_or(0.0, |l| f64::from(l.discrete(self.state, discrete)))
+            }
             Expr::Axis(axis) => self.axis(axis),
-            Expr::Timer(timer) => self.sim.world().step.times(self.layout(Subject::Me).timer(self.state, timer)),
+            Expr::Timer(timer) => self.sim.world().step.times(self.mine().timer(self.state, timer)),
             Expr::Frames(n) => n * self.sim.world().step.seconds(),
             Expr::Negate(a) => -self.number(a),
             Expr::Arithmetic(op, a, b) => {
@@ -126,6 +170,10 @@ impl<'a> Reader<'a> {
             | Expr::Not(_)
             | Expr::Button(..)
             | Expr::Touching(..)
+            | Expr::Joint(..)
+            | Expr::IsNone(_)
+            | Expr::Is(..)
+            | Expr::Alive(_)
             | Expr::InMode(..)
             | Expr::InSpace(..)
             | Expr::Near { .. } => f64::from(u8::from(self.truth(id))),
@@ -141,20 +189,27 @@ impl<'a> Reader<'a> {
             Expr::Or(a, b) => self.truth(a) || self.truth(b),
             Expr::Not(a) => !self.truth(a),
             Expr::Button(press, button) => self.button(press, button),
-            Expr::Touching(of, touch) => self.layout(of).touch(self.state, touch),
-            Expr::InMode(of, mode) => {
-                let mode = &self.entity(of).modes[mode];
-                let leaf = self.layout(of).leaf(self.state, mode.group);
+            Expr::Touching(of, touch) => self.instance(of).is_some_and(|s| self.sim.layout(s).touch(self.state, touch)),
+            Expr::Joint(mode, entering) => self.joint(mode, entering),
+            Expr::IsNone(of) => self.instance(of).is_none(),
+            Expr::Is(of, entity) => self.instance(of).is_some_and(|s| self.sim.world().slots[s].entity == entity),
+            Expr::Alive(slot) => self.sim.layout(slot).alive(self.state),
+            Expr::InMode(of, mode) => self.instance(of).is_some_and(|slot| {
+                let mode = &self.sim.entity(slot).modes[mode];
+                let leaf = self.sim.layout(slot).leaf(self.state, mode.group);
                 mode.leaves.0 <= leaf && leaf < mode.leaves.1
+            }),
+            Expr::InSpace(of, space) => {
+                self.instance(of).is_some_and(|s| self.sim.layout(s).space(self.state) == space)
             }
-            Expr::InSpace(of, space) => self.layout(of).space(self.state) == space,
             Expr::Near { of, x, y, radius } => {
-                let (px, py) = self.position(of);
+                let Some(slot) = self.instance(of) else { return false };
+                let (px, py) = self.sim.position(self.state, slot);
                 let (dx, dy) = (px - self.number(x), py - self.number(y));
                 (dx * dx + dy * dy).sqrt() <= self.number(radius)
             }
             Expr::Number(_)
-            | Expr::Param(_)
+            | Expr::Param(..)
             | Expr::Var(..)
             | Expr::Discrete(..)
             | Expr::Axis(_)
@@ -164,10 +219,5 @@ impl<'a> Reader<'a> {
             | Expr::Arithmetic(..)
             | Expr::Call(..) => self.number(id) != 0.0,
         }
-    }
-
-    fn position(&self, of: Subject) -> (f64, f64) {
-        let layout = self.layout(of);
-        (layout.var(self.state, VarId(0), 0), layout.var(self.state, VarId(1), 0))
     }
 }

@@ -1,7 +1,7 @@
 //! Run-time errors: a rule of the language broken by a running world. The step stops; the state is not to be used.
 
 use crate::diagnostic::catalogue::run::RunFault;
-use crate::ir::{DiscreteId, ExprId, Program, SlotId, VarId, WorldId};
+use crate::ir::{DiscreteId, EntityId, ExprId, Program, SlotId, VarId, WorldId};
 
 /// Which rule was broken.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,7 +13,9 @@ pub enum FaultKind {
     /// A variable left the finite numbers while it was integrated.
     Diverged(VarId),
     /// An update gave a discrete variable a value outside of its range, or one that is not whole.
-    OutOfRange(ExprId, DiscreteId, f64),
+    OutOfRange(ExprId, EntityId, DiscreteId, f64),
+    /// An expression reads an instance that is not there.
+    ReadNone(ExprId),
 }
 
 /// A broken rule and whose code broke it.
@@ -45,8 +47,11 @@ impl Fault {
                 format!("`{}` left the finite numbers", entity.vars[var]),
                 Vec::new(),
             ),
-            FaultKind::OutOfRange(expr, id, found) => {
-                let discrete = &entity.discretes[id];
+            FaultKind::ReadNone(expr) => {
+                (program.spans.exprs[expr], "a reference was read that refers to nothing".to_string(), Vec::new())
+            }
+            FaultKind::OutOfRange(expr, of, id, found) => {
+                let discrete = &program.entities[of].discretes[id];
                 (
                     program.spans.exprs[expr],
                     if found.fract() == 0.0 {

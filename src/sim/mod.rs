@@ -4,12 +4,16 @@
 //! A state is a block of bytes whose layout the IR gives; a step reads the state, the inputs and nothing else, and
 //! allocates nothing. The same state and inputs give the same bits, whoever asks and however often.
 
+mod broad;
 mod collision;
+mod contact;
 mod continuous;
 mod discrete;
+mod envelope;
 mod evaluate;
 mod fault;
 mod input;
+mod life;
 mod script;
 mod simulator;
 pub mod state;

@@ -2,13 +2,17 @@
 
 use std::cell::Cell;
 
-use crate::ir::{Entity, ExprId, GoalId, Id, NeverId, Program, SlotId, SlotLayout, SpaceId, VarId, World, WorldId};
+use crate::ir::{
+    Entity, ExprId, GoalId, Id, NeverId, Origin, Program, SlotId, SlotLayout, SpaceId, SpawnId, VarId, World, WorldId,
+};
 
 use super::collision::Collision;
+use super::discrete::Taken;
 use super::evaluate::Reader;
 use super::fault::{Fault, FaultKind};
 use super::input::{Frame, Input};
-use super::state::{buttons, set_buttons};
+use super::life::Changes;
+use super::state::{Life, buttons, set_buttons};
 
 /// Simulates one world of a program.
 pub struct Simulator<'p> {
@@ -17,6 +21,12 @@ pub struct Simulator<'p> {
     id: WorldId,
     pub(super) step: f64,
     pub(super) collision: Collision,
+    /// Of each entity, the slots that a spawn may take.
+    pub(super) pools: Vec<Vec<SlotId>>,
+    /// Of each slot, where its groups begin among those of all slots.
+    pub(super) groups: Vec<usize>,
+    /// Whether anything can be destroyed or spawned.
+    lives_change: bool,
 }
 
 /// The working memory of a step; made once, reused by every step.
@@ -26,8 +36,18 @@ pub struct Scratch {
     pub(super) before: Vec<u8>,
     /// Each player's input with what changed.
     pub(super) frames: Vec<Frame>,
+    /// What each group of each slot does in this step.
+    pub(super) taken: Vec<Option<Taken>>,
+    /// What the edges of this step have asked for.
+    pub(super) changes: Changes,
     /// What drives each variable of each slot: the degree (3: nothing) and the value.
     pub(super) flows: Vec<(u8, f64)>,
+    /// The bounds of each clamp of each slot.
+    pub(super) clamps: Vec<(f64, f64)>,
+    /// The direction in which each envelope of each slot reached its peak.
+    pub(super) peaks: Vec<u16>,
+    /// Where each slot stands as the continuous phase begins, px.
+    pub(super) start: Vec<(f64, f64)>,
     /// What the collision phase needs.
     pub(super) collision: super::collision::Scratch,
 }
@@ -37,7 +57,32 @@ impl<'p> Simulator<'p> {
     pub fn new(program: &'p Program, id: WorldId) -> Self {
         let world = &program.worlds[id];
         let collision = Collision::new(program, world);
-        Simulator { program, world, id, step: world.step.seconds(), collision }
+        let pool = |entity| {
+            let free = world.slots.pairs().filter(|(_, s)| s.entity == entity && s.origin != Origin::Named);
+            free.map(|(id, _)| id).collect()
+        };
+        let mut next = 0;
+        let mut groups = Vec::with_capacity(world.slots.len());
+        for slot in world.slots.iter() {
+            groups.push(next);
+            next += program.entities[slot.entity].groups.len();
+        }
+        let lives_change = world.slots.iter().any(|s| {
+            let e = &program.entities[s.entity];
+            let edges = e.edges.iter().map(|x| &x.actions);
+            let all = edges.chain(e.modes.iter().map(|m| &m.entry)).chain(e.follows.iter().map(|f| &f.actions));
+            all.into_iter().any(|a| !a.spawns.is_empty() || !a.destroys.is_empty())
+        });
+        Simulator {
+            program,
+            world,
+            id,
+            step: world.step.seconds(),
+            collision,
+            pools: program.entities.ids().map(pool).collect(),
+            groups,
+            lives_change,
+        }
     }
 
     /// The program.
@@ -65,11 +110,24 @@ impl<'p> Simulator<'p> {
 
     /// Working memory for this world.
     pub fn scratch(&self) -> Scratch {
-        let variables = self.world.slots.iter().map(|s| s.vars.len()).sum();
+        let sum = |count: &dyn Fn(&Entity) -> usize| -> usize {
+            self.world.slots.iter().map(|s| count(&self.program.entities[s.entity])).sum()
+        };
+        let destroys = sum(&|e| {
+            let edges = e.edges.iter().map(|x| &x.actions);
+            let all = edges.chain(e.modes.iter().map(|m| &m.entry)).chain(e.follows.iter().map(|f| &f.actions));
+            all.map(|a| a.destroys.len()).sum()
+        });
+        let slots = self.world.slots.len();
         Scratch {
+            taken: vec![None; sum(&|e| e.groups.len())],
+            changes: Changes::with_room(destroys, sum(&|e| e.spawns.len()), slots),
+            clamps: vec![(0.0, 0.0); sum(&|e| e.clamps.len())],
+            peaks: vec![0; sum(&|e| e.envelopes.len())],
+            start: vec![(0.0, 0.0); slots],
             before: vec![0; self.world.layout.size],
             frames: vec![Frame::default(); self.world.players.len()],
-            flows: vec![(3, 0.0); variables],
+            flows: vec![(3, 0.0); sum(&|e| e.vars.len())],
             collision: self.collision.scratch(self.world),
         }
     }
@@ -80,8 +138,14 @@ impl<'p> Simulator<'p> {
     /// A [`Fault`] if a collider's size or guard breaks a rule.
     pub fn initial(&self, scratch: &mut Scratch) -> Result<Vec<u8>, Fault> {
         let mut state = vec![0; self.world.layout.size];
-        for (id, slot) in self.world.slots.pairs() {
+        for (id, slot) in self.world.slots.pairs().filter(|(_, s)| s.origin != Origin::Free) {
             let layout = self.layout(id);
+            for (param, value) in slot.params.pairs() {
+                layout.set_param(&mut state, param, *value);
+            }
+            for (reference, target) in slot.refs.pairs() {
+                layout.set_reference(&mut state, reference, *target);
+            }
             for (var, values) in slot.vars.pairs() {
                 for (degree, value) in (0u8..).zip(values) {
                     layout.set_var(&mut state, var, degree, *value);
@@ -91,17 +155,18 @@ impl<'p> Simulator<'p> {
                 layout.set_discrete(&mut state, discrete, *value);
             }
             let fault = Cell::new(None);
-            // Guards of `initial when` read parameters only, so any state will do.
-            let reader = Reader { sim: self, state: &[], frames: &[], fault: &fault, me: id };
             for (group, g) in self.entity(id).groups.pairs() {
+                let reader = Reader { sim: self, state: &state, frames: &[], taken: &[], fault: &fault, me: id };
                 let leaf = reader.entered(reader.chosen(&g.choices, g.first));
                 layout.set_leaf(&mut state, group, leaf);
             }
             Self::settle(&fault)?;
             layout.set_space(&mut state, slot.space);
-            layout.set_alive(&mut state, true);
+            layout.set_life(&mut state, Life::Alive);
         }
         scratch.frames.fill(Frame::default());
+        scratch.changes.clear();
+        self.note_start(&state, scratch);
         self.collide(&mut state, scratch, false)?;
         Ok(state)
     }
@@ -118,8 +183,40 @@ impl<'p> Simulator<'p> {
             set_buttons(state, at, now.buttons);
         }
         self.transitions(state, scratch)?;
+        self.note_start(state, scratch);
         self.flow(state, scratch)?;
-        self.collide(state, scratch, true)
+        self.collide(state, scratch, true)?;
+        if self.lives_change {
+            self.bury(state, scratch);
+        }
+        Ok(())
+    }
+
+    /// Notes where everything stands before it moves.
+    fn note_start(&self, state: &[u8], scratch: &mut Scratch) {
+        for (start, slot) in scratch.start.iter_mut().zip(self.world.slots.ids()) {
+            *start = self.position(state, slot);
+        }
+    }
+
+    /// The first spawn of the last step that found no free slot: who asked, and for what.
+    pub fn refused(&self, scratch: &Scratch) -> Option<(SlotId, SpawnId)> {
+        scratch.changes.refused()
+    }
+
+    /// The first invariant that does not hold in a state: whose, and its number in its entity.
+    ///
+    /// # Errors
+    /// A [`Fault`] if the invariant breaks a rule.
+    pub fn broken_invariant(&self, state: &[u8]) -> Result<Option<(SlotId, usize)>, Fault> {
+        for slot in self.world.slots.ids().filter(|&s| self.layout(s).alive(state)) {
+            for (index, &invariant) in self.entity(slot).invariants.iter().enumerate() {
+                if !self.reads(state, slot, invariant)? {
+                    return Ok(Some((slot, index)));
+                }
+            }
+        }
+        Ok(None)
     }
 
     /// Whether a predicate of the world holds in a state.
@@ -127,8 +224,12 @@ impl<'p> Simulator<'p> {
     /// # Errors
     /// A [`Fault`] if the predicate breaks a rule.
     pub fn holds(&self, state: &[u8], predicate: ExprId) -> Result<bool, Fault> {
+        self.reads(state, SlotId(0), predicate)
+    }
+
+    fn reads(&self, state: &[u8], me: SlotId, predicate: ExprId) -> Result<bool, Fault> {
         let fault = Cell::new(None);
-        let reader = Reader { sim: self, state, frames: &[], fault: &fault, me: SlotId(0) };
+        let reader = Reader { sim: self, state, frames: &[], taken: &[], fault: &fault, me };
         let holds = reader.truth(predicate);
         match fault.get() {
             Some(fault) => Err(fault),

@@ -1,6 +1,34 @@
 //! Reading and writing a state: plain functions over a block of bytes and the offsets of the layout.
 
-use crate::ir::{DiscreteId, GroupId, Id, LeafId, SlotLayout, SpaceId, TimerId, TouchId, VarId};
+use crate::ir::{
+    DiscreteId, EnvelopeId, GroupId, Id, LeafId, ParamId, RefId, SlotId, SlotLayout, SpaceId, TimerId, TouchId, VarId,
+};
+
+/// How it stands with a slot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Life {
+    /// There is no instance.
+    None,
+    /// There is one.
+    Alive,
+    /// It is destroyed in this step; its values stay readable until the step ends.
+    Dying,
+    /// It comes to be in this step; it moves, collides and takes edges from the next step on.
+    Born,
+}
+
+fn short(state: &[u8], at: usize) -> u16 {
+    u16::from_ne_bytes(load(state, at))
+}
+
+/// A slot as 1 plus its number, 0 for none; a world has at most `sema::MAX_INSTANCES` slots, so it fits.
+fn slot(state: &[u8], at: usize) -> Option<SlotId> {
+    short(state, at).checked_sub(1).map(|s| SlotId(u32::from(s)))
+}
+
+fn set_slot(state: &mut [u8], at: usize, slot: Option<SlotId>) {
+    store(state, at, slot.map_or(0, |s| s.0 as u16 + 1).to_ne_bytes());
+}
 
 fn load<const N: usize>(state: &[u8], at: usize) -> [u8; N] {
     let mut bytes = [0; N];
@@ -89,14 +117,85 @@ impl SlotLayout {
         store(state, self.space, (space.0 as u16).to_ne_bytes());
     }
 
-    /// Whether the instance is alive.
+    /// Whether there is an instance. Between two steps it is alive.
     pub fn alive(&self, state: &[u8]) -> bool {
         state[self.alive] != 0
     }
 
-    /// Makes the instance alive or not.
-    pub fn set_alive(&self, state: &mut [u8], alive: bool) {
-        state[self.alive] = u8::from(alive);
+    /// How it stands with the slot.
+    pub fn life(&self, state: &[u8]) -> Life {
+        match state[self.alive] {
+            0 => Life::None,
+            1 => Life::Alive,
+            2 => Life::Dying,
+            _ => Life::Born,
+        }
+    }
+
+    /// Whether there is an instance that takes part in this step.
+    pub(super) fn acts(&self, state: &[u8]) -> bool {
+        state[self.alive] == 1
+    }
+
+    /// Sets how it stands with the slot.
+    pub fn set_life(&self, state: &mut [u8], life: Life) {
+        state[self.alive] = life as u8;
+    }
+
+    /// Makes the slot free.
+    pub fn clear(&self, state: &mut [u8]) {
+        state[self.block.0..self.block.1].fill(0);
+    }
+
+    /// A parameter of a slot that can be used again.
+    pub(super) fn param(&self, state: &[u8], id: ParamId) -> Option<f64> {
+        self.params.map(|at| real(state, at + 8 * id.index()))
+    }
+
+    pub(super) fn set_param(&self, state: &mut [u8], id: ParamId, value: f64) {
+        if let Some(at) = self.params {
+            set_real(state, at + 8 * id.index(), value);
+        }
+    }
+
+    /// What a reference refers to.
+    pub fn reference(&self, state: &[u8], id: RefId) -> Option<SlotId> {
+        slot(state, self.refs + 2 * id.index())
+    }
+
+    /// Makes a reference refer to a slot, or to none.
+    pub fn set_reference(&self, state: &mut [u8], id: RefId, target: Option<SlotId>) {
+        set_slot(state, self.refs + 2 * id.index(), target);
+    }
+
+    /// The lowest instance that a bound contact question found in the last collision phase.
+    pub fn touched(&self, state: &[u8], id: TouchId) -> Option<SlotId> {
+        slot(state, self.bound + 2 * id.index())
+    }
+
+    /// Notes the instance that a bound contact question found.
+    pub fn set_touched(&self, state: &mut [u8], id: TouchId, target: Option<SlotId>) {
+        set_slot(state, self.bound + 2 * id.index(), target);
+    }
+
+    /// What carries the instance.
+    pub fn carrier(&self, state: &[u8]) -> Option<SlotId> {
+        slot(state, self.carrier)
+    }
+
+    /// Notes what carries the instance.
+    pub fn set_carrier(&self, state: &mut [u8], carrier: Option<SlotId>) {
+        set_slot(state, self.carrier, carrier);
+    }
+
+    /// 0, or 1 plus the number of the direction in which an envelope reached its peak.
+    pub fn peak(&self, state: &[u8], id: EnvelopeId) -> u16 {
+        short(state, self.peaks + 2 * id.index())
+    }
+
+    /// Notes the direction in which an envelope reached its peak.
+    pub fn set_peak(&self, state: &mut [u8], id: EnvelopeId, peak: u16) {
+        store(state, self.peaks + 2 * id.index(), peak.to_ne_bytes());
     }
 
     /// Whether a contact question held in the last collision phase.
@@ -109,8 +208,10 @@ impl SlotLayout {
         state[self.touches + touch.index() / 8] |= 1 << (touch.index() % 8);
     }
 
-    /// Forgets all contacts of the instance; `count` is the number of its contact questions.
-    pub fn clear_touches(&self, state: &mut [u8], count: usize) {
+    /// Forgets all contacts of the instance; `count` is the number of its contact questions, `bound` that of those that
+    /// keep what is touched.
+    pub fn clear_touches(&self, state: &mut [u8], count: usize, bound: usize) {
         state[self.touches..self.touches + count.div_ceil(8)].fill(0);
+        state[self.bound..self.bound + 2 * bound].fill(0);
     }
 }

@@ -3,6 +3,8 @@
 
 use crate::source::{FileId, Span};
 
+pub use super::ast_world::*;
+
 /// One parsed file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct File {
@@ -52,6 +54,8 @@ pub enum Item {
     Constant(Constant),
     /// `entity Name { … }`
     Entity(Entity),
+    /// `behavior Name(parameters) { … }`
+    Behavior(Behavior),
     /// `world Name { … }`
     World(World),
 }
@@ -98,6 +102,32 @@ pub struct Entity {
     pub span: Span,
 }
 
+/// `behavior Name(parameters) { … }`: what it holds is put in place wherever it is used.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Behavior {
+    /// Its name.
+    pub name: Name,
+    /// Names that stand for expressions inside.
+    pub parameters: Vec<Name>,
+    /// What it holds.
+    pub members: Vec<Member>,
+    /// The text of the `///` lines above it.
+    pub doc: Option<String>,
+    /// The whole.
+    pub span: Span,
+}
+
+/// `use Name(parameter = expression)`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Use {
+    /// The behaviour.
+    pub behavior: Name,
+    /// What its parameters stand for.
+    pub arguments: Vec<Assignment>,
+    /// The whole.
+    pub span: Span,
+}
+
 /// What an entity, a group or a mode may hold; where which is allowed is checked by `sema`.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Member {
@@ -119,12 +149,64 @@ pub enum Member {
     Mode(Mode),
     /// `x' = e`
     Flow(Assignment),
+    /// `ref name: Entity`
+    Reference(Reference),
+    /// `clamp x' in low..high`
+    Clamp(Clamp),
+    /// `invariant predicate`
+    Invariant(Invariant),
     /// `x' := e` at the head of a mode
-    Entry(Assignment),
+    Entry(Update),
     /// `when guard -> target { … }`
     Edge(Edge),
     /// `envelope x' by axis { … }`
     Envelope(Envelope),
+    /// `follow links when guard { … }`
+    Follow(Follow),
+    /// `use Name(…)`
+    Use(Use),
+}
+
+/// `ref name: Entity`, or `any`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reference {
+    /// Its name.
+    pub name: Name,
+    /// What it refers to.
+    pub entity: Name,
+}
+
+/// `clamp variable in low..high`, `clamp variable <= high`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Clamp {
+    /// What is clipped.
+    pub variable: Variable,
+    /// The least value.
+    pub low: Option<Expr>,
+    /// The greatest value.
+    pub high: Option<Expr>,
+    /// The whole.
+    pub span: Span,
+}
+
+/// `invariant predicate`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Invariant {
+    /// What always holds.
+    pub predicate: Expr,
+    /// The whole.
+    pub span: Span,
+}
+
+/// `follow links when guard { updates }`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Follow {
+    /// When.
+    pub guard: Option<Expr>,
+    /// What it changes.
+    pub updates: Vec<Update>,
+    /// The whole.
+    pub span: Span,
 }
 
 /// `continuous name = value`
@@ -236,6 +318,39 @@ pub struct Assignment {
     pub span: Span,
 }
 
+/// What happens on an edge, or when a mode is entered.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Update {
+    /// `variable := value`
+    Assign(Assignment),
+    /// `variable := spawn Entity(…)`
+    Spawn(Spawn),
+    /// `destroy self`, `destroy reference`
+    Destroy(Destroy),
+}
+
+/// `into := spawn Entity(settings)`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spawn {
+    /// The reference that is set.
+    pub into: Option<Variable>,
+    /// The entity.
+    pub entity: Name,
+    /// Parameters and first values.
+    pub settings: Vec<Assignment>,
+    /// The whole.
+    pub span: Span,
+}
+
+/// `destroy self`, `destroy reference`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Destroy {
+    /// What is destroyed.
+    pub what: Expr,
+    /// The whole.
+    pub span: Span,
+}
+
 /// `when guard -> target { updates }`
 #[derive(Debug, Clone, PartialEq)]
 pub struct Edge {
@@ -244,7 +359,7 @@ pub struct Edge {
     /// The mode it leads to; none for an edge that stays.
     pub target: Option<Path>,
     /// What it changes, as far as it could be read.
-    pub updates: Vec<Assignment>,
+    pub updates: Vec<Update>,
     /// Whether it has no updates, readable or not.
     pub is_empty: bool,
     /// The whole.
@@ -282,6 +397,8 @@ pub struct Ramp {
 pub enum RampKind {
     /// `attack rate to peak`
     Attack(Rate, Option<Expr>),
+    /// `decay rate`
+    Decay(Rate),
     /// `sustain level`
     Sustain(Expr),
     /// `sustain for time`
@@ -314,182 +431,6 @@ pub struct Path {
     pub primes: usize,
     /// The whole.
     pub span: Span,
-}
-
-/// `world Name { … }`
-#[derive(Debug, Clone, PartialEq)]
-pub struct World {
-    /// Its name.
-    pub name: Name,
-    /// What it holds.
-    pub items: Vec<WorldItem>,
-    /// The text of the `///` lines above it.
-    pub doc: Option<String>,
-    /// The whole.
-    pub span: Span,
-}
-
-/// What a world may hold.
-#[derive(Debug, Clone, PartialEq)]
-pub enum WorldItem {
-    /// `step 1/60`
-    Step(Expr),
-    /// `collide a with b: block`
-    Collide(Collide),
-    /// `tiles name 32 x 32 { … }`
-    Tiles(Tiles),
-    /// `space name { … }`
-    Space(Space),
-    /// `player 1: hero`
-    Player(Player),
-    /// `goal name: predicate`
-    Goal(Question),
-    /// `never name: predicate`
-    Never(Question),
-}
-
-/// `collide a, b with c: block, keep velocity`
-#[derive(Debug, Clone, PartialEq)]
-pub struct Collide {
-    /// The tags on the left.
-    pub left: Vec<Name>,
-    /// The tags on the right.
-    pub right: Vec<Name>,
-    /// What a contact does.
-    pub response: Response,
-    /// The whole.
-    pub span: Span,
-}
-
-/// What a contact does, as written.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Response {
-    /// `block`, not `sense`.
-    pub block: bool,
-    /// `from above`
-    pub from_above: bool,
-    /// `keep velocity`
-    pub keep_velocity: bool,
-    /// `carry`
-    pub carry: bool,
-    /// The whole.
-    pub span: Span,
-}
-
-/// `tiles name w x h { 'c': tags … }`
-#[derive(Debug, Clone, PartialEq)]
-pub struct Tiles {
-    /// The set's name.
-    pub name: Name,
-    /// A tile's width, px.
-    pub width: Expr,
-    /// A tile's height, px.
-    pub height: Expr,
-    /// The characters.
-    pub tiles: Vec<Tile>,
-    /// The whole.
-    pub span: Span,
-}
-
-/// `'c': tags`
-#[derive(Debug, Clone, PartialEq)]
-pub struct Tile {
-    /// The character in the map.
-    pub symbol: char,
-    /// Where the character stands.
-    pub symbol_span: Span,
-    /// Its tags; `empty` stands for none.
-    pub tags: Vec<Name>,
-}
-
-/// `space name { … }`
-#[derive(Debug, Clone, PartialEq)]
-pub struct Space {
-    /// Its name.
-    pub name: Name,
-    /// What it holds.
-    pub items: Vec<SpaceItem>,
-    /// The whole.
-    pub span: Span,
-}
-
-/// What a space may hold.
-#[derive(Debug, Clone, PartialEq)]
-pub enum SpaceItem {
-    /// An inline map.
-    Map(Map),
-    /// An instance.
-    Place(Box<Place>),
-    /// `rect tags (x, y, width, height)`: free-standing static geometry.
-    Solid(Solid),
-    /// `bounds rect(x, y, width, height)`
-    Bounds(Rectangle),
-}
-
-/// `rect tags (x, y, width, height)`
-#[derive(Debug, Clone, PartialEq)]
-pub struct Solid {
-    /// What it counts as.
-    pub tags: Vec<Name>,
-    /// Where it is.
-    pub rectangle: Rectangle,
-}
-
-/// `(x, y, width, height)`
-#[derive(Debug, Clone, PartialEq)]
-pub struct Rectangle {
-    /// x and y of the lower-left corner, width, height.
-    pub sides: Box<[Expr; 4]>,
-    /// The whole line.
-    pub span: Span,
-}
-
-/// `map tiles " … "`
-#[derive(Debug, Clone, PartialEq)]
-pub struct Map {
-    /// The tile set.
-    pub tiles: Name,
-    /// The rows from top to bottom, trimmed.
-    pub rows: Vec<Name>,
-    /// The whole.
-    pub span: Span,
-}
-
-/// `place name: Entity at (x, y) { settings }`
-#[derive(Debug, Clone, PartialEq)]
-pub struct Place {
-    /// The instance's name.
-    pub name: Name,
-    /// Its entity.
-    pub entity: Name,
-    /// Where it stands.
-    pub x: Expr,
-    /// Where it stands.
-    pub y: Expr,
-    /// Its own parameters and first values.
-    pub settings: Vec<Assignment>,
-    /// The whole.
-    pub span: Span,
-}
-
-/// `player 1: hero`
-#[derive(Debug, Clone, PartialEq)]
-pub struct Player {
-    /// The player's number as written.
-    pub number: Name,
-    /// The instance it controls.
-    pub instance: Name,
-    /// The whole.
-    pub span: Span,
-}
-
-/// `goal name: predicate` or `never name: predicate`
-#[derive(Debug, Clone, PartialEq)]
-pub struct Question {
-    /// Its name.
-    pub name: Name,
-    /// What is looked for.
-    pub predicate: Expr,
 }
 
 /// An expression and where it stands.

@@ -5,12 +5,13 @@ use pest::Parser;
 use pest::iterators::Pair;
 
 use crate::diagnostic::Diagnostics;
-use crate::diagnostic::catalogue::syntax::{NotSupported, TooManyErrors, Unexpected};
+use crate::diagnostic::catalogue::syntax::{TooManyErrors, Unexpected};
 use crate::source::{FileId, Span};
 
 use super::ast::{
-    Assignment, Broken, Collider, Constant, Continuous, Dimension, Discrete, Domain, Edge, Entity, Envelope, File,
-    Group, Import, Initial, Item, Member, Mode, Name, Path, Ramp, RampKind, Rate, Variable,
+    Assignment, Behavior, Broken, Clamp, Collider, Constant, Continuous, Destroy, Dimension, Discrete, Domain, Edge,
+    Entity, Envelope, Expr, ExprKind, File, Follow, Group, Import, Initial, Invariant, Item, Member, Mode, Name, Path,
+    Ramp, RampKind, Rate, Reference, Spawn, Update, Use, Variable,
 };
 use super::scan::Scan;
 use super::{Grammar, Rule, message};
@@ -94,6 +95,23 @@ fn is_punctuation(rule: Rule) -> bool {
             | R::kw_when
             | R::kw_envelope
             | R::kw_as
+            | R::kw_behavior
+            | R::kw_ref
+            | R::kw_clamp
+            | R::kw_invariant
+            | R::kw_use
+            | R::kw_spawn
+            | R::kw_destroy
+            | R::word_follow
+            | R::word_links
+            | R::word_decay
+            | R::word_limit
+            | R::word_link
+            | R::word_vglc
+            | R::word_level
+            | R::word_legend
+            | R::word_tile
+            | R::word_from
             | R::word_int
             | R::word_initial
             | R::word_by
@@ -176,22 +194,6 @@ impl Builder<'_> {
         self.diagnostics.report(fact);
     }
 
-    /// Reports a construct of the language that this version cannot compile.
-    pub fn later(&mut self, pair: &Pair<'_, Rule>) {
-        let at = self.span_of(pair);
-        if self.is_explained(at) {
-            return;
-        }
-        let what: String = pair
-            .as_str()
-            .split_whitespace()
-            .take_while(|w| w.chars().all(|c| c.is_alphanumeric() || c == '_'))
-            .take(1)
-            .collect();
-        self.broken.push(Broken { span: at, names: declared_names(pair.as_str()) });
-        self.diagnostics.report(NotSupported { at, what: format!("`{what}`") });
-    }
-
     fn item(&mut self, pair: &Pair<'_, Rule>, trivia: &[super::ast::Comment]) -> Option<Item> {
         match pair.as_rule() {
             Rule::import => {
@@ -209,9 +211,13 @@ impl Builder<'_> {
                 let doc = self.doc(pair, trivia);
                 self.world(pair, doc).map(Item::World)
             }
-            Rule::later_item => {
-                self.later(pair);
-                None
+            Rule::behavior => {
+                let inner = parts(pair);
+                let name = self.name(inner.first()?);
+                let parameters = self.names(inner.get(1)?);
+                let members = self.members(inner.get(2)?, trivia);
+                let (doc, span) = (self.doc(pair, trivia), self.span_of(pair));
+                Some(Item::Behavior(Behavior { name, parameters, members, doc, span }))
             }
             Rule::bad_item => {
                 self.bad(Rule::only_item, pair);
@@ -268,7 +274,6 @@ impl Builder<'_> {
         for pair in parts(block) {
             match pair.as_rule() {
                 Rule::bad_member => self.bad(Rule::only_member, &pair),
-                Rule::later_member => self.later(&pair),
                 _ => members.extend(self.member(&pair, trivia)),
             }
         }
@@ -335,7 +340,42 @@ impl Builder<'_> {
                     value: self.expression(inner.get(2)?)?,
                     span,
                 };
-                if becomes { Member::Entry(assignment) } else { Member::Flow(assignment) }
+                if becomes { Member::Entry(Update::Assign(assignment)) } else { Member::Flow(assignment) }
+            }
+            Rule::spawn | Rule::destroy => Member::Entry(self.update(pair)?),
+            Rule::reference => {
+                Member::Reference(Reference { name: self.name(inner.first()?), entity: self.name(inner.get(1)?) })
+            }
+            Rule::clamp => {
+                let variable = self.variable(inner.first()?)?;
+                let bounds = inner.get(1)?;
+                let (low, high) = match bounds.as_rule() {
+                    Rule::within => {
+                        let both = self.expressions(&parts(bounds).into_iter().skip(1).collect::<Vec<_>>())?;
+                        let [low, high]: [Expr; 2] = both.try_into().ok()?;
+                        (Some(low), Some(high))
+                    }
+                    Rule::at_most => (None, Some(self.expression(inner.get(2)?)?)),
+                    _ => (Some(self.expression(inner.get(2)?)?), None),
+                };
+                Member::Clamp(Clamp { variable, low, high, span })
+            }
+            Rule::invariant => Member::Invariant(Invariant { predicate: self.expression(inner.first()?)?, span }),
+            Rule::put => {
+                let arguments = match inner.get(1) {
+                    Some(actuals) => self.actuals(actuals)?,
+                    None => Vec::new(),
+                };
+                Member::Use(Use { behavior: self.name(inner.first()?), arguments, span })
+            }
+            Rule::follow => {
+                let guard = match inner.iter().find(|p| p.as_rule() == Rule::expression) {
+                    Some(guard) => Some(self.expression(guard)?),
+                    None => None,
+                };
+                let updates = inner.iter().find(|p| p.as_rule() == Rule::updates);
+                let updates = updates.map_or(Vec::new(), |u| self.updates(u));
+                Member::Follow(Follow { guard, updates, span })
             }
             Rule::edge => {
                 let guard = self.expression(inner.first()?)?;
@@ -390,16 +430,49 @@ impl Builder<'_> {
         (!segments.is_empty()).then(|| Path { segments, primes, span: self.span_of(pair) })
     }
 
-    fn updates(&mut self, pair: &Pair<'_, Rule>) -> Vec<Assignment> {
+    fn updates(&mut self, pair: &Pair<'_, Rule>) -> Vec<Update> {
         let mut updates = Vec::new();
         for part in parts(pair) {
             match part.as_rule() {
                 Rule::bad_update => self.bad(Rule::only_update, &part),
-                Rule::later_update => self.later(&part),
-                _ => updates.extend(self.assignment(&part)),
+                _ => updates.extend(self.update(&part)),
             }
         }
         updates
+    }
+
+    fn update(&mut self, pair: &Pair<'_, Rule>) -> Option<Update> {
+        let span = self.span_of(pair);
+        let inner = parts(pair);
+        Some(match pair.as_rule() {
+            Rule::spawn => {
+                let into = inner.first().filter(|p| p.as_rule() == Rule::variable);
+                let into = match into {
+                    Some(variable) => Some(self.variable(variable)?),
+                    None => None,
+                };
+                let entity = self.name(inner.iter().find(|p| p.as_rule() == Rule::name)?);
+                let settings = match inner.iter().find(|p| p.as_rule() == Rule::actuals) {
+                    Some(actuals) => self.actuals(actuals)?,
+                    None => Vec::new(),
+                };
+                Update::Spawn(Spawn { into, entity, settings, span })
+            }
+            Rule::destroy => {
+                let what = inner.first()?;
+                let at = self.span_of(what);
+                let kind = match what.as_rule() {
+                    Rule::kw_self => ExprKind::SelfRef,
+                    _ => ExprKind::Path(Path { segments: vec![self.name(what)], primes: 0, span: at }),
+                };
+                Update::Destroy(Destroy { what: Expr { kind, span: at }, span })
+            }
+            _ => Update::Assign(self.assignment(pair)?),
+        })
+    }
+
+    fn actuals(&mut self, pair: &Pair<'_, Rule>) -> Option<Vec<Assignment>> {
+        parts(pair).iter().map(|actual| self.assignment(actual)).collect()
     }
 
     /// `variable = value` or `variable := value`.
@@ -435,10 +508,6 @@ impl Builder<'_> {
                                 out.complete = false;
                                 self.bad(Rule::only_ramp, &ramp);
                             }
-                            Rule::later_ramp => {
-                                out.complete = false;
-                                self.later(&ramp);
-                            }
                             _ => out.ramps.extend(self.ramp(&ramp)),
                         }
                     }
@@ -454,6 +523,7 @@ impl Builder<'_> {
         let first = inner.first()?;
         let kind = match pair.as_rule() {
             Rule::attack => RampKind::Attack(self.rate(first)?, self.level(inner.get(1))),
+            Rule::decay => RampKind::Decay(self.rate(first)?),
             Rule::sustain if first.as_rule() == Rule::sustain_for => {
                 RampKind::SustainFor(self.expression(parts(first).first()?)?)
             }
@@ -479,7 +549,7 @@ impl Builder<'_> {
         })
     }
 
-    fn level(&mut self, pair: Option<&Pair<'_, Rule>>) -> Option<super::ast::Expr> {
+    fn level(&mut self, pair: Option<&Pair<'_, Rule>>) -> Option<Expr> {
         self.expression(parts(pair?).first()?)
     }
 }

@@ -4,8 +4,8 @@ use pest::iterators::Pair;
 
 use super::Rule;
 use super::ast::{
-    Collide, Expr, Map, Place, Player, Question, Rectangle, Response, Solid, Space, SpaceItem, Tile, Tiles, World,
-    WorldItem,
+    Collide, Expr, Legend, Limit, Link, Map, MapSource, Place, Player, Question, Rectangle, Response, Solid, Space,
+    SpaceItem, Tile, TileSpawn, Tiles, World, WorldItem,
 };
 use super::build::{Builder, parts};
 
@@ -17,7 +17,6 @@ impl Builder<'_> {
         for item in parts(inner.get(1)?) {
             match item.as_rule() {
                 Rule::bad_world_item => self.bad(Rule::only_world_item, &item),
-                Rule::later_world_item => self.later(&item),
                 _ => items.extend(self.world_item(&item)),
             }
         }
@@ -38,13 +37,7 @@ impl Builder<'_> {
             }),
             Rule::tiles => {
                 let size = parts(inner.get(1)?);
-                let mut tiles = Vec::new();
-                for tile in parts(inner.get(2)?) {
-                    match tile.as_rule() {
-                        Rule::bad_tile => self.bad(Rule::only_tile, &tile),
-                        _ => tiles.extend(self.tile(&tile)),
-                    }
-                }
+                let tiles = self.tiles(inner.get(2)?);
                 WorldItem::Tiles(Tiles {
                     name: self.name(first),
                     width: self.primary(size.first()?)?,
@@ -58,18 +51,21 @@ impl Builder<'_> {
                 for item in parts(inner.get(1)?) {
                     match item.as_rule() {
                         Rule::bad_space_item => self.bad(Rule::only_space_item, &item),
-                        Rule::later_space_item => self.later(&item),
+                        Rule::link => items.extend(self.link(&item).map(|l| SpaceItem::Link(Box::new(l)))),
                         Rule::solid => items.extend(self.solid(&item)),
                         Rule::bounds => {
                             let rectangle = parts(&item).first().and_then(|r| self.rectangle(r, &item));
                             items.extend(rectangle.map(SpaceItem::Bounds));
                         }
-                        Rule::map => items.extend(self.map(&item).map(SpaceItem::Map)),
+                        Rule::map => items.extend(self.map(&item).map(|m| SpaceItem::Map(Box::new(m)))),
                         Rule::place => items.extend(self.place(&item).map(|p| SpaceItem::Place(Box::new(p)))),
                         _ => {}
                     }
                 }
                 WorldItem::Space(Space { name: self.name(first), items, span })
+            }
+            Rule::limit => {
+                WorldItem::Limit(Limit { entity: self.name(first), count: self.expression(inner.get(1)?)?, span })
             }
             Rule::player => {
                 WorldItem::Player(Player { number: self.name(first), instance: self.name(inner.get(1)?), span })
@@ -95,27 +91,80 @@ impl Builder<'_> {
         }
     }
 
+    fn tiles(&mut self, block: &Pair<'_, Rule>) -> Vec<Tile> {
+        let mut tiles = Vec::new();
+        for tile in parts(block) {
+            match tile.as_rule() {
+                Rule::bad_tile => self.bad(Rule::only_tile, &tile),
+                _ => tiles.extend(self.tile(&tile)),
+            }
+        }
+        tiles
+    }
+
     fn tile(&mut self, pair: &Pair<'_, Rule>) -> Option<Tile> {
         let inner = parts(pair);
         let symbol = inner.first()?;
         let character = symbol.clone().into_inner().next()?.as_str().chars().next()?;
-        let tags = inner.get(1)?;
-        if tags.as_rule() == Rule::later_tile {
-            self.later(tags);
+        let what = inner.get(1)?;
+        let (mut tags, mut spawn) = (Vec::new(), None);
+        if what.as_rule() == Rule::tile_spawn {
+            let names = self.names(what);
+            let mut names = names.into_iter();
+            spawn = Some(TileSpawn { entity: names.next()?, name: names.next(), span: self.span_of(what) });
+        } else {
+            tags = self.names(what);
         }
-        let tags = if tags.as_rule() == Rule::tags { self.names(tags) } else { Vec::new() };
-        Some(Tile { symbol: character, symbol_span: self.span_of(symbol), tags })
+        Some(Tile { symbol: character, symbol_span: self.span_of(symbol), tags, spawn })
     }
 
     fn map(&mut self, pair: &Pair<'_, Rule>) -> Option<Map> {
+        let map = parts(pair).into_iter().next()?;
+        let inner = parts(&map);
+        let first = inner.first()?;
+        let source = match map.as_rule() {
+            Rule::map_inline => {
+                let rows = parts(inner.get(1)?)
+                    .iter()
+                    .filter(|row| row.as_rule() == Rule::map_row)
+                    .filter_map(|row| row.clone().into_inner().find(|c| c.as_rule() == Rule::map_cells))
+                    .map(|cells| self.name(&cells))
+                    .collect();
+                MapSource::Inline(self.name(first), rows)
+            }
+            Rule::map_from => MapSource::Text(self.name(first), self.name(inner.get(1)?)),
+            Rule::map_vglc => MapSource::Vglc(self.name(first), self.legend(inner.get(1)?, inner.get(2))?),
+            _ if first.as_rule() == Rule::legend => MapSource::OpenLegend(self.legend(first, inner.get(1))?),
+            _ => MapSource::Open(self.name(first)),
+        };
+        Some(Map { source, span: self.span_of(pair) })
+    }
+
+    fn legend(&mut self, pair: &Pair<'_, Rule>, tiles: Option<&Pair<'_, Rule>>) -> Option<Legend> {
         let inner = parts(pair);
-        let rows = parts(inner.get(1)?)
-            .iter()
-            .filter(|row| row.as_rule() == Rule::map_row)
-            .filter_map(|row| row.clone().into_inner().find(|c| c.as_rule() == Rule::map_cells))
-            .map(|cells| self.name(&cells))
-            .collect();
-        Some(Map { tiles: self.name(inner.first()?), rows, span: self.span_of(pair) })
+        let size = parts(inner.get(1)?);
+        Some(Legend {
+            path: self.name(inner.first()?),
+            width: self.primary(size.first()?)?,
+            height: self.primary(size.get(1)?)?,
+            tiles: tiles.map_or(Vec::new(), |block| self.tiles(block)),
+            span: self.span_of(pair),
+        })
+    }
+
+    fn link(&mut self, pair: &Pair<'_, Rule>) -> Option<Link> {
+        let inner = parts(pair);
+        let guard = match inner.get(3) {
+            Some(guard) => Some(self.expression(guard)?),
+            None => None,
+        };
+        Some(Link {
+            from: self.rectangle(inner.first()?, inner.first()?)?,
+            space: self.name(inner.get(1)?),
+            to: self.rectangle(inner.get(2)?, inner.get(2)?)?,
+            guard,
+            span: self.span_of(pair),
+        })
     }
 
     fn solid(&self, pair: &Pair<'_, Rule>) -> Option<SpaceItem> {

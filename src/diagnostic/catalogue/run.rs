@@ -69,3 +69,44 @@ impl Fact for RunFault {
         d.note(values.join(", "))
     }
 }
+
+/// An invariant that does not hold in a running world.
+pub struct BrokenInvariant {
+    /// The invariant.
+    pub at: Span,
+    /// The instance.
+    pub instance: String,
+    /// The step, from 1; 0 is before the first.
+    pub step: u64,
+}
+
+impl Fact for BrokenInvariant {
+    fn word(self) -> Diagnostic {
+        let message = format!("after step {}: an invariant of `{}` does not hold", self.step, self.instance);
+        Diagnostic::new(Code::InvariantBroken, message).at(self.at, "does not hold")
+    }
+}
+
+/// A spawn that found no free slot.
+pub struct RefusedSpawn {
+    /// The spawn.
+    pub at: Span,
+    /// Who spawned.
+    pub instance: String,
+    /// What.
+    pub entity: String,
+    /// The step, from 1.
+    pub step: u64,
+}
+
+impl Fact for RefusedSpawn {
+    fn word(self) -> Diagnostic {
+        let RefusedSpawn { at, instance, entity, step } = self;
+        Diagnostic::new(
+            Code::SpawnRefused,
+            format!("step {step}: no slot was free for a `{entity}` that `{instance}` spawns"),
+        )
+        .at(at, "refused")
+        .help(format!("raise `limit {entity}` if more may live at once"))
+    }
+}

@@ -153,3 +153,76 @@ impl Fact for IdleEdge {
             .help("add `-> MODE`, or updates in `{ }`")
     }
 }
+
+/// A read of a reference that may be none.
+pub struct LostRead {
+    /// The read.
+    pub at: Span,
+    /// The reference.
+    pub name: String,
+    /// Whether an edge on `lost` of the mode would help.
+    pub in_mode: bool,
+}
+
+impl Fact for LostRead {
+    fn word(self) -> Diagnostic {
+        let LostRead { at, name, in_mode } = self;
+        let d = Diagnostic::new(Code::LostReference, format!("`{name}` is read, but it may be none"))
+            .at(at, "stops the step where there is nothing to read");
+        if in_mode {
+            d.help(format!(
+                "add `when lost({name}) -> MODE` to this mode or one around it, or test `{name} is ENTITY` before"
+            ))
+        } else {
+            d.help(format!("test it before: `if({name} is none, …, {name}.x)`, or `{name} is ENTITY and …` in a guard"))
+        }
+    }
+}
+
+/// An edge into a mode that reads a reference, without making sure of it.
+pub struct LostEntry {
+    /// The edge.
+    pub at: Span,
+    /// The reference.
+    pub name: String,
+    /// The mode.
+    pub mode: String,
+    /// Where the mode reads it.
+    pub read: Span,
+}
+
+impl Fact for LostEntry {
+    fn word(self) -> Diagnostic {
+        let LostEntry { at, name, mode, read } = self;
+        Diagnostic::new(
+            Code::LostReference,
+            format!("this edge enters `{mode}`, which reads `{name}`, without setting it"),
+        )
+        .at(at, format!("`{name}` may be none here"))
+        .and(read, "read here")
+        .help(format!("set it (`{name} := …`) in the edge's updates, or test `{name} is ENTITY` in its guard"))
+    }
+}
+
+/// Groups that wait for each other's transitions.
+pub struct JointCycle {
+    /// Each group that waits, and where.
+    pub steps: Vec<(String, Span)>,
+}
+
+impl Fact for JointCycle {
+    fn word(self) -> Diagnostic {
+        let mut names: Vec<&str> = self.steps.iter().map(|(name, _)| name.as_str()).collect();
+        names.extend(self.steps.first().map(|(name, _)| name.as_str()));
+        let message = format!("groups wait for each other's transitions: {}", names.join(" → "));
+        let mut steps = self.steps.iter();
+        let mut d = Diagnostic::new(Code::JointCycle, message);
+        if let Some((name, span)) = steps.next() {
+            d = d.at(*span, format!("{name} waits here"));
+        }
+        for (name, span) in steps {
+            d = d.and(*span, format!("{name} waits here"));
+        }
+        d.note("`entering` and `exiting` ask what another group does in the same step, so that group is decided first")
+    }
+}

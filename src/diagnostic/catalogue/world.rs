@@ -106,3 +106,75 @@ impl Fact for BadTile {
             .help("rows are trimmed, and a `\"` ends the map; use another character")
     }
 }
+
+/// More instances of an entity than its limit allows.
+pub struct OverLimit {
+    /// The `limit` line.
+    pub at: Span,
+    /// The entity.
+    pub name: String,
+    /// How many are placed or made by tiles.
+    pub living: usize,
+    /// How many may live.
+    pub limit: usize,
+    /// One that is too many.
+    pub one: Option<Span>,
+}
+
+impl Fact for OverLimit {
+    fn word(self) -> Diagnostic {
+        let OverLimit { at, name, living, limit, one } = self;
+        let message = format!("{living} instances of `{name}` live at first, at most {limit} may");
+        let d = Diagnostic::new(Code::BadLimit, message).at(at, format!("at most {limit}"));
+        match one {
+            Some(span) => d.and(span, "one too many"),
+            None => d,
+        }
+    }
+}
+
+/// An entity that is spawned without a limit.
+pub struct MissingLimit {
+    /// The world.
+    pub at: Span,
+    /// The entity.
+    pub name: String,
+    /// Where it is spawned.
+    pub spawn: Span,
+}
+
+impl Fact for MissingLimit {
+    fn word(self) -> Diagnostic {
+        let MissingLimit { at, name, spawn } = self;
+        Diagnostic::new(Code::BadLimit, format!("`{name}` is spawned in a world that sets no limit for it"))
+            .at(at, "this world")
+            .and(spawn, "spawned here")
+            .help(format!("add `limit {name} 8` to the world: so many may live at once"))
+    }
+}
+
+/// A tile with `as` that does not stand exactly once.
+pub struct TileInstances {
+    /// The name.
+    pub at: Span,
+    /// The name.
+    pub name: String,
+    /// The tile.
+    pub symbol: char,
+    /// How often it stands in the map.
+    pub count: u64,
+    /// The map.
+    pub map: Span,
+}
+
+impl Fact for TileInstances {
+    fn word(self) -> Diagnostic {
+        let TileInstances { at, name, symbol, count, map } = self;
+        let message =
+            format!("the tile `{symbol}` stands {count} times in the map, so `{name}` names no single instance");
+        Diagnostic::new(Code::TileInstances, message)
+            .at(at, "needs exactly one such tile")
+            .and(map, format!("{count} times here"))
+            .help("leave out `as`, or use a character of its own")
+    }
+}

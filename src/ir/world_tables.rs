@@ -1,0 +1,192 @@
+//! The tables of a world: spaces, slots with their first values, who meets whom, what is asked.
+
+use serde::Serialize;
+
+use super::{
+    DiscreteId, EntityId, ExprId, GoalId, IdVec, Layout, NeverId, Origin, ParamId, PlayerId, RefId, Response, SlotId,
+    SpaceId, TagId, TagSet, TimerId, VarId,
+};
+use crate::level::TileMap;
+
+/// A world, ready to run.
+#[derive(Debug, Clone, Serialize)]
+pub struct World {
+    /// Its name.
+    pub name: String,
+    /// The length of a step.
+    pub step: Step,
+    /// Its spaces.
+    pub spaces: IdVec<SpaceId, Space>,
+    /// Its slots.
+    pub slots: IdVec<SlotId, Slot>,
+    /// Its players.
+    pub players: IdVec<PlayerId, Player>,
+    /// Which colliders meet, and what a contact does.
+    pub collide: Vec<Collide>,
+    /// What is looked for.
+    pub goals: IdVec<GoalId, Predicate>,
+    /// What must not happen.
+    pub nevers: IdVec<NeverId, Predicate>,
+    /// Where everything stands in a state.
+    pub layout: Layout,
+}
+
+/// The length of a step as a fraction in lowest terms, s.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Step {
+    /// Numerator, more than 0.
+    pub numerator: u64,
+    /// Denominator, more than 0.
+    pub denominator: u64,
+}
+
+impl Step {
+    /// The length, s.
+    pub fn seconds(self) -> f64 {
+        self.numerator as f64 / self.denominator as f64
+    }
+
+    /// The length of so many steps, s, rounded once.
+    pub fn times(self, count: u32) -> f64 {
+        (f64::from(count) * self.numerator as f64) / self.denominator as f64
+    }
+}
+
+/// A room.
+#[derive(Debug, Clone, Serialize)]
+pub struct Space {
+    /// Its name.
+    pub name: String,
+    /// Its map.
+    pub map: Option<TileMap<TagId>>,
+    /// Free-standing static geometry.
+    pub solids: Vec<Solid>,
+    /// Where a player may be: a branch of a search ends below and beside; none where there is neither a map nor a word
+    /// of it.
+    pub bounds: Option<Bounds>,
+    /// Ways into other spaces.
+    pub links: Vec<Link>,
+}
+
+/// A way into another space: from a place to the same place relative to another rectangle.
+#[derive(Debug, Clone, Serialize)]
+pub struct Link {
+    /// Where it begins.
+    pub from: Bounds,
+    /// The space it leads to.
+    pub space: SpaceId,
+    /// Where it leads to.
+    pub to: Bounds,
+    /// When it is open; reads instances, no inputs.
+    pub guard: Option<ExprId>,
+}
+
+/// Free-standing static geometry.
+#[derive(Debug, Clone, Serialize)]
+pub struct Solid {
+    /// What it counts as.
+    pub tags: TagSet,
+    /// Where it is.
+    pub bounds: Bounds,
+}
+
+/// A rectangle, px.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Bounds {
+    /// Its least x.
+    pub left: f64,
+    /// Its greatest x.
+    pub right: f64,
+    /// Its least y.
+    pub bottom: f64,
+    /// Its greatest y.
+    pub top: f64,
+}
+
+impl Bounds {
+    /// From the lower-left corner, the width and the height.
+    pub fn new([x, y, width, height]: [f64; 4]) -> Self {
+        Bounds { left: x, right: x + width, bottom: y, top: y + height }
+    }
+}
+
+/// A place for an instance, with the instance's first values.
+#[derive(Debug, Clone, Serialize)]
+pub struct Slot {
+    /// The instance's name.
+    pub name: String,
+    /// How an instance comes to be there.
+    pub origin: Origin,
+    /// Its entity.
+    pub entity: EntityId,
+    /// The space it is in at first.
+    pub space: SpaceId,
+    /// Who controls it.
+    pub player: Option<PlayerId>,
+    /// The values of its parameters.
+    pub params: IdVec<ParamId, f64>,
+    /// Position, velocity and acceleration of each continuous variable.
+    pub vars: IdVec<VarId, [f64; 3]>,
+    /// The values of its discrete variables, within their ranges.
+    pub discretes: IdVec<DiscreteId, i32>,
+    /// What its references refer to.
+    pub refs: IdVec<RefId, Option<SlotId>>,
+    /// Where each timer's count saturates.
+    pub timer_limits: IdVec<TimerId, u32>,
+}
+
+/// A player.
+#[derive(Debug, Clone, Serialize)]
+pub struct Player {
+    /// The number as written.
+    pub number: u32,
+    /// The slot it controls; no other player does.
+    pub slot: SlotId,
+}
+
+/// Colliders with a tag of `left` and one with a tag of `right` meet.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Collide {
+    /// The one side.
+    pub left: TagSet,
+    /// The other.
+    pub right: TagSet,
+    /// What a contact does.
+    pub response: Response,
+}
+
+/// A `goal` or a `never`.
+#[derive(Debug, Clone, Serialize)]
+pub struct Predicate {
+    /// Its name.
+    pub name: String,
+    /// When it holds; reads instances, no inputs.
+    pub holds: ExprId,
+}
+
+/// How colliders of two kinds meet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Meeting {
+    /// What a contact does.
+    pub response: Response,
+    /// The first may stand on the second: it has the tags on the left of the line.
+    pub first_on_second: bool,
+    /// The second may stand on the first.
+    pub second_on_first: bool,
+}
+
+impl World {
+    /// What a contact between colliders of these tags does; none if they do not meet. The strongest line holds.
+    pub fn meeting(&self, a: TagSet, b: TagSet) -> Option<Meeting> {
+        let meetings = self.collide.iter().filter_map(|c| {
+            let first_on_second = c.left.meets(a) && c.right.meets(b);
+            let second_on_first = c.left.meets(b) && c.right.meets(a);
+            (first_on_second || second_on_first).then_some(Meeting {
+                response: c.response,
+                first_on_second,
+                second_on_first,
+            })
+        });
+        meetings.reduce(|best, next| if next.response > best.response { next } else { best })
+    }
+}

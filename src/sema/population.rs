@@ -1,0 +1,275 @@
+//! Who lives in a world: placed instances, instances that tiles make, and the slots that a `limit` leaves free.
+
+use crate::diagnostic::catalogue::names::DuplicateName;
+use crate::diagnostic::catalogue::types::{OutOfRange, TypeMismatch};
+use crate::diagnostic::catalogue::world::{MissingLimit, OverLimit, TileInstances};
+use crate::source::Span;
+use crate::syntax::ast::{self, Name, WorldItem};
+
+use super::checked::{Action, Instance, Origin, Space};
+use super::constant::ConstantContext;
+use super::entity::{X, Y};
+use super::expression::Scope;
+use super::ids::{EntityId, Id, IdVec, RefId, SlotId, SpaceId};
+use super::names::{Table, unknown};
+use super::world::TileSet;
+use super::{Checker, MAX_INSTANCES};
+
+/// The instances of a world while they are counted.
+pub(super) struct Population {
+    /// All slots.
+    pub instances: IdVec<SlotId, Instance>,
+    /// The world's step, s.
+    pub step: f64,
+    names: Table<()>,
+    /// What references of placed instances refer to, by name.
+    pub references: Vec<(SlotId, RefId, Name)>,
+    /// Of each entity, how many unnamed slots it has.
+    unnamed: std::collections::BTreeMap<EntityId, usize>,
+    full: bool,
+}
+
+impl Population {
+    pub fn new(step: f64) -> Self {
+        Population {
+            instances: IdVec::new(),
+            step,
+            names: Table::new("instance"),
+            references: Vec::new(),
+            unnamed: std::collections::BTreeMap::new(),
+            full: false,
+        }
+    }
+}
+
+impl Checker<'_> {
+    fn populate(&mut self, population: &mut Population, instance: Instance) -> Option<SlotId> {
+        if population.instances.is_full(MAX_INSTANCES) {
+            if !std::mem::replace(&mut population.full, true) {
+                self.too_many("instances", MAX_INSTANCES, instance.span);
+            }
+            return None;
+        }
+        Some(population.instances.push(instance))
+    }
+
+    /// The name of the next instance that nobody named.
+    fn unnamed(&self, population: &mut Population, entity: EntityId, span: Span) -> Name {
+        let number = population.unnamed.entry(entity).or_insert(0);
+        *number += 1;
+        Name { text: format!("{}#{number}", self.checked.entities[entity].name.text), span }
+    }
+
+    /// `place name: Entity at (x, y) { … }`
+    pub(super) fn placed(&mut self, place: &ast::Place, space: SpaceId, population: &mut Population) {
+        population.names.declare(&place.name, (), &mut self.diagnostics);
+        let slot = SlotId::from_index(population.instances.len());
+        match self.place(place, space, population.step, slot, &mut population.references) {
+            Some(instance) => {
+                self.populate(population, instance);
+            }
+            // Goals may still name it.
+            None => {
+                self.suspects.insert(place.name.text.clone());
+            }
+        }
+    }
+
+    /// The instances that the tiles of a map make, row by row from the top.
+    pub(super) fn tile_instances(
+        &mut self,
+        space: &Space,
+        id: SpaceId,
+        set: &TileSet<'_>,
+        at: Span,
+        population: &mut Population,
+    ) {
+        let Some(map) = &space.map else { return };
+        let mut counts = vec![0u64; set.spawns.len()];
+        let entities: Vec<Option<EntityId>> = set
+            .spawns
+            .iter()
+            .map(|spawn| {
+                let spawn = (*spawn)?;
+                if let Some(&entity) = self.entities.get(&spawn.entity.text) {
+                    return Some(entity);
+                }
+                let fact = unknown("entity", &spawn.entity.text, spawn.entity.span, self.entities.names());
+                self.report_unknown(fact);
+                None
+            })
+            .collect();
+        for row in (0..map.rows).rev() {
+            for column in 0..map.columns {
+                let Some(kind) = map.kind(column as i64, row as i64) else { continue };
+                let (Some(&Some(spawn)), Some(&Some(entity))) = (set.spawns.get(kind), entities.get(kind)) else {
+                    continue;
+                };
+                counts[kind] += 1;
+                let (name, origin) = match &spawn.name {
+                    Some(name) if counts[kind] > 1 => {
+                        (Name { text: format!("{}#{}", name.text, counts[kind]), span: name.span }, Origin::Named)
+                    }
+                    Some(name) => {
+                        population.names.declare(name, (), &mut self.diagnostics);
+                        (name.clone(), Origin::Named)
+                    }
+                    None => (self.unnamed(population, entity, spawn.span), Origin::Tile),
+                };
+                let position = (column as f64 * map.tile.0, row as f64 * map.tile.1);
+                let made = self.default_instance(entity, name, origin, id, position, population.step, spawn.span);
+                if let Some(instance) = made {
+                    self.populate(population, instance);
+                }
+            }
+        }
+        for (kind, spawn) in set.spawns.iter().enumerate() {
+            if let Some(name) = spawn.and_then(|s| s.name.as_ref())
+                && counts[kind] != 1
+            {
+                self.diagnostics.report(TileInstances {
+                    at: name.span,
+                    name: name.text.clone(),
+                    symbol: set.tiles[kind].symbol,
+                    count: counts[kind],
+                    map: at,
+                });
+                if counts[kind] == 0 {
+                    self.suspects.insert(name.text.clone());
+                }
+            }
+        }
+    }
+
+    /// The slots that `limit` lines leave free; every entity that lives and is spawned must have one.
+    pub(super) fn limits(&mut self, syntax: &ast::World, population: &mut Population) {
+        let mut limits: Vec<(EntityId, Span)> = Vec::new();
+        for item in &syntax.items {
+            let WorldItem::Limit(limit) = item else { continue };
+            let Some(&entity) = self.entities.get(&limit.entity.text) else {
+                let fact = unknown("entity", &limit.entity.text, limit.entity.span, self.entities.names());
+                self.report_unknown(fact);
+                continue;
+            };
+            if let Some((_, first)) = limits.iter().find(|(e, _)| *e == entity) {
+                let name = limit.entity.text.clone();
+                let kind = "the limit of";
+                self.diagnostics.report(DuplicateName { kind, name, first: *first, second: limit.span });
+                continue;
+            }
+            limits.push((entity, limit.span));
+            let term = self.number(&limit.count, &Scope::constant());
+            let Some(count) = term.and_then(|t| self.evaluated(&t, ConstantContext::LITERALS)) else { continue };
+            if count.fract() != 0.0 || !(0.0..=MAX_INSTANCES as f64).contains(&count) {
+                let range = format!("the whole numbers from 0 to {MAX_INSTANCES}");
+                self.diagnostics.report(OutOfRange {
+                    at: limit.count.span,
+                    what: format!("a limit of {count}"),
+                    range,
+                });
+                continue;
+            }
+            let of = |i: &&Instance| i.entity == entity;
+            let living = population.instances.iter().filter(of).count();
+            if living > count as usize {
+                let last = population.instances.iter().filter(of).nth(count as usize).map(|i| i.span);
+                let name = limit.entity.text.clone();
+                self.diagnostics.report(OverLimit { at: limit.span, name, living, limit: count as usize, one: last });
+                continue;
+            }
+            for _ in living..count as usize {
+                let name = self.unnamed(population, entity, limit.span);
+                let made = self.free_instance(entity, name, limit.span);
+                self.populate(population, made);
+            }
+        }
+        self.spawned_entities(syntax, &limits, population);
+    }
+
+    /// Every entity that can be spawned in the world has a limit.
+    fn spawned_entities(&mut self, syntax: &ast::World, limits: &[(EntityId, Span)], population: &Population) {
+        let mut living: Vec<EntityId> = Vec::new();
+        let mut missing: Vec<(EntityId, Span)> = Vec::new();
+        let mut next: Vec<EntityId> = population.instances.iter().map(|i| i.entity).collect();
+        while let Some(entity) = next.pop() {
+            if living.contains(&entity) {
+                continue;
+            }
+            living.push(entity);
+            let e = &self.checked.entities[entity];
+            let actions = e.edges.iter().flat_map(|edge| &edge.actions);
+            let entries = e.modes.iter().flat_map(|m| m.entry.iter().chain(m.follows.iter().flat_map(|f| &f.actions)));
+            for action in actions.chain(entries) {
+                let Action::Spawn(spawn) = action else { continue };
+                next.push(spawn.entity);
+                let known = limits.iter().any(|(e, _)| *e == spawn.entity);
+                if !known && !missing.iter().any(|(e, _)| *e == spawn.entity) {
+                    missing.push((spawn.entity, spawn.span));
+                }
+            }
+        }
+        for (entity, spawn) in missing {
+            let name = self.checked.entities[entity].name.text.clone();
+            self.diagnostics.report(MissingLimit { at: syntax.name.span, name, spawn });
+        }
+    }
+
+    /// What the references of placed instances refer to; all instances must be known.
+    pub(super) fn placed_references(&mut self, population: &mut Population) {
+        for (slot, reference, name) in std::mem::take(&mut population.references) {
+            let Some(target) = population.instances.find(|i| i.origin == Origin::Named && i.name.text == name.text)
+            else {
+                let named = population.instances.iter().filter(|i| i.origin == Origin::Named);
+                let fact = unknown("instance", &name.text, name.span, named.map(|i| i.name.text.as_str()));
+                self.report_unknown(fact);
+                continue;
+            };
+            let Some(own) = population.instances.get(slot).map(|i| i.entity) else { continue };
+            let wanted = self.checked.entities[own].refs[reference].entity;
+            let found = population.instances[target].entity;
+            if let Some(wanted) = wanted.filter(|w| *w != found) {
+                let instance = |e: EntityId| format!("an instance of `{}`", self.checked.entities[e].name.text);
+                let (found, expected) = (instance(found), instance(wanted));
+                self.diagnostics.report(TypeMismatch { at: name.span, found, expected, help: None });
+                continue;
+            }
+            population.instances[slot].refs[reference] = Some(target);
+        }
+    }
+
+    /// A slot where nothing is at first.
+    fn free_instance(&self, entity: EntityId, name: Name, span: Span) -> Instance {
+        let e = &self.checked.entities[entity];
+        Instance {
+            name,
+            origin: Origin::Free,
+            entity,
+            space: SpaceId(0),
+            params: e.params.iter().map(|_| 0.0).collect(),
+            vars: e.vars.iter().map(|_| [0.0; 3]).collect(),
+            discretes: e.discretes.iter().map(|_| 0).collect(),
+            refs: e.refs.iter().map(|_| None).collect(),
+            given: Vec::new(),
+            span,
+        }
+    }
+
+    /// An instance with nothing set but its position.
+    #[allow(clippy::too_many_arguments, reason = "an instance is all of these")]
+    fn default_instance(
+        &mut self,
+        entity: EntityId,
+        name: Name,
+        origin: Origin,
+        space: SpaceId,
+        position: (f64, f64),
+        step: f64,
+        span: Span,
+    ) -> Option<Instance> {
+        let e = self.checked.entities[entity].clone();
+        let mut given = super::place::Values::of(&e);
+        given.vars[X][0] = Some(position.0);
+        given.vars[Y][0] = Some(position.1);
+        self.instance_of(entity, given, name, origin, space, step, span)
+    }
+}

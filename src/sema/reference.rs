@@ -1,0 +1,287 @@
+//! References: what they may refer to, where they may be read, `spawn` and `destroy`.
+
+use crate::diagnostic::catalogue::names::DuplicateName;
+use crate::diagnostic::catalogue::structure::{LostEntry, LostRead};
+use crate::diagnostic::catalogue::syntax::Misplaced;
+use crate::diagnostic::catalogue::types::TypeMismatch;
+use crate::source::Span;
+use crate::syntax::ast::{self, Expr, ExprKind, Name, Path};
+
+use super::Checker;
+use super::checked::{Action, Edge, Entity, Given, Place, Spawn, Subject, Term, TermKind, Type};
+use super::entity::{Skeleton, Y};
+use super::expression::Scope;
+use super::ids::{ModeId, RefId};
+use super::names::{Table, unknown};
+
+/// The reference that a guard says is lost, if that is all it says.
+pub(super) fn lost_by(guard: &Expr) -> Option<&Name> {
+    match &guard.kind {
+        ExprKind::Paren(inner) => lost_by(inner),
+        ExprKind::Call(function, arguments, None) if function.text == "lost" => match arguments.as_slice() {
+            [Expr { kind: ExprKind::Path(Path { segments, primes: 0, .. }), .. }] if segments.len() == 1 => {
+                segments.first()
+            }
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+impl Checker<'_> {
+    /// A reference of one's own, or an instance that a guard named, with its entity where that is known.
+    pub(super) fn referred(&self, name: &str, scope: &Scope<'_>) -> Option<(Subject, Option<super::ids::EntityId>)> {
+        if let Some(touch) = self.facts.named(name) {
+            let subject = Subject::Touched(touch);
+            return Some((subject, self.facts.entity(subject)));
+        }
+        let id = *scope.names?.refs.get(name)?;
+        let subject = Subject::Ref(id);
+        let declared = scope.entity?.refs[id].entity;
+        Some((subject, self.facts.entity(subject).or(declared)))
+    }
+
+    /// The reference that an expression names.
+    pub(super) fn reference(&mut self, e: &Expr, scope: &Scope<'_>) -> Option<(Subject, Option<super::ids::EntityId>)> {
+        if let ExprKind::Path(Path { segments, primes: 0, .. }) = &e.kind
+            && let [name] = segments.as_slice()
+        {
+            if let Some(found) = self.referred(&name.text, scope) {
+                return Some(found);
+            }
+            let refs = scope.names.map(|n| n.refs.names().collect::<Vec<_>>()).unwrap_or_default();
+            let known: Vec<String> = refs.into_iter().chain(self.facts.names()).map(str::to_string).collect();
+            let fact = unknown("reference", &name.text, name.span, known.iter().map(String::as_str));
+            self.report_unknown(fact);
+            return None;
+        }
+        self.diagnostics.report(TypeMismatch {
+            at: e.span,
+            found: "an expression".into(),
+            expected: "the name of a reference".into(),
+            help: None,
+        });
+        None
+    }
+
+    /// Reports the read of a reference that may be none here.
+    pub(super) fn readable(&mut self, subject: Subject, name: &Name, span: Span, scope: &Scope<'_>) {
+        if self.facts.is_set(subject) {
+            return;
+        }
+        let Subject::Ref(id) = subject else { return };
+        if let (true, Some(mode), Some(entity), Some(names)) = (scope.covered, scope.mode, scope.entity, scope.names) {
+            let mut around = Some(mode);
+            while let Some(at) = around {
+                if names.lost[at.0 as usize].contains(&name.text) {
+                    self.facts.covered.push((at, id, span));
+                    if !self.facts.needs.contains(&id) {
+                        self.facts.needs.push(id);
+                    }
+                    return;
+                }
+                around = entity.modes[at].parent;
+            }
+        }
+        let covered = scope.covered && scope.mode.is_some();
+        self.diagnostics.report(LostRead { at: span, name: name.text.clone(), in_mode: covered });
+    }
+
+    /// Edges into a mode that reads a reference must make sure of it.
+    pub(super) fn lost_entries(&mut self, entity: &Entity, guards: &[Vec<RefId>]) {
+        let mut asked: Vec<(ModeId, RefId, Span)> = Vec::new();
+        for &(mode, reference, at) in &self.facts.covered {
+            if !asked.iter().any(|(m, r, _)| (*m, *r) == (mode, reference)) {
+                asked.push((mode, reference, at));
+            }
+        }
+        for (mode, reference, read) in asked {
+            for (index, edge) in entity.edges.iter().enumerate() {
+                if !may_enter(entity, edge, mode) || guards[index].contains(&reference) || sets(edge, reference) {
+                    continue;
+                }
+                self.diagnostics.report(LostEntry {
+                    at: edge.span,
+                    name: entity.refs[reference].name.text.clone(),
+                    mode: entity.modes[mode].path.join("."),
+                    read,
+                });
+            }
+        }
+    }
+
+    /// `into := spawn Entity(…)`
+    pub(super) fn spawn(&mut self, spawn: &ast::Spawn, scope: &Scope<'_>) -> Option<Spawn> {
+        let into = match &spawn.into {
+            Some(variable) => Some(self.reference_place(variable, scope)?),
+            None => None,
+        };
+        let Some(&entity) = self.entities.get(&spawn.entity.text) else {
+            let fact = unknown("entity", &spawn.entity.text, spawn.entity.span, self.entities.names());
+            self.report_unknown(fact);
+            return None;
+        };
+        if let (Some(into), Some(own)) = (into, scope.entity)
+            && let Some(wanted) = own.refs[into].entity.filter(|w| *w != entity)
+        {
+            let wanted = self.checked.entities[wanted].name.text.clone();
+            self.diagnostics.report(TypeMismatch {
+                at: spawn.entity.span,
+                found: format!("an instance of `{}`", spawn.entity.text),
+                expected: format!("an instance of `{wanted}`"),
+                help: None,
+            });
+        }
+        let of = self.checked.entities[entity].clone();
+        let mut set: Table<()> = Table::new("setting");
+        let mut given = Vec::new();
+        let mut fits = true;
+        for setting in &spawn.settings {
+            let written = format!("{}{}", setting.variable.name.text, "'".repeat(setting.variable.primes));
+            if !set.declare(&Name { text: written, span: setting.variable.span }, (), &mut self.diagnostics) {
+                continue;
+            }
+            let value = self.setting(&of, &setting.variable).and_then(|(what, ty)| {
+                let term = self.typed(&setting.value, scope, &ty)?;
+                Some((what, term))
+            });
+            fits &= value.is_some();
+            given.extend(value);
+        }
+        fits.then_some(Spawn { into, entity, given, span: spawn.span })
+    }
+
+    /// What a name in a `place` or a `spawn` sets, and the type of its value.
+    pub(super) fn setting(&mut self, of: &Entity, variable: &ast::Variable) -> Option<(Given, Type)> {
+        let name = &variable.name;
+        let plain = variable.primes == 0;
+        if let Some(id) = of.params.find(|p| plain && p.name.text == name.text) {
+            let ty = match &of.params[id].default.ty {
+                Type::Int => Type::Real,
+                ty => ty.clone(),
+            };
+            return Some((Given::Param(id), ty));
+        }
+        if let Some(id) = of.discretes.find(|d| plain && d.name.text == name.text) {
+            return Some((Given::Discrete(id), of.discretes[id].ty.clone()));
+        }
+        if let Some(id) = of.refs.find(|r| plain && r.name.text == name.text) {
+            return Some((Given::Ref(id), Type::Ref(of.refs[id].entity)));
+        }
+        if let Some(id) = of.vars.find(|v| v.name.text == name.text) {
+            let degree = self.primes(variable)?;
+            return Some((Given::Var(id, degree), Type::Real));
+        }
+        let known = of.params.iter().map(|p| &p.name);
+        let known = known.chain(of.discretes.iter().map(|d| &d.name)).chain(of.refs.iter().map(|r| &r.name));
+        let known = known.chain(of.vars.iter().map(|v| &v.name)).map(|n| n.text.as_str());
+        let fact = unknown("parameter or variable", &name.text, name.span, known);
+        self.report_unknown(fact);
+        None
+    }
+
+    /// Reports a position that a `place` sets a second time.
+    pub(super) fn position_is_placed(&mut self, place: &ast::Place, setting: &ast::Assignment, what: Given) -> bool {
+        let Given::Var(var, 0) = what else { return false };
+        if var > Y {
+            return false;
+        }
+        self.diagnostics.report(DuplicateName {
+            kind: "the position",
+            name: setting.variable.name.text.clone(),
+            first: place.x.span.to(place.y.span),
+            second: setting.span,
+        });
+        true
+    }
+
+    /// The reference on a left side.
+    pub(super) fn reference_place(&mut self, variable: &ast::Variable, scope: &Scope<'_>) -> Option<RefId> {
+        let names: &Skeleton<'_> = scope.names?;
+        let name = &variable.name;
+        if variable.primes == 0
+            && let Some(&id) = names.refs.get(&name.text)
+        {
+            return Some(id);
+        }
+        if names.vars.get(&name.text).is_some() || names.discretes.get(&name.text).is_some() {
+            self.diagnostics.report(TypeMismatch {
+                at: variable.span,
+                found: "a variable".into(),
+                expected: "a reference".into(),
+                help: Some(format!("declare `ref {}: ENTITY`", name.text)),
+            });
+            return None;
+        }
+        let fact = unknown("reference", &name.text, name.span, names.refs.names());
+        self.report_unknown(fact);
+        None
+    }
+
+    /// `none`, `self`, a reference, or an instance that the guard named.
+    pub(super) fn reference_value(&mut self, e: &Expr, scope: &Scope<'_>) -> Option<Term> {
+        match &e.kind {
+            ExprKind::NoneRef => Some(Term { kind: TermKind::NoneRef, ty: Type::Ref(None), span: e.span }),
+            ExprKind::SelfRef => match scope.me {
+                Some(me) => {
+                    let kind = TermKind::Instance(Subject::Me);
+                    Some(Term { kind, ty: Type::Ref(Some(me)), span: e.span })
+                }
+                None => {
+                    self.diagnostics.report(Misplaced {
+                        at: e.span,
+                        what: "`self`",
+                        inside: "a world",
+                        belongs: "in an entity; a world names its instances",
+                    });
+                    None
+                }
+            },
+            _ => {
+                let (subject, entity) = self.reference(e, scope)?;
+                Some(Term { kind: TermKind::Instance(subject), ty: Type::Ref(entity), span: e.span })
+            }
+        }
+    }
+}
+
+/// Whether an edge sets a reference to something.
+fn sets(edge: &Edge, reference: RefId) -> bool {
+    edge.actions.iter().any(|action| match action {
+        Action::Update(u) => u.place == Place::Ref(reference) && u.value.kind != TermKind::NoneRef,
+        Action::Spawn(s) => s.into == Some(reference),
+        Action::Destroy(_) => false,
+    })
+}
+
+/// Whether taking an edge can enter a mode.
+fn may_enter(entity: &Entity, edge: &Edge, mode: ModeId) -> bool {
+    let Some(target) = edge.target else { return false };
+    let inside = |inner: ModeId, outer: ModeId| {
+        let mut at = Some(inner);
+        while let Some(m) = at {
+            if m == outer {
+                return true;
+            }
+            at = entity.modes[m].parent;
+        }
+        false
+    };
+    if inside(target, mode) {
+        // A proper ancestor of the target that is active stays active.
+        return target == mode || !inside(edge.source, mode);
+    }
+    inside(mode, target) && {
+        let mut at = mode;
+        while at != target {
+            let Some(parent) = entity.modes[at].parent else { return false };
+            let children = &entity.modes[parent].children;
+            let plain = children.iter().find(|c| entity.modes[**c].marked_initial).or(children.first());
+            if plain != Some(&at) && entity.modes[at].initial_when.is_none() {
+                return false;
+            }
+            at = parent;
+        }
+        true
+    }
+}

@@ -1,0 +1,157 @@
+//! Boxes, how they overlap, and what a blocking contact does to what can move.
+
+use crate::ir::{Meeting, Push, Side};
+
+/// How far above what came from above may have stood below the surface, px.
+const ABOVE_TOLERANCE: f64 = 0.001;
+
+/// A box in a space.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Rect {
+    pub left: f64,
+    pub right: f64,
+    pub bottom: f64,
+    pub top: f64,
+    pub active: bool,
+    /// The number of the space it is in.
+    pub space: u32,
+    /// A disc inside of its box; only sensing sees the difference.
+    pub round: bool,
+}
+
+/// Sides on which a velocity is set to 0.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Stops {
+    pub left: bool,
+    pub right: bool,
+    pub above: bool,
+    pub below: bool,
+}
+
+/// How two boxes touch: the side of the first, and how deep, px.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Contact {
+    pub side: Side,
+    pub depth: f64,
+}
+
+/// Overlaps of two boxes along both axes, each with the side of the first that it is on.
+pub(super) struct Overlap {
+    x: f64,
+    pub x_side: Side,
+    y: f64,
+    pub y_side: Side,
+}
+
+impl Overlap {
+    /// None if the boxes are apart or touch in a corner only. `back` leads from where the first is to where it was
+    /// relative to the second before both moved: the sides are those from which it came, so that what moves less than
+    /// the other's size in a step is never pushed out on the far side.
+    pub fn of(a: &Rect, b: &Rect, back: (f64, f64)) -> Option<Overlap> {
+        let (right, left) = (a.right - b.left, b.right - a.left);
+        let (above, below) = (a.top - b.bottom, b.top - a.bottom);
+        if right < 0.0 || left < 0.0 || above < 0.0 || below < 0.0 {
+            return None;
+        }
+        let (x, x_side) = if right + back.0 <= left - back.0 { (right, Side::Right) } else { (left, Side::Left) };
+        let (y, y_side) = if above + back.1 <= below - back.1 { (above, Side::Above) } else { (below, Side::Below) };
+        if (right == 0.0 || left == 0.0) && (above == 0.0 || below == 0.0) {
+            return None;
+        }
+        Some(Overlap { x, x_side, y, y_side })
+    }
+
+    pub fn horizontal(&self) -> Contact {
+        Contact { side: self.x_side, depth: self.x }
+    }
+
+    pub fn vertical(&self) -> Contact {
+        Contact { side: self.y_side, depth: self.y }
+    }
+
+    /// Along the axis of least penetration, ties vertical.
+    pub fn least(&self) -> Contact {
+        if self.x < self.y { self.horizontal() } else { self.vertical() }
+    }
+}
+
+/// How two colliders touch, if they do. `covered` tells of each face turned to the first, the vertical one (left or
+/// right) and the horizontal one, whether a neighbour covers it.
+pub(super) fn meet(
+    a: &Rect,
+    b: &Rect,
+    back: (f64, f64),
+    meeting: Meeting,
+    covered: impl FnOnce(&Overlap) -> (bool, bool),
+) -> Option<Contact> {
+    let overlap = Overlap::of(a, b, back)?;
+    match meeting.response.push {
+        Push::FromAbove => {
+            // Where the first was, relative to the second.
+            let below = (b.top - (a.bottom + back.1), Side::Below, b.top - a.bottom);
+            let above = ((a.top + back.1) - b.bottom, Side::Above, a.top - b.bottom);
+            let sides = [(meeting.first_on_second, below), (meeting.second_on_first, above)];
+            let mut held = sides.into_iter().filter(|(may, (was, ..))| *may && *was <= ABOVE_TOLERANCE);
+            held.next().map(|(_, (_, side, depth))| Contact { side, depth })
+        }
+        Push::Block => Some(match covered(&overlap) {
+            (true, false) => overlap.vertical(),
+            (false, true) => overlap.horizontal(),
+            _ => overlap.least(),
+        }),
+        Push::Sense => {
+            if (a.round || b.round) && !discs_meet(a, b) {
+                return None;
+            }
+            Some(match covered(&overlap) {
+                (true, false) => overlap.vertical(),
+                (false, true) => overlap.horizontal(),
+                _ => overlap.least(),
+            })
+        }
+    }
+}
+
+/// Whether two shapes meet of which at least one is a disc; touching in the corner of a box alone is none.
+fn discs_meet(a: &Rect, b: &Rect) -> bool {
+    let (disc, other) = if a.round { (a, b) } else { (b, a) };
+    let centre = |r: &Rect| ((r.left + r.right) / 2.0, (r.bottom + r.top) / 2.0);
+    let (x, y) = centre(disc);
+    let radius = (disc.right - disc.left) / 2.0;
+    if other.round {
+        let (ox, oy) = centre(other);
+        let both = radius + (other.right - other.left) / 2.0;
+        return (x - ox) * (x - ox) + (y - oy) * (y - oy) <= both * both;
+    }
+    let (dx, dy) = (x - x.clamp(other.left, other.right), y - y.clamp(other.bottom, other.top));
+    let distance = dx * dx + dy * dy;
+    distance < radius * radius || (distance == radius * radius && (dx == 0.0 || dy == 0.0))
+}
+
+pub(super) fn opposite(side: Side) -> Side {
+    match side {
+        Side::Left => Side::Right,
+        Side::Right => Side::Left,
+        Side::Above => Side::Below,
+        Side::Below => Side::Above,
+    }
+}
+
+/// Adds a blocking contact to what pushes an instance: per axis the deepest counts. Touching alone does nothing.
+pub(super) fn resolve(contact: Contact, stop: bool, push: &mut [f64; 2], stops: &mut Stops) {
+    if contact.depth <= 0.0 {
+        return;
+    }
+    let (axis, sign, side) = match contact.side {
+        Side::Left => (0, 1.0, &mut stops.left),
+        Side::Right => (0, -1.0, &mut stops.right),
+        Side::Below => (1, 1.0, &mut stops.below),
+        Side::Above => (1, -1.0, &mut stops.above),
+    };
+    let deepest = push[axis].abs();
+    // Of two of the same depth the one towards larger coordinates counts, whichever is met first.
+    if contact.depth > deepest || (contact.depth == deepest && sign > 0.0) {
+        push[axis] = sign * contact.depth;
+    }
+    *side |= stop;
+}

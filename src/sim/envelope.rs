@@ -1,0 +1,170 @@
+//! Envelopes: where attack, decay, sustain and release take a variable in one step (after Swink, *Game Feel*, 2009).
+//!
+//! A vector moves in a straight line. A peak that was reached is kept by the number of its direction, so that a change
+//! of direction is a new attack.
+
+use crate::ir::{By, Entity, Envelope, EnvelopeId, ExprId, Press, Release};
+
+use super::evaluate::Reader;
+
+/// So many steps of the whole turn tell directions apart that are cut into none.
+const FINE_WAYS: f64 = 65_534.0;
+
+/// A driven envelope's direction: a vector of length 1, and its number.
+#[derive(Debug, Clone, Copy)]
+struct Direction {
+    vector: [f64; 2],
+    number: u16,
+}
+
+/// The value of a component after this step.
+pub(super) fn envelope_value(reader: &Reader<'_>, id: EnvelopeId, envelope: &Envelope, component: usize) -> f64 {
+    if let By::Clock { timer, rise, hold, fall, .. } = envelope.by {
+        let layout = reader.sim.layout(reader.me);
+        let t = reader.sim.world().step.times(layout.timer(reader.state, timer).saturating_add(1));
+        return at_time(
+            t,
+            [rise, hold, fall].map(|e| reader.number(e)),
+            level(reader, envelope),
+            reader.number(envelope.sustain),
+        );
+    }
+    let current = current(reader, envelope);
+    let (target, rate) = match driven(reader, envelope) {
+        Some(direction) => {
+            let (level, rate) = aim(reader, id, envelope, direction);
+            (direction.vector.map(|d| d * level), rate)
+        }
+        None => match &envelope.release {
+            Release::Hold => return current[component],
+            Release::To { rate, level } => {
+                let level = reader.number(*level);
+                (unit(current).map(|d| d * level), *rate)
+            }
+        },
+    };
+    approach(reader, current, target, rate)[component]
+}
+
+/// 0, or 1 plus the number of the direction in which the peak was reached by the end of this step.
+pub(super) fn next_peak(reader: &Reader<'_>, entity: &Entity, envelope: &Envelope) -> u16 {
+    let layout = reader.sim.layout(reader.me);
+    let is_active = envelope.mode.is_none_or(|mode| {
+        let (first, after) = entity.modes[mode].leaves;
+        let leaf = layout.leaf(reader.state, entity.modes[mode].group);
+        first <= leaf && leaf < after
+    });
+    let (true, Some(peak)) = (is_active, envelope.peak) else { return 0 };
+    let Some(direction) = driven(reader, envelope) else { return 0 };
+    let id = entity.envelopes.find(|e| std::ptr::eq(e, envelope));
+    let reached = direction.number + 1;
+    if id.is_some_and(|id| layout.peak(reader.state, id) == reached) {
+        return reached;
+    }
+    let peak = reader.number(peak);
+    let target = direction.vector.map(|d| d * peak);
+    let next = approach(reader, current(reader, envelope), target, envelope.attack);
+    if next == target { reached } else { 0 }
+}
+
+/// The level that a driven envelope goes to, and how fast.
+fn aim(reader: &Reader<'_>, id: EnvelopeId, envelope: &Envelope, direction: Direction) -> (f64, Option<ExprId>) {
+    match envelope.peak {
+        Some(_) if reader.sim.layout(reader.me).peak(reader.state, id) == direction.number + 1 => {
+            (reader.number(envelope.sustain), envelope.decay)
+        }
+        Some(peak) => (reader.number(peak), envelope.attack),
+        None => (reader.number(envelope.sustain), envelope.attack),
+    }
+}
+
+/// The direction in which an envelope is driven, if it is.
+fn driven(reader: &Reader<'_>, envelope: &Envelope) -> Option<Direction> {
+    let direction = match &envelope.by {
+        By::Button(button) => {
+            reader.button(Press::Held, *button).then_some(Direction { vector: [1.0, 0.0], number: 0 })
+        }
+        By::Axis(axis) => {
+            let axis = reader.axis(*axis);
+            (axis != 0.0).then(|| Direction { vector: [axis.signum(), 0.0], number: u16::from(axis < 0.0) })
+        }
+        By::Axes([x, y], ways) => {
+            let input = [reader.axis(*x), reader.axis(*y)];
+            (input != [0.0, 0.0]).then(|| nearest(input, ways))
+        }
+        By::Clock { .. } => None,
+    };
+    direction.filter(|_| envelope.guard.is_none_or(|g| reader.truth(g)))
+}
+
+/// The nearest of some unit vectors, ties to the horizontal; the direction itself if there are none.
+fn nearest(input: [f64; 2], ways: &[[f64; 2]]) -> Direction {
+    let mut best: Option<(f64, usize)> = None;
+    for (index, way) in ways.iter().enumerate() {
+        let dot = input[0] * way[0] + input[1] * way[1];
+        let better =
+            best.is_none_or(|(score, other)| dot > score || (dot == score && way[0].abs() > ways[other][0].abs()));
+        if better {
+            best = Some((dot, index));
+        }
+    }
+    match best {
+        Some((_, index)) => Direction { vector: ways[index], number: index as u16 },
+        None => {
+            let turn = libm::atan2(input[1], input[0]) / std::f64::consts::TAU;
+            let number = (turn.rem_euclid(1.0) * FINE_WAYS) as u16;
+            Direction { vector: unit(input), number }
+        }
+    }
+}
+
+/// A vector of length 1, or 0.
+fn unit(v: [f64; 2]) -> [f64; 2] {
+    if v[1] == 0.0 {
+        return [if v[0] == 0.0 { 0.0 } else { v[0].signum() }, 0.0];
+    }
+    let length = (v[0] * v[0] + v[1] * v[1]).sqrt();
+    v.map(|x| x / length)
+}
+
+/// The controlled values before this step.
+fn current(reader: &Reader<'_>, envelope: &Envelope) -> [f64; 2] {
+    let layout = reader.sim.layout(reader.me);
+    let value = |i: usize| envelope.vars.get(i).map_or(0.0, |&v| layout.var(reader.state, v, envelope.degree));
+    [value(0), value(1)]
+}
+
+/// From `current` towards `target`, never past it, by at most what the rate covers in a step.
+fn approach(reader: &Reader<'_>, current: [f64; 2], target: [f64; 2], rate: Option<ExprId>) -> [f64; 2] {
+    let Some(rate) = rate else { return target };
+    let reach = reader.number(rate) * reader.sim.step;
+    let way = [target[0] - current[0], target[1] - current[1]];
+    if way[1] == 0.0 {
+        return if way[0].abs() <= reach { target } else { [current[0] + reach.copysign(way[0]), target[1]] };
+    }
+    let distance = (way[0] * way[0] + way[1] * way[1]).sqrt();
+    if distance <= reach {
+        return target;
+    }
+    [current[0] + way[0] / distance * reach, current[1] + way[1] / distance * reach]
+}
+
+fn level(reader: &Reader<'_>, envelope: &Envelope) -> f64 {
+    match envelope.release {
+        Release::To { level, .. } => reader.number(level),
+        Release::Hold => 0.0,
+    }
+}
+
+/// An envelope by the clock: linear to the peak, constant, linear back, constant.
+fn at_time(t: f64, [rise, hold, fall]: [f64; 3], level: f64, peak: f64) -> f64 {
+    if t < rise {
+        return level + (peak - level) * (t / rise);
+    }
+    let t = t - rise;
+    if t <= hold {
+        return peak;
+    }
+    let t = t - hold;
+    if t < fall { peak + (level - peak) * (t / fall) } else { level }
+}

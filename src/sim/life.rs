@@ -1,0 +1,229 @@
+//! Who is destroyed, who is spawned, who goes through a link: done after all edges are taken, in slot order.
+//!
+//! What is destroyed stays readable until the step ends; then every reference to it becomes none and its slot is
+//! free. What is spawned is readable at once, but moves, collides and takes edges from the next step on.
+
+use std::cell::Cell;
+
+use crate::ir::{Id, RefId, SlotId, SpaceId, SpawnId, VarId};
+
+use super::evaluate::Reader;
+use super::fault::{Fault, FaultKind};
+use super::simulator::{Scratch, Simulator};
+use super::state::Life;
+
+/// What the edges of a step have asked for.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Changes {
+    destroys: Vec<SlotId>,
+    /// Who spawns what, and which reference is set to it.
+    spawns: Vec<(SlotId, SpawnId, Option<RefId>)>,
+    /// Who goes through which link of its space.
+    moves: Vec<(SlotId, usize)>,
+    /// Whether any slot began or ended in this step.
+    lives: bool,
+    /// The first spawn of the step that found no free slot.
+    refused: Option<(SlotId, SpawnId)>,
+}
+
+impl Changes {
+    /// With room for all that one step can ask for.
+    pub fn with_room(destroys: usize, spawns: usize, slots: usize) -> Self {
+        Changes {
+            destroys: Vec::with_capacity(destroys),
+            spawns: Vec::with_capacity(spawns),
+            moves: Vec::with_capacity(slots),
+            ..Changes::default()
+        }
+    }
+
+    pub fn clear(&mut self) {
+        self.destroys.clear();
+        self.spawns.clear();
+        self.moves.clear();
+        self.lives = false;
+        self.refused = None;
+    }
+
+    pub fn destroy(&mut self, slot: SlotId) {
+        self.destroys.push(slot);
+    }
+
+    pub fn spawn(&mut self, me: SlotId, spawn: SpawnId, into: Option<RefId>) {
+        self.spawns.push((me, spawn, into));
+    }
+
+    /// A later update of a reference wins over what an earlier spawn would set it to.
+    pub fn assigns(&mut self, me: SlotId, reference: RefId) {
+        for (slot, _, into) in &mut self.spawns {
+            if *slot == me && *into == Some(reference) {
+                *into = None;
+            }
+        }
+    }
+
+    pub fn go(&mut self, me: SlotId, link: usize) {
+        self.moves.push((me, link));
+    }
+
+    pub fn is_moving(&self, me: SlotId) -> bool {
+        self.moves.last().is_some_and(|(slot, _)| *slot == me)
+    }
+
+    pub fn refused(&self) -> Option<(SlotId, SpawnId)> {
+        self.refused
+    }
+}
+
+impl Simulator<'_> {
+    /// The first link of the instance's space that is open and in whose rectangle the instance stands.
+    pub(super) fn link_at(&self, reader: &Reader<'_>) -> Option<usize> {
+        let (x, y) = self.position(reader.state, reader.me);
+        let links = &self.world().spaces[self.space(reader.state, reader.me)].links;
+        links.iter().position(|link| {
+            let inside =
+                (link.from.left..=link.from.right).contains(&x) && (link.from.bottom..=link.from.top).contains(&y);
+            inside && link.guard.is_none_or(|g| reader.truth(g))
+        })
+    }
+
+    /// Does what the edges have asked for.
+    pub(super) fn change(&self, state: &mut [u8], scratch: &mut Scratch) -> Result<(), Fault> {
+        let Scratch { before, frames, taken, changes, .. } = scratch;
+        for &slot in &changes.destroys {
+            if self.layout(slot).acts(state) {
+                self.layout(slot).set_life(state, Life::Dying);
+                changes.lives = true;
+            }
+        }
+        for &(me, spawn, into) in &changes.spawns {
+            let pool = &self.pools[self.entity(me).spawns[spawn].entity.index()];
+            let free = pool.iter().copied().find(|&s| !self.layout(s).alive(state));
+            match free {
+                Some(slot) => {
+                    let first = self.groups[me.index()];
+                    let taken = &taken[first..first + self.entity(me).groups.len()];
+                    let fault = Cell::new(None);
+                    let spawner = Reader { sim: self, state: before, frames, taken, fault: &fault, me };
+                    self.give_birth(state, slot, spawn, &spawner);
+                    Self::settle(&fault)?;
+                    changes.lives = true;
+                }
+                None => {
+                    changes.refused.get_or_insert((me, spawn));
+                }
+            }
+            if let Some(into) = into {
+                self.layout(me).set_reference(state, into, free);
+            }
+        }
+        for &(me, link) in &changes.moves {
+            let link = &self.world().spaces[self.space(before, me)].links[link];
+            let layout = self.layout(me);
+            layout.set_space(state, link.space);
+            let along = |value: f64, from: (f64, f64), to: (f64, f64)| {
+                to.0 + (to.1 - to.0) * (value - from.0) / (from.1 - from.0)
+            };
+            let (x, y) = self.position(state, me);
+            layout.set_var(
+                state,
+                VarId(0),
+                0,
+                along(x, (link.from.left, link.from.right), (link.to.left, link.to.right)),
+            );
+            layout.set_var(
+                state,
+                VarId(1),
+                0,
+                along(y, (link.from.bottom, link.from.top), (link.to.bottom, link.to.top)),
+            );
+            layout.set_carrier(state, None);
+        }
+        Ok(())
+    }
+
+    /// Fills a free slot with what a spawn gives it.
+    fn give_birth(&self, state: &mut [u8], slot: SlotId, spawn: SpawnId, spawner: &Reader<'_>) {
+        let spawn = &self.entity(spawner.me).spawns[spawn];
+        let layout = self.layout(slot);
+        let entity = self.entity(slot);
+        layout.clear(state);
+        layout.set_life(state, Life::Born);
+        let (x, y) = self.position(spawner.state, spawner.me);
+        layout.set_var(state, VarId(0), 0, x);
+        layout.set_var(state, VarId(1), 0, y);
+        let space: SpaceId = self.space(spawner.state, spawner.me);
+        layout.set_space(state, space);
+        let fault = spawner.fault;
+        macro_rules! own {
+            () => {
+                Reader { sim: self, state, frames: spawner.frames, taken: &[], fault, me: slot }
+            };
+        }
+        for (id, param) in entity.params.pairs() {
+            let given = spawn.params.iter().find(|(p, _)| *p == id);
+            let value = match given {
+                Some((_, value)) => spawner.number(*value),
+                None => own!().number(param.default),
+            };
+            layout.set_param(state, id, value);
+        }
+        for (var, first) in entity.first.pairs() {
+            if let Some(first) = first {
+                let value = own!().number(*first);
+                layout.set_var(state, var, 0, value);
+            }
+        }
+        for (id, discrete) in entity.discretes.pairs() {
+            let value = own!().number(discrete.first);
+            let (low, high) = discrete.range;
+            if value >= f64::from(low) && value <= f64::from(high) && value.fract() == 0.0 {
+                layout.set_discrete(state, id, value as i32);
+            } else {
+                let of = self.world().slots[slot].entity;
+                spawner.note(FaultKind::OutOfRange(discrete.first, of, id, value));
+            }
+        }
+        for update in &spawn.updates {
+            self.update(state, slot, spawner, update);
+        }
+        for update in &spawn.refs {
+            layout.set_reference(state, update.reference, spawner.reference(update.value));
+        }
+        for (group, g) in entity.groups.pairs() {
+            let reader = own!();
+            let leaf = reader.entered(reader.chosen(&g.choices, g.first));
+            layout.set_leaf(state, group, leaf);
+        }
+    }
+
+    /// Ends a step: what was destroyed is gone, and nothing refers to it.
+    pub(super) fn bury(&self, state: &mut [u8], scratch: &Scratch) {
+        if !scratch.changes.lives {
+            return;
+        }
+        for me in self.world().slots.ids() {
+            let layout = self.layout(me);
+            if !matches!(layout.life(state), Life::Alive | Life::Born) {
+                continue;
+            }
+            let is_dying = |s: SlotId| self.layout(s).life(state) == Life::Dying;
+            if layout.carrier(state).is_some_and(is_dying) {
+                layout.set_carrier(state, None);
+            }
+            for id in self.entity(me).refs.ids() {
+                if layout.reference(state, id).is_some_and(|s| self.layout(s).life(state) == Life::Dying) {
+                    layout.set_reference(state, id, None);
+                }
+            }
+        }
+        for me in self.world().slots.ids() {
+            let layout = self.layout(me);
+            match layout.life(state) {
+                Life::Dying => layout.clear(state),
+                Life::Born => layout.set_life(state, Life::Alive),
+                Life::Alive | Life::None => {}
+            }
+        }
+    }
+}

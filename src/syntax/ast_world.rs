@@ -1,0 +1,252 @@
+//! The part of the syntax tree that worlds are made of.
+
+use crate::source::Span;
+
+use super::ast::{Assignment, Expr, Name};
+
+/// `world Name { … }`
+#[derive(Debug, Clone, PartialEq)]
+pub struct World {
+    /// Its name.
+    pub name: Name,
+    /// What it holds.
+    pub items: Vec<WorldItem>,
+    /// The text of the `///` lines above it.
+    pub doc: Option<String>,
+    /// The whole.
+    pub span: Span,
+}
+
+/// What a world may hold.
+#[derive(Debug, Clone, PartialEq)]
+pub enum WorldItem {
+    /// `step 1/60`
+    Step(Expr),
+    /// `collide a with b: block`
+    Collide(Collide),
+    /// `tiles name 32 x 32 { … }`
+    Tiles(Tiles),
+    /// `space name { … }`
+    Space(Space),
+    /// `limit Entity 8`
+    Limit(Limit),
+    /// `player 1: hero`
+    Player(Player),
+    /// `goal name: predicate`
+    Goal(Question),
+    /// `never name: predicate`
+    Never(Question),
+}
+
+/// `collide a, b with c: block, keep velocity`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Collide {
+    /// The tags on the left.
+    pub left: Vec<Name>,
+    /// The tags on the right.
+    pub right: Vec<Name>,
+    /// What a contact does.
+    pub response: Response,
+    /// The whole.
+    pub span: Span,
+}
+
+/// What a contact does, as written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Response {
+    /// `block`, not `sense`.
+    pub block: bool,
+    /// `from above`
+    pub from_above: bool,
+    /// `keep velocity`
+    pub keep_velocity: bool,
+    /// `carry`
+    pub carry: bool,
+    /// The whole.
+    pub span: Span,
+}
+
+/// `tiles name w x h { 'c': tags … }`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tiles {
+    /// The set's name.
+    pub name: Name,
+    /// A tile's width, px.
+    pub width: Expr,
+    /// A tile's height, px.
+    pub height: Expr,
+    /// The characters.
+    pub tiles: Vec<Tile>,
+    /// The whole.
+    pub span: Span,
+}
+
+/// `'c': tags`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tile {
+    /// The character in the map.
+    pub symbol: char,
+    /// Where the character stands.
+    pub symbol_span: Span,
+    /// Its tags; `empty` stands for none.
+    pub tags: Vec<Name>,
+    /// What stands there at first.
+    pub spawn: Option<TileSpawn>,
+}
+
+/// `spawn Entity as name` of a tile
+#[derive(Debug, Clone, PartialEq)]
+pub struct TileSpawn {
+    /// The entity.
+    pub entity: Name,
+    /// The name of the only instance.
+    pub name: Option<Name>,
+    /// The whole.
+    pub span: Span,
+}
+
+/// `limit Entity 8`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Limit {
+    /// The entity.
+    pub entity: Name,
+    /// How many may live.
+    pub count: Expr,
+    /// The whole.
+    pub span: Span,
+}
+
+/// `space name { … }`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Space {
+    /// Its name.
+    pub name: Name,
+    /// What it holds.
+    pub items: Vec<SpaceItem>,
+    /// The whole.
+    pub span: Span,
+}
+
+/// What a space may hold.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SpaceItem {
+    /// A map.
+    Map(Box<Map>),
+    /// A way into another space.
+    Link(Box<Link>),
+    /// An instance.
+    Place(Box<Place>),
+    /// `rect tags (x, y, width, height)`: free-standing static geometry.
+    Solid(Solid),
+    /// `bounds rect(x, y, width, height)`
+    Bounds(Rectangle),
+}
+
+/// `rect tags (x, y, width, height)`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solid {
+    /// What it counts as.
+    pub tags: Vec<Name>,
+    /// Where it is.
+    pub rectangle: Rectangle,
+}
+
+/// `(x, y, width, height)`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rectangle {
+    /// x and y of the lower-left corner, width, height.
+    pub sides: Box<[Expr; 4]>,
+    /// The whole line.
+    pub span: Span,
+}
+
+/// `link rect(…) -> space at rect(…) when guard`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Link {
+    /// Where it begins.
+    pub from: Rectangle,
+    /// The space it leads to.
+    pub space: Name,
+    /// Where it leads to.
+    pub to: Rectangle,
+    /// When it is open.
+    pub guard: Option<Expr>,
+    /// The whole.
+    pub span: Span,
+}
+
+/// `map …`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Map {
+    /// Where its rows and tiles come from.
+    pub source: MapSource,
+    /// The whole.
+    pub span: Span,
+}
+
+/// Where a map's rows and tiles come from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum MapSource {
+    /// `map tiles " … "`: the rows from top to bottom, trimmed.
+    Inline(Name, Vec<Name>),
+    /// `map tiles from "file"`
+    Text(Name, Name),
+    /// `map vglc "file" legend …`
+    Vglc(Name, Legend),
+    /// `map level tiles`: the command line names the file.
+    Open(Name),
+    /// `map level legend …`: the command line names the file.
+    OpenLegend(Legend),
+}
+
+/// `legend "file" tile w x h { 'c': … }`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Legend {
+    /// The legend's file.
+    pub path: Name,
+    /// A tile's width, px.
+    pub width: Expr,
+    /// A tile's height, px.
+    pub height: Expr,
+    /// Tiles that differ from the legend.
+    pub tiles: Vec<Tile>,
+    /// The whole.
+    pub span: Span,
+}
+
+/// `place name: Entity at (x, y) { settings }`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Place {
+    /// The instance's name.
+    pub name: Name,
+    /// Its entity.
+    pub entity: Name,
+    /// Where it stands.
+    pub x: Expr,
+    /// Where it stands.
+    pub y: Expr,
+    /// Its own parameters and first values.
+    pub settings: Vec<Assignment>,
+    /// The whole.
+    pub span: Span,
+}
+
+/// `player 1: hero`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Player {
+    /// The player's number as written.
+    pub number: Name,
+    /// The instance it controls.
+    pub instance: Name,
+    /// The whole.
+    pub span: Span,
+}
+
+/// `goal name: predicate` or `never name: predicate`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Question {
+    /// Its name.
+    pub name: Name,
+    /// What is looked for.
+    pub predicate: Expr,
+}

@@ -22,9 +22,11 @@ pub struct Compilation {
 /// Compiles a file and what it imports.
 pub fn compile(root: &Path, files: &dyn Files) -> Compilation {
     let mut sources = SourceMap::new();
-    let (trees, mut diagnostics) = syntax::load(root, files, &mut sources);
+    let (mut trees, mut diagnostics) = syntax::load(root, files, &mut sources);
+    diagnostics.append(syntax::expand(&mut trees, &mut sources));
     let (checked, found) = sema::check(&trees);
     diagnostics.append(found);
+    diagnostics.trace(&sources);
     diagnostics.sort();
     let program = (!diagnostics.has_errors()).then(|| ir::lower(&checked));
     Compilation { sources, program, diagnostics }

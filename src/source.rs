@@ -43,8 +43,11 @@ impl Span {
         Span { file, start: start as u32, end: end as u32 }
     }
 
-    /// The smallest span around both; `other` must be of the same file.
+    /// The smallest span around both; this one if they are not of the same file.
     pub fn to(self, other: Span) -> Span {
+        if self.file != other.file {
+            return self;
+        }
         Span { file: self.file, start: self.start.min(other.start), end: self.end.max(other.end) }
     }
 
@@ -97,7 +100,12 @@ impl SourceFile {
 #[derive(Debug, Clone, Default)]
 pub struct SourceMap {
     files: Vec<SourceFile>,
+    /// Copies of what a file holds, put in place elsewhere: the file, and where it was put.
+    copies: Vec<(FileId, Span)>,
 }
+
+/// The ids from here on are those of copies.
+const FIRST_COPY: u32 = 1 << 31;
 
 impl SourceMap {
     /// An empty map.
@@ -115,14 +123,37 @@ impl SourceMap {
         id
     }
 
-    /// The file of an id that this map gave out.
+    /// The file of an id that this map gave out; of a copy: what it is a copy of.
     pub fn file(&self, id: FileId) -> &SourceFile {
-        &self.files[id.0 as usize]
+        &self.files[self.original(id).0 as usize]
+    }
+
+    /// An id for a copy of what a file holds, put in place elsewhere.
+    pub fn copy(&mut self, of: FileId, put_at: Span) -> FileId {
+        let of = self.original(of);
+        self.copies.push((of, put_at));
+        FileId(FIRST_COPY + self.copies.len() as u32 - 1)
+    }
+
+    fn original(&self, id: FileId) -> FileId {
+        let copy = id.0.checked_sub(FIRST_COPY).and_then(|c| self.copies.get(c as usize));
+        copy.map_or(id, |(of, _)| *of)
+    }
+
+    /// Where a span stands in the text, and where what it stands in was put in place, from the inside out.
+    pub fn trace(&self, span: Span) -> (Span, Vec<Span>) {
+        let mut places = Vec::new();
+        let mut at = span;
+        while let Some((_, put_at)) = at.file.0.checked_sub(FIRST_COPY).and_then(|c| self.copies.get(c as usize)) {
+            places.push(Span { file: self.original(put_at.file), ..*put_at });
+            at = *put_at;
+        }
+        (Span { file: self.original(span.file), ..span }, places)
     }
 
     /// The text under a span, or nothing if the span is not of this map.
     pub fn slice(&self, span: Span) -> &str {
-        self.files.get(span.file.0 as usize).and_then(|f| f.text.get(span.range())).unwrap_or("")
+        self.files.get(self.original(span.file).0 as usize).and_then(|f| f.text.get(span.range())).unwrap_or("")
     }
 
     /// All files with their ids.

@@ -3,10 +3,11 @@
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 
+use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::file::Unreadable;
-use crate::diagnostic::catalogue::run::NoQuestion;
-use crate::ir::{Program, WorldId};
-use crate::sim::{Fault, Input, Script, Simulator, TraceWriter, parse_script};
+use crate::diagnostic::catalogue::run::{BrokenInvariant, NoQuestion, RefusedSpawn};
+use crate::ir::{Domain, Origin, Program, SlotId, SpawnId, WorldId};
+use crate::sim::{Fault, Input, Scratch, Script, Simulator, TraceWriter, parse_script};
 use crate::source::Files;
 
 use super::Answer;
@@ -45,8 +46,9 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Answer> {
         None => None,
     };
     let mut report = Report::new(&sim);
-    let result = drive(&sim, &script, frames, &mut |step, input, state| {
+    let result = drive(&sim, &script, frames, &mut |step, input, state, scratch| {
         report.observe(step, state);
+        report.note(step, scratch, state);
         trace.as_mut().map_or(Ok(()), |t| t.state(step, input, state))
     })?;
     if let Some(trace) = trace {
@@ -56,6 +58,7 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Answer> {
     if !to_stdout {
         write!(io::stdout(), "{}", report.text(&args.file.display().to_string()))?;
     }
+    show(&loaded.sources, &report.findings(&loaded.program, world))?;
     if let Err((fault, step)) = result {
         show_fact(&loaded.sources, fault.fact(&loaded.program, world, step))?;
         return Ok(Answer::No);
@@ -89,7 +92,7 @@ fn script(args: &SimArgs, loaded: &mut Loaded, world: WorldId) -> io::Result<Opt
 }
 
 /// Shown the number of a step, its input and the state after it.
-type See<'a> = dyn FnMut(u64, &Input, &[u8]) -> io::Result<()> + 'a;
+type See<'a> = dyn FnMut(u64, &Input, &[u8], &Scratch) -> io::Result<()> + 'a;
 
 /// Runs so many steps and shows every state, the initial one first. A fault comes with its step.
 fn drive(sim: &Simulator<'_>, script: &Script, frames: u64, see: &mut See<'_>) -> io::Result<Result<(), (Fault, u64)>> {
@@ -99,13 +102,13 @@ fn drive(sim: &Simulator<'_>, script: &Script, frames: u64, see: &mut See<'_>) -
         Ok(state) => state,
         Err(fault) => return Ok(Err((fault, 0))),
     };
-    see(0, &nothing, &state)?;
+    see(0, &nothing, &state, &scratch)?;
     let inputs = script.inputs().chain(std::iter::repeat(&nothing));
     for (step, input) in (1..=frames).zip(inputs) {
         if let Err(fault) = sim.step(&mut state, input, &mut scratch) {
             return Ok(Err((fault, step)));
         }
-        see(step, input, &state)?;
+        see(step, input, &state, &scratch)?;
     }
     Ok(Ok(()))
 }
@@ -115,6 +118,10 @@ struct Report<'s> {
     sim: &'s Simulator<'s>,
     goals: Vec<Option<u64>>,
     nevers: Vec<Option<u64>>,
+    /// The first broken invariant: the step, whose, and its number.
+    broken: Option<(u64, SlotId, usize)>,
+    /// Each spawn that was refused, with the first step at which it was.
+    refused: Vec<(u64, SlotId, SpawnId)>,
     steps: u64,
     last: Vec<u8>,
 }
@@ -126,6 +133,8 @@ impl<'s> Report<'s> {
             sim,
             goals: vec![None; world.goals.len()],
             nevers: vec![None; world.nevers.len()],
+            broken: None,
+            refused: Vec::new(),
             steps: 0,
             last: Vec::new(),
         }
@@ -144,8 +153,41 @@ impl<'s> Report<'s> {
         self.last.extend_from_slice(state);
     }
 
+    /// Notes what the simulator reports beside the state.
+    fn note(&mut self, step: u64, scratch: &Scratch, state: &[u8]) {
+        if let Some((slot, spawn)) = self.sim.refused(scratch) {
+            let entity = |s: SlotId| self.sim.world().slots[s].entity;
+            let known = self.refused.iter().any(|(_, s, x)| (entity(*s), *x) == (entity(slot), spawn));
+            if !known {
+                self.refused.push((step, slot, spawn));
+            }
+        }
+        if self.broken.is_none()
+            && let Ok(Some((slot, invariant))) = self.sim.broken_invariant(state)
+        {
+            self.broken = Some((step, slot, invariant));
+        }
+    }
+
+    /// What is to be said of it.
+    fn findings(&self, program: &Program, world: WorldId) -> Diagnostics {
+        let slots = &program.worlds[world].slots;
+        let mut out = Diagnostics::new();
+        for &(step, slot, spawn) in &self.refused {
+            let of = slots[slot].entity;
+            let entity = program.entities[program.entities[of].spawns[spawn].entity].name.clone();
+            let at = program.spans.entities[of].spawns[spawn];
+            out.report(RefusedSpawn { at, instance: slots[slot].name.clone(), entity, step });
+        }
+        if let Some((step, slot, invariant)) = self.broken {
+            let at = program.spans.entities[slots[slot].entity].invariants[invariant];
+            out.report(BrokenInvariant { at, instance: slots[slot].name.clone(), step });
+        }
+        out
+    }
+
     fn violated(&self) -> bool {
-        self.nevers.iter().any(Option::is_some)
+        self.nevers.iter().any(Option::is_some) || self.broken.is_some()
     }
 
     fn text(&self, file: &str) -> String {
@@ -155,10 +197,18 @@ impl<'s> Report<'s> {
         if self.last.is_empty() {
             return out;
         }
-        let width = world.slots.iter().map(|s| s.name.chars().count()).max().unwrap_or(0);
+        let shown = |id: &SlotId| world.slots[*id].origin == Origin::Named || world.layout.slots[*id].alive(&self.last);
+        let shown = world.slots.ids().filter(shown);
+        let width = shown.map(|id| world.slots[id].name.chars().count()).max().unwrap_or(0);
         for (id, slot) in world.slots.pairs() {
             let entity = &program.entities[slot.entity];
             let layout = &world.layout.slots[id];
+            if !layout.alive(&self.last) {
+                if slot.origin == Origin::Named {
+                    out.push_str(&format!("  {:width$}  (destroyed)\n", slot.name));
+                }
+                continue;
+            }
             let modes: Vec<&str> = entity
                 .groups
                 .ids()
@@ -173,7 +223,19 @@ impl<'s> Report<'s> {
                 })
                 .collect();
             let discretes = entity.discretes.pairs();
-            values.extend(discretes.map(|(d, v)| format!("{} = {}", v.name, layout.discrete(&self.last, d))));
+            values.extend(discretes.map(|(d, v)| {
+                let value = layout.discrete(&self.last, d);
+                let word = match &v.domain {
+                    Domain::Int => value.to_string(),
+                    Domain::Bool => (value != 0).to_string(),
+                    Domain::Set(names) => names.get(value as usize).cloned().unwrap_or_default(),
+                };
+                format!("{} = {word}", v.name)
+            }));
+            values.extend(entity.refs.pairs().map(|(r, reference)| {
+                let target = layout.reference(&self.last, r).map_or("none", |t| &world.slots[t].name);
+                format!("{} = {target}", reference.name)
+            }));
             out.push_str(&format!("  {:width$}  {}  {}\n", slot.name, modes.join(", "), values.join(", ")));
         }
         for (first, goal) in self.goals.iter().zip(world.goals.iter()) {

@@ -52,6 +52,7 @@ codes! {
     DuplicateName Error "E0202" "a name is declared twice"
     AmbiguousMode Error "E0203" "a mode's name fits several modes"
     ImportCycle Error "E0204" "files import each other"
+    BehaviorCycle Error "E0205" "behaviours use each other"
 
     TypeMismatch Error "E0301" "a value is of the wrong type"
     DimensionConflict Error "E0302" "a value is used with two dimensions"

@@ -11,7 +11,7 @@ mod similar;
 pub use code::Code;
 pub use similar::similar;
 
-use crate::source::Span;
+use crate::source::{SourceMap, Span};
 
 /// How bad it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -78,6 +78,27 @@ impl Diagnostic {
         self
     }
 
+    /// Moves labels from what was put in place by `use` to the text itself, and adds where it was put.
+    #[must_use]
+    pub fn traced(mut self, sources: &SourceMap) -> Self {
+        let mut used: Vec<Span> = Vec::new();
+        for label in self.primary.iter_mut().chain(&mut self.secondary) {
+            let (span, places) = sources.trace(label.span);
+            label.span = span;
+            for place in places {
+                if !used.contains(&place) {
+                    used.push(place);
+                }
+            }
+        }
+        for place in used {
+            if !self.secondary.iter().chain(&self.primary).any(|l| l.span == place) {
+                self = self.and(place, "put in place here");
+            }
+        }
+        self
+    }
+
     /// Adds a way out.
     #[must_use]
     pub fn help(mut self, text: impl Into<String>) -> Self {
@@ -130,6 +151,11 @@ impl Diagnostics {
     pub fn counts(&self) -> (usize, usize) {
         let errors = self.list.iter().filter(|d| d.severity == Severity::Error).count();
         (errors, self.list.len() - errors)
+    }
+
+    /// Points at the text itself where code was put in place by `use`, and at the `use`.
+    pub fn trace(&mut self, sources: &SourceMap) {
+        self.list = std::mem::take(&mut self.list).into_iter().map(|d| d.traced(sources)).collect();
     }
 
     /// Sorts by file and place, those without a place first; equal findings become one.

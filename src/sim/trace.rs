@@ -142,6 +142,10 @@ impl Serialize for Instance<'_> {
                 }
             }
         }
+        for (id, reference) in entity.refs.pairs() {
+            let target = layout.reference(self.state, id).map(|t| &world.slots[t].name);
+            map.serialize_entry(&reference.name, &target)?;
+        }
         if !entity.timers.is_empty() {
             let timers: std::collections::BTreeMap<&str, f64> = entity
                 .timers

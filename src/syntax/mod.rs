@@ -7,15 +7,18 @@ pub mod ast;
 mod ast_world;
 mod build;
 mod build_world;
+mod expand;
 mod expression;
 mod import;
 mod mend;
 mod message;
 mod scan;
+mod substitute;
 
 use crate::diagnostic::Diagnostics;
 use crate::source::FileId;
 
+pub use expand::{MAX_PUT, expand};
 use grammar::{Grammar, Rule};
 pub use import::load;
 pub use scan::{MAX_NESTING, MAX_OPERATORS, MAX_WORD};

@@ -283,8 +283,11 @@ impl<'a> Scanner<'a> {
         self.continues = true;
         if self.operators > MAX_OPERATORS {
             self.within_limits = false;
-            self.diagnostics
-                .report(ExpressionTooLong { at: Span::new(self.file, i, i + length), limit: MAX_OPERATORS });
+            self.diagnostics.report(ExpressionTooLong {
+                at: Span::new(self.file, i, i + length),
+                limit: MAX_OPERATORS,
+                unread: true,
+            });
         }
         i + length
     }

@@ -209,7 +209,11 @@ pub fn with_contacts(sim: &Simulator<'_>, state: &[u8], record: &Record) -> Vec<
     let mut state = state.to_vec();
     for (slot, s) in sim.world().slots.pairs() {
         let touches = sim.program().entities[s.entity].touches.len();
-        sim.world().layout.slots[slot].clear_touches(&mut state, touches);
+        sim.world().layout.slots[slot].clear_touches(
+            &mut state,
+            touches,
+            sim.program().entities[sim.world().slots[slot].entity].bound,
+        );
     }
     for contact in &record.contacts {
         let (slot, side) = (SlotId::from_index(contact.first), contact.side());

@@ -73,3 +73,20 @@ impl Fact for AmbiguousMode {
         d
     }
 }
+
+/// Behaviours that use each other.
+pub struct BehaviorCycle {
+    /// The `use` that closes the cycle.
+    pub at: Span,
+    /// The behaviours on the cycle, the first also at the end.
+    pub names: Vec<String>,
+}
+
+impl Fact for BehaviorCycle {
+    fn word(self) -> Diagnostic {
+        let chain: Vec<String> = self.names.iter().map(|n| format!("`{n}`")).collect();
+        Diagnostic::new(Code::BehaviorCycle, format!("behaviours use each other: {}", chain.join(" → ")))
+            .at(self.at, "this use closes the cycle")
+            .help("move what both need into a third behaviour")
+    }
+}

@@ -90,14 +90,20 @@ pub struct ExpressionTooLong {
     pub at: Span,
     /// How many there may be.
     pub limit: usize,
+    /// Whether the rest of the file was not read.
+    pub unread: bool,
 }
 
 impl Fact for ExpressionTooLong {
     fn word(self) -> Diagnostic {
-        Diagnostic::new(Code::ExpressionTooLong, format!("an expression has more than {} operators", self.limit))
-            .at(self.at, "one operator too many")
-            .help("name parts of it with `const` or `param`")
-            .note("nothing after this place was checked")
+        let d =
+            Diagnostic::new(Code::ExpressionTooLong, format!("an expression has more than {} operators", self.limit))
+                .at(
+                    self.at,
+                    if self.unread { "one operator too many" } else { "too long with its arguments put in place" },
+                )
+                .help("name parts of it with `const` or `param`");
+        if self.unread { d.note("nothing after this place was checked") } else { d }
     }
 }
 

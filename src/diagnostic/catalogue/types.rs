@@ -138,3 +138,27 @@ impl Fact for OutOfRange {
             .at(self.at, format!("must be within {}", self.range))
     }
 }
+
+/// A `use` that leaves out arguments.
+pub struct MissingArguments {
+    /// The `use`.
+    pub at: Span,
+    /// The behaviour.
+    pub name: String,
+    /// Its parameters that get none.
+    pub missing: Vec<String>,
+    /// Where it is declared.
+    pub declared: Span,
+}
+
+impl Fact for MissingArguments {
+    fn word(self) -> Diagnostic {
+        let missing: Vec<String> = self.missing.iter().map(|m| format!("`{m}`")).collect();
+        let usage: Vec<String> = self.missing.iter().map(|m| format!("{m} = …")).collect();
+        let message = format!("`use {}` leaves out {}", self.name, super::list(&missing, "and"));
+        Diagnostic::new(Code::WrongArguments, message)
+            .at(self.at, "arguments are missing")
+            .and(self.declared, "declared here")
+            .help(format!("add `{}`", usage.join(", ")))
+    }
+}

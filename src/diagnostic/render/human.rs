@@ -51,6 +51,7 @@ pub fn human<'d>(sources: &SourceMap, diagnostics: impl IntoIterator<Item = &'d 
     let mut excerpts = Excerpts { map: sources, made: sources.iter().map(|_| None).collect() };
     let mut out = String::new();
     for d in diagnostics {
+        let d = &d.clone().traced(sources);
         out.push_str(&header(d, color));
         if let Some(primary) = d.primary.as_ref().filter(|_| is_printable(sources, d)) {
             let mut text = Vec::new();

@@ -40,6 +40,7 @@ pub fn short<'d>(sources: &SourceMap, diagnostics: impl IntoIterator<Item = &'d 
     let files = Sources(sources);
     let mut out = String::new();
     for d in diagnostics {
+        let d = &d.clone().traced(sources);
         let report = match d.severity {
             Severity::Error => Report::error(),
             Severity::Warning => Report::warning(),

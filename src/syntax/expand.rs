@@ -1,0 +1,242 @@
+//! Behaviours: every `use` is replaced by a copy of what the behaviour holds, its parameters by the arguments.
+//!
+//! The copy lives in a file of its own in the source map, which shows the behaviour's text and remembers the `use`, so
+//! that findings point at both. Names inside mean what they mean where the behaviour is used.
+
+use std::collections::BTreeMap;
+
+use crate::diagnostic::catalogue::file::TooMany;
+use crate::diagnostic::catalogue::names::{BehaviorCycle, DuplicateName, UnknownName};
+use crate::diagnostic::catalogue::syntax::ExpressionTooLong;
+use crate::diagnostic::catalogue::types::MissingArguments;
+use crate::diagnostic::{Diagnostics, similar};
+use crate::source::{SourceMap, Span};
+
+use super::ast::{Behavior, Expr, File, Item, Member, Use};
+use super::scan::MAX_OPERATORS;
+use super::substitute::Substitution;
+
+/// The most members that behaviours may put in place in one program.
+pub const MAX_PUT: usize = 200_000;
+
+/// Puts all behaviours in place.
+pub fn expand(files: &mut [File], sources: &mut SourceMap) -> Diagnostics {
+    let mut behaviors: BTreeMap<String, Behavior> = BTreeMap::new();
+    let mut diagnostics = Diagnostics::new();
+    for behavior in files.iter().flat_map(|f| &f.items).filter_map(|i| match i {
+        Item::Behavior(behavior) => Some(behavior),
+        _ => None,
+    }) {
+        match behaviors.get(&behavior.name.text) {
+            Some(first) => diagnostics.report(DuplicateName {
+                kind: "behavior",
+                name: behavior.name.text.clone(),
+                first: first.name.span,
+                second: behavior.name.span,
+            }),
+            None => {
+                behaviors.insert(behavior.name.text.clone(), behavior.clone());
+            }
+        }
+        for (index, parameter) in behavior.parameters.iter().enumerate() {
+            if let Some(first) = behavior.parameters[..index].iter().find(|p| p.text == parameter.text) {
+                let name = parameter.text.clone();
+                let (first, second) = (first.span, parameter.span);
+                diagnostics.report(DuplicateName { kind: "parameter", name, first, second });
+            }
+        }
+    }
+    let suspects = files.iter().flat_map(|f| &f.broken).flat_map(|b| b.names.iter().cloned()).collect();
+    let mut expander = Expander { behaviors, suspects, sources, diagnostics, active: Vec::new(), put: 0 };
+    expander.cycles();
+    for item in files.iter_mut().flat_map(|f| &mut f.items) {
+        if let Item::Entity(entity) = item {
+            expander.members(&mut entity.members);
+        }
+    }
+    expander.diagnostics
+}
+
+struct Expander<'a> {
+    behaviors: BTreeMap<String, Behavior>,
+    /// Names that broken slices would have declared.
+    suspects: Vec<String>,
+    sources: &'a mut SourceMap,
+    diagnostics: Diagnostics,
+    /// The behaviours that are being put in place.
+    active: Vec<String>,
+    /// How many members were put in place.
+    put: usize,
+}
+
+impl Expander<'_> {
+    /// Reports every cycle of behaviours that use each other, once.
+    fn cycles(&mut self) {
+        let mut uses: BTreeMap<&str, Vec<(&str, Span)>> = BTreeMap::new();
+        for (name, behavior) in &self.behaviors {
+            let mut inner = Vec::new();
+            collect(&behavior.members, &mut inner);
+            uses.insert(name, inner);
+        }
+        let mut done: Vec<&str> = Vec::new();
+        let mut found = Vec::new();
+        for &start in uses.keys() {
+            // A walk with its own stack: who is on the way, and which of its uses comes next.
+            let mut way: Vec<(&str, usize)> = vec![(start, 0)];
+            while let Some((name, next)) = way.last_mut() {
+                let Some(&(inner, span)) = uses.get(name).and_then(|u| u.get(*next)) else {
+                    done.push(name);
+                    way.pop();
+                    continue;
+                };
+                *next += 1;
+                if let Some(first) = way.iter().position(|(n, _)| *n == inner) {
+                    let mut names: Vec<String> = way[first..].iter().map(|(n, _)| (*n).to_string()).collect();
+                    names.push(inner.to_string());
+                    found.push(BehaviorCycle { at: span, names });
+                } else if !done.contains(&inner) && uses.contains_key(inner) {
+                    way.push((inner, 0));
+                }
+            }
+        }
+        for cycle in found {
+            self.diagnostics.report(cycle);
+        }
+    }
+
+    /// Replaces every `use` among some members, and in the modes and groups among them.
+    fn members(&mut self, members: &mut Vec<Member>) {
+        if !has_use(members) {
+            return;
+        }
+        for member in std::mem::take(members) {
+            match member {
+                Member::Use(put) => members.extend(self.put(&put)),
+                Member::Mode(mut mode) => {
+                    self.members(&mut mode.members);
+                    members.push(Member::Mode(mode));
+                }
+                Member::Group(mut group) => {
+                    self.members(&mut group.members);
+                    members.push(Member::Group(group));
+                }
+                other => members.push(other),
+            }
+        }
+    }
+
+    /// What a `use` stands for.
+    fn put(&mut self, put: &Use) -> Vec<Member> {
+        let name = &put.behavior.text;
+        let Some(behavior) = self.behaviors.get(name).cloned() else {
+            if !self.suspects.iter().any(|s| s == name || s == "*") {
+                let known = || self.behaviors.keys().map(String::as_str);
+                self.diagnostics.report(UnknownName {
+                    kind: "behavior",
+                    name: name.clone(),
+                    at: put.behavior.span,
+                    near: similar(name, known()),
+                    known: known().map(str::to_string).collect(),
+                });
+            }
+            return Vec::new();
+        };
+        if self.active.contains(name) {
+            return Vec::new(); // a cycle, which is reported
+        }
+        let before = self.put;
+        self.put += 1 + size(&behavior.members);
+        if self.put > MAX_PUT {
+            if before <= MAX_PUT {
+                let (count, limit) = (self.put as u64, MAX_PUT as u64);
+                self.diagnostics.report(TooMany { what: "members by `use`".into(), count, limit, at: put.span });
+            }
+            return Vec::new();
+        }
+        let Some(arguments) = self.arguments(put, &behavior) else { return Vec::new() };
+        let copy = self.sources.copy(behavior.name.span.file, put.span);
+        let mut substitution = Substitution { from: behavior.name.span.file, to: copy, arguments, too_long: None };
+        let mut members = behavior.members;
+        members.iter_mut().for_each(|m| substitution.member(m));
+        if let Some(at) = substitution.too_long {
+            self.diagnostics.report(ExpressionTooLong { at, limit: MAX_OPERATORS, unread: false });
+            return Vec::new();
+        }
+        self.active.push(behavior.name.text);
+        self.members(&mut members);
+        self.active.pop();
+        members
+    }
+
+    /// The argument of each parameter.
+    fn arguments(&mut self, put: &Use, behavior: &Behavior) -> Option<Vec<(String, Expr)>> {
+        let mut arguments: Vec<(String, Expr)> = Vec::new();
+        let mut places: Vec<(&str, Span)> = Vec::new();
+        let mut fits = true;
+        for argument in &put.arguments {
+            let (name, at) = (&argument.variable.name.text, argument.variable.span);
+            let known = behavior.parameters.iter().any(|p| p.text == *name) && argument.variable.primes == 0;
+            if !known {
+                fits = false;
+                self.diagnostics.report(UnknownName {
+                    kind: "parameter",
+                    name: name.clone(),
+                    at,
+                    near: similar(name, behavior.parameters.iter().map(|p| p.text.as_str())),
+                    known: behavior.parameters.iter().map(|p| p.text.clone()).collect(),
+                });
+                continue;
+            }
+            if let Some((_, first)) = places.iter().find(|(n, _)| n == name) {
+                let (name, first) = (name.clone(), *first);
+                self.diagnostics.report(DuplicateName { kind: "argument", name, first, second: at });
+                continue;
+            }
+            places.push((name, at));
+            arguments.push((name.clone(), argument.value.clone()));
+        }
+        let missing: Vec<String> = behavior
+            .parameters
+            .iter()
+            .filter(|p| !places.iter().any(|(n, _)| *n == p.text))
+            .map(|p| p.text.clone())
+            .collect();
+        if !missing.is_empty() && fits {
+            fits = false;
+            let name = behavior.name.text.clone();
+            self.diagnostics.report(MissingArguments { at: put.span, name, missing, declared: behavior.name.span });
+        }
+        fits.then_some(arguments)
+    }
+}
+
+fn has_use(members: &[Member]) -> bool {
+    members.iter().any(|m| match m {
+        Member::Use(_) => true,
+        Member::Mode(mode) => has_use(&mode.members),
+        Member::Group(group) => has_use(&group.members),
+        _ => false,
+    })
+}
+
+/// The number of members, those inside included.
+fn size(members: &[Member]) -> usize {
+    let inside = members.iter().map(|m| match m {
+        Member::Mode(mode) => size(&mode.members),
+        Member::Group(group) => size(&group.members),
+        _ => 0,
+    });
+    members.len() + inside.sum::<usize>()
+}
+
+/// The names and places of all uses among some members.
+fn collect<'a>(members: &'a [Member], out: &mut Vec<(&'a str, Span)>) {
+    for member in members {
+        match member {
+            Member::Use(put) => out.push((&put.behavior.text, put.span)),
+            Member::Mode(mode) => collect(&mode.members, out),
+            Member::Group(group) => collect(&group.members, out),
+            _ => {}
+        }
+    }
+}

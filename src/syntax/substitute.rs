@@ -1,0 +1,287 @@
+//! A copy of what a behaviour holds: spans move to the copy's file, parameters become their arguments.
+
+use crate::source::{FileId, Span};
+
+use super::ast::{
+    Assignment, Constant, Domain, Expr, ExprKind, Initial, Member, Name, Path, RampKind, Rate, Update, Variable,
+};
+use super::scan::MAX_OPERATORS;
+
+/// What changes in a copy.
+pub(super) struct Substitution {
+    /// The file of the behaviour.
+    pub from: FileId,
+    /// The file of the copy.
+    pub to: FileId,
+    /// What the parameters stand for.
+    pub arguments: Vec<(String, Expr)>,
+    /// The first expression that became too long.
+    pub too_long: Option<Span>,
+}
+
+impl Substitution {
+    fn span(&self, span: &mut Span) {
+        if span.file == self.from {
+            span.file = self.to;
+        }
+    }
+
+    fn name(&self, name: &mut Name) {
+        self.span(&mut name.span);
+    }
+
+    fn variable(&self, variable: &mut Variable) {
+        self.name(&mut variable.name);
+        self.span(&mut variable.span);
+    }
+
+    /// A path whose first name is a parameter that stands for a path.
+    fn path(&self, path: &mut Path) {
+        path.segments.iter_mut().for_each(|s| self.name(s));
+        self.span(&mut path.span);
+        let argument = path.segments.first().and_then(|first| self.argument(&first.text));
+        if let Some(Expr { kind: ExprKind::Path(inner), .. }) = argument
+            && inner.primes == 0
+        {
+            path.segments.splice(..1, inner.segments.iter().cloned());
+        }
+    }
+
+    fn argument(&self, name: &str) -> Option<&Expr> {
+        self.arguments.iter().find(|(n, _)| n == name).map(|(_, e)| e)
+    }
+
+    /// A member and all inside it.
+    pub fn member(&mut self, member: &mut Member) {
+        match member {
+            Member::Parameter(p) => self.constant(p),
+            Member::Continuous(c) => {
+                self.name(&mut c.name);
+                if let Some(d) = &mut c.dimension {
+                    self.span(&mut d.span);
+                    d.factors.iter_mut().for_each(|(n, _)| self.name(n));
+                }
+                c.initial.iter_mut().for_each(|e| self.whole(e));
+            }
+            Member::Discrete(d) => {
+                self.name(&mut d.name);
+                match &mut d.domain {
+                    Domain::Int(low, high) => {
+                        self.whole(low);
+                        self.whole(high);
+                    }
+                    Domain::Set(names) => names.iter_mut().for_each(|n| self.name(n)),
+                    Domain::Bool => {}
+                }
+                self.whole(&mut d.initial);
+            }
+            Member::Buttons(names, span) | Member::Axes(names, span) => {
+                names.iter_mut().for_each(|n| self.name(n));
+                self.span(span);
+            }
+            Member::Collider(c) => {
+                c.tags.iter_mut().for_each(|t| self.name(t));
+                self.name(&mut c.shape);
+                c.arguments.iter_mut().chain(&mut c.guard).for_each(|e| self.whole(e));
+                self.span(&mut c.span);
+            }
+            Member::Group(g) => {
+                self.name(&mut g.name);
+                g.members.iter_mut().for_each(|m| self.member(m));
+                self.span(&mut g.span);
+            }
+            Member::Mode(m) => {
+                if let Initial::When(guard) = &mut m.initial {
+                    self.whole(guard);
+                }
+                self.name(&mut m.name);
+                m.members.iter_mut().for_each(|m| self.member(m));
+                self.span(&mut m.span);
+            }
+            Member::Reference(r) => {
+                self.name(&mut r.name);
+                self.name(&mut r.entity);
+            }
+            Member::Clamp(c) => {
+                self.variable(&mut c.variable);
+                c.low.iter_mut().chain(&mut c.high).for_each(|e| self.whole(e));
+                self.span(&mut c.span);
+            }
+            Member::Invariant(i) => {
+                self.whole(&mut i.predicate);
+                self.span(&mut i.span);
+            }
+            Member::Flow(a) => self.assignment(a),
+            Member::Entry(u) => self.update(u),
+            Member::Edge(e) => {
+                self.whole(&mut e.guard);
+                e.target.iter_mut().for_each(|t| self.path(t));
+                e.updates.iter_mut().for_each(|u| self.update(u));
+                self.span(&mut e.span);
+            }
+            Member::Envelope(e) => {
+                e.controlled.iter_mut().for_each(|v| self.variable(v));
+                e.by.iter_mut().for_each(|e| self.whole(e));
+                e.directions.iter_mut().for_each(|n| self.name(n));
+                for ramp in &mut e.ramps {
+                    self.ramp(&mut ramp.kind);
+                    self.span(&mut ramp.span);
+                }
+                self.span(&mut e.span);
+            }
+            Member::Follow(f) => {
+                f.guard.iter_mut().for_each(|e| self.whole(e));
+                f.updates.iter_mut().for_each(|u| self.update(u));
+                self.span(&mut f.span);
+            }
+            Member::Use(u) => {
+                self.name(&mut u.behavior);
+                u.arguments.iter_mut().for_each(|a| self.assignment(a));
+                self.span(&mut u.span);
+            }
+        }
+    }
+
+    fn constant(&mut self, constant: &mut Constant) {
+        self.name(&mut constant.name);
+        if let Some(d) = &mut constant.dimension {
+            self.span(&mut d.span);
+            d.factors.iter_mut().for_each(|(n, _)| self.name(n));
+        }
+        self.whole(&mut constant.value);
+    }
+
+    fn assignment(&mut self, a: &mut Assignment) {
+        self.variable(&mut a.variable);
+        self.whole(&mut a.value);
+        self.span(&mut a.span);
+    }
+
+    fn update(&mut self, update: &mut Update) {
+        match update {
+            Update::Assign(a) => self.assignment(a),
+            Update::Spawn(s) => {
+                s.into.iter_mut().for_each(|v| self.variable(v));
+                self.name(&mut s.entity);
+                s.settings.iter_mut().for_each(|a| self.assignment(a));
+                self.span(&mut s.span);
+            }
+            Update::Destroy(d) => {
+                self.whole(&mut d.what);
+                self.span(&mut d.span);
+            }
+        }
+    }
+
+    fn ramp(&mut self, ramp: &mut RampKind) {
+        match ramp {
+            RampKind::Attack(rate, level) => {
+                self.rate(rate);
+                level.iter_mut().for_each(|e| self.whole(e));
+            }
+            RampKind::Decay(rate) => self.rate(rate),
+            RampKind::Sustain(e) | RampKind::SustainFor(e) | RampKind::While(e) => self.whole(e),
+            RampKind::Release(rate, level) => {
+                rate.iter_mut().for_each(|r| self.rate(r));
+                level.iter_mut().for_each(|e| self.whole(e));
+            }
+            RampKind::ReleaseHold => {}
+        }
+    }
+
+    fn rate(&mut self, rate: &mut Rate) {
+        if let Rate::Accel(e) | Rate::Over(e) = rate {
+            self.whole(e);
+        }
+    }
+
+    /// A whole expression; it must not become too long.
+    fn whole(&mut self, e: &mut Expr) {
+        let mut operators = 0;
+        self.expression(e, &mut operators);
+        if operators > MAX_OPERATORS && self.too_long.is_none() {
+            self.too_long = Some(e.span);
+        }
+    }
+
+    /// An expression; adds up its operators.
+    fn expression(&mut self, e: &mut Expr, operators: &mut usize) {
+        self.span(&mut e.span);
+        if let ExprKind::Path(path) = &mut e.kind {
+            let only = path.segments.first().filter(|_| path.segments.len() == 1 && path.primes == 0);
+            let Some(argument) = only.and_then(|name| self.argument(&name.text)) else {
+                self.path(path);
+                return;
+            };
+            *operators += count(argument);
+            // The argument stands in parentheses of its own, except for names: those of buttons and tags are no values.
+            *e = match argument.kind {
+                ExprKind::Path(_) | ExprKind::Text(_) => argument.clone(),
+                _ => Expr { kind: ExprKind::Paren(Box::new(argument.clone())), span: e.span },
+            };
+            return;
+        }
+        match &mut e.kind {
+            ExprKind::Number(..)
+            | ExprKind::Bool(_)
+            | ExprKind::NoneRef
+            | ExprKind::SelfRef
+            | ExprKind::Timer
+            | ExprKind::Text(_)
+            | ExprKind::Path(_) => {}
+            ExprKind::Call(name, arguments, binding) => {
+                self.name(name);
+                binding.iter_mut().for_each(|b| self.name(b));
+                arguments.iter_mut().for_each(|a| self.expression(a, operators));
+            }
+            ExprKind::InMode(path) => self.path(path),
+            ExprKind::Any(name) => self.name(name),
+            ExprKind::Point(a, b) => {
+                self.expression(a, operators);
+                self.expression(b, operators);
+            }
+            ExprKind::Paren(a) => self.expression(a, operators),
+            ExprKind::Negate(a) | ExprKind::Not(a) => {
+                *operators += 1;
+                self.expression(a, operators);
+            }
+            ExprKind::Binary(_, a, b) => {
+                *operators += 1;
+                self.expression(a, operators);
+                self.expression(b, operators);
+            }
+            ExprKind::Compare(a, rest) => {
+                self.expression(a, operators);
+                for (_, b) in rest {
+                    *operators += 1;
+                    self.expression(b, operators);
+                }
+            }
+            ExprKind::In(a, path) => {
+                self.expression(a, operators);
+                self.path(path);
+            }
+            ExprKind::Is(a, name) => {
+                self.expression(a, operators);
+                name.iter_mut().for_each(|n| self.name(n));
+            }
+            ExprKind::Touching(a, name) => {
+                self.expression(a, operators);
+                self.name(name);
+            }
+        }
+    }
+}
+
+/// The number of operators of an expression.
+fn count(e: &Expr) -> usize {
+    match &e.kind {
+        ExprKind::Call(_, arguments, _) => arguments.iter().map(count).sum(),
+        ExprKind::Point(a, b) => count(a) + count(b),
+        ExprKind::Paren(a) | ExprKind::In(a, _) | ExprKind::Is(a, _) | ExprKind::Touching(a, _) => count(a),
+        ExprKind::Negate(a) | ExprKind::Not(a) => 1 + count(a),
+        ExprKind::Binary(_, a, b) => 1 + count(a) + count(b),
+        ExprKind::Compare(a, rest) => count(a) + rest.iter().map(|(_, b)| 1 + count(b)).sum::<usize>(),
+        _ => 0,
+    }
+}

@@ -25,6 +25,7 @@ pub fn lower(checked: &Checked) -> Program {
         entity_code(&mut program, id, entity);
         let to = ExprId::from_index(program.exprs.len());
         program.timer_thresholds(id, from, to);
+        program.entities[id].code = (from, to);
     }
     // Contact questions of every world, before any layout counts them.
     let predicates: Vec<_> = checked.worlds.iter().map(|w| world::predicates(&mut program, w)).collect();
@@ -77,6 +78,7 @@ fn shell(e: &checked::Entity) -> Entity {
         order: e.order.clone(),
         free: Vec::new(),
         inputs: Inputs::default(),
+        code: (ExprId(0), ExprId(0)),
     }
 }
 

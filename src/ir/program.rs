@@ -178,6 +178,8 @@ pub struct Entity {
     pub free: Vec<Drive>,
     /// Inputs that it reads in whatever mode.
     pub inputs: Inputs,
+    /// Its code in the arena: from the first expression to before the second.
+    pub code: (ExprId, ExprId),
 }
 
 /// A parameter.

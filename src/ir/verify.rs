@@ -104,7 +104,9 @@ fn verify_entity(program: &Program, entity: &Entity) {
         order,
         free,
         inputs: _,
+        code,
     } = entity;
+    assert!(code.0 <= code.1 && code.1.index() <= program.exprs.len(), "an entity's code is of the arena");
     assert!(buttons.len() <= 64 && axes.len() <= 8, "inputs fit their masks");
     params.iter().for_each(|p| expr(p.default));
     assert_eq!(first.len(), vars.len(), "a first value for each variable");

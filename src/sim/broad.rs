@@ -2,8 +2,6 @@
 //! along the axis on which they are spread out more and swept (Baraff, *Dynamic Simulation of Non-Penetrating Rigid
 //! Bodies*, 1992), so that the cost grows with the boxes and their neighbours, not with their square.
 
-use crate::ir::Meeting;
-
 use super::contact::Rect;
 
 /// Up to so many pairs are kept as a list.
@@ -13,19 +11,19 @@ const MAX_LISTED: usize = 64;
 #[derive(Debug)]
 pub(super) enum Broad {
     /// All of them.
-    Listed(Vec<(u32, u32, Meeting)>),
+    Listed(Vec<(u32, u32)>),
     /// Found anew in every step.
     Swept,
 }
 
 impl Broad {
-    /// Prepares so many bodies; `meeting` tells how two of them meet.
-    pub fn new(bodies: usize, meeting: impl Fn(usize, usize) -> Option<Meeting>) -> Self {
+    /// Prepares so many bodies; `meet` tells whether two of them can.
+    pub fn new(bodies: usize, meet: impl Fn(usize, usize) -> bool) -> Self {
         let mut listed = Vec::new();
         for i in 0..bodies {
             for j in i + 1..bodies {
-                if let Some(meeting) = meeting(i, j) {
-                    listed.push((i as u32, j as u32, meeting));
+                if meet(i, j) {
+                    listed.push((i as u32, j as u32));
                     if listed.len() > MAX_LISTED {
                         return Broad::Swept;
                     }

@@ -4,14 +4,16 @@
 //! touch along an edge. All contacts are found before anything is pushed.
 
 use std::cell::Cell;
+use std::collections::BTreeMap;
 
 use crate::ir::{
-    Bounds, ColliderId, ExprId, Id, IdVec, Meeting, Origin, Program, Push, Shape, Side, SlotId, TagSet, VarId, World,
+    Bounds, ColliderId, Entity, EntityId, ExprId, Id, IdVec, Meeting, Origin, Program, Push, Shape, Side, SlotId,
+    SlotLayout, SpaceId, TagSet, VarId, World,
 };
 
+use super::actor::Actor;
 use super::broad::{Broad, sweep};
 use super::contact::{Contact, Rect, Stops, meet, opposite, resolve};
-use super::evaluate::Reader;
 use super::fault::Fault;
 use super::simulator::{Scratch as StepScratch, Simulator};
 
@@ -19,10 +21,8 @@ use super::simulator::{Scratch as StepScratch, Simulator};
 #[derive(Debug)]
 pub(super) struct Collision {
     bodies: Vec<Body>,
-    /// Bodies that share their tags.
+    /// Their kinds.
     kinds: Vec<Kind>,
-    /// For each space, for each kind of tile: its tags.
-    tile_tags: Vec<Vec<TagSet>>,
     broad: Broad,
     /// Whether anything carries.
     carries: bool,
@@ -37,20 +37,59 @@ struct Body {
     kinematic: bool,
     /// The box, where it never changes: x and y of the lower-left corner, width, height.
     fixed: Option<[f64; 4]>,
+    /// The box of a rectangle that never changes and is always there.
+    plain: Option<[f64; 4]>,
 }
 
-/// What bodies with the same tags have in common.
+/// What the bodies of one collider of one entity have in common.
 #[derive(Debug)]
 struct Kind {
     tags: TagSet,
-    /// With each kind: how they meet.
-    kinds: Vec<Option<Meeting>>,
-    /// For each space, for each kind of tile: how they meet.
-    tiles: Vec<Vec<Option<Meeting>>>,
-    /// For each space, for each free-standing rectangle: how they meet.
-    solids: Vec<Vec<Option<Meeting>>>,
+    /// With each kind: how they meet, and which contact bits of this one a contact sets.
+    kinds: Vec<Option<Encounter>>,
+    /// For each space, for each kind of tile.
+    tiles: Vec<Vec<Option<Encounter>>>,
+    /// For each space, for each free-standing rectangle.
+    solids: Vec<Vec<Option<Encounter>>>,
     /// For each space, whether any kind of tile can be met.
     meets_tiles: Vec<bool>,
+    /// For each space, whether any free-standing rectangle can be met.
+    meets_solids: Vec<bool>,
+}
+
+/// How a body meets something.
+#[derive(Debug, Clone, Copy)]
+struct Encounter {
+    meeting: Meeting,
+    /// The tags of the other.
+    tags: TagSet,
+    /// The contact bits that a contact sets, for each side of the body: the first 64 of them, those that are not bound.
+    bits: [u64; 4],
+    /// Whether there are others to be set.
+    more: bool,
+}
+
+impl Encounter {
+    fn new(world: &World, entity: &Entity, mine: TagSet, tags: TagSet) -> Option<Self> {
+        let meeting = world.meeting(mine, tags)?;
+        let mut bits = [0; 4];
+        let mut more = false;
+        for (id, touch) in entity.touches.pairs() {
+            if !touch.mine.meets(mine) || !tags.meets(TagSet::of(touch.other)) {
+                continue;
+            }
+            if touch.bound || id.index() >= 64 {
+                more = true;
+                continue;
+            }
+            for side in [Side::Left, Side::Right, Side::Above, Side::Below] {
+                if touch.side.is_none_or(|wanted| wanted == side) {
+                    bits[side as usize] |= 1 << id.index();
+                }
+            }
+        }
+        Some(Encounter { meeting, tags, bits, more })
+    }
 }
 
 /// Working memory.
@@ -72,35 +111,46 @@ impl Collision {
             .iter()
             .map(|s| s.map.iter().flat_map(|m| &m.kinds).map(|k| k.tags.iter().copied().collect()).collect())
             .collect();
-        let mut all_tags: Vec<TagSet> = Vec::new();
+        let mut of_kinds: Vec<(EntityId, ColliderId)> = Vec::new();
+        let mut first_kind: BTreeMap<EntityId, usize> = BTreeMap::new();
         let mut bodies = Vec::new();
         for (slot, s) in world.slots.pairs() {
-            for (collider, c) in program.entities[s.entity].colliders.pairs() {
-                let kind = all_tags.iter().position(|t| *t == c.tags).unwrap_or_else(|| {
-                    all_tags.push(c.tags);
-                    all_tags.len() - 1
-                });
+            let colliders = &program.entities[s.entity].colliders;
+            let first = *first_kind.entry(s.entity).or_insert_with(|| {
+                of_kinds.extend(colliders.ids().map(|c| (s.entity, c)));
+                of_kinds.len() - colliders.len()
+            });
+            for (collider, c) in colliders.pairs() {
+                let kind = first + collider.index();
                 let fixed = fixed_box(program, world, slot, &c.shape);
-                bodies.push(Body { slot, collider, kind, kinematic: c.kinematic, fixed });
+                let is_plain = c.guard.is_none() && matches!(c.shape, Shape::Rect(_));
+                let plain = fixed.filter(|[.., width, height]| is_plain && *width > 0.0 && *height > 0.0);
+                bodies.push(Body { slot, collider, kind, kinematic: c.kinematic, fixed, plain });
             }
         }
-        let kinds: Vec<Kind> = all_tags
+        let tags_of = |(entity, collider): (EntityId, ColliderId)| program.entities[entity].colliders[collider].tags;
+        let kinds: Vec<Kind> = of_kinds
             .iter()
-            .map(|&tags| {
-                let with = |others: &[TagSet]| others.iter().map(|&o| world.meeting(tags, o)).collect::<Vec<_>>();
-                let tiles: Vec<_> = tile_tags.iter().map(|kinds| with(kinds)).collect();
-                let solids =
-                    world.spaces.iter().map(|s| s.solids.iter().map(|x| world.meeting(tags, x.tags)).collect());
-                let meets_tiles = tiles.iter().map(|kinds| kinds.iter().any(Option::is_some)).collect();
-                Kind { tags, kinds: with(&all_tags), tiles, solids: solids.collect(), meets_tiles }
+            .map(|&(entity, collider)| {
+                let tags = tags_of((entity, collider));
+                let with = |other: TagSet| Encounter::new(world, &program.entities[entity], tags, other);
+                let tiles: Vec<Vec<_>> = tile_tags.iter().map(|k| k.iter().map(|&t| with(t)).collect()).collect();
+                let solids: Vec<Vec<_>> =
+                    world.spaces.iter().map(|s| s.solids.iter().map(|x| with(x.tags)).collect()).collect();
+                let any = |lists: &[Vec<Option<Encounter>>]| {
+                    lists.iter().map(|l| l.iter().any(Option::is_some)).collect::<Vec<bool>>()
+                };
+                let (meets_tiles, meets_solids) = (any(&tiles), any(&solids));
+                let kinds = of_kinds.iter().map(|&k| with(tags_of(k))).collect();
+                Kind { tags, kinds, tiles, solids, meets_tiles, meets_solids }
             })
             .collect();
         let broad = Broad::new(bodies.len(), |i, j| {
             let (a, b): (&Body, &Body) = (&bodies[i], &bodies[j]);
-            if a.slot == b.slot { None } else { kinds[a.kind].kinds[b.kind] }
+            a.slot != b.slot && kinds[a.kind].kinds[b.kind].is_some()
         });
         let carries = world.collide.iter().any(|c| c.response.carry);
-        Collision { bodies, kinds, tile_tags, broad, carries }
+        Collision { bodies, kinds, broad, carries }
     }
 
     /// Working memory for this world.
@@ -133,13 +183,6 @@ fn box_of(shape: &Shape, number: impl Fn(ExprId) -> Option<f64>) -> Option<[f64;
     })
 }
 
-/// A contact with something that never moves.
-struct Hit {
-    other: TagSet,
-    meeting: Meeting,
-    contact: Contact,
-}
-
 impl Simulator<'_> {
     /// Finds all contacts and, with `push`, resolves the blocking ones.
     pub(super) fn collide(&self, state: &mut [u8], scratch: &mut StepScratch, push: bool) -> Result<(), Fault> {
@@ -147,47 +190,46 @@ impl Simulator<'_> {
             self.carry(state, &scratch.start);
         }
         self.place_boxes(state, scratch)?;
-        let StepScratch { start, collision, .. } = scratch;
-        let Scratch { boxes, order, pushes, stops } = collision;
-        for id in self.world().slots.ids() {
-            let entity = self.entity(id);
-            self.layout(id).clear_touches(state, entity.touches.len(), entity.bound);
+        let Scratch { boxes, order, pushes, stops } = &mut scratch.collision;
+        for actor in &self.actors {
+            actor.layout.clear_touches(state, actor.entity.touches.len(), actor.entity.bound);
         }
         pushes.fill([0.0; 2]);
         stops.fill(Stops::default());
         let bodies = &self.collision.bodies;
-        let mut found = |i: usize, j: usize, meeting: Meeting| {
-            self.pair(state, (i, j), meeting, boxes, start, pushes, stops);
-        };
         match &self.collision.broad {
             Broad::Listed(pairs) => {
-                for &(i, j, meeting) in pairs {
+                for &(i, j) in pairs {
                     let (i, j) = (i as usize, j as usize);
                     if boxes[i].active && boxes[j].active && boxes[i].space == boxes[j].space {
-                        found(i, j, meeting);
+                        self.pair(state, (i, j), boxes, pushes, stops);
                     }
                 }
             }
             Broad::Swept => sweep(boxes, order, |i, j| {
-                let (a, b) = (&bodies[i], &bodies[j]);
-                if a.slot != b.slot
-                    && let Some(meeting) = self.collision.kinds[a.kind].kinds[b.kind]
-                {
-                    found(i, j, meeting);
+                if bodies[i].slot != bodies[j].slot {
+                    self.pair(state, (i, j), boxes, pushes, stops);
                 }
             }),
         }
         for (body, rect) in bodies.iter().zip(boxes.iter()) {
+            let kind = &self.collision.kinds[body.kind];
             if rect.active {
                 let at = body.slot.index();
-                let back = self.back(state, body.slot, start);
-                self.collide_solids(state, body, rect, back, (&mut pushes[at], &mut stops[at]));
-                self.collide_tiles(state, body, rect, back, (&mut pushes[at], &mut stops[at]));
+                if kind.meets_solids[rect.space as usize] {
+                    self.collide_solids(state, body, rect, (&mut pushes[at], &mut stops[at]));
+                }
+                if kind.meets_tiles[rect.space as usize] {
+                    self.collide_tiles(state, body, rect, (&mut pushes[at], &mut stops[at]));
+                }
             }
         }
         if push {
-            for id in self.world().slots.ids() {
-                self.push(state, id, pushes[id.index()], stops[id.index()]);
+            for actor in &self.actors {
+                let at = actor.index();
+                if pushes[at] != [0.0; 2] {
+                    push_out(state, &actor.layout, pushes[at], stops[at]);
+                }
             }
         }
         Ok(())
@@ -209,38 +251,40 @@ impl Simulator<'_> {
         }
     }
 
-    /// From where a slot is to where it was as the continuous phase began.
-    fn back(&self, state: &[u8], slot: SlotId, start: &[(f64, f64)]) -> (f64, f64) {
-        let (x, y) = self.position(state, slot);
-        let (from_x, from_y) = start[slot.index()];
-        (from_x - x, from_y - y)
-    }
-
     /// Moves all boxes to where their instances are.
     fn place_boxes(&self, state: &[u8], scratch: &mut StepScratch) -> Result<(), Fault> {
-        let StepScratch { frames, collision, .. } = scratch;
+        let StepScratch { frames, collision, start, .. } = scratch;
         let fault = Cell::new(None);
         for (body, rect) in self.collision.bodies.iter().zip(collision.boxes.iter_mut()) {
-            let layout = self.layout(body.slot);
+            let actor = &self.actors[body.slot.index()];
+            let layout = &actor.layout;
             rect.active = layout.acts(state);
             if !rect.active {
                 continue;
             }
-            let collider = &self.entity(body.slot).colliders[body.collider];
-            let reader = Reader { sim: self, state, frames, taken: &[], fault: &fault, me: body.slot };
-            if !collider.guard.is_none_or(|guard| reader.truth(guard)) {
-                rect.active = false;
-                continue;
-            }
-            let read = || box_of(&collider.shape, |id| Some(reader.number(id))).unwrap_or_default();
-            let [x, y, width, height] = body.fixed.unwrap_or_else(read);
-            let (px, py) = self.position(state, body.slot);
+            let sides = match body.plain {
+                Some(sides) => sides,
+                None => {
+                    let collider = &actor.entity.colliders[body.collider];
+                    let reader = self.reader(actor, state, frames, &[], &fault);
+                    if !collider.guard.is_none_or(|guard| reader.truth(guard)) {
+                        rect.active = false;
+                        continue;
+                    }
+                    let read = || box_of(&collider.shape, |id| Some(reader.number(id))).unwrap_or_default();
+                    rect.round = matches!(collider.shape, Shape::Circle(_));
+                    body.fixed.unwrap_or_else(read)
+                }
+            };
+            let [x, y, width, height] = sides;
+            let (px, py) = (layout.var(state, VarId(0), 0), layout.var(state, VarId(1), 0));
+            let (from_x, from_y) = start[body.slot.index()];
             rect.left = px + x;
             rect.right = rect.left + width;
             rect.bottom = py + y;
             rect.top = rect.bottom + height;
+            rect.back = (from_x - px, from_y - py);
             rect.space = layout.space(state).0;
-            rect.round = matches!(collider.shape, Shape::Circle(_));
             // A collider that shrank to nothing touches nothing.
             rect.active = width > 0.0 && height > 0.0;
         }
@@ -248,25 +292,23 @@ impl Simulator<'_> {
     }
 
     /// Two bodies of one space.
-    #[allow(clippy::too_many_arguments, reason = "the parts of the working memory are borrowed one by one")]
     fn pair(
         &self,
         state: &mut [u8],
         (i, j): (usize, usize),
-        meeting: Meeting,
         boxes: &[Rect],
-        start: &[(f64, f64)],
         pushes: &mut [[f64; 2]],
         stops: &mut [Stops],
     ) {
         let (a, b) = (&self.collision.bodies[i], &self.collision.bodies[j]);
-        let (back_a, back_b) = (self.back(state, a.slot, start), self.back(state, b.slot, start));
-        let back = (back_a.0 - back_b.0, back_a.1 - back_b.1);
+        let kinds = &self.collision.kinds;
+        let (Some(of_a), Some(of_b)) = (&kinds[a.kind].kinds[b.kind], &kinds[b.kind].kinds[a.kind]) else { return };
+        let meeting = of_a.meeting;
+        let back = (boxes[i].back.0 - boxes[j].back.0, boxes[i].back.1 - boxes[j].back.1);
         let Some(contact) = meet(&boxes[i], &boxes[j], back, meeting, |_| (false, false)) else { return };
         let side = contact.side;
-        let kinds = &self.collision.kinds;
-        self.touch(state, a, kinds[b.kind].tags, Some(b.slot), side);
-        self.touch(state, b, kinds[a.kind].tags, Some(a.slot), opposite(side));
+        self.touch(state, a, of_a, Some(b.slot), side);
+        self.touch(state, b, of_b, Some(a.slot), opposite(side));
         if meeting.response.carry {
             let stands = |state: &mut [u8], rider: &Body, on: &Body| {
                 let layout = self.layout(rider.slot);
@@ -293,11 +335,29 @@ impl Simulator<'_> {
         }
     }
 
-    /// Sets the contact bits of one body for a contact with something tagged `other`.
-    fn touch(&self, state: &mut [u8], body: &Body, other: TagSet, instance: Option<SlotId>, side: Side) {
-        let layout = self.layout(body.slot);
-        let mine = self.collision.kinds[body.kind].tags;
-        for (id, touch) in self.entity(body.slot).touches.pairs() {
+    /// Sets the contact bits of one body for a contact.
+    #[inline]
+    fn touch(&self, state: &mut [u8], body: &Body, with: &Encounter, instance: Option<SlotId>, side: Side) {
+        let actor = &self.actors[body.slot.index()];
+        actor.layout.set_touches(state, with.bits[side as usize]);
+        if with.more {
+            self.touch_more(state, actor, self.collision.kinds[body.kind].tags, with.tags, instance, side);
+        }
+    }
+
+    /// Sets the contact bits that are bound, and those beyond the first 64.
+    #[cold]
+    fn touch_more(
+        &self,
+        state: &mut [u8],
+        actor: &Actor<'_>,
+        mine: TagSet,
+        other: TagSet,
+        instance: Option<SlotId>,
+        side: Side,
+    ) {
+        let layout = &actor.layout;
+        for (id, touch) in actor.entity.touches.pairs() {
             let on_side = touch.side.is_none_or(|wanted| wanted == side);
             if !on_side || !touch.mine.meets(mine) || !other.meets(TagSet::of(touch.other)) {
                 continue;
@@ -313,93 +373,89 @@ impl Simulator<'_> {
     }
 
     /// A contact with something that never moves: the body alone is pushed.
-    fn hit(&self, state: &mut [u8], body: &Body, hit: &Hit, (push, stops): (&mut [f64; 2], &mut Stops)) {
-        self.touch(state, body, hit.other, None, hit.contact.side);
-        if hit.meeting.response.push != Push::Sense && !body.kinematic {
-            resolve(hit.contact, hit.meeting.response.stop, push, stops);
-        }
-    }
-
-    fn collide_solids(
+    #[inline]
+    fn hit(
         &self,
         state: &mut [u8],
         body: &Body,
-        rect: &Rect,
-        back: (f64, f64),
+        with: &Encounter,
+        contact: Contact,
         (push, stops): (&mut [f64; 2], &mut Stops),
     ) {
-        let space = self.layout(body.slot).space(state);
-        let solids = &self.world().spaces[space].solids;
-        for (solid, meeting) in solids.iter().zip(&self.collision.kinds[body.kind].solids[space.index()]) {
-            let Some(meeting) = *meeting else { continue };
+        self.touch(state, body, with, None, contact.side);
+        if with.meeting.response.push != Push::Sense && !body.kinematic {
+            resolve(contact, with.meeting.response.stop, push, stops);
+        }
+    }
+
+    fn collide_solids(&self, state: &mut [u8], body: &Body, rect: &Rect, (push, stops): (&mut [f64; 2], &mut Stops)) {
+        let space = rect.space as usize;
+        let solids = &self.world().spaces[SpaceId(rect.space)].solids;
+        for (solid, with) in solids.iter().zip(&self.collision.kinds[body.kind].solids[space]) {
+            let Some(with) = with else { continue };
             let Bounds { left, right, bottom, top } = solid.bounds;
             let other = Rect { left, right, bottom, top, active: true, ..Rect::default() };
-            let Some(contact) = meet(rect, &other, back, meeting, |_| (false, false)) else { continue };
-            self.hit(state, body, &Hit { other: solid.tags, meeting, contact }, (push, stops));
+            let Some(contact) = meet(rect, &other, rect.back, with.meeting, |_| (false, false)) else { continue };
+            self.hit(state, body, with, contact, (push, stops));
         }
     }
 
-    fn collide_tiles(
-        &self,
-        state: &mut [u8],
-        body: &Body,
-        rect: &Rect,
-        back: (f64, f64),
-        (push, stops): (&mut [f64; 2], &mut Stops),
-    ) {
-        let space = self.layout(body.slot).space(state);
-        let kind = &self.collision.kinds[body.kind];
-        let (Some(map), true) = (&self.world().spaces[space].map, kind.meets_tiles[space.index()]) else {
-            return;
-        };
-        let meetings = &kind.tiles[space.index()];
+    fn collide_tiles(&self, state: &mut [u8], body: &Body, rect: &Rect, (push, stops): (&mut [f64; 2], &mut Stops)) {
+        let Some(map) = &self.world().spaces[SpaceId(rect.space)].map else { return };
+        let encounters = &self.collision.kinds[body.kind].tiles[rect.space as usize];
         let (width, height) = map.tile;
         // A tile that is touched along its edge counts, so the range is closed at both ends.
-        let columns = range(rect.left, rect.right, width, map.columns);
-        let rows = range(rect.bottom, rect.top, height, map.rows);
-        let tags = &self.collision.tile_tags[space.index()];
-        let meeting = |column: i64, row: i64| map.kind(column, row).and_then(|kind| meetings[kind]);
-        let blocks = |column: i64, row: i64| meeting(column, row).is_some_and(|m| m.response.push == Push::Block);
-        for column in columns {
-            for row in rows.clone() {
+        let (first, after) = range(rect.left, rect.right, width, map.columns);
+        let (low, high) = range(rect.bottom, rect.top, height, map.rows);
+        let blocks = |column: i64, row: i64| {
+            let with = map.kind(column, row).and_then(|kind| encounters[kind].as_ref());
+            with.is_some_and(|w| w.meeting.response.push == Push::Block)
+        };
+        for column in first..after {
+            for row in low..high {
                 let Some(kind) = map.kind(column, row) else { continue };
-                let Some(found) = meetings[kind] else { continue };
+                let Some(with) = &encounters[kind] else { continue };
                 let (left, bottom) = (column as f64 * width, row as f64 * height);
-                let tile =
-                    Rect { left, right: left + width, bottom, top: bottom + height, active: true, ..Rect::default() };
+                let (right, top) = (left + width, bottom + height);
+                let tile = Rect { left, right, bottom, top, active: true, ..Rect::default() };
                 // The faces turned to the body; one that a neighbour covers never gives the side.
-                let contact = meet(rect, &tile, back, found, |overlap| {
+                let contact = meet(rect, &tile, rect.back, with.meeting, |overlap| {
                     let beside = if overlap.x_side == Side::Right { column - 1 } else { column + 1 };
                     let over = if overlap.y_side == Side::Above { row - 1 } else { row + 1 };
                     (blocks(beside, row), blocks(column, over))
                 });
                 let Some(contact) = contact else { continue };
-                self.hit(state, body, &Hit { other: tags[kind], meeting: found, contact }, (push, stops));
-            }
-        }
-    }
-
-    fn push(&self, state: &mut [u8], slot: SlotId, push: [f64; 2], stops: Stops) {
-        let layout = self.layout(slot);
-        let axes = [(VarId(0), stops.left, stops.right), (VarId(1), stops.below, stops.above)];
-        for ((var, low, high), push) in axes.into_iter().zip(push) {
-            if push != 0.0 {
-                let position = layout.var(state, var, 0);
-                layout.set_var(state, var, 0, position + push);
-            }
-            if low || high {
-                let velocity = layout.var(state, var, 1);
-                if (low && velocity < 0.0) || (high && velocity > 0.0) {
-                    layout.set_var(state, var, 1, 0.0);
-                }
+                self.hit(state, body, with, contact, (push, stops));
             }
         }
     }
 }
 
-/// The tiles whose closed extent meets `low..=high`, cut to those of the map.
-fn range(low: f64, high: f64, size: f64, count: usize) -> std::ops::RangeInclusive<i64> {
-    let first = ((low / size).ceil() - 1.0).max(0.0) as i64;
-    let last = (high / size).floor().min(count as f64 - 1.0) as i64;
-    first..=last
+/// Moves an instance out of what blocks it.
+fn push_out(state: &mut [u8], layout: &SlotLayout, push: [f64; 2], stops: Stops) {
+    let axes = [(VarId(0), stops.left, stops.right, push[0]), (VarId(1), stops.below, stops.above, push[1])];
+    for (var, low, high, push) in axes {
+        let [position, velocity, acceleration] = layout.triple(state, var);
+        let stopped = (low && velocity < 0.0) || (high && velocity > 0.0);
+        let velocity = if stopped { 0.0 } else { velocity };
+        layout.set_triple(state, var, [position + push, velocity, acceleration]);
+    }
+}
+
+/// The tiles whose closed extent meets `low..=high`, cut to those of the map: from the first to before the second.
+fn range(low: f64, high: f64, size: f64, count: usize) -> (i64, i64) {
+    let (first, last) = (ceil(low / size).saturating_sub(1).max(0), floor(high / size));
+    (first, last.saturating_add(1).min(count as i64))
+}
+
+/// The next whole number below, without a call.
+fn floor(value: f64) -> i64 {
+    let whole = value as i64;
+    whole - i64::from(whole as f64 > value)
+}
+
+/// The next whole number above, without a call.
+fn ceil(value: f64) -> i64 {
+    let whole = value as i64;
+    whole + i64::from((whole as f64) < value)
 }

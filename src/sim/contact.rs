@@ -15,6 +15,8 @@ pub(super) struct Rect {
     pub active: bool,
     /// The number of the space it is in.
     pub space: u32,
+    /// From where it is to where it was as the continuous phase began.
+    pub back: (f64, f64),
     /// A disc inside of its box; only sensing sees the difference.
     pub round: bool,
 }
@@ -47,6 +49,7 @@ impl Overlap {
     /// None if the boxes are apart or touch in a corner only. `back` leads from where the first is to where it was
     /// relative to the second before both moved: the sides are those from which it came, so that what moves less than
     /// the other's size in a step is never pushed out on the far side.
+    #[inline]
     pub fn of(a: &Rect, b: &Rect, back: (f64, f64)) -> Option<Overlap> {
         let (right, left) = (a.right - b.left, b.right - a.left);
         let (above, below) = (a.top - b.bottom, b.top - a.bottom);
@@ -77,6 +80,7 @@ impl Overlap {
 
 /// How two colliders touch, if they do. `covered` tells of each face turned to the first, the vertical one (left or
 /// right) and the horizontal one, whether a neighbour covers it.
+#[inline]
 pub(super) fn meet(
     a: &Rect,
     b: &Rect,

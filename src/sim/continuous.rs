@@ -5,8 +5,9 @@
 
 use std::cell::Cell;
 
-use crate::ir::{Clamp, Drive, Entity, Id, SlotId, VarId};
+use crate::ir::{Clamp, Drive, Entity, Id, VarId};
 
+use super::actor::Actor;
 use super::envelope::{envelope_value, next_peak};
 use super::evaluate::Reader;
 use super::fault::Fault;
@@ -18,24 +19,15 @@ const COAST: u8 = 3;
 impl Simulator<'_> {
     /// Moves every live slot by one step.
     pub(super) fn flow(&self, state: &mut [u8], scratch: &mut Scratch) -> Result<(), Fault> {
-        let Scratch { frames, flows, clamps, peaks, taken, .. } = scratch;
+        let Scratch { frames, flows, clamps, peaks, taken, start, .. } = scratch;
         let fault = Cell::new(None);
-        let (mut base, mut clamp_base, mut peak_base) = (0, 0, 0);
-        for me in self.world().slots.ids() {
-            let entity = self.entity(me);
-            let own = &mut flows[base..base + entity.vars.len()];
-            let own_clamps = &mut clamps[clamp_base..clamp_base + entity.clamps.len()];
-            let own_peaks = &mut peaks[peak_base..peak_base + entity.envelopes.len()];
-            base += own.len();
-            clamp_base += own_clamps.len();
-            peak_base += own_peaks.len();
-            let layout = self.layout(me);
+        for actor in &self.actors {
+            let Actor { entity, layout, .. } = actor;
             if !layout.acts(state) {
                 continue;
             }
-            let first = self.groups[me.index()];
-            let taken = &taken[first..first + entity.groups.len()];
-            let reader = Reader { sim: self, state, frames, taken, fault: &fault, me };
+            let own = &mut flows[actor.var_range()];
+            let reader = self.reader(actor, state, frames, &taken[actor.group_range()], &fault);
             for drive in &entity.free {
                 read_drive(&reader, entity, *drive, own);
             }
@@ -44,75 +36,66 @@ impl Simulator<'_> {
                     read_drive(&reader, entity, *drive, own);
                 }
             }
-            for (clamp, bounds) in entity.clamps.iter().zip(own_clamps) {
+            for (clamp, bounds) in entity.clamps.iter().zip(&mut clamps[actor.clamp_range()]) {
                 *bounds = (
                     clamp.low.map_or(f64::NEG_INFINITY, |low| reader.number(low)),
                     clamp.high.map_or(f64::INFINITY, |high| reader.number(high)),
                 );
             }
-            for (envelope, peak) in entity.envelopes.iter().zip(own_peaks) {
+            for (envelope, peak) in entity.envelopes.iter().zip(&mut peaks[actor.envelope_range()]) {
                 if envelope.peak.is_some() {
                     *peak = next_peak(&reader, entity, envelope);
                 }
             }
         }
         Self::settle(&fault)?;
-        (base, clamp_base, peak_base) = (0, 0, 0);
-        for me in self.world().slots.ids() {
-            let entity = self.entity(me);
-            let own = &flows[base..base + entity.vars.len()];
-            let bounds = &clamps[clamp_base..clamp_base + entity.clamps.len()];
-            let own_peaks = &peaks[peak_base..peak_base + entity.envelopes.len()];
-            base += own.len();
-            clamp_base += bounds.len();
-            peak_base += own_peaks.len();
-            let layout = self.layout(me);
+        for actor in &self.actors {
+            let Actor { entity, layout, .. } = actor;
             if !layout.acts(state) {
                 continue;
             }
-            for (var, &flow) in (0u32..).map(VarId).zip(own) {
-                self.integrate(state, me, var, flow, (entity, bounds))?;
+            start[actor.index()] = (layout.var(state, VarId(0), 0), layout.var(state, VarId(1), 0));
+            let bounds = &clamps[actor.clamp_range()];
+            for (var, &flow) in (0u32..).map(VarId).zip(&flows[actor.var_range()]) {
+                self.integrate(state, actor, var, flow, bounds)?;
             }
-            for ((id, envelope), peak) in entity.envelopes.pairs().zip(own_peaks) {
+            for ((id, envelope), peak) in entity.envelopes.pairs().zip(&peaks[actor.envelope_range()]) {
                 if envelope.peak.is_some() {
                     layout.set_peak(state, id, *peak);
                 }
             }
-            self.count_timers(state, me);
+            self.count_timers(state, actor);
         }
         Ok(())
     }
 
+    #[inline]
     fn integrate(
         &self,
         state: &mut [u8],
-        me: SlotId,
+        actor: &Actor<'_>,
         var: VarId,
         (degree, value): (u8, f64),
-        (entity, bounds): (&Entity, &[(f64, f64)]),
+        bounds: &[(f64, f64)],
     ) -> Result<(), Fault> {
-        let layout = self.layout(me);
         let dt = self.step;
-        let clip = |value: f64, degree: u8| clip(&entity.clamps, bounds, var, degree, value);
+        let clip = |value: f64, degree: u8| {
+            if bounds.is_empty() { value } else { clip(&actor.entity.clamps, bounds, var, degree, value) }
+        };
+        let [position, velocity, acceleration] = actor.layout.triple(state, var);
         if degree == 0 {
-            layout.set_var(state, var, 0, clip(value, 0));
-            layout.set_var(state, var, 1, clip(0.0, 1));
-            layout.set_var(state, var, 2, 0.0);
+            actor.layout.set_triple(state, var, [clip(value, 0), clip(0.0, 1), 0.0]);
             return Ok(());
         }
-        let velocity = if degree == 1 {
-            layout.set_var(state, var, 2, 0.0);
-            value
-        } else {
-            let acceleration = if degree == 2 { value } else { layout.var(state, var, 2) };
-            layout.set_var(state, var, 2, acceleration);
-            layout.var(state, var, 1) + acceleration * dt
+        let (velocity, acceleration) = match degree {
+            1 => (value, 0.0),
+            2 => (velocity + value * dt, value),
+            _ => (velocity + acceleration * dt, acceleration),
         };
         let velocity = clip(velocity, 1);
-        let position = clip(layout.var(state, var, 0) + velocity * dt, 0);
-        layout.set_var(state, var, 1, velocity);
-        layout.set_var(state, var, 0, position);
-        Self::finite(me, var, position)
+        let position = clip(position + velocity * dt, 0);
+        actor.layout.set_triple(state, var, [position, velocity, acceleration]);
+        Self::finite(actor.id, var, position)
     }
 }
 

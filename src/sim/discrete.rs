@@ -6,6 +6,7 @@ use std::cell::Cell;
 
 use crate::ir::{Actions, EdgeId, Entity, Follow, GroupId, Id, Leaf, LeafId, ModeId, Place, SlotId, Update};
 
+use super::actor::Actor;
 use super::evaluate::Reader;
 use super::fault::{Fault, FaultKind};
 use super::life::Changes;
@@ -28,21 +29,21 @@ impl Simulator<'_> {
         let Scratch { before, frames, taken, changes, .. } = scratch;
         let fault = Cell::new(None);
         changes.clear();
-        for me in self.world().slots.ids() {
-            if !self.layout(me).acts(before) {
+        for actor in &self.actors {
+            if !actor.layout.acts(before) {
                 continue;
             }
-            let entity = self.entity(me);
-            let first = self.groups[me.index()];
-            let own = first..first + entity.groups.len();
+            let entity = actor.entity;
+            let own = actor.group_range();
+            let first = own.start;
             let decided = taken[own.clone()].iter_mut();
             decided.for_each(|t| *t = None);
             for &group in &entity.order {
-                let reader = Reader { sim: self, state: before, frames, taken: &taken[own.clone()], fault: &fault, me };
+                let reader = self.reader(actor, before, frames, &taken[own.clone()], &fault);
                 let choice = self.decide(&reader, entity, group);
                 taken[first + group.index()] = choice;
             }
-            let reader = Reader { sim: self, state: before, frames, taken: &taken[own.clone()], fault: &fault, me };
+            let reader = self.reader(actor, before, frames, &taken[own.clone()], &fault);
             for (group, choice) in entity.groups.ids().zip(&taken[own]) {
                 self.run(state, &reader, entity, group, *choice, changes);
             }
@@ -167,14 +168,13 @@ impl Simulator<'_> {
     }
 
     /// The new state's slot is where timers of active modes are counted.
-    pub(super) fn count_timers(&self, state: &mut [u8], me: SlotId) {
-        let entity = self.entity(me);
-        let layout = self.layout(me);
+    pub(super) fn count_timers(&self, state: &mut [u8], actor: &Actor<'_>) {
+        let Actor { entity, layout, slot, .. } = actor;
         for (id, timer) in entity.timers.pairs() {
             let active = layout.leaf(state, entity.modes[timer.mode].group);
             if is_active(entity, active, timer.mode) {
                 let count = layout.timer(state, id);
-                let limit = self.world().slots[me].timer_limits[id];
+                let limit = slot.timer_limits[id];
                 layout.set_timer(state, id, count.saturating_add(1).min(limit));
             }
         }

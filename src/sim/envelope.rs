@@ -30,7 +30,7 @@ pub(super) fn envelope_value(reader: &Reader<'_>, id: EnvelopeId, envelope: &Env
         );
     }
     let current = current(reader, envelope);
-    let (target, rate) = match driven(reader, envelope) {
+    let (target, rate): ([f64; 2], _) = match driven(reader, envelope) {
         Some(direction) => {
             let (level, rate) = aim(reader, id, envelope, direction);
             (direction.vector.map(|d| d * level), rate)

@@ -4,10 +4,11 @@
 use std::cell::Cell;
 
 use crate::ir::{
-    Arithmetic, AxisId, ButtonId, Choice, Expr, ExprId, Function, Id, LeafId, ModeId, ParamId, Press, RefValue, Slot,
-    SlotId, SlotLayout, Subject, arithmetic, call, compare,
+    Arithmetic, AxisId, ButtonId, Choice, Expr, ExprId, Function, Id, LeafId, ModeId, ParamId, Press, RefValue, SlotId,
+    SlotLayout, Subject, arithmetic, call, compare,
 };
 
+use super::actor::Actor;
 use super::discrete::{Taken, is_active, is_kept};
 use super::fault::{Fault, FaultKind};
 use super::input::Frame;
@@ -22,8 +23,13 @@ pub(super) struct Reader<'a> {
     /// What the groups of the instance do in this step, as far as it is decided.
     pub taken: &'a [Option<Taken>],
     pub fault: &'a Cell<Option<Fault>>,
-    /// The instance that `Subject::Me` stands for.
+    /// The instance that `Subject::Me` stands for; none in a world's predicate.
+    pub actor: Option<&'a Actor<'a>>,
+    /// Its slot.
     pub me: SlotId,
+    /// The expressions, from the one with the number `base` on.
+    pub code: &'a [Expr],
+    pub base: u32,
 }
 
 impl<'a> Reader<'a> {
@@ -37,8 +43,17 @@ impl<'a> Reader<'a> {
         }
     }
 
+    #[inline]
     fn mine(&self) -> &'a SlotLayout {
-        self.sim.layout(self.me)
+        match self.actor {
+            Some(actor) => &actor.layout,
+            None => self.sim.layout(self.me),
+        }
+    }
+
+    #[inline]
+    fn at(&self, id: ExprId) -> Expr {
+        self.code[(id.0 - self.base) as usize]
     }
 
     /// Where the instance of a subject stands in the state; notes a fault where there is none.
@@ -73,12 +88,8 @@ impl<'a> Reader<'a> {
         is_active(entity, if entering { to } else { from }, mode) && !is_kept(entity, from, target, mode)
     }
 
-    fn my_slot(&self) -> &'a Slot {
-        &self.sim.world().slots[self.me]
-    }
-
     fn frame(&self) -> Option<&Frame> {
-        self.my_slot().player.and_then(|p| self.frames.get(p.index()))
+        self.actor.and_then(|a| a.slot.player).and_then(|p| self.frames.get(p.index()))
     }
 
     fn checked(&self, id: ExprId, value: f64, operands: [f64; 2]) -> f64 {
@@ -138,8 +149,19 @@ impl<'a> Reader<'a> {
     }
 
     /// An expression as a number.
+    #[inline]
     pub fn number(&self, id: ExprId) -> f64 {
-        match self.sim.program().exprs[id] {
+        match self.at(id) {
+            Expr::Number(n) => n,
+            Expr::Var(Subject::Me, var, degree) => self.mine().var(self.state, var, degree),
+            _ => self.compute(id),
+        }
+    }
+
+    /// As [`Reader::number`], for what is not at hand.
+    #[inline(never)]
+    fn compute(&self, id: ExprId) -> f64 {
+        match self.at(id) {
             Expr::Number(n) => n,
             Expr::Param(of, p) => self.param(of, p, id),
             Expr::Var(of, var, degree) => self.layout(of, id).map_or(0.0, |l| l.var(self.state, var, degree)),
@@ -181,8 +203,20 @@ impl<'a> Reader<'a> {
     }
 
     /// An expression as a truth value.
+    #[inline]
     pub fn truth(&self, id: ExprId) -> bool {
-        match self.sim.program().exprs[id] {
+        match self.at(id) {
+            Expr::Compare(op, a, b) => compare(op, self.number(a), self.number(b)),
+            Expr::Touching(Subject::Me, touch) => self.mine().touch(self.state, touch),
+            Expr::Button(press, button) => self.button(press, button),
+            _ => self.decide(id),
+        }
+    }
+
+    /// As [`Reader::truth`], for what is not at hand.
+    #[inline(never)]
+    fn decide(&self, id: ExprId) -> bool {
+        match self.at(id) {
             Expr::Bool(b) => b,
             Expr::Compare(op, a, b) => compare(op, self.number(a), self.number(b)),
             Expr::And(a, b) => self.truth(a) && self.truth(b),

@@ -83,7 +83,7 @@ impl Simulator<'_> {
         links.iter().position(|link| {
             let inside =
                 (link.from.left..=link.from.right).contains(&x) && (link.from.bottom..=link.from.top).contains(&y);
-            inside && link.guard.is_none_or(|g| reader.truth(g))
+            inside && link.guard.is_none_or(|g| self.onlooker(reader.state, reader.fault).truth(g))
         })
     }
 
@@ -101,10 +101,9 @@ impl Simulator<'_> {
             let free = pool.iter().copied().find(|&s| !self.layout(s).alive(state));
             match free {
                 Some(slot) => {
-                    let first = self.groups[me.index()];
-                    let taken = &taken[first..first + self.entity(me).groups.len()];
+                    let actor = &self.actors[me.index()];
                     let fault = Cell::new(None);
-                    let spawner = Reader { sim: self, state: before, frames, taken, fault: &fault, me };
+                    let spawner = self.reader(actor, before, frames, &taken[actor.group_range()], &fault);
                     self.give_birth(state, slot, spawn, &spawner);
                     Self::settle(&fault)?;
                     changes.lives = true;
@@ -157,7 +156,7 @@ impl Simulator<'_> {
         let fault = spawner.fault;
         macro_rules! own {
             () => {
-                Reader { sim: self, state, frames: spawner.frames, taken: &[], fault, me: slot }
+                self.reader(&self.actors[slot.index()], state, spawner.frames, &[], fault)
             };
         }
         for (id, param) in entity.params.pairs() {

@@ -4,6 +4,7 @@
 //! A state is a block of bytes whose layout the IR gives; a step reads the state, the inputs and nothing else, and
 //! allocates nothing. The same state and inputs give the same bits, whoever asks and however often.
 
+mod actor;
 mod broad;
 mod collision;
 mod contact;

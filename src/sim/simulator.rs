@@ -6,6 +6,7 @@ use crate::ir::{
     Entity, ExprId, GoalId, Id, NeverId, Origin, Program, SlotId, SlotLayout, SpaceId, SpawnId, VarId, World, WorldId,
 };
 
+use super::actor::{Actor, actors};
 use super::collision::Collision;
 use super::discrete::Taken;
 use super::evaluate::Reader;
@@ -23,8 +24,8 @@ pub struct Simulator<'p> {
     pub(super) collision: Collision,
     /// Of each entity, the slots that a spawn may take.
     pub(super) pools: Vec<Vec<SlotId>>,
-    /// Of each slot, where its groups begin among those of all slots.
-    pub(super) groups: Vec<usize>,
+    /// What every step looks up of each slot.
+    pub(super) actors: Vec<Actor<'p>>,
     /// Whether anything can be destroyed or spawned.
     lives_change: bool,
 }
@@ -61,12 +62,6 @@ impl<'p> Simulator<'p> {
             let free = world.slots.pairs().filter(|(_, s)| s.entity == entity && s.origin != Origin::Named);
             free.map(|(id, _)| id).collect()
         };
-        let mut next = 0;
-        let mut groups = Vec::with_capacity(world.slots.len());
-        for slot in world.slots.iter() {
-            groups.push(next);
-            next += program.entities[slot.entity].groups.len();
-        }
         let lives_change = world.slots.iter().any(|s| {
             let e = &program.entities[s.entity];
             let edges = e.edges.iter().map(|x| &x.actions);
@@ -80,7 +75,7 @@ impl<'p> Simulator<'p> {
             step: world.step.seconds(),
             collision,
             pools: program.entities.ids().map(pool).collect(),
-            groups,
+            actors: actors(program, world),
             lives_change,
         }
     }
@@ -101,11 +96,30 @@ impl<'p> Simulator<'p> {
     }
 
     pub(super) fn entity(&self, slot: SlotId) -> &'p Entity {
-        &self.program.entities[self.world.slots[slot].entity]
+        self.actors[slot.index()].entity
     }
 
-    pub(super) fn layout(&self, slot: SlotId) -> &'p SlotLayout {
-        &self.world.layout.slots[slot]
+    pub(super) fn layout(&self, slot: SlotId) -> &SlotLayout {
+        &self.actors[slot.index()].layout
+    }
+
+    /// Reads expressions of an instance's own code.
+    pub(super) fn reader<'a>(
+        &'a self,
+        actor: &'a Actor<'a>,
+        state: &'a [u8],
+        frames: &'a [Frame],
+        taken: &'a [Option<Taken>],
+        fault: &'a Cell<Option<Fault>>,
+    ) -> Reader<'a> {
+        let (code, base) = (&*actor.code, actor.base);
+        Reader { sim: self, state, frames, taken, fault, actor: Some(actor), me: actor.id, code, base }
+    }
+
+    /// Reads expressions of the world.
+    pub(super) fn onlooker<'a>(&'a self, state: &'a [u8], fault: &'a Cell<Option<Fault>>) -> Reader<'a> {
+        let code = self.program.exprs.iter().as_slice();
+        Reader { sim: self, state, frames: &[], taken: &[], fault, actor: None, me: SlotId(0), code, base: 0 }
     }
 
     /// Working memory for this world.
@@ -156,7 +170,7 @@ impl<'p> Simulator<'p> {
             }
             let fault = Cell::new(None);
             for (group, g) in self.entity(id).groups.pairs() {
-                let reader = Reader { sim: self, state: &state, frames: &[], taken: &[], fault: &fault, me: id };
+                let reader = self.reader(&self.actors[id.index()], &state, &[], &[], &fault);
                 let leaf = reader.entered(reader.chosen(&g.choices, g.first));
                 layout.set_leaf(&mut state, group, leaf);
             }
@@ -183,7 +197,6 @@ impl<'p> Simulator<'p> {
             set_buttons(state, at, now.buttons);
         }
         self.transitions(state, scratch)?;
-        self.note_start(state, scratch);
         self.flow(state, scratch)?;
         self.collide(state, scratch, true)?;
         if self.lives_change {
@@ -211,7 +224,10 @@ impl<'p> Simulator<'p> {
     pub fn broken_invariant(&self, state: &[u8]) -> Result<Option<(SlotId, usize)>, Fault> {
         for slot in self.world.slots.ids().filter(|&s| self.layout(s).alive(state)) {
             for (index, &invariant) in self.entity(slot).invariants.iter().enumerate() {
-                if !self.reads(state, slot, invariant)? {
+                let fault = Cell::new(None);
+                let holds = self.reader(&self.actors[slot.index()], state, &[], &[], &fault).truth(invariant);
+                Self::settle(&fault)?;
+                if !holds {
                     return Ok(Some((slot, index)));
                 }
             }
@@ -224,12 +240,8 @@ impl<'p> Simulator<'p> {
     /// # Errors
     /// A [`Fault`] if the predicate breaks a rule.
     pub fn holds(&self, state: &[u8], predicate: ExprId) -> Result<bool, Fault> {
-        self.reads(state, SlotId(0), predicate)
-    }
-
-    fn reads(&self, state: &[u8], me: SlotId, predicate: ExprId) -> Result<bool, Fault> {
         let fault = Cell::new(None);
-        let reader = Reader { sim: self, state, frames: &[], taken: &[], fault: &fault, me };
+        let reader = self.onlooker(state, &fault);
         let holds = reader.truth(predicate);
         match fault.get() {
             Some(fault) => Err(fault),

@@ -76,6 +76,23 @@ impl SlotLayout {
         set_real(state, self.var_offset(var, degree), value);
     }
 
+    /// A continuous variable with its derivatives.
+    #[inline]
+    pub(super) fn triple(&self, state: &[u8], var: VarId) -> [f64; 3] {
+        let at = self.var_offset(var, 0);
+        let bytes = &state[at..at + 24];
+        [real(bytes, 0), real(bytes, 8), real(bytes, 16)]
+    }
+
+    #[inline]
+    pub(super) fn set_triple(&self, state: &mut [u8], var: VarId, values: [f64; 3]) {
+        let at = self.var_offset(var, 0);
+        let bytes = &mut state[at..at + 24];
+        for (degree, value) in values.into_iter().enumerate() {
+            set_real(bytes, 8 * degree, value);
+        }
+    }
+
     /// A discrete variable.
     pub fn discrete(&self, state: &[u8], id: DiscreteId) -> i32 {
         i32::from_ne_bytes(load(state, self.discretes + 4 * id.index()))
@@ -206,6 +223,17 @@ impl SlotLayout {
     /// Notes that a contact question holds.
     pub fn set_touch(&self, state: &mut [u8], touch: TouchId) {
         state[self.touches + touch.index() / 8] |= 1 << (touch.index() % 8);
+    }
+
+    /// Notes that some of the first 64 contact questions hold.
+    #[inline]
+    pub(super) fn set_touches(&self, state: &mut [u8], mut bits: u64) {
+        let mut at = self.touches;
+        while bits != 0 {
+            state[at] |= bits as u8;
+            bits >>= 8;
+            at += 1;
+        }
     }
 
     /// Forgets all contacts of the instance; `count` is the number of its contact questions, `bound` that of those that

@@ -6,7 +6,8 @@
 //! - `wrapper`: the block is such a wrapper; `error E0302`: compiling the block finds exactly this;
 //! - `file="a.hyped"`: the block is a file that other examples can read, as is a block of any other language;
 //! - `inputs="right*40"`: what the player does, else nothing for 120 steps; `ends="hero.x > 10"`: what holds then;
-//!   `stops="E0603"`: the run ends early with this error.
+//!   `stops="E0603"`: the run ends early with this error;
+//! - `later`: the compiler cannot do it yet, and says so (E0105).
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -245,6 +246,10 @@ fn trouble(block: &Block, all: &[Block]) -> Option<String> {
         if word == "error" || word == "warning" {
             expected.extend(words.next().map(String::as_str));
         }
+    }
+    if block.is("later") {
+        let is_refused = found.contains(&Code::NotSupported);
+        return (!is_refused).then(|| "this compiles now: take `later` off its fence".to_string());
     }
     let shown = || render::human(&compilation.sources, compilation.diagnostics.iter(), false);
     if found.iter().map(|c| c.text()).ne(expected.iter().copied()) {

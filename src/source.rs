@@ -51,6 +51,11 @@ impl Span {
         Span { file: self.file, start: self.start.min(other.start), end: self.end.max(other.end) }
     }
 
+    /// Whether it stands in a copy of what a file holds, see [`SourceMap::copy`].
+    pub fn is_copy(self) -> bool {
+        self.file.0 >= FIRST_COPY
+    }
+
     /// The span as a range of byte indices.
     pub fn range(self) -> std::ops::Range<usize> {
         self.start as usize..self.end as usize

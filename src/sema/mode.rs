@@ -90,7 +90,10 @@ impl<'a> Checker<'a> {
         let all: Vec<usize> = (0..names.modes.len()).filter(|&i| path.primes == 0 && fits(&names.modes[i].0)).collect();
         let own: Vec<usize> = all.iter().copied().filter(|&i| Some(names.modes[i].1) == group).collect();
         let whole: Vec<usize> = all.iter().copied().filter(|&i| names.modes[i].0.len() == segments.len()).collect();
-        for candidates in [&whole, &own, &all] {
+        // What a behaviour says of its own modes means those of the same `use`.
+        let same_use = |i: &usize| path.span.is_copy() && names.modes[*i].2.file == path.span.file;
+        let used: Vec<usize> = all.iter().copied().filter(same_use).collect();
+        for candidates in [&used, &whole, &own, &all] {
             if let [only] = candidates.as_slice() {
                 return Some(ModeId::from_index(*only));
             }

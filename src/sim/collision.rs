@@ -419,13 +419,23 @@ impl Simulator<'_> {
                 let (right, top) = (left + width, bottom + height);
                 let tile = Rect { left, right, bottom, top, active: true, ..Rect::default() };
                 // The faces turned to the body; one that a neighbour covers never gives the side.
+                let mut corner = None;
                 let contact = meet(rect, &tile, rect.back, with.meeting, |overlap| {
                     let beside = if overlap.x_side == Side::Right { column - 1 } else { column + 1 };
                     let over = if overlap.y_side == Side::Above { row - 1 } else { row + 1 };
-                    (blocks(beside, row), blocks(column, over))
+                    let covered = (blocks(beside, row), blocks(column, over));
+                    if covered == (true, true) && overlap.came_around(rect.back) {
+                        corner = Some([overlap.horizontal(), overlap.vertical()]);
+                    }
+                    covered
                 });
                 let Some(contact) = contact else { continue };
                 self.hit(state, body, with, contact, (push, stops));
+                // What went into a corner is pushed out as the tiles beside the corner would, had it touched them.
+                let blocked = with.meeting.response.push == Push::Block && !body.kinematic;
+                for contact in corner.into_iter().flatten().filter(|_| blocked) {
+                    resolve(contact, with.meeting.response.stop, push, stops);
+                }
             }
         }
     }
@@ -451,11 +461,11 @@ fn range(low: f64, high: f64, size: f64, count: usize) -> (i64, i64) {
 /// The next whole number below, without a call.
 fn floor(value: f64) -> i64 {
     let whole = value as i64;
-    whole - i64::from(whole as f64 > value)
+    whole.saturating_sub(i64::from(whole as f64 > value))
 }
 
 /// The next whole number above, without a call.
 fn ceil(value: f64) -> i64 {
     let whole = value as i64;
-    whole + i64::from((whole as f64) < value)
+    whole.saturating_add(i64::from((whole as f64) < value))
 }

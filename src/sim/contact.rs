@@ -2,8 +2,8 @@
 
 use crate::ir::{Meeting, Push, Side};
 
-/// How far above what came from above may have stood below the surface, px.
-const ABOVE_TOLERANCE: f64 = 0.001;
+/// How far inside something may have stood that counts as outside of it, px.
+const TOLERANCE: f64 = 0.001;
 
 /// A box in a space.
 #[derive(Debug, Clone, Copy, Default)]
@@ -64,6 +64,13 @@ impl Overlap {
         Some(Overlap { x, x_side, y, y_side })
     }
 
+    /// Whether the first was apart from the second along both axes: it came diagonally.
+    pub fn came_around(&self, back: (f64, f64)) -> bool {
+        let x = if self.x_side == Side::Right { back.0 } else { -back.0 };
+        let y = if self.y_side == Side::Above { back.1 } else { -back.1 };
+        self.x + x <= TOLERANCE && self.y + y <= TOLERANCE
+    }
+
     pub fn horizontal(&self) -> Contact {
         Contact { side: self.x_side, depth: self.x }
     }
@@ -95,7 +102,7 @@ pub(super) fn meet(
             let below = (b.top - (a.bottom + back.1), Side::Below, b.top - a.bottom);
             let above = ((a.top + back.1) - b.bottom, Side::Above, a.top - b.bottom);
             let sides = [(meeting.first_on_second, below), (meeting.second_on_first, above)];
-            let mut held = sides.into_iter().filter(|(may, (was, ..))| *may && *was <= ABOVE_TOLERANCE);
+            let mut held = sides.into_iter().filter(|(may, (was, ..))| *may && *was <= TOLERANCE);
             held.next().map(|(_, (_, side, depth))| Contact { side, depth })
         }
         Push::Block => Some(match covered(&overlap) {

@@ -214,8 +214,9 @@ impl Builder<'_> {
             Rule::behavior => {
                 let inner = parts(pair);
                 let name = self.name(inner.first()?);
-                let parameters = self.names(inner.get(1)?);
-                let members = self.members(inner.get(2)?, trivia);
+                let formals = inner.iter().find(|p| p.as_rule() == Rule::formals);
+                let parameters = formals.map_or(Vec::new(), |f| self.names(f));
+                let members = self.members(inner.last()?, trivia);
                 let (doc, span) = (self.doc(pair, trivia), self.span_of(pair));
                 Some(Item::Behavior(Behavior { name, parameters, members, doc, span }))
             }

@@ -69,6 +69,8 @@ pub(super) fn mend_braces(
         mender.line(*line);
     }
     mender.end(length);
+    // A brace missed at an earlier line can be noticed later.
+    mender.inserts.sort_by_key(|insert| insert.at);
     mender.inserts
 }
 

@@ -91,9 +91,14 @@ impl<'p> Run<'p> {
     }
 }
 
-/// The inputs that stand beside the examples: `examples/inputs/NAME.inputs` plays the first world of `NAME.hyped`.
+/// What an example is called: its path in the folder, without the extension.
+fn name_of(path: &Path, folder: &str) -> String {
+    path.strip_prefix(folder).unwrap().with_extension("").to_str().unwrap().replace('\\', "/")
+}
+
+/// The inputs of an example: `examples/inputs/NAME.inputs` plays the first world of `examples/NAME.hyped`.
 fn script_of(path: &Path) -> Option<PathBuf> {
-    let script = Path::new("examples/inputs").join(path.with_extension("inputs").file_name().unwrap());
+    let script = PathBuf::from(format!("examples/inputs/{}.inputs", name_of(path, "examples")));
     script.exists().then_some(script)
 }
 
@@ -120,19 +125,17 @@ fn scripts_end_where_they_are_meant_to() {
     let mut played = Vec::new();
     for path in files("examples", "hyped") {
         let Some(script) = script_of(&path) else { continue };
-        let name = path.file_stem().unwrap().to_str().unwrap().to_string();
+        let name = name_of(&path, "examples");
         let program = program(compile(&path, &Disk));
         let script = parsed(&program, &script);
         let run = Run::new(&program, WorldId(0), &script, &name);
         assert_eq!(run.violated, [], "{name}: what must not happen");
         assert!(run.goals.contains(&Some(run.steps)), "{name} ends with a goal:\n{}", run.text());
-        insta::assert_snapshot!(format!("examples__{name}"), run.text());
+        insta::assert_snapshot!(name.replace('/', "_"), run.text());
         played.push(name);
     }
-    let mut scripts: Vec<String> = files("examples/inputs", "inputs")
-        .iter()
-        .map(|p| p.file_stem().unwrap().to_str().unwrap().to_string())
-        .collect();
+    let mut scripts: Vec<String> =
+        files("examples/inputs", "inputs").iter().map(|p| name_of(p, "examples/inputs")).collect();
     played.sort();
     scripts.sort();
     assert_eq!(played, scripts, "every script belongs to one example");

@@ -21,6 +21,10 @@ pub(super) struct Actor<'p> {
     pub vars: usize,
     pub clamps: usize,
     pub envelopes: usize,
+    /// Whether a group asks what another does in the same step.
+    pub is_joint: bool,
+    /// Whether it has clamps, or envelopes that keep whether their peak was reached.
+    pub is_bounded: bool,
 }
 
 /// The actors of a world.
@@ -42,7 +46,9 @@ pub(super) fn actors<'p>(program: &'p Program, world: &'p World) -> Vec<Actor<'p
         });
         let layout = world.layout.slots[id].clone();
         let (code, base) = (code.clone(), entity.code.0.0);
-        out.push(Actor { id, slot, entity, layout, code, base, groups, vars, clamps, envelopes });
+        let is_joint = code.iter().any(|e| matches!(e, Expr::Joint(..)));
+        let is_bounded = !entity.clamps.is_empty() || entity.envelopes.iter().any(|e| e.peak.is_some());
+        out.push(Actor { id, slot, entity, layout, code, base, groups, vars, clamps, envelopes, is_joint, is_bounded });
         groups += entity.groups.len();
         vars += entity.vars.len();
         clamps += entity.clamps.len();

@@ -58,8 +58,7 @@ pub(super) fn sweep(boxes: &[Rect], order: &mut Vec<u32>, mut visit: impl FnMut(
             if range(j).0 > end || of(i).space != of(j).space {
                 break;
             }
-            let (a, b) = (of(i), of(j));
-            if a.left <= b.right && b.left <= a.right && a.bottom <= b.top && b.bottom <= a.top {
+            if of(i).is_near(of(j)) {
                 visit(i.min(j) as usize, i.max(j) as usize);
             }
         }

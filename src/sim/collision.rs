@@ -191,17 +191,17 @@ impl Simulator<'_> {
         }
         self.place_boxes(state, scratch)?;
         let Scratch { boxes, order, pushes, stops } = &mut scratch.collision;
-        for actor in &self.actors {
+        for ((actor, push), stop) in self.actors.iter().zip(pushes.iter_mut()).zip(stops.iter_mut()) {
             actor.layout.clear_touches(state, actor.entity.touches.len(), actor.entity.bound);
+            *push = [0.0; 2];
+            *stop = Stops::default();
         }
-        pushes.fill([0.0; 2]);
-        stops.fill(Stops::default());
         let bodies = &self.collision.bodies;
         match &self.collision.broad {
             Broad::Listed(pairs) => {
                 for &(i, j) in pairs {
                     let (i, j) = (i as usize, j as usize);
-                    if boxes[i].active && boxes[j].active && boxes[i].space == boxes[j].space {
+                    if boxes[i].active && boxes[j].active && boxes[i].is_near(&boxes[j]) {
                         self.pair(state, (i, j), boxes, pushes, stops);
                     }
                 }

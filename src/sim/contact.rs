@@ -21,6 +21,18 @@ pub(super) struct Rect {
     pub round: bool,
 }
 
+impl Rect {
+    /// Whether two boxes overlap or touch, and are in one space.
+    #[inline]
+    pub fn is_near(&self, other: &Rect) -> bool {
+        self.left <= other.right
+            && other.left <= self.right
+            && self.bottom <= other.top
+            && other.bottom <= self.top
+            && self.space == other.space
+    }
+}
+
 /// Sides on which a velocity is set to 0.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Stops {

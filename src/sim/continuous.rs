@@ -27,7 +27,8 @@ impl Simulator<'_> {
                 continue;
             }
             let own = &mut flows[actor.var_range()];
-            let reader = self.reader(actor, state, frames, &taken[actor.group_range()], &fault);
+            let taken = if actor.is_joint { &taken[actor.group_range()] } else { &[] };
+            let reader = self.reader(actor, state, frames, taken, &fault);
             for drive in &entity.free {
                 read_drive(&reader, entity, *drive, own);
             }
@@ -35,6 +36,9 @@ impl Simulator<'_> {
                 for drive in &entity.leaves[layout.leaf(state, group)].drives {
                     read_drive(&reader, entity, *drive, own);
                 }
+            }
+            if !actor.is_bounded {
+                continue;
             }
             for (clamp, bounds) in entity.clamps.iter().zip(&mut clamps[actor.clamp_range()]) {
                 *bounds = (
@@ -59,17 +63,20 @@ impl Simulator<'_> {
             for (var, &flow) in (0u32..).map(VarId).zip(&flows[actor.var_range()]) {
                 self.integrate(state, actor, var, flow, bounds)?;
             }
+            self.count_timers(state, actor);
+            if !actor.is_bounded {
+                continue;
+            }
             for ((id, envelope), peak) in entity.envelopes.pairs().zip(&peaks[actor.envelope_range()]) {
                 if envelope.peak.is_some() {
                     layout.set_peak(state, id, *peak);
                 }
             }
-            self.count_timers(state, actor);
         }
         Ok(())
     }
 
-    #[inline]
+    #[inline(always)]
     fn integrate(
         &self,
         state: &mut [u8],
@@ -106,6 +113,7 @@ fn clip(clamps: &[Clamp], bounds: &[(f64, f64)], var: VarId, degree: u8, value: 
 }
 
 /// Notes the value of a drive where its variable will find it.
+#[inline(always)]
 fn read_drive(reader: &Reader<'_>, entity: &Entity, drive: Drive, own: &mut [(u8, f64)]) {
     match drive {
         Drive::Coast(var) => own[var.index()] = (COAST, 0.0),

@@ -34,13 +34,27 @@ impl Simulator<'_> {
                 continue;
             }
             let entity = actor.entity;
+            if !actor.is_joint {
+                // No group waits for another: each is decided and run at once.
+                let reader = self.reader(actor, before, frames, &[], &fault);
+                for group in entity.groups.ids() {
+                    let from = actor.layout.leaf(before, group);
+                    let leaf = &entity.leaves[from];
+                    let choice = self.decide(&reader, entity, from, leaf);
+                    if choice.is_some() || !leaf.internal.is_empty() || !leaf.follows.is_empty() {
+                        self.run(state, &reader, entity, group, choice, changes);
+                    }
+                }
+                continue;
+            }
             let own = actor.group_range();
             let first = own.start;
             let decided = taken[own.clone()].iter_mut();
             decided.for_each(|t| *t = None);
             for &group in &entity.order {
                 let reader = self.reader(actor, before, frames, &taken[own.clone()], &fault);
-                let choice = self.decide(&reader, entity, group);
+                let from = actor.layout.leaf(before, group);
+                let choice = self.decide(&reader, entity, from, &entity.leaves[from]);
                 taken[first + group.index()] = choice;
             }
             let reader = self.reader(actor, before, frames, &taken[own.clone()], &fault);
@@ -53,9 +67,8 @@ impl Simulator<'_> {
     }
 
     /// The edge that a group takes: the first that holds.
-    fn decide(&self, reader: &Reader<'_>, entity: &Entity, group: GroupId) -> Option<Taken> {
-        let from = self.layout(reader.me).leaf(reader.state, group);
-        let leaf = &entity.leaves[from];
+    #[inline]
+    fn decide(&self, reader: &Reader<'_>, entity: &Entity, from: LeafId, leaf: &Leaf) -> Option<Taken> {
         let edge = leaf.edges.iter().copied().find(|&edge| reader.truth(entity.edges[edge].guard))?;
         let target = entity.edges[edge].target?;
         Some(Taken { edge, target, from, to: reader.entered(target) })
@@ -152,7 +165,7 @@ impl Simulator<'_> {
     pub(super) fn update(&self, state: &mut [u8], slot: SlotId, reader: &Reader<'_>, update: &Update) {
         let value = reader.number(update.value);
         match update.place {
-            Place::Var(var, degree) => self.layout(slot).set_var(state, var, degree, value),
+            Place::Var(var, degree) => self.layout(slot).set_var(state, var, degree, value + 0.0),
             Place::Discrete(id) => {
                 let (low, high) = self.entity(slot).discretes[id].range;
                 let fits = value >= f64::from(low) && value <= f64::from(high) && value.fract() == 0.0;

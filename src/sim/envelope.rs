@@ -156,15 +156,18 @@ fn level(reader: &Reader<'_>, envelope: &Envelope) -> f64 {
     }
 }
 
+/// Times that differ by less are the same, s: a sum of times is rounded.
+const ROUNDING: f64 = 1e-9;
+
 /// An envelope by the clock: linear to the peak, constant, linear back, constant.
 fn at_time(t: f64, [rise, hold, fall]: [f64; 3], level: f64, peak: f64) -> f64 {
-    if t < rise {
+    if t < rise - ROUNDING {
         return level + (peak - level) * (t / rise);
     }
     let t = t - rise;
-    if t <= hold {
+    if t <= hold + ROUNDING {
         return peak;
     }
     let t = t - hold;
-    if t < fall { peak + (level - peak) * (t / fall) } else { level }
+    if t < fall - ROUNDING { peak + (level - peak) * (t / fall) } else { level }
 }

@@ -89,7 +89,8 @@ impl SlotLayout {
         let at = self.var_offset(var, 0);
         let bytes = &mut state[at..at + 24];
         for (degree, value) in values.into_iter().enumerate() {
-            set_real(bytes, 8 * degree, value);
+            // There is one zero, so that equal states are equal bytes.
+            set_real(bytes, 8 * degree, value + 0.0);
         }
     }
 
@@ -239,7 +240,13 @@ impl SlotLayout {
     /// Forgets all contacts of the instance; `count` is the number of its contact questions, `bound` that of those that
     /// keep what is touched.
     pub fn clear_touches(&self, state: &mut [u8], count: usize, bound: usize) {
-        state[self.touches..self.touches + count.div_ceil(8)].fill(0);
-        state[self.bound..self.bound + 2 * bound].fill(0);
+        match count {
+            0 => return,
+            1..=8 => state[self.touches] = 0,
+            _ => state[self.touches..self.touches + count.div_ceil(8)].fill(0),
+        }
+        if bound > 0 {
+            state[self.bound..self.bound + 2 * bound].fill(0);
+        }
     }
 }

@@ -3,6 +3,8 @@
 use std::path::Path;
 
 use crate::diagnostic::Diagnostics;
+use crate::diagnostic::catalogue::file::Unreadable;
+use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::ir::{self, Program};
 use crate::sema;
 use crate::source::{Files, SourceMap};
@@ -19,13 +21,30 @@ pub struct Compilation {
     pub diagnostics: Diagnostics,
 }
 
-/// Compiles a file and what it imports.
+/// Compiles a file and what it imports. Worlds that leave their map open stay open.
 pub fn compile(root: &Path, files: &dyn Files) -> Compilation {
+    compile_with(root, None, files)
+}
+
+/// Compiles a file and what it imports; worlds that leave their map open get this one.
+pub fn compile_with(root: &Path, map: Option<&Path>, files: &dyn Files) -> Compilation {
     let mut sources = SourceMap::new();
     let (mut trees, mut diagnostics) = syntax::load(root, files, &mut sources);
     diagnostics.append(syntax::expand(&mut trees, &mut sources));
-    let (checked, found) = sema::check(&trees);
+    let level = map.and_then(|path| match files.read(path) {
+        Ok(text) => Some(sources.add(path, text)),
+        Err(error) => {
+            diagnostics.report(Unreadable { path: path.to_path_buf(), import: None, error });
+            None
+        }
+    });
+    let (checked, found) = sema::check(&trees, &sources, level);
     diagnostics.append(found);
+    if map.is_some() && !checked.has_open_map && !diagnostics.has_errors() {
+        let why = format!("no world of `{}` leaves its map to the command line", root.display());
+        let help = Some("write `map level TILES` or `map level legend \"FILE\" tile 16 x 16` in a space".into());
+        diagnostics.report(NoQuestion { why, near: None, help });
+    }
     diagnostics.trace(&sources);
     diagnostics.sort();
     let program = (!diagnostics.has_errors()).then(|| ir::lower(&checked));

@@ -247,10 +247,6 @@ fn trouble(block: &Block, all: &[Block]) -> Option<String> {
             expected.extend(words.next().map(String::as_str));
         }
     }
-    if block.is("later") {
-        let is_refused = found.contains(&Code::NotSupported);
-        return (!is_refused).then(|| "this compiles now: take `later` off its fence".to_string());
-    }
     let shown = || render::human(&compilation.sources, compilation.diagnostics.iter(), false);
     if found.iter().map(|c| c.text()).ne(expected.iter().copied()) {
         return Some(format!("{} is expected\n{}\n{text}", expected.join(" "), shown()));

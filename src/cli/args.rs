@@ -47,6 +47,9 @@ pub(super) struct CheckArgs {
     /// The programs to check.
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
+    /// The level of worlds that leave their map open.
+    #[arg(long, value_name = "PATH")]
+    pub map: Option<PathBuf>,
     /// How findings are shown.
     #[arg(long, value_enum, default_value = "human")]
     pub format: FindingFormat,
@@ -57,6 +60,9 @@ pub(super) struct IrArgs {
     /// The program.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
+    /// The level of worlds that leave their map open.
+    #[arg(long, value_name = "PATH")]
+    pub map: Option<PathBuf>,
     /// As text for people, or as JSON.
     #[arg(long, value_enum, default_value = "human")]
     pub format: ResultFormat,
@@ -72,6 +78,9 @@ pub(super) struct SimArgs {
     /// The program.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
+    /// The level of worlds that leave their map open.
+    #[arg(long, value_name = "PATH")]
+    pub map: Option<PathBuf>,
     /// The world, where the program has several.
     #[arg(long, value_name = "NAME")]
     pub world: Option<String>,
@@ -94,6 +103,9 @@ pub(super) struct ReachArgs {
     /// The program.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
+    /// The level of worlds that leave their map open.
+    #[arg(long, value_name = "PATH")]
+    pub map: Option<PathBuf>,
     /// The world, where the program has several.
     #[arg(long, value_name = "NAME")]
     pub world: Option<String>,

@@ -2,7 +2,7 @@
 
 use std::io::{self, IsTerminal, Write};
 
-use crate::compile::compile;
+use crate::compile::compile_with;
 use crate::diagnostic::{Code, Diagnostics};
 
 use super::Answer;
@@ -14,7 +14,7 @@ pub(super) fn run(args: &CheckArgs) -> io::Result<Answer> {
     let color = colored(io::stdout().is_terminal());
     let mut answer = Answer::Yes;
     for path in &args.files {
-        let compilation = compile(path, &Disk);
+        let compilation = compile_with(path, args.map.as_deref(), &Disk);
         let found = &compilation.diagnostics;
         write!(io::stdout(), "{}", rendered(&compilation.sources, found, args.format, color))?;
         if args.format == FindingFormat::Human {

@@ -9,7 +9,7 @@ use super::args::{IrArgs, ResultFormat};
 use super::report::load;
 
 pub(super) fn run(args: &IrArgs) -> io::Result<Answer> {
-    let Some(loaded) = load(&args.file)? else {
+    let Some(loaded) = load(&args.file, args.map.as_deref())? else {
         return Ok(Answer::Unasked);
     };
     let mut out = io::stdout().lock();

@@ -53,7 +53,7 @@ struct GoalResult {
 }
 
 pub(super) fn run(args: &ReachArgs) -> io::Result<Answer> {
-    let Some(loaded) = load(&args.file)? else {
+    let Some(loaded) = load(&args.file, args.map.as_deref())? else {
         return Ok(Answer::Unasked);
     };
     let Some(world) = choose_world(&loaded, &args.file, args.world.as_deref())? else {

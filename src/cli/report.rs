@@ -3,7 +3,7 @@
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 
-use crate::compile::{Compilation, compile};
+use crate::compile::{Compilation, compile_with};
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::{Diagnostics, Fact, render, similar};
 use crate::ir::{Program, WorldId};
@@ -49,9 +49,10 @@ pub(super) struct Loaded {
     pub program: Program,
 }
 
-/// Compiles a file; shows what is wrong and gives nothing if it cannot be run.
-pub(super) fn load(path: &Path) -> io::Result<Option<Loaded>> {
-    let Compilation { sources, program, diagnostics } = compile(path, &Disk);
+/// Compiles a file, with a map for worlds that leave theirs open; shows what is wrong and gives nothing if it cannot be
+/// run.
+pub(super) fn load(path: &Path, map: Option<&Path>) -> io::Result<Option<Loaded>> {
+    let Compilation { sources, program, diagnostics } = compile_with(path, map, &Disk);
     show(&sources, &diagnostics)?;
     Ok(program.map(|program| Loaded { sources, program }))
 }
@@ -65,8 +66,14 @@ pub(super) fn choose_world(loaded: &Loaded, path: &Path, name: Option<&str>) -> 
         Some(name) => worlds.find(|w| w.name == name),
         None => worlds.ids().next().filter(|_| worlds.len() == 1),
     };
-    if found.is_some() {
-        return Ok(found);
+    if let Some(world) = found {
+        if worlds[world].open.is_none() {
+            return Ok(found);
+        }
+        let why = format!("the world `{}` leaves its map to the command line", worlds[world].name);
+        let help = Some("give one with `--map PATH`".to_string());
+        show_fact(&loaded.sources, NoQuestion { why, near: None, help })?;
+        return Ok(None);
     }
     let fact = match name {
         Some(name) => NoQuestion {

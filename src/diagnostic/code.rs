@@ -46,7 +46,6 @@ codes! {
     UnbalancedBrace Error "E0102" "a brace has no partner"
     UnterminatedMap Error "E0103" "a map has no end"
     Misplaced Error "E0104" "a declaration stands where it cannot"
-    NotSupported Error "E0105" "a construct of the language that this version cannot compile"
 
     UnknownName Error "E0201" "a name is not declared"
     DuplicateName Error "E0202" "a name is declared twice"

@@ -194,7 +194,8 @@ fn verify_entity(program: &Program, entity: &Entity) {
 }
 
 fn verify_world(program: &Program, world: &World) {
-    let World { name: _, step, spaces, slots, players, collide: _, goals, nevers, layout } = world;
+    let World { name: _, step, spaces, slots, players, collide: _, goals, nevers, open, layout } = world;
+    assert!(open.is_none_or(|s| s.index() < spaces.len()), "an open space exists");
     assert!(step.numerator > 0 && step.denominator > 0, "a step is positive");
     assert_eq!(layout.slots.len(), slots.len(), "a layout for each slot");
     assert_eq!(layout.players.len(), players.len(), "a layout for each player");

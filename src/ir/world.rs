@@ -111,6 +111,7 @@ pub(super) fn lower(program: &mut Program, w: &checked::World, predicates: Predi
         collide,
         goals: predicates.goals,
         nevers: predicates.nevers,
+        open: w.open,
         layout,
     });
 }

@@ -27,6 +27,8 @@ pub struct World {
     pub goals: IdVec<GoalId, Predicate>,
     /// What must not happen.
     pub nevers: IdVec<NeverId, Predicate>,
+    /// The space whose map is not given: the world cannot be run.
+    pub open: Option<SpaceId>,
     /// Where everything stands in a state.
     pub layout: Layout,
 }

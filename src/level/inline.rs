@@ -1,9 +1,9 @@
-//! Maps written between quotes in a `.hyped` file.
+//! Maps from rows of characters: written between quotes in a `.hyped` file, or the lines of a text file.
 
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::file::TooMany;
 use crate::diagnostic::catalogue::world::{EmptyMap, RowLength, UnknownTile};
-use crate::source::Span;
+use crate::source::{FileId, Span};
 
 use super::{MAX_TILES, TileKind, TileMap};
 
@@ -15,7 +15,23 @@ pub struct InlineTile<T> {
     pub tags: Vec<T>,
 }
 
-/// Reads the rows of a map, top row first, each with its span. `set` is the tile set's name and place.
+/// The rows of a text file: its lines, trimmed at both ends, without empty ones at the end.
+pub fn text_rows(text: &str, file: FileId) -> Vec<(&str, Span)> {
+    let mut rows = Vec::new();
+    let mut start = 0;
+    for line in text.split_inclusive('\n') {
+        let row = line.trim();
+        let from = start + (line.len() - line.trim_start().len());
+        rows.push((row, Span::new(file, from, from + row.len())));
+        start += line.len();
+    }
+    while rows.last().is_some_and(|(row, _)| row.is_empty()) {
+        rows.pop();
+    }
+    rows
+}
+
+/// Reads the rows of a map, top row first, each with its span. `set` is what the tiles are called and its place.
 /// Gives none if a row or a character does not fit; the findings say which.
 pub fn inline_map<T: Clone>(
     rows: &[(&str, Span)],

@@ -1,9 +1,11 @@
-//! Tile maps: a grid of kinds of tiles, each kind a list of tags. Read from inline text here; other sources of
-//! levels join it in this folder.
+//! Tile maps: a grid of kinds of tiles, each kind a list of tags. Read from rows of text, with a tile set of one's own
+//! or a legend of the Video Game Level Corpus.
 
 mod inline;
+mod legend;
 
-pub use inline::{InlineTile, inline_map};
+pub use inline::{InlineTile, inline_map, text_rows};
+pub use legend::legend;
 
 use serde::Serialize;
 

@@ -24,6 +24,8 @@ pub struct Checked {
     pub entities: IdVec<EntityId, Rc<Entity>>,
     /// All worlds, those of the root file first.
     pub worlds: IdVec<WorldId, World>,
+    /// Whether a world leaves its map to the command line.
+    pub has_open_map: bool,
 }
 
 /// A type of values.

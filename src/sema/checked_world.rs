@@ -32,6 +32,8 @@ pub struct World {
     pub goals: IdVec<GoalId, Question>,
     /// What must not happen.
     pub nevers: IdVec<NeverId, Question>,
+    /// The space whose map the command line was to give, and did not.
+    pub open: Option<SpaceId>,
     /// The whole.
     pub span: Span,
 }

@@ -15,6 +15,7 @@ mod expression;
 mod facts;
 pub mod ids;
 mod joint;
+mod map;
 mod member;
 mod mode;
 mod names;
@@ -29,6 +30,7 @@ use std::collections::BTreeSet;
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::file::TooMany;
 use crate::diagnostic::catalogue::types::TypeMismatch;
+use crate::source::{FileId, SourceMap, Span};
 use crate::syntax::ast;
 
 use checked::Checked;
@@ -49,10 +51,10 @@ pub const MAX_INSTANCES: usize = 10_000;
 /// The most kinds of tiles one set may have.
 pub const MAX_TILE_KINDS: usize = 4_096;
 
-/// Checks a program: the root file first, then what it imports. The result is complete only if the diagnostics
-/// hold no error.
-pub fn check(files: &[ast::File]) -> (Checked, Diagnostics) {
-    let mut checker = Checker::new(files);
+/// Checks a program: the root file first, then what it imports. `level` is the map of worlds that leave theirs open.
+/// The result is complete only if the diagnostics hold no error.
+pub fn check(files: &[ast::File], sources: &SourceMap, level: Option<FileId>) -> (Checked, Diagnostics) {
+    let mut checker = Checker::new(files, sources, level);
     checker.declare(files);
     for (index, (entity, skeleton)) in std::mem::take(&mut checker.skeletons).into_iter().enumerate() {
         let checked = checker.entity(entity, skeleton, EntityId(index as u32));
@@ -74,6 +76,11 @@ pub fn check(files: &[ast::File]) -> (Checked, Diagnostics) {
 
 /// What the parts of this stage share.
 struct Checker<'a> {
+    sources: &'a SourceMap,
+    /// The map of worlds that leave theirs open.
+    level: Option<FileId>,
+    /// The files that maps name, by where they are named.
+    texts: std::collections::BTreeMap<Span, FileId>,
     checked: Checked,
     diagnostics: Diagnostics,
     constants: Table<checked::Term>,
@@ -89,8 +96,11 @@ struct Checker<'a> {
 }
 
 impl<'a> Checker<'a> {
-    fn new(files: &[ast::File]) -> Self {
+    fn new(files: &[ast::File], sources: &'a SourceMap, level: Option<FileId>) -> Self {
         Checker {
+            sources,
+            level,
+            texts: files.iter().flat_map(|f| f.texts.iter().copied()).collect(),
             checked: Checked::default(),
             diagnostics: Diagnostics::new(),
             constants: Table::new("constant"),

@@ -1,12 +1,10 @@
 //! Worlds: the step, collision lines, tiles and maps, placed instances with their first values, players, goals.
 
-use crate::diagnostic::catalogue::names::DuplicateName;
-use crate::diagnostic::catalogue::syntax::{Misplaced, NotSupported};
+use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::OutOfRange;
 use crate::diagnostic::catalogue::world::{BadPlayer, BadStep, BadTile};
-use crate::level::{InlineTile, inline_map};
-use crate::source::Span;
-use crate::syntax::ast::{self, Expr, MapSource, Name, SpaceItem, WorldItem};
+use crate::level::InlineTile;
+use crate::syntax::ast::{self, Expr, Name, SpaceItem, WorldItem};
 
 use super::checked::{
     Arithmetic, CollideRule, Link, Origin, Player, Push, Question, Response, Solid, Space, Term, TermKind, World,
@@ -41,6 +39,7 @@ impl Checker<'_> {
             players: IdVec::new(),
             goals: IdVec::new(),
             nevers: IdVec::new(),
+            open: None,
             span: syntax.span,
         };
         let mut steps: Table<()> = Table::new("the step");
@@ -81,9 +80,7 @@ impl Checker<'_> {
             for item in &space.items {
                 match item {
                     SpaceItem::Map(map) => {
-                        if let Some(set) = self.map(map, &sets, &mut map_at, &mut world.spaces[id]) {
-                            self.tile_instances(&world.spaces[id], id, set, map.span, &mut population);
-                        }
+                        self.map(map, &sets, &mut map_at, (id, &mut world), &mut population);
                     }
                     SpaceItem::Link(_) => {}
                     SpaceItem::Solid(solid) => {
@@ -102,7 +99,9 @@ impl Checker<'_> {
                     SpaceItem::Place(place) => self.placed(place, id, &mut population),
                 }
             }
-            let size = world.spaces[id].map.as_ref().map(crate::level::TileMap::size);
+            // A world whose map is not given yet is checked, but not run: its size does not matter.
+            let given = world.spaces[id].map.as_ref().map(crate::level::TileMap::size);
+            let size = given.or((world.open == Some(id)).then_some((0.0, 0.0)));
             sizes.push((space.name.text.clone(), size));
         }
         self.limits(syntax, &mut population);
@@ -175,25 +174,41 @@ impl Checker<'_> {
         Some(CollideRule { left, right, response })
     }
 
+    /// A tile's width or height, px.
+    pub(super) fn tile_side(&mut self, e: &Expr, lengths: &mut Vec<Term>) -> Option<f64> {
+        let term = self.number(e, &Scope::constant())?;
+        let value = self.evaluated(&term, ConstantContext::LITERALS)?;
+        lengths.push(term);
+        if value > 0.0 {
+            return Some(value);
+        }
+        self.diagnostics.report(OutOfRange {
+            at: e.span,
+            what: format!("a tile's side of {value} px"),
+            range: "what is above 0 px".into(),
+        });
+        None
+    }
+
     fn tiles<'t>(&mut self, tiles: &'t ast::Tiles, sets: &mut Table<TileSet<'t>>, lengths: &mut Vec<Term>) {
-        let mut side = |e: &Expr| {
-            let term = self.number(e, &Scope::constant())?;
-            let value = self.evaluated(&term, ConstantContext::LITERALS)?;
-            lengths.push(term);
-            if value > 0.0 {
-                return Some(value);
-            }
-            self.diagnostics.report(OutOfRange {
-                at: e.span,
-                what: format!("a tile's side of {value} px"),
-                range: "what is above 0 px".into(),
-            });
-            None
-        };
-        let (width, height) = (side(&tiles.width), side(&tiles.height));
-        let mut symbols: Table<()> = Table::new("tile");
+        let (width, height) = (self.tile_side(&tiles.width, lengths), self.tile_side(&tiles.height, lengths));
         let mut set = TileSet { name: tiles.name.clone(), tile: (1.0, 1.0), tiles: Vec::new(), spawns: Vec::new() };
-        for tile in &tiles.tiles {
+        self.tile_kinds(&tiles.tiles, &mut set);
+        match (width, height) {
+            (Some(w), Some(h)) => {
+                set.tile = (w, h);
+                sets.declare(&tiles.name, set, &mut self.diagnostics);
+            }
+            _ => {
+                self.suspects.insert(tiles.name.text.clone());
+            }
+        }
+    }
+
+    /// Adds tiles to a set; what a legend said of a character before is replaced.
+    pub(super) fn tile_kinds<'t>(&mut self, tiles: &'t [ast::Tile], set: &mut TileSet<'t>) {
+        let mut symbols: Table<()> = Table::new("tile");
+        for tile in tiles {
             if set.tiles.len() >= MAX_TILE_KINDS {
                 self.too_many("kinds of tiles", MAX_TILE_KINDS, tile.symbol_span);
                 break;
@@ -205,17 +220,17 @@ impl Checker<'_> {
             let name = Name { text: tile.symbol.to_string(), span: tile.symbol_span };
             if symbols.declare(&name, (), &mut self.diagnostics) {
                 let tags = tile.tags.iter().filter(|t| t.text != "empty").map(|t| self.tag(t)).collect();
-                set.tiles.push(InlineTile { symbol: tile.symbol, tags });
-                set.spawns.push(tile.spawn.as_ref());
-            }
-        }
-        match (width, height) {
-            (Some(w), Some(h)) => {
-                set.tile = (w, h);
-                sets.declare(&tiles.name, set, &mut self.diagnostics);
-            }
-            _ => {
-                self.suspects.insert(tiles.name.text.clone());
+                let kind = InlineTile { symbol: tile.symbol, tags };
+                match set.tiles.iter().position(|t| t.symbol == tile.symbol) {
+                    Some(known) => {
+                        set.tiles[known] = kind;
+                        set.spawns[known] = tile.spawn.as_ref();
+                    }
+                    None => {
+                        set.tiles.push(kind);
+                        set.spawns.push(tile.spawn.as_ref());
+                    }
+                }
             }
         }
     }
@@ -240,39 +255,6 @@ impl Checker<'_> {
         }
         let [x, y, width, height] = known;
         Some([x?, y?, width?, height?])
-    }
-
-    /// Reads a map into its space; gives the tile set, so that instances can be made.
-    fn map<'s, 't>(
-        &mut self,
-        map: &ast::Map,
-        sets: &'s Table<TileSet<'t>>,
-        first: &mut Option<Span>,
-        space: &mut Space,
-    ) -> Option<&'s TileSet<'t>> {
-        if let Some(first) = *first {
-            self.diagnostics.report(DuplicateName {
-                kind: "the map of",
-                name: space.name.text.clone(),
-                first,
-                second: map.span,
-            });
-            return None;
-        }
-        *first = Some(map.span);
-        let MapSource::Inline(tiles, rows) = &map.source else {
-            self.diagnostics.report(NotSupported { at: map.span, what: "a map from a file".into() });
-            return None;
-        };
-        let Some(set) = sets.get(&tiles.text) else {
-            let fact = unknown("tile set", &tiles.text, tiles.span, sets.names());
-            self.report_unknown(fact);
-            return None;
-        };
-        let rows: Vec<(&str, Span)> = rows.iter().map(|r| (r.text.as_str(), r.span)).collect();
-        let declared = (set.name.text.as_str(), set.name.span);
-        space.map = inline_map(&rows, tiles.span, declared, set.tile, &set.tiles, &mut self.diagnostics);
-        Some(set)
     }
 
     /// Ways into other spaces.

@@ -25,8 +25,9 @@ pub(super) struct Actor<'p> {
 
 /// The actors of a world.
 pub(super) fn actors<'p>(program: &'p Program, world: &'p World) -> Vec<Actor<'p>> {
-    // Instances with the same parameters share their code.
-    let mut known: BTreeMap<(EntityId, Option<Vec<u64>>), Arc<[Expr]>> = BTreeMap::new();
+    // Instances of one entity with the same parameters (as bits) share their code.
+    type Key = (EntityId, Option<Vec<u64>>);
+    let mut known: BTreeMap<Key, Arc<[Expr]>> = BTreeMap::new();
     let (mut groups, mut vars, mut clamps, mut envelopes) = (0, 0, 0, 0);
     let mut out = Vec::with_capacity(world.slots.len());
     for (id, slot) in world.slots.pairs() {

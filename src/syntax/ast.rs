@@ -16,6 +16,8 @@ pub struct File {
     pub trivia: Vec<Comment>,
     /// Slices that fit no rule.
     pub broken: Vec<Broken>,
+    /// The files that its maps name, where they are named.
+    pub texts: Vec<(Span, FileId)>,
 }
 
 /// A comment; blank lines are seen by comparing positions.

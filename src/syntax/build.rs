@@ -33,7 +33,7 @@ pub(super) struct Builder<'a> {
 /// Parses the scanned text and builds the tree.
 pub(super) fn file(id: FileId, source: &str, mut scan: Scan, diagnostics: &mut Diagnostics) -> File {
     let trivia = std::mem::take(&mut scan.trivia);
-    let mut out = File { id, items: Vec::new(), trivia, broken: Vec::new() };
+    let mut out = File { id, items: Vec::new(), trivia, broken: Vec::new(), texts: Vec::new() };
     let Some(text) = scan.text.take() else {
         // Nothing of the file was read: later stages must not complain of what it would have declared.
         out.broken.push(Broken { span: Span::new(id, 0, source.len()), names: vec!["*".into()] });

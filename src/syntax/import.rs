@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::file::{ImportCycle, TooMany, Unreadable};
-use crate::source::{FileId, Files, SourceMap, Span};
+use crate::source::{FileId, Files, ReadError, SourceMap, Span};
 
-use super::ast::{Broken, File, Item};
+use super::ast::{Broken, File, Item, MapSource, SpaceItem, WorldItem};
 
 /// The most files that one program may be made of.
 pub const MAX_FILES: usize = 10_000;
@@ -61,6 +61,36 @@ pub fn load(root: &Path, files: &dyn Files, sources: &mut SourceMap) -> (Vec<Fil
     (done, diagnostics)
 }
 
+/// Reads the levels and legends that the maps of a file name.
+fn texts(
+    file: &File,
+    folder: &Path,
+    files: &dyn Files,
+    sources: &mut SourceMap,
+    diagnostics: &mut Diagnostics,
+) -> Vec<(Span, FileId)> {
+    let worlds = file.items.iter().filter_map(|i| if let Item::World(world) = i { Some(world) } else { None });
+    let spaces = worlds.flat_map(|w| &w.items).filter_map(|i| if let WorldItem::Space(s) = i { Some(s) } else { None });
+    let maps = spaces.flat_map(|s| &s.items).filter_map(|i| if let SpaceItem::Map(map) = i { Some(map) } else { None });
+    let named = maps.flat_map(|map| match &map.source {
+        MapSource::Inline(..) | MapSource::Open(_) => vec![],
+        MapSource::Text(_, path) => vec![path],
+        MapSource::Vglc(path, legend) => vec![path, &legend.path],
+        MapSource::OpenLegend(legend) => vec![&legend.path],
+    });
+    let mut known: BTreeMap<PathBuf, Result<FileId, ReadError>> = BTreeMap::new();
+    let mut out = Vec::new();
+    for name in named {
+        let path = folder.join(&name.text);
+        let read = known.entry(path.clone()).or_insert_with(|| files.read(&path).map(|text| sources.add(&path, text)));
+        match read {
+            Ok(id) => out.push((name.span, *id)),
+            Err(error) => diagnostics.report(Unreadable { path, import: Some(name.span), error: error.clone() }),
+        }
+    }
+    out
+}
+
 fn open(
     path: &Path,
     import: Option<Span>,
@@ -79,9 +109,10 @@ fn open(
     let id = sources.add(path, text);
     let identity = files.identity(path);
     known.insert(identity.clone(), id);
-    let (file, found) = super::parse(id, sources.file(id).text());
+    let (mut file, found) = super::parse(id, sources.file(id).text());
     diagnostics.append(found);
     let folder = path.parent().unwrap_or(Path::new(""));
+    file.texts = texts(&file, folder, files, sources, diagnostics);
     let imports: Vec<(PathBuf, Span)> = file
         .items
         .iter()

@@ -9,7 +9,7 @@ use crate::source::{ReadError, Span};
 pub struct Unreadable {
     /// Its path.
     pub path: PathBuf,
-    /// Where it is imported; none if it was named on the command line.
+    /// Where it is imported, or named by a map; none if it was named on the command line.
     pub import: Option<Span>,
     /// Why.
     pub error: ReadError,
@@ -30,7 +30,7 @@ impl Fact for Unreadable {
             ),
         };
         match self.import {
-            Some(span) => d.at(span, "imported here"),
+            Some(span) => d.at(span, "named here"),
             None => d,
         }
     }

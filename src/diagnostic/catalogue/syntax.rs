@@ -191,18 +191,3 @@ impl Fact for Misplaced {
             .help(format!("it belongs {}", self.belongs))
     }
 }
-
-/// A construct that this version cannot compile.
-pub struct NotSupported {
-    /// The construct.
-    pub at: Span,
-    /// Its name.
-    pub what: String,
-}
-
-impl Fact for NotSupported {
-    fn word(self) -> Diagnostic {
-        Diagnostic::new(Code::NotSupported, format!("{} is not supported by this version of hypedc", self.what))
-            .at(self.at, "cannot be compiled yet")
-    }
-}

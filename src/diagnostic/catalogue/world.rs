@@ -31,7 +31,7 @@ pub struct UnknownTile {
     pub at: Span,
     /// How often it occurs.
     pub count: usize,
-    /// The name of the tile set.
+    /// The tile set or legend: `tiles basic`.
     pub tiles: String,
     /// Where the tile set stands.
     pub declared: Span,
@@ -40,7 +40,7 @@ pub struct UnknownTile {
 impl Fact for UnknownTile {
     fn word(self) -> Diagnostic {
         let times = if self.count == 1 { String::new() } else { format!(" ({} times)", self.count) };
-        Diagnostic::new(Code::BadMap, format!("no tile `{}` in `tiles {}`{times}", self.symbol, self.tiles))
+        Diagnostic::new(Code::BadMap, format!("no tile `{}` in `{}`{times}", self.symbol, self.tiles))
             .at(self.at, "no tile has this character")
             .and(self.declared, "the tile set")
             .help(format!("add `'{}': empty`, or tags instead of `empty`", self.symbol))
@@ -176,5 +176,21 @@ impl Fact for TileInstances {
             .at(at, "needs exactly one such tile")
             .and(map, format!("{count} times here"))
             .help("leave out `as`, or use a character of its own")
+    }
+}
+
+/// A legend that cannot be read.
+pub struct BadLegend {
+    /// Where in the legend.
+    pub at: Span,
+    /// Why.
+    pub why: String,
+}
+
+impl Fact for BadLegend {
+    fn word(self) -> Diagnostic {
+        Diagnostic::new(Code::BadMap, format!("this is no legend: {}", self.why))
+            .at(self.at, "here")
+            .help("a legend is JSON: `{ \"tiles\": { \"X\": [\"solid\", \"ground\"], … } }`")
     }
 }

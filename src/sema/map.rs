@@ -1,0 +1,125 @@
+//! Maps of spaces: inline, from text files, from levels of the Video Game Level Corpus, or given on the command line.
+
+use crate::diagnostic::catalogue::names::DuplicateName;
+use crate::level::{InlineTile, inline_map, legend, text_rows};
+use crate::source::{FileId, Span};
+use crate::syntax::ast::{self, MapSource, Name};
+
+use super::Checker;
+use super::checked::World;
+use super::ids::SpaceId;
+use super::names::{Table, unknown};
+use super::population::Population;
+use super::world::TileSet;
+
+impl Checker<'_> {
+    /// Reads a map into its space, and makes the instances of its tiles.
+    pub(super) fn map(
+        &mut self,
+        map: &ast::Map,
+        sets: &Table<TileSet<'_>>,
+        first: &mut Option<Span>,
+        (id, world): (SpaceId, &mut World),
+        population: &mut Population,
+    ) {
+        if let Some(first) = *first {
+            let name = world.spaces[id].name.text.clone();
+            self.diagnostics.report(DuplicateName { kind: "the map of", name, first, second: map.span });
+            return;
+        }
+        *first = Some(map.span);
+        let sources = self.sources;
+        let level = |file: FileId| text_rows(sources.file(file).text(), file);
+        match &map.source {
+            MapSource::Inline(tiles, rows) => {
+                let rows: Vec<(&str, Span)> = rows.iter().map(|r| (r.text.as_str(), r.span)).collect();
+                self.own_tiles(&rows, tiles, tiles.span, sets, (id, world), population);
+            }
+            MapSource::Text(tiles, path) => {
+                if let Some(file) = self.text(path) {
+                    self.own_tiles(&level(file), tiles, path.span, sets, (id, world), population);
+                }
+            }
+            MapSource::Vglc(path, legend) => {
+                let file = self.text(path);
+                self.legend_tiles(file.map(level), legend, path.span, (id, world), population);
+            }
+            MapSource::Open(tiles) => {
+                self.open(id, world);
+                let rows = self.level.map(level).unwrap_or_default();
+                if self.level.is_some() || sets.get(&tiles.text).is_none() {
+                    self.own_tiles(&rows, tiles, map.span, sets, (id, world), population);
+                }
+            }
+            MapSource::OpenLegend(legend) => {
+                self.open(id, world);
+                self.legend_tiles(self.level.map(level), legend, map.span, (id, world), population);
+            }
+        }
+    }
+
+    /// The file that a map names, if it could be read.
+    fn text(&self, path: &Name) -> Option<FileId> {
+        self.texts.get(&path.span).copied()
+    }
+
+    /// Notes that the world's map is to be given on the command line.
+    fn open(&mut self, id: SpaceId, world: &mut World) {
+        self.checked.has_open_map = true;
+        if self.level.is_none() {
+            world.open = Some(id);
+        }
+    }
+
+    fn own_tiles(
+        &mut self,
+        rows: &[(&str, Span)],
+        tiles: &Name,
+        at: Span,
+        sets: &Table<TileSet<'_>>,
+        (id, world): (SpaceId, &mut World),
+        population: &mut Population,
+    ) {
+        let Some(set) = sets.get(&tiles.text) else {
+            let fact = unknown("tile set", &tiles.text, tiles.span, sets.names());
+            self.report_unknown(fact);
+            return;
+        };
+        let called = format!("tiles {}", set.name.text);
+        let declared = (called.as_str(), set.name.span);
+        world.spaces[id].map = inline_map(rows, at, declared, set.tile, &set.tiles, &mut self.diagnostics);
+        self.tile_instances(&world.spaces[id], id, set, at, population);
+    }
+
+    /// A map whose tiles a legend describes, but for those that the program gives itself.
+    fn legend_tiles(
+        &mut self,
+        rows: Option<Vec<(&str, Span)>>,
+        syntax: &ast::Legend,
+        at: Span,
+        (id, world): (SpaceId, &mut World),
+        population: &mut Population,
+    ) {
+        let lengths = &mut world.lengths;
+        let (width, height) = (self.tile_side(&syntax.width, lengths), self.tile_side(&syntax.height, lengths));
+        let Some(file) = self.text(&syntax.path) else { return };
+        let Some(known) = legend(self.sources.file(file), file, &mut self.diagnostics) else { return };
+        let (Some(width), Some(height)) = (width, height) else { return };
+        let mut set =
+            TileSet { name: syntax.path.clone(), tile: (width, height), tiles: Vec::new(), spawns: Vec::new() };
+        for (symbol, tags) in known {
+            // Tags that no tile of the level carries would only use up the numbers of tags.
+            let occurs = rows.as_ref().is_some_and(|rows| rows.iter().any(|(row, _)| row.contains(symbol)));
+            let own = syntax.tiles.iter().any(|t| t.symbol == symbol);
+            let tags = tags.into_iter().filter(|tag| occurs && !own && tag != "empty");
+            let tags = tags.map(|text| self.tag(&Name { text, span: syntax.path.span })).collect();
+            set.tiles.push(InlineTile { symbol, tags });
+            set.spawns.push(None);
+        }
+        self.tile_kinds(&syntax.tiles, &mut set);
+        let Some(rows) = rows else { return };
+        let declared = (syntax.path.text.as_str(), syntax.path.span);
+        world.spaces[id].map = inline_map(&rows, at, declared, set.tile, &set.tiles, &mut self.diagnostics);
+        self.tile_instances(&world.spaces[id], id, &set, at, population);
+    }
+}

@@ -7,7 +7,7 @@
 //! - `file="a.hyped"`: the block is a file that other examples can read, as is a block of any other language;
 //! - `inputs="right*40"`: what the player does, else nothing for 120 steps; `ends="hero.x > 10"`: what holds then;
 //!   `stops="E0603"`: the run ends early with this error;
-//! - `later`: the compiler cannot do it yet, and says so (E0105).
+//! - `map="a.txt"`: the level that the command line would give.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -16,7 +16,7 @@ mod support;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use hypedc::compile::{Compilation, compile};
+use hypedc::compile::{Compilation, compile_with};
 use hypedc::diagnostic::{Code, render};
 use hypedc::ir::{Program, WorldId};
 use hypedc::sim::{Simulator, parse_script};
@@ -211,9 +211,9 @@ impl Files for PageFiles<'_> {
     }
 }
 
-fn compiled(text: &str, all: &[Block]) -> Compilation {
+fn compiled(text: &str, map: Option<&str>, all: &[Block]) -> Compilation {
     let others = all.iter().filter_map(|b| Some((PathBuf::from(b.setting("file")?), b.text.as_str()))).collect();
-    compile(Path::new("example.hyped"), &PageFiles { main: text, others })
+    compile_with(Path::new("example.hyped"), map.map(Path::new), &PageFiles { main: text, others })
 }
 
 /// Runs a world; gives the code of the error that ended it early, if one did, and the claims that do not hold then.
@@ -238,7 +238,7 @@ fn run(program: &Program, world: WorldId, inputs: Option<&str>) -> (Option<Code>
 /// What is wrong with an example, if anything is.
 fn trouble(block: &Block, all: &[Block]) -> Option<String> {
     let text = whole(block, all);
-    let compilation = compiled(&text, all);
+    let compilation = compiled(&text, block.setting("map"), all);
     let found: Vec<Code> = compilation.diagnostics.iter().map(|d| d.code).collect();
     let mut expected: Vec<&str> = Vec::new();
     let mut words = block.words.iter();

@@ -3,7 +3,80 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::ir::{Entity, EntityId, Expr, ExprId, Id, IdVec, Origin, Program, Slot, SlotId, SlotLayout, Step, World};
+use crate::ir::{
+    Drive, EdgeId, Entity, EntityId, Expr, ExprId, Id, IdVec, LeafId, Origin, Program, Slot, SlotId, SlotLayout, Step,
+    TimerId, World,
+};
+
+/// What drives a variable in a step: the degree and the value.
+pub(super) type Flow = (u8, f64);
+
+/// The flow that stands for "no flow".
+pub(super) const COAST: Flow = (3, 0.0);
+
+/// An entity's code with what its parameters alone decide worked out.
+#[derive(Debug)]
+pub(super) struct Code {
+    pub exprs: Box<[Expr]>,
+    /// What a step does while a leaf is active.
+    pub plans: IdVec<LeafId, Plan>,
+    /// Of each variable, the flow if it never changes.
+    pub steady: Vec<Flow>,
+    /// The other drives that no group has.
+    pub free: Vec<Drive>,
+    /// Whether a group asks what another does in the same step.
+    pub is_joint: bool,
+}
+
+/// What a step does while a leaf is active.
+#[derive(Debug)]
+pub(super) struct Plan {
+    /// Edges with a target, by their guards.
+    pub edges: Vec<(ExprId, EdgeId)>,
+    /// Whether there is anything else to be run in the discrete phase.
+    pub is_busy: bool,
+    /// Flows that do not change while the leaf is active, each with the number of its variable.
+    pub steady: Vec<(usize, Flow)>,
+    /// The other drives.
+    pub drives: Vec<Drive>,
+    /// The timers that run.
+    pub timers: Vec<TimerId>,
+}
+
+impl Code {
+    fn new(entity: &Entity, exprs: Box<[Expr]>) -> Self {
+        let base = entity.code.0.0;
+        let fixed = |drive: &Drive| match *drive {
+            Drive::Coast(var) => Some((var.index(), COAST)),
+            Drive::Flow { var, degree, value } => match exprs[(value.0 - base) as usize] {
+                Expr::Number(n) => Some((var.index(), (degree, n))),
+                _ => None,
+            },
+            Drive::Envelope(..) => None,
+        };
+        let split = |drives: &[Drive]| -> (Vec<(usize, Flow)>, Vec<Drive>) {
+            let others = drives.iter().copied().filter(|d| fixed(d).is_none()).collect();
+            (drives.iter().filter_map(fixed).collect(), others)
+        };
+        let plan = |leaf: &crate::ir::Leaf| {
+            let (steady, drives) = split(&leaf.drives);
+            Plan {
+                edges: leaf.edges.iter().map(|&edge| (entity.edges[edge].guard, edge)).collect(),
+                is_busy: !leaf.internal.is_empty() || !leaf.follows.is_empty(),
+                steady,
+                drives,
+                timers: entity.timers.pairs().filter(|(_, t)| leaf.path.contains(&t.mode)).map(|(id, _)| id).collect(),
+            }
+        };
+        let (always, free) = split(&entity.free);
+        let mut steady = vec![COAST; entity.vars.len()];
+        for (var, flow) in always {
+            steady[var] = flow;
+        }
+        let is_joint = exprs.iter().any(|e| matches!(e, Expr::Joint(..)));
+        Code { plans: entity.leaves.iter().map(plan).collect(), steady, free, is_joint, exprs }
+    }
+}
 
 /// A slot with what belongs to it.
 #[derive(Debug)]
@@ -12,8 +85,8 @@ pub(super) struct Actor<'p> {
     pub slot: &'p Slot,
     pub entity: &'p Entity,
     pub layout: SlotLayout,
-    /// The entity's code, with what its parameters alone decide worked out.
-    pub code: Arc<[Expr]>,
+    /// What the entity does.
+    pub code: Arc<Code>,
     /// The number of the first expression in it.
     pub base: u32,
     /// Where its groups begin among those of all slots; and so on.
@@ -21,8 +94,6 @@ pub(super) struct Actor<'p> {
     pub vars: usize,
     pub clamps: usize,
     pub envelopes: usize,
-    /// Whether a group asks what another does in the same step.
-    pub is_joint: bool,
     /// Whether it has clamps, or envelopes that keep whether their peak was reached.
     pub is_bounded: bool,
 }
@@ -31,7 +102,7 @@ pub(super) struct Actor<'p> {
 pub(super) fn actors<'p>(program: &'p Program, world: &'p World) -> Vec<Actor<'p>> {
     // Instances of one entity with the same parameters (as bits) share their code.
     type Key = (EntityId, Option<Vec<u64>>);
-    let mut known: BTreeMap<Key, Arc<[Expr]>> = BTreeMap::new();
+    let mut known: BTreeMap<Key, Arc<Code>> = BTreeMap::new();
     let (mut groups, mut vars, mut clamps, mut envelopes) = (0, 0, 0, 0);
     let mut out = Vec::with_capacity(world.slots.len());
     for (id, slot) in world.slots.pairs() {
@@ -42,13 +113,14 @@ pub(super) fn actors<'p>(program: &'p Program, world: &'p World) -> Vec<Actor<'p
         let none = IdVec::new();
         let params = if fixed { &slot.params } else { &none };
         let code = known.entry(key).or_insert_with(|| {
-            (entity.code.0.0..entity.code.1.0).map(|e| folded(program, ExprId(e), params, world.step)).collect()
+            let exprs = entity.code.0.0..entity.code.1.0;
+            let exprs = exprs.map(|e| folded(program, ExprId(e), params, world.step)).collect();
+            Arc::new(Code::new(entity, exprs))
         });
         let layout = world.layout.slots[id].clone();
         let (code, base) = (code.clone(), entity.code.0.0);
-        let is_joint = code.iter().any(|e| matches!(e, Expr::Joint(..)));
         let is_bounded = !entity.clamps.is_empty() || entity.envelopes.iter().any(|e| e.peak.is_some());
-        out.push(Actor { id, slot, entity, layout, code, base, groups, vars, clamps, envelopes, is_joint, is_bounded });
+        out.push(Actor { id, slot, entity, layout, code, base, groups, vars, clamps, envelopes, is_bounded });
         groups += entity.groups.len();
         vars += entity.vars.len();
         clamps += entity.clamps.len();

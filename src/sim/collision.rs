@@ -26,6 +26,10 @@ pub(super) struct Collision {
     broad: Broad,
     /// Whether anything carries.
     carries: bool,
+    /// The slots that ask about contacts.
+    askers: Vec<usize>,
+    /// The slots that can be pushed.
+    movable: Vec<usize>,
 }
 
 /// A collider of a slot.
@@ -35,6 +39,8 @@ struct Body {
     collider: ColliderId,
     kind: usize,
     kinematic: bool,
+    /// Where its instance's place is in a state, and whether there is one.
+    layout: SlotLayout,
     /// The box, where it never changes: x and y of the lower-left corner, width, height.
     fixed: Option<[f64; 4]>,
     /// The box of a rectangle that never changes and is always there.
@@ -125,7 +131,8 @@ impl Collision {
                 let fixed = fixed_box(program, world, slot, &c.shape);
                 let is_plain = c.guard.is_none() && matches!(c.shape, Shape::Rect(_));
                 let plain = fixed.filter(|[.., width, height]| is_plain && *width > 0.0 && *height > 0.0);
-                bodies.push(Body { slot, collider, kind, kinematic: c.kinematic, fixed, plain });
+                let layout = world.layout.slots[slot].clone();
+                bodies.push(Body { slot, collider, kind, kinematic: c.kinematic, layout, fixed, plain });
             }
         }
         let tags_of = |(entity, collider): (EntityId, ColliderId)| program.entities[entity].colliders[collider].tags;
@@ -150,7 +157,13 @@ impl Collision {
             a.slot != b.slot && kinds[a.kind].kinds[b.kind].is_some()
         });
         let carries = world.collide.iter().any(|c| c.response.carry);
-        Collision { bodies, kinds, broad, carries }
+        let of = |slot: SlotId| &program.entities[world.slots[slot].entity];
+        let slots_with = |has: &dyn Fn(&Entity) -> bool| {
+            world.slots.ids().filter(|&s| has(of(s))).map(Id::index).collect::<Vec<usize>>()
+        };
+        let askers = slots_with(&|e| !e.touches.is_empty());
+        let movable = slots_with(&|e| e.colliders.iter().any(|c| !c.kinematic));
+        Collision { bodies, kinds, broad, carries, askers, movable }
     }
 
     /// Working memory for this world.
@@ -191,10 +204,13 @@ impl Simulator<'_> {
         }
         self.place_boxes(state, scratch)?;
         let Scratch { boxes, order, pushes, stops } = &mut scratch.collision;
-        for ((actor, push), stop) in self.actors.iter().zip(pushes.iter_mut()).zip(stops.iter_mut()) {
-            actor.layout.clear_touches(state, actor.entity.touches.len(), actor.entity.bound);
-            *push = [0.0; 2];
-            *stop = Stops::default();
+        for &slot in &self.collision.askers {
+            let Actor { entity, layout, .. } = &self.actors[slot];
+            layout.clear_touches(state, entity.touches.len(), entity.bound);
+        }
+        for &slot in &self.collision.movable {
+            pushes[slot] = [0.0; 2];
+            stops[slot] = Stops::default();
         }
         let bodies = &self.collision.bodies;
         match &self.collision.broad {
@@ -213,8 +229,8 @@ impl Simulator<'_> {
             }),
         }
         for (body, rect) in bodies.iter().zip(boxes.iter()) {
-            let kind = &self.collision.kinds[body.kind];
             if rect.active {
+                let kind = &self.collision.kinds[body.kind];
                 let at = body.slot.index();
                 if kind.meets_solids[rect.space as usize] {
                     self.collide_solids(state, body, rect, (&mut pushes[at], &mut stops[at]));
@@ -225,10 +241,9 @@ impl Simulator<'_> {
             }
         }
         if push {
-            for actor in &self.actors {
-                let at = actor.index();
-                if pushes[at] != [0.0; 2] {
-                    push_out(state, &actor.layout, pushes[at], stops[at]);
+            for &slot in &self.collision.movable {
+                if pushes[slot] != [0.0; 2] {
+                    push_out(state, &self.actors[slot].layout, pushes[slot], stops[slot]);
                 }
             }
         }
@@ -256,8 +271,7 @@ impl Simulator<'_> {
         let StepScratch { frames, collision, start, .. } = scratch;
         let fault = Cell::new(None);
         for (body, rect) in self.collision.bodies.iter().zip(collision.boxes.iter_mut()) {
-            let actor = &self.actors[body.slot.index()];
-            let layout = &actor.layout;
+            let layout = &body.layout;
             rect.active = layout.acts(state);
             if !rect.active {
                 continue;
@@ -265,6 +279,7 @@ impl Simulator<'_> {
             let sides = match body.plain {
                 Some(sides) => sides,
                 None => {
+                    let actor = &self.actors[body.slot.index()];
                     let collider = &actor.entity.colliders[body.collider];
                     let reader = self.reader(actor, state, frames, &[], &fault);
                     if !collider.guard.is_none_or(|guard| reader.truth(guard)) {
@@ -407,23 +422,29 @@ impl Simulator<'_> {
         // A tile that is touched along its edge counts, so the range is closed at both ends.
         let (first, after) = range(rect.left, rect.right, width, map.columns);
         let (low, high) = range(rect.bottom, rect.top, height, map.rows);
-        let blocks = |column: i64, row: i64| {
-            let with = map.kind(column, row).and_then(|kind| encounters[kind].as_ref());
-            with.is_some_and(|w| w.meeting.response.push == Push::Block)
-        };
+        let met = |at: usize| map.cells.get(at).and_then(|&kind| encounters[usize::from(kind)].as_ref());
+        let blocks = |at: usize| met(at).is_some_and(|w| w.meeting.response.push == Push::Block);
         for column in first..after {
             for row in low..high {
-                let Some(kind) = map.kind(column, row) else { continue };
-                let Some(with) = &encounters[kind] else { continue };
-                let (left, bottom) = (column as f64 * width, row as f64 * height);
+                let at = row * map.columns + column;
+                let Some(with) = met(at) else { continue };
+                // Signed numbers convert in one instruction.
+                let (left, bottom) = (column as i64 as f64 * width, row as i64 as f64 * height);
                 let (right, top) = (left + width, bottom + height);
                 let tile = Rect { left, right, bottom, top, active: true, ..Rect::default() };
                 // The faces turned to the body; one that a neighbour covers never gives the side.
                 let mut corner = None;
                 let contact = meet(rect, &tile, rect.back, with.meeting, |overlap| {
-                    let beside = if overlap.x_side == Side::Right { column - 1 } else { column + 1 };
-                    let over = if overlap.y_side == Side::Above { row - 1 } else { row + 1 };
-                    let covered = (blocks(beside, row), blocks(column, over));
+                    // Outside of the map there is nothing.
+                    let beside = match overlap.x_side {
+                        Side::Right => column > 0 && blocks(at - 1),
+                        _ => column + 1 < map.columns && blocks(at + 1),
+                    };
+                    let over = match overlap.y_side {
+                        Side::Above => row > 0 && blocks(at - map.columns),
+                        _ => blocks(at + map.columns),
+                    };
+                    let covered = (beside, over);
                     if covered == (true, true) && overlap.came_around(rect.back) {
                         corner = Some([overlap.horizontal(), overlap.vertical()]);
                     }
@@ -453,19 +474,15 @@ fn push_out(state: &mut [u8], layout: &SlotLayout, push: [f64; 2], stops: Stops)
 }
 
 /// The tiles whose closed extent meets `low..=high`, cut to those of the map: from the first to before the second.
-fn range(low: f64, high: f64, size: f64, count: usize) -> (i64, i64) {
-    let (first, last) = (ceil(low / size).saturating_sub(1).max(0), floor(high / size));
-    (first, last.saturating_add(1).min(count as i64))
-}
-
-/// The next whole number below, without a call.
-fn floor(value: f64) -> i64 {
-    let whole = value as i64;
-    whole.saturating_sub(i64::from(whole as f64 > value))
-}
-
-/// The next whole number above, without a call.
-fn ceil(value: f64) -> i64 {
-    let whole = value as i64;
-    whole.saturating_add(i64::from((whole as f64) < value))
+fn range(low: f64, high: f64, size: f64, count: usize) -> (usize, usize) {
+    let (low, high) = (low / size, high / size);
+    // A cast cuts towards zero, which is the floor of what is not negative, and stops at the ends of its type.
+    let whole = low as i64;
+    let first = match low {
+        ..=1.0 => 0,
+        _ if whole as f64 == low => whole - 1,
+        _ => whole,
+    };
+    let after = if high < 0.0 { 0 } else { (high as i64).min(count as i64 - 1) + 1 };
+    (first as usize, after as usize)
 }

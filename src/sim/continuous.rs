@@ -7,33 +7,35 @@ use std::cell::Cell;
 
 use crate::ir::{Clamp, Drive, Entity, Id, VarId};
 
-use super::actor::Actor;
+use super::actor::{Actor, COAST, Flow};
 use super::envelope::{envelope_value, next_peak};
 use super::evaluate::Reader;
 use super::fault::Fault;
 use super::simulator::{Scratch, Simulator};
-
-/// The degree that stands for "no flow".
-const COAST: u8 = 3;
 
 impl Simulator<'_> {
     /// Moves every live slot by one step.
     pub(super) fn flow(&self, state: &mut [u8], scratch: &mut Scratch) -> Result<(), Fault> {
         let Scratch { frames, flows, clamps, peaks, taken, start, .. } = scratch;
         let fault = Cell::new(None);
+        let mut reader = Reader { frames, ..self.onlooker(state, &fault) };
         for actor in &self.actors {
-            let Actor { entity, layout, .. } = actor;
+            let Actor { entity, layout, code, .. } = actor;
             if !layout.acts(state) {
                 continue;
             }
             let own = &mut flows[actor.var_range()];
-            let taken = if actor.is_joint { &taken[actor.group_range()] } else { &[] };
-            let reader = self.reader(actor, state, frames, taken, &fault);
-            for drive in &entity.free {
+            reader.turn_to(actor);
+            reader.taken = if code.is_joint { &taken[actor.group_range()] } else { &[] };
+            for drive in &code.free {
                 read_drive(&reader, entity, *drive, own);
             }
             for group in entity.groups.ids() {
-                for drive in &entity.leaves[layout.leaf(state, group)].drives {
+                let plan = &code.plans[layout.leaf(state, group)];
+                for &(var, flow) in &plan.steady {
+                    own[var] = flow;
+                }
+                for drive in &plan.drives {
                     read_drive(&reader, entity, *drive, own);
                 }
             }
@@ -82,7 +84,7 @@ impl Simulator<'_> {
         state: &mut [u8],
         actor: &Actor<'_>,
         var: VarId,
-        (degree, value): (u8, f64),
+        (degree, value): Flow,
         bounds: &[(f64, f64)],
     ) -> Result<(), Fault> {
         let dt = self.step;
@@ -114,9 +116,9 @@ fn clip(clamps: &[Clamp], bounds: &[(f64, f64)], var: VarId, degree: u8, value: 
 
 /// Notes the value of a drive where its variable will find it.
 #[inline(always)]
-fn read_drive(reader: &Reader<'_>, entity: &Entity, drive: Drive, own: &mut [(u8, f64)]) {
+fn read_drive(reader: &Reader<'_>, entity: &Entity, drive: Drive, own: &mut [Flow]) {
     match drive {
-        Drive::Coast(var) => own[var.index()] = (COAST, 0.0),
+        Drive::Coast(var) => own[var.index()] = COAST,
         Drive::Flow { var, degree, value } => own[var.index()] = (degree, reader.number(value)),
         Drive::Envelope(id, component) => {
             let envelope = &entity.envelopes[id];

@@ -6,7 +6,7 @@ use std::cell::Cell;
 
 use crate::ir::{Actions, EdgeId, Entity, Follow, GroupId, Id, Leaf, LeafId, ModeId, Place, SlotId, Update};
 
-use super::actor::Actor;
+use super::actor::{Actor, Plan};
 use super::evaluate::Reader;
 use super::fault::{Fault, FaultKind};
 use super::life::Changes;
@@ -29,20 +29,21 @@ impl Simulator<'_> {
         let Scratch { before, frames, taken, changes, .. } = scratch;
         let fault = Cell::new(None);
         changes.clear();
+        let mut alone = Reader { frames, ..self.onlooker(before, &fault) };
         for actor in &self.actors {
             if !actor.layout.acts(before) {
                 continue;
             }
             let entity = actor.entity;
-            if !actor.is_joint {
+            if !actor.code.is_joint {
                 // No group waits for another: each is decided and run at once.
-                let reader = self.reader(actor, before, frames, &[], &fault);
+                alone.turn_to(actor);
                 for group in entity.groups.ids() {
                     let from = actor.layout.leaf(before, group);
-                    let leaf = &entity.leaves[from];
-                    let choice = self.decide(&reader, entity, from, leaf);
-                    if choice.is_some() || !leaf.internal.is_empty() || !leaf.follows.is_empty() {
-                        self.run(state, &reader, entity, group, choice, changes);
+                    let plan = &actor.code.plans[from];
+                    let choice = decide(&alone, entity, from, plan);
+                    if choice.is_some() || plan.is_busy {
+                        self.run(state, &alone, entity, group, choice, changes);
                     }
                 }
                 continue;
@@ -54,7 +55,7 @@ impl Simulator<'_> {
             for &group in &entity.order {
                 let reader = self.reader(actor, before, frames, &taken[own.clone()], &fault);
                 let from = actor.layout.leaf(before, group);
-                let choice = self.decide(&reader, entity, from, &entity.leaves[from]);
+                let choice = decide(&reader, entity, from, &actor.code.plans[from]);
                 taken[first + group.index()] = choice;
             }
             let reader = self.reader(actor, before, frames, &taken[own.clone()], &fault);
@@ -66,15 +67,8 @@ impl Simulator<'_> {
         self.change(state, scratch)
     }
 
-    /// The edge that a group takes: the first that holds.
-    #[inline]
-    fn decide(&self, reader: &Reader<'_>, entity: &Entity, from: LeafId, leaf: &Leaf) -> Option<Taken> {
-        let edge = leaf.edges.iter().copied().find(|&edge| reader.truth(entity.edges[edge].guard))?;
-        let target = entity.edges[edge].target?;
-        Some(Taken { edge, target, from, to: reader.entered(target) })
-    }
-
     /// Runs what a group does: edges without a target, the edge that is taken, links.
+    #[inline(never)]
     fn run(
         &self,
         state: &mut [u8],
@@ -181,17 +175,31 @@ impl Simulator<'_> {
     }
 
     /// The new state's slot is where timers of active modes are counted.
+    #[inline]
     pub(super) fn count_timers(&self, state: &mut [u8], actor: &Actor<'_>) {
-        let Actor { entity, layout, slot, .. } = actor;
-        for (id, timer) in entity.timers.pairs() {
-            let active = layout.leaf(state, entity.modes[timer.mode].group);
-            if is_active(entity, active, timer.mode) {
+        let Actor { entity, layout, slot, code, .. } = actor;
+        if entity.timers.is_empty() {
+            return;
+        }
+        for group in entity.groups.ids() {
+            for &id in &code.plans[layout.leaf(state, group)].timers {
                 let count = layout.timer(state, id);
-                let limit = slot.timer_limits[id];
-                layout.set_timer(state, id, count.saturating_add(1).min(limit));
+                layout.set_timer(state, id, count.saturating_add(1).min(slot.timer_limits[id]));
             }
         }
     }
+}
+
+/// The edge that a group takes: the first that holds.
+#[inline(always)]
+fn decide(reader: &Reader<'_>, entity: &Entity, from: LeafId, plan: &Plan) -> Option<Taken> {
+    for &(guard, edge) in &plan.edges {
+        if reader.truth(guard) {
+            let target = entity.edges[edge].target?;
+            return Some(Taken { edge, target, from, to: reader.entered(target) });
+        }
+    }
+    None
 }
 
 /// Whether a mode is active while a leaf is.

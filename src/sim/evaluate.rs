@@ -33,6 +33,15 @@ pub(super) struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
+    /// Makes `Subject::Me` stand for another instance, and reads its code.
+    #[inline]
+    pub fn turn_to(&mut self, actor: &'a Actor<'a>) {
+        self.actor = Some(actor);
+        self.me = actor.id;
+        self.code = &actor.code.exprs;
+        self.base = actor.base;
+    }
+
     /// The instance that a subject stands for, if there is one.
     pub fn instance(&self, of: Subject) -> Option<SlotId> {
         match of {
@@ -43,7 +52,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn mine(&self) -> &'a SlotLayout {
         match self.actor {
             Some(actor) => &actor.layout,
@@ -51,9 +60,9 @@ impl<'a> Reader<'a> {
         }
     }
 
-    #[inline]
-    fn at(&self, id: ExprId) -> Expr {
-        self.code[(id.0 - self.base) as usize]
+    #[inline(always)]
+    fn at(&self, id: ExprId) -> &'a Expr {
+        &self.code[(id.0 - self.base) as usize]
     }
 
     /// Where the instance of a subject stands in the state; notes a fault where there is none.
@@ -149,9 +158,9 @@ impl<'a> Reader<'a> {
     }
 
     /// An expression as a number.
-    #[inline]
+    #[inline(always)]
     pub fn number(&self, id: ExprId) -> f64 {
-        match self.at(id) {
+        match *self.at(id) {
             Expr::Number(n) => n,
             Expr::Var(Subject::Me, var, degree) => self.mine().var(self.state, var, degree),
             _ => self.compute(id),
@@ -161,7 +170,7 @@ impl<'a> Reader<'a> {
     /// As [`Reader::number`], for what is not at hand.
     #[inline(never)]
     fn compute(&self, id: ExprId) -> f64 {
-        match self.at(id) {
+        match *self.at(id) {
             Expr::Number(n) => n,
             Expr::Param(of, p) => self.param(of, p, id),
             Expr::Var(of, var, degree) => self.layout(of, id).map_or(0.0, |l| l.var(self.state, var, degree)),
@@ -203,9 +212,9 @@ impl<'a> Reader<'a> {
     }
 
     /// An expression as a truth value.
-    #[inline]
+    #[inline(always)]
     pub fn truth(&self, id: ExprId) -> bool {
-        match self.at(id) {
+        match *self.at(id) {
             Expr::Compare(op, a, b) => compare(op, self.number(a), self.number(b)),
             Expr::Touching(Subject::Me, touch) => self.mine().touch(self.state, touch),
             Expr::Button(press, button) => self.button(press, button),
@@ -216,7 +225,7 @@ impl<'a> Reader<'a> {
     /// As [`Reader::truth`], for what is not at hand.
     #[inline(never)]
     fn decide(&self, id: ExprId) -> bool {
-        match self.at(id) {
+        match *self.at(id) {
             Expr::Bool(b) => b,
             Expr::Compare(op, a, b) => compare(op, self.number(a), self.number(b)),
             Expr::And(a, b) => self.truth(a) && self.truth(b),

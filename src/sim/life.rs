@@ -45,6 +45,11 @@ impl Changes {
         self.refused = None;
     }
 
+    /// Whether nothing was asked for.
+    pub fn is_none(&self) -> bool {
+        self.destroys.is_empty() && self.spawns.is_empty() && self.moves.is_empty()
+    }
+
     pub fn destroy(&mut self, slot: SlotId) {
         self.destroys.push(slot);
     }
@@ -88,8 +93,12 @@ impl Simulator<'_> {
     }
 
     /// Does what the edges have asked for.
+    #[inline(never)]
     pub(super) fn change(&self, state: &mut [u8], scratch: &mut Scratch) -> Result<(), Fault> {
         let Scratch { before, frames, taken, changes, .. } = scratch;
+        if changes.is_none() {
+            return Ok(());
+        }
         for &slot in &changes.destroys {
             if self.layout(slot).acts(state) {
                 self.layout(slot).set_life(state, Life::Dying);

@@ -6,7 +6,7 @@ use crate::ir::{
     Entity, ExprId, GoalId, Id, NeverId, Origin, Program, SlotId, SlotLayout, SpaceId, SpawnId, VarId, World, WorldId,
 };
 
-use super::actor::{Actor, actors};
+use super::actor::{Actor, Flow, actors};
 use super::collision::Collision;
 use super::discrete::Taken;
 use super::evaluate::Reader;
@@ -41,8 +41,8 @@ pub struct Scratch {
     pub(super) taken: Vec<Option<Taken>>,
     /// What the edges of this step have asked for.
     pub(super) changes: Changes,
-    /// What drives each variable of each slot: the degree (3: nothing) and the value.
-    pub(super) flows: Vec<(u8, f64)>,
+    /// What drives each variable of each slot; what never changes stays.
+    pub(super) flows: Vec<Flow>,
     /// The bounds of each clamp of each slot.
     pub(super) clamps: Vec<(f64, f64)>,
     /// The direction in which each envelope of each slot reached its peak.
@@ -112,7 +112,7 @@ impl<'p> Simulator<'p> {
         taken: &'a [Option<Taken>],
         fault: &'a Cell<Option<Fault>>,
     ) -> Reader<'a> {
-        let (code, base) = (&*actor.code, actor.base);
+        let (code, base) = (&*actor.code.exprs, actor.base);
         Reader { sim: self, state, frames, taken, fault, actor: Some(actor), me: actor.id, code, base }
     }
 
@@ -141,7 +141,7 @@ impl<'p> Simulator<'p> {
             start: vec![(0.0, 0.0); slots],
             before: vec![0; self.world.layout.size],
             frames: vec![Frame::default(); self.world.players.len()],
-            flows: vec![(3, 0.0); sum(&|e| e.vars.len())],
+            flows: self.actors.iter().flat_map(|a| a.code.steady.iter().copied()).collect(),
             collision: self.collision.scratch(self.world),
         }
     }

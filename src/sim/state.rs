@@ -42,12 +42,13 @@ fn store<const N: usize>(state: &mut [u8], at: usize, bytes: [u8; N]) {
 
 /// A real number at an offset.
 pub fn real(state: &[u8], at: usize) -> f64 {
-    f64::from_ne_bytes(load(state, at))
+    // Real numbers stand at multiples of 8.
+    f64::from_ne_bytes(state.as_chunks().0[at / 8])
 }
 
 /// Writes a real number at an offset.
 pub fn set_real(state: &mut [u8], at: usize, value: f64) {
-    store(state, at, value.to_ne_bytes());
+    state.as_chunks_mut().0[at / 8] = value.to_ne_bytes();
 }
 
 /// The buttons of a player's last step.

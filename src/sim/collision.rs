@@ -16,6 +16,7 @@ use super::broad::{Broad, sweep};
 use super::contact::{Contact, Rect, Stops, meet, opposite, resolve};
 use super::fault::Fault;
 use super::simulator::{Scratch as StepScratch, Simulator};
+use super::state::{Whereabouts, set_triple, triple};
 
 /// What is known of a world's colliders before it runs.
 #[derive(Debug)]
@@ -39,12 +40,14 @@ struct Body {
     collider: ColliderId,
     kind: usize,
     kinematic: bool,
-    /// Where its instance's place is in a state, and whether there is one.
-    layout: SlotLayout,
+    /// Where its instance's position, space and life are in a state.
+    layout: Whereabouts,
+    /// Whether there is anything that never moves and that it can meet.
+    meets: bool,
     /// The box, where it never changes: x and y of the lower-left corner, width, height.
     fixed: Option<[f64; 4]>,
-    /// The box of a rectangle that never changes and is always there.
-    plain: Option<[f64; 4]>,
+    /// Whether it is a rectangle that never changes and is always there.
+    is_plain: bool,
 }
 
 /// What the bodies of one collider of one entity have in common.
@@ -130,9 +133,18 @@ impl Collision {
                 let kind = first + collider.index();
                 let fixed = fixed_box(program, world, slot, &c.shape);
                 let is_plain = c.guard.is_none() && matches!(c.shape, Shape::Rect(_));
-                let plain = fixed.filter(|[.., width, height]| is_plain && *width > 0.0 && *height > 0.0);
-                let layout = world.layout.slots[slot].clone();
-                bodies.push(Body { slot, collider, kind, kinematic: c.kinematic, layout, fixed, plain });
+                let is_plain = is_plain && fixed.is_some();
+                let layout = Whereabouts::of(&world.layout.slots[slot]);
+                bodies.push(Body {
+                    slot,
+                    collider,
+                    kind,
+                    kinematic: c.kinematic,
+                    layout,
+                    meets: false,
+                    fixed,
+                    is_plain,
+                });
             }
         }
         let tags_of = |(entity, collider): (EntityId, ColliderId)| program.entities[entity].colliders[collider].tags;
@@ -152,6 +164,10 @@ impl Collision {
                 Kind { tags, kinds, tiles, solids, meets_tiles, meets_solids }
             })
             .collect();
+        for body in &mut bodies {
+            let Kind { meets_tiles, meets_solids, .. } = &kinds[body.kind];
+            body.meets = meets_tiles.iter().chain(meets_solids).any(|&meets| meets);
+        }
         let broad = Broad::new(bodies.len(), |i, j| {
             let (a, b): (&Body, &Body) = (&bodies[i], &bodies[j]);
             a.slot != b.slot && kinds[a.kind].kinds[b.kind].is_some()
@@ -229,7 +245,7 @@ impl Simulator<'_> {
             }),
         }
         for (body, rect) in bodies.iter().zip(boxes.iter()) {
-            if rect.active {
+            if body.meets && rect.active {
                 let kind = &self.collision.kinds[body.kind];
                 let at = body.slot.index();
                 if kind.meets_solids[rect.space as usize] {
@@ -271,14 +287,14 @@ impl Simulator<'_> {
         let StepScratch { frames, collision, start, .. } = scratch;
         let fault = Cell::new(None);
         for (body, rect) in self.collision.bodies.iter().zip(collision.boxes.iter_mut()) {
-            let layout = &body.layout;
+            let layout = body.layout;
             rect.active = layout.acts(state);
             if !rect.active {
                 continue;
             }
-            let sides = match body.plain {
-                Some(sides) => sides,
-                None => {
+            let sides = match body.fixed {
+                Some(sides) if body.is_plain => sides,
+                _ => {
                     let actor = &self.actors[body.slot.index()];
                     let collider = &actor.entity.colliders[body.collider];
                     let reader = self.reader(actor, state, frames, &[], &fault);
@@ -292,7 +308,7 @@ impl Simulator<'_> {
                 }
             };
             let [x, y, width, height] = sides;
-            let (px, py) = (layout.var(state, VarId(0), 0), layout.var(state, VarId(1), 0));
+            let (px, py) = layout.position(state);
             let (from_x, from_y) = start[body.slot.index()];
             rect.left = px + x;
             rect.right = rect.left + width;
@@ -464,12 +480,15 @@ impl Simulator<'_> {
 
 /// Moves an instance out of what blocks it.
 fn push_out(state: &mut [u8], layout: &SlotLayout, push: [f64; 2], stops: Stops) {
-    let axes = [(VarId(0), stops.left, stops.right, push[0]), (VarId(1), stops.below, stops.above, push[1])];
-    for (var, low, high, push) in axes {
-        let [position, velocity, acceleration] = layout.triple(state, var);
+    let axes = [(stops.left, stops.right, push[0]), (stops.below, stops.above, push[1])];
+    for ((low, high, push), values) in axes.into_iter().zip(layout.triples_mut(state, 2)) {
+        // What stops a velocity pushes as well.
+        if push == 0.0 {
+            continue;
+        }
+        let [position, velocity, acceleration] = triple(values);
         let stopped = (low && velocity < 0.0) || (high && velocity > 0.0);
-        let velocity = if stopped { 0.0 } else { velocity };
-        layout.set_triple(state, var, [position + push, velocity, acceleration]);
+        set_triple(values, [position + push, if stopped { 0.0 } else { velocity }, acceleration]);
     }
 }
 

@@ -117,21 +117,12 @@ pub(super) fn meet(
             let mut held = sides.into_iter().filter(|(may, (was, ..))| *may && *was <= TOLERANCE);
             held.next().map(|(_, (_, side, depth))| Contact { side, depth })
         }
-        Push::Block => Some(match covered(&overlap) {
+        Push::Sense if (a.round || b.round) && !discs_meet(a, b) => None,
+        Push::Block | Push::Sense => Some(match covered(&overlap) {
             (true, false) => overlap.vertical(),
             (false, true) => overlap.horizontal(),
             _ => overlap.least(),
         }),
-        Push::Sense => {
-            if (a.round || b.round) && !discs_meet(a, b) {
-                return None;
-            }
-            Some(match covered(&overlap) {
-                (true, false) => overlap.vertical(),
-                (false, true) => overlap.horizontal(),
-                _ => overlap.least(),
-            })
-        }
     }
 }
 

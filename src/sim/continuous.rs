@@ -12,6 +12,7 @@ use super::envelope::{envelope_value, next_peak};
 use super::evaluate::Reader;
 use super::fault::Fault;
 use super::simulator::{Scratch, Simulator};
+use super::state::{set_triple, triple};
 
 impl Simulator<'_> {
     /// Moves every live slot by one step.
@@ -26,7 +27,10 @@ impl Simulator<'_> {
             }
             let own = &mut flows[actor.var_range()];
             reader.turn_to(actor);
-            reader.taken = if code.is_joint { &taken[actor.group_range()] } else { &[] };
+            // Other code does not read it.
+            if code.is_joint {
+                reader.taken = &taken[actor.group_range()];
+            }
             for drive in &code.free {
                 read_drive(&reader, entity, *drive, own);
             }
@@ -60,10 +64,12 @@ impl Simulator<'_> {
             if !layout.acts(state) {
                 continue;
             }
-            start[actor.index()] = (layout.var(state, VarId(0), 0), layout.var(state, VarId(1), 0));
             let bounds = &clamps[actor.clamp_range()];
-            for (var, &flow) in (0u32..).map(VarId).zip(&flows[actor.var_range()]) {
-                self.integrate(state, actor, var, flow, bounds)?;
+            let flows = &flows[actor.var_range()];
+            let values = layout.triples_mut(state, flows.len());
+            start[actor.index()] = (triple(&values[0])[0], triple(&values[1])[0]);
+            for ((var, values), &flow) in (0u32..).map(VarId).zip(values).zip(flows) {
+                self.integrate(values, actor, var, flow, bounds)?;
             }
             self.count_timers(state, actor);
             if !actor.is_bounded {
@@ -81,7 +87,7 @@ impl Simulator<'_> {
     #[inline(always)]
     fn integrate(
         &self,
-        state: &mut [u8],
+        values: &mut [u8; 24],
         actor: &Actor<'_>,
         var: VarId,
         (degree, value): Flow,
@@ -91,9 +97,9 @@ impl Simulator<'_> {
         let clip = |value: f64, degree: u8| {
             if bounds.is_empty() { value } else { clip(&actor.entity.clamps, bounds, var, degree, value) }
         };
-        let [position, velocity, acceleration] = actor.layout.triple(state, var);
+        let [position, velocity, acceleration] = triple(values);
         if degree == 0 {
-            actor.layout.set_triple(state, var, [clip(value, 0), clip(0.0, 1), 0.0]);
+            set_triple(values, [clip(value, 0), clip(0.0, 1), 0.0]);
             return Ok(());
         }
         let (velocity, acceleration) = match degree {
@@ -103,7 +109,7 @@ impl Simulator<'_> {
         };
         let velocity = clip(velocity, 1);
         let position = clip(position + velocity * dt, 0);
-        actor.layout.set_triple(state, var, [position, velocity, acceleration]);
+        set_triple(values, [position, velocity, acceleration]);
         Self::finite(actor.id, var, position)
     }
 }

@@ -64,7 +64,7 @@ impl Simulator<'_> {
             }
         }
         Self::settle(&fault)?;
-        self.change(state, scratch)
+        if changes.is_none() { Ok(()) } else { self.change(state, scratch) }
     }
 
     /// Runs what a group does: edges without a target, the edge that is taken, links.

@@ -93,12 +93,9 @@ impl Simulator<'_> {
     }
 
     /// Does what the edges have asked for.
-    #[inline(never)]
+    #[cold]
     pub(super) fn change(&self, state: &mut [u8], scratch: &mut Scratch) -> Result<(), Fault> {
         let Scratch { before, frames, taken, changes, .. } = scratch;
-        if changes.is_none() {
-            return Ok(());
-        }
         for &slot in &changes.destroys {
             if self.layout(slot).acts(state) {
                 self.layout(slot).set_life(state, Life::Dying);

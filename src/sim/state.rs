@@ -18,7 +18,8 @@ pub enum Life {
 }
 
 fn short(state: &[u8], at: usize) -> u16 {
-    u16::from_ne_bytes(load(state, at))
+    // Numbers of two bytes stand at multiples of 2.
+    u16::from_ne_bytes(state.as_chunks().0[at / 2])
 }
 
 /// A slot as 1 plus its number, 0 for none; a world has at most `sema::MAX_INSTANCES` slots, so it fits.
@@ -51,6 +52,20 @@ pub fn set_real(state: &mut [u8], at: usize, value: f64) {
     state.as_chunks_mut().0[at / 8] = value.to_ne_bytes();
 }
 
+/// A continuous variable with its derivatives.
+#[inline]
+pub(super) fn triple(bytes: &[u8; 24]) -> [f64; 3] {
+    [real(bytes, 0), real(bytes, 8), real(bytes, 16)]
+}
+
+#[inline]
+pub(super) fn set_triple(bytes: &mut [u8; 24], values: [f64; 3]) {
+    for (degree, value) in values.into_iter().enumerate() {
+        // There is one zero, so that equal states are equal bytes.
+        set_real(bytes, 8 * degree, value + 0.0);
+    }
+}
+
 /// The buttons of a player's last step.
 pub fn buttons(state: &[u8], at: usize) -> u64 {
     u64::from_ne_bytes(load(state, at))
@@ -59,6 +74,36 @@ pub fn buttons(state: &[u8], at: usize) -> u64 {
 /// Writes the buttons of a player's last step.
 pub fn set_buttons(state: &mut [u8], at: usize, buttons: u64) {
     store(state, at, buttons.to_ne_bytes());
+}
+
+/// Where an instance's position, space and life are in a state.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Whereabouts {
+    vars: usize,
+    space: usize,
+    alive: usize,
+}
+
+impl Whereabouts {
+    pub fn of(layout: &SlotLayout) -> Self {
+        Whereabouts { vars: layout.vars, space: layout.space, alive: layout.alive }
+    }
+
+    /// As [`SlotLayout::acts`].
+    pub fn acts(self, state: &[u8]) -> bool {
+        state[self.alive] == 1
+    }
+
+    pub fn position(self, state: &[u8]) -> (f64, f64) {
+        // The values of `x` and `y`, each followed by two derivatives.
+        let bytes = &state[self.vars..self.vars + 32];
+        (real(bytes, 0), real(bytes, 24))
+    }
+
+    /// As [`SlotLayout::space`].
+    pub fn space(self, state: &[u8]) -> SpaceId {
+        SpaceId(u32::from(short(state, self.space)))
+    }
 }
 
 impl SlotLayout {
@@ -77,22 +122,10 @@ impl SlotLayout {
         set_real(state, self.var_offset(var, degree), value);
     }
 
-    /// A continuous variable with its derivatives.
+    /// The first continuous variables, each with its derivatives.
     #[inline]
-    pub(super) fn triple(&self, state: &[u8], var: VarId) -> [f64; 3] {
-        let at = self.var_offset(var, 0);
-        let bytes = &state[at..at + 24];
-        [real(bytes, 0), real(bytes, 8), real(bytes, 16)]
-    }
-
-    #[inline]
-    pub(super) fn set_triple(&self, state: &mut [u8], var: VarId, values: [f64; 3]) {
-        let at = self.var_offset(var, 0);
-        let bytes = &mut state[at..at + 24];
-        for (degree, value) in values.into_iter().enumerate() {
-            // There is one zero, so that equal states are equal bytes.
-            set_real(bytes, 8 * degree, value + 0.0);
-        }
+    pub(super) fn triples_mut<'s>(&self, state: &'s mut [u8], count: usize) -> &'s mut [[u8; 24]] {
+        state[self.vars..self.vars + 24 * count].as_chunks_mut().0
     }
 
     /// A discrete variable.
@@ -117,7 +150,7 @@ impl SlotLayout {
 
     /// The active leaf of a group.
     pub fn leaf(&self, state: &[u8], group: GroupId) -> LeafId {
-        LeafId(u32::from(u16::from_ne_bytes(load(state, self.leaves + 2 * group.index()))))
+        LeafId(u32::from(short(state, self.leaves + 2 * group.index())))
     }
 
     /// Makes a leaf of a group the active one.
@@ -128,7 +161,7 @@ impl SlotLayout {
 
     /// The space that the instance is in.
     pub fn space(&self, state: &[u8]) -> SpaceId {
-        SpaceId(u32::from(u16::from_ne_bytes(load(state, self.space))))
+        SpaceId(u32::from(short(state, self.space)))
     }
 
     /// Moves the instance to a space.

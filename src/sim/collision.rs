@@ -286,7 +286,7 @@ impl Simulator<'_> {
             rect.back = (from_x - px, from_y - py);
             rect.space = layout.space(state).0;
             // A collider that shrank to nothing touches nothing.
-            rect.active = width > 0.0 && height > 0.0;
+            rect.active = body.plain.is_some() || (width > 0.0 && height > 0.0);
         }
         Self::settle(&fault)
     }
@@ -411,10 +411,10 @@ impl Simulator<'_> {
             let with = map.kind(column, row).and_then(|kind| encounters[kind].as_ref());
             with.is_some_and(|w| w.meeting.response.push == Push::Block)
         };
-        for column in first..after {
-            for row in low..high {
-                let Some(kind) = map.kind(column, row) else { continue };
-                let Some(with) = &encounters[kind] else { continue };
+        for row in low..high {
+            for column in first..after {
+                let kind = map.cells[row as usize * map.columns + column as usize];
+                let Some(with) = &encounters[usize::from(kind)] else { continue };
                 let (left, bottom) = (column as f64 * width, row as f64 * height);
                 let (right, top) = (left + width, bottom + height);
                 let tile = Rect { left, right, bottom, top, active: true, ..Rect::default() };

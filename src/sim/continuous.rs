@@ -8,9 +8,11 @@ use std::cell::Cell;
 use crate::ir::{Clamp, Drive, Entity, Id, VarId};
 
 use super::actor::Actor;
+use super::discrete::Taken;
 use super::envelope::{envelope_value, next_peak};
 use super::evaluate::Reader;
 use super::fault::Fault;
+use super::input::Frame;
 use super::simulator::{Scratch, Simulator};
 
 /// The degree that stands for "no flow".
@@ -22,52 +24,99 @@ impl Simulator<'_> {
         let Scratch { frames, flows, clamps, peaks, taken, start, .. } = scratch;
         let fault = Cell::new(None);
         for actor in &self.actors {
-            let Actor { entity, layout, .. } = actor;
-            if !layout.acts(state) {
+            if !actor.layout.acts(state) {
                 continue;
             }
-            let own = &mut flows[actor.var_range()];
-            let taken = if actor.is_joint { &taken[actor.group_range()] } else { &[] };
-            let reader = self.reader(actor, state, frames, taken, &fault);
-            for drive in &entity.free {
-                read_drive(&reader, entity, *drive, own);
+            let own = &mut flows[actor.vars.clone()];
+            self.read_flows(state, actor, frames, taken, own, &fault);
+            if actor.is_bounded {
+                self.read_bounds(state, actor, frames, clamps, peaks, &fault);
             }
-            for group in entity.groups.ids() {
-                for drive in &entity.leaves[layout.leaf(state, group)].drives {
-                    read_drive(&reader, entity, *drive, own);
-                }
-            }
-            if !actor.is_bounded {
-                continue;
-            }
-            for (clamp, bounds) in entity.clamps.iter().zip(&mut clamps[actor.clamp_range()]) {
-                *bounds = (
-                    clamp.low.map_or(f64::NEG_INFINITY, |low| reader.number(low)),
-                    clamp.high.map_or(f64::INFINITY, |high| reader.number(high)),
-                );
-            }
-            for (envelope, peak) in entity.envelopes.iter().zip(&mut peaks[actor.envelope_range()]) {
-                if envelope.peak.is_some() {
-                    *peak = next_peak(&reader, entity, envelope);
-                }
+            // Where nobody reads anybody else, each can move at once.
+            if self.is_private {
+                self.move_by(state, actor, own, clamps, peaks, start)?;
             }
         }
         Self::settle(&fault)?;
-        for actor in &self.actors {
-            let Actor { entity, layout, .. } = actor;
-            if !layout.acts(state) {
-                continue;
+        if !self.is_private {
+            for actor in &self.actors {
+                if actor.layout.acts(state) {
+                    self.move_by(state, actor, &flows[actor.vars.clone()], clamps, peaks, start)?;
+                }
             }
-            start[actor.index()] = (layout.var(state, VarId(0), 0), layout.var(state, VarId(1), 0));
-            let bounds = &clamps[actor.clamp_range()];
-            for (var, &flow) in (0u32..).map(VarId).zip(&flows[actor.var_range()]) {
-                self.integrate(state, actor, var, flow, bounds)?;
+        }
+        Ok(())
+    }
+
+    /// Reads what drives each variable.
+    #[inline(always)]
+    fn read_flows(
+        &self,
+        state: &[u8],
+        actor: &Actor<'_>,
+        frames: &[Frame],
+        taken: &[Option<Taken>],
+        own: &mut [(u8, f64)],
+        fault: &Cell<Option<Fault>>,
+    ) {
+        let taken = if actor.is_joint { &taken[actor.groups.clone()] } else { &[] };
+        let reader = self.reader(actor, state, frames, taken, fault);
+        for drive in &actor.entity.free {
+            read_drive(&reader, actor.entity, *drive, own);
+        }
+        for group in actor.entity.groups.ids() {
+            for drive in &actor.entity.leaves[actor.layout.leaf(state, group)].drives {
+                read_drive(&reader, actor.entity, *drive, own);
             }
+        }
+    }
+
+    /// Reads the bounds of clamps, and which envelopes reach their peak.
+    fn read_bounds(
+        &self,
+        state: &[u8],
+        actor: &Actor<'_>,
+        frames: &[Frame],
+        clamps: &mut [(f64, f64)],
+        peaks: &mut [u16],
+        fault: &Cell<Option<Fault>>,
+    ) {
+        let reader = self.reader(actor, state, frames, &[], fault);
+        for (clamp, bounds) in actor.entity.clamps.iter().zip(&mut clamps[actor.clamps.clone()]) {
+            *bounds = (
+                clamp.low.map_or(f64::NEG_INFINITY, |low| reader.number(low)),
+                clamp.high.map_or(f64::INFINITY, |high| reader.number(high)),
+            );
+        }
+        for (envelope, peak) in actor.entity.envelopes.iter().zip(&mut peaks[actor.envelopes.clone()]) {
+            if envelope.peak.is_some() {
+                *peak = next_peak(&reader, actor.entity, envelope);
+            }
+        }
+    }
+
+    /// Moves an instance by what was read.
+    #[inline(always)]
+    fn move_by(
+        &self,
+        state: &mut [u8],
+        actor: &Actor<'_>,
+        flows: &[(u8, f64)],
+        clamps: &[(f64, f64)],
+        peaks: &[u16],
+        start: &mut [(f64, f64)],
+    ) -> Result<(), Fault> {
+        let layout = &actor.layout;
+        start[actor.index()] = (layout.var(state, VarId(0), 0), layout.var(state, VarId(1), 0));
+        let bounds = if actor.is_bounded { &clamps[actor.clamps.clone()] } else { &[] };
+        for (var, &flow) in (0u32..).map(VarId).zip(flows) {
+            self.integrate(state, actor, var, flow, bounds)?;
+        }
+        if !actor.entity.timers.is_empty() {
             self.count_timers(state, actor);
-            if !actor.is_bounded {
-                continue;
-            }
-            for ((id, envelope), peak) in entity.envelopes.pairs().zip(&peaks[actor.envelope_range()]) {
+        }
+        if actor.is_bounded {
+            for ((id, envelope), peak) in actor.entity.envelopes.pairs().zip(&peaks[actor.envelopes.clone()]) {
                 if envelope.peak.is_some() {
                     layout.set_peak(state, id, *peak);
                 }

@@ -18,7 +18,7 @@ use hypedc::source::SourceMap;
 use hypedc::watch::Unwatched;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use support::{Disk, program};
+use support::{Disk, compile_text, program};
 
 /// One step of each of the paper's tests, with inputs that keep everything moving.
 fn step(c: &mut Criterion) {
@@ -40,6 +40,37 @@ fn step(c: &mut Criterion) {
                 }
                 black_box(&state);
             });
+        });
+    }
+}
+
+/// A step of worlds with many live instances that fall, meet and push each other.
+fn crowd(c: &mut Criterion) {
+    for instances in [10, 100, 1_000] {
+        let mut rng = Pcg64::seed_from_u64(1);
+        let side = 40.0 * f64::from(instances).sqrt();
+        let mut placed = String::new();
+        for i in 0..instances {
+            let (x, y) = (rng.random_range(0.0..side), rng.random_range(0.0..side));
+            placed.push_str(&format!("place c{i}: Crate at ({x:.0}, {y:.0}) {{ speed = {} }}\n", i % 60));
+        }
+        let program = program(compile_text(&format!(
+            "entity Crate {{
+                 param speed = 10
+                 collider crate: rect(0, 0, 16, 16)
+                 x' = speed
+                 mode left {{ x' = -speed; when timer > 1 -> right }}
+                 mode right {{ when timer > 1 or touching(crate, right) -> left }}
+             }}
+             world W {{ collide crate with crate: block
+                 space main {{ {placed} }} }}"
+        )));
+        let sim = Simulator::new(&program, WorldId(0));
+        let mut scratch = sim.scratch();
+        let mut state = sim.initial(&mut scratch).unwrap();
+        let nothing = hypedc::sim::Input::nothing(0);
+        c.bench_function(&format!("step/crowd/{instances} instances"), |b| {
+            b.iter(|| sim.step(&mut state, &nothing, &mut scratch).unwrap());
         });
     }
 }
@@ -81,6 +112,6 @@ fn grow(c: &mut Criterion) {
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(20);
-    targets = step, nearest, grow
+    targets = step, crowd, nearest, grow
 }
 criterion_main!(benches);

@@ -132,7 +132,7 @@ pub struct Entity {
     /// Its documentation.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub doc: Option<String>,
-    /// Parameters: constant per instance, see [`Slot::params`].
+    /// Parameters: constant per instance, see [`super::Slot::params`].
     pub params: IdVec<ParamId, Param>,
     /// Continuous variables by name; `x` and `y` are the first two.
     pub vars: IdVec<VarId, String>,

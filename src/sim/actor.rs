@@ -1,11 +1,12 @@
 //! What every step looks up of a slot, at hand: its entity, its place in a state, its code with its parameters put in.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 use crate::ir::{
     Drive, EdgeId, Entity, EntityId, Expr, ExprId, Id, IdVec, LeafId, Origin, Program, Slot, SlotId, SlotLayout, Step,
-    TimerId, World,
+    Subject, TimerId, World,
 };
 
 /// What drives a variable in a step: the degree and the value.
@@ -89,11 +90,13 @@ pub(super) struct Actor<'p> {
     pub code: Arc<Code>,
     /// The number of the first expression in it.
     pub base: u32,
-    /// Where its groups begin among those of all slots; and so on.
-    pub groups: usize,
-    pub vars: usize,
-    pub clamps: usize,
-    pub envelopes: usize,
+    /// The range of its groups among those of all slots; and so on.
+    pub groups: Range<usize>,
+    pub vars: Range<usize>,
+    pub clamps: Range<usize>,
+    pub envelopes: Range<usize>,
+    /// The number of the player who controls it.
+    pub player: Option<usize>,
     /// Whether it has clamps, or envelopes that keep whether their peak was reached.
     pub is_bounded: bool,
 }
@@ -103,7 +106,11 @@ pub(super) fn actors<'p>(program: &'p Program, world: &'p World) -> Vec<Actor<'p
     // Instances of one entity with the same parameters (as bits) share their code.
     type Key = (EntityId, Option<Vec<u64>>);
     let mut known: BTreeMap<Key, Arc<Code>> = BTreeMap::new();
-    let (mut groups, mut vars, mut clamps, mut envelopes) = (0, 0, 0, 0);
+    let take = |from: &mut usize, count: usize| {
+        *from += count;
+        *from - count..*from
+    };
+    let (mut all_groups, mut all_vars, mut all_clamps, mut all_envelopes) = (0, 0, 0, 0);
     let mut out = Vec::with_capacity(world.slots.len());
     for (id, slot) in world.slots.pairs() {
         let entity = &program.entities[slot.entity];
@@ -120,11 +127,20 @@ pub(super) fn actors<'p>(program: &'p Program, world: &'p World) -> Vec<Actor<'p
         let layout = world.layout.slots[id].clone();
         let (code, base) = (code.clone(), entity.code.0.0);
         let is_bounded = !entity.clamps.is_empty() || entity.envelopes.iter().any(|e| e.peak.is_some());
-        out.push(Actor { id, slot, entity, layout, code, base, groups, vars, clamps, envelopes, is_bounded });
-        groups += entity.groups.len();
-        vars += entity.vars.len();
-        clamps += entity.clamps.len();
-        envelopes += entity.envelopes.len();
+        out.push(Actor {
+            id,
+            slot,
+            entity,
+            layout,
+            code,
+            base,
+            groups: take(&mut all_groups, entity.groups.len()),
+            vars: take(&mut all_vars, entity.vars.len()),
+            clamps: take(&mut all_clamps, entity.clamps.len()),
+            envelopes: take(&mut all_envelopes, entity.envelopes.len()),
+            player: slot.player.map(Id::index),
+            is_bounded,
+        });
     }
     out
 }
@@ -141,27 +157,19 @@ fn folded(program: &Program, id: ExprId, params: &IdVec<crate::ir::ParamId, f64>
     }
 }
 
+/// Whether no instance reads another one while it moves.
+pub(super) fn is_private(actors: &[Actor<'_>]) -> bool {
+    let other = |of: Subject| of != Subject::Me;
+    actors.iter().all(|actor| {
+        !actor.code.exprs.iter().any(|e| match *e {
+            Expr::Var(of, ..) | Expr::Discrete(of, _) | Expr::Param(of, _) | Expr::InMode(of, _) => other(of),
+            Expr::Touching(of, _) | Expr::InSpace(of, _) | Expr::Near { of, .. } => other(of),
+            _ => false,
+        })
+    })
+}
+
 impl Actor<'_> {
-    /// The range of its variables among those of all slots.
-    pub fn var_range(&self) -> std::ops::Range<usize> {
-        self.vars..self.vars + self.entity.vars.len()
-    }
-
-    /// The range of its groups among those of all slots.
-    pub fn group_range(&self) -> std::ops::Range<usize> {
-        self.groups..self.groups + self.entity.groups.len()
-    }
-
-    /// The range of its clamps among those of all slots.
-    pub fn clamp_range(&self) -> std::ops::Range<usize> {
-        self.clamps..self.clamps + self.entity.clamps.len()
-    }
-
-    /// The range of its envelopes among those of all slots.
-    pub fn envelope_range(&self) -> std::ops::Range<usize> {
-        self.envelopes..self.envelopes + self.entity.envelopes.len()
-    }
-
     /// Its number.
     pub fn index(&self) -> usize {
         self.id.index()

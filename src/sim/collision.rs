@@ -46,7 +46,7 @@ struct Body {
     meets: bool,
     /// The box, where it never changes: x and y of the lower-left corner, width, height.
     fixed: Option<[f64; 4]>,
-    /// Whether it is a rectangle that never changes and is always there.
+    /// Whether it is a rectangle that never changes, is never empty and is always there.
     is_plain: bool,
 }
 
@@ -133,7 +133,8 @@ impl Collision {
                 let kind = first + collider.index();
                 let fixed = fixed_box(program, world, slot, &c.shape);
                 let is_plain = c.guard.is_none() && matches!(c.shape, Shape::Rect(_));
-                let is_plain = is_plain && fixed.is_some();
+                let is_there = fixed.is_some_and(|[.., width, height]| width > 0.0 && height > 0.0);
+                let is_plain = is_plain && is_there;
                 let layout = Whereabouts::of(&world.layout.slots[slot]);
                 bodies.push(Body {
                     slot,
@@ -317,7 +318,7 @@ impl Simulator<'_> {
             rect.back = (from_x - px, from_y - py);
             rect.space = layout.space(state).0;
             // A collider that shrank to nothing touches nothing.
-            rect.active = width > 0.0 && height > 0.0;
+            rect.active = body.is_plain || (width > 0.0 && height > 0.0);
         }
         Self::settle(&fault)
     }
@@ -440,8 +441,8 @@ impl Simulator<'_> {
         let (low, high) = range(rect.bottom, rect.top, height, map.rows);
         let met = |at: usize| map.cells.get(at).and_then(|&kind| encounters[usize::from(kind)].as_ref());
         let blocks = |at: usize| met(at).is_some_and(|w| w.meeting.response.push == Push::Block);
-        for column in first..after {
-            for row in low..high {
+        for row in low..high {
+            for column in first..after {
                 let at = row * map.columns + column;
                 let Some(with) = met(at) else { continue };
                 // Signed numbers convert in one instruction.

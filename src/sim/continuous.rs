@@ -8,9 +8,11 @@ use std::cell::Cell;
 use crate::ir::{Clamp, Drive, Entity, Id, VarId};
 
 use super::actor::{Actor, COAST, Flow};
+use super::discrete::Taken;
 use super::envelope::{envelope_value, next_peak};
 use super::evaluate::Reader;
 use super::fault::Fault;
+use super::input::Frame;
 use super::simulator::{Scratch, Simulator};
 use super::state::{set_triple, triple};
 
@@ -19,63 +21,105 @@ impl Simulator<'_> {
     pub(super) fn flow(&self, state: &mut [u8], scratch: &mut Scratch) -> Result<(), Fault> {
         let Scratch { frames, flows, clamps, peaks, taken, start, .. } = scratch;
         let fault = Cell::new(None);
-        let mut reader = Reader { frames, ..self.onlooker(state, &fault) };
         for actor in &self.actors {
-            let Actor { entity, layout, code, .. } = actor;
-            if !layout.acts(state) {
+            if !actor.layout.acts(state) {
                 continue;
             }
-            let own = &mut flows[actor.var_range()];
-            reader.turn_to(actor);
-            // Other code does not read it.
-            if code.is_joint {
-                reader.taken = &taken[actor.group_range()];
+            let own = &mut flows[actor.vars.clone()];
+            self.read_flows(state, actor, frames, taken, own, &fault);
+            if actor.is_bounded {
+                self.read_bounds(state, actor, frames, clamps, peaks, &fault);
             }
-            for drive in &code.free {
-                read_drive(&reader, entity, *drive, own);
-            }
-            for group in entity.groups.ids() {
-                let plan = &code.plans[layout.leaf(state, group)];
-                for &(var, flow) in &plan.steady {
-                    own[var] = flow;
-                }
-                for drive in &plan.drives {
-                    read_drive(&reader, entity, *drive, own);
-                }
-            }
-            if !actor.is_bounded {
-                continue;
-            }
-            for (clamp, bounds) in entity.clamps.iter().zip(&mut clamps[actor.clamp_range()]) {
-                *bounds = (
-                    clamp.low.map_or(f64::NEG_INFINITY, |low| reader.number(low)),
-                    clamp.high.map_or(f64::INFINITY, |high| reader.number(high)),
-                );
-            }
-            for (envelope, peak) in entity.envelopes.iter().zip(&mut peaks[actor.envelope_range()]) {
-                if envelope.peak.is_some() {
-                    *peak = next_peak(&reader, entity, envelope);
-                }
+            // Where nobody reads anybody else, each can move at once.
+            if self.is_private {
+                self.move_by(state, actor, own, clamps, peaks, start)?;
             }
         }
         Self::settle(&fault)?;
-        for actor in &self.actors {
-            let Actor { entity, layout, .. } = actor;
-            if !layout.acts(state) {
-                continue;
+        if !self.is_private {
+            for actor in &self.actors {
+                if actor.layout.acts(state) {
+                    self.move_by(state, actor, &flows[actor.vars.clone()], clamps, peaks, start)?;
+                }
             }
-            let bounds = &clamps[actor.clamp_range()];
-            let flows = &flows[actor.var_range()];
-            let values = layout.triples_mut(state, flows.len());
-            start[actor.index()] = (triple(&values[0])[0], triple(&values[1])[0]);
-            for ((var, values), &flow) in (0u32..).map(VarId).zip(values).zip(flows) {
-                self.integrate(values, actor, var, flow, bounds)?;
+        }
+        Ok(())
+    }
+
+    /// Reads what drives each variable.
+    #[inline(always)]
+    fn read_flows(
+        &self,
+        state: &[u8],
+        actor: &Actor<'_>,
+        frames: &[Frame],
+        taken: &[Option<Taken>],
+        own: &mut [Flow],
+        fault: &Cell<Option<Fault>>,
+    ) {
+        let taken = if actor.code.is_joint { &taken[actor.groups.clone()] } else { &[] };
+        let reader = self.reader(actor, state, frames, taken, fault);
+        for drive in &actor.code.free {
+            read_drive(&reader, actor.entity, *drive, own);
+        }
+        for group in actor.entity.groups.ids() {
+            let plan = &actor.code.plans[actor.layout.leaf(state, group)];
+            for &(var, flow) in &plan.steady {
+                own[var] = flow;
             }
+            for drive in &plan.drives {
+                read_drive(&reader, actor.entity, *drive, own);
+            }
+        }
+    }
+
+    /// Reads the bounds of clamps, and which envelopes reach their peak.
+    fn read_bounds(
+        &self,
+        state: &[u8],
+        actor: &Actor<'_>,
+        frames: &[Frame],
+        clamps: &mut [(f64, f64)],
+        peaks: &mut [u16],
+        fault: &Cell<Option<Fault>>,
+    ) {
+        let reader = self.reader(actor, state, frames, &[], fault);
+        for (clamp, bounds) in actor.entity.clamps.iter().zip(&mut clamps[actor.clamps.clone()]) {
+            *bounds = (
+                clamp.low.map_or(f64::NEG_INFINITY, |low| reader.number(low)),
+                clamp.high.map_or(f64::INFINITY, |high| reader.number(high)),
+            );
+        }
+        for (envelope, peak) in actor.entity.envelopes.iter().zip(&mut peaks[actor.envelopes.clone()]) {
+            if envelope.peak.is_some() {
+                *peak = next_peak(&reader, actor.entity, envelope);
+            }
+        }
+    }
+
+    /// Moves an instance by what was read.
+    #[inline(always)]
+    fn move_by(
+        &self,
+        state: &mut [u8],
+        actor: &Actor<'_>,
+        flows: &[Flow],
+        clamps: &[(f64, f64)],
+        peaks: &[u16],
+        start: &mut [(f64, f64)],
+    ) -> Result<(), Fault> {
+        let layout = &actor.layout;
+        let values = layout.triples_mut(state, flows.len());
+        start[actor.index()] = (triple(&values[0])[0], triple(&values[1])[0]);
+        let bounds = if actor.is_bounded { &clamps[actor.clamps.clone()] } else { &[] };
+        for ((var, values), &flow) in (0u32..).map(VarId).zip(values).zip(flows) {
+            self.integrate(values, actor, var, flow, bounds)?;
+        }
+        if !actor.entity.timers.is_empty() {
             self.count_timers(state, actor);
-            if !actor.is_bounded {
-                continue;
-            }
-            for ((id, envelope), peak) in entity.envelopes.pairs().zip(&peaks[actor.envelope_range()]) {
+        }
+        if actor.is_bounded {
+            for ((id, envelope), peak) in actor.entity.envelopes.pairs().zip(&peaks[actor.envelopes.clone()]) {
                 if envelope.peak.is_some() {
                     layout.set_peak(state, id, *peak);
                 }

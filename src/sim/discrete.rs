@@ -48,7 +48,7 @@ impl Simulator<'_> {
                 }
                 continue;
             }
-            let own = actor.group_range();
+            let own = actor.groups.clone();
             let first = own.start;
             let decided = taken[own.clone()].iter_mut();
             decided.for_each(|t| *t = None);

@@ -98,7 +98,7 @@ impl<'a> Reader<'a> {
     }
 
     fn frame(&self) -> Option<&Frame> {
-        self.actor.and_then(|a| a.slot.player).and_then(|p| self.frames.get(p.index()))
+        self.actor.and_then(|a| a.player).and_then(|p| self.frames.get(p))
     }
 
     fn checked(&self, id: ExprId, value: f64, operands: [f64; 2]) -> f64 {

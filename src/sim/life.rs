@@ -109,7 +109,7 @@ impl Simulator<'_> {
                 Some(slot) => {
                     let actor = &self.actors[me.index()];
                     let fault = Cell::new(None);
-                    let spawner = self.reader(actor, before, frames, &taken[actor.group_range()], &fault);
+                    let spawner = self.reader(actor, before, frames, &taken[actor.groups.clone()], &fault);
                     self.give_birth(state, slot, spawn, &spawner);
                     Self::settle(&fault)?;
                     changes.lives = true;

@@ -6,7 +6,7 @@ use crate::ir::{
     Entity, ExprId, GoalId, Id, NeverId, Origin, Program, SlotId, SlotLayout, SpaceId, SpawnId, VarId, World, WorldId,
 };
 
-use super::actor::{Actor, Flow, actors};
+use super::actor::{Actor, Flow, actors, is_private};
 use super::collision::Collision;
 use super::discrete::Taken;
 use super::evaluate::Reader;
@@ -26,6 +26,8 @@ pub struct Simulator<'p> {
     pub(super) pools: Vec<Vec<SlotId>>,
     /// What every step looks up of each slot.
     pub(super) actors: Vec<Actor<'p>>,
+    /// Whether no instance reads another one while it moves.
+    pub(super) is_private: bool,
     /// Whether anything can be destroyed or spawned.
     lives_change: bool,
 }
@@ -68,14 +70,16 @@ impl<'p> Simulator<'p> {
             let all = edges.chain(e.modes.iter().map(|m| &m.entry)).chain(e.follows.iter().map(|f| &f.actions));
             all.into_iter().any(|a| !a.spawns.is_empty() || !a.destroys.is_empty())
         });
+        let actors = actors(program, world);
         Simulator {
             program,
             world,
             id,
+            is_private: is_private(&actors),
             step: world.step.seconds(),
             collision,
             pools: program.entities.ids().map(pool).collect(),
-            actors: actors(program, world),
+            actors,
             lives_change,
         }
     }

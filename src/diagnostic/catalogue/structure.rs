@@ -214,7 +214,11 @@ impl Fact for JointCycle {
     fn word(self) -> Diagnostic {
         let mut names: Vec<&str> = self.steps.iter().map(|(name, _)| name.as_str()).collect();
         names.extend(self.steps.first().map(|(name, _)| name.as_str()));
-        let message = format!("groups wait for each other's transitions: {}", names.join(" → "));
+        let message = match names.as_slice() {
+            // A group that asks for itself.
+            [only, _] => format!("{only} cannot wait for a transition of the same group"),
+            _ => format!("groups wait for each other's transitions: {}", names.join(" → ")),
+        };
         let mut steps = self.steps.iter();
         let mut d = Diagnostic::new(Code::JointCycle, message);
         if let Some((name, span)) = steps.next() {

@@ -207,3 +207,32 @@ fn reach_saves_inputs_that_replay_and_repeat() {
     assert_eq!(saved.len(), 4);
     assert_eq!(saved[..2], saved[2..]);
 }
+
+#[test]
+fn a_level_is_given_on_the_command_line() {
+    let (open, closed, level) = ("tests/maps/open.hyped", "tests/maps/own.hyped", "tests/maps/mario-1-1.txt");
+    let runs: [&[&str]; 3] = [&["ir"], &["sim", "--frames", "3"], &["reach"]];
+    for run in runs {
+        let asked = |file: &str, map: &[&str]| {
+            let output = hypedc(&[run, &[file], map].concat());
+            (output.status.code().unwrap(), String::from_utf8_lossy(&output.stderr).into_owned())
+        };
+        let (code, error) = asked(open, &[]);
+        assert!(code == 2 && error.contains("error[E0602]") && error.contains("--map PATH"), "{run:?}: {error}");
+        let (code, error) = asked(closed, &["--map", level]);
+        assert!(code == 2 && error.contains("error[E0602]") && error.contains("map level"), "{run:?}: {error}");
+        let (code, error) = asked(open, &["--map", "no/such/level.txt"]);
+        assert!(code == 2 && error.contains("cannot read `no/such/level.txt`"), "{run:?}: {error}");
+        assert_eq!(asked(open, &["--map", level]), (0, String::new()), "{run:?}");
+    }
+    assert_eq!(code(&["check", open]), 0);
+    assert_eq!(code(&["check", open, "--map", level]), 0);
+    assert_eq!(code(&["check", closed, "--map", level]), 2);
+    assert_eq!(code(&["check", open, "--map", "no/such/level.txt"]), 2);
+    let wrong = written("wrong_level.txt", "---\n-%\n");
+    let output = hypedc(&["check", "--format", "short", open, "--map", &wrong]);
+    let found = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(found.contains("wrong_level.txt:2:1: error[E0501]: a row has 2 tiles, others have 3"), "{found}");
+    assert!(found.contains("wrong_level.txt:2:2: error[E0501]: no tile `%`"), "{found}");
+}

@@ -6,11 +6,11 @@
 mod support;
 
 use std::path::Path;
-use std::process::Command;
 
 use hypedc::compile::{compile, compile_with};
 use hypedc::ir::{Origin, Program, SpaceId, WorldId};
 use hypedc::sim::{Input, Simulator};
+use hypedc::source::{Files, ReadError};
 use support::{Disk, program};
 
 /// Runs the first world without input; gives how many instances it began with.
@@ -74,12 +74,93 @@ fn an_open_map_is_given_later() {
     assert!(run(&with, 60) > 5);
     let closed = compile_with(Path::new("tests/maps/own.hyped"), Some(Path::new("tests/maps/mario-1-1.txt")), &Disk);
     assert!(closed.program.is_none(), "a map that nobody asked for");
-    let hypedc = |args: &[&str]| Command::new(env!("CARGO_BIN_EXE_hypedc")).args(args).output().unwrap();
-    for command in ["sim", "reach"] {
-        let refused = hypedc(&[command, "tests/maps/open.hyped"]);
-        assert_eq!(refused.status.code(), Some(2), "{command}");
-        assert!(String::from_utf8_lossy(&refused.stderr).contains("--map PATH"), "{command}");
+}
+
+#[test]
+fn only_what_a_level_has_takes_a_number() {
+    let program = program(compile(Path::new("tests/maps/smb.hyped"), &Disk));
+    let map = program.worlds[WorldId(0)].spaces[SpaceId(0)].map.as_ref().unwrap();
+    let text = std::fs::read_to_string("tests/maps/mario-1-1.txt").unwrap();
+    assert!(map.kinds.iter().all(|k| text.contains(k.symbol)), "{:?}", map.kinds);
+    // The legend has cannons, the level has none; what the program says itself of `E` replaces the legend's tags.
+    for absent in ["cannon", "Cannon top", "enemy", "moving", "empty"] {
+        assert!(!program.tags.iter().any(|t| t == absent), "{absent}");
     }
-    let reached = hypedc(&["reach", "tests/maps/open.hyped", "--map", "tests/maps/mario-1-1.txt"]);
-    assert_eq!(reached.status.code(), Some(0), "{}", String::from_utf8_lossy(&reached.stdout));
+}
+
+/// Files that are not on the disk.
+struct Memory<'a>(&'a [(&'a str, &'a str)]);
+
+impl Files for Memory<'_> {
+    fn read(&self, path: &Path) -> Result<String, ReadError> {
+        let found = self.0.iter().find(|(name, _)| path == Path::new(name));
+        found.map(|(_, text)| text.to_string()).ok_or(ReadError::Unreadable("no such file".into()))
+    }
+}
+
+#[test]
+fn paths_are_relative_to_the_file_that_names_them() {
+    let files = Memory(&[
+        ("games/main.hyped", "import \"worlds/world.hyped\"\n"),
+        (
+            "games/worlds/world.hyped",
+            "world W {
+    tiles own 16 x 16 { '#': solid }
+    space a { map own from \"levels/a.txt\" }
+    space b { map vglc \"levels/a.txt\" legend \"levels/l.json\" tile 8 x 8 }
+}
+",
+        ),
+        ("games/worlds/levels/a.txt", "  ##  \r\n##\r\n\r\n"),
+        ("games/worlds/levels/l.json", r##"{ "tiles": { "#": ["solid"] } }"##),
+    ]);
+    let program = program(compile(Path::new("games/main.hyped"), &files));
+    let spaces = &program.worlds[WorldId(0)].spaces;
+    let sizes: Vec<(f64, f64)> = spaces.iter().map(|s| s.map.as_ref().unwrap().size()).collect();
+    assert_eq!(sizes, [(32.0, 32.0), (16.0, 16.0)]);
+}
+
+#[test]
+fn an_open_world_is_checked_with_the_instances_that_its_tiles_name() {
+    let text = "entity Hero { x' = 60 }
+world W {
+    tiles own 16 x 16 {
+        '-': empty
+        'P': spawn Hero as hero
+    }
+    space main { map level own }
+    player 1: hero
+    goal far: hero.x > main.width / 2 and 100 / main.width > 1
+}
+";
+    let level = ("levels/one.txt", "---\n-P-\n");
+    let two = ("two.txt", "P-P\n");
+    let files = Memory(&[("open.hyped", text), level, two]);
+    let root = Path::new("open.hyped");
+    assert!(program(compile(root, &files)).worlds[WorldId(0)].open.is_some());
+    let given = program(compile_with(root, Some(Path::new(level.0)), &files));
+    let world = &given.worlds[WorldId(0)];
+    assert_eq!(world.open, None);
+    let starts: Vec<[f64; 2]> =
+        world.slots.iter().map(|s| [s.vars[hypedc::ir::VarId(0)][0], s.vars[hypedc::ir::VarId(1)][0]]).collect();
+    assert_eq!(starts, [[16.0, 0.0]], "the instance is that of the level, and the only one");
+    let twice = compile_with(root, Some(Path::new(two.0)), &files);
+    assert!(twice.program.is_none(), "`as` needs exactly one such tile");
+}
+
+#[test]
+fn a_legend_of_very_many_characters_is_read_or_refused() {
+    let many: Vec<char> = (0..70_000).filter_map(|i| char::from_u32(0x2_0000 + i)).collect();
+    let entries: Vec<String> = many.iter().map(|c| format!("\"{c}\": [\"some\"]")).collect();
+    let legend = format!("{{ \"tiles\": {{ {}, \"\u{f0000}\": [\"last\"] }} }}", entries.join(", "));
+    let text = "world W { space main { map vglc \"level.txt\" legend \"l.json\" tile 16 x 16 } }\n";
+    let files = |level| [("w.hyped", text), ("l.json", legend.as_str()), ("level.txt", level)];
+    let program = program(compile(Path::new("w.hyped"), &Memory(&files("\u{f0000}\u{f0000}\n"))));
+    assert_eq!(program.tags.iter().collect::<Vec<_>>(), ["last"]);
+    let map = program.worlds[WorldId(0)].spaces[SpaceId(0)].map.as_ref().unwrap();
+    assert_eq!((map.kinds.len(), map.kind(1, 0)), (1, Some(0)));
+    let all: String = many.into_iter().collect();
+    let refused = compile(Path::new("w.hyped"), &Memory(&files(&all)));
+    let found: Vec<&str> = refused.diagnostics.iter().map(|d| d.message.as_str()).collect();
+    assert_eq!(found, ["too many kinds of tiles: 4097, at most 4096"]);
 }

@@ -26,8 +26,8 @@ pub(super) fn run(args: &CheckArgs) -> io::Result<Answer> {
 }
 
 fn judged(found: &Diagnostics) -> Answer {
-    let unreadable = |code: Code| matches!(code, Code::Unreadable | Code::NotUtf8);
-    if found.iter().any(|d| unreadable(d.code) && d.primary.is_none()) {
+    let unasked = |code: Code| matches!(code, Code::Unreadable | Code::NotUtf8 | Code::TooLarge | Code::NoQuestion);
+    if found.iter().any(|d| unasked(d.code) && d.primary.is_none()) {
         Answer::Unasked
     } else if found.has_errors() {
         Answer::No

@@ -6,12 +6,15 @@ use crate::ir::text;
 
 use super::Answer;
 use super::args::{IrArgs, ResultFormat};
-use super::report::load;
+use super::report::{has_maps, load};
 
 pub(super) fn run(args: &IrArgs) -> io::Result<Answer> {
     let Some(loaded) = load(&args.file, args.map.as_deref())? else {
         return Ok(Answer::Unasked);
     };
+    if !has_maps(&loaded, loaded.program.worlds.iter())? {
+        return Ok(Answer::Unasked);
+    }
     let mut out = io::stdout().lock();
     match args.format {
         ResultFormat::Human => write!(out, "{}", text(&loaded.program))?,

@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::compile::{Compilation, compile_with};
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::{Diagnostics, Fact, render, similar};
-use crate::ir::{Program, WorldId};
+use crate::ir::{Program, World, WorldId};
 use crate::source::SourceMap;
 
 use super::args::FindingFormat;
@@ -57,6 +57,17 @@ pub(super) fn load(path: &Path, map: Option<&Path>) -> io::Result<Option<Loaded>
     Ok(program.map(|program| Loaded { sources, program }))
 }
 
+/// Whether worlds have all their maps; shows how to give the one that is missing.
+pub(super) fn has_maps<'w>(loaded: &Loaded, worlds: impl IntoIterator<Item = &'w World>) -> io::Result<bool> {
+    let Some(open) = worlds.into_iter().find(|w| w.open.is_some()) else {
+        return Ok(true);
+    };
+    let why = format!("the world `{}` leaves its map to the command line", open.name);
+    let help = Some("give one with `--map PATH`".to_string());
+    show_fact(&loaded.sources, NoQuestion { why, near: None, help })?;
+    Ok(false)
+}
+
 /// The world of a name, or the only one; shows why if there is none.
 pub(super) fn choose_world(loaded: &Loaded, path: &Path, name: Option<&str>) -> io::Result<Option<WorldId>> {
     let worlds = &loaded.program.worlds;
@@ -67,13 +78,7 @@ pub(super) fn choose_world(loaded: &Loaded, path: &Path, name: Option<&str>) -> 
         None => worlds.ids().next().filter(|_| worlds.len() == 1),
     };
     if let Some(world) = found {
-        if worlds[world].open.is_none() {
-            return Ok(found);
-        }
-        let why = format!("the world `{}` leaves its map to the command line", worlds[world].name);
-        let help = Some("give one with `--map PATH`".to_string());
-        show_fact(&loaded.sources, NoQuestion { why, near: None, help })?;
-        return Ok(None);
+        return Ok(has_maps(loaded, [&worlds[world]])?.then_some(world));
     }
     let fact = match name {
         Some(name) => NoQuestion {

@@ -1,5 +1,7 @@
 //! Maps from rows of characters: written between quotes in a `.hyped` file, or the lines of a text file.
 
+use std::collections::BTreeMap;
+
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::file::TooMany;
 use crate::diagnostic::catalogue::world::{EmptyMap, RowLength, UnknownTile};
@@ -31,7 +33,8 @@ pub fn text_rows(text: &str, file: FileId) -> Vec<(&str, Span)> {
     rows
 }
 
-/// Reads the rows of a map, top row first, each with its span. `set` is what the tiles are called and its place.
+/// Reads the rows of a map, top row first, each with its span. `set` is what the tiles are called and its place; there
+/// are at most 65,536 of them.
 /// Gives none if a row or a character does not fit; the findings say which.
 pub fn inline_map<T: Clone>(
     rows: &[(&str, Span)],
@@ -61,7 +64,8 @@ pub fn inline_map<T: Clone>(
         return None;
     }
     let mut fits = true;
-    let mut unknown: Vec<(char, Span, usize)> = Vec::new();
+    let known: BTreeMap<char, u16> = tiles.iter().map(|t| t.symbol).zip(0..).collect();
+    let mut unknown: BTreeMap<char, (Span, usize)> = BTreeMap::new();
     let mut cells = vec![0u16; count];
     for (index, (row, span)) in rows.iter().enumerate() {
         let length = row.chars().count();
@@ -71,20 +75,18 @@ pub fn inline_map<T: Clone>(
         }
         let base = (rows.len() - 1 - index) * columns;
         for (column, (byte, symbol)) in row.char_indices().enumerate() {
-            match tiles.iter().position(|t| t.symbol == symbol) {
-                Some(kind) if column < columns => cells[base + column] = kind as u16,
+            match known.get(&symbol) {
+                Some(&kind) if column < columns => cells[base + column] = kind,
                 Some(_) => {}
-                None => match unknown.iter_mut().find(|(c, ..)| *c == symbol) {
-                    Some((.., count)) => *count += 1,
-                    None => {
-                        let start = span.start as usize + byte;
-                        unknown.push((symbol, Span::new(span.file, start, start + symbol.len_utf8()), 1));
-                    }
-                },
+                None => {
+                    let start = span.start as usize + byte;
+                    let at = Span::new(span.file, start, start + symbol.len_utf8());
+                    unknown.entry(symbol).or_insert((at, 0)).1 += 1;
+                }
             }
         }
     }
-    for (symbol, at, count) in unknown {
+    for (symbol, (at, count)) in unknown {
         fits = false;
         diagnostics.report(UnknownTile { symbol, at, count, tiles: set.0.to_string(), declared: set.1 });
     }

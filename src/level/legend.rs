@@ -11,35 +11,52 @@ use crate::source::{FileId, SourceFile, Span};
 
 #[derive(Deserialize)]
 struct Json {
-    tiles: BTreeMap<String, Vec<String>>,
+    tiles: BTreeMap<Symbol, Vec<String>>,
+}
+
+/// A key of a legend: one character.
+#[derive(PartialEq, Eq, PartialOrd, Ord, Deserialize)]
+#[serde(try_from = "String")]
+struct Symbol(char);
+
+impl TryFrom<String> for Symbol {
+    type Error = String;
+
+    fn try_from(key: String) -> Result<Self, String> {
+        let mut characters = key.chars();
+        match (characters.next(), characters.next()) {
+            (Some(only), None) => Ok(Symbol(only)),
+            _ => Err(format!("`{key}` is not one character")),
+        }
+    }
 }
 
 /// The tags of each character, in the order of the characters; none if the text is no legend.
 pub fn legend(file: &SourceFile, id: FileId, diagnostics: &mut Diagnostics) -> Option<Vec<(char, Vec<String>)>> {
     let text = file.text();
-    let json: Json = match serde_json::from_str(text) {
-        Ok(json) => json,
+    match serde_json::from_str::<Json>(text) {
+        Ok(json) => Some(json.tiles.into_iter().map(|(Symbol(symbol), tags)| (symbol, tags)).collect()),
         Err(error) => {
-            let line = file.line_range(error.line().saturating_sub(1)).unwrap_or(0..text.len());
-            let at = (line.start + error.column().saturating_sub(1)).min(text.len());
+            let (start, end) = place(file, &error);
             let why = error.to_string();
             let why = why.split(" at line ").next().unwrap_or("").to_string();
-            diagnostics.report(BadLegend { at: Span::new(id, at, (at + 1).min(text.len())), why });
-            return None;
-        }
-    };
-    let mut out = Vec::new();
-    for (key, tags) in json.tiles {
-        let mut characters = key.chars();
-        match (characters.next(), characters.next()) {
-            (Some(only), None) => out.push((only, tags)),
-            _ => {
-                let at = text.find(&format!("\"{key}\"")).unwrap_or(0);
-                let why = format!("`{key}` is not one character");
-                diagnostics.report(BadLegend { at: Span::new(id, at, at + key.len() + 2), why });
-                return None;
-            }
+            diagnostics.report(BadLegend { at: Span::new(id, start, end), why });
+            None
         }
     }
-    Some(out)
+}
+
+/// The bytes of the character that an error is about; of the whole string, if what is wrong is a string.
+fn place(file: &SourceFile, error: &serde_json::Error) -> (usize, usize) {
+    let text = file.text();
+    let line = file.line_range(error.line().saturating_sub(1)).unwrap_or(0..text.len());
+    let mut start = (line.start + error.column().saturating_sub(1)).min(text.len());
+    while !text.is_char_boundary(start) {
+        start -= 1;
+    }
+    let (before, after) = text.split_at(start);
+    let end = start + after.chars().next().map_or(0, char::len_utf8);
+    // What is known of the place of a string is where it ends.
+    let opening = before.rfind('"').filter(|_| error.is_data() && after.starts_with('"'));
+    (opening.unwrap_or(start), end)
 }

@@ -1,16 +1,18 @@
 //! Maps of spaces: inline, from text files, from levels of the Video Game Level Corpus, or given on the command line.
 
+use std::collections::BTreeSet;
+
 use crate::diagnostic::catalogue::names::DuplicateName;
 use crate::level::{InlineTile, inline_map, legend, text_rows};
 use crate::source::{FileId, Span};
 use crate::syntax::ast::{self, MapSource, Name};
 
-use super::Checker;
 use super::checked::World;
 use super::ids::SpaceId;
 use super::names::{Table, unknown};
 use super::population::Population;
 use super::world::TileSet;
+use super::{Checker, MAX_TILE_KINDS};
 
 impl Checker<'_> {
     /// Reads a map into its space, and makes the instances of its tiles.
@@ -33,23 +35,19 @@ impl Checker<'_> {
         match &map.source {
             MapSource::Inline(tiles, rows) => {
                 let rows: Vec<(&str, Span)> = rows.iter().map(|r| (r.text.as_str(), r.span)).collect();
-                self.own_tiles(&rows, tiles, tiles.span, sets, (id, world), population);
+                self.own_tiles(Some(rows), tiles, tiles.span, sets, (id, world), population);
             }
             MapSource::Text(tiles, path) => {
-                if let Some(file) = self.text(path) {
-                    self.own_tiles(&level(file), tiles, path.span, sets, (id, world), population);
-                }
+                let rows = self.text(path).map(level);
+                self.own_tiles(rows, tiles, path.span, sets, (id, world), population);
             }
             MapSource::Vglc(path, legend) => {
-                let file = self.text(path);
-                self.legend_tiles(file.map(level), legend, path.span, (id, world), population);
+                let rows = self.text(path).map(level);
+                self.legend_tiles(rows, legend, path.span, (id, world), population);
             }
             MapSource::Open(tiles) => {
                 self.open(id, world);
-                let rows = self.level.map(level).unwrap_or_default();
-                if self.level.is_some() || sets.get(&tiles.text).is_none() {
-                    self.own_tiles(&rows, tiles, map.span, sets, (id, world), population);
-                }
+                self.own_tiles(self.level.map(level), tiles, map.span, sets, (id, world), population);
             }
             MapSource::OpenLegend(legend) => {
                 self.open(id, world);
@@ -71,9 +69,10 @@ impl Checker<'_> {
         }
     }
 
+    /// A map with a tile set of the program; without rows only the set is checked.
     fn own_tiles(
         &mut self,
-        rows: &[(&str, Span)],
+        rows: Option<Vec<(&str, Span)>>,
         tiles: &Name,
         at: Span,
         sets: &Table<TileSet<'_>>,
@@ -87,11 +86,13 @@ impl Checker<'_> {
         };
         let called = format!("tiles {}", set.name.text);
         let declared = (called.as_str(), set.name.span);
-        world.spaces[id].map = inline_map(rows, at, declared, set.tile, &set.tiles, &mut self.diagnostics);
-        self.tile_instances(&world.spaces[id], id, set, at, population);
+        world.spaces[id].map =
+            rows.and_then(|rows| inline_map(&rows, at, declared, set.tile, &set.tiles, &mut self.diagnostics));
+        self.tile_instances(world, id, set, at, population);
     }
 
-    /// A map whose tiles a legend describes, but for those that the program gives itself.
+    /// A map whose tiles a legend describes, but for those that the program gives itself; without rows only these are
+    /// checked, and the legend.
     fn legend_tiles(
         &mut self,
         rows: Option<Vec<(&str, Span)>>,
@@ -102,24 +103,36 @@ impl Checker<'_> {
     ) {
         let lengths = &mut world.lengths;
         let (width, height) = (self.tile_side(&syntax.width, lengths), self.tile_side(&syntax.height, lengths));
-        let Some(file) = self.text(&syntax.path) else { return };
-        let Some(known) = legend(self.sources.file(file), file, &mut self.diagnostics) else { return };
-        let (Some(width), Some(height)) = (width, height) else { return };
-        let mut set =
-            TileSet { name: syntax.path.clone(), tile: (width, height), tiles: Vec::new(), spawns: Vec::new() };
-        for (symbol, tags) in known {
-            // Tags that no tile of the level carries would only use up the numbers of tags.
-            let occurs = rows.as_ref().is_some_and(|rows| rows.iter().any(|(row, _)| row.contains(symbol)));
-            let own = syntax.tiles.iter().any(|t| t.symbol == symbol);
-            let tags = tags.into_iter().filter(|tag| occurs && !own && tag != "empty");
+        let known = self.text(&syntax.path);
+        let known = known.and_then(|file| legend(self.sources.file(file), file, &mut self.diagnostics));
+        let mut set = TileSet { name: syntax.path.clone(), tile: (1.0, 1.0), tiles: Vec::new(), spawns: Vec::new() };
+        // What is wrong with the legend or with a side is said already.
+        let mut rows = rows.filter(|_| known.is_some());
+        match width.zip(height) {
+            Some(tile) => set.tile = tile,
+            None => rows = None,
+        }
+        // Tiles that the level does not have would only use up the numbers of tags and kinds.
+        let cells = rows.iter().flatten().flat_map(|(row, _)| row.chars());
+        let mut needed: BTreeSet<char> = cells.collect();
+        for own in &syntax.tiles {
+            needed.remove(&own.symbol);
+        }
+        for (symbol, tags) in known.into_iter().flatten().filter(|(symbol, _)| needed.contains(symbol)) {
+            if set.tiles.len() >= MAX_TILE_KINDS {
+                self.too_many("kinds of tiles", MAX_TILE_KINDS, syntax.path.span);
+                rows = None;
+                break;
+            }
+            let tags = tags.into_iter().filter(|tag| tag != "empty");
             let tags = tags.map(|text| self.tag(&Name { text, span: syntax.path.span })).collect();
             set.tiles.push(InlineTile { symbol, tags });
             set.spawns.push(None);
         }
         self.tile_kinds(&syntax.tiles, &mut set);
-        let Some(rows) = rows else { return };
         let declared = (syntax.path.text.as_str(), syntax.path.span);
-        world.spaces[id].map = inline_map(&rows, at, declared, set.tile, &set.tiles, &mut self.diagnostics);
-        self.tile_instances(&world.spaces[id], id, &set, at, population);
+        world.spaces[id].map =
+            rows.and_then(|rows| inline_map(&rows, at, declared, set.tile, &set.tiles, &mut self.diagnostics));
+        self.tile_instances(world, id, &set, at, population);
     }
 }

@@ -6,7 +6,7 @@ use crate::diagnostic::catalogue::world::{MissingLimit, OverLimit, TileInstances
 use crate::source::Span;
 use crate::syntax::ast::{self, Name, WorldItem};
 
-use super::checked::{Action, Instance, Origin, Space};
+use super::checked::{Action, Instance, Origin, World};
 use super::constant::ConstantContext;
 use super::entity::{X, Y};
 use super::expression::Scope;
@@ -75,16 +75,16 @@ impl Checker<'_> {
         }
     }
 
-    /// The instances that the tiles of a map make, row by row from the top.
+    /// The instances that the tiles of a map make, row by row from the top. Where the map is still to be given, those
+    /// that have names are made once, so that the rest of the world can be checked.
     pub(super) fn tile_instances(
         &mut self,
-        space: &Space,
+        world: &World,
         id: SpaceId,
         set: &TileSet<'_>,
         at: Span,
         population: &mut Population,
     ) {
-        let Some(map) = &space.map else { return };
         let mut counts = vec![0u64; set.spawns.len()];
         let entities: Vec<Option<EntityId>> = set
             .spawns
@@ -99,6 +99,22 @@ impl Checker<'_> {
                 None
             })
             .collect();
+        let Some(map) = &world.spaces[id].map else {
+            let named = set.spawns.iter().zip(&entities);
+            let named = named.filter_map(|(spawn, entity)| Some((spawn.as_ref()?.name.as_ref()?, *entity)));
+            for (name, entity) in named {
+                let Some(entity) = entity.filter(|_| world.open == Some(id)) else {
+                    self.suspects.insert(name.text.clone());
+                    continue;
+                };
+                population.names.declare(name, (), &mut self.diagnostics);
+                let origin = (0.0, 0.0);
+                let step = population.step;
+                let made = self.default_instance(entity, name.clone(), Origin::Named, id, origin, step, name.span);
+                made.and_then(|instance| self.populate(population, instance));
+            }
+            return;
+        };
         for row in (0..map.rows).rev() {
             for column in 0..map.columns {
                 let Some(kind) = map.kind(column as i64, row as i64) else { continue };

@@ -99,10 +99,9 @@ impl Checker<'_> {
                     SpaceItem::Place(place) => self.placed(place, id, &mut population),
                 }
             }
-            // A world whose map is not given yet is checked, but not run: its size does not matter.
-            let given = world.spaces[id].map.as_ref().map(crate::level::TileMap::size);
-            let size = given.or((world.open == Some(id)).then_some((0.0, 0.0)));
-            sizes.push((space.name.text.clone(), size));
+            // A world whose map is not given yet, or is wrong, is checked, but not run: its size does not matter.
+            let known = world.spaces[id].map.as_ref().map(crate::level::TileMap::size);
+            sizes.push((space.name.text.clone(), known.or(map_at.map(|_| (0.0, 0.0)))));
         }
         self.limits(syntax, &mut population);
         self.placed_references(&mut population);

@@ -17,9 +17,11 @@ pub struct RowLength {
 
 impl Fact for RowLength {
     fn word(self) -> Diagnostic {
-        Diagnostic::new(Code::BadMap, format!("a row has {} tiles, others have {}", self.length, self.expected))
-            .at(self.at, format!("{} tiles", self.length))
-            .and(self.model, format!("{} tiles", self.expected))
+        let tiles = |count: usize| format!("{count} tile{}", if count == 1 { "" } else { "s" });
+        let length = tiles(self.length);
+        Diagnostic::new(Code::BadMap, format!("a row has {length}, others have {}", self.expected))
+            .at(self.at, length)
+            .and(self.model, tiles(self.expected))
     }
 }
 
@@ -43,7 +45,11 @@ impl Fact for UnknownTile {
         Diagnostic::new(Code::BadMap, format!("no tile `{}` in `{}`{times}", self.symbol, self.tiles))
             .at(self.at, "no tile has this character")
             .and(self.declared, "the tile set")
-            .help(format!("add `'{}': empty`, or tags instead of `empty`", self.symbol))
+            .help(if self.symbol.is_whitespace() || self.symbol == '"' {
+                "a tile is never white space or `\"`: use another character".into()
+            } else {
+                format!("add `'{}': empty`, or tags instead of `empty`", self.symbol)
+            })
     }
 }
 

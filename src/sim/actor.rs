@@ -27,6 +27,8 @@ pub(super) struct Code {
     pub free: Vec<Drive>,
     /// Whether a group asks what another does in the same step.
     pub is_joint: bool,
+    /// Whether there is one group, which alone drives what changes.
+    pub is_single: bool,
 }
 
 /// What a step does while a leaf is active.
@@ -40,6 +42,10 @@ pub(super) struct Plan {
     pub steady: Vec<(usize, Flow)>,
     /// The other drives.
     pub drives: Vec<Drive>,
+    /// The flows of all variables while the leaf is active, as far as they do not change.
+    pub row: Vec<Flow>,
+    /// Whether they are all that drives the entity.
+    pub is_steady: bool,
     /// The timers that run.
     pub timers: Vec<TimerId>,
 }
@@ -59,23 +65,31 @@ impl Code {
             let others = drives.iter().copied().filter(|d| fixed(d).is_none()).collect();
             (drives.iter().filter_map(fixed).collect(), others)
         };
+        let (always, free) = split(&entity.free);
+        let mut all_steady = vec![COAST; entity.vars.len()];
+        for (var, flow) in always {
+            all_steady[var] = flow;
+        }
+        let is_single = entity.groups.len() == 1 && free.is_empty();
         let plan = |leaf: &crate::ir::Leaf| {
             let (steady, drives) = split(&leaf.drives);
+            let mut row = all_steady.clone();
+            for &(var, flow) in &steady {
+                row[var] = flow;
+            }
             Plan {
                 edges: leaf.edges.iter().map(|&edge| (entity.edges[edge].guard, edge)).collect(),
                 is_busy: !leaf.internal.is_empty() || !leaf.follows.is_empty(),
+                is_steady: is_single && drives.is_empty(),
                 steady,
                 drives,
+                row,
                 timers: entity.timers.pairs().filter(|(_, t)| leaf.path.contains(&t.mode)).map(|(id, _)| id).collect(),
             }
         };
-        let (always, free) = split(&entity.free);
-        let mut steady = vec![COAST; entity.vars.len()];
-        for (var, flow) in always {
-            steady[var] = flow;
-        }
         let is_joint = exprs.iter().any(|e| matches!(e, Expr::Joint(..)));
-        Code { plans: entity.leaves.iter().map(plan).collect(), steady, free, is_joint, exprs }
+        let plans = entity.leaves.iter().map(plan).collect();
+        Code { plans, steady: all_steady, free, is_joint, is_single, exprs }
     }
 }
 

@@ -8,8 +8,10 @@ use std::collections::BTreeMap;
 
 use crate::ir::{
     Bounds, ColliderId, Entity, EntityId, ExprId, Id, IdVec, Meeting, Origin, Program, Push, Shape, Side, SlotId,
-    SlotLayout, SpaceId, TagSet, VarId, World,
+    SlotLayout, SpaceId, TagId, TagSet, VarId, World,
 };
+
+use crate::level::TileMap;
 
 use super::actor::Actor;
 use super::broad::{Broad, sweep};
@@ -439,42 +441,63 @@ impl Simulator<'_> {
         // A tile that is touched along its edge counts, so the range is closed at both ends.
         let (first, after) = range(rect.left, rect.right, width, map.columns);
         let (low, high) = range(rect.bottom, rect.top, height, map.rows);
-        let met = |at: usize| map.cells.get(at).and_then(|&kind| encounters[usize::from(kind)].as_ref());
-        let blocks = |at: usize| met(at).is_some_and(|w| w.meeting.response.push == Push::Block);
         for row in low..high {
-            for column in first..after {
-                let at = row * map.columns + column;
-                let Some(with) = met(at) else { continue };
-                // Signed numbers convert in one instruction.
-                let (left, bottom) = (column as i64 as f64 * width, row as i64 as f64 * height);
-                let (right, top) = (left + width, bottom + height);
-                let tile = Rect { left, right, bottom, top, active: true, ..Rect::default() };
-                // The faces turned to the body; one that a neighbour covers never gives the side.
-                let mut corner = None;
-                let contact = meet(rect, &tile, rect.back, with.meeting, |overlap| {
-                    // Outside of the map there is nothing.
-                    let beside = match overlap.x_side {
-                        Side::Right => column > 0 && blocks(at - 1),
-                        _ => column + 1 < map.columns && blocks(at + 1),
-                    };
-                    let over = match overlap.y_side {
-                        Side::Above => row > 0 && blocks(at - map.columns),
-                        _ => blocks(at + map.columns),
-                    };
-                    let covered = (beside, over);
-                    if covered == (true, true) && overlap.came_around(rect.back) {
-                        corner = Some([overlap.horizontal(), overlap.vertical()]);
-                    }
-                    covered
-                });
-                let Some(contact) = contact else { continue };
-                self.hit(state, body, with, contact, (push, stops));
-                // What went into a corner is pushed out as the tiles beside the corner would, had it touched them.
-                let blocked = with.meeting.response.push == Push::Block && !body.kinematic;
-                for contact in corner.into_iter().flatten().filter(|_| blocked) {
-                    resolve(contact, with.meeting.response.stop, push, stops);
+            let start = row * map.columns;
+            let Some(cells) = map.cells.get(start + first..start + after) else { continue };
+            for (column, &kind) in (first..).zip(cells) {
+                if let Some(with) = &encounters[usize::from(kind)] {
+                    self.collide_tile(state, body, rect, (map, encounters), (column, row), with, (push, stops));
                 }
             }
+        }
+    }
+
+    /// A body and the tile of a cell.
+    #[inline(never)]
+    fn collide_tile(
+        &self,
+        state: &mut [u8],
+        body: &Body,
+        rect: &Rect,
+        (map, encounters): (&TileMap<TagId>, &[Option<Encounter>]),
+        (column, row): (usize, usize),
+        with: &Encounter,
+        (push, stops): (&mut [f64; 2], &mut Stops),
+    ) {
+        let at = row * map.columns + column;
+        let (width, height) = map.tile;
+        // Signed numbers convert in one instruction.
+        let (left, bottom) = (column as i64 as f64 * width, row as i64 as f64 * height);
+        let (right, top) = (left + width, bottom + height);
+        let tile = Rect { left, right, bottom, top, active: true, ..Rect::default() };
+        let blocks = |at: usize| {
+            let met = map.cells.get(at).and_then(|&kind| encounters[usize::from(kind)].as_ref());
+            met.is_some_and(|w| w.meeting.response.push == Push::Block)
+        };
+        // The faces turned to the body; one that a neighbour covers never gives the side.
+        let mut corner = None;
+        let contact = meet(rect, &tile, rect.back, with.meeting, |overlap| {
+            // Outside of the map there is nothing.
+            let beside = match overlap.x_side {
+                Side::Right => column > 0 && blocks(at - 1),
+                _ => column + 1 < map.columns && blocks(at + 1),
+            };
+            let over = match overlap.y_side {
+                Side::Above => row > 0 && blocks(at - map.columns),
+                _ => blocks(at + map.columns),
+            };
+            let covered = (beside, over);
+            if covered == (true, true) && overlap.came_around(rect.back) {
+                corner = Some([overlap.horizontal(), overlap.vertical()]);
+            }
+            covered
+        });
+        let Some(contact) = contact else { return };
+        self.hit(state, body, with, contact, (push, stops));
+        // What went into a corner is pushed out as the tiles beside the corner would, had it touched them.
+        let blocked = with.meeting.response.push == Push::Block && !body.kinematic;
+        for contact in corner.into_iter().flatten().filter(|_| blocked) {
+            resolve(contact, with.meeting.response.stop, push, stops);
         }
     }
 }

@@ -5,13 +5,13 @@
 
 use std::cell::Cell;
 
-use crate::ir::{Clamp, Drive, Entity, Id, VarId};
+use crate::ir::{Clamp, Drive, Entity, GroupId, Id, VarId};
 
-use super::actor::{Actor, COAST, Flow};
+use super::actor::{Actor, COAST, Flow, Plan};
 use super::discrete::Taken;
 use super::envelope::{envelope_value, next_peak};
 use super::evaluate::Reader;
-use super::fault::Fault;
+use super::fault::{Fault, FaultKind};
 use super::input::Frame;
 use super::simulator::{Scratch, Simulator};
 use super::state::{set_triple, triple};
@@ -25,21 +25,24 @@ impl Simulator<'_> {
             if !actor.layout.acts(state) {
                 continue;
             }
-            let own = &mut flows[actor.vars.clone()];
-            self.read_flows(state, actor, frames, taken, own, &fault);
+            let plan = only_plan(state, actor);
+            if !plan.is_some_and(|p| p.is_steady) {
+                self.read_flows(state, actor, frames, taken, &mut flows[actor.vars.clone()], &fault);
+            }
             if actor.is_bounded {
                 self.read_bounds(state, actor, frames, clamps, peaks, &fault);
             }
             // Where nobody reads anybody else, each can move at once.
             if self.is_private {
-                self.move_by(state, actor, own, clamps, peaks, start)?;
+                self.move_by(state, actor, flows_of(actor, plan, flows), clamps, peaks, start)?;
             }
         }
         Self::settle(&fault)?;
         if !self.is_private {
             for actor in &self.actors {
                 if actor.layout.acts(state) {
-                    self.move_by(state, actor, &flows[actor.vars.clone()], clamps, peaks, start)?;
+                    let flows = flows_of(actor, only_plan(state, actor), flows);
+                    self.move_by(state, actor, flows, clamps, peaks, start)?;
                 }
             }
         }
@@ -111,9 +114,23 @@ impl Simulator<'_> {
         let layout = &actor.layout;
         let values = layout.triples_mut(state, flows.len());
         start[actor.index()] = (triple(&values[0])[0], triple(&values[1])[0]);
-        let bounds = if actor.is_bounded { &clamps[actor.clamps.clone()] } else { &[] };
-        for ((var, values), &flow) in (0u32..).map(VarId).zip(values).zip(flows) {
-            self.integrate(values, actor, var, flow, bounds)?;
+        let mut is_finite = true;
+        if actor.is_bounded {
+            let (all, bounds) = (&actor.entity.clamps, &clamps[actor.clamps.clone()]);
+            for ((var, values), &flow) in (0u32..).map(VarId).zip(values.iter_mut()).zip(flows) {
+                let moved = moved(triple(values), flow, self.step, |v, degree| clip(all, bounds, var, degree, v));
+                is_finite &= moved[0].is_finite();
+                set_triple(values, moved);
+            }
+        } else {
+            for (values, &flow) in values.iter_mut().zip(flows) {
+                let moved = moved(triple(values), flow, self.step, |v, _| v);
+                is_finite &= moved[0].is_finite();
+                set_triple(values, moved);
+            }
+        }
+        if !is_finite {
+            return Err(diverged(actor, values));
         }
         if !actor.entity.timers.is_empty() {
             self.count_timers(state, actor);
@@ -127,35 +144,46 @@ impl Simulator<'_> {
         }
         Ok(())
     }
+}
 
-    #[inline(always)]
-    fn integrate(
-        &self,
-        values: &mut [u8; 24],
-        actor: &Actor<'_>,
-        var: VarId,
-        (degree, value): Flow,
-        bounds: &[(f64, f64)],
-    ) -> Result<(), Fault> {
-        let dt = self.step;
-        let clip = |value: f64, degree: u8| {
-            if bounds.is_empty() { value } else { clip(&actor.entity.clamps, bounds, var, degree, value) }
-        };
-        let [position, velocity, acceleration] = triple(values);
-        if degree == 0 {
-            set_triple(values, [clip(value, 0), clip(0.0, 1), 0.0]);
-            return Ok(());
-        }
-        let (velocity, acceleration) = match degree {
-            1 => (value, 0.0),
-            2 => (velocity + value * dt, value),
-            _ => (velocity + acceleration * dt, acceleration),
-        };
-        let velocity = clip(velocity, 1);
-        let position = clip(position + velocity * dt, 0);
-        set_triple(values, [position, velocity, acceleration]);
-        Self::finite(actor.id, var, position)
+/// What alone drives an instance of one group.
+#[inline]
+fn only_plan<'a>(state: &[u8], actor: &'a Actor<'_>) -> Option<&'a Plan> {
+    actor.code.is_single.then(|| &actor.code.plans[actor.layout.leaf(state, GroupId(0))])
+}
+
+/// What drives each variable: what was read, unless it is known beforehand.
+#[inline]
+fn flows_of<'a>(actor: &Actor<'_>, plan: Option<&'a Plan>, read: &'a [Flow]) -> &'a [Flow] {
+    match plan {
+        Some(plan) if plan.is_steady => &plan.row,
+        _ => &read[actor.vars.clone()],
     }
+}
+
+/// A variable after a step; `clip` cuts a value of a degree to its bounds.
+#[inline(always)]
+fn moved(
+    [position, velocity, acceleration]: [f64; 3],
+    (degree, value): Flow,
+    dt: f64,
+    clip: impl Fn(f64, u8) -> f64,
+) -> [f64; 3] {
+    let (velocity, acceleration) = match degree {
+        0 => return [clip(value, 0), clip(0.0, 1), 0.0],
+        1 => (value, 0.0),
+        2 => (velocity + value * dt, value),
+        _ => (velocity + acceleration * dt, acceleration),
+    };
+    let velocity = clip(velocity, 1);
+    [clip(position + velocity * dt, 0), velocity, acceleration]
+}
+
+/// The first variable that went beyond all numbers.
+#[cold]
+fn diverged(actor: &Actor<'_>, values: &[[u8; 24]]) -> Fault {
+    let var = values.iter().position(|v| !triple(v)[0].is_finite()).unwrap_or(0);
+    Fault { slot: actor.id, kind: FaultKind::Diverged(VarId(var as u32)) }
 }
 
 /// A value within all clamps of its variable.

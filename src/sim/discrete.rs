@@ -41,9 +41,10 @@ impl Simulator<'_> {
                 for group in entity.groups.ids() {
                     let from = actor.layout.leaf(before, group);
                     let plan = &actor.code.plans[from];
-                    let choice = decide(&alone, entity, from, plan);
-                    if choice.is_some() || plan.is_busy {
-                        self.run(state, &alone, entity, group, choice, changes);
+                    let edge = first_edge(&alone, plan);
+                    if edge.is_some() || plan.is_busy {
+                        let taken = edge.and_then(|edge| taking(&alone, entity, from, edge));
+                        self.run(state, &alone, entity, group, taken, changes);
                     }
                 }
                 continue;
@@ -55,8 +56,8 @@ impl Simulator<'_> {
             for &group in &entity.order {
                 let reader = self.reader(actor, before, frames, &taken[own.clone()], &fault);
                 let from = actor.layout.leaf(before, group);
-                let choice = decide(&reader, entity, from, &actor.code.plans[from]);
-                taken[first + group.index()] = choice;
+                let edge = first_edge(&reader, &actor.code.plans[from]);
+                taken[first + group.index()] = edge.and_then(|edge| taking(&reader, entity, from, edge));
             }
             let reader = self.reader(actor, before, frames, &taken[own.clone()], &fault);
             for (group, choice) in entity.groups.ids().zip(&taken[own]) {
@@ -190,16 +191,21 @@ impl Simulator<'_> {
     }
 }
 
-/// The edge that a group takes: the first that holds.
+/// The edge that a group takes: the first whose guard holds.
 #[inline(always)]
-fn decide(reader: &Reader<'_>, entity: &Entity, from: LeafId, plan: &Plan) -> Option<Taken> {
+fn first_edge(reader: &Reader<'_>, plan: &Plan) -> Option<EdgeId> {
     for &(guard, edge) in &plan.edges {
         if reader.truth(guard) {
-            let target = entity.edges[edge].target?;
-            return Some(Taken { edge, target, from, to: reader.entered(target) });
+            return Some(edge);
         }
     }
     None
+}
+
+/// Where an edge leads.
+fn taking(reader: &Reader<'_>, entity: &Entity, from: LeafId, edge: EdgeId) -> Option<Taken> {
+    let target = entity.edges[edge].target?;
+    Some(Taken { edge, target, from, to: reader.entered(target) })
 }
 
 /// Whether a mode is active while a leaf is.

@@ -17,10 +17,17 @@ struct Direction {
     number: u16,
 }
 
+impl Direction {
+    /// A vector of some length in this direction; of one component if the envelope has one variable.
+    fn scaled<const N: usize>(self, length: f64) -> [f64; N] {
+        std::array::from_fn(|i| self.vector[i] * length)
+    }
+}
+
 /// The value of a component after this step.
 pub(super) fn envelope_value(reader: &Reader<'_>, id: EnvelopeId, envelope: &Envelope, component: usize) -> f64 {
     if let By::Clock { timer, rise, hold, fall, .. } = envelope.by {
-        let layout = reader.sim.layout(reader.me);
+        let layout = reader.mine();
         let t = reader.sim.world().step.times(layout.timer(reader.state, timer).saturating_add(1));
         return at_time(
             t,
@@ -29,26 +36,35 @@ pub(super) fn envelope_value(reader: &Reader<'_>, id: EnvelopeId, envelope: &Env
             reader.number(envelope.sustain),
         );
     }
+    match envelope.vars[..] {
+        [_] => steered::<1>(reader, id, envelope)[0],
+        _ => steered::<2>(reader, id, envelope)[component],
+    }
+}
+
+/// The values after this step of an envelope that is driven by input.
+#[inline(always)]
+fn steered<const N: usize>(reader: &Reader<'_>, id: EnvelopeId, envelope: &Envelope) -> [f64; N] {
     let current = current(reader, envelope);
-    let (target, rate): ([f64; 2], _) = match driven(reader, envelope) {
+    let (target, rate) = match driven(reader, envelope) {
         Some(direction) => {
             let (level, rate) = aim(reader, id, envelope, direction);
-            (direction.vector.map(|d| d * level), rate)
+            (direction.scaled(level), rate)
         }
         None => match &envelope.release {
-            Release::Hold => return current[component],
+            Release::Hold => return current,
             Release::To { rate, level } => {
                 let level = reader.number(*level);
                 (unit(current).map(|d| d * level), *rate)
             }
         },
     };
-    approach(reader, current, target, rate)[component]
+    approach(reader, current, target, rate)
 }
 
 /// 0, or 1 plus the number of the direction in which the peak was reached by the end of this step.
 pub(super) fn next_peak(reader: &Reader<'_>, entity: &Entity, envelope: &Envelope) -> u16 {
-    let layout = reader.sim.layout(reader.me);
+    let layout = reader.mine();
     let is_active = envelope.mode.is_none_or(|mode| {
         let (first, after) = entity.modes[mode].leaves;
         let leaf = layout.leaf(reader.state, entity.modes[mode].group);
@@ -61,8 +77,7 @@ pub(super) fn next_peak(reader: &Reader<'_>, entity: &Entity, envelope: &Envelop
     if id.is_some_and(|id| layout.peak(reader.state, id) == reached) {
         return reached;
     }
-    let peak = reader.number(peak);
-    let target = direction.vector.map(|d| d * peak);
+    let target: [f64; 2] = direction.scaled(reader.number(peak));
     let next = approach(reader, current(reader, envelope), target, envelope.attack);
     if next == target { reached } else { 0 }
 }
@@ -70,7 +85,7 @@ pub(super) fn next_peak(reader: &Reader<'_>, entity: &Entity, envelope: &Envelop
 /// The level that a driven envelope goes to, and how fast.
 fn aim(reader: &Reader<'_>, id: EnvelopeId, envelope: &Envelope, direction: Direction) -> (f64, Option<ExprId>) {
     match envelope.peak {
-        Some(_) if reader.sim.layout(reader.me).peak(reader.state, id) == direction.number + 1 => {
+        Some(_) if reader.mine().peak(reader.state, id) == direction.number + 1 => {
             (reader.number(envelope.sustain), envelope.decay)
         }
         Some(peak) => (reader.number(peak), envelope.attack),
@@ -79,6 +94,7 @@ fn aim(reader: &Reader<'_>, id: EnvelopeId, envelope: &Envelope, direction: Dire
 }
 
 /// The direction in which an envelope is driven, if it is.
+#[inline]
 fn driven(reader: &Reader<'_>, envelope: &Envelope) -> Option<Direction> {
     let direction = match &envelope.by {
         By::Button(button) => {
@@ -118,35 +134,43 @@ fn nearest(input: [f64; 2], ways: &[[f64; 2]]) -> Direction {
     }
 }
 
+/// The length of a vector; exact along the first axis.
+#[inline]
+fn length<const N: usize>(v: [f64; N]) -> f64 {
+    if v[1..].iter().all(|&x| x == 0.0) { v[0].abs() } else { v.iter().map(|x| x * x).sum::<f64>().sqrt() }
+}
+
 /// A vector of length 1, or 0.
-fn unit(v: [f64; 2]) -> [f64; 2] {
-    if v[1] == 0.0 {
-        return [if v[0] == 0.0 { 0.0 } else { v[0].signum() }, 0.0];
-    }
-    let length = (v[0] * v[0] + v[1] * v[1]).sqrt();
-    v.map(|x| x / length)
+#[inline]
+fn unit<const N: usize>(v: [f64; N]) -> [f64; N] {
+    let length = length(v);
+    if length == 0.0 { [0.0; N] } else { v.map(|x| x / length) }
 }
 
 /// The controlled values before this step.
-fn current(reader: &Reader<'_>, envelope: &Envelope) -> [f64; 2] {
-    let layout = reader.sim.layout(reader.me);
+#[inline]
+fn current<const N: usize>(reader: &Reader<'_>, envelope: &Envelope) -> [f64; N] {
+    let layout = reader.mine();
     let value = |i: usize| envelope.vars.get(i).map_or(0.0, |&v| layout.var(reader.state, v, envelope.degree));
-    [value(0), value(1)]
+    std::array::from_fn(value)
 }
 
 /// From `current` towards `target`, never past it, by at most what the rate covers in a step.
-fn approach(reader: &Reader<'_>, current: [f64; 2], target: [f64; 2], rate: Option<ExprId>) -> [f64; 2] {
+#[inline]
+fn approach<const N: usize>(
+    reader: &Reader<'_>,
+    current: [f64; N],
+    target: [f64; N],
+    rate: Option<ExprId>,
+) -> [f64; N] {
     let Some(rate) = rate else { return target };
     let reach = reader.number(rate) * reader.sim.step;
-    let way = [target[0] - current[0], target[1] - current[1]];
-    if way[1] == 0.0 {
-        return if way[0].abs() <= reach { target } else { [current[0] + reach.copysign(way[0]), target[1]] };
-    }
-    let distance = (way[0] * way[0] + way[1] * way[1]).sqrt();
+    let way: [f64; N] = std::array::from_fn(|i| target[i] - current[i]);
+    let distance = length(way);
     if distance <= reach {
         return target;
     }
-    [current[0] + way[0] / distance * reach, current[1] + way[1] / distance * reach]
+    std::array::from_fn(|i| current[i] + way[i] / distance * reach)
 }
 
 fn level(reader: &Reader<'_>, envelope: &Envelope) -> f64 {

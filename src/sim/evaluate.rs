@@ -52,8 +52,9 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// Where the reader's own instance stands in the state.
     #[inline(always)]
-    fn mine(&self) -> &'a SlotLayout {
+    pub fn mine(&self) -> &'a SlotLayout {
         match self.actor {
             Some(actor) => &actor.layout,
             None => self.sim.layout(self.me),
@@ -218,6 +219,10 @@ impl<'a> Reader<'a> {
             Expr::Compare(op, a, b) => compare(op, self.number(a), self.number(b)),
             Expr::Touching(Subject::Me, touch) => self.mine().touch(self.state, touch),
             Expr::Button(press, button) => self.button(press, button),
+            Expr::Not(a) => match *self.at(a) {
+                Expr::Touching(Subject::Me, touch) => !self.mine().touch(self.state, touch),
+                _ => !self.decide(a),
+            },
             _ => self.decide(id),
         }
     }

@@ -10,7 +10,7 @@ use super::actor::{Actor, Flow, actors, is_private};
 use super::collision::Collision;
 use super::discrete::Taken;
 use super::evaluate::Reader;
-use super::fault::{Fault, FaultKind};
+use super::fault::Fault;
 use super::input::{Frame, Input};
 use super::life::Changes;
 use super::state::{Life, buttons, set_buttons};
@@ -291,10 +291,5 @@ impl<'p> Simulator<'p> {
             Some(fault) => Err(fault),
             None => Ok(()),
         }
-    }
-
-    /// The fault that a variable's new value is, if it is not finite.
-    pub(super) fn finite(slot: SlotId, var: VarId, value: f64) -> Result<(), Fault> {
-        if value.is_finite() { Ok(()) } else { Err(Fault { slot, kind: FaultKind::Diverged(var) }) }
     }
 }

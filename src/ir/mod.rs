@@ -26,6 +26,7 @@ pub use spans::{EntitySpans, Spans, WorldSpans};
 pub use text::text;
 pub use world_tables::{Bounds, Collide, Link, Meeting, Player, Predicate, Slot, Solid, Space, Step, World};
 
+pub use crate::level::TileMap;
 pub use crate::sema::checked::{Arithmetic, CompareOp, Function, Origin, Place, Press, Push, Response, Side, Subject};
 pub use crate::sema::ids::{
     AxisId, ButtonId, ColliderId, DiscreteId, EdgeId, EntityId, EnvelopeId, ExprId, FollowId, GoalId, GroupId, Id,

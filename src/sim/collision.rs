@@ -8,14 +8,12 @@ use std::collections::BTreeMap;
 
 use crate::ir::{
     Bounds, ColliderId, Entity, EntityId, ExprId, Id, IdVec, Meeting, Origin, Program, Push, Shape, Side, SlotId,
-    SlotLayout, SpaceId, TagId, TagSet, VarId, World,
+    SlotLayout, SpaceId, TagSet, VarId, World,
 };
-
-use crate::level::TileMap;
 
 use super::actor::Actor;
 use super::broad::{Broad, sweep};
-use super::contact::{Contact, Rect, Stops, meet, opposite, resolve};
+use super::contact::{Contact, Displacement, Rect, meet, opposite};
 use super::fault::Fault;
 use super::simulator::{Scratch as StepScratch, Simulator};
 use super::state::{Whereabouts, set_triple, triple};
@@ -25,7 +23,7 @@ use super::state::{Whereabouts, set_triple, triple};
 pub(super) struct Collision {
     bodies: Vec<Body>,
     /// Their kinds.
-    kinds: Vec<Kind>,
+    pub kinds: Vec<Kind>,
     broad: Broad,
     /// Whether anything carries.
     carries: bool,
@@ -37,11 +35,11 @@ pub(super) struct Collision {
 
 /// A collider of a slot.
 #[derive(Debug)]
-struct Body {
+pub(super) struct Body {
     slot: SlotId,
     collider: ColliderId,
-    kind: usize,
-    kinematic: bool,
+    pub kind: usize,
+    pub kinematic: bool,
     /// Where its instance's position, space and life are in a state.
     layout: Whereabouts,
     /// Whether there is anything that never moves and that it can meet.
@@ -54,12 +52,12 @@ struct Body {
 
 /// What the bodies of one collider of one entity have in common.
 #[derive(Debug)]
-struct Kind {
+pub(super) struct Kind {
     tags: TagSet,
     /// With each kind: how they meet, and which contact bits of this one a contact sets.
     kinds: Vec<Option<Encounter>>,
     /// For each space, for each kind of tile.
-    tiles: Vec<Vec<Option<Encounter>>>,
+    pub tiles: Vec<Vec<Option<Encounter>>>,
     /// For each space, for each free-standing rectangle.
     solids: Vec<Vec<Option<Encounter>>>,
     /// For each space, whether any kind of tile can be met.
@@ -70,8 +68,8 @@ struct Kind {
 
 /// How a body meets something.
 #[derive(Debug, Clone, Copy)]
-struct Encounter {
-    meeting: Meeting,
+pub(super) struct Encounter {
+    pub meeting: Meeting,
     /// The tags of the other.
     tags: TagSet,
     /// The contact bits that a contact sets, for each side of the body: the first 64 of them, those that are not bound.
@@ -108,10 +106,8 @@ impl Encounter {
 pub(super) struct Scratch {
     boxes: Vec<Rect>,
     order: Vec<u32>,
-    /// For each slot: how far it is pushed, x and y.
-    pushes: Vec<[f64; 2]>,
-    /// For each slot: the directions in which its velocity is stopped.
-    stops: Vec<Stops>,
+    /// For each slot: where it is pushed.
+    displacements: Vec<Displacement>,
 }
 
 impl Collision {
@@ -190,8 +186,7 @@ impl Collision {
         Scratch {
             boxes: vec![Rect::default(); self.bodies.len()],
             order: Vec::with_capacity(self.bodies.len()),
-            pushes: vec![[0.0; 2]; world.slots.len()],
-            stops: vec![Stops::default(); world.slots.len()],
+            displacements: vec![Displacement::default(); world.slots.len()],
         }
     }
 }
@@ -222,14 +217,13 @@ impl Simulator<'_> {
             self.carry(state, &scratch.start);
         }
         self.place_boxes(state, scratch)?;
-        let Scratch { boxes, order, pushes, stops } = &mut scratch.collision;
+        let Scratch { boxes, order, displacements } = &mut scratch.collision;
         for &slot in &self.collision.askers {
             let Actor { entity, layout, .. } = &self.actors[slot];
             layout.clear_touches(state, entity.touches.len(), entity.bound);
         }
         for &slot in &self.collision.movable {
-            pushes[slot] = [0.0; 2];
-            stops[slot] = Stops::default();
+            displacements[slot] = Displacement::default();
         }
         let bodies = &self.collision.bodies;
         match &self.collision.broad {
@@ -237,13 +231,13 @@ impl Simulator<'_> {
                 for &(i, j) in pairs {
                     let (i, j) = (i as usize, j as usize);
                     if boxes[i].active && boxes[j].active && boxes[i].is_near(&boxes[j]) {
-                        self.pair(state, (i, j), boxes, pushes, stops);
+                        self.pair(state, (i, j), boxes, displacements);
                     }
                 }
             }
             Broad::Swept => sweep(boxes, order, |i, j| {
                 if bodies[i].slot != bodies[j].slot {
-                    self.pair(state, (i, j), boxes, pushes, stops);
+                    self.pair(state, (i, j), boxes, displacements);
                 }
             }),
         }
@@ -252,17 +246,17 @@ impl Simulator<'_> {
                 let kind = &self.collision.kinds[body.kind];
                 let at = body.slot.index();
                 if kind.meets_solids[rect.space as usize] {
-                    self.collide_solids(state, body, rect, (&mut pushes[at], &mut stops[at]));
+                    self.collide_solids(state, body, rect, &mut displacements[at]);
                 }
                 if kind.meets_tiles[rect.space as usize] {
-                    self.collide_tiles(state, body, rect, (&mut pushes[at], &mut stops[at]));
+                    self.collide_tiles(state, body, rect, &mut displacements[at]);
                 }
             }
         }
         if push {
             for &slot in &self.collision.movable {
-                if pushes[slot] != [0.0; 2] {
-                    push_out(state, &self.actors[slot].layout, pushes[slot], stops[slot]);
+                if displacements[slot].push != [0.0; 2] {
+                    push_out(state, &self.actors[slot].layout, displacements[slot]);
                 }
             }
         }
@@ -326,14 +320,7 @@ impl Simulator<'_> {
     }
 
     /// Two bodies of one space.
-    fn pair(
-        &self,
-        state: &mut [u8],
-        (i, j): (usize, usize),
-        boxes: &[Rect],
-        pushes: &mut [[f64; 2]],
-        stops: &mut [Stops],
-    ) {
+    fn pair(&self, state: &mut [u8], (i, j): (usize, usize), boxes: &[Rect], displacements: &mut [Displacement]) {
         let (a, b) = (&self.collision.bodies[i], &self.collision.bodies[j]);
         let kinds = &self.collision.kinds;
         let (Some(of_a), Some(of_b)) = (&kinds[a.kind].kinds[b.kind], &kinds[b.kind].kinds[a.kind]) else { return };
@@ -363,8 +350,7 @@ impl Simulator<'_> {
         for (body, side) in [(a, side), (b, opposite(side))] {
             if !body.kinematic {
                 let contact = Contact { side, depth: contact.depth * share };
-                let at = body.slot.index();
-                resolve(contact, meeting.response.stop, &mut pushes[at], &mut stops[at]);
+                displacements[body.slot.index()].add(contact, meeting.response.stop);
             }
         }
     }
@@ -408,21 +394,21 @@ impl Simulator<'_> {
 
     /// A contact with something that never moves: the body alone is pushed.
     #[inline]
-    fn hit(
+    pub(super) fn hit(
         &self,
         state: &mut [u8],
         body: &Body,
         with: &Encounter,
         contact: Contact,
-        (push, stops): (&mut [f64; 2], &mut Stops),
+        displacement: &mut Displacement,
     ) {
         self.touch(state, body, with, None, contact.side);
         if with.meeting.response.push != Push::Sense && !body.kinematic {
-            resolve(contact, with.meeting.response.stop, push, stops);
+            displacement.add(contact, with.meeting.response.stop);
         }
     }
 
-    fn collide_solids(&self, state: &mut [u8], body: &Body, rect: &Rect, (push, stops): (&mut [f64; 2], &mut Stops)) {
+    fn collide_solids(&self, state: &mut [u8], body: &Body, rect: &Rect, displacement: &mut Displacement) {
         let space = rect.space as usize;
         let solids = &self.world().spaces[SpaceId(rect.space)].solids;
         for (solid, with) in solids.iter().zip(&self.collision.kinds[body.kind].solids[space]) {
@@ -430,80 +416,13 @@ impl Simulator<'_> {
             let Bounds { left, right, bottom, top } = solid.bounds;
             let other = Rect { left, right, bottom, top, active: true, ..Rect::default() };
             let Some(contact) = meet(rect, &other, rect.back, with.meeting, |_| (false, false)) else { continue };
-            self.hit(state, body, with, contact, (push, stops));
-        }
-    }
-
-    fn collide_tiles(&self, state: &mut [u8], body: &Body, rect: &Rect, (push, stops): (&mut [f64; 2], &mut Stops)) {
-        let Some(map) = &self.world().spaces[SpaceId(rect.space)].map else { return };
-        let encounters = &self.collision.kinds[body.kind].tiles[rect.space as usize];
-        let (width, height) = map.tile;
-        // A tile that is touched along its edge counts, so the range is closed at both ends.
-        let (first, after) = range(rect.left, rect.right, width, map.columns);
-        let (low, high) = range(rect.bottom, rect.top, height, map.rows);
-        for row in low..high {
-            let start = row * map.columns;
-            let Some(cells) = map.cells.get(start + first..start + after) else { continue };
-            for (column, &kind) in (first..).zip(cells) {
-                if let Some(with) = &encounters[usize::from(kind)] {
-                    self.collide_tile(state, body, rect, (map, encounters), (column, row), with, (push, stops));
-                }
-            }
-        }
-    }
-
-    /// A body and the tile of a cell.
-    #[inline(never)]
-    fn collide_tile(
-        &self,
-        state: &mut [u8],
-        body: &Body,
-        rect: &Rect,
-        (map, encounters): (&TileMap<TagId>, &[Option<Encounter>]),
-        (column, row): (usize, usize),
-        with: &Encounter,
-        (push, stops): (&mut [f64; 2], &mut Stops),
-    ) {
-        let at = row * map.columns + column;
-        let (width, height) = map.tile;
-        // Signed numbers convert in one instruction.
-        let (left, bottom) = (column as i64 as f64 * width, row as i64 as f64 * height);
-        let (right, top) = (left + width, bottom + height);
-        let tile = Rect { left, right, bottom, top, active: true, ..Rect::default() };
-        let blocks = |at: usize| {
-            let met = map.cells.get(at).and_then(|&kind| encounters[usize::from(kind)].as_ref());
-            met.is_some_and(|w| w.meeting.response.push == Push::Block)
-        };
-        // The faces turned to the body; one that a neighbour covers never gives the side.
-        let mut corner = None;
-        let contact = meet(rect, &tile, rect.back, with.meeting, |overlap| {
-            // Outside of the map there is nothing.
-            let beside = match overlap.x_side {
-                Side::Right => column > 0 && blocks(at - 1),
-                _ => column + 1 < map.columns && blocks(at + 1),
-            };
-            let over = match overlap.y_side {
-                Side::Above => row > 0 && blocks(at - map.columns),
-                _ => blocks(at + map.columns),
-            };
-            let covered = (beside, over);
-            if covered == (true, true) && overlap.came_around(rect.back) {
-                corner = Some([overlap.horizontal(), overlap.vertical()]);
-            }
-            covered
-        });
-        let Some(contact) = contact else { return };
-        self.hit(state, body, with, contact, (push, stops));
-        // What went into a corner is pushed out as the tiles beside the corner would, had it touched them.
-        let blocked = with.meeting.response.push == Push::Block && !body.kinematic;
-        for contact in corner.into_iter().flatten().filter(|_| blocked) {
-            resolve(contact, with.meeting.response.stop, push, stops);
+            self.hit(state, body, with, contact, displacement);
         }
     }
 }
 
 /// Moves an instance out of what blocks it.
-fn push_out(state: &mut [u8], layout: &SlotLayout, push: [f64; 2], stops: Stops) {
+fn push_out(state: &mut [u8], layout: &SlotLayout, Displacement { push, stops }: Displacement) {
     let axes = [(stops.left, stops.right, push[0]), (stops.below, stops.above, push[1])];
     for ((low, high, push), values) in axes.into_iter().zip(layout.triples_mut(state, 2)) {
         // What stops a velocity pushes as well.
@@ -514,18 +433,4 @@ fn push_out(state: &mut [u8], layout: &SlotLayout, push: [f64; 2], stops: Stops)
         let stopped = (low && velocity < 0.0) || (high && velocity > 0.0);
         set_triple(values, [position + push, if stopped { 0.0 } else { velocity }, acceleration]);
     }
-}
-
-/// The tiles whose closed extent meets `low..=high`, cut to those of the map: from the first to before the second.
-fn range(low: f64, high: f64, size: f64, count: usize) -> (usize, usize) {
-    let (low, high) = (low / size, high / size);
-    // A cast cuts towards zero, which is the floor of what is not negative, and stops at the ends of its type.
-    let whole = low as i64;
-    let first = match low {
-        ..=1.0 => 0,
-        _ if whole as f64 == low => whole - 1,
-        _ => whole,
-    };
-    let after = if high < 0.0 { 0 } else { (high as i64).min(count as i64 - 1) + 1 };
-    (first as usize, after as usize)
 }

@@ -42,6 +42,37 @@ pub(super) struct Stops {
     pub below: bool,
 }
 
+/// What the blocking contacts of an instance do to it.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Displacement {
+    /// How far it is pushed, x and y, px.
+    pub push: [f64; 2],
+    /// The directions in which its velocity is stopped.
+    pub stops: Stops,
+}
+
+impl Displacement {
+    /// Adds a contact: per axis the deepest counts. Touching alone does nothing.
+    pub fn add(&mut self, contact: Contact, stop: bool) {
+        if contact.depth <= 0.0 {
+            return;
+        }
+        let Displacement { push, stops } = self;
+        let (axis, sign, side) = match contact.side {
+            Side::Left => (0, 1.0, &mut stops.left),
+            Side::Right => (0, -1.0, &mut stops.right),
+            Side::Below => (1, 1.0, &mut stops.below),
+            Side::Above => (1, -1.0, &mut stops.above),
+        };
+        let deepest = push[axis].abs();
+        // Of two of the same depth the one towards larger coordinates counts, whichever is met first.
+        if contact.depth > deepest || (contact.depth == deepest && sign > 0.0) {
+            push[axis] = sign * contact.depth;
+        }
+        *side |= stop;
+    }
+}
+
 /// How two boxes touch: the side of the first, and how deep, px.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Contact {
@@ -149,23 +180,4 @@ pub(super) fn opposite(side: Side) -> Side {
         Side::Above => Side::Below,
         Side::Below => Side::Above,
     }
-}
-
-/// Adds a blocking contact to what pushes an instance: per axis the deepest counts. Touching alone does nothing.
-pub(super) fn resolve(contact: Contact, stop: bool, push: &mut [f64; 2], stops: &mut Stops) {
-    if contact.depth <= 0.0 {
-        return;
-    }
-    let (axis, sign, side) = match contact.side {
-        Side::Left => (0, 1.0, &mut stops.left),
-        Side::Right => (0, -1.0, &mut stops.right),
-        Side::Below => (1, 1.0, &mut stops.below),
-        Side::Above => (1, -1.0, &mut stops.above),
-    };
-    let deepest = push[axis].abs();
-    // Of two of the same depth the one towards larger coordinates counts, whichever is met first.
-    if contact.depth > deepest || (contact.depth == deepest && sign > 0.0) {
-        push[axis] = sign * contact.depth;
-    }
-    *side |= stop;
 }

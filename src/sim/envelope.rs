@@ -83,6 +83,7 @@ pub(super) fn next_peak(reader: &Reader<'_>, entity: &Entity, envelope: &Envelop
 }
 
 /// The level that a driven envelope goes to, and how fast.
+#[inline(always)]
 fn aim(reader: &Reader<'_>, id: EnvelopeId, envelope: &Envelope, direction: Direction) -> (f64, Option<ExprId>) {
     match envelope.peak {
         Some(_) if reader.mine().peak(reader.state, id) == direction.number + 1 => {
@@ -94,7 +95,7 @@ fn aim(reader: &Reader<'_>, id: EnvelopeId, envelope: &Envelope, direction: Dire
 }
 
 /// The direction in which an envelope is driven, if it is.
-#[inline]
+#[inline(always)]
 fn driven(reader: &Reader<'_>, envelope: &Envelope) -> Option<Direction> {
     let direction = match &envelope.by {
         By::Button(button) => {
@@ -109,8 +110,11 @@ fn driven(reader: &Reader<'_>, envelope: &Envelope) -> Option<Direction> {
             (input != [0.0, 0.0]).then(|| nearest(input, ways))
         }
         By::Clock { .. } => None,
-    };
-    direction.filter(|_| envelope.guard.is_none_or(|g| reader.truth(g)))
+    }?;
+    match envelope.guard {
+        Some(guard) if !reader.truth(guard) => None,
+        _ => Some(direction),
+    }
 }
 
 /// The nearest of some unit vectors, ties to the horizontal; the direction itself if there are none.
@@ -143,8 +147,12 @@ fn length<const N: usize>(v: [f64; N]) -> f64 {
 /// A vector of length 1, or 0.
 #[inline]
 fn unit<const N: usize>(v: [f64; N]) -> [f64; N] {
-    let length = length(v);
-    if length == 0.0 { [0.0; N] } else { v.map(|x| x / length) }
+    match length(v) {
+        0.0 => [0.0; N],
+        // The quotient is 1 or -1, without a division.
+        _ if N == 1 => v.map(f64::signum),
+        length => v.map(|x| x / length),
+    }
 }
 
 /// The controlled values before this step.
@@ -166,11 +174,11 @@ fn approach<const N: usize>(
     let Some(rate) = rate else { return target };
     let reach = reader.number(rate) * reader.sim.step;
     let way: [f64; N] = std::array::from_fn(|i| target[i] - current[i]);
-    let distance = length(way);
-    if distance <= reach {
+    if length(way) <= reach {
         return target;
     }
-    std::array::from_fn(|i| current[i] + way[i] / distance * reach)
+    let way = unit(way);
+    std::array::from_fn(|i| current[i] + way[i] * reach)
 }
 
 fn level(reader: &Reader<'_>, envelope: &Envelope) -> f64 {

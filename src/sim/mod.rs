@@ -18,6 +18,7 @@ mod life;
 mod script;
 mod simulator;
 pub mod state;
+mod tiles;
 mod trace;
 
 pub use fault::{Fault, FaultKind};

@@ -1,0 +1,104 @@
+//! Bodies and the tiles of a map: which can be met where a body is, and how one of them is.
+
+use crate::ir::{Push, Side, SpaceId, TagId, TileMap};
+
+use super::collision::{Body, Encounter};
+use super::contact::{Displacement, Rect, meet};
+use super::simulator::Simulator;
+
+/// A map as bodies of one kind meet it.
+#[derive(Clone, Copy)]
+struct Tiles<'a> {
+    map: &'a TileMap<TagId>,
+    /// For each kind of tile.
+    encounters: &'a [Option<Encounter>],
+}
+
+impl Tiles<'_> {
+    /// Whether the tile of a cell, by its number, blocks.
+    fn blocks(self, at: usize) -> bool {
+        let met = self.map.cells.get(at).and_then(|&kind| self.encounters[usize::from(kind)].as_ref());
+        met.is_some_and(|w| w.meeting.response.push == Push::Block)
+    }
+}
+
+impl Simulator<'_> {
+    /// A body and the tiles that it may touch.
+    pub(super) fn collide_tiles(&self, state: &mut [u8], body: &Body, rect: &Rect, displacement: &mut Displacement) {
+        let Some(map) = &self.world().spaces[SpaceId(rect.space)].map else { return };
+        let encounters = &*self.collision.kinds[body.kind].tiles[rect.space as usize];
+        let tiles = Tiles { map, encounters };
+        let (width, height) = map.tile;
+        // A tile that is touched along its edge counts, so the range is closed at both ends.
+        let (first, after) = range(rect.left, rect.right, width, map.columns);
+        let (low, high) = range(rect.bottom, rect.top, height, map.rows);
+        for row in low..high {
+            let start = row * map.columns;
+            let Some(cells) = map.cells.get(start + first..start + after) else { continue };
+            for (column, &kind) in (first..).zip(cells) {
+                if let Some(with) = &encounters[usize::from(kind)] {
+                    self.collide_tile(state, (body, rect), tiles, (column, row), with, displacement);
+                }
+            }
+        }
+    }
+
+    /// A body and the tile of a cell.
+    #[inline(never)]
+    fn collide_tile(
+        &self,
+        state: &mut [u8],
+        (body, rect): (&Body, &Rect),
+        tiles: Tiles<'_>,
+        (column, row): (usize, usize),
+        with: &Encounter,
+        displacement: &mut Displacement,
+    ) {
+        let map = tiles.map;
+        let at = row * map.columns + column;
+        let (width, height) = map.tile;
+        // Signed numbers convert in one instruction.
+        let (left, bottom) = (column as i64 as f64 * width, row as i64 as f64 * height);
+        let (right, top) = (left + width, bottom + height);
+        let tile = Rect { left, right, bottom, top, active: true, ..Rect::default() };
+        // The faces turned to the body; one that a neighbour covers never gives the side.
+        let mut corner = None;
+        let contact = meet(rect, &tile, rect.back, with.meeting, |overlap| {
+            // Outside of the map there is nothing.
+            let beside = match overlap.x_side {
+                Side::Right => column > 0 && tiles.blocks(at - 1),
+                _ => column + 1 < map.columns && tiles.blocks(at + 1),
+            };
+            let over = match overlap.y_side {
+                Side::Above => row > 0 && tiles.blocks(at - map.columns),
+                _ => tiles.blocks(at + map.columns),
+            };
+            let covered = (beside, over);
+            if covered == (true, true) && overlap.came_around(rect.back) {
+                corner = Some([overlap.horizontal(), overlap.vertical()]);
+            }
+            covered
+        });
+        let Some(contact) = contact else { return };
+        self.hit(state, body, with, contact, displacement);
+        // What went into a corner is pushed out as the tiles beside the corner would, had it touched them.
+        let blocked = with.meeting.response.push == Push::Block && !body.kinematic;
+        for contact in corner.into_iter().flatten().filter(|_| blocked) {
+            displacement.add(contact, with.meeting.response.stop);
+        }
+    }
+}
+
+/// The tiles whose closed extent meets `low..=high`, cut to those of the map: from the first to before the second.
+fn range(low: f64, high: f64, size: f64, count: usize) -> (usize, usize) {
+    let (low, high) = (low / size, high / size);
+    // A cast cuts towards zero, which is the floor of what is not negative, and stops at the ends of its type.
+    let whole = low as i64;
+    let first = match low {
+        ..=1.0 => 0,
+        _ if whole as f64 == low => whole - 1,
+        _ => whole,
+    };
+    let after = if high < 0.0 { 0 } else { (high as i64).min(count as i64 - 1) + 1 };
+    (first as usize, after as usize)
+}

@@ -12,7 +12,7 @@ use crate::ir::{
 };
 
 use super::actor::Actor;
-use super::broad::{Broad, sweep};
+use super::broad::{Broad, Sweep};
 use super::contact::{Contact, Displacement, Rect, meet, opposite};
 use super::fault::Fault;
 use super::simulator::{Scratch as StepScratch, Simulator};
@@ -105,7 +105,7 @@ impl Encounter {
 #[derive(Debug, Clone)]
 pub(super) struct Scratch {
     boxes: Vec<Rect>,
-    order: Vec<u32>,
+    sweep: Sweep,
     /// For each slot: where it is pushed.
     displacements: Vec<Displacement>,
 }
@@ -185,7 +185,7 @@ impl Collision {
     pub fn scratch(&self, world: &World) -> Scratch {
         Scratch {
             boxes: vec![Rect::default(); self.bodies.len()],
-            order: Vec::with_capacity(self.bodies.len()),
+            sweep: Sweep::with_room(if matches!(self.broad, Broad::Swept) { self.bodies.len() } else { 0 }),
             displacements: vec![Displacement::default(); world.slots.len()],
         }
     }
@@ -217,7 +217,7 @@ impl Simulator<'_> {
             self.carry(state, &scratch.start);
         }
         self.place_boxes(state, scratch)?;
-        let Scratch { boxes, order, displacements } = &mut scratch.collision;
+        let Scratch { boxes, sweep, displacements } = &mut scratch.collision;
         for &slot in &self.collision.askers {
             let Actor { entity, layout, .. } = &self.actors[slot];
             layout.clear_touches(state, entity.touches.len(), entity.bound);
@@ -235,7 +235,7 @@ impl Simulator<'_> {
                     }
                 }
             }
-            Broad::Swept => sweep(boxes, order, |i, j| {
+            Broad::Swept => sweep.pairs(boxes, |i, j| {
                 if bodies[i].slot != bodies[j].slot {
                     self.pair(state, (i, j), boxes, displacements);
                 }

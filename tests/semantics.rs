@@ -348,6 +348,25 @@ fn seams_between_tiles_do_not_bump() {
 }
 
 #[test]
+fn of_two_equal_depths_the_vertical_one_counts() {
+    let p =
+        level(BALL, "collide body with wall: block", "...\n#..", "place a: Ball at (11, 11) { vx = -30; vy = -30 }");
+    let mut run = Run::new(&p);
+    run.step("-");
+    assert_eq!((run.var("a", "x"), run.var("a", "y")), (8.0, 10.0));
+    assert_eq!((run.var("a", "x'"), run.var("a", "y'")), (-30.0, 0.0));
+}
+
+#[test]
+fn a_face_that_a_neighbour_covers_pushes_nobody() {
+    // Into the seam of a wall of two tiles: of the lower one it is nearer to the top, where the upper one stands.
+    let p = level(BALL, "collide body with wall: block", "#..\n#..", "place a: Ball at (11, 9) { vx = -30; vy = 0 }");
+    let mut run = Run::new(&p);
+    run.step("-");
+    assert_eq!((run.var("a", "x"), run.var("a", "y")), (10.0, 9.0));
+}
+
+#[test]
 fn touching_knows_tags_and_sides_and_corners_do_not_count() {
     let probe = "entity Probe {
         discrete below: bool = false

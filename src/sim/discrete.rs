@@ -9,6 +9,7 @@ use crate::ir::{Actions, EdgeId, Entity, Follow, GroupId, Id, Leaf, LeafId, Mode
 use super::actor::{Actor, Plan};
 use super::evaluate::Reader;
 use super::fault::{Fault, FaultKind};
+use super::input::Frame;
 use super::life::Changes;
 use super::simulator::{Scratch, Simulator};
 
@@ -23,49 +24,81 @@ pub(super) struct Taken {
     pub to: LeafId,
 }
 
+/// A group that does something in this step.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Acting {
+    slot: SlotId,
+    group: GroupId,
+    choice: Option<Taken>,
+}
+
 impl Simulator<'_> {
     /// Takes the edges of every live slot.
     pub(super) fn transitions(&self, state: &mut [u8], scratch: &mut Scratch) -> Result<(), Fault> {
-        let Scratch { before, frames, taken, changes, .. } = scratch;
+        let Scratch { before, frames, taken, acting, changes, .. } = scratch;
         let fault = Cell::new(None);
         changes.clear();
-        let mut alone = Reader { frames, ..self.onlooker(before, &fault) };
+        acting.clear();
+        self.decide(state, frames, taken, acting, &fault);
+        Self::settle(&fault)?;
+        // In most steps nobody does anything, and the state need not be kept.
+        if acting.is_empty() {
+            return Ok(());
+        }
+        before.copy_from_slice(state);
+        for &Acting { slot, group, choice } in acting.iter() {
+            let actor = &self.actors[slot.index()];
+            let reader = self.reader(actor, before, frames, &taken[actor.groups.clone()], &fault);
+            self.run(state, &reader, actor.entity, group, choice, changes);
+        }
+        Self::settle(&fault)?;
+        if changes.is_none() { Ok(()) } else { self.change(state, scratch) }
+    }
+
+    /// Notes which groups do something in this step: those that take an edge, and those with more to run.
+    fn decide(
+        &self,
+        state: &[u8],
+        frames: &[Frame],
+        taken: &mut [Option<Taken>],
+        acting: &mut Vec<Acting>,
+        fault: &Cell<Option<Fault>>,
+    ) {
+        let mut alone = Reader { frames, ..self.onlooker(state, fault) };
         for actor in &self.actors {
-            if !actor.layout.acts(before) {
+            if !actor.layout.acts(state) {
                 continue;
             }
-            let entity = actor.entity;
+            let (entity, slot) = (actor.entity, actor.id);
             if !actor.code.is_joint {
-                // No group waits for another: each is decided and run at once.
+                // No group waits for another.
                 alone.turn_to(actor);
                 for group in entity.groups.ids() {
-                    let from = actor.layout.leaf(before, group);
+                    let from = actor.layout.leaf(state, group);
                     let plan = &actor.code.plans[from];
                     let edge = first_edge(&alone, plan);
                     if edge.is_some() || plan.is_busy {
-                        let taken = edge.and_then(|edge| taking(&alone, entity, from, edge));
-                        self.run(state, &alone, entity, group, taken, changes);
+                        let choice = edge.and_then(|edge| taking(&alone, entity, from, edge));
+                        acting.push(Acting { slot, group, choice });
                     }
                 }
                 continue;
             }
             let own = actor.groups.clone();
-            let first = own.start;
-            let decided = taken[own.clone()].iter_mut();
-            decided.for_each(|t| *t = None);
+            taken[own.clone()].fill(None);
             for &group in &entity.order {
-                let reader = self.reader(actor, before, frames, &taken[own.clone()], &fault);
-                let from = actor.layout.leaf(before, group);
+                let reader = self.reader(actor, state, frames, &taken[own.clone()], fault);
+                let from = actor.layout.leaf(state, group);
                 let edge = first_edge(&reader, &actor.code.plans[from]);
-                taken[first + group.index()] = edge.and_then(|edge| taking(&reader, entity, from, edge));
+                let choice = edge.and_then(|edge| taking(&reader, entity, from, edge));
+                taken[own.start + group.index()] = choice;
             }
-            let reader = self.reader(actor, before, frames, &taken[own.clone()], &fault);
-            for (group, choice) in entity.groups.ids().zip(&taken[own]) {
-                self.run(state, &reader, entity, group, *choice, changes);
+            for (group, &choice) in entity.groups.ids().zip(&taken[own]) {
+                if choice.is_some() || actor.code.plans[actor.layout.leaf(state, group)].is_busy {
+                    acting.push(Acting { slot, group, choice });
+                }
             }
         }
-        Self::settle(&fault)?;
-        if changes.is_none() { Ok(()) } else { self.change(state, scratch) }
     }
 
     /// Runs what a group does: edges without a target, the edge that is taken, links.

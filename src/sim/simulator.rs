@@ -8,7 +8,7 @@ use crate::ir::{
 
 use super::actor::{Actor, Flow, actors, is_private};
 use super::collision::Collision;
-use super::discrete::Taken;
+use super::discrete::{Acting, Taken};
 use super::evaluate::Reader;
 use super::fault::Fault;
 use super::input::{Frame, Input};
@@ -35,12 +35,14 @@ pub struct Simulator<'p> {
 /// The working memory of a step; made once, reused by every step.
 #[derive(Debug, Clone)]
 pub struct Scratch {
-    /// The state as the step began.
+    /// The state as the step began, where anybody takes an edge.
     pub(super) before: Vec<u8>,
     /// Each player's input with what changed.
     pub(super) frames: Vec<Frame>,
     /// What each group of each slot does in this step.
     pub(super) taken: Vec<Option<Taken>>,
+    /// The groups that do something in this step.
+    pub(super) acting: Vec<Acting>,
     /// What the edges of this step have asked for.
     pub(super) changes: Changes,
     /// What drives each variable of each slot; what never changes stays.
@@ -139,6 +141,7 @@ impl<'p> Simulator<'p> {
         let slots = self.world.slots.len();
         Scratch {
             taken: vec![None; sum(&|e| e.groups.len())],
+            acting: Vec::with_capacity(sum(&|e| e.groups.len())),
             changes: Changes::with_room(destroys, sum(&|e| e.spawns.len()), slots),
             clamps: vec![(0.0, 0.0); sum(&|e| e.clamps.len())],
             peaks: vec![0; sum(&|e| e.envelopes.len())],
@@ -194,7 +197,6 @@ impl<'p> Simulator<'p> {
     /// # Errors
     /// A [`Fault`] if the program breaks a rule; `state` is then not to be used.
     pub fn step(&self, state: &mut [u8], input: &Input, scratch: &mut Scratch) -> Result<(), Fault> {
-        scratch.before.copy_from_slice(state);
         for (player, &at) in self.world.layout.players.pairs() {
             let now = input.of(player);
             scratch.frames[player.index()] = Frame::new(now, buttons(state, at));

@@ -31,6 +31,15 @@ pub struct Label {
     pub text: String,
 }
 
+/// A change of the text that certainly mends what was found, and nothing else.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fix {
+    /// What it does, in a few words: `write `walking``.
+    pub title: String,
+    /// What is put in place of what; the places do not overlap.
+    pub edits: Vec<(Span, String)>,
+}
+
 /// One finding.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Diagnostic {
@@ -48,6 +57,8 @@ pub struct Diagnostic {
     pub helps: Vec<String>,
     /// Background.
     pub notes: Vec<String>,
+    /// How to mend it, where that is certain.
+    pub fix: Option<Fix>,
 }
 
 impl Diagnostic {
@@ -61,6 +72,7 @@ impl Diagnostic {
             secondary: Vec::new(),
             helps: Vec::new(),
             notes: Vec::new(),
+            fix: None,
         }
     }
 
@@ -81,6 +93,8 @@ impl Diagnostic {
     /// Moves labels from what was put in place by `use` to the text itself, and adds where it was put.
     #[must_use]
     pub fn traced(mut self, sources: &SourceMap) -> Self {
+        // The text of a behaviour means different things where it is put.
+        self.fix = self.fix.filter(|fix| !fix.edits.iter().any(|(span, _)| span.is_copy()));
         let mut used: Vec<Span> = Vec::new();
         for label in self.primary.iter_mut().chain(&mut self.secondary) {
             let (span, places) = sources.trace(label.span);
@@ -103,6 +117,13 @@ impl Diagnostic {
     #[must_use]
     pub fn help(mut self, text: impl Into<String>) -> Self {
         self.helps.push(text.into());
+        self
+    }
+
+    /// Says how to mend it: one text in place of another.
+    #[must_use]
+    pub fn fix(mut self, title: impl Into<String>, span: Span, text: impl Into<String>) -> Self {
+        self.fix = Some(Fix { title: title.into(), edits: vec![(span, text.into())] });
         self
     }
 

@@ -19,6 +19,7 @@
 //! | [`syntax`] | the grammar's pairs as an abstract syntax tree, with recovery |
 //! | [`level`] | tile maps: inline, from text files, from levels and legends of the VGLC |
 //! | [`sema`] | names, types, structure: a program in which every name is an id |
+//! | [`lint`] | warnings: what has a meaning, but hardly the one that was meant |
 //! | [`ir`] | the flat tables that all consumers share, and the layout of a state |
 //! | [`compile`] | the stages up to here in a row |
 //! | [`sim`] | one step of time, input scripts, traces |
@@ -32,6 +33,7 @@ pub mod compile;
 pub mod diagnostic;
 pub mod ir;
 pub mod level;
+pub mod lint;
 pub mod reach;
 pub mod sema;
 pub mod sim;

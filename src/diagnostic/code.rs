@@ -75,12 +75,25 @@ codes! {
     BadLimit Error "E0504" "more instances than a limit allows, or none given"
     TileInstances Error "E0505" "a named tile instance does not stand exactly once"
 
+    LinkNowhere Error "E0506" "a link leads to nowhere"
+
     BadInput Error "E0601" "an input script cannot be read"
     NoQuestion Error "E0602" "there is nothing to run or to ask"
     Fault Error "E0603" "a running world broke a rule"
     InvariantBroken Error "E0604" "an invariant does not hold in a running world"
 
+    Unused Warning "W0201" "nothing uses a declaration"
+    MayLeaveRange Warning "W0301" "a discrete variable may leave its range"
     IdleEdge Warning "W0401" "an edge does nothing"
+    ConstantGuard Warning "W0402" "a guard is always true or always false"
+    UnreachableMode Warning "W0403" "a mode can never be entered"
+    Trap Warning "W0404" "a mode has edges, but can never be left"
+    Shadowed Warning "W0405" "an edge is never taken, another one comes before it"
+    GroupClash Warning "W0406" "two groups can update a variable in one step"
+    UncarriedTag Warning "W0501" "nothing carries a tag"
+    UnpairedTouch Warning "W0502" "no `collide` line lets a contact happen"
+    NoPlayer Warning "W0503" "no player gives the inputs of an entity"
+    PlacedInside Warning "W0504" "an instance begins inside of what blocks it"
     SpawnRefused Warning "W0601" "a spawn found no free slot"
 }
 

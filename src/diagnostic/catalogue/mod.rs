@@ -4,6 +4,7 @@
 //! no blame, names in backquotes.
 
 pub mod file;
+pub mod lint;
 pub mod names;
 pub mod run;
 pub mod structure;

@@ -16,7 +16,7 @@ const PAGES: &str = "src/diagnostic/catalogue/pages";
 /// The name of an example that has none.
 const PROGRAM: &str = "program.hyped";
 
-/// How long a world of a right example runs.
+/// How long a world runs.
 const STEPS: &str = "100";
 
 fn hypedc(folder: &Path, arguments: &[&str]) -> Output {
@@ -73,12 +73,16 @@ fn outputs(example: &Example<'_>, folder: &Path) -> Vec<Output> {
         return commands.map(|command| hypedc(folder, &words(command))).collect();
     }
     let mut found = vec![hypedc(folder, &["check", "--format", "short", PROGRAM])];
-    if let Some(inputs) = example.setting("inputs") {
+    let inputs = example.setting("inputs");
+    if inputs.is_some() {
         assert!(found[0].status.success() && found[0].stdout.is_empty(), "{}", said(&found[0]));
-        found.push(hypedc(folder, &["sim", PROGRAM, "--inputs", inputs]));
-    } else if example.side == Some(Side::Right) {
+    }
+    if inputs.is_some() || example.side == Some(Side::Right) {
         let worlds = example.lines.iter().filter_map(|line| line.strip_prefix("world ")?.split_whitespace().next());
-        found.extend(worlds.map(|world| hypedc(folder, &["sim", PROGRAM, "--world", world, "--frames", STEPS])));
+        for world in worlds {
+            let script = inputs.unwrap_or("-");
+            found.push(hypedc(folder, &["sim", PROGRAM, "--world", world, "--inputs", script, "--frames", STEPS]));
+        }
     }
     found
 }

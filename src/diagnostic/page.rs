@@ -3,7 +3,8 @@
 //! A page begins with `# CODE: TITLE`, then comes prose, then examples. An example is a fenced block; what follows on the
 //! line of its fence says what it is and how it is tested:
 //!
-//! - ` ```hyped wrong `: a program in which the code is found, and nothing else; ` ```hyped right `: the same, mended;
+//! - ` ```hyped wrong `: a program in which this error is found and no other; ` ```hyped right `: the same, mended, in
+//!   which nothing is found, and whose worlds run 100 steps;
 //! - `file="other.hyped"`: the block is a file of this name; of both sides, unless it says `wrong` or `right`;
 //! - `inputs="jump -*60"`: the code is found when the program is run with these inputs;
 //! - ` ```sh wrong `: commands in a folder that holds the page's files; the code is among what they find;

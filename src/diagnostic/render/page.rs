@@ -71,9 +71,11 @@ mod tests {
 
     #[test]
     fn colours_take_the_place_of_backquotes() {
-        let text = "# E0: t\n\nUse `a`.\n\n```hyped wrong file=\"b\" inputs=\"-\"\nx\n\n    y\n```\n```sh right\nz\n```\n";
+        let text =
+            "# E0: t\n\nUse `a`.\n\n```hyped wrong file=\"b\" inputs=\"-\"\nx\n\n    y\n```\n```sh right\nz\n```\n";
         let parsed = Page::new(text);
-        let plain = "E0: t\n\nUse `a`.\n\nwrong, in `b`, run with the inputs `-`:\n\n    x\n\n        y\n\nright:\n\n    $ z\n";
+        let plain =
+            "E0: t\n\nUse `a`.\n\nwrong, in `b`, run with the inputs `-`:\n\n    x\n\n        y\n\nright:\n\n    $ z\n";
         assert_eq!(page(&parsed, false), plain);
         let colored = page(&parsed, true);
         assert!(colored.contains("Use \x1b[36ma\x1b[0m.\n\n\x1b[1;31mwrong\x1b[0m, in"), "{colored:?}");

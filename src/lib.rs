@@ -15,7 +15,7 @@
 //! |---|---|
 //! | [`source`] | files, spans, line and column look-up |
 //! | [`watch`] | progress and interruption of long work |
-//! | [`diagnostic`] | what is wrong with a program: facts, wording, renderers |
+//! | [`diagnostic`] | what is wrong with a program: facts, wording, pages that explain it, renderers |
 //! | [`syntax`] | the grammar's pairs as an abstract syntax tree, with recovery |
 //! | [`level`] | tile maps: inline, from text files, from levels and legends of the VGLC |
 //! | [`sema`] | names, types, structure: a program in which every name is an id |

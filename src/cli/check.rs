@@ -3,7 +3,7 @@
 use std::io::{self, IsTerminal, Write};
 
 use crate::compile::compile_with;
-use crate::diagnostic::{Code, Diagnostics};
+use crate::diagnostic::{Code, Diagnostics, Severity};
 
 use super::Answer;
 use super::args::{CheckArgs, FindingFormat};
@@ -13,6 +13,7 @@ use super::report::{colored, rendered};
 pub(super) fn run(args: &CheckArgs) -> io::Result<Answer> {
     let color = colored(io::stdout().is_terminal());
     let mut answer = Answer::Yes;
+    let mut first_error = None;
     for path in &args.files {
         let compilation = compile_with(path, args.map.as_deref(), &Disk);
         let found = &compilation.diagnostics;
@@ -21,6 +22,10 @@ pub(super) fn run(args: &CheckArgs) -> io::Result<Answer> {
             writeln!(io::stderr(), "{}: {}", path.display(), summary(found))?;
         }
         answer = answer.max(judged(found));
+        first_error = first_error.or(found.iter().find(|d| d.severity == Severity::Error).map(|d| d.code));
+    }
+    if let Some(code) = first_error.filter(|_| args.format == FindingFormat::Human) {
+        writeln!(io::stderr(), "for more on an error: hypedc explain {code}")?;
     }
     Ok(answer)
 }

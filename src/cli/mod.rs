@@ -6,6 +6,7 @@
 mod args;
 mod check;
 mod disk;
+mod explain;
 mod ir;
 mod reach;
 mod report;
@@ -45,6 +46,7 @@ pub fn main() -> ExitCode {
         Command::Ir(args) => ir::run(&args),
         Command::Sim(args) => sim::run(&args),
         Command::Reach(args) => reach::run(&args),
+        Command::Explain(args) => explain::run(&args),
     };
     match answer {
         Ok(Answer::Yes) => ExitCode::SUCCESS,

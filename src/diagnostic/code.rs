@@ -27,6 +27,11 @@ macro_rules! codes {
                 match self { $(Code::$variant => $title,)* }
             }
 
+            /// The page that explains it: `catalogue/pages/E0201.md`.
+            pub fn page(self) -> &'static str {
+                match self { $(Code::$variant => include_str!(concat!("catalogue/pages/", $text, ".md")),)* }
+            }
+
             /// Whether it is an error or a warning.
             pub fn severity(self) -> Severity {
                 match self { $(Code::$variant => Severity::$severity,)* }
@@ -97,6 +102,13 @@ codes! {
     SpawnRefused Warning "W0601" "a spawn found no free slot"
 }
 
+impl Code {
+    /// The code of a text: `E0302`, in letters of either case.
+    pub fn from_text(text: &str) -> Option<Code> {
+        Code::ALL.iter().copied().find(|code| code.text().eq_ignore_ascii_case(text))
+    }
+}
+
 impl fmt::Display for Code {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.text())
@@ -112,5 +124,14 @@ mod tests {
         for pair in Code::ALL.windows(2) {
             assert!(pair[0].text() < pair[1].text(), "{} and {}", pair[0], pair[1]);
         }
+    }
+
+    #[test]
+    fn codes_are_read_in_either_case() {
+        for code in Code::ALL {
+            assert_eq!(Code::from_text(code.text()), Some(*code));
+            assert_eq!(Code::from_text(&code.text().to_lowercase()), Some(*code));
+        }
+        assert_eq!(["302", "E302", "E0302 ", ""].map(Code::from_text), [None; 4]);
     }
 }

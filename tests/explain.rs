@@ -75,7 +75,8 @@ fn outputs(example: &Example<'_>, folder: &Path) -> Vec<Output> {
     let mut found = vec![hypedc(folder, &["check", "--format", "short", PROGRAM])];
     let inputs = example.setting("inputs");
     if inputs.is_some() {
-        assert!(found[0].status.success() && found[0].stdout.is_empty(), "{}", said(&found[0]));
+        // What goes wrong in the run may be foreseen by a warning.
+        assert!(found[0].status.success(), "{}", said(&found[0]));
     }
     if inputs.is_some() || example.side == Some(Side::Right) {
         let worlds = example.lines.iter().filter_map(|line| line.strip_prefix("world ")?.split_whitespace().next());

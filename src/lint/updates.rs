@@ -113,8 +113,12 @@ pub(super) fn ranges(entity: &Entity, found: &mut Diagnostics) {
         }
         let facts = guard.map(|guard| facts(entity, guard)).unwrap_or_default();
         let value = range(entity, &update.value, &facts);
-        let fits = value.low >= f64::from(low) && value.high <= f64::from(high);
-        if fits || value.is_empty() || guard.is_some_and(|g| truth(entity, g) == Some(false)) {
+        // An end that is not known is no sign of a mistake.
+        let leaves = |end: f64| end.is_finite() && !(f64::from(low)..=f64::from(high)).contains(&end);
+        if !(leaves(value.low) || leaves(value.high))
+            || value.is_empty()
+            || guard.is_some_and(|g| truth(entity, g) == Some(false))
+        {
             continue;
         }
         found.report(MayLeaveRange {

@@ -145,6 +145,9 @@ pub(super) fn places(checked: &Checked, found: &mut Diagnostics) {
 /// Left, right, bottom, top.
 type Sides = [f64; 4];
 
+/// How deep something is, px, and in what: a tile by column and row, or a `rect`.
+type Inside = (f64, Result<(usize, usize), Span>);
+
 fn inside(checked: &Checked, world: &World, instance: &Instance, found: &mut Diagnostics) {
     let (Some([x, ..]), Some([y, ..])) = (instance.vars.iter().next(), instance.vars.iter().nth(1)) else { return };
     let space = &world.spaces[instance.space];
@@ -167,12 +170,8 @@ fn inside(checked: &Checked, world: &World, instance: &Instance, found: &mut Dia
 }
 
 /// What a box is deepest in, and how deep, px.
-fn deepest(
-    space: &Space,
-    sides: Sides,
-    blocks: impl Fn(&[TagId]) -> bool,
-) -> Option<(f64, Result<(usize, usize), Span>)> {
-    let mut found: Vec<(f64, Result<(usize, usize), Span>)> = Vec::new();
+fn deepest(space: &Space, sides: Sides, blocks: impl Fn(&[TagId]) -> bool) -> Option<Inside> {
+    let mut found: Vec<Inside> = Vec::new();
     for solid in space.solids.iter().filter(|s| blocks(&s.tags)) {
         let [x, y, width, height] = solid.rect;
         found.push((depth(sides, [x, x + width, y, y + height]), Err(solid.span)));

@@ -31,6 +31,10 @@ pub(super) enum FindingFormat {
     Human,
     /// One line a finding: FILE:LINE:COL: error[CODE]: message
     Short,
+    /// One JSON object for all files.
+    Json,
+    /// SARIF 2.1.0, for code hosts and editors.
+    Sarif,
 }
 
 /// How results are shown.
@@ -53,6 +57,16 @@ pub(super) struct CheckArgs {
     /// How findings are shown.
     #[arg(long, value_enum, default_value = "human")]
     pub format: FindingFormat,
+    /// What else makes the answer no (exit code 1), beside errors.
+    #[arg(long, value_enum, value_name = "WHAT")]
+    pub deny: Option<Denied>,
+}
+
+/// What `--deny` turns away.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum Denied {
+    /// All warnings; they are still shown as warnings.
+    Warnings,
 }
 
 #[derive(Debug, Args)]

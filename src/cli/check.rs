@@ -1,35 +1,51 @@
 //! `hypedc check`: what is wrong with programs. Findings go to standard output, they are the result.
 
 use std::io::{self, IsTerminal, Write};
+use std::path::Path;
 
-use crate::compile::compile_with;
+use crate::compile::{Compilation, compile_with};
+use crate::diagnostic::render::{self, Found};
 use crate::diagnostic::{Code, Diagnostics};
 
 use super::Answer;
 use super::args::{CheckArgs, FindingFormat};
 use super::disk::Disk;
-use super::report::{colored, rendered};
+use super::report::colored;
 
 pub(super) fn run(args: &CheckArgs) -> io::Result<Answer> {
     let color = colored(io::stdout().is_terminal());
     let mut answer = Answer::Yes;
+    let mut kept: Vec<(&Path, Compilation)> = Vec::new();
     for path in &args.files {
         let compilation = compile_with(path, args.map.as_deref(), &Disk);
         let found = &compilation.diagnostics;
-        write!(io::stdout(), "{}", rendered(&compilation.sources, found, args.format, color))?;
-        if args.format == FindingFormat::Human {
-            writeln!(io::stderr(), "{}: {}", path.display(), summary(found))?;
+        answer = answer.max(judged(found, args.deny.is_some()));
+        match args.format {
+            FindingFormat::Human => {
+                write!(io::stdout(), "{}", render::human(&compilation.sources, found.iter(), color))?;
+                writeln!(io::stderr(), "{}: {}", path.display(), summary(found))?;
+            }
+            FindingFormat::Short => write!(io::stdout(), "{}", render::short(&compilation.sources, found.iter()))?,
+            FindingFormat::Json | FindingFormat::Sarif => kept.push((path, compilation)),
         }
-        answer = answer.max(judged(found));
+    }
+    let run: Vec<Found<'_>> = kept
+        .iter()
+        .map(|(path, Compilation { sources, diagnostics, .. })| Found { path, sources, diagnostics })
+        .collect();
+    match args.format {
+        FindingFormat::Human | FindingFormat::Short => {}
+        FindingFormat::Json => write!(io::stdout(), "{}", render::json(&run)?)?,
+        FindingFormat::Sarif => write!(io::stdout(), "{}", render::sarif(&run, &std::env::current_dir()?)?)?,
     }
     Ok(answer)
 }
 
-fn judged(found: &Diagnostics) -> Answer {
+fn judged(found: &Diagnostics, deny_warnings: bool) -> Answer {
     let unasked = |code: Code| matches!(code, Code::Unreadable | Code::NotUtf8 | Code::TooLarge | Code::NoQuestion);
     if found.iter().any(|d| unasked(d.code) && d.primary.is_none()) {
         Answer::Unasked
-    } else if found.has_errors() {
+    } else if found.has_errors() || (deny_warnings && !found.is_empty()) {
         Answer::No
     } else {
         Answer::Yes

@@ -60,6 +60,9 @@ pub(super) struct CheckArgs {
     /// What else makes the answer no (exit code 1), beside errors.
     #[arg(long, value_enum, value_name = "WHAT")]
     pub deny: Option<Denied>,
+    /// Mends what is certain, in the files and in those they import from the same folder or one in it.
+    #[arg(long)]
+    pub fix: bool,
 }
 
 /// What `--deny` turns away.

@@ -10,6 +10,7 @@ use crate::diagnostic::{Code, Diagnostics};
 use super::Answer;
 use super::args::{CheckArgs, FindingFormat};
 use super::disk::Disk;
+use super::fix::mend;
 use super::report::colored;
 
 pub(super) fn run(args: &CheckArgs) -> io::Result<Answer> {
@@ -17,13 +18,16 @@ pub(super) fn run(args: &CheckArgs) -> io::Result<Answer> {
     let mut answer = Answer::Yes;
     let mut kept: Vec<(&Path, Compilation)> = Vec::new();
     for path in &args.files {
+        if args.fix && !mend(path, args.map.as_deref())? {
+            answer = Answer::Unasked;
+        }
         let compilation = compile_with(path, args.map.as_deref(), &Disk);
         let found = &compilation.diagnostics;
         answer = answer.max(judged(found, args.deny.is_some()));
         match args.format {
             FindingFormat::Human => {
                 write!(io::stdout(), "{}", render::human(&compilation.sources, found.iter(), color))?;
-                writeln!(io::stderr(), "{}: {}", path.display(), summary(found))?;
+                writeln!(io::stderr(), "{}: {}", path.display(), summary(found, !args.fix))?;
             }
             FindingFormat::Short => write!(io::stdout(), "{}", render::short(&compilation.sources, found.iter()))?,
             FindingFormat::Json | FindingFormat::Sarif => kept.push((path, compilation)),
@@ -52,12 +56,15 @@ fn judged(found: &Diagnostics, deny_warnings: bool) -> Answer {
     }
 }
 
-fn summary(found: &Diagnostics) -> String {
+fn summary(found: &Diagnostics, hint: bool) -> String {
+    let mendable = found.iter().filter(|d| d.fix.is_some()).count();
+    let hint = if hint && mendable > 0 { format!("; `--fix` mends {mendable}") } else { String::new() };
     let count = |n: usize, word: &str| format!("{n} {word}{}", if n == 1 { "" } else { "s" });
-    match found.counts() {
+    let counts = match found.counts() {
         (0, 0) => "no errors".to_string(),
         (errors, 0) => count(errors, "error"),
         (0, warnings) => count(warnings, "warning"),
         (errors, warnings) => format!("{}, {}", count(errors, "error"), count(warnings, "warning")),
-    }
+    };
+    counts + &hint
 }

@@ -6,6 +6,7 @@
 mod args;
 mod check;
 mod disk;
+mod fix;
 mod ir;
 mod reach;
 mod report;

@@ -22,6 +22,8 @@ pub(super) enum Command {
     Sim(SimArgs),
     /// Searches for inputs that bring about a world's goals.
     Reach(ReachArgs),
+    /// Draws the modes and edges of entities.
+    Graph(GraphArgs),
 }
 
 /// How findings are shown.
@@ -144,6 +146,30 @@ pub(super) struct ReachArgs {
     /// Writes the inputs of a found path to a file; with several goals, the goal's name goes before the extension.
     #[arg(long, value_name = "PATH")]
     pub save_inputs: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct GraphArgs {
+    /// The program.
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// An entity to draw; all of the program if none is given.
+    #[arg(long, value_name = "NAME")]
+    pub entity: Vec<String>,
+    /// What is written to standard output.
+    #[arg(long, value_enum, default_value = "svg")]
+    pub format: GraphFormat,
+}
+
+/// A language for pictures of graphs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum GraphFormat {
+    /// For Graphviz.
+    Dot,
+    /// A Mermaid `stateDiagram-v2`.
+    Mermaid,
+    /// A picture that needs nothing else.
+    Svg,
 }
 
 fn seconds(text: &str) -> Result<f64, String> {

@@ -7,6 +7,7 @@ mod args;
 mod check;
 mod disk;
 mod fix;
+mod graph;
 mod ir;
 mod reach;
 mod report;
@@ -46,6 +47,7 @@ pub fn main() -> ExitCode {
         Command::Ir(args) => ir::run(&args),
         Command::Sim(args) => sim::run(&args),
         Command::Reach(args) => reach::run(&args),
+        Command::Graph(args) => graph::run(&args),
     };
     match answer {
         Ok(Answer::Yes) => ExitCode::SUCCESS,

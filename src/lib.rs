@@ -24,6 +24,7 @@
 //! | [`compile`] | the stages up to here in a row |
 //! | [`sim`] | one step of time, input scripts, traces |
 //! | [`reach`] | planners over the simulator |
+//! | [`graph`] | statecharts of entities as DOT, Mermaid and SVG |
 //! | [`cli`] | the subcommands |
 //!
 //! Time is in seconds (s), length in pixels (px), y points up.
@@ -31,6 +32,7 @@
 pub mod cli;
 pub mod compile;
 pub mod diagnostic;
+pub mod graph;
 pub mod ir;
 pub mod level;
 pub mod lint;

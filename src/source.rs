@@ -90,6 +90,14 @@ impl SourceFile {
         let column = self.text.get(start..byte).map_or(0, |before| before.chars().count());
         (line + 1, column + 1)
     }
+
+    /// Line and column of a byte, both from 1; the column counts UTF-16 code units.
+    pub fn line_column_utf16(&self, byte: usize) -> (usize, usize) {
+        let (line, _) = self.line_column(byte);
+        let start = self.line_range(line - 1).map_or(0, |range| range.start);
+        let before = self.text.get(start..byte.min(self.text.len())).unwrap_or("");
+        (line, before.encode_utf16().count() + 1)
+    }
 }
 
 impl SourceFile {
@@ -225,6 +233,9 @@ mod tests {
         assert_eq!(file.line_column(4), (2, 1));
         assert_eq!(file.line_column(9), (2, 4));
         assert_eq!(file.line_column(1000), (3, 1));
+        let id = map.add("b", "\u{1f40a} é\n");
+        assert_eq!(map.file(id).line_column(7), (1, 4));
+        assert_eq!(map.file(id).line_column_utf16(7), (1, 5));
     }
 
     #[test]

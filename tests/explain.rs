@@ -196,7 +196,7 @@ fn an_unknown_code_is_no_question() {
 }
 
 #[test]
-fn a_check_with_errors_ends_with_the_way_to_its_page() {
+fn a_check_with_findings_ends_with_the_way_to_its_page() {
     let hint = |arguments: &[&str]| {
         let output = hypedc(Path::new("."), arguments);
         String::from_utf8(output.stderr).unwrap().lines().last().unwrap_or_default().to_string()
@@ -204,5 +204,6 @@ fn a_check_with_errors_ends_with_the_way_to_its_page() {
     let wrong = "tests/ui/dimension_conflict.hyped";
     assert_eq!(hint(&["check", wrong, "tests/ui/step.hyped"]), "for more on an error: hypedc explain E0302");
     assert_eq!(hint(&["check", wrong, "--format", "short"]), "");
-    assert_eq!(hint(&["check", "tests/ui/idle_edge.hyped"]), "tests/ui/idle_edge.hyped: 2 warnings");
+    assert_eq!(hint(&["check", "tests/ui/idle_edge.hyped"]), "for more on a warning: hypedc explain W0401");
+    assert_eq!(hint(&["check", wrong, "tests/ui/idle_edge.hyped"]), "for more on an error: hypedc explain E0302");
 }

@@ -22,7 +22,8 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("compile", &["source", "diagnostic", "syntax", "sema", "lint", "ir"]),
     ("sim", &["source", "diagnostic", "ir"]),
     ("reach", &["watch", "ir", "sim"]),
-    ("cli", &["source", "watch", "diagnostic", "ir", "compile", "sim", "reach"]),
+    ("graph", &["source", "ir"]),
+    ("cli", &["source", "watch", "diagnostic", "ir", "compile", "sim", "reach", "graph"]),
 ];
 
 /// The longest a source file may be before it is time to look for the seam.

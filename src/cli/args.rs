@@ -24,6 +24,8 @@ pub(super) enum Command {
     Reach(ReachArgs),
     /// Explains the code of a finding, with a wrong and a right example.
     Explain(ExplainArgs),
+    /// Draws the modes and edges of entities.
+    Graph(GraphArgs),
 }
 
 /// How findings are shown.
@@ -33,6 +35,10 @@ pub(super) enum FindingFormat {
     Human,
     /// One line a finding: FILE:LINE:COL: error[CODE]: message
     Short,
+    /// One JSON object for all files.
+    Json,
+    /// SARIF 2.1.0, for code hosts and editors.
+    Sarif,
 }
 
 /// How results are shown.
@@ -55,6 +61,19 @@ pub(super) struct CheckArgs {
     /// How findings are shown.
     #[arg(long, value_enum, default_value = "human")]
     pub format: FindingFormat,
+    /// What else makes the answer no (exit code 1), beside errors.
+    #[arg(long, value_enum, value_name = "WHAT")]
+    pub deny: Option<Denied>,
+    /// Mends what is certain, in the files and in those they import from the same folder or one in it.
+    #[arg(long)]
+    pub fix: bool,
+}
+
+/// What `--deny` turns away.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum Denied {
+    /// All warnings; they are still shown as warnings.
+    Warnings,
 }
 
 #[derive(Debug, Args)]
@@ -136,6 +155,30 @@ pub(super) struct ExplainArgs {
     /// The codes, such as E0302; without one, all codes are listed.
     #[arg(value_name = "CODE")]
     pub codes: Vec<String>,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct GraphArgs {
+    /// The program.
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// An entity to draw; all of the program if none is given.
+    #[arg(long, value_name = "NAME")]
+    pub entity: Vec<String>,
+    /// What is written to standard output.
+    #[arg(long, value_enum, default_value = "svg")]
+    pub format: GraphFormat,
+}
+
+/// A language for pictures of graphs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum GraphFormat {
+    /// For Graphviz.
+    Dot,
+    /// A Mermaid `stateDiagram-v2`.
+    Mermaid,
+    /// A picture that needs nothing else.
+    Svg,
 }
 
 fn seconds(text: &str) -> Result<f64, String> {

@@ -1,52 +1,80 @@
 //! `hypedc check`: what is wrong with programs. Findings go to standard output, they are the result.
 
 use std::io::{self, IsTerminal, Write};
+use std::path::Path;
 
-use crate::compile::compile_with;
+use crate::compile::{Compilation, compile_with};
+use crate::diagnostic::render::{self, Found};
 use crate::diagnostic::{Code, Diagnostics, Severity};
 
 use super::Answer;
 use super::args::{CheckArgs, FindingFormat};
 use super::disk::Disk;
-use super::report::{colored, rendered};
+use super::fix::mend;
+use super::report::colored;
 
 pub(super) fn run(args: &CheckArgs) -> io::Result<Answer> {
     let color = colored(io::stdout().is_terminal());
     let mut answer = Answer::Yes;
-    let mut first_error = None;
+    let mut first: Option<(Severity, Code)> = None;
+    let mut kept: Vec<(&Path, Compilation)> = Vec::new();
     for path in &args.files {
+        if args.fix && !mend(path, args.map.as_deref())? {
+            answer = Answer::Unasked;
+        }
         let compilation = compile_with(path, args.map.as_deref(), &Disk);
         let found = &compilation.diagnostics;
-        write!(io::stdout(), "{}", rendered(&compilation.sources, found, args.format, color))?;
-        if args.format == FindingFormat::Human {
-            writeln!(io::stderr(), "{}: {}", path.display(), summary(found))?;
+        answer = answer.max(judged(found, args.deny.is_some()));
+        // The first error, or the first warning where there is no error.
+        let all = first.into_iter().chain(found.iter().map(|d| (d.severity, d.code)));
+        first = all.min_by_key(|(severity, _)| *severity);
+        match args.format {
+            FindingFormat::Human => {
+                write!(io::stdout(), "{}", render::human(&compilation.sources, found.iter(), color))?;
+                writeln!(io::stderr(), "{}: {}", path.display(), summary(found, !args.fix))?;
+            }
+            FindingFormat::Short => write!(io::stdout(), "{}", render::short(&compilation.sources, found.iter()))?,
+            FindingFormat::Json | FindingFormat::Sarif => kept.push((path, compilation)),
         }
-        answer = answer.max(judged(found));
-        first_error = first_error.or(found.iter().find(|d| d.severity == Severity::Error).map(|d| d.code));
     }
-    if let Some(code) = first_error.filter(|_| args.format == FindingFormat::Human) {
-        writeln!(io::stderr(), "for more on an error: hypedc explain {code}")?;
+    let run: Vec<Found<'_>> = kept
+        .iter()
+        .map(|(path, Compilation { sources, diagnostics, .. })| Found { path, sources, diagnostics })
+        .collect();
+    match args.format {
+        FindingFormat::Human => {
+            if let Some((severity, code)) = first {
+                let article = if severity == Severity::Error { "an error" } else { "a warning" };
+                writeln!(io::stderr(), "for more on {article}: hypedc explain {code}")?;
+            }
+        }
+        FindingFormat::Short => {}
+        FindingFormat::Json => write!(io::stdout(), "{}", render::json(&run)?)?,
+        FindingFormat::Sarif => write!(io::stdout(), "{}", render::sarif(&run, &std::env::current_dir()?)?)?,
     }
     Ok(answer)
 }
 
-fn judged(found: &Diagnostics) -> Answer {
+fn judged(found: &Diagnostics, deny_warnings: bool) -> Answer {
     let unasked = |code: Code| matches!(code, Code::Unreadable | Code::NotUtf8 | Code::TooLarge | Code::NoQuestion);
     if found.iter().any(|d| unasked(d.code) && d.primary.is_none()) {
         Answer::Unasked
-    } else if found.has_errors() {
+    } else if found.has_errors() || (deny_warnings && !found.is_empty()) {
         Answer::No
     } else {
         Answer::Yes
     }
 }
 
-fn summary(found: &Diagnostics) -> String {
+fn summary(found: &Diagnostics, hint: bool) -> String {
+    let mendable = found.iter().filter(|d| d.fix.is_some()).count();
+    let hint = if hint && mendable > 0 { format!("; `--fix` mends {mendable}") } else { String::new() };
     let count = |n: usize, word: &str| format!("{n} {word}{}", if n == 1 { "" } else { "s" });
-    match found.counts() {
+    let counts = match found.counts() {
         (0, 0) => "no errors".to_string(),
         (errors, 0) => count(errors, "error"),
         (0, warnings) => count(warnings, "warning"),
         (errors, warnings) => format!("{}, {}", count(errors, "error"), count(warnings, "warning")),
-    }
+    };
+    counts + &hint
 }

@@ -7,6 +7,8 @@ mod args;
 mod check;
 mod disk;
 mod explain;
+mod fix;
+mod graph;
 mod ir;
 mod reach;
 mod report;
@@ -47,6 +49,7 @@ pub fn main() -> ExitCode {
         Command::Sim(args) => sim::run(&args),
         Command::Reach(args) => reach::run(&args),
         Command::Explain(args) => explain::run(&args),
+        Command::Graph(args) => graph::run(&args),
     };
     match answer {
         Ok(Answer::Yes) => ExitCode::SUCCESS,

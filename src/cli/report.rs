@@ -9,7 +9,6 @@ use crate::diagnostic::{Diagnostics, Fact, render, similar};
 use crate::ir::{Program, World, WorldId};
 use crate::source::SourceMap;
 
-use super::args::FindingFormat;
 use super::disk::Disk;
 
 /// Whether to colour what goes to a stream: only on a terminal, and not where `NO_COLOR` is set.
@@ -17,18 +16,10 @@ pub(super) fn colored(terminal: bool) -> bool {
     terminal && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty())
 }
 
-/// Findings as text.
-pub(super) fn rendered(sources: &SourceMap, found: &Diagnostics, format: FindingFormat, color: bool) -> String {
-    match format {
-        FindingFormat::Human => render::human(sources, found.iter(), color),
-        FindingFormat::Short => render::short(sources, found.iter()),
-    }
-}
-
 /// Shows findings on standard error.
 pub(super) fn show(sources: &SourceMap, found: &Diagnostics) -> io::Result<()> {
     let color = colored(io::stderr().is_terminal());
-    write!(io::stderr(), "{}", rendered(sources, found, FindingFormat::Human, color))
+    write!(io::stderr(), "{}", render::human(sources, found.iter(), color))
 }
 
 /// Shows one fact on standard error.

@@ -6,12 +6,13 @@
 
 pub mod catalogue;
 mod code;
+pub mod fix;
 pub mod page;
 pub mod render;
 mod similar;
 
 pub use code::Code;
-pub use similar::similar;
+pub use similar::{only_similar, similar};
 
 use crate::source::{SourceMap, Span};
 

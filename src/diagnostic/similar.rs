@@ -6,17 +6,27 @@ const MAX_CANDIDATES: usize = 1_000;
 /// The candidate closest to `name`, if one is close enough to be a slip of the hand: at most a third of its
 /// letters differ (insertions, deletions, substitutions, swapped neighbours). Ties go to the first.
 pub fn similar<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
-    let limit = (name.chars().count() / 3).min(4);
+    close(name, candidates).min_by_key(|&(d, _)| d).map(|(_, c)| c.to_string())
+}
+
+/// The only candidate that is as close as that, if there is just one.
+pub fn only_similar<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    let mut close = close(name, candidates).map(|(_, c)| c);
+    let first = close.next()?;
+    close.all(|c| c == first).then(|| first.to_string())
+}
+
+/// The candidates that are close, with their distances.
+fn close<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> impl Iterator<Item = (usize, &'a str)> {
     let length = name.chars().count();
+    let limit = (length / 3).min(4);
     candidates
         .into_iter()
         // Among thousands of names nobody looks for a slip of the hand.
         .take(MAX_CANDIDATES)
-        .filter(|c| *c != name && c.chars().count().abs_diff(length) <= limit)
-        .map(|c| (distance(name, c), c))
-        .filter(|&(d, _)| d <= limit)
-        .min_by_key(|&(d, _)| d)
-        .map(|(_, c)| c.to_string())
+        .filter(move |c| *c != name && c.chars().count().abs_diff(length) <= limit)
+        .map(move |c| (distance(name, c), c))
+        .filter(move |&(d, _)| d <= limit)
 }
 
 /// Optimal string alignment distance, in characters, case folded.
@@ -55,5 +65,7 @@ mod tests {
         assert_eq!(similar("walkng", ["running", "walking"]), Some("walking".into()));
         assert_eq!(similar("lfet", ["right", "left"]), Some("left".into()));
         assert_eq!(similar("jump", ["duck", "left"]), None);
+        assert_eq!(only_similar("walkng", ["running", "walking", "walking"]), Some("walking".into()));
+        assert_eq!(only_similar("stat", ["start", "state"]), None);
     }
 }

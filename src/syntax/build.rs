@@ -51,7 +51,7 @@ pub(super) fn file(id: FileId, source: &str, mut scan: Scan, diagnostics: &mut D
                 pest::error::InputLocation::Pos(at) | pest::error::InputLocation::Span((at, _)) => at,
             };
             let at = b.span(at, at + 1);
-            b.diagnostics.report(Unexpected { at, found: None, expected: Vec::new(), help: None });
+            b.diagnostics.report(Unexpected { at, found: None, expected: Vec::new(), help: None, meant: None });
             b.broken.push(Broken { span: at, names: vec!["*".into()] });
         }
     }

@@ -5,7 +5,7 @@ use pest::Parser;
 use pest::error::{ErrorVariant, InputLocation};
 
 use crate::diagnostic::catalogue::syntax::Unexpected;
-use crate::diagnostic::similar;
+use crate::diagnostic::{only_similar, similar};
 use crate::source::Span;
 
 use super::{Grammar, Rule};
@@ -44,25 +44,65 @@ pub(super) fn explain(
     } else {
         span(at, at + found.len())
     };
-    let help = help(rule, trimmed, &expected, found);
-    Unexpected { at: at_span, found: (!end_of_statement).then(|| found.to_string()), expected, help }
+    let slip = slip(rule, trimmed, &expected, found);
+    let help = slip.as_ref().map(|slip| match slip {
+        Slip::Token(_, help) => (*help).to_string(),
+        Slip::Word(_, word) => format!("did you mean `{word}`?"),
+    });
+    // It is meant for certain if the statement can then be read, or at least read further.
+    let meant = slip.and_then(|slip| {
+        let (range, text) = match slip {
+            // Elsewhere than in a condition a second `=` may be the start of something else.
+            Slip::Token("==", _) if !CONDITIONS.iter().any(|word| trimmed.starts_with(word)) => return None,
+            Slip::Token(text, _) => (at - from..at - from + found.len(), text),
+            Slip::Word(first, word) => (0..first, only(rule, trimmed.get(..first)?, word)?),
+        };
+        let mended = format!("{}{text}{}", trimmed.get(..range.start)?, trimmed.get(range.end..)?);
+        let reads = reads_to(rule, &mended).is_none_or(|to| range.start > 0 && to > range.start + text.len());
+        reads.then(|| (span(from + range.start, from + range.end), text))
+    });
+    Unexpected { at: at_span, found: (!end_of_statement).then(|| found.to_string()), expected, help, meant }
 }
 
-/// A way out where the slip is a usual one.
-fn help(rule: Rule, slice: &str, expected: &[String], found: &str) -> Option<String> {
+/// The words that open statements with a condition.
+const CONDITIONS: [&str; 4] = ["when ", "invariant ", "goal ", "never "];
+
+/// Up to where a slice can be read as a rule; none if all of it can.
+fn reads_to(rule: Rule, slice: &str) -> Option<usize> {
+    Grammar::parse(rule, slice).err().map(|error| match error.location {
+        InputLocation::Pos(at) | InputLocation::Span((at, _)) => at,
+    })
+}
+
+/// The word, if it is the only one that is meant.
+fn only(rule: Rule, first: &str, word: &'static str) -> Option<&'static str> {
+    only_similar(first, opening_words(rule).iter().copied()).map(|_| word)
+}
+
+/// A usual slip of the hand.
+enum Slip {
+    /// What was meant by the token that does not fit, and why.
+    Token(&'static str, &'static str),
+    /// The first word, so many bytes, is nearly this one.
+    Word(usize, &'static str),
+}
+
+/// The slip that is likely.
+fn slip(rule: Rule, slice: &str, expected: &[String], found: &str) -> Option<Slip> {
     let expects = |word: &str| expected.iter().any(|e| e == word);
     if found == "=" && expects("`:=`") {
-        return Some("inside `{ }` of an edge an update is written with `:=`".into());
+        return Some(Slip::Token(":=", "inside `{ }` of an edge an update is written with `:=`"));
     }
     if found == "=" && expects("an operator") {
-        return Some("two values are compared with `==`".into());
+        return Some(Slip::Token("==", "two values are compared with `==`"));
     }
     let first: String = slice.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
     let words = opening_words(rule);
     if words.contains(&first.as_str()) {
         return None;
     }
-    similar(&first, words.iter().copied()).map(|word| format!("did you mean `{word}`?"))
+    let word = similar(&first, words.iter().copied())?;
+    words.iter().find(|w| **w == word).map(|word| Slip::Word(first.len(), word))
 }
 
 /// The words that can open what a rule describes.

@@ -1,7 +1,7 @@
 //! Facts about names.
 
 use super::did_you_mean;
-use crate::diagnostic::{Code, Diagnostic, Fact};
+use crate::diagnostic::{Code, Diagnostic, Fact, only_similar};
 use crate::source::Span;
 
 /// A name that nothing declares.
@@ -23,6 +23,12 @@ impl Fact for UnknownName {
         let UnknownName { kind, name, at, near, known } = self;
         let d = Diagnostic::new(Code::UnknownName, format!("no {kind} named `{name}`{}", did_you_mean(near.as_ref())))
             .at(at, "not declared");
+        // Of two names that are as near either may be meant; and a place may hold more than the name.
+        let meant = only_similar(&name, known.iter().map(String::as_str)).filter(|_| at.range().len() == name.len());
+        let d = match meant {
+            Some(meant) => d.fix(format!("write `{meant}`"), at, meant),
+            None => d,
+        };
         if near.is_some() || known.is_empty() || known.len() > 8 {
             return d;
         }

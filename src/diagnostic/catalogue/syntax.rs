@@ -14,6 +14,8 @@ pub struct Unexpected {
     pub expected: Vec<String>,
     /// A way out, where one is likely.
     pub help: Option<String>,
+    /// What is certainly meant in place of what.
+    pub meant: Option<(Span, &'static str)>,
 }
 
 impl Fact for Unexpected {
@@ -29,7 +31,10 @@ impl Fact for Unexpected {
             let expected = list(&self.expected, "or");
             (format!("expected {expected}, found {found}"), format!("expected {expected}"))
         };
-        let d = Diagnostic::new(Code::Syntax, message).at(self.at, label);
+        let mut d = Diagnostic::new(Code::Syntax, message).at(self.at, label);
+        if let Some((span, text)) = self.meant {
+            d = d.fix(format!("write `{text}`"), span, text);
+        }
         match self.help {
             Some(help) => d.help(help),
             None => d,

@@ -1,0 +1,56 @@
+//! `hypedc graph`: statecharts of a program's entities, on standard output.
+
+use std::io::{self, Write};
+
+use crate::diagnostic::catalogue::run::NoQuestion;
+use crate::diagnostic::similar;
+use crate::graph::{Chart, chart, dot, mermaid, svg};
+use crate::ir::EntityId;
+
+use super::Answer;
+use super::args::{GraphArgs, GraphFormat};
+use super::report::{Loaded, load, show_fact};
+
+pub(super) fn run(args: &GraphArgs) -> io::Result<Answer> {
+    let Some(loaded) = load(&args.file, None)? else {
+        return Ok(Answer::Unasked);
+    };
+    let Some(entities) = choose(&loaded, args)? else {
+        return Ok(Answer::Unasked);
+    };
+    let charts: Vec<Chart> = entities.into_iter().map(|id| chart(&loaded.program, &loaded.sources, id)).collect();
+    let text = match args.format {
+        GraphFormat::Dot => dot(&charts),
+        GraphFormat::Mermaid => mermaid(&charts),
+        GraphFormat::Svg => svg(&charts),
+    };
+    write!(io::stdout(), "{text}")?;
+    Ok(Answer::Yes)
+}
+
+/// The entities that were asked for, or all; shows why if there are none.
+fn choose(loaded: &Loaded, args: &GraphArgs) -> io::Result<Option<Vec<EntityId>>> {
+    let entities = &loaded.program.entities;
+    let file = args.file.display();
+    let names: Vec<&str> = entities.iter().map(|e| e.name.as_str()).collect();
+    let mut chosen = Vec::new();
+    for name in &args.entity {
+        let Some(id) = entities.find(|e| e.name == *name) else {
+            let list: Vec<String> = names.iter().map(|n| format!("`{n}`")).collect();
+            let fact = NoQuestion {
+                why: format!("no entity `{name}` in `{file}`"),
+                near: similar(name, names.iter().copied()),
+                help: (!list.is_empty()).then(|| format!("there is {}", list.join(", "))),
+            };
+            show_fact(&loaded.sources, fact)?;
+            return Ok(None);
+        };
+        chosen.push(id);
+    }
+    if names.is_empty() {
+        let fact = NoQuestion { why: format!("`{file}` has no entity"), near: None, help: None };
+        show_fact(&loaded.sources, fact)?;
+        return Ok(None);
+    }
+    Ok(Some(if chosen.is_empty() { entities.ids().collect() } else { chosen }))
+}

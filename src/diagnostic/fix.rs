@@ -1,0 +1,83 @@
+//! Mending a text by the fixes of findings: which of them can be made together, and the text that comes of them.
+
+use std::collections::BTreeMap;
+
+use super::{Diagnostic, Fix};
+use crate::source::{FileId, Span};
+
+/// The fixes of findings that can be made at once: of two that touch each other the first is taken. Those of which
+/// `may` does not hold are left out.
+pub fn together<'d>(
+    found: impl IntoIterator<Item = &'d Diagnostic>,
+    may: impl Fn(&Fix) -> bool,
+) -> Vec<(&'d Diagnostic, &'d Fix)> {
+    let mut taken: Vec<Span> = Vec::new();
+    let mut chosen = Vec::new();
+    for d in found {
+        let Some(fix) = d.fix.as_ref().filter(|fix| may(fix)) else { continue };
+        if fix.edits.iter().all(|(span, _)| !taken.iter().any(|other| touch(*span, *other))) {
+            taken.extend(fix.edits.iter().map(|(span, _)| *span));
+            chosen.push((d, fix));
+        }
+    }
+    chosen
+}
+
+/// The edits of fixes, file by file.
+pub fn by_file<'d>(fixes: impl IntoIterator<Item = &'d Fix>) -> BTreeMap<FileId, Vec<(Span, &'d str)>> {
+    let mut files: BTreeMap<FileId, Vec<(Span, &str)>> = BTreeMap::new();
+    for (span, text) in fixes.into_iter().flat_map(|fix| &fix.edits) {
+        files.entry(span.file).or_default().push((*span, text));
+    }
+    files
+}
+
+/// A text with edits made; none if they overlap or do not fit it. The spans are places of this text.
+pub fn mended(text: &str, edits: &[(Span, &str)]) -> Option<String> {
+    let mut edits = edits.to_vec();
+    edits.sort_by_key(|(span, _)| (span.start, span.end));
+    let mut out = String::with_capacity(text.len());
+    let mut done = 0;
+    for (span, new) in edits {
+        out.push_str(text.get(done..span.range().start)?);
+        out.push_str(new);
+        done = span.range().end.max(done);
+        text.get(span.range())?;
+    }
+    out.push_str(text.get(done..)?);
+    Some(out)
+}
+
+/// Whether edits of both places would disturb each other.
+fn touch(a: Span, b: Span) -> bool {
+    a.file == b.file && a.start <= b.end && b.start <= a.end
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnostic::Code;
+
+    fn at(start: usize, end: usize) -> Span {
+        Span::new(FileId(0), start, end)
+    }
+
+    #[test]
+    fn edits_are_made_in_whatever_order() {
+        let edits = [(at(4, 7), "two"), (at(0, 1), "one"), (at(7, 7), "!")];
+        assert_eq!(mended("1 + zwo.", &edits).as_deref(), Some("one + two!."));
+        assert_eq!(mended("abc", &[(at(0, 2), ""), (at(1, 3), "")]), None, "they overlap");
+        assert_eq!(mended("abc", &[(at(2, 9), "")]), None, "past the end");
+        assert_eq!(mended("é", &[(at(1, 2), "")]), None, "within a character");
+    }
+
+    #[test]
+    fn of_fixes_that_touch_the_first_is_taken() {
+        let finding = |start, end| Diagnostic::new(Code::UnknownName, "").fix("", at(start, end), "x");
+        let found = [finding(0, 3), finding(3, 5), finding(6, 9), finding(6, 9)];
+        let chosen = together(&found, |_| true);
+        assert_eq!(chosen.iter().map(|(_, fix)| fix.edits[0].0.start).collect::<Vec<_>>(), [0, 6]);
+        assert!(together(&found, |_| false).is_empty());
+        assert_eq!(by_file(chosen.iter().map(|(_, fix)| *fix))[&FileId(0)].len(), 2);
+    }
+}

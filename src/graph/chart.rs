@@ -1,0 +1,193 @@
+//! The graph itself, and how it is read off a program.
+
+use super::excerpt;
+use crate::ir::{self, Actions, Choice, EntityId, EntitySpans, ModeId, Place, Program, RefValue};
+use crate::source::SourceMap;
+
+/// The statechart of an entity.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Chart {
+    /// The entity's name.
+    pub entity: String,
+    /// Groups, side by side; none of an entity without modes.
+    pub regions: Vec<Region>,
+    /// All modes, those around others before them.
+    pub modes: Vec<Mode>,
+    /// Edges that lead somewhere, in source order.
+    pub edges: Vec<Edge>,
+}
+
+/// A group.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Region {
+    /// Its name, if it has one.
+    pub name: Option<String>,
+    /// Its outermost modes, by their place in [`Chart::modes`].
+    pub modes: Vec<usize>,
+    /// Which of them comes first.
+    pub initial: Initial,
+}
+
+/// Which of the modes beside each other comes first.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Initial {
+    /// Those that come first where their guard holds.
+    pub choices: Vec<(String, usize)>,
+    /// The one that comes first otherwise.
+    pub mode: usize,
+}
+
+/// A mode.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Mode {
+    /// Its own name.
+    pub name: String,
+    /// Its full path.
+    pub path: String,
+    /// The mode around it.
+    pub parent: Option<usize>,
+    /// Modes directly inside.
+    pub children: Vec<usize>,
+    /// Which of them comes first; none of an innermost mode.
+    pub initial: Option<Initial>,
+    /// Whether the time since it was entered is read.
+    pub timed: bool,
+    /// What happens when it is entered.
+    pub entry: Vec<String>,
+    /// Edges that stay, and `follow links`.
+    pub internal: Vec<Action>,
+}
+
+/// What a mode does while it stays.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Action {
+    /// When.
+    pub guard: String,
+    /// What happens.
+    pub updates: Vec<String>,
+}
+
+/// An edge that leads somewhere.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Edge {
+    /// The mode that holds it.
+    pub source: usize,
+    /// Where it leads.
+    pub target: usize,
+    /// Its place among the edges that are tried while its mode is active, from 1: the first whose guard holds is taken.
+    pub order: usize,
+    /// When it is taken.
+    pub guard: String,
+    /// What it changes.
+    pub updates: Vec<String>,
+}
+
+/// Reads the statechart of an entity off a program.
+pub fn chart(program: &Program, sources: &SourceMap, id: EntityId) -> Chart {
+    let reader = Reader { program, sources, entity: &program.entities[id], spans: &program.spans.entities[id] };
+    let entity = reader.entity;
+    let outermost = |group: &ir::Group| {
+        let (from, to) = (group.modes.0.0, group.modes.1.0);
+        (from..to).map(ModeId).filter(|m| entity.modes[*m].parent.is_none()).map(|m| m.0 as usize).collect::<Vec<_>>()
+    };
+    let regions = entity.groups.iter().map(|group| Region {
+        name: group.name.clone(),
+        modes: outermost(group),
+        initial: reader.initial(&group.choices, group.first),
+    });
+    let edges = entity.edges.pairs().filter_map(|(id, edge)| {
+        let (guard, updates) = excerpt::edge(reader.sources.slice(reader.spans.edges[id]));
+        // The modes around an edge's mode are active with it, so its place is the same in all leaves.
+        let leaf = &entity.leaves[entity.modes[edge.source].leaves.0];
+        let order = leaf.edges.iter().position(|e| *e == id).map_or(0, |at| at + 1);
+        Some(Edge { source: edge.source.0 as usize, target: edge.target?.0 as usize, order, guard, updates })
+    });
+    Chart {
+        entity: entity.name.clone(),
+        regions: regions.filter(|r| !r.modes.is_empty()).collect(),
+        modes: entity.modes.ids().map(|mode| reader.mode(mode)).collect(),
+        edges: edges.collect(),
+    }
+}
+
+struct Reader<'a> {
+    program: &'a Program,
+    sources: &'a SourceMap,
+    entity: &'a ir::Entity,
+    spans: &'a EntitySpans,
+}
+
+impl Reader<'_> {
+    fn mode(&self, id: ModeId) -> Mode {
+        let (entity, mode) = (self.entity, &self.entity.modes[id]);
+        let children = entity.modes.pairs().filter(|(_, m)| m.parent == Some(id)).map(|(child, _)| child.0 as usize);
+        let stays = entity.edges.pairs().filter(|(_, e)| e.source == id && e.target.is_none());
+        let mut internal: Vec<Action> = stays
+            .map(|(edge, _)| {
+                let (guard, updates) = excerpt::edge(self.sources.slice(self.spans.edges[edge]));
+                Action { guard, updates }
+            })
+            .collect();
+        internal.extend(self.follows(id));
+        Mode {
+            name: mode.path.rsplit('.').next().unwrap_or(&mode.path).to_string(),
+            path: mode.path.clone(),
+            parent: mode.parent.map(|parent| parent.0 as usize),
+            children: children.collect(),
+            initial: mode.inner.map(|inner| self.initial(&mode.choices, inner)),
+            timed: entity.timers.iter().any(|timer| timer.mode == id),
+            entry: self.entry(&mode.entry),
+            internal,
+        }
+    }
+
+    fn initial(&self, choices: &[Choice], mode: ModeId) -> Initial {
+        let choices = choices.iter().map(|choice| (self.expr(choice.guard), choice.mode.0 as usize));
+        Initial { choices: choices.collect(), mode: mode.0 as usize }
+    }
+
+    /// The `follow links` of a mode: those that all of its leaves share, and no other leaf has.
+    fn follows(&self, id: ModeId) -> Vec<Action> {
+        let entity = self.entity;
+        let owner = |follow| {
+            let mut having =
+                entity.leaves.pairs().filter(|(_, leaf)| leaf.follows.contains(&follow)).map(|(leaf, _)| leaf);
+            let first = having.next()?;
+            let after = having.next_back().unwrap_or(first).0 + 1;
+            entity
+                .modes
+                .ids()
+                .find(|mode| (entity.modes[*mode].leaves.0, entity.modes[*mode].leaves.1.0) == (first, after))
+        };
+        let own = entity.follows.ids().filter(|follow| owner(*follow) == Some(id));
+        own.map(|follow| {
+            let text = self.sources.slice(self.spans.follows[follow]);
+            let (guard, updates) = excerpt::edge(text);
+            Action { guard, updates }
+        })
+        .collect()
+    }
+
+    fn entry(&self, actions: &Actions) -> Vec<String> {
+        let entity = self.entity;
+        let updates = actions.updates.iter().map(|update| {
+            let place = match update.place {
+                Place::Var(var, degree) => format!("{}{}", entity.vars[var], "'".repeat(usize::from(degree))),
+                Place::Discrete(discrete) => entity.discretes[discrete].name.clone(),
+                Place::Ref(reference) => entity.refs[reference].name.clone(),
+            };
+            format!("{place} := {}", self.expr(update.value))
+        });
+        let spawns =
+            actions.spawns.iter().map(|&spawn| excerpt::on_one_line(self.sources.slice(self.spans.spawns[spawn])));
+        let destroys = actions.destroys.iter().map(|what| match what {
+            RefValue::Of(ir::Subject::Ref(reference)) => format!("destroy {}", entity.refs[*reference].name),
+            _ => "destroy self".to_string(),
+        });
+        updates.chain(spawns).chain(destroys).collect()
+    }
+
+    fn expr(&self, id: ir::ExprId) -> String {
+        excerpt::on_one_line(self.sources.slice(self.program.spans.exprs[id]))
+    }
+}

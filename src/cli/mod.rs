@@ -3,12 +3,14 @@
 
 #![allow(clippy::disallowed_methods, reason = "seconds are a matter of the command line")]
 
+mod about;
 mod args;
 mod check;
 mod disk;
 mod fix;
 mod graph;
 mod ir;
+mod new;
 mod reach;
 mod report;
 mod sim;
@@ -48,6 +50,9 @@ pub fn main() -> ExitCode {
         Command::Sim(args) => sim::run(&args),
         Command::Reach(args) => reach::run(&args),
         Command::Graph(args) => graph::run(&args),
+        Command::New(args) => new::run(&args),
+        Command::Completions(args) => about::completions(&args),
+        Command::Man(args) => about::man(&args),
     };
     match answer {
         Ok(Answer::Yes) => ExitCode::SUCCESS,

@@ -6,6 +6,7 @@ use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::file::Unreadable;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::ir::{self, Program};
+use crate::lint;
 use crate::sema;
 use crate::source::{Files, SourceMap};
 use crate::syntax;
@@ -40,6 +41,9 @@ pub fn compile_with(root: &Path, map: Option<&Path>, files: &dyn Files) -> Compi
     });
     let (checked, found) = sema::check(&trees, &sources, level);
     diagnostics.append(found);
+    if let (false, Some(root)) = (diagnostics.has_errors(), trees.first()) {
+        diagnostics.append(lint::lint(&checked, root.id));
+    }
     if map.is_some() && !checked.has_open_map && !diagnostics.has_errors() {
         let why = format!("no world of `{}` leaves its map to the command line", root.display());
         let help = Some("write `map level TILES` or `map level legend \"FILE\" tile 16 x 16` in a space".into());

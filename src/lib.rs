@@ -15,10 +15,11 @@
 //! |---|---|
 //! | [`source`] | files, spans, line and column look-up |
 //! | [`watch`] | progress and interruption of long work |
-//! | [`diagnostic`] | what is wrong with a program: facts, wording, renderers |
+//! | [`diagnostic`] | what is wrong with a program: facts, wording, pages that explain it, renderers |
 //! | [`syntax`] | the grammar's pairs as an abstract syntax tree, with recovery |
 //! | [`level`] | tile maps: inline, from text files, from levels and legends of the VGLC |
 //! | [`sema`] | names, types, structure: a program in which every name is an id |
+//! | [`lint`] | warnings: what has a meaning, but hardly the one that was meant |
 //! | [`ir`] | the flat tables that all consumers share, and the layout of a state |
 //! | [`compile`] | the stages up to here in a row |
 //! | [`sim`] | one step of time, input scripts, traces |
@@ -34,6 +35,7 @@ pub mod diagnostic;
 pub mod graph;
 pub mod ir;
 pub mod level;
+pub mod lint;
 pub mod reach;
 pub mod sema;
 pub mod sim;

@@ -22,6 +22,8 @@ pub(super) enum Command {
     Sim(SimArgs),
     /// Searches for inputs that bring about a world's goals.
     Reach(ReachArgs),
+    /// Explains the code of a finding, with a wrong and a right example.
+    Explain(ExplainArgs),
     /// Draws the modes and edges of entities.
     Graph(GraphArgs),
     /// Makes a folder with a small project to start from.
@@ -152,6 +154,13 @@ pub(super) struct ReachArgs {
     /// Writes the inputs of a found path to a file; with several goals, the goal's name goes before the extension.
     #[arg(long, value_name = "PATH")]
     pub save_inputs: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct ExplainArgs {
+    /// The codes, such as E0302; without one, all codes are listed.
+    #[arg(value_name = "CODE")]
+    pub codes: Vec<String>,
 }
 
 #[derive(Debug, Args)]

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::compile::{Compilation, compile_with};
 use crate::diagnostic::render::{self, Found};
-use crate::diagnostic::{Code, Diagnostics};
+use crate::diagnostic::{Code, Diagnostics, Severity};
 
 use super::Answer;
 use super::args::{CheckArgs, FindingFormat};
@@ -16,6 +16,7 @@ use super::report::colored;
 pub(super) fn run(args: &CheckArgs) -> io::Result<Answer> {
     let color = colored(io::stdout().is_terminal());
     let mut answer = Answer::Yes;
+    let mut first: Option<(Severity, Code)> = None;
     let mut kept: Vec<(&Path, Compilation)> = Vec::new();
     for path in &args.files {
         if args.fix && !mend(path, args.map.as_deref())? {
@@ -24,6 +25,9 @@ pub(super) fn run(args: &CheckArgs) -> io::Result<Answer> {
         let compilation = compile_with(path, args.map.as_deref(), &Disk);
         let found = &compilation.diagnostics;
         answer = answer.max(judged(found, args.deny.is_some()));
+        // The first error, or the first warning where there is no error.
+        let all = first.into_iter().chain(found.iter().map(|d| (d.severity, d.code)));
+        first = all.min_by_key(|(severity, _)| *severity);
         match args.format {
             FindingFormat::Human => {
                 write!(io::stdout(), "{}", render::human(&compilation.sources, found.iter(), color))?;
@@ -38,7 +42,13 @@ pub(super) fn run(args: &CheckArgs) -> io::Result<Answer> {
         .map(|(path, Compilation { sources, diagnostics, .. })| Found { path, sources, diagnostics })
         .collect();
     match args.format {
-        FindingFormat::Human | FindingFormat::Short => {}
+        FindingFormat::Human => {
+            if let Some((severity, code)) = first {
+                let article = if severity == Severity::Error { "an error" } else { "a warning" };
+                writeln!(io::stderr(), "for more on {article}: hypedc explain {code}")?;
+            }
+        }
+        FindingFormat::Short => {}
         FindingFormat::Json => write!(io::stdout(), "{}", render::json(&run)?)?,
         FindingFormat::Sarif => write!(io::stdout(), "{}", render::sarif(&run, &std::env::current_dir()?)?)?,
     }

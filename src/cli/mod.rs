@@ -7,6 +7,7 @@ mod about;
 mod args;
 mod check;
 mod disk;
+mod explain;
 mod fix;
 mod graph;
 mod ir;
@@ -49,6 +50,7 @@ pub fn main() -> ExitCode {
         Command::Ir(args) => ir::run(&args),
         Command::Sim(args) => sim::run(&args),
         Command::Reach(args) => reach::run(&args),
+        Command::Explain(args) => explain::run(&args),
         Command::Graph(args) => graph::run(&args),
         Command::New(args) => new::run(&args),
         Command::Completions(args) => about::completions(&args),

@@ -44,7 +44,15 @@ pub(super) struct Loaded {
 /// run.
 pub(super) fn load(path: &Path, map: Option<&Path>) -> io::Result<Option<Loaded>> {
     let Compilation { sources, program, diagnostics } = compile_with(path, map, &Disk);
-    show(&sources, &diagnostics)?;
+    match diagnostics.counts() {
+        (0, 0) => {}
+        // Whoever runs a program a thousand times knows them.
+        (0, warnings) => {
+            let count = if warnings == 1 { "1 warning".to_string() } else { format!("{warnings} warnings") };
+            writeln!(io::stderr(), "{count}, shown by `hypedc check {}`", path.display())?;
+        }
+        _ => show(&sources, &diagnostics)?,
+    }
     Ok(program.map(|program| Loaded { sources, program }))
 }
 

@@ -27,6 +27,11 @@ macro_rules! codes {
                 match self { $(Code::$variant => $title,)* }
             }
 
+            /// The page that explains it: `catalogue/pages/E0201.md`.
+            pub fn page(self) -> &'static str {
+                match self { $(Code::$variant => include_str!(concat!("catalogue/pages/", $text, ".md")),)* }
+            }
+
             /// Whether it is an error or a warning.
             pub fn severity(self) -> Severity {
                 match self { $(Code::$variant => Severity::$severity,)* }
@@ -75,13 +80,33 @@ codes! {
     BadLimit Error "E0504" "more instances than a limit allows, or none given"
     TileInstances Error "E0505" "a named tile instance does not stand exactly once"
 
+    LinkNowhere Error "E0506" "a link leads to nowhere"
+
     BadInput Error "E0601" "an input script cannot be read"
     NoQuestion Error "E0602" "there is nothing to run or to ask"
     Fault Error "E0603" "a running world broke a rule"
     InvariantBroken Error "E0604" "an invariant does not hold in a running world"
 
+    Unused Warning "W0201" "nothing uses a declaration"
+    MayLeaveRange Warning "W0301" "a discrete variable may leave its range"
     IdleEdge Warning "W0401" "an edge does nothing"
+    ConstantGuard Warning "W0402" "a guard is always true or always false"
+    UnreachableMode Warning "W0403" "a mode can never be entered"
+    Trap Warning "W0404" "a mode has edges, but can never be left"
+    Shadowed Warning "W0405" "an edge is never taken, another one comes before it"
+    GroupClash Warning "W0406" "two groups can update a variable in one step"
+    UncarriedTag Warning "W0501" "nothing carries a tag"
+    UnpairedTouch Warning "W0502" "no `collide` line lets a contact happen"
+    NoPlayer Warning "W0503" "no player gives the inputs of an entity"
+    PlacedInside Warning "W0504" "an instance begins inside of what blocks it"
     SpawnRefused Warning "W0601" "a spawn found no free slot"
+}
+
+impl Code {
+    /// The code of a text: `E0302`, in letters of either case.
+    pub fn from_text(text: &str) -> Option<Code> {
+        Code::ALL.iter().copied().find(|code| code.text().eq_ignore_ascii_case(text))
+    }
 }
 
 impl fmt::Display for Code {
@@ -99,5 +124,14 @@ mod tests {
         for pair in Code::ALL.windows(2) {
             assert!(pair[0].text() < pair[1].text(), "{} and {}", pair[0], pair[1]);
         }
+    }
+
+    #[test]
+    fn codes_are_read_in_either_case() {
+        for code in Code::ALL {
+            assert_eq!(Code::from_text(code.text()), Some(*code));
+            assert_eq!(Code::from_text(&code.text().to_lowercase()), Some(*code));
+        }
+        assert_eq!(["302", "E302", "E0302 ", ""].map(Code::from_text), [None; 4]);
     }
 }

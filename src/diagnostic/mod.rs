@@ -1,11 +1,13 @@
 //! Diagnostics: what is wrong with a program, where, and what could be done about it.
 //!
 //! A check records a *fact* (a struct of [`catalogue`]); the fact words itself as a [`Diagnostic`], a plain value
-//! with byte spans; a renderer of [`render`] makes text of it. Codes are the closed enum [`Code`].
+//! with byte spans; a renderer of [`render`] makes text of it. Codes are the closed enum [`Code`]; each is explained by a
+//! [`page`].
 
 pub mod catalogue;
 mod code;
 pub mod fix;
+pub mod page;
 pub mod render;
 mod similar;
 

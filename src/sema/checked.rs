@@ -1,6 +1,7 @@
 //! The checked program: what `sema` makes of the syntax tree. Every name is an id, every expression has a type,
 //! the hierarchy of modes is kept; flattening it is the work of `ir`.
 
+use std::collections::BTreeSet;
 use std::rc::Rc;
 
 use serde::Serialize;
@@ -24,6 +25,8 @@ pub struct Checked {
     pub entities: IdVec<EntityId, Rc<Entity>>,
     /// All worlds, those of the root file first.
     pub worlds: IdVec<WorldId, World>,
+    /// Tags that tiles could carry which no map of the program has.
+    pub other_tags: BTreeSet<String>,
     /// Whether a world leaves its map to the command line.
     pub has_open_map: bool,
 }

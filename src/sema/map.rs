@@ -118,7 +118,11 @@ impl Checker<'_> {
         for own in &syntax.tiles {
             needed.remove(&own.symbol);
         }
-        for (symbol, tags) in known.into_iter().flatten().filter(|(symbol, _)| needed.contains(symbol)) {
+        for (symbol, tags) in known.into_iter().flatten() {
+            if !needed.contains(&symbol) {
+                self.checked.other_tags.extend(tags);
+                continue;
+            }
             if set.tiles.len() >= MAX_TILE_KINDS {
                 self.too_many("kinds of tiles", MAX_TILE_KINDS, syntax.path.span);
                 rows = None;

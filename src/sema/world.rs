@@ -218,6 +218,7 @@ impl Checker<'_> {
             }
             let name = Name { text: tile.symbol.to_string(), span: tile.symbol_span };
             if symbols.declare(&name, (), &mut self.diagnostics) {
+                self.checked.other_tags.extend(tile.tags.iter().map(|t| t.text.clone()));
                 let tags = tile.tags.iter().filter(|t| t.text != "empty").map(|t| self.tag(t)).collect();
                 let kind = InlineTile { symbol: tile.symbol, tags };
                 match set.tiles.iter().position(|t| t.symbol == tile.symbol) {

@@ -3,9 +3,10 @@
 //! The copy lives in a file of its own in the source map, which shows the behaviour's text and remembers the `use`, so
 //! that findings point at both. Names inside mean what they mean where the behaviour is used.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::diagnostic::catalogue::file::TooMany;
+use crate::diagnostic::catalogue::lint::Unused;
 use crate::diagnostic::catalogue::names::{BehaviorCycle, DuplicateName, UnknownName};
 use crate::diagnostic::catalogue::syntax::ExpressionTooLong;
 use crate::diagnostic::catalogue::types::MissingArguments;
@@ -47,13 +48,15 @@ pub fn expand(files: &mut [File], sources: &mut SourceMap) -> Diagnostics {
         }
     }
     let suspects = files.iter().flat_map(|f| &f.broken).flat_map(|b| b.names.iter().cloned()).collect();
-    let mut expander = Expander { behaviors, suspects, sources, diagnostics, active: Vec::new(), put: 0 };
+    let mut expander =
+        Expander { behaviors, suspects, sources, diagnostics, active: Vec::new(), put: 0, used: BTreeSet::new() };
     expander.cycles();
     for item in files.iter_mut().flat_map(|f| &mut f.items) {
         if let Item::Entity(entity) = item {
             expander.members(&mut entity.members);
         }
     }
+    expander.unused(files.first());
     expander.diagnostics
 }
 
@@ -67,9 +70,24 @@ struct Expander<'a> {
     active: Vec<String>,
     /// How many members were put in place.
     put: usize,
+    /// The behaviours that were put in place at least once.
+    used: BTreeSet<String>,
 }
 
 impl Expander<'_> {
+    /// Reports behaviours of the root file that nothing uses, if it has a world: a file without is for others to use.
+    fn unused(&mut self, root: Option<&File>) {
+        let Some(root) = root.filter(|f| f.items.iter().any(|i| matches!(i, Item::World(_)))) else { return };
+        let own = root.items.iter().filter_map(|i| if let Item::Behavior(b) = i { Some(&b.name) } else { None });
+        let unused = own.filter(|name| !self.used.contains(&name.text) && !name.text.starts_with('_'));
+        if root.broken.is_empty() && !self.diagnostics.has_errors() {
+            for name in unused {
+                let (kind, name, at) = ("behavior", name.text.clone(), name.span);
+                self.diagnostics.report(Unused { kind, name, at, written: None });
+            }
+        }
+    }
+
     /// Reports every cycle of behaviours that use each other, once.
     fn cycles(&mut self) {
         let mut uses: BTreeMap<&str, Vec<(&str, Span)>> = BTreeMap::new();
@@ -141,6 +159,7 @@ impl Expander<'_> {
             }
             return Vec::new();
         };
+        self.used.insert(name.clone());
         if self.active.contains(name) {
             return Vec::new(); // a cycle, which is reported
         }

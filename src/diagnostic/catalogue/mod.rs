@@ -2,8 +2,17 @@
 //!
 //! The voice: say what was found, label it, label where the other half is, name the nearest way out. No "you",
 //! no blame, names in backquotes.
+//!
+//! To add a code:
+//!
+//! 1. a line in the list of [`Code`](super::Code): its name, severity, text and title;
+//! 2. a fact here, in the file of its family, that words itself as a [`Diagnostic`](super::Diagnostic) of this code;
+//! 3. `pages/CODE.md`: what `hypedc explain CODE` shows, with a wrong and a right example (the form is described in
+//!    [`page`](super::page)); without it nothing compiles, and `tests/explain.rs` tries its examples;
+//! 4. the row of the table "All codes" in `grammar/README.md`, and a program in `tests/ui` in which it is found.
 
 pub mod file;
+pub mod lint;
 pub mod names;
 pub mod run;
 pub mod structure;

@@ -1,8 +1,10 @@
 //! Text from diagnostics: [`human`] with excerpts of the source, [`short`] with one line a finding, and for tools one
-//! JSON object for a whole run: [`json`], our own, and [`sarif`], the exchange format of checkers.
+//! JSON object for a whole run: [`json`], our own, and [`sarif`], the exchange format of checkers. From the pages that
+//! explain them: [`page()`].
 
 mod human;
 mod json;
+mod page;
 mod sarif;
 mod short;
 
@@ -10,6 +12,7 @@ use std::path::Path;
 
 pub use human::human;
 pub use json::json;
+pub use page::page;
 pub use sarif::sarif;
 pub use short::short;
 

@@ -1,0 +1,40 @@
+//! `hypedc explain`: what a code means, with a wrong and a right example.
+
+use std::io::{self, IsTerminal, Write};
+
+use crate::diagnostic::catalogue::run::NoQuestion;
+use crate::diagnostic::page::Page;
+use crate::diagnostic::{Code, render, similar};
+use crate::source::SourceMap;
+
+use super::Answer;
+use super::args::ExplainArgs;
+use super::report::{colored, show_fact};
+
+pub(super) fn run(args: &ExplainArgs) -> io::Result<Answer> {
+    let mut out = io::stdout().lock();
+    if args.codes.is_empty() {
+        for code in Code::ALL {
+            writeln!(out, "{code}  {}", code.title())?;
+        }
+        return Ok(Answer::Yes);
+    }
+    let color = colored(io::stdout().is_terminal());
+    let mut answer = Answer::Yes;
+    let mut shown = 0;
+    for text in &args.codes {
+        let Some(code) = Code::from_text(text) else {
+            let near = similar(text, Code::ALL.iter().map(|code| code.text()));
+            let help = near.is_none().then(|| "`hypedc explain` lists all codes".to_string());
+            show_fact(&SourceMap::new(), NoQuestion { why: format!("no code `{text}`"), near, help })?;
+            answer = Answer::Unasked;
+            continue;
+        };
+        if shown > 0 {
+            writeln!(out)?;
+        }
+        write!(out, "{}", render::page(&Page::of(code), color))?;
+        shown += 1;
+    }
+    Ok(answer)
+}

@@ -1,0 +1,274 @@
+//! Facts about programs that have a meaning, but hardly the one that was meant.
+
+use crate::diagnostic::{Code, Diagnostic, Fact};
+use crate::source::Span;
+
+/// A declaration that nothing uses.
+pub struct Unused {
+    /// What it declares: `parameter`, `button` …
+    pub kind: &'static str,
+    /// Its name.
+    pub name: String,
+    /// Where it is declared.
+    pub at: Span,
+    /// Where it is written, if it is, though nothing reads it.
+    pub written: Option<Span>,
+}
+
+impl Fact for Unused {
+    fn word(self) -> Diagnostic {
+        let Unused { kind, name, at, written } = self;
+        let verb = if kind == "behavior" { "uses" } else { "reads" };
+        let d = Diagnostic::new(Code::Unused, format!("nothing {verb} the {kind} `{name}`"));
+        match written {
+            Some(written) => d.at(at, "declared here").and(written, "written, but never read"),
+            None => d.at(at, "declared, but never used"),
+        }
+        .help(match kind {
+            "variable" | "reference" => format!("remove it, or call it `_{name}` if only others look at it"),
+            _ => "remove it".to_string(),
+        })
+    }
+}
+
+/// A discrete variable that an update can take out of its range.
+pub struct MayLeaveRange {
+    /// The variable.
+    pub name: String,
+    /// Its range.
+    pub range: (i32, i32),
+    /// Where it is declared.
+    pub declared: Span,
+    /// The new value.
+    pub at: Span,
+    /// The least and the greatest that the new value can be; none where it is not known.
+    pub value: (f64, f64),
+}
+
+impl Fact for MayLeaveRange {
+    fn word(self) -> Diagnostic {
+        let MayLeaveRange { name, range: (low, high), declared, at, value } = self;
+        let found = match value {
+            (f64::NEG_INFINITY, f64::INFINITY) => "this can be any number".to_string(),
+            (least, f64::INFINITY) => format!("this can be {least} or any number above"),
+            (f64::NEG_INFINITY, greatest) => format!("this can be {greatest} or any number below"),
+            (least, greatest) if least == greatest => format!("this is {least}"),
+            (least, greatest) => format!("this can be from {least} to {greatest}"),
+        };
+        Diagnostic::new(Code::MayLeaveRange, format!("`{name}` may leave its range, {low} to {high}"))
+            .at(at, found)
+            .and(declared, "declared here")
+            .help(format!("test `{name}` in the guard, or write `clamp(…, {low}, {high})`"))
+            .note("a value out of its range stops the run")
+    }
+}
+
+/// A guard that does not depend on anything.
+pub struct ConstantGuard {
+    /// The guard.
+    pub at: Span,
+    /// What it always is.
+    pub holds: bool,
+}
+
+impl Fact for ConstantGuard {
+    fn word(self) -> Diagnostic {
+        let (always, help) = if self.holds {
+            ("always true", "write `true` if that is meant")
+        } else {
+            ("always false", "remove what can never happen")
+        };
+        Diagnostic::new(Code::ConstantGuard, format!("this guard is {always}")).at(self.at, always).help(help)
+    }
+}
+
+/// A mode that no edge leads to.
+pub struct UnreachableMode {
+    /// Its path.
+    pub path: String,
+    /// Its name.
+    pub at: Span,
+    /// The mode that its group (or the mode around it) begins in, and where that is.
+    pub first: Option<(String, Span)>,
+}
+
+impl Fact for UnreachableMode {
+    fn word(self) -> Diagnostic {
+        let d = Diagnostic::new(Code::UnreachableMode, format!("the mode `{}` can never be entered", self.path))
+            .at(self.at, "no edge that can be taken leads here");
+        match self.first {
+            Some((name, span)) => d.and(span, format!("`{name}` is where it begins")),
+            None => d,
+        }
+        .help("add an edge to it, or write `initial` before it")
+    }
+}
+
+/// A mode with edges of which none can be taken.
+pub struct Trap {
+    /// Its path.
+    pub path: String,
+    /// Its name.
+    pub at: Span,
+    /// Its edges, each with why it is never taken.
+    pub edges: Vec<(Span, &'static str)>,
+}
+
+impl Fact for Trap {
+    fn word(self) -> Diagnostic {
+        let d = Diagnostic::new(Code::Trap, format!("the mode `{}` can never be left", self.path))
+            .at(self.at, "none of its edges can be taken");
+        self.edges.into_iter().take(4).fold(d, |d, (span, why)| d.and(span, why))
+    }
+}
+
+/// An edge that an earlier one always comes before.
+pub struct Shadowed {
+    /// The guard of the edge.
+    pub at: Span,
+    /// The guard of the earlier one.
+    pub by: Span,
+    /// Whether the earlier one stands in a mode around.
+    pub outer: bool,
+}
+
+impl Fact for Shadowed {
+    fn word(self) -> Diagnostic {
+        let d = Diagnostic::new(Code::Shadowed, "this edge is never taken: another one comes before it")
+            .at(self.at, "whenever this holds …")
+            .and(self.by, "… this holds, too, and is tried first");
+        if self.outer {
+            d.note("edges of a mode are tried before those of the modes inside of it")
+        } else {
+            d.note("the edges of a mode are tried in the order in which they stand")
+        }
+    }
+}
+
+/// Updates of one variable by two groups that can happen in one step.
+pub struct GroupClash {
+    /// The variable.
+    pub variable: String,
+    /// The update that counts if both happen.
+    pub last: Span,
+    /// The other one.
+    pub first: Span,
+}
+
+impl Fact for GroupClash {
+    fn word(self) -> Diagnostic {
+        let message = format!("two groups can update `{}` in one step", self.variable);
+        Diagnostic::new(Code::GroupClash, message)
+            .at(self.last, "if both happen, this one counts")
+            .and(self.first, "the other group's update")
+            .help("let only one group update it, or add `in MODE` to a guard so that both cannot happen")
+    }
+}
+
+/// A tag that nothing carries.
+pub struct UncarriedTag {
+    /// The tag.
+    pub tag: String,
+    /// Where it is asked for.
+    pub at: Span,
+    /// A carried one of a similar name.
+    pub near: Option<String>,
+}
+
+impl Fact for UncarriedTag {
+    fn word(self) -> Diagnostic {
+        let near = super::did_you_mean(self.near.as_ref());
+        Diagnostic::new(Code::UncarriedTag, format!("nothing carries the tag `{}`{near}", self.tag))
+            .at(self.at, "no collider, tile or `rect` has it")
+    }
+}
+
+/// A contact question that no `collide` line of a world can answer with yes.
+pub struct UnpairedTouch {
+    /// The question.
+    pub at: Span,
+    /// The tags of one's own colliders, and the other's.
+    pub tags: (Vec<String>, String),
+    /// The world, and its name's place.
+    pub world: (String, Span),
+}
+
+impl Fact for UnpairedTouch {
+    fn word(self) -> Diagnostic {
+        let (mine, other) = self.tags;
+        let quoted: Vec<String> = mine.iter().map(|t| format!("`{t}`")).collect();
+        let (world, span) = self.world;
+        let message = format!("no `collide` line of `{world}` pairs {} with `{other}`", super::list(&quoted, "or"));
+        let d = Diagnostic::new(Code::UnpairedTouch, message).at(self.at, "never holds").and(span, "in this world");
+        match mine.first() {
+            Some(tag) => d.help(format!("add `collide {tag} with {other}: sense`")),
+            None => d,
+        }
+    }
+}
+
+/// An entity with inputs that no player gives.
+pub struct NoPlayer {
+    /// The entity.
+    pub entity: String,
+    /// The first of its inputs.
+    pub at: Span,
+    /// An instance of it.
+    pub instance: (String, Span),
+}
+
+impl Fact for NoPlayer {
+    fn word(self) -> Diagnostic {
+        let (name, span) = self.instance;
+        Diagnostic::new(Code::NoPlayer, format!("no player gives the inputs of `{}`", self.entity))
+            .at(self.at, "never pressed")
+            .and(span, "this instance is nobody's")
+            .help(format!("add `player 1: {name}` to the world"))
+    }
+}
+
+/// An instance that begins inside of what blocks it.
+pub struct PlacedInside {
+    /// The instance.
+    pub name: String,
+    /// Where it is placed.
+    pub at: Span,
+    /// How far it is pushed at the first step at least, px.
+    pub depth: f64,
+    /// What it is inside of: a tile by column and row, or the place of a `rect`.
+    pub of: Result<(usize, usize), Span>,
+}
+
+impl Fact for PlacedInside {
+    fn word(self) -> Diagnostic {
+        let deep = format!("{:.3}", self.depth);
+        let deep = deep.trim_end_matches('0').trim_end_matches('.');
+        let d = Diagnostic::new(Code::PlacedInside, format!("`{}` begins inside of what blocks it", self.name));
+        match self.of {
+            Ok((column, row)) => {
+                d.at(self.at, format!("{deep} px deep in the tile of column {column}, row {row}, counted from 0 below"))
+            }
+            Err(solid) => d.at(self.at, format!("{deep} px deep")).and(solid, "in this `rect`"),
+        }
+        .note("it is pushed out at the first step")
+    }
+}
+
+/// A link that ends outside of all that its space holds.
+pub struct LinkNowhere {
+    /// The link.
+    pub at: Span,
+    /// The space that it leads to.
+    pub space: String,
+    /// From where to where that space reaches, px: left, right, bottom, top.
+    pub extent: (f64, f64, f64, f64),
+}
+
+impl Fact for LinkNowhere {
+    fn word(self) -> Diagnostic {
+        let (left, right, bottom, top) = self.extent;
+        Diagnostic::new(Code::LinkNowhere, format!("a link to nowhere: it ends outside of `{}`", self.space))
+            .at(self.at, "leads to where nothing is")
+            .note(format!("`{}` reaches from x = {left} to {right} px and from y = {bottom} to {top} px", self.space))
+    }
+}

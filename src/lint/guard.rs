@@ -1,0 +1,166 @@
+//! What the text of guards alone tells: whether one always or never holds, follows from another one, excludes it.
+
+use std::cell::Cell;
+
+use crate::sema::checked::{CompareOp, Entity, Press, Subject, Term, TermKind};
+use crate::sema::ids::ModeId;
+
+use super::range::{Range, fact, facts, range};
+use super::terms::same;
+
+/// How many pairs of terms are compared before a question is left open.
+const PATIENCE: u32 = 2_000;
+
+/// Whether a guard always (or never) holds; none if that depends.
+pub(super) fn truth(entity: &Entity, guard: &Term) -> Option<bool> {
+    match &guard.kind {
+        TermKind::Bool(b) => Some(*b),
+        TermKind::Not(a) => truth(entity, a).map(|b| !b),
+        TermKind::And(a, b) => match (truth(entity, a), truth(entity, b)) {
+            (Some(false), _) | (_, Some(false)) => Some(false),
+            (Some(true), Some(true)) => Some(true),
+            _ => contradictory(entity, guard).then_some(false),
+        },
+        TermKind::Or(a, b) => match (truth(entity, a), truth(entity, b)) {
+            (Some(true), _) | (_, Some(true)) => Some(true),
+            (Some(false), Some(false)) => Some(false),
+            _ => None,
+        },
+        TermKind::Compare(op, a, b) if same(a, b) => {
+            Some(matches!(op, CompareOp::Equal | CompareOp::AtMost | CompareOp::AtLeast))
+        }
+        TermKind::Compare(op, a, b) => compared(*op, range(entity, a, &[]), range(entity, b, &[])),
+        _ => None,
+    }
+}
+
+fn compared(op: CompareOp, a: Range, b: Range) -> Option<bool> {
+    let less = |a: Range, b: Range| a.high < b.low || (a.high == b.low && (a.below || b.above));
+    let at_most = |a: Range, b: Range| a.high <= b.low;
+    match op {
+        _ if a.is_empty() || b.is_empty() => None,
+        CompareOp::Less if less(a, b) => Some(true),
+        CompareOp::Less if at_most(b, a) => Some(false),
+        CompareOp::AtMost if at_most(a, b) => Some(true),
+        CompareOp::AtMost if less(b, a) => Some(false),
+        CompareOp::Greater => compared(CompareOp::Less, b, a),
+        CompareOp::AtLeast => compared(CompareOp::AtMost, b, a),
+        CompareOp::Equal if a.and(b).is_empty() => Some(false),
+        CompareOp::Equal if a == b && a.low == a.high => Some(true),
+        CompareOp::Unequal => compared(CompareOp::Equal, a, b).map(|b| !b),
+        _ => None,
+    }
+}
+
+/// Whether the parts of a conjunction leave a number no value.
+fn contradictory(entity: &Entity, guard: &Term) -> bool {
+    let facts = facts(entity, guard);
+    facts.len() >= 2 && facts.len() <= 64 && facts.iter().any(|f| range(entity, f.of, &facts).is_empty())
+}
+
+/// Whether the second guard holds whenever the first does.
+pub(super) fn implies(entity: &Entity, a: &Term, b: &Term) -> bool {
+    Question { entity, patience: Cell::new(PATIENCE) }.implies(a, b)
+}
+
+/// Whether two guards never hold together.
+pub(super) fn exclusive(entity: &Entity, a: &Term, b: &Term) -> bool {
+    Question { entity, patience: Cell::new(PATIENCE) }.exclusive(a, b)
+}
+
+/// A question about two guards of an entity.
+struct Question<'a> {
+    entity: &'a Entity,
+    patience: Cell<u32>,
+}
+
+impl Question<'_> {
+    fn is_tired(&self) -> bool {
+        let left = self.patience.get();
+        self.patience.set(left.saturating_sub(1));
+        left == 0
+    }
+
+    fn implies(&self, a: &Term, b: &Term) -> bool {
+        if self.is_tired() {
+            return false;
+        }
+        if same(a, b) || truth(self.entity, b) == Some(true) || truth(self.entity, a) == Some(false) {
+            return true;
+        }
+        match (&a.kind, &b.kind) {
+            (TermKind::Or(p, q), _) => self.implies(p, b) && self.implies(q, b),
+            (_, TermKind::And(r, s)) => self.implies(a, r) && self.implies(a, s),
+            (TermKind::And(p, q), _) if self.implies(p, b) || self.implies(q, b) => true,
+            (_, TermKind::Or(r, s)) => self.implies(a, r) || self.implies(a, s),
+            (TermKind::Not(x), TermKind::Not(y)) => self.implies(y, x),
+            _ => self.atom_implies(a, b),
+        }
+    }
+
+    fn atom_implies(&self, a: &Term, b: &Term) -> bool {
+        if let (Some(f), Some(g)) = (fact(self.entity, a), fact(self.entity, b))
+            && same(f.of, g.of)
+        {
+            return f.range.is_within(g.range);
+        }
+        match (&a.kind, &b.kind) {
+            (TermKind::Button(Press::Pressed, x), TermKind::Button(Press::Held, y)) => x == y,
+            (
+                TermKind::Touching { of, mine, other, side, .. },
+                TermKind::Touching { of: of_b, mine: mine_b, other: other_b, side: side_b, bound: None },
+            ) => {
+                (of, other) == (of_b, other_b)
+                    && (mine_b.is_none() || mine == mine_b)
+                    && (side_b.is_none() || side == side_b)
+            }
+            (TermKind::InMode(Subject::Me, inner), TermKind::InMode(Subject::Me, outer)) => self.is_in(*inner, *outer),
+            _ => false,
+        }
+    }
+
+    fn exclusive(&self, a: &Term, b: &Term) -> bool {
+        if self.is_tired() {
+            return false;
+        }
+        if truth(self.entity, a) == Some(false) || truth(self.entity, b) == Some(false) {
+            return true;
+        }
+        match (&a.kind, &b.kind) {
+            (TermKind::Or(p, q), _) => self.exclusive(p, b) && self.exclusive(q, b),
+            (_, TermKind::Or(r, s)) => self.exclusive(a, r) && self.exclusive(a, s),
+            (TermKind::And(p, q), _) => self.exclusive(p, b) || self.exclusive(q, b),
+            (_, TermKind::And(r, s)) => self.exclusive(a, r) || self.exclusive(a, s),
+            (TermKind::Not(x), _) if self.implies(b, x) => true,
+            (_, TermKind::Not(y)) if self.implies(a, y) => true,
+            (TermKind::InMode(Subject::Me, m), TermKind::InMode(Subject::Me, n)) => {
+                self.entity.modes[*m].group == self.entity.modes[*n].group && !self.is_in(*m, *n) && !self.is_in(*n, *m)
+            }
+            (TermKind::Button(p, x), TermKind::Button(q, y)) => {
+                x == y && p != q && (*p == Press::Released || *q == Press::Released)
+            }
+            (TermKind::Is(of, entity), TermKind::Is(of_b, entity_b)) => of == of_b && entity != entity_b,
+            _ => match (fact(self.entity, a), fact(self.entity, b)) {
+                (Some(f), Some(g)) => same(f.of, g.of) && f.range.and(g.range).is_empty(),
+                _ => false,
+            },
+        }
+    }
+
+    /// Whether a mode is another one, or inside of it.
+    fn is_in(&self, inner: ModeId, outer: ModeId) -> bool {
+        is_in(self.entity, inner, outer)
+    }
+}
+
+/// Whether a mode is another one, or inside of it.
+pub(super) fn is_in(entity: &Entity, inner: ModeId, outer: ModeId) -> bool {
+    let mut around = Some(inner);
+    while let Some(mode) = around {
+        if mode == outer {
+            return true;
+        }
+        around = entity.modes[mode].parent;
+    }
+    false
+}

@@ -1,0 +1,226 @@
+//! The values that a number can have, as far as the text alone tells: literals, the ranges of discrete variables,
+//! clocks that never run backwards, axes, and what a guard asks for.
+
+use crate::sema::checked::{Arithmetic, CompareOp, Entity, Function, Subject, Term, TermKind, Type};
+
+use super::terms::same;
+
+/// From `low` to `high`; either end may be left out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Range {
+    pub low: f64,
+    pub high: f64,
+    /// Whether `low` itself is left out.
+    pub above: bool,
+    /// Whether `high` itself is left out.
+    pub below: bool,
+}
+
+impl Range {
+    pub const ALL: Range = Range::closed(f64::NEG_INFINITY, f64::INFINITY);
+
+    pub const fn closed(low: f64, high: f64) -> Self {
+        Range { low, high, above: false, below: false }
+    }
+
+    /// What `op value` admits, for some value of a range.
+    fn compared(op: CompareOp, with: Range) -> Self {
+        let up_to = |open| Range { high: with.high, below: open || with.below, ..Range::ALL };
+        let from = |open| Range { low: with.low, above: open || with.above, ..Range::ALL };
+        match op {
+            CompareOp::Equal => with,
+            CompareOp::Unequal => Range::ALL,
+            CompareOp::Less => up_to(true),
+            CompareOp::AtMost => up_to(false),
+            CompareOp::Greater => from(true),
+            CompareOp::AtLeast => from(false),
+        }
+    }
+
+    /// The whole numbers within it.
+    fn whole(self) -> Self {
+        let low = if self.above { self.low.floor() + 1.0 } else { self.low.ceil() };
+        let high = if self.below { self.high.ceil() - 1.0 } else { self.high.floor() };
+        Range::closed(low, high)
+    }
+
+    pub fn and(self, other: Range) -> Self {
+        let (low, above) = match self.low.total_cmp(&other.low) {
+            std::cmp::Ordering::Less => (other.low, other.above),
+            std::cmp::Ordering::Greater => (self.low, self.above),
+            std::cmp::Ordering::Equal => (self.low, self.above || other.above),
+        };
+        let (high, below) = match self.high.total_cmp(&other.high) {
+            std::cmp::Ordering::Less => (self.high, self.below),
+            std::cmp::Ordering::Greater => (other.high, other.below),
+            std::cmp::Ordering::Equal => (self.high, self.below || other.below),
+        };
+        Range { low, high, above, below }
+    }
+
+    fn or(self, other: Range) -> Self {
+        Range::closed(self.low.min(other.low), self.high.max(other.high))
+    }
+
+    pub fn is_empty(self) -> bool {
+        self.low > self.high || (self.low == self.high && (self.above || self.below))
+    }
+
+    /// Whether all of it lies in another one.
+    pub fn is_within(self, other: Range) -> bool {
+        self.and(other) == self
+    }
+
+    fn is_point(self) -> bool {
+        self.low == self.high && !self.is_empty()
+    }
+
+    /// The closed range around the images of both ends.
+    fn map(self, f: impl Fn(f64) -> f64) -> Self {
+        let (a, b) = (f(self.low), f(self.high));
+        Range::hull([a, b])
+    }
+
+    /// Around all pairs of ends; unknown where a pair has no value.
+    fn pairs(self, other: Range, f: impl Fn(f64, f64) -> f64) -> Self {
+        let (a, b) = (self, other);
+        Range::hull([f(a.low, b.low), f(a.low, b.high), f(a.high, b.low), f(a.high, b.high)])
+    }
+
+    fn hull<const N: usize>(values: [f64; N]) -> Self {
+        if values.iter().any(|v| v.is_nan()) {
+            return Range::ALL;
+        }
+        let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
+        Range::closed(low, high)
+    }
+}
+
+/// What a guard says of a number.
+#[derive(Clone, Copy)]
+pub(super) struct Fact<'t> {
+    pub of: &'t Term,
+    pub range: Range,
+}
+
+/// The values that a term can have while some facts hold.
+pub(super) fn range(entity: &Entity, term: &Term, facts: &[Fact<'_>]) -> Range {
+    let of = |term: &Term| range(entity, term, facts);
+    let plain = match &term.kind {
+        TermKind::Number(n) | TermKind::Quantity(n, ..) => Range::closed(*n, *n),
+        TermKind::Frames(n) if *n > 0.0 => Range { low: 0.0, above: true, ..Range::ALL },
+        TermKind::Discrete(Subject::Me, id) => {
+            let (low, high) = entity.discretes[*id].range;
+            Range::closed(f64::from(low), f64::from(high))
+        }
+        TermKind::Axis(_) => Range::closed(-1.0, 1.0),
+        TermKind::Timer(_) => Range::closed(0.0, f64::INFINITY),
+        TermKind::Negate(a) => of(a).map(|x| -x),
+        TermKind::Arithmetic(op, a, b) => {
+            let (a, b) = (of(a), of(b));
+            match op {
+                Arithmetic::Add => a.pairs(b, |a, b| a + b),
+                Arithmetic::Subtract => a.pairs(b, |a, b| a - b),
+                // Nothing times infinity is nothing: the ends stand for large numbers.
+                Arithmetic::Multiply => a.pairs(b, |a, b| if a == 0.0 || b == 0.0 { 0.0 } else { a * b }),
+                Arithmetic::Divide if b.low > 0.0 || b.high < 0.0 => a.pairs(b, |a, b| a / b),
+                Arithmetic::Divide => Range::ALL,
+            }
+        }
+        TermKind::Call(function, arguments) => called(entity, *function, arguments, facts),
+        TermKind::Bool(_)
+        | TermKind::Compare(..)
+        | TermKind::And(..)
+        | TermKind::Or(..)
+        | TermKind::Not(_)
+        | TermKind::Button(..) => Range::closed(0.0, 1.0),
+        _ => Range::ALL,
+    };
+    let known = facts.iter().filter(|f| same(f.of, term));
+    let found = known.fold(plain, |range, fact| range.and(fact.range));
+    if is_whole(&term.ty) { found.whole() } else { found }
+}
+
+fn is_whole(ty: &Type) -> bool {
+    matches!(ty, Type::Int | Type::Set(_))
+}
+
+fn called(entity: &Entity, function: Function, arguments: &[Term], facts: &[Fact<'_>]) -> Range {
+    let of = |index: usize| arguments.get(index).map_or(Range::ALL, |a| range(entity, a, facts));
+    let (a, b, c) = (of(0), of(1), of(2));
+    let least = |a: Range, b: Range| Range::closed(a.low.min(b.low), a.high.min(b.high));
+    let greatest = |a: Range, b: Range| Range::closed(a.low.max(b.low), a.high.max(b.high));
+    match function {
+        Function::Min => least(a, b),
+        Function::Max => greatest(a, b),
+        Function::Clamp => least(greatest(a, b), c),
+        Function::Abs if a.low <= 0.0 && a.high >= 0.0 => Range::closed(0.0, a.high.max(-a.low)),
+        Function::Abs => a.map(f64::abs),
+        Function::Sign => a.map(|x| if x == 0.0 { 0.0 } else { x.signum() }),
+        Function::Floor => a.map(f64::floor),
+        Function::Ceil => a.map(f64::ceil),
+        Function::Round => a.map(f64::round),
+        Function::Sqrt => Range::closed(0.0, f64::INFINITY),
+        Function::Sin | Function::Cos => Range::closed(-1.0, 1.0),
+        Function::Atan2 => Range::closed(-4.0, 4.0),
+        Function::If => b.or(c),
+    }
+}
+
+/// What a comparison says of one of its sides, where the other side is a known number.
+pub(super) fn fact<'t>(entity: &Entity, term: &'t Term) -> Option<Fact<'t>> {
+    let (op, a, b) = match &term.kind {
+        TermKind::Compare(op, a, b) => (*op, a, b),
+        TermKind::Not(inner) => match &inner.kind {
+            TermKind::Compare(op, a, b) => (negated(*op), a, b),
+            _ => return None,
+        },
+        _ => return None,
+    };
+    let (left, right) = (range(entity, a, &[]), range(entity, b, &[]));
+    let (of, op, with): (&Term, _, _) = if right.is_point() {
+        (a, op, right)
+    } else if left.is_point() {
+        (b, mirrored(op), left)
+    } else {
+        return None;
+    };
+    let range = Range::compared(op, with);
+    let range = if is_whole(&of.ty) { range.whole() } else { range };
+    (range != Range::ALL).then_some(Fact { of, range })
+}
+
+/// All that a guard says of numbers when it holds.
+pub(super) fn facts<'t>(entity: &Entity, guard: &'t Term) -> Vec<Fact<'t>> {
+    let mut out = Vec::new();
+    let mut open = vec![guard];
+    while let Some(term) = open.pop() {
+        match &term.kind {
+            TermKind::And(a, b) => open.extend([a.as_ref(), b.as_ref()]),
+            _ => out.extend(fact(entity, term)),
+        }
+    }
+    out
+}
+
+fn negated(op: CompareOp) -> CompareOp {
+    match op {
+        CompareOp::Equal => CompareOp::Unequal,
+        CompareOp::Unequal => CompareOp::Equal,
+        CompareOp::Less => CompareOp::AtLeast,
+        CompareOp::AtMost => CompareOp::Greater,
+        CompareOp::Greater => CompareOp::AtMost,
+        CompareOp::AtLeast => CompareOp::Less,
+    }
+}
+
+/// `b op a` for `a op b`.
+fn mirrored(op: CompareOp) -> CompareOp {
+    match op {
+        CompareOp::Equal | CompareOp::Unequal => op,
+        CompareOp::Less => CompareOp::Greater,
+        CompareOp::AtMost => CompareOp::AtLeast,
+        CompareOp::Greater => CompareOp::Less,
+        CompareOp::AtLeast => CompareOp::AtMost,
+    }
+}

@@ -1,0 +1,132 @@
+//! Updates: of one variable by two groups in one step, and out of a discrete variable's range.
+
+use std::collections::BTreeMap;
+
+use crate::diagnostic::Diagnostics;
+use crate::diagnostic::catalogue::lint::{GroupClash, MayLeaveRange};
+use crate::sema::checked::{Entity, Place, Subject, Term, TermKind, Type, Update};
+use crate::sema::ids::{GroupId, ModeId};
+
+use super::guard::{exclusive, is_in, truth};
+use super::range::{facts, range};
+use super::terms::updates;
+
+/// So many updates of one variable by one group are looked at.
+const MOST_COMPARED: usize = 32;
+
+/// When an update happens.
+struct When<'a> {
+    mode: ModeId,
+    /// None for what happens when the mode is entered.
+    guard: Option<&'a Term>,
+    update: &'a Update,
+}
+
+/// Every update of an entity, in the order of the text.
+fn all(entity: &Entity) -> Vec<When<'_>> {
+    let mut out = Vec::new();
+    for (mode, m) in entity.modes.pairs() {
+        let mut add = |guard, actions| out.extend(updates(actions).map(|update| When { mode, guard, update }));
+        add(None, &m.entry);
+        for &edge in &m.edges {
+            let edge = &entity.edges[edge];
+            add(Some(&edge.guard), &edge.actions);
+        }
+        for follow in &m.follows {
+            add(follow.guard.as_ref(), &follow.actions);
+        }
+    }
+    out
+}
+
+/// Updates of one variable by two groups, unless their guards exclude each other.
+pub(super) fn clashes(entity: &Entity, found: &mut Diagnostics) {
+    if entity.groups.len() < 2 {
+        return;
+    }
+    let mut by_place: BTreeMap<Place, BTreeMap<GroupId, Vec<When<'_>>>> = BTreeMap::new();
+    for when in all(entity) {
+        let groups = by_place.entry(when.update.place).or_default();
+        let list = groups.entry(entity.modes[when.mode].group).or_default();
+        if list.len() < MOST_COMPARED {
+            list.push(when);
+        }
+    }
+    for (place, groups) in by_place {
+        let groups: Vec<Vec<When<'_>>> = groups.into_values().collect();
+        for (index, first) in groups.iter().enumerate() {
+            let later = groups[index + 1..].iter().flatten();
+            let clash = later.flat_map(|b| first.iter().map(move |a| (a, b))).find(|(a, b)| together(entity, a, b));
+            if let Some((a, b)) = clash {
+                let variable = name(entity, place);
+                found.report(GroupClash { variable, last: b.update.span, first: a.update.span });
+                break;
+            }
+        }
+    }
+}
+
+/// Whether two updates of different groups can happen in one step, as far as their guards tell.
+fn together(entity: &Entity, a: &When<'_>, b: &When<'_>) -> bool {
+    let (Some(guard_a), Some(guard_b)) = (a.guard, b.guard) else { return true };
+    let possible = |guard| truth(entity, guard) != Some(false);
+    // A guard that asks for a mode of the other group excludes updates from beside that mode.
+    possible(guard_a)
+        && possible(guard_b)
+        && !exclusive(entity, guard_a, guard_b)
+        && !asks_for_another(entity, guard_a, b.mode)
+        && !asks_for_another(entity, guard_b, a.mode)
+}
+
+/// Whether a guard holds only while a mode beside this one is active.
+fn asks_for_another(entity: &Entity, guard: &Term, mode: ModeId) -> bool {
+    match &guard.kind {
+        TermKind::And(a, b) => asks_for_another(entity, a, mode) || asks_for_another(entity, b, mode),
+        TermKind::Or(a, b) => asks_for_another(entity, a, mode) && asks_for_another(entity, b, mode),
+        TermKind::InMode(Subject::Me, other) => {
+            let same_group = entity.modes[*other].group == entity.modes[mode].group;
+            same_group && !is_in(entity, *other, mode) && !is_in(entity, mode, *other)
+        }
+        TermKind::Not(inner) => {
+            matches!(inner.kind, TermKind::InMode(Subject::Me, other) if is_in(entity, mode, other))
+        }
+        _ => false,
+    }
+}
+
+fn name(entity: &Entity, place: Place) -> String {
+    match place {
+        Place::Var(var, degree) => format!("{}{}", entity.vars[var].name.text, "'".repeat(usize::from(degree))),
+        Place::Discrete(id) => entity.discretes[id].name.text.clone(),
+        Place::Ref(id) => entity.refs[id].name.text.clone(),
+    }
+}
+
+/// Whole numbers that an update can take out of the range of their variable.
+pub(super) fn ranges(entity: &Entity, found: &mut Diagnostics) {
+    for When { guard, update, .. } in all(entity) {
+        let Place::Discrete(id) = update.place else { continue };
+        let variable = &entity.discretes[id];
+        let (low, high) = variable.range;
+        if variable.ty != Type::Int || (low, high) == (i32::MIN, i32::MAX) {
+            continue;
+        }
+        let facts = guard.map(|guard| facts(entity, guard)).unwrap_or_default();
+        let value = range(entity, &update.value, &facts);
+        // An end that is not known is no sign of a mistake.
+        let leaves = |end: f64| end.is_finite() && !(f64::from(low)..=f64::from(high)).contains(&end);
+        if !(leaves(value.low) || leaves(value.high))
+            || value.is_empty()
+            || guard.is_some_and(|g| truth(entity, g) == Some(false))
+        {
+            continue;
+        }
+        found.report(MayLeaveRange {
+            name: variable.name.text.clone(),
+            range: variable.range,
+            declared: variable.name.span,
+            at: update.value.span,
+            value: (value.low, value.high),
+        });
+    }
+}

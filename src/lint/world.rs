@@ -1,0 +1,231 @@
+//! What needs a world: tags that nothing carries, contacts that no `collide` line pairs, inputs that no player gives,
+//! instances inside of walls, links to nowhere.
+
+use std::collections::BTreeSet;
+
+use crate::diagnostic::catalogue::lint::{LinkNowhere, NoPlayer, PlacedInside, UncarriedTag, UnpairedTouch};
+use crate::diagnostic::{Diagnostics, similar};
+use crate::sema::checked::{Checked, Entity, Instance, Origin, Push, Shape, Space, Subject, TermKind, World};
+use crate::sema::ids::{EntityId, TagId};
+use crate::sema::{ConstantContext, evaluate};
+use crate::source::Span;
+
+use super::terms;
+
+/// Less than this deep inside of something counts as outside of it, px.
+const TOLERANCE: f64 = 0.001;
+
+/// A contact question: the tag of one's own collider, if it says, and the other's.
+type Question = (Option<TagId>, TagId);
+
+/// The contact questions of an entity, each where it first stands.
+fn questions(entity: &Entity) -> Vec<(Question, Span)> {
+    let mut out: Vec<(Question, Span)> = Vec::new();
+    for term in terms::of_entity(entity) {
+        terms::walk(term, &mut |term| {
+            if let TermKind::Touching { of: Subject::Me, mine, other, .. } = term.kind
+                && !out.iter().any(|(q, _)| *q == (mine, other))
+            {
+                out.push(((mine, other), term.span));
+            }
+        });
+    }
+    out
+}
+
+/// Tags that are asked for, and that nothing of the program carries.
+pub(super) fn tags(checked: &Checked, found: &mut Diagnostics) {
+    // What an open map holds is not known.
+    if checked.worlds.is_empty() || checked.worlds.iter().any(|w| w.open.is_some()) {
+        return;
+    }
+    let colliders = checked.entities.iter().flat_map(|e| e.colliders.iter()).flat_map(|c| &c.tags);
+    let mut carried: BTreeSet<TagId> = colliders.copied().collect();
+    for space in checked.worlds.iter().flat_map(|w| w.spaces.iter()) {
+        carried.extend(statics(space).into_iter().flatten());
+    }
+    let asked = checked.worlds.iter().flat_map(|w| &w.collide).flat_map(|c| c.left.iter().chain(&c.right));
+    let mut asked: BTreeSet<TagId> = asked.copied().collect();
+    for entity in checked.entities.iter() {
+        for ((mine, other), _) in questions(entity) {
+            asked.extend(mine);
+            asked.insert(other);
+        }
+    }
+    let root = checked.worlds.iter().next().map(|w| w.name.span.file);
+    for &tag in asked.difference(&carried) {
+        let name = &checked.tags[tag];
+        if checked.other_tags.contains(&name.text) {
+            continue;
+        }
+        let near = similar(&name.text, carried.iter().map(|t| checked.tags[*t].text.as_str()));
+        // An imported entity may know more than this program has.
+        if Some(name.span.file) == root || near.is_some() {
+            found.report(UncarriedTag { tag: name.text.clone(), at: name.span, near });
+        }
+    }
+}
+
+/// The sets of tags of what never moves in a space.
+fn statics(space: &Space) -> Vec<Vec<TagId>> {
+    let tiles = space.map.iter().flat_map(|m| &m.kinds).map(|k| k.tags.to_vec());
+    tiles.chain(space.solids.iter().map(|s| s.tags.clone())).collect()
+}
+
+/// The strongest thing that a contact of two sets of tags does.
+fn response(world: &World, a: &[TagId], b: &[TagId]) -> Option<Push> {
+    let meets = |x: &[TagId], y: &[TagId]| x.iter().any(|t| y.contains(t));
+    let fits = world
+        .collide
+        .iter()
+        .filter(|c| (meets(&c.left, a) && meets(&c.right, b)) || (meets(&c.left, b) && meets(&c.right, a)));
+    fits.map(|c| c.response.push).max()
+}
+
+/// Contact questions of a world's entities that its `collide` lines never answer with yes.
+pub(super) fn touches(checked: &Checked, found: &mut Diagnostics) {
+    let mut told: BTreeSet<Span> = BTreeSet::new();
+    for world in checked.worlds.iter() {
+        let present: BTreeSet<EntityId> = world.instances.iter().map(|i| i.entity).collect();
+        let mut carriers: Vec<Vec<TagId>> = world.spaces.iter().flat_map(statics).collect();
+        let colliders = present.iter().flat_map(|e| checked.entities[*e].colliders.iter());
+        carriers.extend(colliders.map(|c| c.tags.clone()));
+        carriers.sort();
+        carriers.dedup();
+        for &entity in &present {
+            let entity = &checked.entities[entity];
+            for ((mine, other), at) in questions(entity) {
+                let own: Vec<&[TagId]> = entity.colliders.iter().map(|c| c.tags.as_slice()).collect();
+                let own = || own.iter().filter(|tags| mine.is_none_or(|m| tags.contains(&m)));
+                let mut others = carriers.iter().filter(|tags| tags.contains(&other)).peekable();
+                if others.peek().is_none() || own().next().is_none() {
+                    continue;
+                }
+                let answered = others.any(|o| own().any(|m| response(world, m, o).is_some()));
+                if !answered && told.insert(at) {
+                    let tag = |t: TagId| checked.tags[t].text.clone();
+                    let mine: BTreeSet<TagId> = match mine {
+                        Some(mine) => [mine].into(),
+                        None => own().flat_map(|tags| tags.iter().copied()).collect(),
+                    };
+                    let tags = (mine.into_iter().map(tag).collect(), tag(other));
+                    found.report(UnpairedTouch { at, tags, world: (world.name.text.clone(), world.name.span) });
+                }
+            }
+        }
+    }
+}
+
+/// Entities with inputs of which no instance is a player's.
+pub(super) fn players(checked: &Checked, found: &mut Diagnostics) {
+    let played: BTreeSet<EntityId> =
+        checked.worlds.iter().flat_map(|w| w.players.iter().map(|p| w.instances[p.slot].entity)).collect();
+    for (id, entity) in checked.entities.pairs().filter(|(id, _)| !played.contains(id)) {
+        let Some(input) = entity.buttons.iter().chain(entity.axes.iter()).min_by_key(|n| n.span) else { continue };
+        let mut instances = checked.worlds.iter().flat_map(|w| w.instances.iter());
+        if let Some(instance) = instances.find(|i| i.entity == id && i.origin == Origin::Named) {
+            found.report(NoPlayer {
+                entity: entity.name.text.clone(),
+                at: input.span,
+                instance: (instance.name.text.clone(), instance.span),
+            });
+        }
+    }
+}
+
+/// Instances that begin inside of what blocks them.
+pub(super) fn places(checked: &Checked, found: &mut Diagnostics) {
+    for world in checked.worlds.iter() {
+        for instance in world.instances.iter().filter(|i| i.origin != Origin::Free) {
+            inside(checked, world, instance, found);
+        }
+    }
+}
+
+/// Left, right, bottom, top.
+type Sides = [f64; 4];
+
+/// How deep something is, px, and in what: a tile by column and row, or a `rect`.
+type Inside = (f64, Result<(usize, usize), Span>);
+
+fn inside(checked: &Checked, world: &World, instance: &Instance, found: &mut Diagnostics) {
+    let (Some([x, ..]), Some([y, ..])) = (instance.vars.iter().next(), instance.vars.iter().nth(1)) else { return };
+    let space = &world.spaces[instance.space];
+    let context =
+        ConstantContext { params: Some(&instance.params), step: Some(world.step.0 as f64 / world.step.1 as f64) };
+    let movable = checked.entities[instance.entity].colliders.iter().filter(|c| !c.kinematic && c.guard.is_none());
+    for collider in movable {
+        let Shape::Rect(numbers) = &collider.shape else { continue };
+        let [Ok(left), Ok(bottom), Ok(width), Ok(height)] = numbers.each_ref().map(|n| evaluate(n, context)) else {
+            continue;
+        };
+        let (left, bottom) = (x + left, y + bottom);
+        let sides = [left, left + width, bottom, bottom + height];
+        let blocks = |tags: &[TagId]| response(world, &collider.tags, tags) == Some(Push::Block);
+        if let Some((depth, of)) = deepest(space, sides, blocks) {
+            found.report(PlacedInside { name: instance.name.text.clone(), at: instance.span, depth, of });
+            return;
+        }
+    }
+}
+
+/// What a box is deepest in, and how deep, px.
+fn deepest(space: &Space, sides: Sides, blocks: impl Fn(&[TagId]) -> bool) -> Option<Inside> {
+    let mut found: Vec<Inside> = Vec::new();
+    for solid in space.solids.iter().filter(|s| blocks(&s.tags)) {
+        let [x, y, width, height] = solid.rect;
+        found.push((depth(sides, [x, x + width, y, y + height]), Err(solid.span)));
+    }
+    if let Some(map) = &space.map {
+        let (width, height) = map.tile;
+        let cells = |low: f64, high: f64, size: f64, count: usize| {
+            let first = (low / size).floor().clamp(0.0, count as f64) as usize;
+            let after = (high / size).ceil().clamp(0.0, count as f64) as usize;
+            first..after
+        };
+        for row in cells(sides[2], sides[3], height, map.rows) {
+            for column in cells(sides[0], sides[1], width, map.columns) {
+                let kind = map.kind(column as i64, row as i64);
+                if kind.is_some_and(|k| blocks(&map.kinds[k].tags)) {
+                    let (left, bottom) = (column as f64 * width, row as f64 * height);
+                    found.push((depth(sides, [left, left + width, bottom, bottom + height]), Ok((column, row))));
+                }
+            }
+        }
+    }
+    let deep = found.into_iter().filter(|(depth, _)| *depth > TOLERANCE);
+    deep.max_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+/// How far two boxes overlap along the axis on which they do so least, px; negative if they are apart.
+fn depth(a: Sides, b: Sides) -> f64 {
+    let along = |low: usize| a[low + 1].min(b[low + 1]) - a[low].max(b[low]);
+    along(0).min(along(2))
+}
+
+/// Links that lead to where their space has nothing.
+pub(super) fn links(checked: &Checked, found: &mut Diagnostics) {
+    for world in checked.worlds.iter() {
+        for link in world.spaces.iter().flat_map(|s| &s.links) {
+            let space = &world.spaces[link.space];
+            let Some(extent) = extent(space) else { continue };
+            let [x, y, width, height] = link.to;
+            if depth([x, x + width, y, y + height], extent) < 0.0 {
+                found.report(LinkNowhere {
+                    at: link.span,
+                    space: space.name.text.clone(),
+                    extent: (extent[0], extent[1], extent[2], extent[3]),
+                });
+            }
+        }
+    }
+}
+
+/// The box around all that a space holds; none if it is empty or its map is not known.
+fn extent(space: &Space) -> Option<Sides> {
+    let map = space.map.as_ref().map(|m| m.size()).map(|(width, height)| [0.0, width, 0.0, height]);
+    let of = |&[x, y, width, height]: &[f64; 4]| [x, x + width, y, y + height];
+    let solids = space.solids.iter().map(|s| of(&s.rect)).chain(space.bounds.as_ref().map(of));
+    let all = map.into_iter().chain(solids);
+    all.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1]), a[2].min(b[2]), a[3].max(b[3])])
+}

@@ -4,7 +4,7 @@
 //! ```text
 //!  .hyped text ──syntax──▶ AST ──sema──▶ checked program ──ir──▶ Program (flat IR)
 //!                  │               │                              │
-//!                  └── diagnostic ─┘                     sim ◀── reach
+//!                  └── diagnostic ─┘                     graph ◀──┴──▶ sim ◀── reach
 //! ```
 //!
 //! The modules below stand in the order in which the data passes through them. Each stage is a function from

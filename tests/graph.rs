@@ -102,38 +102,51 @@ fn pictures_look_like_this() {
     insta::assert_snapshot!("svg", svg(&charts));
 }
 
-/// Every text of a picture with its box, in the coordinates of the whole.
-fn texts(picture: &str) -> Vec<(String, [f64; 4])> {
+/// Left, top, right and bottom.
+type Rect = [f64; 4];
+
+/// What is drawn of a chart: every text with its place, and every rectangle.
+type Parts = (Vec<(String, Rect)>, Vec<Rect>);
+
+fn parts(picture: &str) -> Vec<Parts> {
     let document = roxmltree::Document::parse(picture).unwrap();
-    let number = |node: &roxmltree::Node<'_, '_>, name: &str| node.attribute(name).unwrap().parse::<f64>().unwrap();
-    let moved = |node: &roxmltree::Node<'_, '_>| -> f64 {
-        let group = node.parent().unwrap().attribute("transform").unwrap();
-        group.trim_end_matches(')').rsplit(' ').next().unwrap().parse().unwrap()
-    };
-    let drawn =
-        document.descendants().filter(|node| node.has_tag_name("text") && node.attribute("class") != Some("number"));
-    drawn
-        .map(|node| {
-            let text = node.text().unwrap_or("").to_string();
-            let (x, y) = (number(&node, "x"), number(&node, "y") + moved(&node));
-            let width = 7.23 * text.chars().count() as f64;
-            (text, [x, y - 10.0, x + width, y + 4.0])
+    let charts = document.root_element().children().filter(|node| node.has_tag_name("g"));
+    charts
+        .map(|group| {
+            let (mut texts, mut rects) = (Vec::new(), Vec::new());
+            for node in group.children().filter(|node| node.is_element()) {
+                let number = |name: &str| node.attribute(name).unwrap().parse::<f64>().unwrap();
+                if node.has_tag_name("rect") {
+                    let (x, y) = (number("x"), number("y"));
+                    rects.push([x, y, x + number("width"), y + number("height")]);
+                }
+                if node.has_tag_name("text") && node.attribute("class") != Some("number") {
+                    let text = node.text().unwrap_or("").to_string();
+                    let (x, y, width) = (number("x"), number("y"), 7.23 * text.chars().count() as f64);
+                    texts.push((text, [x, y - 10.0, x + width, y + 3.0]));
+                }
+            }
+            (texts, rects)
         })
         .collect()
 }
 
 #[test]
-fn no_text_of_a_picture_covers_another() {
-    for path in examples().iter().filter(|path| compile(path, &Disk).program.is_some_and(|p| !p.entities.is_empty())) {
-        let picture = svg(&charts(path));
-        let texts = texts(&picture);
-        let width: f64 =
-            roxmltree::Document::parse(&picture).unwrap().root_element().attribute("width").unwrap().parse().unwrap();
+fn no_text_of_a_picture_covers_another_or_leaves_its_box() {
+    let drawn = |path: &PathBuf| compile(path, &Disk).program.is_some_and(|program| !program.entities.is_empty());
+    let mut pictures: Vec<String> =
+        examples().iter().filter(|path| drawn(path)).map(|path| svg(&charts(path))).collect();
+    pictures.push(svg(&all()));
+    assert!(pictures.len() > 20);
+    for (texts, rects) in pictures.iter().flat_map(|picture| parts(picture)) {
         for (index, (text, a)) in texts.iter().enumerate() {
-            assert!(a[0] >= 0.0 && a[2] <= width, "{}: `{text}` leaves the picture", path.display());
             for (other, b) in &texts[..index] {
                 let apart = a[2] <= b[0] || b[2] <= a[0] || a[3] <= b[1] || b[3] <= a[1];
-                assert!(apart, "{}: `{text}` and `{other}`", path.display());
+                assert!(apart, "`{text}` and `{other}`");
+            }
+            for rect in &rects {
+                let begins_in = rect[0] <= a[0] && a[0] <= rect[2] && rect[1] <= a[1] && a[1] <= rect[3];
+                assert!(!begins_in || (a[2] <= rect[2] && a[3] <= rect[3]), "`{text}` leaves {rect:?}");
             }
         }
     }

@@ -26,6 +26,12 @@ pub(super) enum Command {
     Explain(ExplainArgs),
     /// Draws the modes and edges of entities.
     Graph(GraphArgs),
+    /// Makes a folder with a small project to start from.
+    New(NewArgs),
+    /// Prints what a shell needs to complete commands.
+    Completions(CompletionsArgs),
+    /// Prints a page of the manual.
+    Man(ManArgs),
 }
 
 /// How findings are shown.
@@ -179,6 +185,27 @@ pub(super) enum GraphFormat {
     Mermaid,
     /// A picture that needs nothing else.
     Svg,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct NewArgs {
+    /// The folder to make; there must be none of that name.
+    #[arg(value_name = "NAME")]
+    pub name: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct CompletionsArgs {
+    /// The shell.
+    #[arg(value_enum, value_name = "SHELL")]
+    pub shell: clap_complete::Shell,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct ManArgs {
+    /// The subcommand that the page is about; the whole command if none is given.
+    #[arg(value_name = "COMMAND")]
+    pub command: Option<String>,
 }
 
 fn seconds(text: &str) -> Result<f64, String> {

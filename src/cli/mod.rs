@@ -3,6 +3,7 @@
 
 #![allow(clippy::disallowed_methods, reason = "seconds are a matter of the command line")]
 
+mod about;
 mod args;
 mod check;
 mod disk;
@@ -10,6 +11,7 @@ mod explain;
 mod fix;
 mod graph;
 mod ir;
+mod new;
 mod reach;
 mod report;
 mod sim;
@@ -50,6 +52,9 @@ pub fn main() -> ExitCode {
         Command::Reach(args) => reach::run(&args),
         Command::Explain(args) => explain::run(&args),
         Command::Graph(args) => graph::run(&args),
+        Command::New(args) => new::run(&args),
+        Command::Completions(args) => about::completions(&args),
+        Command::Man(args) => about::man(&args),
     };
     match answer {
         Ok(Answer::Yes) => ExitCode::SUCCESS,

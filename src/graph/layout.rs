@@ -17,6 +17,12 @@ pub(super) const PAD: f64 = 10.0;
 /// Where the guard of an edge begins, right of its number.
 pub(super) const NUMBER: f64 = 22.0;
 
+/// Of what staying changes.
+pub(super) const INDENT: f64 = 2.0 * LETTER;
+
+/// What is said of an entity without modes.
+pub(super) const NONE: &str = "no modes";
+
 /// Room for the arrow of an initial marker.
 const MARKER: f64 = 26.0;
 const GAP: f64 = 10.0;
@@ -48,6 +54,8 @@ pub(super) enum Says {
     Name,
     /// What happens on entering and staying.
     Action,
+    /// What staying changes.
+    Effect,
     /// The beginning of an edge, by its place in the chart: its guard.
     Guard(usize),
     /// More of its guard.
@@ -146,6 +154,7 @@ pub(super) fn layout(chart: &Chart) -> Layout {
     }
     if chart.regions.is_empty() {
         row = LINE;
+        right = right.max(letters(NONE) + 2.0 * PAD);
     }
     out.rect = Rect { x: 0.0, y: 0.0, width: right, height: y + row + PAD };
     // Groups in one row are of one height.
@@ -171,7 +180,7 @@ fn lines(chart: &Chart, index: usize, mode: &Mode) -> Vec<Line> {
     }
     for action in &mode.internal {
         wrapped(&action.guard, WIDTH).into_iter().for_each(|text| add(Says::Action, text));
-        action.updates.iter().for_each(|update| add(Says::Action, short(&format!("  / {update}"), WIDTH)));
+        action.updates.iter().for_each(|update| add(Says::Effect, short(&format!("/ {update}"), WIDTH)));
     }
     for (id, edge) in chart.edges.iter().enumerate().filter(|(_, edge)| edge.source == index) {
         for (line, text) in wrapped(&edge.guard, WIDTH).into_iter().enumerate() {
@@ -203,6 +212,7 @@ fn width(chart: &Chart, out: &Layout, mode: usize) -> f64 {
         // The name has a clock behind it.
         Says::Name => letters(&line.text) + 2.0 * LINE,
         Says::Action => letters(&line.text),
+        Says::Effect => letters(&line.text) + INDENT,
         Says::Guard(_) | Says::GuardGoesOn | Says::Update => letters(&line.text) + NUMBER,
         Says::Target(_) => letters(&line.text) + NUMBER + LINE,
     };

@@ -1,7 +1,7 @@
 //! SVG that needs nothing else: no script, no font, no style from outside. It follows the reader's light or dark scheme.
 
 use super::chart::{Chart, Edge};
-use super::layout::{LINE, Layout, NUMBER, PAD, Rect, Says, Way, layout, letters};
+use super::layout::{INDENT, LINE, Layout, NONE, NUMBER, PAD, Rect, Says, Way, layout, letters};
 
 const MARGIN: f64 = 12.0;
 /// The radius of a corner.
@@ -10,8 +10,7 @@ const ROUND: f64 = 5.0;
 /// Colours that stand out from white and from black.
 const COLORS: [&str; 8] = ["#2f81f7", "#d1414a", "#2da44e", "#a371f7", "#d4772a", "#1b9aaa", "#c2559d", "#8a8f3a"];
 
-const STYLE: &str = "text{font:12px ui-monospace,Menlo,Consolas,\"DejaVu Sans Mono\",monospace;fill:#1f2328;\
-white-space:pre}
+const STYLE: &str = "text{font:12px ui-monospace,Menlo,Consolas,\"DejaVu Sans Mono\",monospace;fill:#1f2328}
 .paper{fill:#fff}.frame{fill:none;stroke:#6e7781;stroke-width:1.5}.group{fill:none;stroke:#6e7781;stroke-dasharray:5 4}
 .mode{fill:#6e7781;fill-opacity:.07;stroke:#6e7781}.name{font-weight:bold}.quiet{fill:#57606a}
 .way{fill:none;stroke-width:1.4}.number{font-size:10px;text-anchor:middle;fill:#fff}.first{fill:#1f2328}
@@ -57,7 +56,7 @@ impl Drawing<'_> {
         self.rect("frame", layout.rect);
         self.text("name", (PAD, PAD + LINE / 2.0), &chart.entity);
         if chart.regions.is_empty() {
-            self.text("quiet", (PAD, 2.0 * PAD + LINE * 1.5), "no modes");
+            self.text("quiet", (PAD, 2.0 * PAD + LINE * 1.5), NONE);
         }
         for (region, rect) in chart.regions.iter().zip(&layout.groups) {
             if let Some(name) = &region.name {
@@ -85,6 +84,7 @@ impl Drawing<'_> {
                         self.clock(x + letters(&line.text) + LINE / 2.0, line.y);
                     }
                 }
+                Says::Effect => self.text("quiet", (x + INDENT, line.y), &line.text),
                 Says::Action => self.text("quiet", (x, line.y), &line.text),
                 Says::Guard(edge) => {
                     let edge = &self.chart.edges[edge];

@@ -15,13 +15,14 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("watch", &[]),
     ("diagnostic", &["source"]),
     ("syntax", &["source", "diagnostic"]),
+    ("format", &["source", "diagnostic", "syntax"]),
     ("level", &["source", "diagnostic"]),
     ("sema", &["source", "diagnostic", "syntax", "level"]),
     ("ir", &["source", "level", "sema"]),
     ("compile", &["source", "diagnostic", "syntax", "sema", "ir"]),
     ("sim", &["source", "diagnostic", "ir"]),
     ("reach", &["watch", "ir", "sim"]),
-    ("cli", &["source", "watch", "diagnostic", "ir", "compile", "sim", "reach"]),
+    ("cli", &["source", "watch", "diagnostic", "format", "ir", "compile", "sim", "reach"]),
 ];
 
 /// The longest a source file may be before it is time to look for the seam.

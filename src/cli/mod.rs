@@ -6,6 +6,7 @@
 mod args;
 mod check;
 mod disk;
+mod fmt;
 mod ir;
 mod reach;
 mod report;
@@ -24,7 +25,7 @@ use args::{Arguments, Command};
 enum Answer {
     /// As wished.
     Yes,
-    /// The answer is no: errors, a goal not reached, a `never` violated.
+    /// The answer is no: errors, a goal not reached, a `never` violated, a layout that is not canonical.
     No,
     /// The question could not be asked.
     Unasked,
@@ -42,6 +43,7 @@ pub fn main() -> ExitCode {
     };
     let answer = match arguments.command {
         Command::Check(args) => check::run(&args),
+        Command::Fmt(args) => fmt::run(&args),
         Command::Ir(args) => ir::run(&args),
         Command::Sim(args) => sim::run(&args),
         Command::Reach(args) => reach::run(&args),

@@ -336,7 +336,7 @@ impl<'t> Layout<'t, '_> {
     fn map(&mut self, token: &Token<'t>) {
         let indent = self.out.lines.last().map_or(0, |l| l.indent);
         let inner = token.text.trim_matches('"');
-        let mut rows = inner.lines().map(|row| row.trim_matches([' ', '\t', '\r']));
+        let mut rows = inner.split('\n').map(|row| row.trim_matches([' ', '\t', '\r']));
         let mut quote = Piece { width: 1, ..verbatim("\"") };
         if let Some(comment) = rows.next().filter(|c| !c.is_empty()) {
             self.push(Piece { space: true, ..verbatim(comment.trim_end()) }, 0);

@@ -87,6 +87,8 @@ fn disturbed(text: &str, seed: u64, edits: usize) -> String {
         "\n/// documents\n",
         "\n",
         "\n\n",
+        "  ",
+        "   ",
         "    ",
         "\t",
         ";",
@@ -135,6 +137,101 @@ fn programs() -> Vec<(String, String)> {
 #[test]
 fn a_messy_program_becomes_a_tidy_one() {
     insta::assert_snapshot!(checked(&std::fs::read_to_string("tests/fmt/messy.hyped").unwrap()));
+}
+
+/// The same text, formatted, is another one; that is its own canonical layout.
+#[track_caller]
+fn becomes(text: &str, expected: &str) {
+    assert_eq!(checked(text), expected);
+}
+
+#[test]
+fn a_block_stays_on_its_line_while_there_is_room() {
+    let short = "entity A { mode b { x' = 1; y' = 2 } mode c { } }\n";
+    becomes(short, short);
+    becomes(
+        "entity A{mode b{x'=1\n;y'=2}mode c{\n\n}}",
+        "entity A {\n    mode b {\n        x' = 1\n        y' = 2\n    }\n    mode c { }\n}\n",
+    );
+    for (room, fits) in [(0, true), (1, false)] {
+        let name = "a".repeat(WIDTH - "entity A { param  = 1 }".len() + room);
+        let line = format!("entity A {{ param {name} = 1 }}\n");
+        let broken = format!("entity A {{\n    param {name} = 1\n}}\n");
+        becomes(&line, if fits { &line } else { &broken });
+    }
+}
+
+#[test]
+fn blank_lines_stay_but_not_at_the_ends_of_blocks() {
+    becomes(
+        "\n\nconst a = 1\n\n\n\nconst b = 2\nentity A {\n\n\n    x' = 1\n\n\n    // last\n\n}\n\n\n",
+        "const a = 1\n\nconst b = 2\nentity A {\n    x' = 1\n\n    // last\n}\n",
+    );
+    becomes("", "");
+    becomes("\n \n", "");
+    becomes("// only this", "// only this\n");
+    // What documents nothing does not begin to.
+    becomes("entity A { /// a\n\nmode b { } }", "entity A { /// a\n\n    mode b { }\n}\n");
+}
+
+#[test]
+fn what_was_aligned_stays_aligned() {
+    becomes(
+        "const a     =    -4\nconst long  =     5\nconst other=6\n",
+        "const a    = -4\nconst long =  5\nconst other = 6\n",
+    );
+    becomes("const a  = 1\n\nconst bb = 2\n", "const a = 1\n\nconst bb = 2\n");
+    becomes("const a   = 1 // a\nconst b   =  22 // b\n", "const a = 1 // a\nconst b = 22 // b\n");
+    becomes(
+        "const a = 1    // a\n// between\nconst bb = 22  // b\n",
+        "const a = 1   // a\n// between\nconst bb = 22 // b\n",
+    );
+    let rows = "world W {
+    space s {
+        place hero:  Hero  at (32, 16) { speed =  1; y = 2 }
+        place slime: Slime at (200, 16)
+    }
+    goal far:   hero.x > 200
+    never died: hero in dead
+}
+";
+    becomes(rows, &rows.replace("speed =  1", "speed = 1"));
+}
+
+#[test]
+fn line_ends_are_those_of_the_first_line() {
+    let text = "const a = 1\r\nworld W {\n  space s {\r\n map t \"\r\n   ..\n  ##\r\n \"\n}\n}";
+    let expected = "const a = 1\nworld W {\n    space s {\n        map t \"\n            ..\n            ##\n        \"\n    }\n}\n";
+    becomes(text, &expected.replace('\n', "\r\n"));
+    becomes(&text.replacen("\r\n", "\n", 1), expected);
+}
+
+#[test]
+fn a_text_with_errors_is_refused() {
+    for text in ["entity A {", "entity A { mode }", "const = 3", "world W { space s { map t \" } }", "const a = ((((1)"]
+    {
+        let found = format(FILE, text).unwrap_err();
+        assert_eq!(found.iter().count(), parse(FILE, text).1.iter().count());
+        assert!(found.has_errors(), "{text}");
+    }
+    let deep = format!("const a = {}1{}", "(".repeat(100_000), ")".repeat(100_000));
+    assert!(format(FILE, &deep).is_err());
+}
+
+#[test]
+fn deep_and_long_programs_are_formatted() {
+    let depth = 63;
+    let modes = format!("entity A {{ {} {} }}", "mode a {".repeat(depth), "}".repeat(depth));
+    let broken = checked(&modes);
+    assert!(broken.lines().all(|l| l.chars().count() <= WIDTH + 4 * depth), "{broken}");
+    checked(&format!("const a = {}1{}", "(\n".repeat(depth), ")".repeat(depth)));
+    checked(&format!("const a = {}1", "- ".repeat(200)));
+    let line = format!("entity A {{ mode a {{ {} }} }}", vec!["x' = 3 + 4 * y"; 50_000].join(";"));
+    assert_eq!(formatted(&line).lines().count(), 50_004);
+    let list = format!("entity A {{ button {} }}", vec!["a"; 50_000].join("  ,"));
+    assert_eq!(formatted(&list).lines().count(), 3);
+    let column = format!("entity A {{\n{}}}", "    axis   a\n".repeat(50_000));
+    assert_eq!(formatted(&column).lines().count(), 50_002);
 }
 
 #[test]

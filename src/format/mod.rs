@@ -43,14 +43,10 @@ const INDENT: usize = 4;
 /// # Errors
 /// What is wrong with a text that does not fit the grammar; places are in `file`.
 pub fn format(file: FileId, text: &str) -> Result<String, Diagnostics> {
-    let (_, found) = syntax::parse(file, text);
-    if found.has_errors() {
-        return Err(found);
-    }
-    let Some(pairs) = syntax::pairs(text) else {
-        return Err(found);
+    let Some(tokens) = syntax::pairs(file, text).and_then(|pairs| tokens::tokens(text, pairs)) else {
+        return Err(syntax::parse(file, text).1);
     };
-    let mut lines = layout::lines(text, &tokens::tokens(text, pairs));
+    let mut lines = layout::lines(text, &tokens);
     align::align(&mut lines);
     Ok(lines.print(line_end(text)))
 }

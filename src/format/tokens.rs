@@ -57,8 +57,8 @@ impl Token<'_> {
     }
 }
 
-/// The tokens of a text that fits the grammar.
-pub(super) fn tokens<'t>(text: &'t str, pairs: Pairs<'t, Rule>) -> Vec<Token<'t>> {
+/// The tokens of a text; none if some of it does not fit the grammar.
+pub(super) fn tokens<'t>(text: &'t str, pairs: Pairs<'t, Rule>) -> Option<Vec<Token<'t>>> {
     let mut tokenizer =
         Tokenizer { text, tokens: Vec::new(), rules: Vec::new(), brackets: Vec::new(), starts: false, step: 0 };
     // Where the last pair began that has none inside so far.
@@ -68,7 +68,9 @@ pub(super) fn tokens<'t>(text: &'t str, pairs: Pairs<'t, Rule>) -> Vec<Token<'t>
     for event in pairs.tokens() {
         match event {
             Event::Start { rule, pos } => {
-                if let Some((_, depth)) = &mut whole {
+                if is_bad(rule) {
+                    return None;
+                } else if let Some((_, depth)) = &mut whole {
                     *depth += 1;
                 } else if is_whole(rule) {
                     whole = Some((pos.pos(), 0));
@@ -95,7 +97,22 @@ pub(super) fn tokens<'t>(text: &'t str, pairs: Pairs<'t, Rule>) -> Vec<Token<'t>
             },
         }
     }
-    tokenizer.tokens
+    Some(tokenizer.tokens)
+}
+
+/// Whether a rule takes what fits no other.
+fn is_bad(rule: Rule) -> bool {
+    matches!(
+        rule,
+        Rule::bad_item
+            | Rule::bad_member
+            | Rule::bad_update
+            | Rule::bad_ramp
+            | Rule::bad_world_item
+            | Rule::bad_tile
+            | Rule::bad_space_item
+            | Rule::bad_setting
+    )
 }
 
 /// Whether a rule makes one token of all that stands in it.

@@ -35,9 +35,12 @@ mod grammar {
     pub struct Grammar;
 }
 
-/// What the grammar makes of a text in which [`parse`] finds no errors.
-pub(crate) fn pairs(text: &str) -> Option<Pairs<'_, Rule>> {
-    Grammar::parse(Rule::file, text).ok()
+/// What the grammar makes of a text: nothing if [`parse`] does not give it to the grammar as it stands. Slices that fit no
+/// rule are among the pairs.
+pub(crate) fn pairs(file: FileId, text: &str) -> Option<Pairs<'_, Rule>> {
+    let mut diagnostics = Diagnostics::new();
+    scan::scan(file, text, &mut diagnostics);
+    if diagnostics.has_errors() { None } else { Grammar::parse(Rule::file, text).ok() }
 }
 
 /// Parses one file. The tree holds what could be read; the diagnostics say what could not.

@@ -26,13 +26,13 @@ pub(super) fn run(args: &FmtArgs) -> io::Result<Answer> {
 
 fn one(path: &Path, check: bool) -> io::Result<Answer> {
     let stream = path == Path::new("-");
+    let shown = if stream { Path::new("<stdin>") } else { path };
     let mut sources = SourceMap::new();
     let read = if stream { all(io::stdin().lock()) } else { bytes(path) };
     let (before, text) = match read.and_then(|before| Ok((before.clone(), decode(before)?))) {
         Ok(read) => read,
-        Err(error) => return unreadable(path, error),
+        Err(error) => return unreadable(shown, error),
     };
-    let shown = if stream { Path::new("<stdin>") } else { path };
     let file = sources.add(shown, text);
     let after = match format(file, sources.file(file).text()) {
         Ok(after) => after,
@@ -65,7 +65,7 @@ fn unreadable(path: &Path, error: ReadError) -> io::Result<Answer> {
 /// Where a text first differs from its canonical layout, and how.
 fn first_difference(path: &Path, before: &[u8], after: &str) -> String {
     let before = String::from_utf8_lossy(before);
-    let (mut olds, mut news) = (before.split('\n'), after.split('\n'));
+    let (mut olds, mut news) = (before.split_inclusive('\n'), after.split_inclusive('\n'));
     let mut line = 1;
     loop {
         let (old, new) = (olds.next(), news.next());
@@ -80,6 +80,7 @@ fn first_difference(path: &Path, before: &[u8], after: &str) -> String {
 
 /// A line of a text for a terminal: what cannot be seen is written out, and only the beginning of a long line.
 fn plain(line: &str) -> String {
+    let (line, end) = line.strip_suffix('\n').map_or((line, " (no line end)"), |line| (line, ""));
     let seen = line.trim_end_matches(' ').len();
     let mut out = String::new();
     for (at, c) in line.char_indices().take(SHOWN) {
@@ -93,5 +94,6 @@ fn plain(line: &str) -> String {
     if line.chars().nth(SHOWN).is_some() {
         out.push('…');
     }
+    out.push_str(end);
     out
 }

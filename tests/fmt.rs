@@ -199,6 +199,32 @@ fn what_was_aligned_stays_aligned() {
 }
 
 #[test]
+fn a_statement_too_long_for_a_line_is_broken_once() {
+    let test = "touching(body, a_wall_of_many_stones, below)";
+    let line =
+        |guard: &str| format!("entity A {{\n    mode a {{\n        when {guard} -> a {{ x' := 1 }}\n    }}\n}}\n");
+    let broken = |guard: &str| {
+        format!(
+            "entity A {{\n    mode a {{\n        when {guard}\n            -> a\n        {{\n            x' := 1\n        \
+             }}\n    }}\n}}\n"
+        )
+    };
+    becomes(
+        &line(&format!("{test} and x > 1 or {test} and (x < 2 or y < 2)")),
+        &broken(&format!("{test} and x > 1\n            or {test} and (x < 2 or y < 2)")),
+    );
+    becomes(
+        &line(&format!("{test} and {test} and {test} or {test}")),
+        &broken(&format!("{test}\n            and {test}\n            and {test}\n            or {test}")),
+    );
+    // A break that does not stay is none.
+    let inside = format!("({test} or {test} or {test})");
+    becomes(&line(&inside.replace("touching(", "touching\n(")), &broken(&inside));
+    let author = format!("{test} and {test}\n            and {test} or {test} and {test}");
+    becomes(&line(&author).replace(" -> a", "\n            -> a"), &broken(&author));
+}
+
+#[test]
 fn line_ends_are_those_of_the_first_line() {
     let text = "const a = 1\r\nworld W {\n  space s {\r\n map t \"\r\n   ..\n  ##\r\n \"\n}\n}";
     let expected = "const a = 1\nworld W {\n    space s {\n        map t \"\n            ..\n            ##\n        \"\n    }\n}\n";

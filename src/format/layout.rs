@@ -233,7 +233,8 @@ impl<'t> Layout<'t, '_> {
             self.line(block.indent, gap.blank && !first).block = Some(block.id);
             self.piece(index);
             self.statement = block.indent;
-            self.split = split(&self.tokens[index..], &self.places[index..], block.indent);
+            let stays = |offset| self.break_stays(index + offset);
+            self.split = split(&self.tokens[index..], &self.places[index..], block.indent, stays);
         }
         self.opened = false;
     }
@@ -293,6 +294,14 @@ impl<'t> Layout<'t, '_> {
     }
 
     // ---- inside a statement ---------------------------------------------------------------------------------
+
+    /// Whether the author's line break before a token inside a statement stays there or beside it.
+    fn break_stays(&self, index: usize) -> bool {
+        let (gap, token) = (self.gap(index), &self.tokens[index]);
+        let opens = index.checked_sub(1).is_some_and(|i| self.tokens[i].kind == Kind::Open);
+        let stays = token.kind == Kind::Comma || token.space || opens;
+        gap.newline && (!gap.comments.is_empty() || (stays && token.kind != Kind::Close))
+    }
 
     /// A token that goes on with a statement.
     fn inside(&mut self, index: usize, gap: &Gap<'t>) {

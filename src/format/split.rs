@@ -28,9 +28,14 @@ impl Split {
     }
 }
 
-/// How to break the statement that the first token begins.
-pub(super) fn split(tokens: &[Token<'_>], places: &[(Place, Place)], indent: usize) -> Split {
-    let Some((first, _)) = places.first() else { return Split::Nowhere };
+/// How to break the statement that the first token begins. `stays` says whether a line break before a token stays in the
+/// layout.
+pub(super) fn split(
+    tokens: &[Token<'_>],
+    places: &[(Place, Place)],
+    indent: usize,
+    stays: impl Fn(usize) -> bool,
+) -> Split {
     let mut width = indent;
     // The longest line, and the one that is being filled, if it is broken before `or`.
     let (mut longest, mut filled, mut ors) = (0, indent, false);
@@ -43,7 +48,8 @@ pub(super) fn split(tokens: &[Token<'_>], places: &[(Place, Place)], indent: usi
             width += 2;
             break;
         }
-        if place.line != first.line {
+        let before = index.checked_sub(1).map_or(place.line, |before| places[before].1.line);
+        if place.line != before && stays(index) {
             return Split::Nowhere;
         }
         let own = token.text.chars().count() + usize::from(token.space && index > 0);

@@ -17,6 +17,7 @@
 //! | [`watch`] | progress and interruption of long work |
 //! | [`diagnostic`] | what is wrong with a program: facts, wording, pages that explain it, renderers |
 //! | [`syntax`] | the grammar's pairs as an abstract syntax tree, with recovery |
+//! | [`format`] | the canonical layout of a text, comments kept |
 //! | [`level`] | tile maps: inline, from text files, from levels and legends of the VGLC |
 //! | [`sema`] | names, types, structure: a program in which every name is an id |
 //! | [`lint`] | warnings: what has a meaning, but hardly the one that was meant |
@@ -32,6 +33,7 @@
 pub mod cli;
 pub mod compile;
 pub mod diagnostic;
+pub mod format;
 pub mod graph;
 pub mod ir;
 pub mod level;

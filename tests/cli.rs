@@ -4,8 +4,9 @@
 
 mod support;
 
+use std::io::Write;
 use std::path::PathBuf;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 use serde_json::Value;
 use support::files;
@@ -235,4 +236,96 @@ fn a_level_is_given_on_the_command_line() {
     assert_eq!(output.status.code(), Some(1));
     assert!(found.contains("wrong_level.txt:2:1: error[E0501]: a row has 2 tiles, others have 3"), "{found}");
     assert!(found.contains("wrong_level.txt:2:2: error[E0501]: no tile `%`"), "{found}");
+}
+
+/// What `hypedc` answers to a text on standard input: exit code, standard output, standard error.
+fn answered(arguments: &[&str], input: &[u8]) -> (i32, Vec<u8>, String) {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_hypedc"))
+        .args(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    child.stdin.take().unwrap().write_all(input).unwrap();
+    let output = child.wait_with_output().unwrap();
+    (output.status.code().unwrap(), output.stdout, String::from_utf8_lossy(&output.stderr).into_owned())
+}
+
+#[test]
+fn fmt_rewrites_what_is_not_formatted() {
+    let (messy, tidy) = ("entity A{\n  x'=3\n}\n", "entity A {\n    x' = 3\n}\n");
+    let path = written("messy.hyped", messy);
+    let bad = written("bad.hyped", "entity A { mode }\n");
+    let marked = written("marked.hyped", &format!("\u{feff}{}", tidy.replace('\n', "\r\n")));
+    let long = written("long.hyped", &format!("const a = 1{}\n", " ".repeat(300)));
+    let folder = temporary("").to_string_lossy().into_owned();
+    let all = shown(&["fmt", "--check", &path, TEST1, &bad, "no/such/file.hyped", &marked, &long]);
+    insta::assert_snapshot!(all.replace(&folder, ""));
+    let read = |path: &str| std::fs::read_to_string(path).unwrap();
+    assert_eq!(read(&path), messy, "a check changes nothing");
+    assert_eq!(code(&["fmt", "--check", &path]), 1);
+    assert_eq!(code(&["fmt", &path, &bad]), 1);
+    assert_eq!(code(&["fmt", &path, &bad, "no/such/file.hyped"]), 2);
+    assert_eq!((read(&path).as_str(), read(&bad).as_str()), (tidy, "entity A { mode }\n"));
+    assert_eq!(code(&["fmt", "--check", &path]), 0);
+    assert_eq!(code(&["fmt", &marked]), 0);
+    assert_eq!(read(&marked), tidy.replace('\n', "\r\n"), "the byte order mark goes, the line ends stay");
+    assert_eq!(code(&["fmt"]), 2);
+    assert_eq!(code(&["fmt", "examples"]), 2);
+}
+
+#[test]
+fn fmt_touches_only_what_it_changes_and_loses_nothing() {
+    let folder = temporary("fmt_folder");
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir(&folder).unwrap();
+    let at = |name: &str| folder.join(name).to_string_lossy().into_owned();
+    std::fs::write(at("tidy.hyped"), "const a = 1\n").unwrap();
+    std::fs::write(at("messy.hyped"), "const  a = 1\n").unwrap();
+    std::fs::write(at("locked.hyped"), "const  a = 1\n").unwrap();
+    let mut permissions = std::fs::metadata(at("locked.hyped")).unwrap().permissions();
+    permissions.set_readonly(true);
+    std::fs::set_permissions(at("locked.hyped"), permissions).unwrap();
+    let modified = |name: &str| std::fs::metadata(at(name)).unwrap().modified().unwrap();
+    let before = modified("tidy.hyped");
+    let output = hypedc(&["fmt", &at("tidy.hyped"), &at("messy.hyped"), &at("locked.hyped")]);
+    assert_eq!((output.status.code(), output.stdout.as_slice()), (Some(2), &[][..]));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("locked.hyped`: it is read-only"));
+    assert_eq!(modified("tidy.hyped"), before);
+    assert_eq!(std::fs::read_to_string(at("messy.hyped")).unwrap(), "const a = 1\n");
+    assert_eq!(std::fs::read_to_string(at("locked.hyped")).unwrap(), "const  a = 1\n");
+    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 3, "nothing is left beside them");
+}
+
+#[cfg(unix)]
+#[test]
+fn fmt_keeps_links_and_permissions() {
+    use std::os::unix::fs::PermissionsExt;
+    let path = written("linked.hyped", "const  a = 1\n");
+    let link = temporary("link.hyped");
+    let _ = std::fs::remove_file(&link);
+    std::os::unix::fs::symlink(&path, &link).unwrap();
+    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o640)).unwrap();
+    assert_eq!(code(&["fmt", link.to_str().unwrap()]), 0);
+    assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), "const a = 1\n");
+    assert_eq!(std::fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
+}
+
+#[test]
+fn fmt_goes_from_standard_input_to_standard_output() {
+    let tidy = b"const a = 1\n".to_vec();
+    assert_eq!(answered(&["fmt", "-"], b"const  a=1"), (0, tidy.clone(), String::new()));
+    assert_eq!(answered(&["fmt", "-"], &tidy), (0, tidy.clone(), String::new()));
+    assert_eq!(answered(&["fmt", "-", "--check"], &tidy), (0, Vec::new(), String::new()));
+    let (code, shown, _) = answered(&["fmt", "-", "--check"], b"const a = 1");
+    assert_eq!(
+        (code, String::from_utf8_lossy(&shown).as_ref()),
+        (1, "<stdin>:1: not formatted\n  - const a = 1 (no line end)\n  + const a = 1\n")
+    );
+    let (code, shown, error) = answered(&["fmt", "-"], b"const a");
+    assert!(code == 1 && shown.is_empty() && error.contains("<stdin>:1:7"), "{error}");
+    let (code, shown, error) = answered(&["fmt", "-"], &[b'a', 0xff]);
+    assert!(code == 2 && shown.is_empty() && error.contains("error[E0002]"), "{error}");
 }

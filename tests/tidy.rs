@@ -15,6 +15,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("watch", &[]),
     ("diagnostic", &["source"]),
     ("syntax", &["source", "diagnostic"]),
+    ("format", &["source", "diagnostic", "syntax"]),
     ("level", &["source", "diagnostic"]),
     ("sema", &["source", "diagnostic", "syntax", "level"]),
     ("lint", &["source", "diagnostic", "sema"]),
@@ -23,7 +24,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("sim", &["source", "diagnostic", "ir"]),
     ("reach", &["watch", "ir", "sim"]),
     ("graph", &["source", "ir"]),
-    ("cli", &["source", "watch", "diagnostic", "ir", "compile", "sim", "reach", "graph"]),
+    ("cli", &["source", "watch", "diagnostic", "format", "ir", "compile", "sim", "reach", "graph"]),
 ];
 
 /// The longest a source file may be before it is time to look for the seam.

@@ -16,6 +16,8 @@ pub(super) struct Arguments {
 pub(super) enum Command {
     /// Reports what is wrong with programs.
     Check(CheckArgs),
+    /// Puts programs into their canonical layout.
+    Fmt(FmtArgs),
     /// Prints the flat intermediate representation of a program.
     Ir(IrArgs),
     /// Runs a world with given inputs.
@@ -80,6 +82,16 @@ pub(super) struct CheckArgs {
 pub(super) enum Denied {
     /// All warnings; they are still shown as warnings.
     Warnings,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct FmtArgs {
+    /// The programs to rewrite; `-` goes from standard input to standard output.
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Changes nothing; says which programs would change.
+    #[arg(long)]
+    pub check: bool,
 }
 
 #[derive(Debug, Args)]

@@ -9,6 +9,7 @@ mod check;
 mod disk;
 mod explain;
 mod fix;
+mod fmt;
 mod graph;
 mod ir;
 mod new;
@@ -29,7 +30,7 @@ use args::{Arguments, Command};
 enum Answer {
     /// As wished.
     Yes,
-    /// The answer is no: errors, a goal not reached, a `never` violated.
+    /// The answer is no: errors, a goal not reached, a `never` violated, a layout that is not canonical.
     No,
     /// The question could not be asked.
     Unasked,
@@ -47,6 +48,7 @@ pub fn main() -> ExitCode {
     };
     let answer = match arguments.command {
         Command::Check(args) => check::run(&args),
+        Command::Fmt(args) => fmt::run(&args),
         Command::Ir(args) => ir::run(&args),
         Command::Sim(args) => sim::run(&args),
         Command::Reach(args) => reach::run(&args),

@@ -15,20 +15,32 @@ mod message;
 mod scan;
 mod substitute;
 
+use pest::Parser;
+use pest::iterators::Pairs;
+
 use crate::diagnostic::Diagnostics;
 use crate::source::FileId;
 
 pub use expand::{MAX_PUT, expand};
-use grammar::{Grammar, Rule};
+use grammar::Grammar;
+pub(crate) use grammar::Rule;
 pub use import::load;
 pub use scan::{MAX_NESTING, MAX_OPERATORS, MAX_WORD};
 
-/// The parser that pest derives from the grammar; its `Rule` is an implementation detail of this stage.
+/// The parser that pest derives from the grammar; its `Rule` is known to this stage and to the formatter only.
 #[allow(missing_docs, reason = "derived code")]
 mod grammar {
     #[derive(pest_derive::Parser)]
     #[grammar = "../grammar/hyped.pest"]
     pub struct Grammar;
+}
+
+/// What the grammar makes of a text: nothing if [`parse`] does not give it to the grammar as it stands. Slices that fit no
+/// rule are among the pairs.
+pub(crate) fn pairs(file: FileId, text: &str) -> Option<Pairs<'_, Rule>> {
+    let mut diagnostics = Diagnostics::new();
+    scan::scan(file, text, &mut diagnostics);
+    if diagnostics.has_errors() { None } else { Grammar::parse(Rule::file, text).ok() }
 }
 
 /// Parses one file. The tree holds what could be read; the diagnostics say what could not.

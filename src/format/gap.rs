@@ -1,0 +1,61 @@
+//! What stands between two tokens: blanks, line breaks, `;` and comments.
+
+/// A comment.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Comment<'t> {
+    /// From its slashes to the end of its line, without blanks there.
+    pub text: &'t str,
+    /// Its first byte.
+    pub start: usize,
+    /// Whether it stands at the end of the line of the token before it.
+    pub trailing: bool,
+    /// Whether a blank line stands before it.
+    pub blank: bool,
+}
+
+/// What stands before a token.
+#[derive(Debug, Default)]
+pub(super) struct Gap<'t> {
+    /// The comments, in order.
+    pub comments: Vec<Comment<'t>>,
+    /// Whether there is a line break.
+    pub newline: bool,
+    /// Whether a blank line stands directly before the token.
+    pub blank: bool,
+}
+
+/// Reads what stands between two bytes. Nothing comes before the first byte of a text.
+pub(super) fn gap(text: &str, start: usize, end: usize) -> Gap<'_> {
+    let bytes = text.as_bytes();
+    let mut gap = Gap::default();
+    // Since the last comment: line breaks, and whether there was a `;`.
+    let (mut breaks, mut semicolon) = (0, false);
+    let mut i = start;
+    while i < end {
+        match bytes[i] {
+            b'/' => {
+                let stop = bytes[i..end].iter().position(|b| matches!(b, b'\n' | b'\r')).map_or(end, |n| i + n);
+                gap.comments.push(Comment {
+                    text: text.get(i..stop).unwrap_or("").trim_end(),
+                    start: i,
+                    trailing: !gap.newline && start > 0,
+                    blank: breaks > 1,
+                });
+                (breaks, semicolon) = (0, false);
+                i = stop;
+                continue;
+            }
+            b'\r' if bytes.get(i + 1) == Some(&b'\n') => {}
+            b'\n' | b'\r' => {
+                gap.newline = true;
+                breaks += 1;
+            }
+            b';' => semicolon = true,
+            _ => {}
+        }
+        i += 1;
+    }
+    // A `;` parts a comment from what follows, so that it does not document it.
+    gap.blank = breaks > 1 || (semicolon && breaks > 0 && !gap.comments.is_empty());
+    gap
+}

@@ -5,7 +5,9 @@ use std::collections::BTreeSet;
 
 use crate::diagnostic::catalogue::lint::{LinkNowhere, NoPlayer, PlacedInside, UncarriedTag, UnpairedTouch};
 use crate::diagnostic::{Diagnostics, similar};
-use crate::sema::checked::{Checked, Entity, Instance, Origin, Push, Shape, Space, Subject, TermKind, World};
+use crate::sema::checked::{
+    Checked, CollideRule, Entity, Instance, Origin, Push, Shape, Space, Subject, TermKind, World,
+};
 use crate::sema::ids::{EntityId, TagId};
 use crate::sema::{ConstantContext, evaluate};
 use crate::source::Span;
@@ -59,6 +61,8 @@ pub(super) fn tags(checked: &Checked, found: &mut Diagnostics) {
             continue;
         }
         let near = similar(&name.text, carried.iter().map(|t| checked.tags[*t].text.as_str()));
+        let near = near.and_then(|near| checked.tags.iter().find(|t| t.text == near));
+        let near = near.map(|tag| (tag.text.clone(), tag.span));
         // An imported entity may know more than this program has.
         if Some(name.span.file) == root || near.is_some() {
             found.report(UncarriedTag { tag: name.text.clone(), at: name.span, near });
@@ -108,12 +112,28 @@ pub(super) fn touches(checked: &Checked, found: &mut Diagnostics) {
                         Some(mine) => [mine].into(),
                         None => own().flat_map(|tags| tags.iter().copied()).collect(),
                     };
-                    let tags = (mine.into_iter().map(tag).collect(), tag(other));
-                    found.report(UnpairedTouch { at, tags, world: (world.name.text.clone(), world.name.span) });
+                    let tags = (mine.iter().copied().map(tag).collect(), tag(other));
+                    let lines = lines(world, &mine, other);
+                    found.report(UnpairedTouch { at, tags, world: (world.name.text.clone(), world.name.span), lines });
                 }
             }
         }
     }
+}
+
+/// The last `collide` line that pairs some tags with others, and the last that pairs another tag; if there is none, the
+/// last line of all.
+fn lines(world: &World, mine: &BTreeSet<TagId>, other: TagId) -> Vec<Span> {
+    let last = |test: &dyn Fn(TagId) -> bool| {
+        let pairs = |c: &&CollideRule| c.left.iter().chain(&c.right).any(|t| test(*t));
+        world.collide.iter().rfind(pairs).map(|c| c.span)
+    };
+    let mut found: Vec<Span> = last(&|t| mine.contains(&t)).into_iter().chain(last(&|t| t == other)).collect();
+    if found.is_empty() {
+        found.extend(world.collide.last().map(|c| c.span));
+    }
+    found.dedup();
+    found
 }
 
 /// Entities with inputs of which no instance is a player's.

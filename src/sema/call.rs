@@ -126,8 +126,8 @@ impl Checker<'_> {
                     wrong(self, "`inside(instance, space)`");
                     return None;
                 };
-                let Some(space) = world.spaces.iter().position(|(n, _)| *n == name.text) else {
-                    let known = world.spaces.iter().map(|(n, _)| n.as_str());
+                let Some(space) = world.spaces.iter().position(|(n, _)| n.text == name.text) else {
+                    let known = world.spaces.iter().map(|(n, _)| n);
                     let fact = unknown("space", &name.text, name.span, known);
                     self.report_unknown(fact);
                     return None;

@@ -70,6 +70,8 @@ pub struct CollideRule {
     pub right: Vec<TagId>,
     /// What a contact does.
     pub response: Response,
+    /// The line.
+    pub span: Span,
 }
 
 /// A space.

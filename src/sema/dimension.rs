@@ -96,8 +96,14 @@ const LENGTH: (i64, i64) = (1, 0);
 
 /// Checks all entities and worlds of a program that is otherwise right.
 pub(super) fn check(program: &Checked, diagnostics: &mut Diagnostics) {
-    let mut solver =
-        Solver { program, solved: Vec::new(), named: BTreeMap::new(), conflicts: Vec::new(), roots: Vec::new() };
+    let mut solver = Solver {
+        program,
+        solved: Vec::new(),
+        named: BTreeMap::new(),
+        conflicts: Vec::new(),
+        envelope: None,
+        roots: Vec::new(),
+    };
     for (id, entity) in program.entities.pairs() {
         solver.entity(id, entity);
     }
@@ -134,6 +140,8 @@ struct Conflict {
     needed: Dim,
     found: Dim,
     place: Option<Span>,
+    /// The envelope that holds the place.
+    envelope: Option<Span>,
 }
 
 struct Solver<'p> {
@@ -142,6 +150,8 @@ struct Solver<'p> {
     solved: Vec<Option<(Dim, Span)>>,
     named: BTreeMap<Named, Unknown>,
     conflicts: Vec<Conflict>,
+    /// The envelope whose terms are looked at.
+    envelope: Option<Span>,
     /// Of each square root: its dimension and what it is taken of.
     roots: Vec<(Dim, Term)>,
 }
@@ -203,6 +213,7 @@ impl Solver<'_> {
                     needed: self.reduce(needed),
                     found: self.reduce(found),
                     place,
+                    envelope: self.envelope,
                 });
             }
             None => {}
@@ -389,6 +400,9 @@ impl Solver<'_> {
         }
         for envelope in entity.envelopes.iter() {
             let Some(&var) = envelope.vars.first() else { continue };
+            // Its first word stands for it.
+            let start = envelope.span.start;
+            self.envelope = Some(Span { end: envelope.span.end.min(start + "envelope".len() as u32), ..envelope.span });
             let level = of_var(self, var, envelope.degree);
             let rate_of = of_var(self, var, envelope.degree + 1);
             // The components of a vector are of one dimension.
@@ -420,6 +434,7 @@ impl Solver<'_> {
                 self.dimension(guard, &here);
             }
         }
+        self.envelope = None;
         for mode in entity.modes.iter() {
             updates(self, &mode.entry);
             if let Some(guard) = &mode.initial_when {
@@ -467,11 +482,17 @@ impl Solver<'_> {
             if root.unknowns.is_empty() && (root.px.1 != 1 || root.s.1 != 1) {
                 let square = Dim::known(0, 0).plus(&root, Ratio(2, 1)).words();
                 let at = (of.span, format!("it is {square}, which is no square"));
-                diagnostics.report(DimensionConflict { what: "a square root".into(), at, other: None, near: None });
+                diagnostics.report(DimensionConflict {
+                    what: "a square root".into(),
+                    at,
+                    other: None,
+                    near: None,
+                    also: Vec::new(),
+                });
             }
         }
         for conflict in &self.conflicts {
-            let Conflict { entity, term, needed, found, place } = conflict;
+            let Conflict { entity, term, needed, found, place, envelope } = conflict;
             let named = match (&term.kind, entity) {
                 (TermKind::Param(Subject::Me, p), Some(e)) => {
                     Some((Named::Param(*e, *p), self.program.entities[*e].params[*p].name.text.clone()))
@@ -495,7 +516,37 @@ impl Solver<'_> {
                 (None, _) => (term.span, format!("it is {}, and {} is needed", found.words(), needed.words())),
             };
             let near = entity.and_then(|e| self.of_dimension(e, needed, named.as_ref().map(|(_, n)| n.as_str())));
-            diagnostics.report(DimensionConflict { what, at, other, near });
+            let mut also: Vec<(Span, String)> =
+                envelope.map(|at| (at, "of this envelope".to_string())).into_iter().collect();
+            if named.is_none() {
+                also.extend(entity.and_then(|e| self.culprit(e, term)));
+            }
+            diagnostics.report(DimensionConflict { what, at, other, near, also });
+        }
+    }
+
+    /// Inside of a term without a name of its own: what first gave one of its names its dimension.
+    fn culprit(&self, entity: EntityId, term: &Term) -> Option<(Span, String)> {
+        let named = match &term.kind {
+            TermKind::Param(Subject::Me, p) => {
+                Some((Named::Param(entity, *p), &self.program.entities[entity].params[*p].name.text))
+            }
+            TermKind::Var(Subject::Me, v, _) => {
+                Some((Named::Var(entity, *v), &self.program.entities[entity].vars[*v].name.text))
+            }
+            _ => None,
+        };
+        if let Some((id, name)) = named {
+            let (dim, at) = self.named.get(&id).and_then(|&u| self.solved[u].as_ref())?;
+            return (*at != term.span).then(|| (*at, format!("by this, `{name}` is {}", self.reduce(dim).words())));
+        }
+        match &term.kind {
+            TermKind::Negate(a) | TermKind::Not(a) => self.culprit(entity, a),
+            TermKind::Arithmetic(_, a, b) | TermKind::Compare(_, a, b) => {
+                self.culprit(entity, a).or_else(|| self.culprit(entity, b))
+            }
+            TermKind::Call(_, arguments) => arguments.iter().find_map(|a| self.culprit(entity, a)),
+            _ => None,
         }
     }
 

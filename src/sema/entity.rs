@@ -15,7 +15,7 @@ use super::expression::{Reads, Scope};
 use super::facts::Facts;
 use super::ids::{AxisId, ButtonId, DiscreteId, EntityId, GroupId, IdVec, ModeId, ParamId, RefId, VarId};
 use super::mode::ModeNames;
-use super::names::{Table, unknown};
+use super::names::{Known, Table, unknown};
 use super::reference::lost_by;
 use super::{Checker, MAX_AXES, MAX_BUTTONS};
 
@@ -115,7 +115,7 @@ impl<'a> Checker<'a> {
                         Some(&id) => Some(id),
                         None if r.entity.text == "any" => None,
                         None => {
-                            let known = self.entities.names().chain(["any"]);
+                            let known = self.entities.names().chain([Known::from("any")]);
                             let fact = unknown("entity", &r.entity.text, r.entity.span, known);
                             self.report_unknown(fact);
                             self.suspects.insert(r.name.text.clone());

@@ -4,14 +4,14 @@ use crate::diagnostic::catalogue::names::UnknownName;
 use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::{BadChain, NotConstant, TypeMismatch};
 use crate::source::Span;
-use crate::syntax::ast::{BinaryOp, CompareOp, Expr, ExprKind, Path, Unit};
+use crate::syntax::ast::{BinaryOp, CompareOp, Expr, ExprKind, Name, Path, Unit};
 
 use super::Checker;
 use super::checked::{Arithmetic, Entity, Subject, Term, TermKind, Type};
 use super::entity::Skeleton;
 use super::ids::{EntityId, ModeId, SlotId};
 use super::mode::ModeNames;
-use super::names::unknown;
+use super::names::{Known, unknown};
 
 /// Where an expression stands, and so what it may read.
 #[derive(Clone, Copy)]
@@ -58,20 +58,20 @@ impl Reads {
 /// The names of a world that predicates may use.
 #[derive(Debug, Default)]
 pub(super) struct WorldNames {
-    pub instances: Vec<(String, EntityId)>,
-    pub spaces: Vec<(String, Option<(f64, f64)>)>,
+    pub instances: Vec<(Name, EntityId)>,
+    pub spaces: Vec<(Name, Option<(f64, f64)>)>,
 }
 
 impl WorldNames {
     /// The slot of a named instance, and its entity.
     pub fn instance(&self, name: &str) -> Option<(SlotId, EntityId)> {
-        let slot = self.instances.iter().position(|(n, _)| n == name)?;
+        let slot = self.instances.iter().position(|(n, _)| n.text == name)?;
         Some((SlotId(slot as u32), self.instances[slot].1))
     }
 
     /// The names of all instances.
-    pub fn instance_names(&self) -> impl Iterator<Item = &str> {
-        self.instances.iter().map(|(n, _)| n.as_str())
+    pub fn instance_names(&self) -> impl Iterator<Item = Known<'_>> {
+        self.instances.iter().map(|(n, _)| Known::from(n))
     }
 }
 
@@ -364,7 +364,7 @@ impl Checker<'_> {
             });
             return None;
         }
-        let mut known: Vec<&str> = Vec::new();
+        let mut known: Vec<Known<'_>> = Vec::new();
         if let Some(names) = scope.names {
             known.extend(names.vars.names());
             if path.primes == 0 {
@@ -372,7 +372,7 @@ impl Checker<'_> {
             }
         }
         if let Some(Type::Set(values)) = wanted {
-            known.extend(values.iter().map(String::as_str));
+            known.extend(values.iter().map(|v| Known::from(v.as_str())));
         }
         known.extend(self.constants.names());
         let kind = if path.primes > 0 { "continuous variable" } else { "variable, parameter or constant" };

@@ -6,6 +6,7 @@ use crate::syntax::ast::Name;
 
 use super::checked::{BoundTouch, Subject, Term, TermKind};
 use super::ids::{EntityId, IdVec, ModeId, RefId, TouchId};
+use super::names::Known;
 
 /// What is known at the place that is being checked, and what was met on the way there.
 #[derive(Debug, Default)]
@@ -81,7 +82,7 @@ impl Facts {
     }
 
     /// All names in scope.
-    pub fn names(&self) -> impl Iterator<Item = &str> {
-        self.names.iter().map(|(n, _)| n.text.as_str())
+    pub fn names(&self) -> impl Iterator<Item = Known<'_>> {
+        self.names.iter().map(|(n, _)| Known::from(n))
     }
 }

@@ -9,7 +9,7 @@ use crate::syntax::ast::{self, Initial, Member, Path};
 use super::checked::{Action, Edge, Entity, Follow, Mode, Place, Subject, Term, Type, Update};
 use super::expression::{Reads, Scope};
 use super::ids::{EdgeId, GroupId, Id, ModeId, RefId};
-use super::names::unknown;
+use super::names::{Known, unknown};
 use super::reference::lost_by;
 use super::{Checker, MAX_MODES};
 
@@ -100,13 +100,14 @@ impl<'a> Checker<'a> {
         }
         let written = segments.join(".");
         if all.is_empty() {
-            let bare = names.modes.iter().filter_map(|(p, ..)| p.last().map(String::as_str));
             let joined: Vec<String> = names.modes.iter().map(|(p, ..)| p.join(".")).collect();
-            let known: Vec<&str> =
-                if segments.len() == 1 { bare.collect() } else { joined.iter().map(String::as_str).collect() };
-            let mut known_once = known;
-            known_once.sort_unstable();
-            known_once.dedup();
+            let known = names.modes.iter().zip(&joined).map(|((p, _, at), joined)| {
+                let text = if segments.len() == 1 { p.last().map_or("", String::as_str) } else { joined.as_str() };
+                Known { text, at: Some(*at) }
+            });
+            let mut known_once: Vec<Known<'_>> = known.collect();
+            known_once.sort_by_key(|k| k.text);
+            known_once.dedup_by_key(|k| k.text);
             let fact = unknown("mode", &written, path.span, known_once);
             self.report_unknown(fact);
             return None;

@@ -38,8 +38,28 @@ impl<T> Table<T> {
         self.index.get(name).map(|&i| &self.entries[i].1)
     }
 
-    pub fn names(&self) -> impl Iterator<Item = &str> {
-        self.entries.iter().map(|(name, _)| name.text.as_str())
+    pub fn names(&self) -> impl Iterator<Item = Known<'_>> {
+        self.entries.iter().map(|(name, _)| Known::from(name))
+    }
+}
+
+/// A name that may have been meant.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Known<'a> {
+    pub text: &'a str,
+    /// Where it is declared; none if the language itself has it.
+    pub at: Option<Span>,
+}
+
+impl<'a> From<&'a Name> for Known<'a> {
+    fn from(name: &'a Name) -> Self {
+        Known { text: &name.text, at: Some(name.span) }
+    }
+}
+
+impl<'a> From<&'a str> for Known<'a> {
+    fn from(text: &'a str) -> Self {
+        Known { text, at: None }
     }
 }
 
@@ -48,14 +68,11 @@ pub(super) fn unknown<'a>(
     kind: &'static str,
     name: &str,
     at: Span,
-    known: impl IntoIterator<Item = &'a str>,
+    known: impl IntoIterator<Item = impl Into<Known<'a>>>,
 ) -> UnknownName {
-    let known: Vec<&str> = known.into_iter().collect();
-    UnknownName {
-        kind,
-        name: name.to_string(),
-        at,
-        near: similar(name, known.iter().copied()),
-        known: known.into_iter().map(str::to_string).collect(),
-    }
+    let known: Vec<Known<'a>> = known.into_iter().map(Into::into).collect();
+    let near = similar(name, known.iter().map(|k| k.text));
+    let declared = near.as_ref().and_then(|near| known.iter().find(|k| k.text == near)).and_then(|k| k.at);
+    let known = known.iter().map(|k| (k.text.to_string(), k.at)).collect();
+    UnknownName { kind, name: name.to_string(), at, near, declared, known }
 }

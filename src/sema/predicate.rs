@@ -9,7 +9,7 @@ use super::Checker;
 use super::checked::{Subject, Term, TermKind, Type};
 use super::expression::{Reads, Scope};
 use super::ids::{EntityId, SlotId};
-use super::names::unknown;
+use super::names::{Known, unknown};
 
 impl Checker<'_> {
     /// `hero.x'`, `hero.keys`, `main.width`.
@@ -43,7 +43,7 @@ impl Checker<'_> {
             return self.value_of(Subject::Slot(slot), entity, path, second, span);
         }
         self.unprimed(path)?;
-        if let Some((_, size)) = world.spaces.iter().find(|(n, _)| *n == first.text) {
+        if let Some((_, size)) = world.spaces.iter().find(|(n, _)| n.text == first.text) {
             let Some(size) = size else {
                 self.diagnostics.report(TypeMismatch {
                     at: span,
@@ -64,7 +64,7 @@ impl Checker<'_> {
             };
             return Some(Term { kind: TermKind::Number(value), ty: Type::Real, span });
         }
-        let known = world.instance_names().chain(world.spaces.iter().map(|(n, _)| n.as_str()));
+        let known = world.instance_names().chain(world.spaces.iter().map(|(n, _)| Known::from(n)));
         let fact = unknown("instance or space", &first.text, first.span, known);
         self.report_unknown(fact);
         None
@@ -81,8 +81,8 @@ impl Checker<'_> {
     ) -> Option<Term> {
         let Some((subject, entity)) = self.referred(&first.text, scope) else {
             let refs = scope.names.map(|n| n.refs.names().collect::<Vec<_>>()).unwrap_or_default();
-            let known: Vec<String> = refs.into_iter().chain(self.facts.names()).map(str::to_string).collect();
-            let fact = unknown("reference", &first.text, first.span, known.iter().map(String::as_str));
+            let known: Vec<Known<'_>> = refs.into_iter().chain(self.facts.names()).collect();
+            let fact = unknown("reference", &first.text, first.span, known);
             self.report_unknown(fact);
             return None;
         };
@@ -123,7 +123,7 @@ impl Checker<'_> {
                 return Some(Term { kind: TermKind::Param(of, id), ty, span });
             }
             let known = entity.vars.iter().map(|v| &v.name).chain(entity.discretes.iter().map(|d| &d.name));
-            let known = known.chain(entity.params.iter().map(|p| &p.name)).map(|n| n.text.as_str());
+            let known = known.chain(entity.params.iter().map(|p| &p.name));
             let fact = unknown("variable", &second.text, second.span, known);
             self.report_unknown(fact);
             None

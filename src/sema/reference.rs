@@ -12,7 +12,7 @@ use super::checked::{Action, Edge, Entity, Given, Place, Spawn, Subject, Term, T
 use super::entity::{Skeleton, Y};
 use super::expression::Scope;
 use super::ids::{ModeId, RefId};
-use super::names::{Table, unknown};
+use super::names::{Known, Table, unknown};
 
 /// The reference that a guard says is lost, if that is all it says.
 pub(super) fn lost_by(guard: &Expr) -> Option<&Name> {
@@ -50,8 +50,8 @@ impl Checker<'_> {
                 return Some(found);
             }
             let refs = scope.names.map(|n| n.refs.names().collect::<Vec<_>>()).unwrap_or_default();
-            let known: Vec<String> = refs.into_iter().chain(self.facts.names()).map(str::to_string).collect();
-            let fact = unknown("reference", &name.text, name.span, known.iter().map(String::as_str));
+            let known: Vec<Known<'_>> = refs.into_iter().chain(self.facts.names()).collect();
+            let fact = unknown("reference", &name.text, name.span, known);
             self.report_unknown(fact);
             return None;
         }
@@ -174,7 +174,7 @@ impl Checker<'_> {
         }
         let known = of.params.iter().map(|p| &p.name);
         let known = known.chain(of.discretes.iter().map(|d| &d.name)).chain(of.refs.iter().map(|r| &r.name));
-        let known = known.chain(of.vars.iter().map(|v| &v.name)).map(|n| n.text.as_str());
+        let known = known.chain(of.vars.iter().map(|v| &v.name));
         let fact = unknown("parameter or variable", &name.text, name.span, known);
         self.report_unknown(fact);
         None

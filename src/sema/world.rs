@@ -101,13 +101,13 @@ impl Checker<'_> {
             }
             // A world whose map is not given yet, or is wrong, is checked, but not run: its size does not matter.
             let known = world.spaces[id].map.as_ref().map(crate::level::TileMap::size);
-            sizes.push((space.name.text.clone(), known.or(map_at.map(|_| (0.0, 0.0)))));
+            sizes.push((space.name.clone(), known.or(map_at.map(|_| (0.0, 0.0)))));
         }
         self.limits(syntax, &mut population);
         self.placed_references(&mut population);
         world.instances = population.instances;
         let names = WorldNames {
-            instances: world.instances.iter().map(|i| (i.name.text.clone(), i.entity)).collect(),
+            instances: world.instances.iter().map(|i| (i.name.clone(), i.entity)).collect(),
             spaces: sizes,
         };
         self.links(syntax, &names, &spaces, &mut world);
@@ -170,7 +170,7 @@ impl Checker<'_> {
             (false, _) => Push::Sense,
         };
         let response = Response { push, stop: r.block && !r.keep_velocity, carry: r.carry };
-        Some(CollideRule { left, right, response })
+        Some(CollideRule { left, right, response, span: line.span })
     }
 
     /// A tile's width or height, px.
@@ -298,7 +298,7 @@ impl Checker<'_> {
             };
             let named = |i: &&super::checked::Instance| i.origin == Origin::Named;
             let Some(slot) = world.instances.find(|i| named(&i) && i.name.text == player.instance.text) else {
-                let known = world.instances.iter().filter(named).map(|i| i.name.text.as_str());
+                let known = world.instances.iter().filter(named).map(|i| &i.name);
                 let fact = unknown("instance", &player.instance.text, player.instance.span, known);
                 self.report_unknown(fact);
                 continue;

@@ -149,12 +149,15 @@ impl Expander<'_> {
         let Some(behavior) = self.behaviors.get(name).cloned() else {
             if !self.suspects.iter().any(|s| s == name || s == "*") {
                 let known = || self.behaviors.keys().map(String::as_str);
+                let near = similar(name, known());
+                let declared = near.as_ref().and_then(|near| self.behaviors.get(near)).map(|b| b.name.span);
                 self.diagnostics.report(UnknownName {
                     kind: "behavior",
                     name: name.clone(),
                     at: put.behavior.span,
-                    near: similar(name, known()),
-                    known: known().map(str::to_string).collect(),
+                    near,
+                    declared,
+                    known: self.behaviors.values().map(|b| (b.name.text.clone(), Some(b.name.span))).collect(),
                 });
             }
             return Vec::new();
@@ -197,12 +200,15 @@ impl Expander<'_> {
             let known = behavior.parameters.iter().any(|p| p.text == *name) && argument.variable.primes == 0;
             if !known {
                 fits = false;
+                let near = similar(name, behavior.parameters.iter().map(|p| p.text.as_str()));
+                let declared = behavior.parameters.iter().find(|p| Some(&p.text) == near.as_ref()).map(|p| p.span);
                 self.diagnostics.report(UnknownName {
                     kind: "parameter",
                     name: name.clone(),
                     at,
-                    near: similar(name, behavior.parameters.iter().map(|p| p.text.as_str())),
-                    known: behavior.parameters.iter().map(|p| p.text.clone()).collect(),
+                    near,
+                    declared,
+                    known: behavior.parameters.iter().map(|p| (p.text.clone(), Some(p.span))).collect(),
                 });
                 continue;
             }

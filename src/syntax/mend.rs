@@ -133,7 +133,9 @@ impl Mender<'_> {
             return;
         }
         match self.open.pop() {
-            Some(opener) if !brace.leads && opener.line != brace.line => self.suspect = Some((brace, opener)),
+            Some(opener) if opener.line != brace.line && !(brace.leads && opener.indent == brace.indent) => {
+                self.suspect = Some((brace, opener));
+            }
             Some(_) => {}
             None => self.stray(brace),
         }
@@ -142,8 +144,9 @@ impl Mender<'_> {
     /// Reports an opener, unless it is one that was put in and reported as missing.
     fn unclosed(&mut self, opener: Brace, here: Option<usize>) {
         if self.text.get(opener.at) == Some(&b'{') {
-            let here = here.map(|byte| self.at(byte));
-            self.diagnostics.report(UnclosedBrace { open: self.at(opener.at), here });
+            let here = here.map(|byte| self.at(last(&self.text[..byte])));
+            let end = self.at(last(self.text));
+            self.diagnostics.report(UnclosedBrace { open: self.at(opener.at), here, end });
         }
     }
 
@@ -158,4 +161,18 @@ impl Mender<'_> {
             self.inserts.push(Insert { at: length, text: CLOSE });
         }
     }
+}
+
+/// The last byte of a text that is neither white space nor part of a line with a comment alone.
+fn last(text: &[u8]) -> usize {
+    let mut end = text.len();
+    while end > 0 {
+        let start = text[..end].iter().rposition(|&b| b == b'\n').map_or(0, |at| at + 1);
+        let line = &text[start..end];
+        if !line.trim_ascii().is_empty() && !line.trim_ascii().starts_with(b"//") {
+            return start + line.trim_ascii_end().len() - 1;
+        }
+        end = start.saturating_sub(1);
+    }
+    0
 }

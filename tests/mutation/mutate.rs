@@ -273,7 +273,7 @@ pub fn mutant(text: &str, kind: Kind, rng: &mut Pcg64) -> Option<Mutant> {
             let holds = |line: &&Range<usize>| tokens.iter().any(|t| line.contains(&t.range.start));
             let fits = |line: &&Range<usize>| {
                 holds(line)
-                    && (kind != Kind::RemoveCollide || text[(*line).clone()].trim_start().starts_with("collide"))
+                    && (kind != Kind::RemoveCollide || text[(*line).clone()].trim_start().starts_with("collide "))
             };
             let lines: Vec<&Range<usize>> = lines.iter().filter(fits).collect();
             if lines.is_empty() {

@@ -171,15 +171,19 @@ pub struct UncarriedTag {
     pub tag: String,
     /// Where it is asked for.
     pub at: Span,
-    /// A carried one of a similar name.
-    pub near: Option<String>,
+    /// A carried one of a similar name, and where it stands first.
+    pub near: Option<(String, Span)>,
 }
 
 impl Fact for UncarriedTag {
     fn word(self) -> Diagnostic {
-        let near = super::did_you_mean(self.near.as_ref());
-        Diagnostic::new(Code::UncarriedTag, format!("nothing carries the tag `{}`{near}", self.tag))
-            .at(self.at, "no collider, tile or `rect` has it")
+        let near = super::did_you_mean(self.near.as_ref().map(|(name, _)| name));
+        let d = Diagnostic::new(Code::UncarriedTag, format!("nothing carries the tag `{}`{near}", self.tag))
+            .at(self.at, "no collider, tile or `rect` has it");
+        match self.near {
+            Some((name, at)) => d.and(at, format!("`{name}` stands here")),
+            None => d,
+        }
     }
 }
 
@@ -191,6 +195,8 @@ pub struct UnpairedTouch {
     pub tags: (Vec<String>, String),
     /// The world, and its name's place.
     pub world: (String, Span),
+    /// Its `collide` lines that pair one of the tags with others, at most one for each.
+    pub lines: Vec<Span>,
 }
 
 impl Fact for UnpairedTouch {
@@ -199,7 +205,11 @@ impl Fact for UnpairedTouch {
         let quoted: Vec<String> = mine.iter().map(|t| format!("`{t}`")).collect();
         let (world, span) = self.world;
         let message = format!("no `collide` line of `{world}` pairs {} with `{other}`", super::list(&quoted, "or"));
-        let d = Diagnostic::new(Code::UnpairedTouch, message).at(self.at, "never holds").and(span, "in this world");
+        let d = Diagnostic::new(Code::UnpairedTouch, message).at(self.at, "never holds");
+        let d = match self.lines.as_slice() {
+            [] => d.and(span, "in this world"),
+            lines => lines.iter().fold(d, |d, line| d.and(*line, "this pairs others")),
+        };
         match mine.first() {
             Some(tag) => d.help(format!("add `collide {tag} with {other}: sense`")),
             None => d,

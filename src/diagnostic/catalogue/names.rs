@@ -14,17 +14,24 @@ pub struct UnknownName {
     pub at: Span,
     /// The nearest name of that kind.
     pub near: Option<String>,
-    /// All names of that kind, if they are few.
-    pub known: Vec<String>,
+    /// Where that one is declared.
+    pub declared: Option<Span>,
+    /// All names of that kind, each with where it is declared.
+    pub known: Vec<(String, Option<Span>)>,
 }
 
 impl Fact for UnknownName {
     fn word(self) -> Diagnostic {
-        let UnknownName { kind, name, at, near, known } = self;
-        let d = Diagnostic::new(Code::UnknownName, format!("no {kind} named `{name}`{}", did_you_mean(near.as_ref())))
-            .at(at, "not declared");
+        let UnknownName { kind, name, at, near, declared, known } = self;
+        let mut d =
+            Diagnostic::new(Code::UnknownName, format!("no {kind} named `{name}`{}", did_you_mean(near.as_ref())))
+                .at(at, "not declared");
+        if let (Some(near), Some(declared)) = (&near, declared) {
+            d = d.and(declared, format!("`{near}` is declared here"));
+        }
         // Of two names that are as near either may be meant; and a place may hold more than the name.
-        let meant = only_similar(&name, known.iter().map(String::as_str)).filter(|_| at.range().len() == name.len());
+        let meant =
+            only_similar(&name, known.iter().map(|(k, _)| k.as_str())).filter(|_| at.range().len() == name.len());
         let d = match meant {
             Some(meant) => d.fix(format!("write `{meant}`"), at, meant),
             None => d,
@@ -32,7 +39,10 @@ impl Fact for UnknownName {
         if near.is_some() || known.is_empty() || known.len() > 8 {
             return d;
         }
-        let known: Vec<String> = known.iter().map(|n| format!("`{n}`")).collect();
+        if let [(only, Some(declared))] = known.as_slice() {
+            return d.and(*declared, format!("there is only `{only}`"));
+        }
+        let known: Vec<String> = known.iter().map(|(n, _)| format!("`{n}`")).collect();
         d.help(format!("there {} {}", if known.len() == 1 { "is" } else { "are" }, super::list(&known, "and")))
     }
 }

@@ -116,16 +116,18 @@ impl Fact for ExpressionTooLong {
 pub struct UnclosedBrace {
     /// The opening brace.
     pub open: Span,
-    /// Where the closing one was missed, by indentation.
+    /// After what the closing one was missed, by the indentation of what follows.
     pub here: Option<Span>,
+    /// Where the text ends.
+    pub end: Span,
 }
 
 impl Fact for UnclosedBrace {
     fn word(self) -> Diagnostic {
         let d = Diagnostic::new(Code::UnbalancedBrace, "this `{` is never closed").at(self.open, "opened here");
         match self.here {
-            Some(here) => d.and(here, "by its indentation, a `}` is missing before this"),
-            None => d.help("add a `}` at the end of the file"),
+            Some(here) => d.and(here, "by the indentation of what follows, a `}` is missing after this"),
+            None => d.and(self.end, "the file ends here").help("add a `}` at the end of the file"),
         }
     }
 }

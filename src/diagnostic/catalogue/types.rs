@@ -35,6 +35,8 @@ pub struct DimensionConflict {
     pub at: (Span, String),
     /// The first use, and its dimension.
     pub other: Option<(Span, String)>,
+    /// Other places that have to do with it.
+    pub also: Vec<(Span, String)>,
     /// A name of the dimension that the second use needs.
     pub near: Option<String>,
 }
@@ -53,6 +55,9 @@ impl Fact for DimensionConflict {
                 Diagnostic::new(Code::DimensionConflict, format!("{} does not fit: {here}", self.what)).at(at, here)
             }
         };
+        for (span, text) in self.also {
+            d = d.and(span, text);
+        }
         if self.near.is_some() {
             d.message.push_str(&did_you_mean(self.near.as_ref()));
         }

@@ -70,6 +70,7 @@ fn sarif_logs_fit_the_schema() {
     let run = &log["runs"][0];
     let rules = run["tool"]["driver"]["rules"].as_array().unwrap();
     assert_eq!(rules.len(), Code::ALL.len());
+    assert!(rules.iter().all(|rule| rule["help"]["text"].as_str().unwrap().len() > 200));
     let results = run["results"].as_array().unwrap();
     assert!(results.len() > 100, "{}", results.len());
     for result in results {

@@ -1,5 +1,5 @@
 //! The renderer for code hosts and editors: SARIF 2.1.0, the exchange format of checkers, through serde-sarif.
-//! Every code is a rule; columns count UTF-16 code units.
+//! Every code is a rule, its page the rule's help; columns count UTF-16 code units.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -9,7 +9,8 @@ use serde_sarif::sarif::{
     Run, Sarif, Tool, ToolComponent,
 };
 
-use super::{Found, distinct};
+use super::{Found, distinct, page};
+use crate::diagnostic::page::Page;
 use crate::diagnostic::{Code, Diagnostic, Fix, Label, Severity};
 use crate::source::{FileId, SourceMap, Span};
 
@@ -39,6 +40,7 @@ fn rule(code: Code) -> ReportingDescriptor {
     ReportingDescriptor::builder()
         .id(code.text())
         .short_description(MultiformatMessageString::builder().text(code.title()).build())
+        .help(MultiformatMessageString::builder().text(page(&Page::of(code), false)).build())
         .default_configuration(ReportingConfiguration::builder().level(level(code.severity())).build())
         .build()
 }

@@ -29,6 +29,8 @@
 //! | [`cli`] | the subcommands |
 //!
 //! Time is in seconds (s), length in pixels (px), y points up.
+//!
+//! [`format`]: mod@format
 
 pub mod cli;
 pub mod compile;

@@ -70,8 +70,9 @@ fn first_difference(path: &Path, before: &[u8], after: &str) -> String {
     loop {
         let (old, new) = (olds.next(), news.next());
         if old != new || old.is_none() {
-            let shown =
-                |sign: char, text: Option<&str>| text.map_or(String::new(), |t| format!("  {sign} {}\n", plain(t)));
+            let shown = |sign: char, text: Option<&str>| {
+                text.map_or(String::new(), |t| format!("{}\n", format!("  {sign} {}", plain(t)).trim_end()))
+            };
             return format!("{}:{line}: not formatted\n{}{}", path.display(), shown('-', old), shown('+', new));
         }
         line += 1;

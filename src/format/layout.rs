@@ -346,7 +346,6 @@ impl<'t> Layout<'t, '_> {
         let indent = self.out.lines.last().map_or(0, |l| l.indent);
         let inner = token.text.trim_matches('"');
         let mut rows = inner.split('\n').map(|row| row.trim_matches([' ', '\t', '\r']));
-        let mut quote = Piece { width: 1, ..verbatim("\"") };
         if let Some(comment) = rows.next().filter(|c| !c.is_empty()) {
             self.push(Piece { space: true, ..verbatim(comment.trim_end()) }, 0);
         }
@@ -357,10 +356,9 @@ impl<'t> Layout<'t, '_> {
                 self.row(indent, row);
             }
         }
-        quote.space = false;
         self.line(indent, false);
         let last = self.tokens.partition_point(|t| t.start <= token.start).saturating_sub(1);
-        self.push(quote, self.places[last].1.line);
+        self.push(verbatim("\""), self.places[last].1.line);
     }
 
     fn row(&mut self, indent: usize, row: &'t str) {

@@ -74,7 +74,13 @@ pub struct SourceFile {
     pub path: PathBuf,
     text: String,
     line_starts: Vec<u32>,
+    /// How many characters, and how many UTF-16 code units, stand before each multiple of `MARK` bytes: a line may be
+    /// as long as a file.
+    marks: Vec<(u32, u32)>,
 }
+
+/// So many bytes are counted one by one at most.
+const MARK: usize = 1 << 10;
 
 impl SourceFile {
     /// The whole text.
@@ -87,7 +93,7 @@ impl SourceFile {
         let byte = byte.min(self.text.len());
         let line = self.line_starts.partition_point(|&start| start as usize <= byte).saturating_sub(1);
         let start = self.line_starts.get(line).map_or(0, |&s| s as usize);
-        let column = self.text.get(start..byte).map_or(0, |before| before.chars().count());
+        let column = if self.text.is_char_boundary(byte) { self.before(byte).0 - self.before(start).0 } else { 0 };
         (line + 1, column + 1)
     }
 
@@ -95,8 +101,16 @@ impl SourceFile {
     pub fn line_column_utf16(&self, byte: usize) -> (usize, usize) {
         let (line, _) = self.line_column(byte);
         let start = self.line_range(line - 1).map_or(0, |range| range.start);
-        let before = self.text.get(start..byte.min(self.text.len())).unwrap_or("");
-        (line, before.encode_utf16().count() + 1)
+        let byte = byte.min(self.text.len());
+        let column = if self.text.is_char_boundary(byte) { self.before(byte).1 - self.before(start).1 } else { 0 };
+        (line, column + 1)
+    }
+
+    /// How many characters and how many UTF-16 code units begin before a byte.
+    fn before(&self, byte: usize) -> (usize, usize) {
+        let (characters, units) = self.marks.get(byte / MARK).copied().unwrap_or_default();
+        let (more, twice) = counted(&self.text.as_bytes()[byte / MARK * MARK..byte]);
+        (characters as usize + more, units as usize + more + twice)
     }
 }
 
@@ -107,6 +121,12 @@ impl SourceFile {
         let end = self.line_starts.get(line + 1).map_or(self.text.len(), |&e| e as usize);
         Some(start..end)
     }
+}
+
+/// How many characters begin among some bytes, and how many of them are two UTF-16 code units.
+fn counted(bytes: &[u8]) -> (usize, usize) {
+    let characters = bytes.iter().filter(|b| **b & 0xc0 != 0x80).count();
+    (characters, bytes.iter().filter(|b| **b >= 0xf0).count())
 }
 
 /// All files of one compilation, in the order in which they were read.
@@ -131,8 +151,15 @@ impl SourceMap {
         let text: String = text.into();
         let mut line_starts = vec![0];
         line_starts.extend(text.bytes().enumerate().filter(|&(_, b)| b == b'\n').map(|(i, _)| i as u32 + 1));
+        let (mut marks, mut characters, mut units) = (vec![(0, 0)], 0, 0);
+        for part in text.as_bytes().chunks_exact(MARK) {
+            let (more, twice) = counted(part);
+            characters += more as u32;
+            units += (more + twice) as u32;
+            marks.push((characters, units));
+        }
         let id = FileId(self.files.len() as u32);
-        self.files.push(SourceFile { path: path.into(), text, line_starts });
+        self.files.push(SourceFile { path: path.into(), text, line_starts, marks });
         id
     }
 
@@ -236,6 +263,20 @@ mod tests {
         let id = map.add("b", "\u{1f40a} é\n");
         assert_eq!(map.file(id).line_column(7), (1, 4));
         assert_eq!(map.file(id).line_column_utf16(7), (1, 5));
+    }
+
+    #[test]
+    fn columns_of_long_lines_are_counted_from_marks() {
+        let text = format!("{}\n{}", "aé\u{1f40a}".repeat(700), "é\u{1f40a}x".repeat(5_000));
+        let mut map = SourceMap::new();
+        let id = map.add("a", text.as_str());
+        for (byte, _) in text.char_indices().step_by(97) {
+            let start = text[..byte].rfind('\n').map_or(0, |at| at + 1);
+            let line = 1 + usize::from(start > 0);
+            let before = &text[start..byte];
+            assert_eq!(map.file(id).line_column(byte), (line, before.chars().count() + 1));
+            assert_eq!(map.file(id).line_column_utf16(byte), (line, before.encode_utf16().count() + 1));
+        }
     }
 
     #[test]

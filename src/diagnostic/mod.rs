@@ -12,7 +12,7 @@ pub mod render;
 mod similar;
 
 pub use code::Code;
-pub use similar::{only_similar, similar};
+pub use similar::{MAX_CANDIDATES, only_similar, similar};
 
 use crate::source::{SourceMap, Span};
 

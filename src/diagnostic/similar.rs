@@ -1,7 +1,7 @@
 //! "Did you mean": the nearest name by edit distance.
 
 /// How many names are compared.
-const MAX_CANDIDATES: usize = 1_000;
+pub const MAX_CANDIDATES: usize = 1_000;
 
 /// The candidate closest to `name`, if one is close enough to be a slip of the hand: at most a third of its
 /// letters differ (insertions, deletions, substitutions, swapped neighbours). Ties go to the first.
@@ -20,40 +20,56 @@ pub fn only_similar<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str
 fn close<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> impl Iterator<Item = (usize, &'a str)> {
     let length = name.chars().count();
     let limit = (length / 3).min(4);
+    let mut measure =
+        Measure { name: name.to_lowercase().chars().collect(), other: Vec::new(), rows: Default::default() };
     candidates
         .into_iter()
         // Among thousands of names nobody looks for a slip of the hand.
         .take(MAX_CANDIDATES)
         .filter(move |c| *c != name && c.chars().count().abs_diff(length) <= limit)
-        .map(move |c| (distance(name, c), c))
-        .filter(move |&(d, _)| d <= limit)
+        .filter_map(move |c| measure.distance(c, limit).map(|d| (d, c)))
 }
 
-/// Optimal string alignment distance, in characters, case folded.
-fn distance(a: &str, b: &str) -> usize {
-    let a: Vec<char> = a.to_lowercase().chars().collect();
-    let b: Vec<char> = b.to_lowercase().chars().collect();
-    if a.len().abs_diff(b.len()) > 4 {
-        return usize::MAX;
-    }
-    let mut rows = vec![vec![0usize; b.len() + 1]; a.len() + 1];
-    for i in 0..=a.len() {
-        for j in 0..=b.len() {
-            rows[i][j] = if i == 0 {
-                j
-            } else if j == 0 {
-                i
-            } else {
-                let cost = usize::from(a[i - 1] != b[j - 1]);
-                let mut best = (rows[i - 1][j] + 1).min(rows[i][j - 1] + 1).min(rows[i - 1][j - 1] + cost);
-                if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                    best = best.min(rows[i - 2][j - 2] + 1);
-                }
-                best
-            };
+/// Measures how far others are from a name; what it needs is made once.
+struct Measure {
+    name: Vec<char>,
+    other: Vec<char>,
+    /// The last three rows of the table.
+    rows: [Vec<usize>; 3],
+}
+
+impl Measure {
+    /// Optimal string alignment distance, in characters, case folded; none if it is above the limit.
+    fn distance(&mut self, other: &str, limit: usize) -> Option<usize> {
+        self.other.clear();
+        self.other.extend(other.chars().flat_map(char::to_lowercase));
+        let (a, b) = (&self.name, &self.other);
+        if a.len().abs_diff(b.len()) > limit {
+            return None;
         }
+        let [oldest, old, row] = &mut self.rows;
+        row.clear();
+        row.extend(0..=b.len());
+        for i in 1..=a.len() {
+            std::mem::swap(oldest, old);
+            std::mem::swap(old, row);
+            row.clear();
+            row.push(i);
+            for j in 1..=b.len() {
+                let cost = usize::from(a[i - 1] != b[j - 1]);
+                let mut best = (old[j] + 1).min(row[j - 1] + 1).min(old[j - 1] + cost);
+                if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                    best = best.min(oldest[j - 2] + 1);
+                }
+                row.push(best);
+            }
+            // No later row can come below what this one and the one before have.
+            if row.iter().chain(old.iter()).all(|d| *d > limit) {
+                return None;
+            }
+        }
+        row.last().copied().filter(|d| *d <= limit)
     }
-    rows[a.len()][b.len()]
 }
 
 #[cfg(test)]

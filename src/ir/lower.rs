@@ -28,7 +28,8 @@ pub fn lower(checked: &Checked) -> Program {
         program.entities[id].code = (from, to);
     }
     // Contact questions of every world, before any layout counts them.
-    let predicates: Vec<_> = checked.worlds.iter().map(|w| world::predicates(&mut program, w)).collect();
+    let mortal = world::mortal(&program);
+    let predicates: Vec<_> = checked.worlds.iter().map(|w| world::predicates(&mut program, w, &mortal)).collect();
     for (w, predicates) in checked.worlds.iter().zip(predicates) {
         world::lower(&mut program, w, predicates);
     }

@@ -4,9 +4,8 @@ use crate::sema::{arithmetic, call, checked, compare};
 
 use super::fold::Context;
 use super::{
-    Bounds, Collide, Entity, EntityId, Expr, ExprId, GoalId, IdVec, Layout, Link, NeverId, Origin, ParamId, Player,
-    PlayerId, Predicate, Program, RefValue, Slot, SlotId, Solid, Space, SpaceId, Step, Subject, TagSet, Timer, World,
-    WorldSpans,
+    Bounds, Collide, EntityId, Expr, ExprId, GoalId, IdVec, Layout, Link, NeverId, Origin, ParamId, Player, PlayerId,
+    Predicate, Program, RefValue, Slot, SlotId, Solid, Space, SpaceId, Step, Subject, TagSet, Timer, World, WorldSpans,
 };
 
 /// The predicates of a world, lowered.
@@ -18,10 +17,9 @@ pub(super) struct Predicates {
 }
 
 /// Lowers `goal` and `never`; this may add contact questions to entities.
-pub(super) fn predicates(program: &mut Program, w: &checked::World) -> Predicates {
+pub(super) fn predicates(program: &mut Program, w: &checked::World, mortal: &IdVec<EntityId, bool>) -> Predicates {
     let entity_of = |slot: SlotId| w.instances[slot].entity;
-    let immortal = immortal(program, w);
-    let immortal = |slot: SlotId| immortal[slot.0 as usize];
+    let immortal = |slot: SlotId| w.instances[slot].origin == Origin::Named && !mortal[w.instances[slot].entity];
     let context = Context { me: None, slots: &entity_of, immortal: &immortal };
     let mut lowered =
         |q: &checked::Question| Predicate { name: q.name.text.clone(), holds: program.term(&q.predicate, &context) };
@@ -35,24 +33,27 @@ pub(super) fn predicates(program: &mut Program, w: &checked::World) -> Predicate
     Predicates { goals, nevers, links }
 }
 
-/// Of each slot, whether its instance lives from the first step to the last.
-fn immortal(program: &Program, w: &checked::World) -> Vec<bool> {
-    let actions = |e: &Entity| -> Vec<(EntityId, RefValue)> {
-        let id = program.entities.find(|x| std::ptr::eq(x, e)).unwrap_or(EntityId(0));
+/// Of each entity, whether anything may destroy an instance of it.
+pub(super) fn mortal(program: &Program) -> IdVec<EntityId, bool> {
+    let mut mortal: IdVec<EntityId, bool> = program.entities.iter().map(|_| false).collect();
+    for (id, e) in program.entities.pairs() {
         let edges = e.edges.iter().map(|x| &x.actions);
         let all = edges.chain(e.modes.iter().map(|m| &m.entry)).chain(e.follows.iter().map(|f| &f.actions));
-        all.flat_map(|a| a.destroys.iter().map(move |d| (id, *d))).collect()
-    };
-    let destroys: Vec<(EntityId, RefValue)> = program.entities.iter().flat_map(actions).collect();
-    let may_be_destroyed = |entity: EntityId| {
-        destroys.iter().any(|(by, what)| match what {
-            RefValue::None => false,
-            RefValue::Of(Subject::Me) => *by == entity,
-            RefValue::Of(Subject::Ref(id)) => program.entities[*by].refs[*id].entity.is_none_or(|e| e == entity),
-            RefValue::Of(_) => true,
-        })
-    };
-    w.instances.iter().map(|i| i.origin == Origin::Named && !may_be_destroyed(i.entity)).collect()
+        for what in all.flat_map(|a| &a.destroys) {
+            let of = match what {
+                RefValue::None => continue,
+                RefValue::Of(Subject::Me) => Some(id),
+                RefValue::Of(Subject::Ref(reference)) => e.refs[*reference].entity,
+                RefValue::Of(_) => None,
+            };
+            match of {
+                Some(entity) => mortal[entity] = true,
+                // It may be of whatever entity.
+                None => return program.entities.iter().map(|_| true).collect(),
+            }
+        }
+    }
+    mortal
 }
 
 /// Lowers a world; all contact questions must be known.

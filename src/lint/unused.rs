@@ -1,11 +1,11 @@
 //! Declarations that nothing reads: parameters, variables, references, inputs.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::lint::Unused;
 use crate::sema::checked::{Action, By, Checked, Entity, Given, Name, Place, Subject, Term, TermKind};
-use crate::sema::ids::{AxisId, ButtonId, DiscreteId, EntityId, ParamId, RefId, SlotId, VarId, WorldId};
+use crate::sema::ids::{AxisId, ButtonId, DiscreteId, EntityId, ParamId, RefId, VarId, WorldId};
 use crate::source::{FileId, Span};
 
 use super::terms;
@@ -13,12 +13,9 @@ use super::terms;
 /// Who reads what.
 #[derive(Default)]
 struct Reads {
-    params: BTreeSet<(EntityId, ParamId)>,
-    vars: BTreeSet<(EntityId, VarId)>,
-    discretes: BTreeSet<(EntityId, DiscreteId)>,
+    /// What is read of an entity; of all of them where only the run tells.
+    what: BTreeSet<(Option<EntityId>, What)>,
     refs: BTreeSet<(EntityId, RefId)>,
-    buttons: BTreeSet<(EntityId, ButtonId)>,
-    axes: BTreeSet<(EntityId, AxisId)>,
 }
 
 /// Where a term stands: in an entity, or in a world.
@@ -41,9 +38,9 @@ impl Reads {
             }
             for envelope in entity.envelopes.iter() {
                 match &envelope.by {
-                    By::Button(button) => drop(reads.buttons.insert((id, *button))),
-                    By::Axis(axis) => drop(reads.axes.insert((id, *axis))),
-                    By::Axes(axes, _) => reads.axes.extend(axes.iter().map(|axis| (id, *axis))),
+                    By::Button(button) => drop(reads.what.insert((Some(id), What::Button(*button)))),
+                    By::Axis(axis) => drop(reads.what.insert((Some(id), What::Axis(*axis)))),
+                    By::Axes(axes, _) => reads.what.extend(axes.iter().map(|axis| (Some(id), What::Axis(*axis)))),
                     By::Clock(_) => {}
                 }
             }
@@ -59,28 +56,23 @@ impl Reads {
         reads
     }
 
+    fn has(&self, entity: EntityId, what: What) -> bool {
+        self.what.contains(&(Some(entity), what)) || self.what.contains(&(None, what))
+    }
+
     fn term(&mut self, checked: &Checked, here: Here, term: &Term) {
         terms::walk(term, &mut |term| {
             let Some((of, what)) = read(&term.kind) else { return };
             if let (Here::Entity(me), Subject::Ref(id)) = (here, of) {
                 self.refs.insert((me, id));
             }
-            for entity in owners(checked, here, of) {
-                match what {
-                    What::Param(id) => drop(self.params.insert((entity, id))),
-                    What::Var(id) => drop(self.vars.insert((entity, id))),
-                    What::Discrete(id) => drop(self.discretes.insert((entity, id))),
-                    What::Button(id) => drop(self.buttons.insert((entity, id))),
-                    What::Axis(id) => drop(self.axes.insert((entity, id))),
-                    What::Itself => {}
-                }
-            }
+            self.what.insert((owner(checked, here, of), what));
         });
     }
 }
 
 /// What a term reads of an instance.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum What {
     Param(ParamId),
     Var(VarId),
@@ -109,22 +101,20 @@ fn read(term: &TermKind) -> Option<(Subject, What)> {
     })
 }
 
-/// The entities that a subject can be of: all of them where only the run tells.
-fn owners(checked: &Checked, here: Here, of: Subject) -> Vec<EntityId> {
-    let of_slot = |world: WorldId, slot: SlotId| checked.worlds[world].instances[slot].entity;
+/// The entity that a subject is of; none where only the run tells.
+fn owner(checked: &Checked, here: Here, of: Subject) -> Option<EntityId> {
     match (here, of) {
-        (Here::Entity(me), Subject::Me) => vec![me],
-        (Here::World(world), Subject::Slot(slot)) => vec![of_slot(world, slot)],
-        (Here::Entity(me), Subject::Ref(id)) if checked.entities[me].refs[id].entity.is_some() => {
-            checked.entities[me].refs[id].entity.into_iter().collect()
-        }
-        _ => checked.entities.ids().collect(),
+        (Here::Entity(me), Subject::Me) => Some(me),
+        (Here::World(world), Subject::Slot(slot)) => Some(checked.worlds[world].instances[slot].entity),
+        (Here::Entity(me), Subject::Ref(id)) => checked.entities[me].refs[id].entity,
+        _ => None,
     }
 }
 
 /// Reports what nothing reads. In the file `root` of a program with worlds, what is written but never read counts, too.
 pub(super) fn unused(checked: &Checked, root: FileId, found: &mut Diagnostics) {
     let reads = Reads::new(checked);
+    let writes = writes(checked);
     for (id, entity) in checked.entities.pairs() {
         let is_final = !checked.worlds.is_empty() && entity.name.span.file == root;
         let mut judge = |kind: &'static str, name: &Name, is_read: bool, written: Option<Span>| {
@@ -134,58 +124,86 @@ pub(super) fn unused(checked: &Checked, root: FileId, found: &mut Diagnostics) {
             found.report(Unused { kind, name: name.text.clone(), at: name.span, written });
         };
         for (param, p) in entity.params.pairs() {
-            judge("parameter", &p.name, reads.params.contains(&(id, param)), None);
+            judge("parameter", &p.name, reads.has(id, What::Param(param)), None);
+        }
+        let drives = entity.drives.iter().chain(entity.modes.iter().flat_map(|m| &m.drives));
+        let mut driven: BTreeMap<VarId, Span> = BTreeMap::new();
+        for drive in drives {
+            driven.entry(drive.var).or_insert(drive.span);
         }
         // Where an instance is, everybody sees.
         for (var, v) in entity.vars.pairs().skip(2) {
-            let written = written(checked, id, |p| matches!(p, Place::Var(v, _) if v == var));
-            let drives = entity.drives.iter().chain(entity.modes.iter().flat_map(|m| &m.drives));
-            let driven = drives.clone().find(|d| d.var == var).map(|d| d.span);
-            judge("variable", &v.name, reads.vars.contains(&(id, var)), driven.or(written));
+            let written = writes.get(&(id, Target::Var(var))).copied();
+            let driven = driven.get(&var).copied();
+            judge("variable", &v.name, reads.has(id, What::Var(var)), driven.or(written));
         }
         for (discrete, d) in entity.discretes.pairs() {
-            let written = written(checked, id, |p| p == Place::Discrete(discrete));
-            judge("variable", &d.name, reads.discretes.contains(&(id, discrete)), written);
+            let written = writes.get(&(id, Target::Discrete(discrete))).copied();
+            judge("variable", &d.name, reads.has(id, What::Discrete(discrete)), written);
         }
         for (reference, r) in entity.refs.pairs() {
-            let written = written(checked, id, |p| p == Place::Ref(reference));
+            let written = writes.get(&(id, Target::Ref(reference))).copied();
             judge("reference", &r.name, reads.refs.contains(&(id, reference)), written);
         }
         for (button, name) in entity.buttons.pairs() {
-            judge("button", name, reads.buttons.contains(&(id, button)), None);
+            judge("button", name, reads.has(id, What::Button(button)), None);
         }
         for (axis, name) in entity.axes.pairs() {
-            judge("axis", name, reads.axes.contains(&(id, axis)), None);
+            judge("axis", name, reads.has(id, What::Axis(axis)), None);
+        }
+    }
+}
+
+/// What can be written: a variable in whatever degree.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Target {
+    Var(VarId),
+    Discrete(DiscreteId),
+    Ref(RefId),
+}
+
+impl From<Place> for Target {
+    fn from(place: Place) -> Self {
+        match place {
+            Place::Var(id, _) => Target::Var(id),
+            Place::Discrete(id) => Target::Discrete(id),
+            Place::Ref(id) => Target::Ref(id),
         }
     }
 }
 
 /// Where an entity's own code, or whoever makes an instance of it, first writes something.
-fn written(checked: &Checked, id: EntityId, is_it: impl Fn(Place) -> bool) -> Option<Span> {
-    let given = |given: &Given| match *given {
-        Given::Var(var, degree) => is_it(Place::Var(var, degree)),
-        Given::Discrete(id) => is_it(Place::Discrete(id)),
-        Given::Ref(id) => is_it(Place::Ref(id)),
-        Given::Param(_) => false,
+fn writes(checked: &Checked) -> BTreeMap<(EntityId, Target), Span> {
+    let mut first = BTreeMap::new();
+    let give = |first: &mut BTreeMap<_, _>, entity: EntityId, given: &[(Given, Term)]| {
+        for (what, term) in given {
+            let target = match *what {
+                Given::Var(id, _) => Target::Var(id),
+                Given::Discrete(id) => Target::Discrete(id),
+                Given::Ref(id) => Target::Ref(id),
+                Given::Param(_) => continue,
+            };
+            first.entry((entity, target)).or_insert(term.span);
+        }
     };
-    for (other, entity) in checked.entities.pairs() {
+    for (id, entity) in checked.entities.pairs() {
         for action in actions(entity) {
             match action {
-                Action::Update(update) if other == id && is_it(update.place) => return Some(update.span),
+                Action::Update(update) => drop(first.entry((id, update.place.into())).or_insert(update.span)),
                 Action::Spawn(spawn) => {
-                    if other == id && spawn.into.is_some_and(|r| is_it(Place::Ref(r))) {
-                        return Some(spawn.span);
+                    if let Some(into) = spawn.into {
+                        first.entry((id, Target::Ref(into))).or_insert(spawn.span);
                     }
-                    if let Some((_, term)) = spawn.given.iter().find(|(g, _)| spawn.entity == id && given(g)) {
-                        return Some(term.span);
-                    }
+                    give(&mut first, spawn.entity, &spawn.given);
                 }
-                _ => {}
+                Action::Destroy(_) => {}
             }
         }
     }
-    let instances = checked.worlds.iter().flat_map(|w| w.instances.iter()).filter(|i| i.entity == id);
-    instances.flat_map(|i| &i.given).find(|(g, _)| given(g)).map(|(_, term)| term.span)
+    for instance in checked.worlds.iter().flat_map(|w| w.instances.iter()) {
+        give(&mut first, instance.entity, &instance.given);
+    }
+    first
 }
 
 fn actions(entity: &Entity) -> impl Iterator<Item = &Action> {

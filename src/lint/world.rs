@@ -1,15 +1,15 @@
 //! What needs a world: tags that nothing carries, contacts that no `collide` line pairs, inputs that no player gives,
 //! instances inside of walls, links to nowhere.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::diagnostic::catalogue::lint::{LinkNowhere, NoPlayer, PlacedInside, UncarriedTag, UnpairedTouch};
 use crate::diagnostic::{Diagnostics, similar};
 use crate::sema::checked::{
-    Checked, CollideRule, Entity, Instance, Origin, Push, Shape, Space, Subject, TermKind, World,
+    Checked, CollideRule, Entity, Instance, Origin, Push, Shape, Solid, Space, Subject, TermKind, World,
 };
 use crate::sema::ids::{EntityId, TagId};
-use crate::sema::{ConstantContext, evaluate};
+use crate::sema::{ConstantContext, MAX_TAGS, evaluate};
 use crate::source::Span;
 
 use super::terms;
@@ -76,14 +76,34 @@ fn statics(space: &Space) -> Vec<Vec<TagId>> {
     tiles.chain(space.solids.iter().map(|s| s.tags.clone())).collect()
 }
 
-/// The strongest thing that a contact of two sets of tags does.
-fn response(world: &World, a: &[TagId], b: &[TagId]) -> Option<Push> {
-    let meets = |x: &[TagId], y: &[TagId]| x.iter().any(|t| y.contains(t));
-    let fits = world
-        .collide
-        .iter()
-        .filter(|c| (meets(&c.left, a) && meets(&c.right, b)) || (meets(&c.left, b) && meets(&c.right, a)));
-    fits.map(|c| c.response.push).max()
+/// A set of tags, a bit for each.
+fn bits<'t>(tags: impl IntoIterator<Item = &'t TagId>) -> u64 {
+    tags.into_iter().fold(0, |bits, tag| bits | 1 << (tag.0 as usize % MAX_TAGS))
+}
+
+/// For each tag those that it meets by the `collide` lines of a world, for each thing that a contact does.
+struct Meetings([(Push, [u64; MAX_TAGS]); 3]);
+
+impl Meetings {
+    fn new(world: &World) -> Self {
+        let mut met = [Push::Sense, Push::FromAbove, Push::Block].map(|push| (push, [0; MAX_TAGS]));
+        for rule in &world.collide {
+            for (_, table) in met.iter_mut().filter(|(push, _)| *push == rule.response.push) {
+                for (from, to) in [(&rule.left, bits(&rule.right)), (&rule.right, bits(&rule.left))] {
+                    for tag in from {
+                        table[tag.0 as usize % MAX_TAGS] |= to;
+                    }
+                }
+            }
+        }
+        Meetings(met)
+    }
+
+    /// The strongest thing that a contact of two sets of tags does.
+    fn response(&self, a: u64, b: u64) -> Option<Push> {
+        let meets = |table: &[u64; MAX_TAGS]| (0..MAX_TAGS).any(|tag| a >> tag & 1 == 1 && table[tag] & b != 0);
+        self.0.iter().filter(|(_, table)| meets(table)).map(|(push, _)| *push).max()
+    }
 }
 
 /// Contact questions of a world's entities that its `collide` lines never answer with yes.
@@ -91,21 +111,25 @@ pub(super) fn touches(checked: &Checked, found: &mut Diagnostics) {
     let mut told: BTreeSet<Span> = BTreeSet::new();
     for world in checked.worlds.iter() {
         let present: BTreeSet<EntityId> = world.instances.iter().map(|i| i.entity).collect();
-        let mut carriers: Vec<Vec<TagId>> = world.spaces.iter().flat_map(statics).collect();
+        let mut carriers: Vec<u64> = world.spaces.iter().flat_map(statics).map(|tags| bits(&tags)).collect();
         let colliders = present.iter().flat_map(|e| checked.entities[*e].colliders.iter());
-        carriers.extend(colliders.map(|c| c.tags.clone()));
-        carriers.sort();
+        carriers.extend(colliders.map(|c| bits(&c.tags)));
+        carriers.sort_unstable();
         carriers.dedup();
+        // Whether any of some carriers meets any of others is a question of all of their tags.
+        let with = |tag: &TagId| carriers.iter().filter(|c| **c & bits([tag]) != 0).fold(0, |all, c| all | c);
+        let beside: Vec<u64> = checked.tags.ids().take(MAX_TAGS).map(|tag| with(&tag)).collect();
+        let meetings = Meetings::new(world);
         for &entity in &present {
             let entity = &checked.entities[entity];
             for ((mine, other), at) in questions(entity) {
-                let own: Vec<&[TagId]> = entity.colliders.iter().map(|c| c.tags.as_slice()).collect();
-                let own = || own.iter().filter(|tags| mine.is_none_or(|m| tags.contains(&m)));
-                let mut others = carriers.iter().filter(|tags| tags.contains(&other)).peekable();
-                if others.peek().is_none() || own().next().is_none() {
+                let own =
+                    || entity.colliders.iter().map(|c| &c.tags).filter(|tags| mine.is_none_or(|m| tags.contains(&m)));
+                let others = beside.get(other.0 as usize).copied().unwrap_or(0);
+                if others == 0 || own().next().is_none() {
                     continue;
                 }
-                let answered = others.any(|o| own().any(|m| response(world, m, o).is_some()));
+                let answered = meetings.response(bits(own().flatten()), others).is_some();
                 if !answered && told.insert(at) {
                     let tag = |t: TagId| checked.tags[t].text.clone();
                     let mine: BTreeSet<TagId> = match mine {
@@ -140,10 +164,14 @@ fn lines(world: &World, mine: &BTreeSet<TagId>, other: TagId) -> Vec<Span> {
 pub(super) fn players(checked: &Checked, found: &mut Diagnostics) {
     let played: BTreeSet<EntityId> =
         checked.worlds.iter().flat_map(|w| w.players.iter().map(|p| w.instances[p.slot].entity)).collect();
+    let mut named: BTreeMap<EntityId, &Instance> = BTreeMap::new();
+    let instances = checked.worlds.iter().flat_map(|w| w.instances.iter());
+    for instance in instances.filter(|i| i.origin == Origin::Named) {
+        named.entry(instance.entity).or_insert(instance);
+    }
     for (id, entity) in checked.entities.pairs().filter(|(id, _)| !played.contains(id)) {
         let Some(input) = entity.buttons.iter().chain(entity.axes.iter()).min_by_key(|n| n.span) else { continue };
-        let mut instances = checked.worlds.iter().flat_map(|w| w.instances.iter());
-        if let Some(instance) = instances.find(|i| i.entity == id && i.origin == Origin::Named) {
+        if let Some(instance) = named.get(&id) {
             found.report(NoPlayer {
                 entity: entity.name.text.clone(),
                 at: input.span,
@@ -156,8 +184,10 @@ pub(super) fn players(checked: &Checked, found: &mut Diagnostics) {
 /// Instances that begin inside of what blocks them.
 pub(super) fn places(checked: &Checked, found: &mut Diagnostics) {
     for world in checked.worlds.iter() {
+        let meetings = Meetings::new(world);
+        let walls: Vec<Walls<'_>> = world.spaces.iter().map(Walls::new).collect();
         for instance in world.instances.iter().filter(|i| i.origin != Origin::Free) {
-            inside(checked, world, instance, found);
+            inside(checked, world, instance, (&meetings, &walls[instance.space.0 as usize]), found);
         }
     }
 }
@@ -168,9 +198,48 @@ type Sides = [f64; 4];
 /// How deep something is, px, and in what: a tile by column and row, or a `rect`.
 type Inside = (f64, Result<(usize, usize), Span>);
 
-fn inside(checked: &Checked, world: &World, instance: &Instance, found: &mut Diagnostics) {
+/// What never moves in a space, its `rect`s by their left sides.
+struct Walls<'a> {
+    space: &'a Space,
+    /// The sides of a `rect`, which it is, and how far any of those up to here reaches to the right.
+    solids: Vec<(Sides, usize, f64)>,
+}
+
+impl<'a> Walls<'a> {
+    fn new(space: &'a Space) -> Self {
+        let sides = space.solids.iter().map(|s| sides(s.rect));
+        let mut solids: Vec<(Sides, usize, f64)> = sides.zip(0..).map(|(sides, index)| (sides, index, 0.0)).collect();
+        solids.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
+        let mut reach = f64::NEG_INFINITY;
+        for (sides, _, up_to_here) in &mut solids {
+            reach = reach.max(sides[1]);
+            *up_to_here = reach;
+        }
+        Walls { space, solids }
+    }
+
+    /// The `rect`s that overlap a box from left to right, in the order of the text.
+    fn beside(&self, of: Sides) -> Vec<(Sides, &'a Solid)> {
+        let before = self.solids.partition_point(|(sides, ..)| sides[0] < of[1]);
+        let near = self.solids[..before].iter().rev().take_while(|(_, _, reach)| *reach > of[0]);
+        let mut near: Vec<(Sides, usize)> = near.map(|(sides, index, _)| (*sides, *index)).collect();
+        near.sort_by_key(|(_, index)| *index);
+        near.into_iter().map(|(sides, index)| (sides, &self.space.solids[index])).collect()
+    }
+}
+
+fn sides([x, y, width, height]: [f64; 4]) -> Sides {
+    [x, x + width, y, y + height]
+}
+
+fn inside(
+    checked: &Checked,
+    world: &World,
+    instance: &Instance,
+    (meetings, walls): (&Meetings, &Walls<'_>),
+    found: &mut Diagnostics,
+) {
     let (Some([x, ..]), Some([y, ..])) = (instance.vars.iter().next(), instance.vars.iter().nth(1)) else { return };
-    let space = &world.spaces[instance.space];
     let context =
         ConstantContext { params: Some(&instance.params), step: Some(world.step.0 as f64 / world.step.1 as f64) };
     let movable = checked.entities[instance.entity].colliders.iter().filter(|c| !c.kinematic && c.guard.is_none());
@@ -180,9 +249,9 @@ fn inside(checked: &Checked, world: &World, instance: &Instance, found: &mut Dia
             continue;
         };
         let (left, bottom) = (x + left, y + bottom);
-        let sides = [left, left + width, bottom, bottom + height];
-        let blocks = |tags: &[TagId]| response(world, &collider.tags, tags) == Some(Push::Block);
-        if let Some((depth, of)) = deepest(space, sides, blocks) {
+        let own = bits(&collider.tags);
+        let blocks = |tags: &[TagId]| meetings.response(own, bits(tags)) == Some(Push::Block);
+        if let Some((depth, of)) = deepest(walls, sides([left, bottom, width, height]), blocks) {
             found.report(PlacedInside { name: instance.name.text.clone(), at: instance.span, depth, of });
             return;
         }
@@ -190,13 +259,13 @@ fn inside(checked: &Checked, world: &World, instance: &Instance, found: &mut Dia
 }
 
 /// What a box is deepest in, and how deep, px.
-fn deepest(space: &Space, sides: Sides, blocks: impl Fn(&[TagId]) -> bool) -> Option<Inside> {
+fn deepest(walls: &Walls<'_>, sides: Sides, blocks: impl Fn(&[TagId]) -> bool) -> Option<Inside> {
     let mut found: Vec<Inside> = Vec::new();
-    for solid in space.solids.iter().filter(|s| blocks(&s.tags)) {
-        let [x, y, width, height] = solid.rect;
-        found.push((depth(sides, [x, x + width, y, y + height]), Err(solid.span)));
+    for (of, solid) in walls.beside(sides).into_iter().filter(|(_, s)| blocks(&s.tags)) {
+        found.push((depth(sides, of), Err(solid.span)));
     }
-    if let Some(map) = &space.map {
+    if let Some(map) = &walls.space.map {
+        let blocking: Vec<bool> = map.kinds.iter().map(|kind| blocks(&kind.tags)).collect();
         let (width, height) = map.tile;
         let cells = |low: f64, high: f64, size: f64, count: usize| {
             let first = (low / size).floor().clamp(0.0, count as f64) as usize;
@@ -206,7 +275,7 @@ fn deepest(space: &Space, sides: Sides, blocks: impl Fn(&[TagId]) -> bool) -> Op
         for row in cells(sides[2], sides[3], height, map.rows) {
             for column in cells(sides[0], sides[1], width, map.columns) {
                 let kind = map.kind(column as i64, row as i64);
-                if kind.is_some_and(|k| blocks(&map.kinds[k].tags)) {
+                if kind.is_some_and(|k| blocking[k]) {
                     let (left, bottom) = (column as f64 * width, row as f64 * height);
                     found.push((depth(sides, [left, left + width, bottom, bottom + height]), Ok((column, row))));
                 }

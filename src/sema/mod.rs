@@ -29,9 +29,10 @@ use std::collections::BTreeSet;
 
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::file::TooMany;
+use crate::diagnostic::catalogue::syntax::ExpressionTooLong;
 use crate::diagnostic::catalogue::types::TypeMismatch;
 use crate::source::{FileId, SourceMap, Span};
-use crate::syntax::ast;
+use crate::syntax::{MAX_OPERATORS, ast};
 
 use checked::Checked;
 pub use constant::{Broken, ConstantContext, arithmetic, call, compare, evaluate};
@@ -149,6 +150,11 @@ impl<'a> Checker<'a> {
         if let Some(annotation) = constant.dimension.as_ref().and_then(|d| self.annotation(d)) {
             term = term.and_then(|term| self.pinned(term, annotation));
         }
+        if let Some(at) = term.as_ref().filter(|t| operators(t) > MAX_OPERATORS).map(|t| t.span) {
+            // Each use of a constant is a copy: those that hold each other twice would grow without end.
+            self.diagnostics.report(ExpressionTooLong { at, limit: MAX_OPERATORS, unread: false });
+            term = None;
+        }
         if let Some(term) = term {
             self.constants.declare(&constant.name, term, &mut self.diagnostics);
         } else {
@@ -181,6 +187,17 @@ impl<'a> Checker<'a> {
         let id = self.checked.tags.push(name.clone());
         self.tags.insert(name.text.clone(), id);
         id
+    }
+}
+
+/// How many operators and calls a constant holds, those of the constants in it included.
+fn operators(term: &checked::Term) -> usize {
+    use checked::TermKind as K;
+    match &term.kind {
+        K::Negate(a) | K::Not(a) => 1 + operators(a),
+        K::Arithmetic(_, a, b) | K::Compare(_, a, b) | K::And(a, b) | K::Or(a, b) => 1 + operators(a) + operators(b),
+        K::Call(_, arguments) => 1 + arguments.iter().map(operators).sum::<usize>(),
+        _ => 0,
     }
 }
 

@@ -172,7 +172,7 @@ impl Builder<'_> {
     }
 
     fn is_explained(&self, span: Span) -> bool {
-        self.scan.explained.iter().any(|e| e.contains(span))
+        self.scan.is_explained(span)
     }
 
     /// Reports a slice that fit no rule. `rule` is what should have stood there.

@@ -14,11 +14,13 @@ use crate::diagnostic::{Diagnostics, similar};
 use crate::source::{SourceMap, Span};
 
 use super::ast::{Behavior, Expr, File, Item, Member, Use};
-use super::scan::MAX_OPERATORS;
+use super::scan::{MAX_NESTING, MAX_OPERATORS};
 use super::substitute::Substitution;
 
 /// The most members that behaviours may put in place in one program.
 pub const MAX_PUT: usize = 200_000;
+/// How deep modes, groups and behaviours may stand inside of each other once all are in place.
+const MAX_DEPTH: usize = 2 * MAX_NESTING;
 
 /// Puts all behaviours in place.
 pub fn expand(files: &mut [File], sources: &mut SourceMap) -> Diagnostics {
@@ -48,8 +50,17 @@ pub fn expand(files: &mut [File], sources: &mut SourceMap) -> Diagnostics {
         }
     }
     let suspects = files.iter().flat_map(|f| &f.broken).flat_map(|b| b.names.iter().cloned()).collect();
-    let mut expander =
-        Expander { behaviors, suspects, sources, diagnostics, active: Vec::new(), put: 0, used: BTreeSet::new() };
+    let mut expander = Expander {
+        behaviors,
+        suspects,
+        sources,
+        diagnostics,
+        active: Vec::new(),
+        put: 0,
+        depth: 0,
+        is_too_deep: false,
+        used: BTreeSet::new(),
+    };
     expander.cycles();
     for item in files.iter_mut().flat_map(|f| &mut f.items) {
         if let Item::Entity(entity) = item {
@@ -63,13 +74,17 @@ pub fn expand(files: &mut [File], sources: &mut SourceMap) -> Diagnostics {
 struct Expander<'a> {
     behaviors: BTreeMap<String, Behavior>,
     /// Names that broken slices would have declared.
-    suspects: Vec<String>,
+    suspects: BTreeSet<String>,
     sources: &'a mut SourceMap,
     diagnostics: Diagnostics,
     /// The behaviours that are being put in place.
     active: Vec<String>,
     /// How many members were put in place.
     put: usize,
+    /// How many modes, groups and behaviours are open.
+    depth: usize,
+    /// Whether too many were.
+    is_too_deep: bool,
     /// The behaviours that were put in place at least once.
     used: BTreeSet<String>,
 }
@@ -96,24 +111,29 @@ impl Expander<'_> {
             collect(&behavior.members, &mut inner);
             uses.insert(name, inner);
         }
-        let mut done: Vec<&str> = Vec::new();
+        let mut done: BTreeSet<&str> = BTreeSet::new();
         let mut found = Vec::new();
         for &start in uses.keys() {
             // A walk with its own stack: who is on the way, and which of its uses comes next.
             let mut way: Vec<(&str, usize)> = vec![(start, 0)];
+            let mut on_way: BTreeSet<&str> = BTreeSet::from([start]);
             while let Some((name, next)) = way.last_mut() {
                 let Some(&(inner, span)) = uses.get(name).and_then(|u| u.get(*next)) else {
-                    done.push(name);
+                    done.insert(name);
+                    on_way.remove(name);
                     way.pop();
                     continue;
                 };
                 *next += 1;
-                if let Some(first) = way.iter().position(|(n, _)| *n == inner) {
+                if on_way.contains(inner)
+                    && let Some(first) = way.iter().position(|(n, _)| *n == inner)
+                {
                     let mut names: Vec<String> = way[first..].iter().map(|(n, _)| (*n).to_string()).collect();
                     names.push(inner.to_string());
                     found.push(BehaviorCycle { at: span, names });
                 } else if !done.contains(&inner) && uses.contains_key(inner) {
                     way.push((inner, 0));
+                    on_way.insert(inner);
                 }
             }
         }
@@ -127,6 +147,7 @@ impl Expander<'_> {
         if !has_use(members) {
             return;
         }
+        self.depth += 1;
         for member in std::mem::take(members) {
             match member {
                 Member::Use(put) => members.extend(self.put(&put)),
@@ -141,13 +162,14 @@ impl Expander<'_> {
                 other => members.push(other),
             }
         }
+        self.depth -= 1;
     }
 
     /// What a `use` stands for.
     fn put(&mut self, put: &Use) -> Vec<Member> {
         let name = &put.behavior.text;
         let Some(behavior) = self.behaviors.get(name).cloned() else {
-            if !self.suspects.iter().any(|s| s == name || s == "*") {
+            if !self.suspects.contains(name) && !self.suspects.contains("*") {
                 let known = || self.behaviors.keys().map(String::as_str);
                 let near = similar(name, known());
                 let declared = near.as_ref().and_then(|near| self.behaviors.get(near)).map(|b| b.name.span);
@@ -165,6 +187,14 @@ impl Expander<'_> {
         self.used.insert(name.clone());
         if self.active.contains(name) {
             return Vec::new(); // a cycle, which is reported
+        }
+        if self.depth > MAX_DEPTH {
+            if !std::mem::replace(&mut self.is_too_deep, true) {
+                let (count, limit) = (self.depth as u64, MAX_DEPTH as u64);
+                let what = "modes, groups and behaviors inside of each other".into();
+                self.diagnostics.report(TooMany { what, count, limit, at: put.span });
+            }
+            return Vec::new();
         }
         let before = self.put;
         self.put += 1 + size(&behavior.members);

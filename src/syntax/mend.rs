@@ -2,7 +2,7 @@
 //! still checked. Used by the scan, before the grammar sees the text.
 
 use crate::diagnostic::Diagnostics;
-use crate::diagnostic::catalogue::syntax::{MissingOpenBrace, StrayBrace, UnclosedBrace};
+use crate::diagnostic::catalogue::syntax::{MissingOpenBrace, StrayBrace, TooManyErrors, UnclosedBrace};
 use crate::source::{FileId, Span};
 
 /// One brace of the text.
@@ -36,6 +36,9 @@ pub(super) struct Insert {
     pub text: &'static str,
 }
 
+/// How many braces that close nothing are shown.
+const MAX_STRAYS: usize = 100;
+
 const CLOSE: &str = "\n}\n";
 const OPEN: &str = " {";
 
@@ -57,7 +60,8 @@ pub(super) fn mend_braces(
     if balanced {
         return Vec::new();
     }
-    let mut mender = Mender { file, text, diagnostics, inserts: Vec::new(), open: Vec::new(), suspect: None };
+    let mut mender =
+        Mender { file, text, diagnostics, inserts: Vec::new(), open: Vec::new(), strays: 0, suspect: None };
     let mut lines = lines.iter().peekable();
     for brace in braces {
         while let Some(line) = lines.next_if(|l| l.token < brace.at) {
@@ -80,6 +84,7 @@ struct Mender<'a> {
     diagnostics: &'a mut Diagnostics,
     inserts: Vec<Insert>,
     open: Vec<Brace>,
+    strays: usize,
     /// A closing brace in the middle of its line that closed a block of an earlier line, and that block's opener.
     suspect: Option<(Brace, Brace)>,
 }
@@ -151,7 +156,12 @@ impl Mender<'_> {
     }
 
     fn stray(&mut self, brace: Brace) {
-        self.diagnostics.report(StrayBrace { at: self.at(brace.at) });
+        self.strays += 1;
+        if self.strays <= MAX_STRAYS {
+            self.diagnostics.report(StrayBrace { at: self.at(brace.at) });
+        } else if self.strays == MAX_STRAYS + 1 {
+            self.diagnostics.report(TooManyErrors { at: self.at(brace.at) });
+        }
         self.text[brace.at] = b' ';
     }
 

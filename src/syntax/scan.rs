@@ -26,22 +26,28 @@ pub(super) struct Scan {
     pub trivia: Vec<Comment>,
     /// Regions whose syntax errors are already explained.
     pub explained: Vec<Span>,
-    /// Where lines were inserted (in the mended text) and how many bytes.
-    insertions: Vec<(usize, usize)>,
+    /// Where lines were inserted (in the mended text), how many bytes, and how many with those before.
+    insertions: Vec<(usize, usize, usize)>,
     length: usize,
 }
 
 impl Scan {
     /// The byte of the source behind a byte of the mended text.
     pub fn position(&self, mended: usize) -> usize {
-        let mut shift = 0;
-        for &(at, length) in &self.insertions {
-            if mended <= at {
-                break;
-            }
-            shift += length.min(mended - at);
-        }
+        let before = self.insertions.partition_point(|(at, ..)| *at < mended);
+        let shift = match before.checked_sub(1).and_then(|last| self.insertions.get(last)) {
+            // The byte may stand within what was inserted.
+            Some(&(at, length, sum)) => sum - length + length.min(mended - at),
+            None => 0,
+        };
         (mended - shift).min(self.length)
+    }
+
+    /// Whether what is wrong with a place has been told.
+    pub fn is_explained(&self, span: Span) -> bool {
+        // They stand in order and do not overlap.
+        let before = self.explained.partition_point(|e| e.start <= span.start);
+        before.checked_sub(1).and_then(|last| self.explained.get(last)).is_some_and(|e| e.contains(span))
     }
 }
 
@@ -68,7 +74,8 @@ pub(super) fn scan(file: FileId, text: &str, diagnostics: &mut Diagnostics) -> S
         let mut done = 0;
         for Insert { at, text } in inserts {
             out.push_str(&String::from_utf8_lossy(&mended[done..at]));
-            scan.insertions.push((out.len(), text.len()));
+            let sum = scan.insertions.last().map_or(0, |(.., sum)| *sum);
+            scan.insertions.push((out.len(), text.len(), sum + text.len()));
             out.push_str(text);
             done = at;
         }
@@ -100,6 +107,10 @@ struct Scanner<'a> {
     line_start: usize,
     indent: usize,
     line_is_empty: bool,
+    /// The end of the line that was looked for last.
+    line_end: usize,
+    /// Up to here no row closes a map that has lost its opening quote.
+    no_quote_before: usize,
 }
 
 impl<'a> Scanner<'a> {
@@ -122,6 +133,8 @@ impl<'a> Scanner<'a> {
             line_start: 0,
             indent: 0,
             line_is_empty: true,
+            line_end: 0,
+            no_quote_before: 0,
         }
     }
 
@@ -152,8 +165,16 @@ impl<'a> Scanner<'a> {
         self.bytes[from..].iter().position(|&b| b == b'\n').map_or(self.bytes.len(), |n| from + n)
     }
 
+    /// The end of the line that is being scanned; a long line is searched once.
+    fn this_line_end(&mut self, from: usize) -> usize {
+        if self.line_end <= from {
+            self.line_end = self.line_end(from);
+        }
+        self.line_end
+    }
+
     fn comment(&mut self, start: usize) -> usize {
-        let end = self.line_end(start);
+        let end = self.this_line_end(start);
         let body = self.text.get(start..end).unwrap_or("").trim_end();
         let documents = body.starts_with("///") && !body.starts_with("////");
         self.trivia.push(Comment { span: Span::new(self.file, start, start + body.len()), documents });
@@ -312,10 +333,11 @@ impl<'a> Scanner<'a> {
 
     /// Text on one line, or a map: its opening quote ends a line, its closing quote begins one.
     fn text_or_map(&mut self, i: usize) -> usize {
-        let end = self.line_end(i);
+        let end = self.this_line_end(i);
         if let Some(close) = self.bytes[i + 1..end].iter().position(|&b| b == b'"') {
             return i + close + 2;
         }
+        // Only the last quote of a line comes here.
         let after = self.text.get(i + 1..end).unwrap_or("x").trim();
         if !after.is_empty() && !after.starts_with("//") {
             return i + 1; // an unclosed text: the grammar reports it at its line's end
@@ -346,9 +368,12 @@ impl<'a> Scanner<'a> {
 
     /// `map NAME` whose rows follow without an opening quote, up to a closing one that stands alone.
     fn map_without_quote(&mut self, i: usize, word: usize) -> usize {
-        let end = self.line_end(i);
+        let end = self.this_line_end(i);
         let name = self.text.get(i + word..end).unwrap_or("").trim();
         if name.is_empty() || name.contains(|c: char| !(c.is_alphanumeric() || c == '_')) {
+            return i + word;
+        }
+        if end < self.no_quote_before {
             return i + word;
         }
         let mut line = end + 1;
@@ -366,6 +391,7 @@ impl<'a> Scanner<'a> {
             }
             line = line_end + 1;
         }
+        self.no_quote_before = line;
         i + word
     }
 }

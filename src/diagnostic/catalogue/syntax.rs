@@ -105,7 +105,11 @@ impl Fact for ExpressionTooLong {
             Diagnostic::new(Code::ExpressionTooLong, format!("an expression has more than {} operators", self.limit))
                 .at(
                     self.at,
-                    if self.unread { "one operator too many" } else { "too long with its arguments put in place" },
+                    if self.unread {
+                        "one operator too many"
+                    } else {
+                        "too long with its constants or arguments put in place"
+                    },
                 )
                 .help("name parts of it with `const` or `param`");
         if self.unread { d.note("nothing after this place was checked") } else { d }

@@ -29,6 +29,10 @@ impl<'a> Files<'a> for Sources<'a> {
         Ok(self.0.file(id).line_column(byte).0 - 1)
     }
 
+    fn column_number(&'a self, id: FileId, _: usize, byte: usize) -> Result<usize, Error> {
+        Ok(self.0.file(id).line_column(byte).1)
+    }
+
     fn line_range(&'a self, id: FileId, line: usize) -> Result<Range<usize>, Error> {
         self.0.file(id).line_range(line).ok_or(Error::LineTooLarge { given: line, max: 0 })
     }

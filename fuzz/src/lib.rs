@@ -1,0 +1,166 @@
+//! What the fuzz targets do with their bytes.
+
+use std::path::Path;
+
+use hypedc::compile::{Compilation, compile};
+use hypedc::diagnostic::render::{self, Found};
+use hypedc::diagnostic::fix;
+use hypedc::format::format;
+use hypedc::graph::{Chart, chart, dot, mermaid, svg};
+use hypedc::ir::{self, Program, WorldId};
+use hypedc::sim::{Input, Simulator};
+use hypedc::source::{FileId, Files, ReadError, SourceMap, decode};
+use hypedc::syntax::parse;
+
+/// The program that is looked at.
+const ROOT: &str = "test.hyped";
+
+/// Files in memory: bytes under their names.
+struct Memory<'a>(&'a [(&'a str, &'a [u8])]);
+
+impl Files for Memory<'_> {
+    fn read(&self, path: &Path) -> Result<String, ReadError> {
+        match self.0.iter().find(|(name, _)| path == Path::new(name)) {
+            Some((_, bytes)) => decode(bytes.to_vec()),
+            None => Err(ReadError::Unreadable("no such file".into())),
+        }
+    }
+}
+
+/// What the examples import.
+const IMPORTED: &[(&str, &[u8])] = &[
+    ("entities/patrol.hyped", include_bytes!("../../examples/entities/patrol.hyped")),
+    ("entities/runner.hyped", include_bytes!("../../examples/entities/runner.hyped")),
+    ("entities/swordsman.hyped", include_bytes!("../../examples/entities/swordsman.hyped")),
+    ("mario.hyped", include_bytes!("../../examples/paper/mario.hyped")),
+    ("platforms.hyped", include_bytes!("../../examples/paper/platforms.hyped")),
+    ("robot.hyped", include_bytes!("../../examples/paper/robot.hyped")),
+];
+
+/// A program: all that can be asked of it is answered.
+pub fn check(bytes: &[u8]) {
+    let files: Vec<(&str, &[u8])> = [(ROOT, bytes)].into_iter().chain(IMPORTED.iter().copied()).collect();
+    let compiled = compile(Path::new(ROOT), &Memory(&files));
+    shown(&compiled);
+    mended(&compiled);
+    if let Some(program) = &compiled.program {
+        drawn(&compiled.sources, program);
+        program.worlds.ids().take(2).for_each(|world| run(program, world));
+    }
+}
+
+/// A legend, a line `====`, a map: in a program that reads the map in every way there is.
+pub fn levels(bytes: &[u8]) {
+    const LINE: &[u8] = b"\n====\n";
+    let cut = bytes.windows(LINE.len()).position(|part| part == LINE);
+    let (legend, map) = cut.map_or((bytes, bytes), |at| (&bytes[..at], &bytes[at + LINE.len()..]));
+    let root = format!(
+        "entity A {{
+            collider body: rect(0, 0, 8, 8)
+            mode a {{ x' = 30; y'' = -300; when touching(body, solid, below) -> a {{ y' := 200 }} }}
+        }}
+        world Text {{
+            collide body with solid: block
+            tiles land 16 x 16 {{ '-': empty; 'X': solid; 'E': spawn A as foe; 'é': solid, \"question block\" }}
+            space main {{ map land from \"map.txt\"
+                place a: A at (32, 32) }}
+            limit A 9
+        }}
+        world Inline {{
+            collide body with solid: block
+            tiles land 16 x 16 {{ '-': empty; 'X': solid; 'E': spawn A as foe }}
+            space main {{ map land \"\n{}\n\"
+                place a: A at (32, 32) }}
+            limit A 9
+        }}
+        world Vglc {{
+            collide body with solid, \"question block\": block
+            space main {{ map vglc \"map.txt\" legend \"legend.json\" tile 16 x 8 {{ 'E': spawn A as foe }}
+                place a: A at (32, 32) }}
+            limit A 9
+        }}\n",
+        String::from_utf8_lossy(map)
+    );
+    let compiled = compile(
+        Path::new(ROOT),
+        &Memory(&[(ROOT, root.as_bytes()), ("map.txt", map), ("legend.json", legend)]),
+    );
+    shown(&compiled);
+    if let Some(program) = &compiled.program {
+        program.worlds.ids().for_each(|world| run(program, world));
+    }
+}
+
+/// A program to be laid out: the layout of a layout is itself, and means the same.
+pub fn fmt(bytes: &[u8]) {
+    let Ok(text) = decode(bytes.to_vec()) else { return };
+    let Ok(once) = format(FileId(0), &text) else { return };
+    let twice = format(FileId(0), &once).expect("what is laid out can be laid out");
+    assert_eq!(once, twice, "the layout of a layout is itself");
+    assert_eq!(meaning(&text), meaning(&once), "it means the same");
+}
+
+/// The syntax tree without its places, and the comments.
+fn meaning(text: &str) -> (String, Vec<&str>) {
+    let (tree, found) = parse(FileId(0), text);
+    assert!(!found.has_errors());
+    let comments = tree.trivia.iter().filter_map(|c| text.get(c.span.range())).collect();
+    let items = format!("{:?}", tree.items);
+    let mut parts = items.split("file0[");
+    let first = parts.next().unwrap_or("").to_string();
+    let tree = parts.fold(first, |tree, part| tree + part.split_once(']').map_or("", |(_, after)| after));
+    (tree, comments)
+}
+
+/// Every finding, in every format.
+fn shown(compiled: &Compilation) {
+    let Compilation { sources, diagnostics, .. } = compiled;
+    for label in diagnostics.iter().flat_map(|d| d.primary.iter().chain(&d.secondary)) {
+        assert!(label.span.range().end <= sources.file(label.span.file).text().len(), "{label:?}");
+    }
+    let found = [Found { path: Path::new(ROOT), sources, diagnostics }];
+    assert_eq!(render::short(sources, diagnostics.iter()).is_empty(), diagnostics.is_empty());
+    render::human(sources, diagnostics.iter(), false);
+    render::human(sources, diagnostics.iter(), true);
+    render::json(&found).expect("findings are JSON");
+    render::sarif(&found, Path::new("/home")).expect("findings are SARIF");
+}
+
+/// Fixes that go together can be made.
+fn mended(compiled: &Compilation) {
+    let chosen = fix::together(compiled.diagnostics.iter(), |_| true);
+    for (file, edits) in fix::by_file(chosen.iter().map(|(_, fix)| *fix)) {
+        let text = compiled.sources.file(file).text();
+        assert!(fix::mended(text, &edits).is_some_and(|new| new != text), "{edits:?}");
+    }
+}
+
+fn drawn(sources: &SourceMap, program: &Program) {
+    let charts: Vec<Chart> = program.entities.ids().map(|id| chart(program, sources, id)).collect();
+    for text in [dot(&charts), mermaid(&charts), svg(&charts)] {
+        assert_eq!(text.is_empty(), charts.is_empty());
+    }
+    assert_eq!(ir::text(program).is_empty(), program.entities.is_empty() && program.worlds.is_empty());
+}
+
+/// Fifty steps, every button held in turn; a fault is an answer, too. The same step gives the same state.
+fn run(program: &Program, world: WorldId) {
+    let sim = Simulator::new(program, world);
+    let mut scratch = sim.scratch();
+    let Ok(mut state) = sim.initial(&mut scratch) else { return };
+    let mut input = Input::nothing(program.worlds[world].players.len());
+    for step in 0..50u64 {
+        for player in &mut input.0 {
+            player.buttons = 1 << (step / 4 % 8);
+            player.axes[0] = [-1.0, 0.0, 1.0][(step / 7 % 3) as usize];
+        }
+        let mut twin = state.clone();
+        let first = sim.step(&mut state, &input, &mut scratch);
+        let second = sim.step(&mut twin, &input, &mut sim.scratch());
+        assert_eq!(first, second);
+        if first.is_err() {
+            return;
+        }
+        assert_eq!(state, twin);
+    }
+}

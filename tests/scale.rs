@@ -1,0 +1,67 @@
+//! Large programs: those that read like games compile without a finding, and the shapes that stress one thing get an
+//! answer in a time that grows with them.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+#[path = "../benches/large/mod.rs"]
+mod large;
+mod support;
+
+use hypedc::diagnostic::render;
+use support::compile_text;
+
+#[test]
+fn large_programs_are_right() {
+    let text = large::realistic(10_000);
+    let compiled = compile_text(&text);
+    let found: Vec<_> = compiled.diagnostics.iter().take(5).collect();
+    assert!(found.is_empty(), "{}", render::human(&compiled.sources, found, false));
+    assert!(compiled.program.is_some());
+}
+
+#[test]
+fn every_shape_gets_an_answer() {
+    // What takes the square of a size takes hours at these.
+    for (name, shape) in large::SHAPES {
+        let compiled = compile_text(&shape(3_000));
+        let short = render::short(&compiled.sources, compiled.diagnostics.iter());
+        assert_eq!(short.lines().count(), compiled.diagnostics.iter().count(), "{name}");
+    }
+}
+
+/// The codes of what is found in a text.
+fn codes(text: &str) -> Vec<&'static str> {
+    compile_text(text).diagnostics.iter().map(|d| d.code.text()).collect()
+}
+
+#[test]
+fn constants_that_double_do_not_grow_without_end() {
+    let doubled: String = (1..60).map(|i| format!("const c{i} = c{0} + c{0}\n", i - 1)).collect();
+    let text = format!("const c0 = 1\n{doubled}entity A {{ x' = c59 }}\n");
+    assert_eq!(codes(&text), ["E0005"]);
+}
+
+#[test]
+fn behaviours_inside_of_each_other_end_somewhere() {
+    let chain = |length: usize| {
+        let behaviors = (0..length).map(|i| format!("behavior B{i}() {{ use B{}() }}\n", i + 1)).collect::<String>();
+        format!("{behaviors}behavior B{length}() {{ x' = 1 }}\nentity A {{ use B0() }}\n")
+    };
+    assert_eq!(codes(&chain(100)), [""; 0]);
+    assert_eq!(codes(&chain(20_000)), ["E0003"]);
+}
+
+#[test]
+fn bytes_without_end_get_an_answer() {
+    // Each of them is a single line, or a single blank.
+    let all =
+        ["a", "(", ")", "\"", " ", "7", "/", "}", "'", "\n", ";", ",", "\"a", "ab ", "1 ", "map a\"", "a = \"b\" "];
+    for part in all {
+        for before in ["", "const a = (", "entity A { "] {
+            let text = format!("{before}{}", part.repeat(300_000));
+            let compiled = compile_text(&text);
+            let short = render::short(&compiled.sources, compiled.diagnostics.iter());
+            assert!(short.len() < 100_000, "{part:?} after {before:?}: {} bytes", short.len());
+        }
+    }
+}

@@ -32,6 +32,7 @@
 //!
 //! [`format`]: mod@format
 
+pub mod analysis;
 pub mod cli;
 pub mod compile;
 pub mod diagnostic;

@@ -26,6 +26,8 @@ pub(super) enum Command {
     Reach(ReachArgs),
     /// Explains the code of a finding, with a wrong and a right example.
     Explain(ExplainArgs),
+    /// Tells what each part of a world can be.
+    Bounds(BoundsArgs),
     /// Draws the modes and edges of entities.
     Graph(GraphArgs),
     /// Makes a folder with a small project to start from.
@@ -92,6 +94,19 @@ pub(super) struct FmtArgs {
     /// Changes nothing; says which programs would change.
     #[arg(long)]
     pub check: bool,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct BoundsArgs {
+    /// The program.
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// The level of worlds that leave their map open.
+    #[arg(long, value_name = "PATH")]
+    pub map: Option<PathBuf>,
+    /// The world, where the program has several.
+    #[arg(long, value_name = "NAME")]
+    pub world: Option<String>,
 }
 
 #[derive(Debug, Args)]

@@ -5,6 +5,7 @@
 
 mod about;
 mod args;
+mod bounds;
 mod check;
 mod disk;
 mod explain;
@@ -53,6 +54,7 @@ pub fn main() -> ExitCode {
         Command::Sim(args) => sim::run(&args),
         Command::Reach(args) => reach::run(&args),
         Command::Explain(args) => explain::run(&args),
+        Command::Bounds(args) => bounds::run(&args),
         Command::Graph(args) => graph::run(&args),
         Command::New(args) => new::run(&args),
         Command::Completions(args) => about::completions(&args),

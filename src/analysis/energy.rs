@@ -1,0 +1,70 @@
+//! What stays the same under a constant acceleration.
+//!
+//! With `v += a·dt; p += v·dt`, the number `v² + a·dt·v − 2·a·p` is the same after each step: it is the energy of a free
+//! fall, as this way of integrating keeps it. It ties speed to height: how fast a body falls when it lands, how high it
+//! jumps. Rounding is covered by a margin, since a flight ends after a number of steps that its speeds bound.
+
+use super::values::{Interval, Values};
+
+/// How far rounding may shift it, relative to its size.
+const MARGIN: f64 = 1e-6;
+
+/// A constant acceleration during steps of a length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Fall {
+    /// px/s², not 0.
+    pub acceleration: f64,
+    /// s
+    pub step: f64,
+}
+
+fn wide(i: Interval) -> Interval {
+    let margin = |x: f64| MARGIN * (1.0 + x.abs());
+    Interval { low: i.low - margin(i.low), high: i.high + margin(i.high) }
+}
+
+impl Fall {
+    /// The energy of some positions and velocities.
+    pub fn energy(self, position: Interval, velocity: Interval) -> Interval {
+        let Fall { acceleration: a, step } = self;
+        let kinetic = self.kinetic(velocity);
+        let _ = step;
+        wide(kinetic.minus(position.times(Interval::point(2.0 * a))))
+    }
+
+    /// `v² + a·dt·v`
+    fn kinetic(self, v: Interval) -> Interval {
+        // Its least value is where v = -a·dt/2.
+        let turn = -self.acceleration * self.step / 2.0;
+        let f = |v: f64| if v.is_finite() { v * v + self.acceleration * self.step * v } else { f64::INFINITY };
+        let ends = Interval::between(f(v.low), f(v.high));
+        if v.contains(turn) { ends.or(Interval::point(f(turn))) } else { ends }
+    }
+
+    /// The energy under another acceleration of what has an energy under this one, at some positions and velocities.
+    pub fn converted(self, energy: Interval, to: Fall, position: Interval, velocity: Interval) -> Interval {
+        let (a, b) = (self.acceleration, to.acceleration);
+        let along = position.times(Interval::point(2.0 * (a - b)));
+        let speed = velocity.times(Interval::point((b - a) * self.step));
+        let exact = wide(energy.plus(along).plus(speed));
+        exact.and(to.energy(position, velocity)).unwrap_or(exact)
+    }
+
+    /// The velocities that an energy allows at some positions.
+    pub fn velocities(self, energy: Interval, position: Interval, velocity: &Values) -> Values {
+        let half = self.acceleration * self.step / 2.0;
+        let kinetic = energy.plus(position.times(Interval::point(2.0 * self.acceleration)));
+        let square = wide(kinetic).high + half * half;
+        if square.is_nan() || square == f64::INFINITY {
+            return velocity.clone();
+        }
+        let root = square.max(0.0).sqrt();
+        velocity.within(wide(Interval { low: -half - root, high: -half + root }))
+    }
+
+    /// The positions that an energy allows at some velocities.
+    pub fn positions(self, energy: Interval, velocity: Interval, position: &Values) -> Values {
+        let difference = self.kinetic(velocity).minus(energy);
+        position.within(wide(difference.times(Interval::point(0.5 / self.acceleration))))
+    }
+}

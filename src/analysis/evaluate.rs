@@ -1,0 +1,422 @@
+//! Expressions over what variables can be: the values a number can have, the ways a guard can turn out, and what is left
+//! of a configuration where it turns out one way.
+
+use std::collections::BTreeSet;
+
+use crate::ir::{
+    Arithmetic, CompareOp, DiscreteId, Entity, Expr, ExprId, Function, IdVec, LeafId, ParamId, Program, SlotId,
+    SpaceId, Subject, TimerId, VarId, World, call,
+};
+
+use super::energy::Fall;
+use super::surroundings::Surroundings;
+use super::values::{Interval, Values};
+
+/// What the variables of an instance can be while some leaves are active.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Configuration {
+    /// The active leaf of each group.
+    pub leaves: Vec<LeafId>,
+    /// Position, velocity and acceleration of each continuous variable.
+    pub vars: IdVec<VarId, [Values; 3]>,
+    /// Each discrete variable.
+    pub discretes: IdVec<DiscreteId, Values>,
+    /// The count of each timer, steps.
+    pub timers: IdVec<TimerId, Interval>,
+    /// The spaces it can be in.
+    pub spaces: BTreeSet<SpaceId>,
+    /// Of each continuous variable that fell in the last step: how, and with which energy.
+    pub(super) energy: IdVec<VarId, Option<(Fall, Interval)>>,
+}
+
+/// What is known of a slot whatever it does: its configurations in one.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Overall {
+    /// Whether there can be an instance.
+    pub can_live: bool,
+    /// Whether there can be none.
+    pub can_be_absent: bool,
+    pub params: IdVec<ParamId, Values>,
+    pub vars: IdVec<VarId, [Values; 3]>,
+    pub discretes: IdVec<DiscreteId, Values>,
+    pub spaces: BTreeSet<SpaceId>,
+    /// The leaves that can be active.
+    pub leaves: BTreeSet<LeafId>,
+}
+
+/// The ways a guard can turn out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Truth {
+    pub can_hold: bool,
+    pub can_fail: bool,
+}
+
+impl Truth {
+    pub const EITHER: Truth = Truth { can_hold: true, can_fail: true };
+
+    pub fn of(holds: bool) -> Truth {
+        Truth { can_hold: holds, can_fail: !holds }
+    }
+
+    fn not(self) -> Truth {
+        Truth { can_hold: self.can_fail, can_fail: self.can_hold }
+    }
+}
+
+/// What an expression is read against.
+#[derive(Clone, Copy)]
+pub(super) struct Reader<'a> {
+    pub program: &'a Program,
+    pub world: &'a World,
+    pub slots: &'a IdVec<SlotId, Overall>,
+    /// What is known of each slot's contacts.
+    pub surroundings: &'a Surroundings,
+    /// The instance that `Subject::Me` stands for, none in a world's predicate.
+    pub me: Option<(SlotId, &'a Configuration)>,
+}
+
+impl<'a> Reader<'a> {
+    fn entity(&self, slot: SlotId) -> &'a Entity {
+        &self.program.entities[self.world.slots[slot].entity]
+    }
+
+    /// The slots that a subject can stand for.
+    fn candidates(&self, of: Subject) -> Vec<SlotId> {
+        let alive = |slot: &SlotId| self.slots[*slot].can_live;
+        match (of, self.me) {
+            (Subject::Me, Some((me, _))) => vec![me],
+            (Subject::Slot(slot), _) => vec![slot],
+            (Subject::Ref(id), Some((me, _))) => {
+                let entity = self.entity(me).refs[id].entity;
+                let fits = |slot: &SlotId| entity.is_none_or(|e| self.world.slots[*slot].entity == e);
+                self.world.slots.ids().filter(fits).filter(alive).collect()
+            }
+            _ => self.world.slots.ids().filter(alive).collect(),
+        }
+    }
+
+    /// What `read` finds, of any instance that a subject can stand for; those that do not have it are not meant.
+    fn read(&self, of: Subject, read: impl Fn(&Overall) -> Option<Values>) -> Values {
+        let found = self.candidates(of).into_iter().filter_map(|slot| read(&self.slots[slot]));
+        // Where there is no instance, zeros are read.
+        let absent = matches!(of, Subject::Slot(slot) if self.slots[slot].can_be_absent);
+        let zero = absent.then(|| Interval::point(0.0));
+        Values::any(found.flat_map(|v| v.intervals().to_vec()).chain(zero))
+    }
+
+    fn mine(&self, of: Subject) -> Option<&'a Configuration> {
+        self.me.filter(|_| of == Subject::Me).map(|(_, c)| c)
+    }
+
+    fn is_played(&self) -> bool {
+        self.me.is_some_and(|(me, _)| self.world.slots[me].player.is_some())
+    }
+
+    /// The values that a number can have.
+    pub fn number(&self, id: ExprId) -> Values {
+        let number = |id| self.number(id);
+        match self.program.exprs[id] {
+            Expr::Number(n) => Values::point(n),
+            Expr::Frames(n) => Values::point(n * self.world.step.seconds()),
+            Expr::Param(of, p) => self.read(of, |o| o.params.get(p).cloned()),
+            Expr::Var(of, var, degree) => match self.mine(of) {
+                Some(c) => c.vars[var][usize::from(degree)].clone(),
+                None => self.read(of, |o| o.vars.get(var).map(|v| v[usize::from(degree)].clone())),
+            },
+            Expr::Discrete(of, id) => match self.mine(of) {
+                Some(c) => c.discretes[id].clone(),
+                None => self.read(of, |o| o.discretes.get(id).cloned()),
+            },
+            Expr::Axis(_) if self.is_played() => Values::from(Interval { low: -1.0, high: 1.0 }),
+            Expr::Axis(_) => Values::point(0.0),
+            Expr::Timer(timer) => match self.me {
+                Some((_, c)) => {
+                    let step = self.world.step;
+                    let count = c.timers[timer];
+                    let time = |steps: f64| if steps.is_finite() { step.times(steps as u32) } else { steps };
+                    Values::from(Interval { low: time(count.low), high: time(count.high) })
+                }
+                None => Values::all(),
+            },
+            Expr::Negate(a) => number(a).map(|i| i.map(|x| -x)),
+            Expr::Arithmetic(op, a, b) => {
+                let (a, b) = (number(a), number(b));
+                match op {
+                    Arithmetic::Add => a.pairs(&b, Interval::plus),
+                    Arithmetic::Subtract => a.pairs(&b, Interval::minus),
+                    Arithmetic::Multiply => a.pairs(&b, Interval::times),
+                    Arithmetic::Divide => a.pairs(&b, |a, b| match b.contains(0.0) {
+                        true => Interval::ALL,
+                        false => a.corners(b, |a, b| a / b),
+                    }),
+                }
+            }
+            Expr::Call(Function::If, [condition, a, b]) => {
+                let truth = self.truth(condition);
+                let a = if truth.can_hold { number(a) } else { Values::none() };
+                if truth.can_fail { a.or(&number(b)) } else { a }
+            }
+            Expr::Call(function, arguments) => self.called(function, arguments),
+            _ => {
+                let truth = self.truth(id);
+                let ways = [(truth.can_hold, 1.0), (truth.can_fail, 0.0)];
+                Values::any(ways.into_iter().filter(|(can, _)| *can).map(|(_, x)| Interval::point(x)))
+            }
+        }
+    }
+
+    fn called(&self, function: Function, arguments: [ExprId; 3]) -> Values {
+        let [a, b, c] = arguments.map(|x| self.number(x));
+        let f = |x: f64| call(function, [x, 0.0, 0.0]);
+        let within = |low: f64, high: f64| Values::from(Interval { low, high });
+        match function {
+            Function::Min => a.pairs(&b, |a, b| Interval { low: a.low.min(b.low), high: a.high.min(b.high) }),
+            Function::Max => a.pairs(&b, |a, b| Interval { low: a.low.max(b.low), high: a.high.max(b.high) }),
+            Function::Clamp => {
+                let least = a.pairs(&b, |a, b| Interval { low: a.low.max(b.low), high: a.high.max(b.high) });
+                least.pairs(&c, |a, c| Interval { low: a.low.min(c.low), high: a.high.min(c.high) })
+            }
+            Function::Abs => a.map(|i| match i.contains(0.0) {
+                true => Interval { low: 0.0, high: i.high.max(-i.low) },
+                false => i.map(f64::abs),
+            }),
+            Function::Sign | Function::Floor | Function::Ceil | Function::Round => {
+                // A sign has three values, of which an interval's ends show two.
+                let zero = function == Function::Sign && a.contains(0.0);
+                let found = a.map(|i| i.map(f));
+                if zero { found.or(&Values::point(0.0)) } else { found }
+            }
+            Function::Sqrt => a.within(Interval { low: 0.0, high: f64::INFINITY }).map(|i| i.map(f)),
+            Function::Sin | Function::Cos => match a.constant() {
+                Some(x) => Values::point(f(x)),
+                None => within(-1.0, 1.0),
+            },
+            Function::Atan2 => within(-4.0, 4.0),
+            Function::If => Values::all(),
+        }
+    }
+
+    /// The ways a guard can turn out.
+    pub fn truth(&self, id: ExprId) -> Truth {
+        match self.program.exprs[id] {
+            Expr::Bool(b) => Truth::of(b),
+            Expr::Compare(op, a, b) => compared(op, &self.number(a), &self.number(b)),
+            Expr::And(a, b) => {
+                let (a, b) = (self.truth(a), self.truth(b));
+                Truth { can_hold: a.can_hold && b.can_hold, can_fail: a.can_fail || b.can_fail }
+            }
+            Expr::Or(a, b) => {
+                let (a, b) = (self.truth(a), self.truth(b));
+                Truth { can_hold: a.can_hold || b.can_hold, can_fail: a.can_fail && b.can_fail }
+            }
+            Expr::Not(a) => self.truth(a).not(),
+            Expr::Button(..) => Truth { can_hold: self.is_played(), can_fail: true },
+            Expr::Touching(of, touch) => {
+                let can = |slot: &SlotId| self.surroundings.can_touch(*slot, touch);
+                Truth { can_hold: self.candidates(of).iter().any(can), can_fail: true }
+            }
+            Expr::Alive(slot) => {
+                let Overall { can_live, can_be_absent, .. } = self.slots[slot];
+                Truth { can_hold: can_live, can_fail: can_be_absent }
+            }
+            Expr::InMode(of, mode) => {
+                let leaves = |slot: SlotId| self.entity(slot).modes[mode].leaves;
+                if let (Some(c), Some((me, _))) = (self.mine(of), self.me) {
+                    let (first, after) = leaves(me);
+                    return Truth::of(c.leaves.iter().any(|l| first <= *l && *l < after));
+                }
+                let of_mode = |slot: &SlotId| {
+                    let modes = &self.entity(*slot).modes;
+                    modes
+                        .get(mode)
+                        .is_some_and(|m| self.slots[*slot].leaves.range(m.leaves.0..m.leaves.1).next().is_some())
+                };
+                Truth { can_hold: self.candidates(of).iter().any(of_mode), can_fail: true }
+            }
+            Expr::InSpace(of, space) => {
+                let spaces = |slot: &SlotId| self.slots[*slot].spaces.contains(&space);
+                Truth { can_hold: self.candidates(of).iter().any(spaces), can_fail: true }
+            }
+            Expr::Near { of, x, y, radius } => {
+                let (px, py) = match self.mine(of) {
+                    Some(c) => (c.vars[VarId(0)][0].clone(), c.vars[VarId(1)][0].clone()),
+                    None => (
+                        self.read(of, |o| Some(o.vars[VarId(0)][0].clone())),
+                        self.read(of, |o| Some(o.vars[VarId(1)][0].clone())),
+                    ),
+                };
+                let apart = |a: &Values, b: ExprId| a.pairs(&self.number(b), Interval::minus).map(Interval::square);
+                let squares = apart(&px, x).pairs(&apart(&py, y), Interval::plus);
+                let distance = squares.map(|i| i.map(|s| s.max(0.0).sqrt()));
+                let found = compared(CompareOp::AtMost, &distance, &self.number(radius));
+                Truth { can_hold: found.can_hold, can_fail: true }
+            }
+            Expr::Joint(..) | Expr::IsNone(_) | Expr::Is(..) => Truth::EITHER,
+            _ => {
+                let number = self.number(id);
+                Truth { can_hold: number != Values::point(0.0), can_fail: number.contains(0.0) }
+            }
+        }
+    }
+
+    /// What is left of a configuration where a guard holds (or fails); none if it cannot.
+    pub fn refined(&self, from: &Configuration, guard: ExprId, holds: bool) -> Option<Configuration> {
+        let (me, _) = self.me?;
+        let reader = Reader { me: Some((me, from)), ..*self };
+        let truth = reader.truth(guard);
+        if !(if holds { truth.can_hold } else { truth.can_fail }) {
+            return None;
+        }
+        match (self.program.exprs[guard], holds) {
+            (Expr::Not(a), _) => self.refined(from, a, !holds),
+            (Expr::And(a, b), true) | (Expr::Or(a, b), false) => {
+                let first = self.refined(from, a, holds)?;
+                self.refined(&first, b, holds)
+            }
+            (Expr::And(a, b), false) | (Expr::Or(a, b), true) => {
+                // Either decides; the second is asked only where the first has not.
+                let first = self.refined(from, a, holds);
+                let second = self.refined(from, a, !holds).and_then(|rest| self.refined(&rest, b, holds));
+                match (first, second) {
+                    (Some(a), Some(b)) => Some(a.or(&b)),
+                    (a, b) => a.or(b),
+                }
+            }
+            (Expr::Compare(op, a, b), _) => {
+                let op = if holds { op } else { negated(op) };
+                let mut out = from.clone();
+                self.cut(&mut out, a, op, &reader.number(b));
+                self.cut(&mut out, b, mirrored(op), &reader.number(a));
+                (!out.is_impossible()).then_some(out)
+            }
+            (Expr::Touching(Subject::Me, touch), true) => {
+                let mut out = from.clone();
+                if let Some((var, values)) = self.surroundings.aligned(me, touch) {
+                    out.vars[*var][0] = out.vars[*var][0].and(values);
+                }
+                (!out.is_impossible()).then_some(out)
+            }
+            _ => Some(from.clone()),
+        }
+    }
+
+    /// Cuts a variable to what a comparison leaves.
+    fn cut(&self, out: &mut Configuration, id: ExprId, op: CompareOp, with: &Values) {
+        let Some(hull) = with.hull() else { return };
+        let whole = matches!(self.program.exprs[id], Expr::Discrete(..));
+        let less = if whole { hull.high - 1.0 } else { hull.high };
+        let more = if whole { hull.low + 1.0 } else { hull.low };
+        let cut = |values: &Values| match op {
+            CompareOp::Equal => values.and(with),
+            CompareOp::Unequal => with.constant().map_or_else(|| values.clone(), |x| values.without(x)),
+            CompareOp::Less => values.within(Interval { low: f64::NEG_INFINITY, high: less }),
+            CompareOp::AtMost => values.within(Interval { low: f64::NEG_INFINITY, high: hull.high }),
+            CompareOp::Greater => values.within(Interval { low: more, high: f64::INFINITY }),
+            CompareOp::AtLeast => values.within(Interval { low: hull.low, high: f64::INFINITY }),
+        };
+        match self.program.exprs[id] {
+            Expr::Var(Subject::Me, var, degree) => {
+                let values = &mut out.vars[var][usize::from(degree)];
+                *values = cut(values);
+            }
+            Expr::Discrete(Subject::Me, id) => out.discretes[id] = cut(&out.discretes[id]),
+            Expr::Timer(timer) => {
+                // Counts are cut a step too wide, as times are rounded.
+                let step = self.world.step.seconds();
+                let cut = match op {
+                    CompareOp::Less | CompareOp::AtMost => {
+                        Interval { low: 0.0, high: (hull.high / step).floor() + 1.0 }
+                    }
+                    CompareOp::Greater | CompareOp::AtLeast => {
+                        Interval { low: (hull.low / step).ceil() - 1.0, high: f64::INFINITY }
+                    }
+                    _ => return,
+                };
+                if let Some(rest) = out.timers[timer].and(cut) {
+                    out.timers[timer] = rest;
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+impl Configuration {
+    /// Whether some variable has no value left.
+    pub fn is_impossible(&self) -> bool {
+        self.vars.iter().flatten().any(Values::is_none) || self.discretes.iter().any(Values::is_none)
+    }
+
+    /// Cuts speeds and heights to what energies allow.
+    pub(super) fn sharpen(&mut self) {
+        for (var, energy) in self.energy.pairs() {
+            let [position, velocity, _] = &mut self.vars[var];
+            let Some((fall, energy)) = energy else { continue };
+            for _ in 0..2 {
+                let Some(hull) = position.hull() else { return };
+                *velocity = fall.velocities(*energy, hull, velocity);
+                let Some(hull) = velocity.hull() else { return };
+                *position = fall.positions(*energy, hull, position);
+            }
+        }
+    }
+
+    /// What can be in either; both are of the same leaves.
+    #[must_use]
+    pub fn or(&self, other: &Configuration) -> Configuration {
+        // Positions and velocities have an energy under whatever acceleration.
+        let energy = |var: VarId| {
+            let of = |c: &Configuration, fall: Fall| match c.energy[var] {
+                Some((own, energy)) if own == fall => Some(energy),
+                _ => Some(fall.energy(c.vars[var][0].hull()?, c.vars[var][1].hull()?)),
+            };
+            let fall = self.energy[var].or(other.energy[var])?.0;
+            Some((fall, of(self, fall)?.or(of(other, fall)?)))
+        };
+        Configuration {
+            leaves: self.leaves.clone(),
+            vars: self.vars.iter().zip(other.vars.iter()).map(|(a, b)| [0, 1, 2].map(|d| a[d].or(&b[d]))).collect(),
+            discretes: self.discretes.iter().zip(other.discretes.iter()).map(|(a, b)| a.or(b)).collect(),
+            timers: self.timers.iter().zip(other.timers.iter()).map(|(a, b)| a.or(*b)).collect(),
+            spaces: self.spaces.union(&other.spaces).copied().collect(),
+            energy: self.energy.ids().map(energy).collect(),
+        }
+    }
+}
+
+fn compared(op: CompareOp, a: &Values, b: &Values) -> Truth {
+    let (Some(x), Some(y)) = (a.hull(), b.hull()) else { return Truth { can_hold: false, can_fail: false } };
+    match op {
+        CompareOp::Less => Truth { can_hold: x.low < y.high, can_fail: x.high >= y.low },
+        CompareOp::AtMost => Truth { can_hold: x.low <= y.high, can_fail: x.high > y.low },
+        CompareOp::Greater => Truth { can_hold: x.high > y.low, can_fail: x.low <= y.high },
+        CompareOp::AtLeast => Truth { can_hold: x.high >= y.low, can_fail: x.low < y.high },
+        CompareOp::Equal => {
+            let same = a.constant().is_some() && a.constant() == b.constant();
+            Truth { can_hold: !a.and(b).is_none(), can_fail: !same }
+        }
+        CompareOp::Unequal => compared(CompareOp::Equal, a, b).not(),
+    }
+}
+
+fn negated(op: CompareOp) -> CompareOp {
+    match op {
+        CompareOp::Equal => CompareOp::Unequal,
+        CompareOp::Unequal => CompareOp::Equal,
+        CompareOp::Less => CompareOp::AtLeast,
+        CompareOp::AtMost => CompareOp::Greater,
+        CompareOp::Greater => CompareOp::AtMost,
+        CompareOp::AtLeast => CompareOp::Less,
+    }
+}
+
+/// `b op a` for `a op b`.
+fn mirrored(op: CompareOp) -> CompareOp {
+    match op {
+        CompareOp::Equal | CompareOp::Unequal => op,
+        CompareOp::Less => CompareOp::Greater,
+        CompareOp::AtMost => CompareOp::AtLeast,
+        CompareOp::Greater => CompareOp::Less,
+        CompareOp::AtLeast => CompareOp::AtMost,
+    }
+}

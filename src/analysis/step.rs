@@ -1,0 +1,433 @@
+//! One step of an instance over what it can be: edges and updates, flows, what a collision can do to it. Each function
+//! follows a phase of the simulator and allows for everything that it could do.
+
+use crate::ir::{
+    Actions, By, Drive, EdgeId, Entity, Envelope, ExprId, GroupId, Id, IdVec, LeafId, ModeId, Place, Release, SlotId,
+    SpawnId, Subject, Update, VarId,
+};
+
+use super::energy::Fall;
+use super::evaluate::{Configuration, Reader};
+use super::values::{Interval, Values};
+
+/// The most ways of a step that are told apart.
+const MOST_WAYS: usize = 512;
+
+/// What can come of a step.
+#[derive(Debug, Default)]
+pub(super) struct Outcome {
+    pub next: Vec<Configuration>,
+    /// What was spawned, by which spawn, from where.
+    pub spawns: Vec<(SpawnId, Configuration)>,
+    /// Whether the instance can be gone.
+    pub can_end: bool,
+}
+
+/// A step of one slot.
+pub(super) struct Stepper<'a> {
+    pub reader: Reader<'a>,
+    pub slot: SlotId,
+    /// s
+    pub step: f64,
+}
+
+/// A way that the groups decided so far can go: what each takes, and what the configuration is then.
+type Way = (Vec<Option<EdgeId>>, Configuration);
+
+impl<'a> Stepper<'a> {
+    fn entity(&self) -> &'a Entity {
+        &self.reader.program.entities[self.reader.world.slots[self.slot].entity]
+    }
+
+    fn at<'c>(&self, from: &'c Configuration) -> Reader<'c>
+    where
+        'a: 'c,
+    {
+        Reader { me: Some((self.slot, from)), ..self.reader }
+    }
+
+    /// All that can come of a configuration; none if there is too much to tell.
+    pub fn run(&self, from: &Configuration) -> Option<Outcome> {
+        let entity = self.entity();
+        let mut ways: Vec<Way> = vec![(Vec::new(), from.clone())];
+        for group in entity.groups.ids() {
+            let mut next = Vec::new();
+            for (taken, at) in ways {
+                self.choices(group, &taken, at, &mut next);
+            }
+            ways = next;
+            if ways.len() > MOST_WAYS {
+                return None;
+            }
+        }
+        let mut outcome = Outcome::default();
+        for (taken, at) in ways {
+            self.take(&taken, &at, &mut outcome);
+        }
+        outcome.next.retain(|c| !c.is_impossible());
+        Some(outcome)
+    }
+
+    /// What a group can do: take each of its edges, or none.
+    fn choices(&self, group: GroupId, taken: &[Option<EdgeId>], from: Configuration, out: &mut Vec<Way>) {
+        let entity = self.entity();
+        let with = |edge| taken.iter().copied().chain([edge]).collect::<Vec<_>>();
+        let mut rest = Some(from);
+        for &edge in &entity.leaves[rest.as_ref().map_or(LeafId(0), |c| c.leaves[group.index()])].edges {
+            let Some(at) = &rest else { return };
+            let guard = entity.edges[edge].guard;
+            let reader = self.at(at);
+            if let Some(held) = reader.refined(at, guard, true) {
+                out.push((with(Some(edge)), held));
+            }
+            rest = reader.refined(at, guard, false);
+        }
+        if let Some(rest) = rest {
+            out.push((with(None), rest));
+        }
+    }
+
+    /// Runs what the groups have decided, then everything else of the step.
+    fn take(&self, taken: &[Option<EdgeId>], at: &Configuration, outcome: &mut Outcome) {
+        let entity = self.entity();
+        let mut nexts = vec![at.clone()];
+        let mut ends = false;
+        for (group, edge) in entity.groups.ids().zip(taken) {
+            let from = at.leaves[group.index()];
+            for &internal in &entity.leaves[from].internal {
+                let internal = &entity.edges[internal];
+                let truth = self.at(at).truth(internal.guard);
+                if let Some(held) = self.at(at).refined(at, internal.guard, true) {
+                    let sure = !truth.can_fail && internal.needs.is_empty();
+                    for next in &mut nexts {
+                        let mut changed = next.clone();
+                        self.act(&internal.actions, &held, &mut changed, outcome);
+                        *next = if sure { changed } else { next.or(&changed) };
+                    }
+                }
+            }
+            if let Some(edge) = edge {
+                let edge = &entity.edges[*edge];
+                let Some(target) = edge.target else { continue };
+                let mut entered = Vec::new();
+                for leaf in self.entered(target, at) {
+                    for next in &nexts {
+                        let mut next = next.clone();
+                        self.enter(group, from, target, leaf, at, &mut next, outcome);
+                        ends |= self.act(&edge.actions, at, &mut next, outcome);
+                        entered.push(next);
+                    }
+                }
+                nexts = entered;
+            }
+            for &follow in &entity.leaves[from].follows {
+                let follow = &entity.follows[follow];
+                let held = match follow.guard {
+                    Some(guard) => self.at(at).refined(at, guard, true),
+                    None => Some(at.clone()),
+                };
+                let Some(held) = held else { continue };
+                for next in &mut nexts {
+                    let mut moved = next.clone();
+                    if self.follow(&held, &mut moved) {
+                        self.act(&follow.actions, &held, &mut moved, outcome);
+                        *next = next.or(&moved);
+                    }
+                }
+            }
+        }
+        outcome.can_end |= ends;
+        if ends {
+            return;
+        }
+        for next in nexts {
+            let moved = self.flow(next);
+            outcome.next.extend(moved);
+        }
+    }
+
+    /// The leaves that can become active when a mode is entered.
+    fn entered(&self, mode: ModeId, at: &Configuration) -> Vec<LeafId> {
+        let modes = &self.entity().modes;
+        let mut open = vec![mode];
+        let mut found = Vec::new();
+        while let Some(mode) = open.pop() {
+            let m = &modes[mode];
+            let Some(inner) = m.inner.filter(|_| m.chooses) else {
+                found.push(m.initial);
+                continue;
+            };
+            let mut otherwise = true;
+            for choice in &m.choices {
+                let truth = self.at(at).truth(choice.guard);
+                if truth.can_hold {
+                    open.push(choice.mode);
+                }
+                if !truth.can_fail {
+                    otherwise = false;
+                    break;
+                }
+            }
+            if otherwise {
+                open.push(inner);
+            }
+        }
+        found
+    }
+
+    /// Leaves and enters modes: timers begin anew, entries run.
+    #[allow(clippy::too_many_arguments, reason = "it is the middle of one phase")]
+    fn enter(
+        &self,
+        group: GroupId,
+        from: LeafId,
+        target: ModeId,
+        to: LeafId,
+        at: &Configuration,
+        next: &mut Configuration,
+        outcome: &mut Outcome,
+    ) {
+        let entity = self.entity();
+        let active = |leaf: LeafId, mode: ModeId| {
+            let (first, after) = entity.modes[mode].leaves;
+            first <= leaf && leaf < after
+        };
+        let kept = |mode: ModeId| mode < target && target < entity.modes[mode].end && active(from, mode);
+        next.leaves[group.index()] = to;
+        let (first, after) = entity.groups[group].modes;
+        for (id, timer) in entity.timers.pairs() {
+            let inside = first <= timer.mode && timer.mode < after;
+            if inside && !(active(to, timer.mode) && kept(timer.mode)) {
+                next.timers[id] = Interval::point(0.0);
+            }
+        }
+        for &mode in &entity.leaves[to].path {
+            if !kept(mode) {
+                self.act(&entity.modes[mode].entry, at, next, outcome);
+            }
+        }
+    }
+
+    /// Runs updates; gives whether the instance certainly ends.
+    fn act(&self, actions: &Actions, at: &Configuration, next: &mut Configuration, outcome: &mut Outcome) -> bool {
+        for update in &actions.updates {
+            self.update(update, at, next);
+        }
+        for &spawn in &actions.spawns {
+            outcome.spawns.push((spawn, at.or(next)));
+        }
+        let ends = actions.destroys.iter().any(|d| *d == crate::ir::RefValue::Of(Subject::Me));
+        outcome.can_end |= ends;
+        ends
+    }
+
+    pub fn update(&self, update: &Update, at: &Configuration, next: &mut Configuration) {
+        let value = self.at(at).number(update.value);
+        match update.place {
+            Place::Var(var, degree) => {
+                next.vars[var][usize::from(degree)] = value;
+                next.energy[var] = None;
+            }
+            Place::Discrete(id) => {
+                // A value out of the range stops the run.
+                let (low, high) = self.entity().discretes[id].range;
+                let range = Interval { low: f64::from(low), high: f64::from(high) };
+                next.discretes[id] = value.within(range);
+            }
+            Place::Ref(_) => {}
+        }
+    }
+
+    /// Goes through any link that the instance can stand in; false if there is none.
+    fn follow(&self, at: &Configuration, next: &mut Configuration) -> bool {
+        let spaces = &self.reader.world.spaces;
+        let position = |axis: u32| at.vars[VarId(axis)][0].clone();
+        let stands = |values: &Values, low: f64, high: f64| !values.within(Interval { low, high }).is_none();
+        let links = at.spaces.iter().flat_map(|&s| &spaces[s].links);
+        let open: Vec<_> = links
+            .filter(|l| {
+                stands(&position(0), l.from.left, l.from.right) && stands(&position(1), l.from.bottom, l.from.top)
+            })
+            .collect();
+        if open.is_empty() {
+            return false;
+        }
+        next.spaces = open.iter().map(|l| l.space).collect();
+        let wide = |low: f64, high: f64| Interval { low: low - 1e-9 * low.abs(), high: high + 1e-9 * high.abs() };
+        next.vars[VarId(0)][0] = Values::any(open.iter().map(|l| wide(l.to.left, l.to.right)));
+        next.vars[VarId(1)][0] = Values::any(open.iter().map(|l| wide(l.to.bottom, l.to.top)));
+        for var in [VarId(0), VarId(1)] {
+            next.energy[var] = None;
+        }
+        true
+    }
+
+    /// Flows, envelopes, clamps, timers, and what a collision can do.
+    fn flow(&self, mut next: Configuration) -> Option<Configuration> {
+        let entity = self.entity();
+        let reader = self.at(&next);
+        let mut drives: IdVec<VarId, Drive> = entity.vars.ids().map(Drive::Coast).collect();
+        let active = next.leaves.iter().flat_map(|l| &entity.leaves[*l].drives);
+        for drive in entity.free.iter().chain(active) {
+            match *drive {
+                Drive::Coast(_) => {}
+                Drive::Flow { var, .. } => drives[var] = *drive,
+                Drive::Envelope(id, component) => {
+                    drives[entity.envelopes[id].vars[usize::from(component)]] = *drive;
+                }
+            }
+        }
+        // A drive of an outer level is not in force where a group says "no flow": the last word is the leaf's.
+        for drive in next.leaves.iter().flat_map(|l| &entity.leaves[*l].drives) {
+            if let Drive::Coast(var) = *drive {
+                drives[var] = Drive::Coast(var);
+            }
+        }
+        let bounds: Vec<(Values, Values)> = entity
+            .clamps
+            .iter()
+            .map(|c| {
+                let end = |e: Option<ExprId>, none: f64| e.map_or(Values::point(none), |e| reader.number(e));
+                (end(c.low, f64::NEG_INFINITY), end(c.high, f64::INFINITY))
+            })
+            .collect();
+        let clip = |var: VarId, degree: u8, values: Values| {
+            let own = entity.clamps.iter().zip(&bounds).filter(|(c, _)| c.var == var && c.degree == degree);
+            own.fold(values, |values, (_, (low, high))| {
+                let low = values.pairs(low, |a, b| Interval { low: a.low.max(b.low), high: a.high.max(b.high) });
+                low.pairs(high, |a, b| Interval { low: a.low.min(b.low), high: a.high.min(b.high) })
+            })
+        };
+        let dt = Interval::point(self.step);
+        let mut moved = next.clone();
+        for (var, drive) in drives.pairs() {
+            let [position, velocity, acceleration] = &next.vars[var];
+            let (degree, value) = match *drive {
+                Drive::Coast(_) => (2, acceleration.clone()),
+                Drive::Flow { degree, value, .. } => (degree, reader.number(value)),
+                Drive::Envelope(id, component) => {
+                    let envelope = &entity.envelopes[id];
+                    (envelope.degree, self.envelope(&reader, envelope, usize::from(component)))
+                }
+            };
+            let times = |values: &Values| values.map(|i| i.times(dt));
+            let new = match degree {
+                0 => [clip(var, 0, value), clip(var, 1, Values::point(0.0)), Values::point(0.0)],
+                _ => {
+                    let (velocity, acceleration) = match degree {
+                        1 => (value, Values::point(0.0)),
+                        _ => (velocity.pairs(&times(&value), Interval::plus), value),
+                    };
+                    let velocity = clip(var, 1, velocity);
+                    [clip(var, 0, position.pairs(&times(&velocity), Interval::plus)), velocity, acceleration]
+                }
+            };
+            moved.vars[var] = new;
+            let fall = self.fall(*drive, &moved.vars[var][2]);
+            moved.energy[var] = fall.and_then(|fall| Some((fall, self.fallen(&next, &moved, var, fall)?)));
+        }
+        for (id, timer) in entity.timers.pairs() {
+            let (first, after) = entity.modes[timer.mode].leaves;
+            if next.leaves.iter().any(|l| first <= *l && *l < after) {
+                let limit = f64::from(self.reader.world.slots[self.slot].timer_limits[id]);
+                let count = moved.timers[id];
+                moved.timers[id] = Interval { low: (count.low + 1.0).min(limit), high: (count.high + 1.0).min(limit) };
+            }
+        }
+        self.reader.surroundings.collide(self.slot, self.step, &next, &mut moved);
+        next = moved;
+        next.sharpen();
+        (!next.is_impossible()).then_some(next)
+    }
+
+    /// The constant acceleration that a drive is.
+    fn fall(&self, drive: Drive, acceleration: &Values) -> Option<Fall> {
+        let accelerates = matches!(drive, Drive::Coast(_) | Drive::Flow { degree: 2, .. });
+        let acceleration = acceleration.constant().filter(|a| accelerates && *a != 0.0)?;
+        Some(Fall { acceleration, step: self.step })
+    }
+
+    /// The energy after a step of a fall.
+    fn fallen(&self, next: &Configuration, moved: &Configuration, var: VarId, fall: Fall) -> Option<Interval> {
+        let (position, velocity) = (next.vars[var][0].hull()?, next.vars[var][1].hull()?);
+        let mut energy = match next.energy[var] {
+            Some((before, energy)) if before == fall => energy,
+            Some((before, energy)) => before.converted(energy, fall, position, velocity),
+            None => fall.energy(position, velocity),
+        };
+        // Where a clamp cuts, the energy is that of the cut values.
+        for clamp in self.entity().clamps.iter().filter(|c| c.var == var) {
+            if clamp.degree == 0 {
+                return None;
+            }
+            let cut = moved.vars[var][1].hull()?;
+            for end in [cut.low, cut.high] {
+                energy = energy.or(fall.energy(moved.vars[var][0].hull()?, Interval::point(end)));
+            }
+        }
+        (energy.low.is_finite() || energy.high.is_finite()).then_some(energy)
+    }
+
+    /// What a component of an envelope can be after a step.
+    fn envelope(&self, reader: &Reader<'_>, envelope: &Envelope, component: usize) -> Values {
+        let Some((_, at)) = reader.me else { return Values::all() };
+        let sustain = reader.number(envelope.sustain);
+        let level = match &envelope.release {
+            Release::To { level, .. } => reader.number(*level),
+            Release::Hold => Values::point(0.0),
+        };
+        if matches!(envelope.by, By::Clock { .. }) {
+            let hull = sustain.hull().zip(level.hull()).map(|(a, b)| a.or(b));
+            return hull.map_or(Values::none(), Values::from);
+        }
+        let Some(&var) = envelope.vars.get(component) else { return Values::all() };
+        let current = at.vars[var][usize::from(envelope.degree)].clone();
+        let mirrored = |values: &Values| values.or(&values.map(|i| i.map(|x| -x)));
+        let is_played = self.reader.world.slots[self.slot].player.is_some();
+        let may_drive = is_played && envelope.guard.is_none_or(|g| reader.truth(g).can_hold);
+        let mut out = Values::none();
+        if may_drive {
+            let levels = envelope.peak.map_or(sustain.clone(), |p| reader.number(p).or(&sustain));
+            let target = match envelope.by {
+                By::Button(_) if component == 0 => levels,
+                By::Button(_) => Values::point(0.0),
+                By::Axis(_) => mirrored(&levels),
+                _ => Values::any(mirrored(&levels).hull())
+                    .or(&Values::point(0.0))
+                    .hull()
+                    .map_or(Values::none(), Values::from),
+            };
+            for rate in [envelope.attack].into_iter().chain(envelope.peak.map(|_| envelope.decay)) {
+                out = out.or(&self.approached(reader, &current, &target, rate));
+            }
+        }
+        match &envelope.release {
+            Release::Hold => out.or(&current),
+            Release::To { rate, .. } => {
+                let target = mirrored(&level).or(&Values::point(0.0));
+                // A vector goes to a level along its own direction.
+                let target = match envelope.vars.len() {
+                    1 => target,
+                    _ => target.hull().map_or(Values::none(), Values::from),
+                };
+                let target = if level == Values::point(0.0) { Values::point(0.0) } else { target };
+                out.or(&self.approached(reader, &current, &target, *rate))
+            }
+        }
+    }
+
+    /// From some values towards others, by at most what a rate covers in a step.
+    fn approached(&self, reader: &Reader<'_>, current: &Values, target: &Values, rate: Option<ExprId>) -> Values {
+        let Some(rate) = rate else { return target.clone() };
+        let Some(rate) = reader.number(rate).hull() else { return Values::none() };
+        let most = rate.high.abs().max(rate.low.abs()) * self.step;
+        if rate.low < 0.0 {
+            // Away from the target.
+            return current.map(|i| Interval { low: i.low - most, high: i.high + most }).or(target);
+        }
+        current.pairs(target, |from, to| Interval {
+            low: if to.low < from.low { to.low.max(from.low - most) } else { from.low.min(to.high) },
+            high: if to.high > from.high { to.high.min(from.high + most) } else { from.high.max(to.low) },
+        })
+    }
+}

@@ -20,11 +20,12 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("sema", &["source", "diagnostic", "syntax", "level"]),
     ("lint", &["source", "diagnostic", "sema"]),
     ("ir", &["source", "level", "sema"]),
+    ("analysis", &["ir"]),
     ("compile", &["source", "diagnostic", "syntax", "sema", "lint", "ir"]),
     ("sim", &["source", "diagnostic", "ir"]),
     ("reach", &["watch", "ir", "sim"]),
     ("graph", &["source", "ir"]),
-    ("cli", &["source", "watch", "diagnostic", "format", "ir", "compile", "sim", "reach", "graph"]),
+    ("cli", &["source", "analysis", "watch", "diagnostic", "format", "ir", "compile", "sim", "reach", "graph"]),
 ];
 
 /// The longest a source file may be before it is time to look for the seam.

@@ -6,7 +6,7 @@
 //! when a player leaves the bounds of its space.
 //!
 //! What is lost: variables are not related to each other, but for speed and height under a constant acceleration
-//! ([`energy`]); references can refer to any instance of their entity; contacts can happen wherever the tags allow them.
+//! (`energy.rs`); references can refer to any instance of their entity; contacts can happen wherever the tags allow them.
 
 mod energy;
 mod evaluate;
@@ -501,7 +501,8 @@ fn widened(old: &Configuration, new: &Configuration, thresholds: &[f64], at_once
         (Some(a), Some(b)) if !new.is_within(old) => Values::from(interval(a, b)),
         _ => new.clone(),
     };
-    let energy = |(old, new): (&Option<(Fall, Interval)>, &Option<(Fall, Interval)>)| match (old, new) {
+    type Energy = Option<(Fall, Interval)>;
+    let energy = |(old, new): (&Energy, &Energy)| match (old, new) {
         // It grows by what comes in from other modes alone, so that it is left more time.
         (Some((before, old)), Some((fall, new))) if before == fall && at_once => {
             Some((*fall, wider_energy(*old, *new)))

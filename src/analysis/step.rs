@@ -2,8 +2,8 @@
 //! follows a phase of the simulator and allows for everything that it could do.
 
 use crate::ir::{
-    Actions, By, Drive, EdgeId, Entity, Envelope, ExprId, GroupId, Id, IdVec, LeafId, ModeId, Place, Release, SlotId,
-    SpawnId, Subject, Update, VarId,
+    Actions, By, Drive, EdgeId, Entity, Envelope, ExprId, GroupId, Id, IdVec, LeafId, ModeId, Place, RefValue, Release,
+    SlotId, SpawnId, Subject, Update, VarId,
 };
 
 use super::energy::Fall;
@@ -216,7 +216,7 @@ impl<'a> Stepper<'a> {
         for &spawn in &actions.spawns {
             outcome.spawns.push((spawn, at.or(next)));
         }
-        let ends = actions.destroys.iter().any(|d| *d == crate::ir::RefValue::Of(Subject::Me));
+        let ends = actions.destroys.contains(&RefValue::Of(Subject::Me));
         outcome.can_end |= ends;
         ends
     }

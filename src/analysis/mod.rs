@@ -55,6 +55,7 @@ pub struct ConfigurationSpace {
     /// Of each slot.
     pub slots: IdVec<SlotId, SlotSpace>,
     overall: IdVec<SlotId, Overall>,
+    surroundings: Surroundings,
 }
 
 /// Finds what a world can be.
@@ -68,9 +69,17 @@ impl ConfigurationSpace {
     /// Whether a goal can hold in some state; if not, it is proven that it cannot be reached.
     pub fn can_hold(&self, program: &Program, world: WorldId, goal: GoalId) -> bool {
         let world = &program.worlds[world];
-        let surroundings = Surroundings::new(program, world, &self.overall);
-        let reader = Reader { program, world, slots: &self.overall, surroundings: &surroundings, me: None };
-        reader.truth(world.goals[goal].holds).can_hold
+        self.reader(program, world, None).truth(world.goals[goal].holds).can_hold
+    }
+
+    /// What expressions are read against: those of an instance in one of its configurations, or those of the world.
+    fn reader<'a>(
+        &'a self,
+        program: &'a Program,
+        world: &'a World,
+        me: Option<(SlotId, &'a Configuration)>,
+    ) -> Reader<'a> {
+        Reader { program, world, slots: &self.overall, surroundings: &self.surroundings, me }
     }
 }
 
@@ -453,7 +462,9 @@ impl<'a> Analysis<'a> {
             can_be_absent: s.can_be_absent,
             is_given_up: s.is_given_up,
         });
-        ConfigurationSpace { slots: slots.collect(), overall: self.overall }
+        let slots = slots.collect();
+        let surroundings = Surroundings::new(self.program, self.world, &self.overall);
+        ConfigurationSpace { slots, overall: self.overall, surroundings }
     }
 }
 

@@ -12,13 +12,13 @@ use super::values::{Interval, Values};
 const ROUNDING: f64 = 1e-6;
 
 /// What is known of the contacts of every slot.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Clone)]
 pub(super) struct Surroundings {
     slots: IdVec<SlotId, Contacts>,
 }
 
 /// What is known of the contacts of one slot.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Clone)]
 struct Contacts {
     /// Of each contact question, whether it can hold.
     touchable: Vec<bool>,

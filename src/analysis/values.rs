@@ -114,63 +114,54 @@ impl fmt::Display for Short {
 const MOST: usize = 8;
 
 /// What a number can be: disjoint intervals in order; none if there is no such number.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Values(Vec<Interval>);
+#[derive(Clone, Copy)]
+pub struct Values {
+    len: u8,
+    items: [Interval; MOST],
+}
 
 impl Values {
     /// All numbers.
-    pub fn all() -> Self {
-        Values(vec![Interval::ALL])
+    pub const fn all() -> Self {
+        Values::one(Interval::ALL)
     }
 
     /// One number.
-    pub fn point(x: f64) -> Self {
-        Values(vec![Interval::point(x)])
+    pub const fn point(x: f64) -> Self {
+        Values::one(Interval::point(x))
+    }
+
+    const fn one(interval: Interval) -> Self {
+        Values { len: 1, items: [interval; MOST] }
     }
 
     /// No number.
-    pub fn none() -> Self {
-        Values::default()
+    pub const fn none() -> Self {
+        Values { len: 0, items: [Interval::point(0.0); MOST] }
     }
 
     /// Any of some intervals.
     pub fn any(intervals: impl IntoIterator<Item = Interval>) -> Self {
-        let mut all: Vec<Interval> = intervals.into_iter().collect();
-        all.sort_by(|a, b| a.low.total_cmp(&b.low).then(a.high.total_cmp(&b.high)));
-        let mut out: Vec<Interval> = Vec::with_capacity(all.len());
-        for next in all {
-            match out.last_mut() {
-                Some(last) if next.low <= last.high => last.high = last.high.max(next.high),
-                _ => out.push(next),
-            }
+        let mut union = Union::new();
+        for interval in intervals {
+            union.add(interval);
         }
-        if out.len() > MOST {
-            // The widest gaps stay.
-            let mut gaps: Vec<(f64, usize)> = (1..out.len()).map(|at| (out[at].low - out[at - 1].high, at)).collect();
-            gaps.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-            gaps.truncate(MOST - 1);
-            let mut cuts: Vec<usize> = gaps.into_iter().map(|(_, at)| at).collect();
-            cuts.sort_unstable();
-            let ends = cuts.iter().copied().chain([out.len()]);
-            let starts = std::iter::once(0).chain(cuts.iter().copied());
-            out = starts.zip(ends).map(|(from, to)| Interval { low: out[from].low, high: out[to - 1].high }).collect();
-        }
-        Values(out)
+        union.values()
     }
 
     /// The intervals in order.
     pub fn intervals(&self) -> &[Interval] {
-        &self.0
+        self.items.get(..usize::from(self.len)).unwrap_or(&self.items)
     }
 
     /// Whether there is no such number.
     pub fn is_none(&self) -> bool {
-        self.0.is_empty()
+        self.len == 0
     }
 
     /// The number, if there is only one.
     pub fn constant(&self) -> Option<f64> {
-        match self.0.as_slice() {
+        match self.intervals() {
             [only] if only.is_point() => Some(only.low),
             _ => None,
         }
@@ -178,65 +169,171 @@ impl Values {
 
     /// The least interval around them; none if there is no number.
     pub fn hull(&self) -> Option<Interval> {
-        Some(Interval { low: self.0.first()?.low, high: self.0.last()?.high })
+        Some(Interval { low: self.intervals().first()?.low, high: self.intervals().last()?.high })
     }
 
     /// Whether a number is one of them.
     pub fn contains(&self, x: f64) -> bool {
-        self.0.iter().any(|i| i.contains(x))
+        self.intervals().iter().any(|i| i.contains(x))
     }
 
     /// Whether all of them are among others.
     pub fn is_within(&self, others: &Values) -> bool {
-        self.0.iter().all(|a| others.0.iter().any(|b| b.low <= a.low && a.high <= b.high))
+        self.intervals().iter().all(|a| others.intervals().iter().any(|b| b.low <= a.low && a.high <= b.high))
     }
 
     /// Those of both.
     #[must_use]
     pub fn or(&self, other: &Values) -> Values {
-        Values::any(self.0.iter().chain(&other.0).copied())
+        if self.is_within(other) {
+            return *other;
+        }
+        if other.is_within(self) {
+            return *self;
+        }
+        Values::any(self.intervals().iter().chain(other.intervals()).copied())
     }
 
     /// Those in both.
     #[must_use]
     pub fn and(&self, other: &Values) -> Values {
-        Values::any(self.0.iter().flat_map(|a| other.0.iter().filter_map(|b| a.and(*b))))
+        Values::any(self.intervals().iter().flat_map(|a| other.intervals().iter().filter_map(|b| a.and(*b))))
     }
 
     /// Those in an interval.
     #[must_use]
     pub fn within(&self, interval: Interval) -> Values {
-        Values(self.0.iter().filter_map(|a| a.and(interval)).collect())
+        self.keep(|a| a.and(interval))
     }
 
     /// Without a number, where that leaves an interval closed.
     #[must_use]
     pub fn without(&self, x: f64) -> Values {
-        Values(self.0.iter().copied().filter(|i| !(i.is_point() && i.low == x)).collect())
+        self.keep(|i| (!i.is_point() || i.low != x).then_some(i))
+    }
+
+    /// What is left of each interval.
+    fn keep(&self, left: impl Fn(Interval) -> Option<Interval>) -> Values {
+        let mut out = Values::none();
+        let kept = self.intervals().iter().filter_map(|i| left(*i));
+        for (place, interval) in out.items.iter_mut().zip(kept) {
+            *place = interval;
+            out.len += 1;
+        }
+        out
     }
 
     /// What a function makes of them.
     #[must_use]
     pub(super) fn map(&self, f: impl Fn(Interval) -> Interval) -> Values {
-        Values::any(self.0.iter().map(|i| f(*i)))
+        match self.intervals() {
+            [only] => Values::one(f(*only)),
+            several => Values::any(several.iter().map(|i| f(*i))),
+        }
     }
 
     /// What a function makes of all pairs.
     #[must_use]
     pub(super) fn pairs(&self, other: &Values, f: impl Fn(Interval, Interval) -> Interval) -> Values {
-        Values::any(self.0.iter().flat_map(|a| other.0.iter().map(|b| f(*a, *b)).collect::<Vec<_>>()))
+        match (self.intervals(), other.intervals()) {
+            ([a], [b]) => Values::one(f(*a, *b)),
+            (these, those) => {
+                let f = &f;
+                Values::any(these.iter().flat_map(|a| those.iter().map(move |b| f(*a, *b))))
+            }
+        }
+    }
+}
+
+impl Default for Values {
+    fn default() -> Self {
+        Values::none()
+    }
+}
+
+impl PartialEq for Values {
+    fn eq(&self, other: &Values) -> bool {
+        self.intervals() == other.intervals()
+    }
+}
+
+impl fmt::Debug for Values {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self.intervals()).finish()
+    }
+}
+
+/// Intervals that are being gathered: disjoint, in order, with room for all pairs of two values.
+struct Union {
+    len: usize,
+    items: [Interval; MOST * MOST],
+}
+
+impl Union {
+    fn new() -> Self {
+        Union { len: 0, items: [Interval::point(0.0); MOST * MOST] }
+    }
+
+    fn add(&mut self, mut new: Interval) {
+        let items = self.items.get(..self.len).unwrap_or_default();
+        // What it overlaps or touches is `from..to`.
+        let from = items.partition_point(|i| i.high < new.low);
+        let to = items.partition_point(|i| i.low <= new.high);
+        if from < to {
+            new = new.or(Interval { low: items[from].low, high: items[to - 1].high });
+            self.items.copy_within(to..self.len, from + 1);
+            self.len -= to - from - 1;
+        } else {
+            if self.len == self.items.len() {
+                self.reduce();
+                return self.add(new);
+            }
+            self.items.copy_within(from..self.len, from + 1);
+            self.len += 1;
+        }
+        self.items[from] = new;
+    }
+
+    /// Closes the narrowest gaps.
+    fn reduce(&mut self) {
+        let items = &mut self.items[..self.len];
+        let mut gaps = [(0.0_f64, 0_usize); MOST * MOST];
+        let count = items.len().saturating_sub(1);
+        for (at, gap) in gaps[..count].iter_mut().enumerate() {
+            *gap = (items[at + 1].low - items[at].high, at + 1);
+        }
+        if count < MOST {
+            return;
+        }
+        gaps[..count].sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        let cuts = &mut gaps[..MOST - 1];
+        cuts.sort_unstable_by_key(|(_, at)| *at);
+        let mut from = 0;
+        for (index, to) in cuts.iter().map(|(_, at)| *at).chain([items.len()]).enumerate() {
+            items[index] = Interval { low: items[from].low, high: items[to - 1].high };
+            from = to;
+        }
+        self.len = MOST;
+    }
+
+    fn values(mut self) -> Values {
+        self.reduce();
+        let mut out = Values::none();
+        out.items.copy_from_slice(&self.items[..MOST]);
+        out.len = self.len as u8;
+        out
     }
 }
 
 impl From<Interval> for Values {
     fn from(interval: Interval) -> Self {
-        Values(vec![interval])
+        Values::one(interval)
     }
 }
 
 impl fmt::Display for Values {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0.as_slice() {
+        match self.intervals() {
             [] => f.write_str("none"),
             [only] => write!(f, "{only}"),
             several => {

@@ -177,7 +177,8 @@ impl Program {
             Expr::Number(n) => n,
             Expr::Frames(n) => n * step.seconds(),
             Expr::Bool(b) => f64::from(u8::from(b)),
-            Expr::Param(Subject::Me, p) => *params.get(p)?,
+            // What is not a number is not known.
+            Expr::Param(Subject::Me, p) => params.get(p).copied().filter(|p| p.is_finite())?,
             Expr::Negate(a) => -value(a)?,
             Expr::Not(a) => f64::from(u8::from(value(a)? == 0.0)),
             Expr::And(a, b) => f64::from(u8::from(value(a)? != 0.0 && value(b)? != 0.0)),

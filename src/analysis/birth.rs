@@ -1,0 +1,134 @@
+//! What an instance can be when it begins: placed, made by a tile, or spawned.
+
+use crate::ir::{Id, IdVec, LeafId, Origin, ParamId, Place, SlotId, SpawnId, VarId};
+
+use super::evaluate::{Configuration, Reader};
+use super::fixpoint::{Analysis, MOST_CONFIGURATIONS, range};
+use super::values::{Interval, Values};
+
+impl Analysis<'_> {
+    /// The first configurations of an instance that is there from the start.
+    pub(super) fn begin(&mut self, slot: SlotId) {
+        let s = &self.world.slots[slot];
+        let at = Configuration {
+            leaves: Vec::new(),
+            vars: s.vars.iter().map(|v| v.map(Values::point)).collect(),
+            discretes: s.discretes.iter().map(|d| Values::point(f64::from(*d))).collect(),
+            timers: s.timer_limits.iter().map(|_| Interval::point(0.0)).collect(),
+            spaces: [s.space].into(),
+            energy: s.vars.iter().map(|_| None).collect(),
+        };
+        self.enter(slot, at);
+    }
+
+    /// Adds a configuration in all the leaves in which an instance can begin.
+    fn enter(&mut self, slot: SlotId, at: Configuration) -> bool {
+        let entity = self.entity(slot);
+        let mut combinations: Vec<Vec<LeafId>> = vec![Vec::new()];
+        for group in entity.groups.iter() {
+            // Choices read parameters, which may be several: all of them are possible.
+            let (first, after) = group.modes;
+            let simple = group.choices.is_empty() && !entity.modes[group.first].chooses;
+            let leaves: Vec<LeafId> = match simple {
+                true => vec![entity.modes[group.first].initial],
+                false => {
+                    let leaves = entity.leaves.pairs().filter(|(_, l)| first <= l.mode && l.mode < after);
+                    leaves.map(|(id, _)| id).collect()
+                }
+            };
+            combinations = combinations
+                .into_iter()
+                .flat_map(|c| {
+                    leaves.iter().map(move |l| c.iter().copied().chain([*l]).collect::<Vec<_>>()).collect::<Vec<_>>()
+                })
+                .take(MOST_CONFIGURATIONS + 1)
+                .collect();
+        }
+        let mut changed = false;
+        for leaves in combinations {
+            changed |= self.grow(slot, Configuration { leaves, ..at.clone() });
+        }
+        changed
+    }
+
+    /// What a spawn can make of each slot that it can take.
+    pub(super) fn spawn(&mut self, spawner: SlotId, spawn: SpawnId, at: &Configuration) -> bool {
+        let spawn = &self.entity(spawner).spawns[spawn];
+        let mut changed = false;
+        for slot in self.world.slots.ids() {
+            let s = &self.world.slots[slot];
+            if s.entity != spawn.entity || s.origin == Origin::Named || !self.is_first(slot) {
+                continue;
+            }
+            let entity = self.entity(slot);
+            let reader = Reader {
+                program: self.program,
+                world: self.world,
+                slots: &self.overall,
+                surroundings: &self.surroundings,
+                me: Some((spawner, at)),
+            };
+            let theirs = |id| reader.number(id);
+            let mut params = IdVec::new();
+            for (id, param) in entity.params.pairs() {
+                let given = spawn.params.iter().find(|(p, _)| *p == id);
+                let value = match given {
+                    Some((_, value)) => theirs(*value),
+                    // Defaults read parameters that are known by now; what is not constant can be anything.
+                    None => {
+                        let known: IdVec<ParamId, f64> =
+                            params.iter().map(|v: &Values| v.constant().unwrap_or(f64::NAN)).collect();
+                        let value = self.program.constant(param.default, &known, self.world.step);
+                        value.map_or(Values::all(), Values::point)
+                    }
+                };
+                params.push(value);
+            }
+            let known: IdVec<ParamId, f64> = params.iter().map(|v| v.constant().unwrap_or(f64::NAN)).collect();
+            let first = |id, otherwise: Values| {
+                self.program.constant(id, &known, self.world.step).map_or(otherwise, Values::point)
+            };
+            let zero = || Values::point(0.0);
+            let mut born = Configuration {
+                leaves: Vec::new(),
+                vars: entity
+                    .first
+                    .pairs()
+                    .map(|(var, value)| {
+                        let position = match value {
+                            Some(value) => first(*value, Values::all()),
+                            None if var.index() < 2 => at.vars[VarId(var.0)][0].clone(),
+                            None => zero(),
+                        };
+                        [position, zero(), zero()]
+                    })
+                    .collect(),
+                discretes: entity.discretes.iter().map(|d| first(d.first, range(d.range))).collect(),
+                timers: entity.timers.iter().map(|_| Interval::point(0.0)).collect(),
+                spaces: at.spaces.clone(),
+                energy: entity.vars.iter().map(|_| None).collect(),
+            };
+            for update in &spawn.updates {
+                match update.place {
+                    Place::Var(var, degree) => born.vars[var][usize::from(degree)] = theirs(update.value),
+                    Place::Discrete(id) => born.discretes[id] = theirs(update.value),
+                    Place::Ref(_) => {}
+                }
+            }
+            let known = &mut self.slots[slot].params;
+            let mut reshaped = false;
+            for (id, value) in params.pairs() {
+                let joined = known[id].or(value);
+                reshaped |= joined != known[id];
+                known[id] = joined;
+            }
+            if reshaped {
+                self.scene.reshape(slot, &self.slots[slot].params);
+                self.slots[slot].is_changed = true;
+                changed = true;
+            }
+            changed |= self.enter(slot, born);
+        }
+        changed
+    }
+}

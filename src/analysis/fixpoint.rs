@@ -1,0 +1,379 @@
+//! Steps from all that an instance can be until nothing new is found, then cuts the result to what follows from it.
+
+use std::collections::BTreeMap;
+
+use crate::ir::{Entity, EntityId, Id, IdVec, LeafId, Origin, ParamId, Program, RefValue, SlotId, Subject, World};
+
+use super::evaluate::{Configuration, Overall, Reader};
+use super::scene::Scene;
+use super::step::{Outcome, Stepper};
+use super::surroundings::Surroundings;
+use super::values::{Interval, Values};
+use super::widen::{Haste, Thresholds, both, widened, within_bounds};
+use super::{ConfigurationSpace, SlotSpace};
+
+/// More combinations of leaves than that are not told apart.
+pub(super) const MOST_CONFIGURATIONS: usize = 1_024;
+/// After so many changes of a configuration its ends are moved to where they stay.
+const PATIENCE: u32 = 16;
+/// After so many changes its energies are, too.
+const LONG_PATIENCE: u32 = 96;
+/// How often the result is cut to what follows from it.
+const NARROWINGS: usize = 3;
+/// After so many rounds the rest is given up: everything can be anything.
+const MOST_ROUNDS: usize = 400;
+
+/// A configuration that is still growing.
+#[derive(Debug, Clone)]
+struct Growing {
+    at: Configuration,
+    changes: u32,
+    is_new: bool,
+}
+
+#[derive(Debug, Default, Clone)]
+pub(super) struct Slot {
+    configurations: BTreeMap<Vec<LeafId>, Growing>,
+    can_be_absent: bool,
+    is_given_up: bool,
+    pub params: IdVec<ParamId, Values>,
+    /// Whether what it can be was changed since others were told.
+    pub is_changed: bool,
+}
+
+/// An analysis that is under way.
+pub(super) struct Analysis<'a> {
+    pub program: &'a Program,
+    pub world: &'a World,
+    pub slots: IdVec<SlotId, Slot>,
+    pub overall: IdVec<SlotId, Overall>,
+    pub scene: Scene<'a>,
+    pub surroundings: Surroundings,
+    /// Of each slot the one that is looked at for it: slots in which nothing is at first are alike.
+    first: IdVec<SlotId, SlotId>,
+    /// The numbers that the program compares with or writes, and where edges meet.
+    thresholds: Thresholds,
+}
+
+impl<'a> Analysis<'a> {
+    pub fn new(program: &'a Program, world: &'a World) -> Self {
+        let slots: IdVec<SlotId, Slot> = world
+            .slots
+            .iter()
+            .map(|s| Slot {
+                can_be_absent: s.origin == Origin::Free,
+                params: s.params.iter().map(|p| Values::point(*p)).collect(),
+                is_changed: true,
+                ..Slot::default()
+            })
+            .collect();
+        let mut free: BTreeMap<EntityId, SlotId> = BTreeMap::new();
+        let first = world.slots.pairs().map(|(slot, s)| match s.origin {
+            Origin::Free => *free.entry(s.entity).or_insert(slot),
+            Origin::Named | Origin::Tile => slot,
+        });
+        let mut analysis = Analysis {
+            program,
+            world,
+            overall: IdVec::new(),
+            slots,
+            first: first.collect(),
+            scene: Scene::new(program, world),
+            surroundings: Surroundings::default(),
+            thresholds: Thresholds::default(),
+        };
+        analysis.overall = world.slots.ids().map(|s| analysis.overall(s)).collect();
+        for slot in world.slots.ids().filter(|s| world.slots[*s].origin != Origin::Free) {
+            analysis.begin(slot);
+        }
+        analysis.tell();
+        analysis.thresholds = analysis.thresholds();
+        analysis
+    }
+
+    fn thresholds(&self) -> Thresholds {
+        let (program, world) = (self.program, self.world);
+        let mut numbers = vec![0.0];
+        let kinds = self.scene.kinds.iter().filter_map(|k| Some(&world.slots[*k.slots.first()?].params));
+        let none = IdVec::new();
+        for params in kinds.chain([&none]) {
+            let constants = program.exprs.ids().filter_map(|id| program.constant(id, params, world.step));
+            numbers.extend(constants.flat_map(|c| [c, -c]));
+        }
+        numbers.extend(self.scene.edges().flat_map(|e| [e.low, e.high]));
+        Thresholds::new(numbers)
+    }
+
+    pub(super) fn entity(&self, slot: SlotId) -> &'a Entity {
+        &self.program.entities[self.world.slots[slot].entity]
+    }
+
+    /// Whether a slot is looked at itself.
+    pub(super) fn is_first(&self, slot: SlotId) -> bool {
+        self.first[slot] == slot
+    }
+
+    /// Adds what an instance can be; gives whether that is more than before.
+    pub(super) fn grow(&mut self, slot: SlotId, found: Configuration) -> bool {
+        let thresholds = &self.thresholds;
+        let known = &mut self.slots[slot];
+        if known.is_given_up {
+            return false;
+        }
+        let mut found = within_bounds(self.world, slot, found);
+        found.sharpen();
+        if found.is_impossible() {
+            return false;
+        }
+        match known.configurations.get_mut(&found.leaves) {
+            None => {
+                known.configurations.insert(found.leaves.clone(), Growing { at: found, changes: 0, is_new: true });
+                known.is_given_up |= known.configurations.len() > MOST_CONFIGURATIONS;
+                known.is_changed = true;
+                true
+            }
+            Some(growing) => {
+                let mut joined = growing.at.or(&found);
+                joined.sharpen();
+                if joined == growing.at {
+                    return false;
+                }
+                growing.changes += 1;
+                let haste = match growing.changes {
+                    ..=PATIENCE => None,
+                    n if n <= 2 * PATIENCE => Some(Haste::Next),
+                    ..=LONG_PATIENCE => Some(Haste::Ever),
+                    _ => Some(Haste::Energy),
+                };
+                if let Some(haste) = haste {
+                    joined = widened(&growing.at, &joined, thresholds, haste);
+                }
+                joined.sharpen();
+                growing.at = within_bounds(self.world, slot, joined);
+                growing.is_new = true;
+                known.is_changed = true;
+                true
+            }
+        }
+    }
+
+    fn overall(&self, slot: SlotId) -> Overall {
+        let known = &self.slots[slot];
+        let entity = self.entity(slot);
+        let all = |c: &dyn Fn(&Configuration) -> Values| {
+            Values::any(known.configurations.values().flat_map(|g| c(&g.at).intervals().to_vec()))
+        };
+        if known.is_given_up {
+            return Overall {
+                can_live: true,
+                can_be_absent: true,
+                params: known.params.clone(),
+                vars: entity.vars.iter().map(|_| [Values::all(), Values::all(), Values::all()]).collect(),
+                discretes: entity.discretes.iter().map(|d| range(d.range)).collect(),
+                spaces: self.world.spaces.ids().collect(),
+                leaves: entity.leaves.ids().collect(),
+            };
+        }
+        Overall {
+            can_live: !known.configurations.is_empty(),
+            can_be_absent: known.can_be_absent,
+            params: known.params.clone(),
+            vars: entity.vars.ids().map(|v| [0, 1, 2].map(|d| all(&|c| c.vars[v][d].clone()))).collect(),
+            discretes: entity.discretes.ids().map(|id| all(&|c| c.discretes[id].clone())).collect(),
+            spaces: known.configurations.values().flat_map(|g| g.at.spaces.iter().copied()).collect(),
+            leaves: known.configurations.keys().flatten().copied().collect(),
+        }
+    }
+
+    /// Tells the others what each slot can be; gives whether anything changed.
+    fn tell(&mut self) -> bool {
+        let mut changed = false;
+        for slot in self.world.slots.ids() {
+            let first = self.first[slot];
+            if !self.slots[first].is_changed && slot.index() < self.overall.len() {
+                continue;
+            }
+            let overall = match first == slot {
+                true => self.overall(slot),
+                false => self.overall[first].clone(),
+            };
+            if overall != self.overall[slot] {
+                self.overall[slot] = overall;
+                changed = true;
+            }
+        }
+        for slot in self.slots.iter_mut() {
+            slot.is_changed = false;
+        }
+        for (slot, overall) in self.overall.pairs() {
+            for space in &overall.spaces {
+                self.scene.prepare(self.scene.of[slot], *space);
+            }
+        }
+        changed
+    }
+
+    /// Steps until nothing new is found.
+    pub fn run(&mut self) {
+        let reads_others: IdVec<SlotId, bool> = self.world.slots.ids().map(|s| reads_others(self.entity(s))).collect();
+        let firsts: Vec<SlotId> = self.world.slots.ids().filter(|s| self.is_first(*s)).collect();
+        let mut others_changed = true;
+        for round in 0.. {
+            let surroundings = Surroundings::new(&self.scene, &self.overall);
+            let mut found: Vec<(SlotId, Outcome)> = Vec::new();
+            for &slot in &firsts {
+                let same = round > 0 && surroundings.of(slot) == self.surroundings.of(slot);
+                let all = !same || (others_changed && reads_others[slot]);
+                let due: Vec<Configuration> = self.slots[slot]
+                    .configurations
+                    .values_mut()
+                    .filter(|g| g.is_new || all)
+                    .map(|g| {
+                        g.is_new = false;
+                        g.at.clone()
+                    })
+                    .collect();
+                for at in due {
+                    match self.stepper(slot, &surroundings).run(&at) {
+                        Some(outcome) => found.push((slot, outcome)),
+                        None => {
+                            self.slots[slot].is_given_up = true;
+                            self.slots[slot].is_changed = true;
+                        }
+                    }
+                }
+            }
+            self.surroundings = surroundings;
+            let mut changed = false;
+            for (slot, outcome) in found {
+                changed |= self.take(slot, outcome);
+            }
+            changed |= self.ends();
+            others_changed = self.tell();
+            if !changed && !others_changed {
+                break;
+            }
+            if round > MOST_ROUNDS {
+                for slot in self.slots.iter_mut() {
+                    slot.is_given_up = true;
+                    slot.is_changed = true;
+                }
+                self.tell();
+                break;
+            }
+        }
+        for _ in 0..NARROWINGS {
+            self.narrow();
+        }
+    }
+
+    fn stepper<'s>(&'s self, slot: SlotId, surroundings: &'s Surroundings) -> Stepper<'s> {
+        let reader = Reader { program: self.program, world: self.world, slots: &self.overall, surroundings, me: None };
+        Stepper { reader, slot, step: self.world.step.seconds() }
+    }
+
+    fn take(&mut self, slot: SlotId, outcome: Outcome) -> bool {
+        let mut changed = false;
+        for next in outcome.next {
+            changed |= self.grow(slot, next);
+        }
+        if outcome.can_end && !self.slots[slot].can_be_absent {
+            self.slots[slot].can_be_absent = true;
+            self.slots[slot].is_changed = true;
+            changed = true;
+        }
+        for (spawn, at) in outcome.spawns {
+            changed |= self.spawn(slot, spawn, &at);
+        }
+        changed
+    }
+
+    /// Notes which instances others can destroy.
+    fn ends(&mut self) -> bool {
+        let mut changed = false;
+        for me in self.world.slots.ids().filter(|s| self.overall[*s].can_live) {
+            let entity = self.entity(me);
+            let actions = entity.edges.iter().map(|e| &e.actions);
+            let actions = actions.chain(entity.modes.iter().map(|m| &m.entry));
+            let destroys = actions.chain(entity.follows.iter().map(|f| &f.actions)).flat_map(|a| &a.destroys);
+            for what in destroys {
+                let of = match what {
+                    RefValue::None | RefValue::Of(Subject::Me) => continue,
+                    RefValue::Of(Subject::Ref(id)) => entity.refs[*id].entity,
+                    RefValue::Of(_) => None,
+                };
+                for slot in self.world.slots.ids() {
+                    if of.is_none_or(|e| self.world.slots[slot].entity == e) && !self.slots[slot].can_be_absent {
+                        self.slots[slot].can_be_absent = true;
+                        self.slots[slot].is_changed = true;
+                        changed = true;
+                    }
+                }
+            }
+        }
+        changed
+    }
+
+    /// Steps once from all that was found, and keeps of it only what comes of that or is there from the start.
+    fn narrow(&mut self) {
+        let before = self.slots.clone();
+        let surroundings = Surroundings::new(&self.scene, &self.overall);
+        let mut found: Vec<(SlotId, Outcome)> = Vec::new();
+        for slot in self.world.slots.ids().filter(|s| self.is_first(*s) && !self.slots[*s].is_given_up) {
+            for growing in self.slots[slot].configurations.values() {
+                if let Some(outcome) = self.stepper(slot, &surroundings).run(&growing.at) {
+                    found.push((slot, outcome));
+                }
+            }
+        }
+        self.surroundings = surroundings;
+        for slot in self.slots.iter_mut() {
+            slot.configurations.clear();
+            slot.is_changed = true;
+        }
+        for slot in self.world.slots.ids().filter(|s| self.world.slots[*s].origin != Origin::Free) {
+            self.begin(slot);
+        }
+        for (slot, outcome) in found {
+            self.take(slot, outcome);
+        }
+        for (slot, known) in before.pairs() {
+            let narrowed = &mut self.slots[slot];
+            narrowed.is_given_up = known.is_given_up;
+            if known.is_given_up {
+                narrowed.configurations = known.configurations.clone();
+            }
+            for (leaves, growing) in &mut narrowed.configurations {
+                if let Some(known) = known.configurations.get(leaves) {
+                    growing.at = both(&growing.at, &known.at);
+                    growing.at.sharpen();
+                }
+                growing.changes = 0;
+            }
+        }
+        self.tell();
+    }
+
+    pub fn finish(self) -> ConfigurationSpace {
+        let slots = self.world.slots.ids().map(|slot| {
+            let found = &self.slots[self.first[slot]];
+            SlotSpace {
+                configurations: found.configurations.values().map(|g| g.at.clone()).collect(),
+                can_be_absent: found.can_be_absent,
+                is_given_up: found.is_given_up,
+            }
+        });
+        let slots = slots.collect();
+        let surroundings = Surroundings::new(&self.scene, &self.overall);
+        ConfigurationSpace { slots, overall: self.overall, surroundings }
+    }
+}
+
+/// Whether an instance reads others.
+fn reads_others(entity: &Entity) -> bool {
+    !entity.refs.is_empty() || entity.touches.iter().any(|t| t.bound)
+}
+
+pub(super) fn range((low, high): (i32, i32)) -> Values {
+    Values::from(Interval { low: f64::from(low), high: f64::from(high) })
+}

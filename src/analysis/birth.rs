@@ -4,6 +4,7 @@ use crate::ir::{Id, IdVec, LeafId, Origin, ParamId, Place, SlotId, SpawnId, VarI
 
 use super::evaluate::{Configuration, Reader};
 use super::fixpoint::{Analysis, MOST_CONFIGURATIONS, range};
+use super::step::Landing;
 use super::values::{Interval, Values};
 
 impl Analysis<'_> {
@@ -18,6 +19,9 @@ impl Analysis<'_> {
             spaces: [s.space].into(),
             energy: s.vars.iter().map(|_| None).collect(),
         };
+        if let Some(landing) = Landing::of(&at) {
+            self.land(slot, &landing);
+        }
         self.enter(slot, at);
     }
 
@@ -126,6 +130,9 @@ impl Analysis<'_> {
                 self.scene.reshape(slot, &self.slots[slot].params);
                 self.slots[slot].is_changed = true;
                 changed = true;
+            }
+            if let Some(landing) = Landing::of(&born) {
+                changed |= self.land(slot, &landing);
             }
             changed |= self.enter(slot, born);
         }

@@ -50,6 +50,22 @@ impl Fall {
         exact.and(to.energy(position, velocity)).unwrap_or(exact)
     }
 
+    /// The energy after pushes to some positions by the low and by the high side: what moves into a surface is stopped,
+    /// or as `slow` as that; what moves away from it keeps its velocity, one of those that were `free`.
+    pub fn pushed(self, energy: Interval, pushed: [Option<Interval>; 2], free: Interval, slow: f64) -> Interval {
+        let slow = Interval { low: -slow, high: slow };
+        let mut out = energy;
+        for (end, at) in pushed.into_iter().enumerate().filter_map(|(end, at)| Some((end, at?))) {
+            // Pushed against the acceleration it is where it could not get; else it has less energy than before.
+            let gains = (end == 0) == (self.acceleration < 0.0);
+            let kept = if end == 0 { free.high.max(0.0) } else { free.low.min(0.0) };
+            let velocity = if gains { slow.or(Interval::point(kept)) } else { slow };
+            let turn = -self.acceleration * self.step / 2.0;
+            out = out.or(self.energy(at, velocity.or(Interval::point(turn))));
+        }
+        out
+    }
+
     /// The velocities that an energy allows at some positions.
     pub fn velocities(self, energy: Interval, position: Interval, velocity: &Values) -> Values {
         let half = self.acceleration * self.step / 2.0;

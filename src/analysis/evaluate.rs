@@ -40,6 +40,8 @@ pub(super) struct Overall {
     pub vars: IdVec<VarId, [Values; 3]>,
     pub discretes: IdVec<DiscreteId, Values>,
     pub spaces: BTreeSet<SpaceId>,
+    /// Of both axes, the greatest speed at which it moves before anything stops it, px/s.
+    pub speed: [f64; 2],
     /// The leaves that can be active.
     pub leaves: BTreeSet<LeafId>,
 }
@@ -212,7 +214,11 @@ impl<'a> Reader<'a> {
             Expr::Not(a) => self.truth(a).not(),
             Expr::Button(..) => Truth { can_hold: self.is_played(), can_fail: true },
             Expr::Touching(of, touch) => {
-                let can = |slot: &SlotId| self.surroundings.can_touch(*slot, touch);
+                let can = |slot: &SlotId| {
+                    let vars = self.mine(of).map_or(&self.slots[*slot].vars, |c| &c.vars);
+                    let places = self.surroundings.places(*slot, touch).iter();
+                    places.zip(vars.iter()).all(|(places, [at, ..])| !at.and(places).is_none())
+                };
                 Truth { can_hold: self.candidates(of).iter().any(can), can_fail: true }
             }
             Expr::Alive(slot) => {
@@ -291,8 +297,8 @@ impl<'a> Reader<'a> {
             }
             (Expr::Touching(Subject::Me, touch), true) => {
                 let mut out = from.clone();
-                if let Some((var, values)) = self.surroundings.aligned(me, touch) {
-                    out.vars[*var][0] = out.vars[*var][0].and(values);
+                for (var, places) in [VarId(0), VarId(1)].into_iter().zip(self.surroundings.places(me, touch)) {
+                    out.vars[var][0] = out.vars[var][0].and(places);
                 }
                 (!out.is_impossible()).then_some(out)
             }
@@ -345,6 +351,21 @@ impl Configuration {
     /// Whether some variable has no value left.
     pub fn is_impossible(&self) -> bool {
         self.vars.iter().flatten().any(Values::is_none) || self.discretes.iter().any(Values::is_none)
+    }
+
+    /// Whether all that can be here can be there, too.
+    pub(super) fn is_within(&self, there: &Configuration) -> bool {
+        let energy = |(a, b): (&Option<(Fall, Interval)>, &Option<(Fall, Interval)>)| match (a, b) {
+            (_, None) => true,
+            (Some((a, here)), Some((b, there))) => a == b && there.low <= here.low && here.high <= there.high,
+            (None, Some(_)) => false,
+        };
+        let both = |a: &[Values; 3], b: &[Values; 3]| a.iter().zip(b).all(|(a, b)| a.is_within(b));
+        self.vars.iter().zip(there.vars.iter()).all(|(a, b)| both(a, b))
+            && self.discretes.iter().zip(there.discretes.iter()).all(|(a, b)| a.is_within(b))
+            && self.timers.iter().zip(there.timers.iter()).all(|(a, b)| b.low <= a.low && a.high <= b.high)
+            && self.spaces.is_subset(&there.spaces)
+            && self.energy.iter().zip(there.energy.iter()).all(energy)
     }
 
     /// Cuts speeds and heights to what energies allow.

@@ -6,18 +6,14 @@ use crate::ir::{Entity, EntityId, Id, IdVec, LeafId, Origin, ParamId, Program, R
 
 use super::evaluate::{Configuration, Overall, Reader};
 use super::scene::Scene;
-use super::step::{Outcome, Stepper};
+use super::step::{Landing, Outcome, Stepper};
 use super::surroundings::Surroundings;
 use super::values::{Interval, Values};
-use super::widen::{Haste, Thresholds, both, widened, within_bounds};
+use super::widen::{Patience, Thresholds, both, within_bounds};
 use super::{ConfigurationSpace, SlotSpace};
 
 /// More combinations of leaves than that are not told apart.
 pub(super) const MOST_CONFIGURATIONS: usize = 1_024;
-/// After so many changes of a configuration its ends are moved to where they stay.
-const PATIENCE: u32 = 16;
-/// After so many changes its energies are, too.
-const LONG_PATIENCE: u32 = 96;
 /// How often the result is cut to what follows from it.
 const NARROWINGS: usize = 3;
 /// After so many rounds the rest is given up: everything can be anything.
@@ -27,7 +23,7 @@ const MOST_ROUNDS: usize = 400;
 #[derive(Debug, Clone)]
 struct Growing {
     at: Configuration,
-    changes: u32,
+    patience: Patience,
     is_new: bool,
 }
 
@@ -37,6 +33,8 @@ pub(super) struct Slot {
     can_be_absent: bool,
     is_given_up: bool,
     pub params: IdVec<ParamId, Values>,
+    /// px/s
+    speed: [f64; 2],
     /// Whether what it can be was changed since others were told.
     pub is_changed: bool,
 }
@@ -127,27 +125,22 @@ impl<'a> Analysis<'a> {
         }
         match known.configurations.get_mut(&found.leaves) {
             None => {
-                known.configurations.insert(found.leaves.clone(), Growing { at: found, changes: 0, is_new: true });
+                let patience = Patience::new(&found);
+                known.configurations.insert(found.leaves.clone(), Growing { at: found, patience, is_new: true });
                 known.is_given_up |= known.configurations.len() > MOST_CONFIGURATIONS;
                 known.is_changed = true;
                 true
             }
             Some(growing) => {
+                if found.is_within(&growing.at) {
+                    return false;
+                }
                 let mut joined = growing.at.or(&found);
                 joined.sharpen();
                 if joined == growing.at {
                     return false;
                 }
-                growing.changes += 1;
-                let haste = match growing.changes {
-                    ..=PATIENCE => None,
-                    n if n <= 2 * PATIENCE => Some(Haste::Next),
-                    ..=LONG_PATIENCE => Some(Haste::Ever),
-                    _ => Some(Haste::Energy),
-                };
-                if let Some(haste) = haste {
-                    joined = widened(&growing.at, &joined, thresholds, haste);
-                }
+                growing.patience.widen(&growing.at, &mut joined, thresholds);
                 joined.sharpen();
                 growing.at = within_bounds(self.world, slot, joined);
                 growing.is_new = true;
@@ -171,6 +164,7 @@ impl<'a> Analysis<'a> {
                 vars: entity.vars.iter().map(|_| [Values::all(), Values::all(), Values::all()]).collect(),
                 discretes: entity.discretes.iter().map(|d| range(d.range)).collect(),
                 spaces: self.world.spaces.ids().collect(),
+                speed: [f64::INFINITY; 2],
                 leaves: entity.leaves.ids().collect(),
             };
         }
@@ -181,6 +175,7 @@ impl<'a> Analysis<'a> {
             vars: entity.vars.ids().map(|v| [0, 1, 2].map(|d| all(&|c| c.vars[v][d].clone()))).collect(),
             discretes: entity.discretes.ids().map(|id| all(&|c| c.discretes[id].clone())).collect(),
             spaces: known.configurations.values().flat_map(|g| g.at.spaces.iter().copied()).collect(),
+            speed: known.speed,
             leaves: known.configurations.keys().flatten().copied().collect(),
         }
     }
@@ -285,7 +280,30 @@ impl<'a> Analysis<'a> {
         for (spawn, at) in outcome.spawns {
             changed |= self.spawn(slot, spawn, &at);
         }
+        let known = &mut self.slots[slot];
+        for (old, speed) in known.speed.iter_mut().zip(outcome.speed) {
+            // It grows as velocities do, which are brought to an end.
+            if speed > *old {
+                *old = speed;
+                changed = true;
+                known.is_changed = true;
+            }
+        }
+        for landing in outcome.landings {
+            changed |= self.land(slot, &landing);
+        }
         changed
+    }
+
+    /// Something puts an instance somewhere; gives whether that lets it be inside of what pushes it, which is new.
+    pub fn land(&mut self, slot: SlotId, landing: &Landing) -> bool {
+        let kind = self.scene.of[slot];
+        if self.scene.kinds[kind].jumps {
+            return false;
+        }
+        let inside = landing.spaces.iter().any(|space| self.scene.is_inside(kind, *space, landing.at));
+        self.scene.kinds[kind].jumps = inside;
+        inside
     }
 
     /// Notes which instances others can destroy.
@@ -329,6 +347,7 @@ impl<'a> Analysis<'a> {
         self.surroundings = surroundings;
         for slot in self.slots.iter_mut() {
             slot.configurations.clear();
+            slot.speed = [0.0; 2];
             slot.is_changed = true;
         }
         for slot in self.world.slots.ids().filter(|s| self.world.slots[*s].origin != Origin::Free) {
@@ -348,7 +367,7 @@ impl<'a> Analysis<'a> {
                     growing.at = both(&growing.at, &known.at);
                     growing.at.sharpen();
                 }
-                growing.changes = 0;
+                growing.patience = Patience::new(&growing.at);
             }
         }
         self.tell();

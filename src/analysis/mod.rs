@@ -15,6 +15,7 @@ mod fixpoint;
 mod scene;
 mod step;
 mod surroundings;
+mod tiles;
 mod values;
 mod widen;
 

@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 
 use crate::ir::{
-    Actions, Bounds, Drive, EntityId, Id, IdVec, Meeting, Origin, ParamId, Place, Program, Push, Shape, Side, SlotId,
-    SpaceId, TagSet, Touch, VarId, World,
+    Bounds, Drive, EntityId, Id, IdVec, Meeting, Origin, ParamId, Program, Push, Shape, Side, SlotId, SpaceId, TagSet,
+    VarId, World,
 };
 
+use super::tiles::Tiles;
 use super::values::{Interval, Values};
 
 /// Edges that meet are this near, px: positions are rounded.
@@ -33,7 +34,7 @@ pub(super) struct Kind {
     pub entity: EntityId,
     pub slots: Vec<SlotId>,
     pub bodies: Vec<Body>,
-    /// Whether something can put an instance inside of what blocks it.
+    /// Whether something can put an instance inside of what pushes it, or through it.
     pub jumps: bool,
 }
 
@@ -50,13 +51,20 @@ pub(super) struct Pair {
 pub(super) type Edges = [[Vec<Interval>; 2]; 2];
 
 /// What bodies of a kind meet in a space that never moves.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(super) struct Statics {
-    /// Of each contact question, whether it can hold.
-    pub touchable: Vec<bool>,
+    /// Of each contact question, along both axes, where an instance is when it holds.
+    pub places: Vec<[Vec<Interval>; 2]>,
     /// Of each contact question, whether all that it asks for here pushes the body that asks.
     pub pushed: Vec<bool>,
+    /// Where pushes put it.
     pub edges: Edges,
+    /// So, where what pushes it is not deep inside of other things: by faces that no neighbour covers.
+    pub faces: Edges,
+    /// Of both axes, the size of the thinnest thing that pushes it, px; infinite if there is none.
+    pub thinnest: [f64; 2],
+    /// Of both axes, how far a push can be, px.
+    pub longest: [f64; 2],
     pub pushes: bool,
     /// Whether some push stops the velocity into the surface.
     pub stops: bool,
@@ -90,7 +98,7 @@ pub(super) fn face(side: Side) -> (usize, usize) {
 }
 
 /// The sides on which a meeting can push the first of the two.
-pub(super) fn sides(meeting: Meeting) -> impl Iterator<Item = Side> {
+pub(super) fn sides_of(meeting: Meeting) -> impl Iterator<Item = Side> {
     let can = move |side: &Side| match meeting.response.push {
         Push::Sense => false,
         Push::Block => true,
@@ -105,16 +113,16 @@ pub(super) fn sides(meeting: Meeting) -> impl Iterator<Item = Side> {
 
 impl<'a> Scene<'a> {
     pub fn new(program: &'a Program, world: &'a World) -> Self {
-        let mut numbers: BTreeMap<(EntityId, bool, Vec<u64>, bool), usize> = BTreeMap::new();
+        let mut numbers: BTreeMap<(EntityId, bool, Vec<u64>), usize> = BTreeMap::new();
         let mut scene =
             Scene { program, world, kinds: Vec::new(), of: IdVec::new(), pairs: Vec::new(), statics: BTreeMap::new() };
         for (slot, s) in world.slots.pairs() {
-            let bodies = scene.bodies(s.entity, &s.params.iter().map(|p| Values::point(*p)).collect());
-            let jumps = may_jump(program, world, slot) || begins_inside(world, slot, &bodies);
             let params: Vec<u64> = s.params.iter().map(|p| p.to_bits()).collect();
             let next = numbers.len();
-            let number = *numbers.entry((s.entity, s.origin == Origin::Named, params, jumps)).or_insert(next);
+            let number = *numbers.entry((s.entity, s.origin == Origin::Named, params)).or_insert(next);
             if number == scene.kinds.len() {
+                let bodies = scene.bodies(s.entity, &s.params.iter().map(|p| Values::point(*p)).collect());
+                let jumps = drives_position(program, s.entity);
                 scene.kinds.push(Kind { entity: s.entity, slots: Vec::new(), bodies, jumps });
             }
             scene.kinds[number].slots.push(slot);
@@ -188,60 +196,149 @@ impl<'a> Scene<'a> {
         self.program.entities[entity].colliders.iter().map(body).collect()
     }
 
+    /// The size of a body along both axes, px; infinite where it is not always the same.
+    pub fn size(body: &Body) -> [f64; 2] {
+        body.extent.map_or([f64::INFINITY; 2], |e| e.map(|i| i.high - i.low))
+    }
+
     fn look(&self, kind: &Kind, space: SpaceId) -> Statics {
         let (world, entity) = (self.world, &self.program.entities[kind.entity]);
         let mut out = Statics::default();
-        let tile_tags: Vec<TagSet> = tile_tags(world, space);
+        let tiles = Tiles::new(world, space);
         let solids = &world.spaces[space].solids;
-        let tags: Vec<TagSet> = tile_tags.iter().copied().chain(solids.iter().map(|s| s.tags)).collect();
-        let asking = |touch: &Touch| kind.bodies.iter().filter(|b| b.tags.meets(touch.mine)).collect::<Vec<_>>();
+        let tags: Vec<TagSet> = tiles.tags.iter().copied().chain(solids.iter().map(|s| s.tags)).collect();
         for touch in entity.touches.iter() {
-            let asked: Vec<TagSet> = tags.iter().copied().filter(|t| t.meets(TagSet::of(touch.other))).collect();
-            let met: Vec<(&Body, Option<Meeting>)> = asking(touch)
-                .into_iter()
-                .flat_map(|b| asked.iter().map(move |t| (b, world.meeting(b.tags, *t))))
-                .collect();
-            out.touchable.push(!touch.bound && met.iter().any(|(_, m)| m.is_some()));
-            let blocks = |b: &Body, m: &Meeting| m.response.push != Push::Sense && !b.kinematic;
-            out.pushed.push(met.iter().all(|(b, m)| m.as_ref().is_none_or(|m| blocks(b, m))));
+            let asking: Vec<&Body> = kind.bodies.iter().filter(|b| b.tags.meets(touch.mine)).collect();
+            let mut places = [Vec::new(), Vec::new()];
+            let mut pushed = true;
+            for (body, tags) in asking.iter().flat_map(|b| tags.iter().map(move |t| (b, *t))) {
+                let Some(meeting) = world.meeting(body.tags, tags) else { continue };
+                if touch.bound || !tags.meets(TagSet::of(touch.other)) {
+                    continue;
+                }
+                pushed &= meeting.response.push != Push::Sense && !body.kinematic;
+                let boxes = solids.iter().filter(|s| s.tags == tags).map(|s| along(s.bounds));
+                let (columns, rows) = tiles.lines(|at| tiles.tag(at) == tags);
+                let lines = [columns, rows];
+                for (axis, places) in places.iter_mut().enumerate() {
+                    let lines = lines[axis].iter().copied().chain(boxes.clone().map(|b| b[axis]));
+                    places.extend(lines.map(|(low, high)| near(body.extent, axis, (low, high))));
+                }
+            }
+            places.iter_mut().for_each(disjoin);
+            out.places.push(places);
+            out.pushed.push(pushed);
         }
         for body in kind.bodies.iter().filter(|b| !b.kinematic) {
-            let pushing = |t: TagSet| world.meeting(body.tags, t).filter(|m| m.response.push != Push::Sense);
-            for meeting in tags.iter().filter_map(|t| pushing(*t)) {
-                out.pushes = true;
-                out.stops |= meeting.response.stop;
-                out.slips |= !meeting.response.stop;
-                out.anywhere |= body.extent.is_none();
+            self.pushes(body, space, &tiles, &mut out);
+        }
+        out.edges.iter_mut().chain(&mut out.faces).flatten().for_each(disjoin);
+        out
+    }
+
+    /// What never moves and pushes a body.
+    fn pushes(&self, body: &Body, space: SpaceId, tiles: &Tiles<'_>, out: &mut Statics) {
+        let pushing = |t: TagSet| self.world.meeting(body.tags, t).filter(|m| m.response.push != Push::Sense);
+        let own = Self::size(body);
+        let mut met = |meeting: Meeting, sizes: [f64; 2]| {
+            out.pushes = true;
+            out.stops |= meeting.response.stop;
+            out.slips |= !meeting.response.stop;
+            out.anywhere |= body.extent.is_none();
+            for axis in 0..2 {
+                out.thinnest[axis] = out.thinnest[axis].min(sizes[axis]);
+                out.longest[axis] = out.longest[axis].max(sizes[axis] + own[axis]);
             }
+        };
+        for solid in &self.world.spaces[space].solids {
+            let Some(meeting) = pushing(solid.tags) else { continue };
+            let sides = along(solid.bounds);
+            met(meeting, sides.map(|(low, high)| high - low));
             let Some(extent) = body.extent else { continue };
-            for solid in solids {
-                if let Some(meeting) = pushing(solid.tags) {
-                    let Bounds { left, right, bottom, top } = solid.bounds;
-                    add_edges(&mut out.edges, meeting, extent, [(left, right), (bottom, top)]);
-                }
+            for side in sides_of(meeting) {
+                let (axis, end) = face(side);
+                let at = edge(extent, axis, end, sides[axis]);
+                out.edges[axis][end].push(at);
+                out.faces[axis][end].push(at);
             }
-            let Some(map) = &world.spaces[space].map else { continue };
-            for (kind, tags) in tile_tags.iter().enumerate() {
-                let Some(meeting) = pushing(*tags) else { continue };
-                let (mut columns, mut rows) = (vec![false; map.columns], vec![false; map.rows]);
-                for (at, _) in map.cells.iter().enumerate().filter(|(_, k)| usize::from(**k) == kind) {
-                    columns[at % map.columns] = true;
-                    rows[at / map.columns] = true;
-                }
-                let lines = |on: &[bool], size: f64| {
-                    let on = on.iter().enumerate().filter(|(_, on)| **on);
-                    on.map(|(i, _)| (i as f64 * size, i as f64 * size + size)).collect::<Vec<(f64, f64)>>()
-                };
-                for (axis, lines) in [lines(&columns, map.tile.0), lines(&rows, map.tile.1)].into_iter().enumerate() {
-                    for line in lines {
-                        add_axis(&mut out.edges, meeting, extent, axis, line);
-                    }
+        }
+        let meetings: Vec<Option<Meeting>> = tiles.tags.iter().map(|t| pushing(*t)).collect();
+        let blocks: Vec<bool> = meetings.iter().map(|m| m.is_some_and(|m| m.response.push == Push::Block)).collect();
+        for (kind, meeting) in meetings.iter().enumerate().filter_map(|(k, m)| Some((k, (*m)?))) {
+            if !tiles.has(kind) {
+                continue;
+            }
+            met(meeting, tiles.size());
+            let Some(extent) = body.extent else { continue };
+            for side in sides_of(meeting) {
+                let (axis, end) = face(side);
+                let all = tiles.lines(|at| tiles.kind(at) == Some(kind));
+                // What is open from one side pushes whatever covers it.
+                let covered =
+                    |at| meeting.response.push == Push::Block && tiles.neighbour(at, side).is_some_and(|k| blocks[k]);
+                let open = tiles.lines(|at| tiles.kind(at) == Some(kind) && !covered(at));
+                for (lines, edges) in [(all, &mut out.edges), (open, &mut out.faces)] {
+                    let lines = if axis == 0 { lines.0 } else { lines.1 };
+                    edges[axis][end].extend(lines.into_iter().map(|line| edge(extent, axis, end, line)));
                 }
             }
         }
-        out.edges.iter_mut().flatten().for_each(disjoin);
-        out
     }
+
+    /// Whether an instance of a kind at some positions of a space can lie inside of what never moves and pushes it.
+    pub fn is_inside(&self, kind: usize, space: SpaceId, [x, y]: [Interval; 2]) -> bool {
+        let tiles = Tiles::new(self.world, space);
+        self.kinds[kind].bodies.iter().filter(|b| !b.kinematic).any(|body| {
+            let blocks =
+                |tags: TagSet| self.world.meeting(body.tags, tags).is_some_and(|m| m.response.push != Push::Sense);
+            let solids = self.world.spaces[space].solids.iter().filter(|s| blocks(s.tags));
+            let kinds: Vec<bool> = tiles.tags.iter().map(|t| blocks(*t)).collect();
+            let Some(extent) = body.extent else { return kinds.contains(&true) || solids.count() > 0 };
+            let wide = |at: Interval, e: Interval| Interval {
+                low: at.low + e.low + ROUNDING,
+                high: at.high + e.high - ROUNDING,
+            };
+            let (x, y) = (wide(x, extent[0]), wide(y, extent[1]));
+            let overlaps = |b: Bounds| x.low < b.right && b.left < x.high && y.low < b.top && b.bottom < y.high;
+            solids.into_iter().any(|s| overlaps(s.bounds)) || tiles.within(x, y).any(|kind| kinds[kind])
+        })
+    }
+}
+
+impl Default for Statics {
+    fn default() -> Self {
+        Statics {
+            places: Vec::new(),
+            pushed: Vec::new(),
+            edges: Edges::default(),
+            faces: Edges::default(),
+            thinnest: [f64::INFINITY; 2],
+            longest: [0.0; 2],
+            pushes: false,
+            stops: false,
+            slips: false,
+            anywhere: false,
+        }
+    }
+}
+
+fn along(bounds: Bounds) -> [(f64, f64); 2] {
+    [(bounds.left, bounds.right), (bounds.bottom, bounds.top)]
+}
+
+/// Where an instance is while a box of its own meets something from `low` to `high`.
+pub(super) fn near(extent: Option<Extent>, axis: usize, (low, high): (f64, f64)) -> Interval {
+    extent
+        .map_or(Interval::ALL, |e| Interval { low: low - e[axis].high - ROUNDING, high: high - e[axis].low + ROUNDING })
+}
+
+/// Where something from `low` to `high` pushes an instance, by the low end of its box or by the high one.
+fn edge(extent: Extent, axis: usize, end: usize, (low, high): (f64, f64)) -> Interval {
+    let at = match end {
+        0 => high - extent[axis].low,
+        _ => low - extent[axis].high,
+    };
+    Interval { low: at - ROUNDING, high: at + ROUNDING }
 }
 
 /// Puts intervals in order and joins those that meet.
@@ -256,73 +353,12 @@ pub(super) fn disjoin(edges: &mut Vec<Interval>) {
     });
 }
 
-/// The tags of each kind of tile of a space's map.
-pub(super) fn tile_tags(world: &World, space: SpaceId) -> Vec<TagSet> {
-    let kinds = world.spaces[space].map.iter().flat_map(|m| &m.kinds);
-    kinds.map(|k| k.tags.iter().copied().collect()).collect()
-}
-
-fn add_edges(edges: &mut Edges, meeting: Meeting, extent: Extent, sides: [(f64, f64); 2]) {
-    for (axis, line) in sides.into_iter().enumerate() {
-        add_axis(edges, meeting, extent, axis, line);
-    }
-}
-
-/// Where something from `low` to `high` along an axis pushes a body.
-fn add_axis(edges: &mut Edges, meeting: Meeting, extent: Extent, axis: usize, (low, high): (f64, f64)) {
-    for side in sides(meeting).filter(|s| face(*s).0 == axis) {
-        let at = match face(side).1 {
-            0 => high - extent[axis].low,
-            _ => low - extent[axis].high,
-        };
-        edges[axis][face(side).1].push(Interval { low: at - ROUNDING, high: at + ROUNDING });
-    }
-}
-
-/// Whether an instance is spawned, goes through links, or is put somewhere by an update, a flow or a clamp.
-fn may_jump(program: &Program, world: &World, slot: SlotId) -> bool {
-    let s = &world.slots[slot];
-    let entity = &program.entities[s.entity];
+/// Whether a flow, an envelope or a clamp sets the position itself.
+fn drives_position(program: &Program, entity: EntityId) -> bool {
+    let entity = &program.entities[entity];
     let is_position = |var: VarId| var.index() < 2;
-    let updates = |a: &Actions| a.updates.iter().any(|u| matches!(u.place, Place::Var(var, 0) if is_position(var)));
-    let actions = entity.edges.iter().map(|e| &e.actions).chain(entity.modes.iter().map(|m| &m.entry));
     let drives = entity.free.iter().chain(entity.leaves.iter().flat_map(|l| &l.drives));
-    s.origin != Origin::Named
-        || !entity.follows.is_empty()
-        || actions.into_iter().any(updates)
-        || entity.clamps.iter().any(|c| c.degree == 0 && is_position(c.var))
+    entity.clamps.iter().any(|c| c.degree == 0 && is_position(c.var))
         || drives.into_iter().any(|d| matches!(d, Drive::Flow { var, degree: 0, .. } if is_position(*var)))
         || entity.envelopes.iter().any(|e| e.degree == 0 && e.vars.iter().any(|v| is_position(*v)))
-}
-
-/// Whether a slot's instance is placed inside of what blocks it.
-fn begins_inside(world: &World, slot: SlotId, bodies: &[Body]) -> bool {
-    let s = &world.slots[slot];
-    let at = |axis: u32| s.vars.get(VarId(axis)).map_or(0.0, |v| v[0]);
-    let space = &world.spaces[s.space];
-    bodies.iter().filter(|b| !b.kinematic).any(|body| {
-        let Some(extent) = body.extent else { return true };
-        let side = |axis: usize| Interval {
-            low: extent[axis].low + at(axis as u32) + ROUNDING,
-            high: extent[axis].high + at(axis as u32) - ROUNDING,
-        };
-        let (x, y) = (side(0), side(1));
-        let blocks = |tags: TagSet| world.meeting(body.tags, tags).is_some_and(|m| m.response.push != Push::Sense);
-        let solids = space.solids.iter().filter(|s| blocks(s.tags)).map(|s| s.bounds);
-        let mut inside =
-            solids.into_iter().any(|b| x.low < b.right && b.left < x.high && y.low < b.top && b.bottom < y.high);
-        if let Some(map) = &space.map {
-            let tags = tile_tags(world, s.space);
-            let cells = |i: Interval, size: f64, count: usize| {
-                let cell = |x: f64| (x / size).floor().clamp(0.0, count as f64) as usize;
-                cell(i.low)..(cell(i.high) + 1).min(count)
-            };
-            let rows = cells(y, map.tile.1, map.rows);
-            inside |= rows.flat_map(|row| cells(x, map.tile.0, map.columns).map(move |c| (row, c))).any(|(row, c)| {
-                let kind = map.cells.get(row * map.columns + c);
-                kind.and_then(|k| tags.get(usize::from(*k))).is_some_and(|t| blocks(*t))
-            });
-        }
-        inside
-    })
 }

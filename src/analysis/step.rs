@@ -1,9 +1,11 @@
 //! One step of an instance over what it can be: edges and updates, flows, what a collision can do to it. Each function
 //! follows a phase of the simulator and allows for everything that it could do.
 
+use std::collections::BTreeSet;
+
 use crate::ir::{
     Actions, By, Drive, EdgeId, Entity, Envelope, ExprId, GroupId, Id, IdVec, LeafId, ModeId, Place, RefValue, Release,
-    SlotId, SpawnId, Subject, Update, VarId,
+    SlotId, SpaceId, SpawnId, Subject, Update, VarId,
 };
 
 use super::energy::Fall;
@@ -21,6 +23,25 @@ pub(super) struct Outcome {
     pub spawns: Vec<(SpawnId, Configuration)>,
     /// Whether the instance can be gone.
     pub can_end: bool,
+    /// Of both axes, how fast it moves before anything stops it, px/s.
+    pub speed: [f64; 2],
+    /// Where updates and links put it.
+    pub landings: Vec<Landing>,
+}
+
+/// Where something puts an instance, px.
+#[derive(Debug)]
+pub(super) struct Landing {
+    pub spaces: BTreeSet<SpaceId>,
+    pub at: [Interval; 2],
+}
+
+impl Landing {
+    /// Where an instance is; none if it cannot be.
+    pub fn of(at: &Configuration) -> Option<Landing> {
+        let hull = |axis: u32| at.vars[VarId(axis)][0].hull();
+        Some(Landing { spaces: at.spaces.clone(), at: [hull(0)?, hull(1)?] })
+    }
 }
 
 /// A step of one slot.
@@ -130,6 +151,7 @@ impl<'a> Stepper<'a> {
                 for next in &mut nexts {
                     let mut moved = next.clone();
                     if self.follow(&held, &mut moved) {
+                        outcome.landings.extend(Landing::of(&moved));
                         self.act(&follow.actions, &held, &mut moved, outcome);
                         *next = next.or(&moved);
                     }
@@ -141,7 +163,7 @@ impl<'a> Stepper<'a> {
             return;
         }
         for next in nexts {
-            let moved = self.flow(next);
+            let moved = self.flow(next, outcome);
             outcome.next.extend(moved);
         }
     }
@@ -213,8 +235,15 @@ impl<'a> Stepper<'a> {
         for update in &actions.updates {
             self.update(update, at, next);
         }
+        if actions.updates.iter().any(|u| matches!(u.place, Place::Var(VarId(0 | 1), 0))) {
+            outcome.landings.extend(Landing::of(next));
+        }
         for &spawn in &actions.spawns {
-            outcome.spawns.push((spawn, at.or(next)));
+            let at = at.or(next);
+            match outcome.spawns.iter_mut().find(|(known, _)| *known == spawn) {
+                Some((_, known)) => *known = known.or(&at),
+                None => outcome.spawns.push((spawn, at)),
+            }
         }
         let ends = actions.destroys.contains(&RefValue::Of(Subject::Me));
         outcome.can_end |= ends;
@@ -263,7 +292,7 @@ impl<'a> Stepper<'a> {
     }
 
     /// Flows, envelopes, clamps, timers, and what a collision can do.
-    fn flow(&self, mut next: Configuration) -> Option<Configuration> {
+    fn flow(&self, mut next: Configuration, outcome: &mut Outcome) -> Option<Configuration> {
         let entity = self.entity();
         let reader = self.at(&next);
         let mut drives: IdVec<VarId, Drive> = entity.vars.ids().map(Drive::Coast).collect();
@@ -333,6 +362,17 @@ impl<'a> Stepper<'a> {
                 let count = moved.timers[id];
                 moved.timers[id] = Interval { low: (count.low + 1.0).min(limit), high: (count.high + 1.0).min(limit) };
             }
+        }
+        for (axis, speed) in outcome.speed.iter_mut().enumerate() {
+            let var = VarId(axis as u32);
+            let far = next.vars[var][0].hull().zip(moved.vars[var][0].hull());
+            // Where the position itself is driven or cut, it moves as far as from one end to the other.
+            let far = far.map_or(0.0, |(a, b)| (b.high - a.low).max(a.high - b.low) / self.step);
+            let velocity = moved.vars[var][1].hull().map_or(0.0, |v| v.high.max(-v.low));
+            let is_put = matches!(drives[var], Drive::Flow { degree: 0, .. })
+                || matches!(drives[var], Drive::Envelope(id, _) if entity.envelopes[id].degree == 0)
+                || entity.clamps.iter().any(|c| c.var == var && c.degree == 0);
+            *speed = speed.max(if is_put { far } else { velocity });
         }
         self.reader.surroundings.collide(self.slot, self.step, &next, &mut moved);
         next = moved;

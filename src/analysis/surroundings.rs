@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use crate::ir::{Id, IdVec, Push, SlotId, SpaceId, TagSet, Touch, TouchId, VarId};
 
 use super::evaluate::{Configuration, Overall};
-use super::scene::{Body, Edges, Pair, ROUNDING, Scene, disjoin, face, sides};
+use super::scene::{Body, Edges, Pair, ROUNDING, Scene, disjoin, face, near, sides_of};
 use super::values::{Interval, Values};
 
 /// What is known of the contacts of every slot.
@@ -21,18 +21,22 @@ pub(super) struct Surroundings {
 /// What is known of the contacts of one slot.
 #[derive(Debug, Default, Clone, PartialEq)]
 pub(super) struct Contacts {
-    /// Of each contact question, whether it can hold.
-    touchable: Vec<bool>,
-    /// Of each contact question, where the instance is when it holds.
-    aligned: Vec<Option<(VarId, Values)>>,
+    /// Of each contact question, along both axes, where the instance is when it holds.
+    places: Vec<[Values; 2]>,
     /// Where a push can put the instance.
     edges: Edges,
+    /// So, where it is not deep inside of anything.
+    faces: Edges,
+    /// Of both axes, the size of the thinnest thing that pushes it, px.
+    thinnest: [f64; 2],
+    /// Of both axes, how far a push can be where it is deep inside of something, px.
+    longest: [f64; 2],
     is_pushed: bool,
     /// Whether pushes can end anywhere.
     anywhere: bool,
     /// Of both axes, how fast what pushes it can move, px/s.
     pushers: [f64; 2],
-    /// Whether a push can be longer than a step: something may begin inside of something.
+    /// Whether it can be deep inside of something: what is put somewhere, or pushed.
     may_penetrate: bool,
     /// Whether a push stops the velocity into the surface.
     stops: bool,
@@ -50,12 +54,17 @@ struct Crowd {
     position: [Values; 2],
     /// px/s
     speed: [f64; 2],
+    /// Of both axes, how far a push can be, px.
+    push: [f64; 2],
 }
 
 impl Surroundings {
     /// From what the slots can be. The scene must be prepared for their kinds in their spaces.
     pub fn new(scene: &Scene<'_>, slots: &IdVec<SlotId, Overall>) -> Self {
-        let crowds: Vec<Crowd> = scene.kinds.iter().map(|kind| Crowd::new(&kind.slots, slots)).collect();
+        let mut crowds: Vec<Crowd> = scene.kinds.iter().map(|kind| Crowd::new(&kind.slots, slots)).collect();
+        for kind in 0..crowds.len() {
+            crowds[kind].push = pushable(scene, kind, &crowds);
+        }
         let mut out = Surroundings::default();
         let mut known: Vec<(usize, &BTreeSet<SpaceId>)> = Vec::new();
         for (slot, overall) in slots.pairs() {
@@ -70,14 +79,10 @@ impl Surroundings {
         out
     }
 
-    /// Whether a contact question can hold.
-    pub fn can_touch(&self, slot: SlotId, touch: TouchId) -> bool {
-        self.of(slot).touchable.get(touch.index()).copied().unwrap_or(true)
-    }
-
-    /// Where an instance is while a contact question holds: a coordinate, and its values.
-    pub fn aligned(&self, slot: SlotId, touch: TouchId) -> Option<&(VarId, Values)> {
-        self.of(slot).aligned.get(touch.index())?.as_ref()
+    /// Along both axes, where an instance is while a contact question holds.
+    pub fn places(&self, slot: SlotId, touch: TouchId) -> &[Values; 2] {
+        const ANYWHERE: [Values; 2] = [Values::all(), Values::all()];
+        self.of(slot).places.get(touch.index()).unwrap_or(&ANYWHERE)
     }
 
     /// What is known of the contacts of a slot.
@@ -89,38 +94,39 @@ impl Surroundings {
     pub fn collide(&self, slot: SlotId, step: f64, before: &Configuration, moved: &mut Configuration) {
         let contacts = self.of(slot);
         for axis in 0..2 {
-            let var = VarId(axis as u32);
             if let Some(places) = &contacts.carried[axis] {
+                let var = VarId(axis as u32);
                 moved.vars[var][0] = moved.vars[var][0].or(places);
                 moved.energy[var] = None;
             }
-            if !contacts.is_pushed {
-                continue;
-            }
+        }
+        if !contacts.is_pushed {
+            return;
+        }
+        let speed = |axis: usize| moved.vars[VarId(axis as u32)][1].hull().map_or(0.0, |v| v.high.max(-v.low));
+        let far = [0, 1].map(|axis| (speed(axis) + contacts.pushers[axis]) * step);
+        let deep = contacts.may_penetrate || (0..2).any(|axis| far[axis] + ROUNDING >= contacts.thinnest[axis]);
+        // What comes in along one axis is pushed out along the other where that is less.
+        let far = far[0].max(far[1]) + ROUNDING;
+        for axis in 0..2 {
+            let var = VarId(axis as u32);
             let way = before.vars[var][0].hull().zip(moved.vars[var][0].hull()).map(|(a, b)| a.or(b));
             let Some(way) = way else { continue };
-            let far = contacts.pushers[axis] * step + ROUNDING;
-            let within = match contacts.may_penetrate {
-                true => Interval::ALL,
-                false => Interval { low: way.low - far, high: way.high + far },
-            };
-            let pushed = match contacts.anywhere {
-                true => Values::all(),
-                false => Values::any(contacts.edges[axis].iter().flat_map(|edges| between(edges, within))),
-            };
-            if pushed.is_none() {
+            let far = far + if deep { contacts.longest[axis] } else { 0.0 };
+            let within = Interval { low: way.low - far, high: way.high + far };
+            let [position, velocity, _] = &mut moved.vars[var];
+            let Some(free) = velocity.hull() else { continue };
+            let pushed = contacts.push(axis, within, deep, position);
+            if pushed == [None; 2] {
                 continue;
             }
-            let [position, velocity, _] = &mut moved.vars[var];
-            *position = position.or(&pushed);
             if contacts.stops {
                 *velocity = velocity.or(&Values::point(0.0));
             }
-            moved.energy[var] = match (moved.energy[var], pushed.hull()) {
-                (Some((fall, energy)), Some(at)) if !contacts.is_loose && contacts.stops => {
-                    // What is pushed without being stopped moves away from the surface, slower than that does.
-                    let slow = contacts.pushers[axis];
-                    Some((fall, energy.or(fall.energy(at, Interval { low: -slow, high: slow }))))
+            let slow = contacts.pushers[axis];
+            moved.energy[var] = match moved.energy[var] {
+                Some((fall, energy)) if !contacts.is_loose && contacts.stops => {
+                    Some((fall, fall.pushed(energy, pushed, free, slow)))
                 }
                 _ => None,
             };
@@ -128,10 +134,30 @@ impl Surroundings {
     }
 }
 
+impl Contacts {
+    /// Adds to a position where pushes within an interval can put it; gives what is around them, by the low and by the
+    /// high side.
+    fn push(&self, axis: usize, within: Interval, deep: bool, position: &mut Values) -> [Option<Interval>; 2] {
+        if self.anywhere {
+            *position = Values::all();
+            return [Some(Interval::ALL); 2];
+        }
+        let edges = if deep { &self.edges } else { &self.faces };
+        let ends = edges[axis].each_ref().map(|edges| between(edges, within));
+        let around = |edges: &[Interval]| Some(Interval { low: edges.first()?.low, high: edges.last()?.high });
+        let hulls = ends.map(around);
+        if hulls.iter().flatten().any(|hull| !Values::from(*hull).is_within(position)) {
+            *position = position.or(&Values::any(ends.into_iter().flatten().copied()));
+        }
+        hulls
+    }
+}
+
 /// Those of some edges in order that meet an interval.
-fn between(edges: &[Interval], within: Interval) -> impl Iterator<Item = Interval> + '_ {
+fn between(edges: &[Interval], within: Interval) -> &[Interval] {
     let first = edges.partition_point(|e| e.high < within.low);
-    edges[first..].iter().copied().take_while(move |e| e.low <= within.high)
+    let after = edges.partition_point(|e| e.low <= within.high);
+    edges.get(first..after).unwrap_or_default()
 }
 
 impl Crowd {
@@ -140,14 +166,53 @@ impl Crowd {
         let all = |axis: u32, degree: usize| {
             Values::any(live().filter_map(|o| o.vars.get(VarId(axis))).flat_map(|v| v[degree].intervals().to_vec()))
         };
-        let speed = |axis| all(axis, 1).hull().map_or(0.0, |v| v.low.abs().max(v.high.abs()));
+        let speed = |axis: usize| live().map(|o| o.speed[axis]).fold(0.0, f64::max);
         Crowd {
             count: live().count(),
             spaces: live().flat_map(|o| o.spaces.iter().copied()).collect(),
             position: [all(0, 0), all(1, 0)],
             speed: [speed(0), speed(1)],
+            push: [0.0; 2],
         }
     }
+}
+
+/// Those of what a kind meets that can be there, in some spaces.
+fn met<'s>(scene: &'s Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[Crowd]) -> Vec<&'s Pair> {
+    let there = |pair: &&Pair| {
+        let crowd = &crowds[pair.kind];
+        crowd.count > usize::from(pair.kind == me) && crowd.spaces.iter().any(|s| spaces.contains(s))
+    };
+    scene.pairs[me].iter().filter(there).collect()
+}
+
+/// Of both axes, how far instances of a kind can be pushed in a step, px.
+fn pushable(scene: &Scene<'_>, me: usize, crowds: &[Crowd]) -> [f64; 2] {
+    let (kind, crowd) = (&scene.kinds[me], &crowds[me]);
+    let step = scene.world.step.seconds();
+    let mut is_pushed = false;
+    let mut deep = kind.jumps || !kind.bodies.iter().all(|b| b.is_steady);
+    let (mut far, mut longest) = (crowd.speed.map(|s| s * step), [0.0_f64; 2]);
+    for found in crowd.spaces.iter().filter_map(|s| scene.statics(me, *s)).filter(|s| s.pushes) {
+        is_pushed = true;
+        for axis in 0..2 {
+            longest[axis] = longest[axis].max(found.longest[axis]);
+            deep |= far[axis] + ROUNDING >= found.thinnest[axis];
+        }
+    }
+    for pair in met(scene, me, &crowd.spaces, crowds) {
+        let (mine, theirs) = (&kind.bodies[pair.mine], &scene.kinds[pair.kind].bodies[pair.theirs]);
+        if pair.meeting.response.push == Push::Sense || mine.kinematic {
+            continue;
+        }
+        (is_pushed, deep) = (true, true);
+        for axis in 0..2 {
+            longest[axis] = longest[axis].max(Scene::size(mine)[axis] + Scene::size(theirs)[axis]);
+            far[axis] = far[axis].max((crowd.speed[axis] + crowds[pair.kind].speed[axis]) * step);
+        }
+    }
+    let far = far[0].max(far[1]) + ROUNDING;
+    [0, 1].map(|axis| if is_pushed { far + if deep { longest[axis] } else { 0.0 } } else { 0.0 })
 }
 
 fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[Crowd]) -> Contacts {
@@ -155,34 +220,21 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
     let entity = &scene.program.entities[kind.entity];
     // What is known of the spaces it can be in; there are none before it is there.
     let statics: Vec<_> = spaces.iter().filter_map(|s| scene.statics(me, *s)).collect();
-    let there = |pair: &&Pair| {
-        let crowd = &crowds[pair.kind];
-        crowd.count > usize::from(pair.kind == me) && crowd.spaces.iter().any(|s| spaces.contains(s))
-    };
-    let pairs: Vec<&Pair> = scene.pairs[me].iter().filter(there).collect();
+    let pairs = met(scene, me, spaces, crowds);
     let body = |pair: &Pair| (&kind.bodies[pair.mine], &scene.kinds[pair.kind].bodies[pair.theirs]);
-    let asks = |touch: &Touch, pair: &Pair| {
-        let (mine, theirs) = body(pair);
-        mine.tags.meets(touch.mine) && theirs.tags.meets(TagSet::of(touch.other))
-    };
-    let mut out = Contacts {
-        touchable: entity
-            .touches
-            .pairs()
-            .map(|(id, touch)| {
-                statics.iter().any(|s| s.touchable.get(id.index()) == Some(&true))
-                    || pairs.iter().any(|p| asks(touch, p))
-            })
-            .collect(),
-        ..Contacts::default()
-    };
+    let mut out = Contacts { thinnest: [f64::INFINITY; 2], ..Contacts::default() };
     for found in &statics {
         out.is_pushed |= found.pushes;
         out.stops |= found.stops;
         out.is_loose |= found.slips;
         out.anywhere |= found.anywhere;
-        for (edges, more) in out.edges.iter_mut().flatten().zip(found.edges.iter().flatten()) {
-            edges.extend(more);
+        for axis in 0..2 {
+            out.thinnest[axis] = out.thinnest[axis].min(found.thinnest[axis]);
+            out.longest[axis] = out.longest[axis].max(found.longest[axis]);
+            for end in 0..2 {
+                out.edges[axis][end].extend(&found.edges[axis][end]);
+                out.faces[axis][end].extend(&found.faces[axis][end]);
+            }
         }
     }
     let mut carried: [Vec<Interval>; 2] = [Vec::new(), Vec::new()];
@@ -200,26 +252,49 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
         out.may_penetrate = true;
         pushed_by(&mut out, &mut carried, pair, mine, theirs, &crowds[pair.kind]);
     }
-    if !out.is_pushed {
-        return out;
+    for edges in out.edges.iter_mut().chain(&mut out.faces).flatten() {
+        disjoin(edges);
     }
-    out.edges.iter_mut().flatten().for_each(disjoin);
     out.may_penetrate |= kind.jumps || !kind.bodies.iter().all(|b| b.is_steady);
     out.carried = carried.map(|c| if c.is_empty() { None } else { Some(Values::any(c)) });
     if out.anywhere {
         out.carried = out.carried.map(|c| c.map(|_| Values::all()));
     }
-    let aligned = |(id, touch): (TouchId, &Touch)| {
-        let (axis, end) = face(touch.side?);
-        let pushes = |p: &&Pair| p.meeting.response.push != Push::Sense && !body(p).0.kinematic;
-        let by_all = statics.iter().all(|s| s.pushed.get(id.index()) == Some(&true))
-            && pairs.iter().filter(|p| asks(touch, p)).all(pushes);
-        if !by_all || is_moved_by_movers || out.anywhere {
-            return None;
+    let deep = out.may_penetrate || (0..2).any(|a| crowds[me].push[a] >= out.thinnest[a]);
+    let places = |(id, touch): (TouchId, &Touch)| {
+        let asks = |pair: &&&Pair| {
+            let (mine, theirs) = body(pair);
+            mine.tags.meets(touch.mine) && theirs.tags.meets(TagSet::of(touch.other))
+        };
+        let asked: Vec<&&Pair> = pairs.iter().filter(asks).collect();
+        let mut places = [0, 1].map(|axis| {
+            // Contacts are found before anything is pushed.
+            let moved = crowds[me].push[axis];
+            let wide = |i: Interval, by: f64| Interval { low: i.low - by, high: i.high + by };
+            let of_statics = statics.iter().filter_map(|s| s.places.get(id.index())).flat_map(|p| &p[axis]);
+            let of_others = asked.iter().flat_map(|pair| {
+                let (mine, theirs) = body(pair);
+                let crowd = &crowds[pair.kind];
+                let extent = theirs.extent.map_or(Interval::ALL, |e| e[axis]);
+                let at = crowd.position[axis].intervals().iter();
+                at.map(move |at| {
+                    let place = near(mine.extent, axis, (at.low + extent.low, at.high + extent.high));
+                    wide(place, moved + crowd.push[axis])
+                })
+            });
+            Values::any(of_statics.map(|p| wide(*p, moved)).chain(of_others))
+        });
+        let pushes = |p: &&&Pair| p.meeting.response.push != Push::Sense && !body(p).0.kinematic;
+        let by_all =
+            statics.iter().all(|s| s.pushed.get(id.index()) == Some(&true)) && asked.iter().all(|p| pushes(&p));
+        if let (Some(side), true) = (touch.side, by_all && !is_moved_by_movers && !out.anywhere) {
+            let (axis, end) = face(side);
+            let edges = if deep { &out.edges } else { &out.faces };
+            places[axis] = places[axis].and(&Values::any(edges[axis][end].iter().copied()));
         }
-        Some((VarId(axis as u32), Values::any(out.edges[axis][end].iter().copied())))
+        places
     };
-    out.aligned = entity.touches.pairs().map(aligned).collect();
+    out.places = entity.touches.pairs().map(places).collect();
     out
 }
 
@@ -238,28 +313,27 @@ fn pushed_by(
     };
     for axis in 0..2 {
         out.pushers[axis] = out.pushers[axis].max(crowd.speed[axis]);
+        let sizes = other[axis].high - other[axis].low;
+        out.thinnest[axis] = out.thinnest[axis].min(sizes);
+        out.longest[axis] = out.longest[axis].max(sizes + extent[axis].high - extent[axis].low);
         let Some(at) = crowd.position[axis].hull() else { continue };
-        let reach = Interval {
-            low: at.low + other[axis].low - extent[axis].high - ROUNDING,
-            high: at.high + other[axis].high - extent[axis].low + ROUNDING,
-        };
-        for side in sides(pair.meeting).filter(|s| face(*s).0 == axis) {
+        let reach = near(mine.extent, axis, (at.low + other[axis].low, at.high + other[axis].high));
+        for side in sides_of(pair.meeting).filter(|s| face(*s).0 == axis) {
             let end = face(side).1;
-            if !theirs.kinematic {
-                out.edges[axis][end].push(reach);
-                continue;
-            }
-            // Its low and high edges, wherever it is.
-            let offset = match end {
-                0 => other[axis].high - extent[axis].low,
-                _ => other[axis].low - extent[axis].high,
+            // By its low and high edges, wherever it is; what moves itself can be pushed from there to anywhere near.
+            let edges: Vec<Interval> = match theirs.kinematic {
+                false => vec![reach],
+                true => {
+                    let offset = match end {
+                        0 => other[axis].high - extent[axis].low,
+                        _ => other[axis].low - extent[axis].high,
+                    };
+                    let at = crowd.position[axis].intervals().iter();
+                    at.map(|i| Interval { low: i.low + offset - ROUNDING, high: i.high + offset + ROUNDING }).collect()
+                }
             };
-            out.edges[axis][end].extend(
-                crowd.position[axis]
-                    .intervals()
-                    .iter()
-                    .map(|i| Interval { low: i.low + offset - ROUNDING, high: i.high + offset + ROUNDING }),
-            );
+            out.edges[axis][end].extend(&edges);
+            out.faces[axis][end].extend(&edges);
         }
         if pair.meeting.response.carry {
             carried[axis].push(reach);

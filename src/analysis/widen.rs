@@ -2,9 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use crate::ir::{Bounds, SlotId, VarId, World};
+use crate::ir::{Bounds, DiscreteId, IdVec, SlotId, VarId, World};
 
-use super::energy::Fall;
 use super::evaluate::Configuration;
 use super::values::{Interval, Values};
 
@@ -29,6 +28,13 @@ pub(super) fn within_bounds(world: &World, slot: SlotId, mut at: Configuration) 
     at
 }
 
+/// After so many changes an end is moved to a number of the program.
+const PATIENCE: u8 = 5;
+/// How often it may stay at such a number.
+const STAYS: u8 = 10;
+/// Energies grow by what comes in from other modes alone, and are left more time.
+const LONG_PATIENCE: u8 = 96;
+
 /// Numbers in order at which growing ends may stay.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Thresholds(Vec<f64>);
@@ -51,55 +57,73 @@ impl Thresholds {
     }
 }
 
-/// How far an end that grows is moved.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Haste {
-    /// To the next number that the program knows.
-    Next,
-    /// On for ever.
-    Ever,
-    /// So are energies, which grow by what comes in from other modes alone, and are left more time.
-    Energy,
+/// How often each number of a configuration has grown.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Patience {
+    vars: IdVec<VarId, [u8; 3]>,
+    discretes: IdVec<DiscreteId, u8>,
+    energy: IdVec<VarId, u8>,
 }
 
-/// What grows goes to the next number that the program knows, or on for ever.
-pub(super) fn widened(
-    old: &Configuration,
-    new: &Configuration,
-    thresholds: &Thresholds,
-    haste: Haste,
-) -> Configuration {
-    let at_once = haste != Haste::Next;
-    let interval = |old: Interval, new: Interval| {
-        let low = match new.low < old.low {
-            true if at_once => f64::NEG_INFINITY,
-            true => thresholds.at_most(new.low),
-            false => new.low,
-        };
-        let high = match new.high > old.high {
-            true if at_once => f64::INFINITY,
-            true => thresholds.at_least(new.high),
-            false => new.high,
-        };
-        Interval { low, high }
-    };
-    let values = |old: &Values, new: &Values| match (old.hull(), new.hull()) {
-        (Some(a), Some(b)) if !new.is_within(old) => Values::from(interval(a, b)),
-        _ => *new,
-    };
-    type Energy = Option<(Fall, Interval)>;
-    let energy = |(old, new): (&Energy, &Energy)| match (old, new) {
-        (Some((before, old)), Some((fall, new))) if before == fall && haste == Haste::Energy => {
-            Some((*fall, wider_energy(*old, *new)))
+impl Patience {
+    pub fn new(at: &Configuration) -> Self {
+        Patience {
+            vars: at.vars.iter().map(|_| [0; 3]).collect(),
+            discretes: at.discretes.iter().map(|_| 0).collect(),
+            energy: at.energy.iter().map(|_| 0).collect(),
         }
-        _ => *new,
+    }
+
+    /// What has grown too often goes to the next number that the program knows, then on for ever.
+    pub fn widen(&mut self, old: &Configuration, new: &mut Configuration, thresholds: &Thresholds) {
+        let counts = self.vars.iter_mut().flatten().chain(self.discretes.iter_mut());
+        let olds = old.vars.iter().flatten().chain(old.discretes.iter());
+        let news = new.vars.iter_mut().flatten().chain(new.discretes.iter_mut());
+        for ((count, old), new) in counts.zip(olds).zip(news) {
+            wider(count, old, new, thresholds);
+        }
+        // Time goes on until something ends it.
+        for (id, old) in old.timers.pairs() {
+            let new = &mut new.timers[id];
+            if new.high > old.high {
+                new.high = f64::INFINITY;
+            }
+        }
+        for ((count, old), new) in self.energy.iter_mut().zip(old.energy.iter()).zip(new.energy.iter_mut()) {
+            if let (Some((before, old)), Some((fall, new))) = (old, new) {
+                let is_within = old.low <= new.low && new.high <= old.high;
+                if before == fall && !is_within {
+                    *count = count.saturating_add(1);
+                    if *count > LONG_PATIENCE {
+                        *new = wider_energy(*old, *new);
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn wider(count: &mut u8, old: &Values, new: &mut Values, thresholds: &Thresholds) {
+    if new == old {
+        return;
+    }
+    *count = count.saturating_add(1);
+    let (Some(from), Some(to)) = (old.hull(), new.hull()) else { return };
+    if *count <= PATIENCE || new.is_within(old) {
+        return;
+    }
+    let for_ever = *count > PATIENCE + STAYS;
+    let low = match to.low < from.low {
+        true if for_ever => f64::NEG_INFINITY,
+        true => thresholds.at_most(to.low),
+        false => to.low,
     };
-    let mut out = new.clone();
-    out.vars = old.vars.iter().zip(new.vars.iter()).map(|(a, b)| [0, 1, 2].map(|d| values(&a[d], &b[d]))).collect();
-    out.discretes = old.discretes.iter().zip(new.discretes.iter()).map(|(a, b)| values(a, b)).collect();
-    out.timers = old.timers.iter().zip(new.timers.iter()).map(|(a, b)| interval(*a, *b)).collect();
-    out.energy = old.energy.iter().zip(new.energy.iter()).map(energy).collect();
-    out
+    let high = match to.high > from.high {
+        true if for_ever => f64::INFINITY,
+        true => thresholds.at_least(to.high),
+        false => to.high,
+    };
+    *new = Values::from(Interval { low, high });
 }
 
 /// Energies have no numbers of the program to stay at; they grow to powers of two.

@@ -66,6 +66,17 @@ impl Fall {
         out
     }
 
+    /// The energy after velocities below (or above) an end were cut to it, at some positions.
+    pub fn cut(self, energy: Interval, position: Interval, end: Interval, is_low: bool) -> Interval {
+        let cut = self.energy(position, end);
+        let turn = -self.acceleration * self.step / 2.0;
+        // What was fast and is slowed down has less energy than before.
+        match if is_low { end.high <= turn } else { turn <= end.low } {
+            true => Interval { low: energy.low.min(cut.low), high: energy.high },
+            false => energy.or(cut),
+        }
+    }
+
     /// The velocities that an energy allows at some positions.
     pub fn velocities(self, energy: Interval, position: Interval, velocity: &Values) -> Values {
         let half = self.acceleration * self.step / 2.0;

@@ -24,7 +24,7 @@ pub(super) struct Body {
     pub kinematic: bool,
     /// Its box, where that is always the same.
     pub extent: Option<Extent>,
-    /// Whether it is always there, and its box always the same.
+    /// Whether it is always there.
     pub is_steady: bool,
 }
 
@@ -191,9 +191,19 @@ impl<'a> Scene<'a> {
             let extent = sides.map(|[x, y, width, height]| {
                 [Interval { low: x, high: x + width }, Interval { low: y, high: y + height }]
             });
-            Body { tags: c.tags, kinematic: c.kinematic, extent, is_steady: extent.is_some() && c.guard.is_none() }
+            Body { tags: c.tags, kinematic: c.kinematic, extent, is_steady: c.guard.is_none() }
         };
         self.program.entities[entity].colliders.iter().map(body).collect()
+    }
+
+    /// Whether instances of a kind are there from the start, or not at all.
+    pub fn is_settled(&self, kind: usize) -> bool {
+        let kind = &self.kinds[kind];
+        let is_spawned = || {
+            let spawns = self.program.entities.iter().flat_map(|e| e.spawns.iter());
+            spawns.into_iter().any(|s| s.entity == kind.entity)
+        };
+        kind.slots.iter().all(|s| self.world.slots[*s].origin == Origin::Named) || !is_spawned()
     }
 
     /// The size of a body along both axes, px; infinite where it is not always the same.

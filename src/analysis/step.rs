@@ -85,6 +85,7 @@ impl<'a> Stepper<'a> {
         for (taken, at) in ways {
             self.take(&taken, &at, &mut outcome);
         }
+        self.activations(from, &mut outcome);
         outcome.next.retain(|c| !c.is_impossible());
         Some(outcome)
     }
@@ -165,6 +166,15 @@ impl<'a> Stepper<'a> {
         for next in nexts {
             let moved = self.flow(next, outcome);
             outcome.next.extend(moved);
+        }
+    }
+
+    /// A collider that was not there can be so inside of something.
+    fn activations(&self, from: &Configuration, outcome: &mut Outcome) {
+        let guards = self.entity().colliders.iter().filter(|c| !c.kinematic).filter_map(|c| c.guard);
+        for guard in guards.filter(|g| self.at(from).truth(*g).can_fail) {
+            let on = outcome.next.iter().filter(|next| self.at(next).truth(guard).can_hold);
+            outcome.landings.extend(on.filter_map(Landing::of));
         }
     }
 
@@ -400,9 +410,10 @@ impl<'a> Stepper<'a> {
             if clamp.degree == 0 {
                 return None;
             }
-            let cut = moved.vars[var][1].hull()?;
-            for end in [cut.low, cut.high] {
-                energy = energy.or(fall.energy(moved.vars[var][0].hull()?, Interval::point(end)));
+            let at = moved.vars[var][0].hull()?;
+            for (end, is_low) in [(clamp.low, true), (clamp.high, false)] {
+                let end = end.and_then(|end| self.at(next).number(end).hull());
+                energy = end.map_or(energy, |end| fall.cut(energy, at, end, is_low));
             }
         }
         (energy.low.is_finite() || energy.high.is_finite()).then_some(energy)

@@ -186,12 +186,19 @@ fn met<'s>(scene: &'s Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: 
     scene.pairs[me].iter().filter(there).collect()
 }
 
+/// Whether what pushes a body can do so while that stands still: then it may push it into a wall, or be inside of it.
+fn can_come_over(scene: &Scene<'_>, pair: &Pair, crowds: &[Crowd]) -> bool {
+    let theirs = &scene.kinds[pair.kind].bodies[pair.theirs];
+    let moves = crowds[pair.kind].speed != [0.0; 2];
+    moves || !theirs.kinematic || !theirs.is_steady || theirs.extent.is_none() || !scene.is_settled(pair.kind)
+}
+
 /// Of both axes, how far instances of a kind can be pushed in a step, px.
 fn pushable(scene: &Scene<'_>, me: usize, crowds: &[Crowd]) -> [f64; 2] {
     let (kind, crowd) = (&scene.kinds[me], &crowds[me]);
     let step = scene.world.step.seconds();
     let mut is_pushed = false;
-    let mut deep = kind.jumps || !kind.bodies.iter().all(|b| b.is_steady);
+    let mut deep = kind.jumps || kind.bodies.iter().any(|b| b.extent.is_none());
     let (mut far, mut longest) = (crowd.speed.map(|s| s * step), [0.0_f64; 2]);
     for found in crowd.spaces.iter().filter_map(|s| scene.statics(me, *s)).filter(|s| s.pushes) {
         is_pushed = true;
@@ -205,7 +212,8 @@ fn pushable(scene: &Scene<'_>, me: usize, crowds: &[Crowd]) -> [f64; 2] {
         if pair.meeting.response.push == Push::Sense || mine.kinematic {
             continue;
         }
-        (is_pushed, deep) = (true, true);
+        is_pushed = true;
+        deep |= can_come_over(scene, pair, crowds);
         for axis in 0..2 {
             longest[axis] = longest[axis].max(Scene::size(mine)[axis] + Scene::size(theirs)[axis]);
             far[axis] = far[axis].max((crowd.speed[axis] + crowds[pair.kind].speed[axis]) * step);
@@ -248,14 +256,13 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
         out.stops |= pair.meeting.response.stop;
         out.is_loose |= !pair.meeting.response.stop || !theirs.kinematic;
         is_moved_by_movers |= !theirs.kinematic;
-        // What a body pushes it may push into a wall.
-        out.may_penetrate = true;
+        out.may_penetrate |= can_come_over(scene, pair, crowds);
         pushed_by(&mut out, &mut carried, pair, mine, theirs, &crowds[pair.kind]);
     }
     for edges in out.edges.iter_mut().chain(&mut out.faces).flatten() {
         disjoin(edges);
     }
-    out.may_penetrate |= kind.jumps || !kind.bodies.iter().all(|b| b.is_steady);
+    out.may_penetrate |= kind.jumps || kind.bodies.iter().any(|b| b.extent.is_none());
     out.carried = carried.map(|c| if c.is_empty() { None } else { Some(Values::any(c)) });
     if out.anywhere {
         out.carried = out.carried.map(|c| c.map(|_| Values::all()));

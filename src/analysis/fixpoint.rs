@@ -16,8 +16,8 @@ use super::{ConfigurationSpace, SlotSpace};
 pub(super) const MOST_CONFIGURATIONS: usize = 1_024;
 /// How often the result is cut to what follows from it.
 const NARROWINGS: usize = 3;
-/// After so many rounds the rest is given up: everything can be anything.
-const MOST_ROUNDS: usize = 400;
+/// After so many ways of steps all is given up: everything can be anything.
+const MOST_EFFORT: usize = 300_000;
 
 /// A configuration that is still growing.
 #[derive(Debug, Clone)]
@@ -49,6 +49,8 @@ pub(super) struct Analysis<'a> {
     pub surroundings: Surroundings,
     /// Of each slot the one that is looked at for it: slots in which nothing is at first are alike.
     first: IdVec<SlotId, SlotId>,
+    /// How many ways of steps may still be looked at.
+    effort: usize,
     /// The numbers that the program compares with or writes, and where edges meet.
     thresholds: Thresholds,
 }
@@ -78,6 +80,7 @@ impl<'a> Analysis<'a> {
             first: first.collect(),
             scene: Scene::new(program, world),
             surroundings: Surroundings::default(),
+            effort: MOST_EFFORT,
             thresholds: Thresholds::default(),
         };
         analysis.overall = world.slots.ids().map(|s| analysis.overall(s)).collect();
@@ -127,8 +130,10 @@ impl<'a> Analysis<'a> {
             None => {
                 let patience = Patience::new(&found);
                 known.configurations.insert(found.leaves.clone(), Growing { at: found, patience, is_new: true });
-                known.is_given_up |= known.configurations.len() > MOST_CONFIGURATIONS;
                 known.is_changed = true;
+                if known.configurations.len() > MOST_CONFIGURATIONS {
+                    self.give_up(slot);
+                }
                 true
             }
             Some(growing) => {
@@ -214,47 +219,24 @@ impl<'a> Analysis<'a> {
         let firsts: Vec<SlotId> = self.world.slots.ids().filter(|s| self.is_first(*s)).collect();
         let mut others_changed = true;
         for round in 0.. {
-            let surroundings = Surroundings::new(&self.scene, &self.overall);
-            let mut found: Vec<(SlotId, Outcome)> = Vec::new();
-            for &slot in &firsts {
-                let same = round > 0 && surroundings.of(slot) == self.surroundings.of(slot);
-                let all = !same || (others_changed && reads_others[slot]);
-                let due: Vec<Configuration> = self.slots[slot]
-                    .configurations
-                    .values_mut()
-                    .filter(|g| g.is_new || all)
-                    .map(|g| {
-                        g.is_new = false;
-                        g.at.clone()
-                    })
-                    .collect();
-                for at in due {
-                    match self.stepper(slot, &surroundings).run(&at) {
-                        Some(outcome) => found.push((slot, outcome)),
-                        None => {
-                            self.slots[slot].is_given_up = true;
-                            self.slots[slot].is_changed = true;
-                        }
-                    }
-                }
-            }
-            self.surroundings = surroundings;
+            let before = std::mem::replace(&mut self.surroundings, Surroundings::new(&self.scene, &self.overall));
             let mut changed = false;
-            for (slot, outcome) in found {
-                changed |= self.take(slot, outcome);
+            for &slot in &firsts {
+                let same = round > 0 && self.surroundings.of(slot) == before.of(slot);
+                if !same || (others_changed && reads_others[slot]) {
+                    self.slots[slot].configurations.values_mut().for_each(|g| g.is_new = true);
+                }
+                changed |= self.settle(slot);
             }
             changed |= self.ends();
             others_changed = self.tell();
             if !changed && !others_changed {
                 break;
             }
-            if round > MOST_ROUNDS {
-                for slot in self.slots.iter_mut() {
-                    slot.is_given_up = true;
-                    slot.is_changed = true;
-                }
+            if self.effort == 0 {
+                firsts.iter().for_each(|slot| self.give_up(*slot));
                 self.tell();
-                break;
+                return;
             }
         }
         for _ in 0..NARROWINGS {
@@ -262,8 +244,61 @@ impl<'a> Analysis<'a> {
         }
     }
 
-    fn stepper<'s>(&'s self, slot: SlotId, surroundings: &'s Surroundings) -> Stepper<'s> {
-        let reader = Reader { program: self.program, world: self.world, slots: &self.overall, surroundings, me: None };
+    /// Everything is possible for a slot, and for what it can spawn.
+    fn give_up(&mut self, slot: SlotId) {
+        let known = &mut self.slots[slot];
+        if std::mem::replace(&mut known.is_given_up, true) {
+            return;
+        }
+        known.is_changed = true;
+        for spawn in self.entity(slot).spawns.iter() {
+            let made = |s: &SlotId| {
+                let s = &self.world.slots[*s];
+                s.entity == spawn.entity && s.origin != Origin::Named
+            };
+            let made: Vec<SlotId> = self.world.slots.ids().filter(made).map(|s| self.first[s]).collect();
+            made.into_iter().for_each(|slot| self.give_up(slot));
+        }
+    }
+
+    /// Steps a slot until nothing new is found of it, as long as the others stay as they are.
+    fn settle(&mut self, slot: SlotId) -> bool {
+        let mut changed = false;
+        while self.effort > 0 {
+            let new = self.slots[slot].configurations.values_mut().filter(|g| g.is_new);
+            let due: Vec<Configuration> = new
+                .map(|g| {
+                    g.is_new = false;
+                    g.at.clone()
+                })
+                .collect();
+            if due.is_empty() {
+                break;
+            }
+            for at in due {
+                match self.stepper(slot).run(&at) {
+                    Some(outcome) => {
+                        self.effort = self.effort.saturating_sub(outcome.next.len() + 1);
+                        changed |= self.take(slot, outcome);
+                    }
+                    None => {
+                        self.give_up(slot);
+                        return true;
+                    }
+                }
+            }
+        }
+        changed
+    }
+
+    fn stepper(&self, slot: SlotId) -> Stepper<'_> {
+        let reader = Reader {
+            program: self.program,
+            world: self.world,
+            slots: &self.overall,
+            surroundings: &self.surroundings,
+            me: None,
+        };
         Stepper { reader, slot, step: self.world.step.seconds() }
     }
 
@@ -335,16 +370,15 @@ impl<'a> Analysis<'a> {
     /// Steps once from all that was found, and keeps of it only what comes of that or is there from the start.
     fn narrow(&mut self) {
         let before = self.slots.clone();
-        let surroundings = Surroundings::new(&self.scene, &self.overall);
+        self.surroundings = Surroundings::new(&self.scene, &self.overall);
         let mut found: Vec<(SlotId, Outcome)> = Vec::new();
         for slot in self.world.slots.ids().filter(|s| self.is_first(*s) && !self.slots[*s].is_given_up) {
             for growing in self.slots[slot].configurations.values() {
-                if let Some(outcome) = self.stepper(slot, &surroundings).run(&growing.at) {
+                if let Some(outcome) = self.stepper(slot).run(&growing.at) {
                     found.push((slot, outcome));
                 }
             }
         }
-        self.surroundings = surroundings;
         for slot in self.slots.iter_mut() {
             slot.configurations.clear();
             slot.speed = [0.0; 2];

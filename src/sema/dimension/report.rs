@@ -1,0 +1,189 @@
+//! What the solver found wrong, put into facts: two uses of one name, two terms that do not go together, a term in a place
+//! that asks for another dimension.
+
+use crate::diagnostic::catalogue::types::{DimensionConflict, Dimensioned, NoSquare, Unjoinable, WrongDimension};
+use crate::diagnostic::{Diagnostics, similar};
+use crate::source::{SourceMap, Span};
+
+use super::super::checked::{Arithmetic, Function, Subject, Term, TermKind};
+use super::super::ids::EntityId;
+use super::{Beside, Conflict, Dim, Joint, Named, Ratio, Solver};
+
+/// So many characters of an expression are shown.
+const SHOWN: usize = 40;
+
+impl Solver<'_> {
+    pub(super) fn report(mut self, sources: &SourceMap, diagnostics: &mut Diagnostics) {
+        for (root, of) in std::mem::take(&mut self.roots) {
+            let root = self.reduce(&root);
+            if root.unknowns.is_empty() && (root.px.1 != 1 || root.s.1 != 1) {
+                let dimension = Dim::known(0, 0).plus(&root, Ratio(2, 1)).words();
+                diagnostics.report(NoSquare { of: shown(sources, of.span), at: of.span, dimension });
+            }
+        }
+        for conflict in std::mem::take(&mut self.conflicts) {
+            self.conflict(&conflict, sources, diagnostics);
+        }
+    }
+
+    fn conflict(&mut self, conflict: &Conflict, sources: &SourceMap, diagnostics: &mut Diagnostics) {
+        let Conflict { entity, term, needed, found, beside, envelope } = conflict;
+        let named = self.named(*entity, term);
+        let near = named.as_ref().zip(*entity).and_then(|((_, name), e)| self.of_dimension(e, needed, name));
+        let mut also: Vec<(Span, String)> =
+            envelope.map(|at| (at, "of this envelope".to_string())).into_iter().collect();
+        let this = Dimensioned { text: shown(sources, term.span), at: Some(term.span), dimension: found.words() };
+        match beside {
+            Beside::Place => {
+                let reason = named.as_ref().and_then(|(n, _)| self.named.get(n)).and_then(|&u| self.solved[u].as_ref());
+                if let (Some((_, name)), Some((_, reason))) = (&named, reason) {
+                    let (what, at) = (format!("`{name}`"), (term.span, needed.words()));
+                    let other = (*reason, found.words());
+                    diagnostics.report(DimensionConflict { what, at, other, also, near });
+                    return;
+                }
+                also.extend(entity.and_then(|e| self.culprit(e, term)));
+                let help = plain_factor(sources, term, found, needed);
+                diagnostics.report(WrongDimension { this, needed: needed.words(), also, near, help });
+            }
+            Beside::Term(first, joint) => {
+                let culprits = [first, term].into_iter().filter_map(|t| self.culprit((*entity)?, t));
+                for culprit in culprits.collect::<Vec<_>>() {
+                    if !also.contains(&culprit) {
+                        also.push(culprit);
+                    }
+                }
+                let help = plain_factor(sources, term, found, needed);
+                let help = help.or_else(|| plain_factor(sources, first, needed, found));
+                let (text, at) = (shown(sources, first.span), Some(first.span));
+                let first = Dimensioned { text, at, dimension: needed.words() };
+                diagnostics.report(Unjoinable { first, second: this, how: joint.words(), also, near, help });
+            }
+            Beside::Driven { first, other, degree } => {
+                let Some(entity) = entity.map(|e| &self.program.entities[e]) else { return };
+                let of = |var, dim: &Dim, at| {
+                    let text = format!("`{}{}`", entity.vars[var].name.text, "'".repeat(usize::from(*degree)));
+                    Dimensioned { text, at, dimension: dim.words() }
+                };
+                let (first, second) = (of(*first, needed, None), of(*other, found, *envelope));
+                let how = "driven by one envelope".to_string();
+                diagnostics.report(Unjoinable { first, second, how, also: Vec::new(), near: None, help: None });
+            }
+        }
+    }
+
+    /// The name that a term is, and how it is written.
+    fn named(&self, entity: Option<EntityId>, term: &Term) -> Option<(Named, String)> {
+        let e = entity?;
+        match &term.kind {
+            TermKind::Param(Subject::Me, p) => {
+                Some((Named::Param(e, *p), self.program.entities[e].params[*p].name.text.clone()))
+            }
+            TermKind::Var(Subject::Me, v, degree) => {
+                let name = &self.program.entities[e].vars[*v].name.text;
+                Some((Named::Var(e, *v), format!("{name}{}", "'".repeat(usize::from(*degree)))))
+            }
+            _ => None,
+        }
+    }
+
+    /// Inside of a term: what first gave one of its names its dimension.
+    fn culprit(&mut self, id: EntityId, term: &Term) -> Option<(Span, String)> {
+        let entity = &self.program.entities[id];
+        let (named, name) = match &term.kind {
+            TermKind::Param(Subject::Me, p) => (Named::Param(id, *p), &entity.params[*p].name.text),
+            TermKind::Var(Subject::Me, v, _) => (Named::Var(id, *v), &entity.vars[*v].name.text),
+            TermKind::Discrete(Subject::Me, d) => {
+                let name = &entity.discretes[*d].name;
+                return Some((name.span, format!("`{}` is a pure number, as is every `discrete`", name.text)));
+            }
+            TermKind::Axis(axis) => {
+                let name = &entity.axes[*axis];
+                return Some((name.span, format!("`{}` is a pure number, as is every axis", name.text)));
+            }
+            TermKind::Negate(a) | TermKind::Not(a) => return self.culprit(id, a),
+            TermKind::Arithmetic(_, a, b) | TermKind::Compare(_, a, b) => {
+                return self.culprit(id, a).or_else(|| self.culprit(id, b));
+            }
+            // The sign of something is a pure number, whatever it is of.
+            TermKind::Call(Function::Sign | Function::Sin | Function::Cos | Function::Atan2, _) => return None,
+            TermKind::Call(_, arguments) => return arguments.iter().find_map(|a| self.culprit(id, a)),
+            _ => return None,
+        };
+        let (dim, at) = self.named.get(&named).and_then(|&u| self.solved[u].clone())?;
+        (at != term.span).then(|| (at, format!("by this, `{name}` is {}", self.reduce(&dim).words())))
+    }
+
+    /// A parameter of an entity that has a dimension; the most similar to `name` if there are several.
+    fn of_dimension(&mut self, entity: EntityId, dim: &Dim, name: &str) -> Option<String> {
+        let mut fitting: Vec<&str> = Vec::new();
+        for (p, param) in self.program.entities[entity].params.pairs() {
+            let solution = self.named.get(&Named::Param(entity, p)).and_then(|&u| self.solved[u].clone());
+            if param.name.text != name && solution.is_some_and(|(found, _)| self.reduce(&found) == *dim) {
+                fitting.push(&param.name.text);
+            }
+        }
+        similar(name, fitting.iter().copied()).or_else(|| fitting.first().map(|n| (*n).to_string()))
+    }
+}
+
+impl Joint {
+    fn words(self) -> String {
+        match self {
+            Joint::Added => "added".into(),
+            Joint::Subtracted => "subtracted".into(),
+            Joint::Compared => "compared".into(),
+            Joint::Given(Function::If) => "the values of one `if`".into(),
+            Joint::Given(function) => format!("given to one `{function:?}`").to_lowercase(),
+        }
+    }
+}
+
+/// A plain number that is a pure number because it stands beside `*` or `/`, and what it would have to be: the way out is
+/// to give it a name.
+fn plain_factor(sources: &SourceMap, term: &Term, found: &Dim, needed: &Dim) -> Option<String> {
+    let (number, below) = factor(term)?;
+    let missing = needed.clone().plus(found, Ratio(-1, 1));
+    let own = Dim::known(0, 0).plus(&missing, if below { Ratio(-1, 1) } else { Ratio(1, 1) });
+    let text = sources.slice(number.span);
+    let fits = own.unknowns.is_empty() && own.px.1 == 1 && own.s.1 == 1;
+    if !fits || text.is_empty() || !text.bytes().all(|b| b.is_ascii_digit() || b == b'.') {
+        return None;
+    }
+    let annotation = own.words();
+    Some(format!(
+        "beside `*` or `/` a plain number such as `{text}` is a pure number; one that is not needs a name: \
+         `param NAME: {annotation} = {text}`"
+    ))
+}
+
+/// A plain number among the factors of a term, and whether it is divided by.
+fn factor(term: &Term) -> Option<(&Term, bool)> {
+    let number = |t: &Term| matches!(t.kind, TermKind::Number(_));
+    match &term.kind {
+        TermKind::Arithmetic(Arithmetic::Multiply, a, b) if number(a) && !number(b) => Some((a, false)),
+        TermKind::Arithmetic(Arithmetic::Multiply, a, b) if number(b) && !number(a) => Some((b, false)),
+        TermKind::Arithmetic(Arithmetic::Divide, a, b) if number(b) && !number(a) => Some((b, true)),
+        TermKind::Arithmetic(Arithmetic::Divide, a, b) if number(a) && !number(b) => Some((a, false)),
+        TermKind::Arithmetic(Arithmetic::Add | Arithmetic::Subtract, a, b) => factor(a).or_else(|| factor(b)),
+        TermKind::Arithmetic(Arithmetic::Multiply, a, b) => factor(a).or_else(|| factor(b)),
+        TermKind::Negate(a) => factor(a),
+        _ => None,
+    }
+}
+
+/// An expression as it is written, on one line; only its beginning and its end if it is long.
+fn shown(sources: &SourceMap, at: Span) -> String {
+    let words: Vec<&str> = sources.slice(at).split_whitespace().collect();
+    let text = words.join(" ");
+    let length = text.chars().count();
+    if text.is_empty() || text.contains("//") {
+        return "this value".to_string();
+    }
+    if length <= SHOWN {
+        return format!("`{text}`");
+    }
+    let start: String = text.chars().take(SHOWN / 2).collect();
+    let end: String = text.chars().skip(length - SHOWN / 4).collect();
+    format!("`{} … {}`", start.trim_end(), end.trim_start())
+}

@@ -114,7 +114,7 @@ fn odd_files_get_an_answer() {
     );
     assert_eq!(
         answer("mark_wrong.hyped", b"\xef\xbb\xbfentitiy A { }\n").1,
-        "mark_wrong.hyped:1:1: error[E0101]: expected `import`, `entity`, `world`, `const` or `behavior`, found `entitiy`\n"
+        "mark_wrong.hyped:1:1: error[E0101]: unexpected `entitiy`\n"
     );
     assert_eq!(
         answer("bytes.hyped", b"a\xff\xfe"),

@@ -55,6 +55,8 @@ impl Solver<'_> {
                 }
                 let help = plain_factor(sources, term, found, needed);
                 let help = help.or_else(|| plain_factor(sources, first, needed, found));
+                let other = self.named(*entity, first).map(|(_, name)| name);
+                let near = near.filter(|near| Some(near) != other.as_ref());
                 let (text, at) = (shown(sources, first.span), Some(first.span));
                 let first = Dimensioned { text, at, dimension: needed.words() };
                 diagnostics.report(Unjoinable { first, second: this, how: joint.words(), also, near, help });
@@ -139,35 +141,31 @@ impl Joint {
     }
 }
 
-/// A plain number that is a pure number because it stands beside `*` or `/`, and what it would have to be: the way out is
-/// to give it a name.
+/// A plain number that makes a pure number of a term because it stands beside `*` or `/`: the way out is to give it a
+/// name.
 fn plain_factor(sources: &SourceMap, term: &Term, found: &Dim, needed: &Dim) -> Option<String> {
-    let (number, below) = factor(term)?;
-    let missing = needed.clone().plus(found, Ratio(-1, 1));
-    let own = Dim::known(0, 0).plus(&missing, if below { Ratio(-1, 1) } else { Ratio(1, 1) });
+    let number = factor(term)?;
     let text = sources.slice(number.span);
-    let fits = own.unknowns.is_empty() && own.px.1 == 1 && own.s.1 == 1;
-    if !fits || text.is_empty() || !text.bytes().all(|b| b.is_ascii_digit() || b == b'.') {
+    let annotation = needed.words();
+    let is_usual = matches!(annotation.as_str(), "px" | "px/s" | "px/s^2" | "s");
+    if *found != Dim::known(0, 0) || !is_usual || !text.bytes().all(|b| b.is_ascii_digit() || b == b'.') {
         return None;
     }
-    let annotation = own.words();
     Some(format!(
         "beside `*` or `/` a plain number such as `{text}` is a pure number; one that is not needs a name: \
          `param NAME: {annotation} = {text}`"
     ))
 }
 
-/// A plain number among the factors of a term, and whether it is divided by.
-fn factor(term: &Term) -> Option<(&Term, bool)> {
+/// A plain number among the factors of a term.
+fn factor(term: &Term) -> Option<&Term> {
     let number = |t: &Term| matches!(t.kind, TermKind::Number(_));
     match &term.kind {
-        TermKind::Arithmetic(Arithmetic::Multiply, a, b) if number(a) && !number(b) => Some((a, false)),
-        TermKind::Arithmetic(Arithmetic::Multiply, a, b) if number(b) && !number(a) => Some((b, false)),
-        TermKind::Arithmetic(Arithmetic::Divide, a, b) if number(b) && !number(a) => Some((b, true)),
-        TermKind::Arithmetic(Arithmetic::Divide, a, b) if number(a) && !number(b) => Some((a, false)),
-        TermKind::Arithmetic(Arithmetic::Add | Arithmetic::Subtract, a, b) => factor(a).or_else(|| factor(b)),
-        TermKind::Arithmetic(Arithmetic::Multiply, a, b) => factor(a).or_else(|| factor(b)),
-        TermKind::Negate(a) => factor(a),
+        TermKind::Arithmetic(Arithmetic::Multiply, a, b) if number(a) && !number(b) => Some(a),
+        TermKind::Arithmetic(Arithmetic::Multiply, a, b) if number(b) && !number(a) => Some(b),
+        TermKind::Arithmetic(Arithmetic::Divide, a, b) if number(a) && !number(b) => Some(a),
+        TermKind::Arithmetic(Arithmetic::Divide, a, _) | TermKind::Negate(a) => factor(a),
+        TermKind::Arithmetic(_, a, b) => factor(a).or_else(|| factor(b)),
         _ => None,
     }
 }

@@ -269,12 +269,15 @@ impl Solver<'_> {
         }
     }
 
-    /// The default of a parameter: what it is given is the first that is known of it.
+    /// The default of a parameter: what it is given is the first that is known of it. Of several unknowns none is solved
+    /// by it: products of products would grow.
     fn is_given(&mut self, term: &Term, found: &Dim, needed: &Dim, here: &Here<'_>) {
         let own = needed.unknowns.keys().next().copied().filter(|u| self.solved[*u].is_none());
         let found = self.reduce(found);
         match own {
-            Some(own) if !found.unknowns.contains_key(&own) => self.solved[own] = Some((found, term.span)),
+            Some(own) if found.unknowns.len() > 1 && !found.unknowns.contains_key(&own) => {
+                self.solved[own] = Some((found, term.span))
+            }
             _ => self.need(term, &found, needed, Beside::Place, here),
         }
     }

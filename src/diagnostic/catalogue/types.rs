@@ -111,10 +111,11 @@ impl Fact for Unjoinable {
         let near = did_you_mean(near.as_ref());
         let verb = if how.starts_with("the ") { "cannot both be" } else { "cannot be" };
         let message = format!("{} and {} {verb} {how}: {one} and {other}{near}", first.text, second.text);
-        let mut d = labelled(Diagnostic::new(Code::DimensionConflict, message), second.at, other);
-        if let Some(at) = first.at {
-            d = d.and(at, one);
-        }
+        let d = Diagnostic::new(Code::DimensionConflict, message);
+        let d = match first.at {
+            Some(at) => labelled(d, second.at, other).and(at, one),
+            None => labelled(d, second.at, format!("{} is {other}", second.text)),
+        };
         finished(d, also, help)
     }
 }

@@ -35,8 +35,9 @@ pub struct Found<'a> {
 /// import, comes once.
 fn distinct<'a, T: PartialEq>(run: &[Found<'a>], make: impl Fn(&Found<'a>, &Diagnostic) -> T) -> Vec<T> {
     let mut all: Vec<T> = Vec::new();
-    // Where those stand that begin at a place and say the same.
-    let mut known: BTreeMap<(Option<(PathBuf, u32)>, String), Vec<usize>> = BTreeMap::new();
+    // Where those stand in `all` that begin at a place and say the same.
+    type Place = Option<(PathBuf, u32)>;
+    let mut known: BTreeMap<(Place, String), Vec<usize>> = BTreeMap::new();
     for found in run {
         // A program never has a finding twice.
         let earlier = all.len();

@@ -89,31 +89,30 @@ impl Solver<'_> {
         }
     }
 
-    /// Inside of a term: what first gave one of its names its dimension.
+    /// Inside of a term: what first gave one of its names its dimension; else a name that never has one.
     fn culprit(&mut self, id: EntityId, term: &Term) -> Option<(Span, String)> {
+        let mut names = Vec::new();
+        leaves(term, &mut names);
         let entity = &self.program.entities[id];
-        let (named, name) = match &term.kind {
-            TermKind::Param(Subject::Me, p) => (Named::Param(id, *p), &entity.params[*p].name.text),
-            TermKind::Var(Subject::Me, v, _) => (Named::Var(id, *v), &entity.vars[*v].name.text),
-            TermKind::Discrete(Subject::Me, d) => {
-                let name = &entity.discretes[*d].name;
-                return Some((name.span, format!("`{}` is a pure number, as is every `discrete`", name.text)));
-            }
-            TermKind::Axis(axis) => {
-                let name = &entity.axes[*axis];
-                return Some((name.span, format!("`{}` is a pure number, as is every axis", name.text)));
-            }
-            TermKind::Negate(a) | TermKind::Not(a) => return self.culprit(id, a),
-            TermKind::Arithmetic(_, a, b) | TermKind::Compare(_, a, b) => {
-                return self.culprit(id, a).or_else(|| self.culprit(id, b));
-            }
-            // The sign of something is a pure number, whatever it is of.
-            TermKind::Call(Function::Sign | Function::Sin | Function::Cos | Function::Atan2, _) => return None,
-            TermKind::Call(_, arguments) => return arguments.iter().find_map(|a| self.culprit(id, a)),
-            _ => return None,
-        };
-        let (dim, at) = self.named.get(&named).and_then(|&u| self.solved[u].clone())?;
-        (at != term.span).then(|| (at, format!("by this, `{name}` is {}", self.reduce(&dim).words())))
+        let given = names.iter().find_map(|leaf| {
+            let (named, name) = match &leaf.kind {
+                TermKind::Param(Subject::Me, p) => (Named::Param(id, *p), &entity.params[*p].name.text),
+                TermKind::Var(Subject::Me, v, _) => (Named::Var(id, *v), &entity.vars[*v].name.text),
+                _ => return None,
+            };
+            let (dim, at) = self.named.get(&named).and_then(|&u| self.solved[u].clone())?;
+            (at != leaf.span).then(|| (at, format!("by this, `{name}` is {}", self.reduce(&dim).words())))
+        });
+        given.or_else(|| {
+            names.iter().find_map(|leaf| {
+                let (name, kind) = match &leaf.kind {
+                    TermKind::Discrete(Subject::Me, d) => (&entity.discretes[*d].name, "`discrete`"),
+                    TermKind::Axis(axis) => (&entity.axes[*axis], "axis"),
+                    _ => return None,
+                };
+                Some((name.span, format!("`{}` is a pure number, as is every {kind}", name.text)))
+            })
+        })
     }
 
     /// A parameter of an entity that has a dimension; the most similar to `name` if there are several.
@@ -167,6 +166,20 @@ fn factor(term: &Term) -> Option<&Term> {
         TermKind::Arithmetic(Arithmetic::Divide, a, _) | TermKind::Negate(a) => factor(a),
         TermKind::Arithmetic(_, a, b) => factor(a).or_else(|| factor(b)),
         _ => None,
+    }
+}
+
+/// The names in a term that its dimension comes from.
+fn leaves<'t>(term: &'t Term, out: &mut Vec<&'t Term>) {
+    match &term.kind {
+        TermKind::Negate(a) | TermKind::Not(a) => leaves(a, out),
+        TermKind::Arithmetic(_, a, b) | TermKind::Compare(_, a, b) => {
+            leaves(a, out);
+            leaves(b, out);
+        }
+        TermKind::Call(_, arguments) => arguments.iter().for_each(|a| leaves(a, out)),
+        TermKind::Param(..) | TermKind::Var(..) | TermKind::Discrete(..) | TermKind::Axis(_) => out.push(term),
+        _ => {}
     }
 }
 

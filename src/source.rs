@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-/// The largest source file that is read, in bytes. Spans are 32 bits wide.
-pub const MAX_FILE_BYTES: usize = 64 << 20;
+/// The largest file that is read, in bytes: several hundred thousand lines. Each is checked within seconds.
+pub const MAX_FILE_BYTES: usize = 16 << 20;
 
 /// A file of a [`SourceMap`].
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]

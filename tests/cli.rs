@@ -90,15 +90,106 @@ fn deep_and_long_programs_get_an_answer() {
     }
 }
 
+/// The exit code of a `check` and its findings, one a line; the folder of this test run is left out.
+fn checked(path: &str) -> (i32, String) {
+    let output = hypedc(&["check", "--format", "short", path]);
+    let found = String::from_utf8(output.stdout).unwrap();
+    (output.status.code().unwrap(), found.replace(&format!("{}/", env!("CARGO_TARGET_TMPDIR")), ""))
+}
+
 #[test]
 fn odd_files_get_an_answer() {
-    assert_eq!(code(&["check", &written("empty.hyped", "")]), 0);
-    assert_eq!(code(&["check", &written("crlf.hyped", "\u{feff}entity A {\r\n    x' = 3\r\n}\r\n")]), 0);
-    let bytes = temporary("bytes.hyped");
-    std::fs::write(&bytes, [b'a', 0xff, 0xfe]).unwrap();
-    let output = hypedc(&["check", bytes.to_str().unwrap()]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&output.stdout).contains("error[E0002]"));
+    let answer = |name: &str, text: &[u8]| {
+        let path = temporary(name);
+        std::fs::write(&path, text).unwrap();
+        checked(path.to_str().unwrap())
+    };
+    let no = |code: i32, found: &str| (code, format!("{found}\n"));
+    assert_eq!(answer("empty.hyped", b""), (0, String::new()));
+    assert_eq!(answer("crlf.hyped", b"\xef\xbb\xbfentity A {\r\n    x' = 3\r\n}\r\n"), (0, String::new()));
+    // Places are counted without the mark and the carriage returns.
+    assert_eq!(
+        answer("crlf_wrong.hyped", b"\xef\xbb\xbfentity A {\r\n    x' = lost\r\n}\r\n"),
+        no(1, "crlf_wrong.hyped:2:10: error[E0201]: no variable, parameter or constant named `lost`")
+    );
+    assert_eq!(
+        answer("mark_wrong.hyped", b"\xef\xbb\xbfentitiy A { }\n").1,
+        "mark_wrong.hyped:1:1: error[E0101]: unexpected `entitiy`\n"
+    );
+    assert_eq!(
+        answer("bytes.hyped", b"a\xff\xfe"),
+        no(2, "error[E0002]: `bytes.hyped` is not UTF-8 text: byte 1 fits no character")
+    );
+    let line = answer("line.hyped", "entity A { } ".repeat(4_000_000).as_bytes());
+    assert_eq!(line, no(2, "error[E0003]: `line.hyped` is too large: 49.6 MiB, at most 16 MiB are read"));
+    std::fs::remove_file(temporary("line.hyped")).unwrap();
+    let folder = temporary("folder.hyped");
+    std::fs::create_dir_all(&folder).unwrap();
+    let (code, found) = checked(folder.to_str().unwrap());
+    assert!(code == 2 && found.starts_with("error[E0001]: cannot read `folder.hyped`: "), "{found}");
+    let (code, found) = checked("no/such/file.hyped");
+    assert_eq!((code, found), no(2, "error[E0001]: cannot read `no/such/file.hyped`: no such file or directory"));
+}
+
+#[test]
+#[cfg(unix)]
+fn what_must_not_be_read_is_named() {
+    use std::os::unix::fs::PermissionsExt;
+    let path = written("secret.hyped", "entity A { }\n");
+    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o000)).unwrap();
+    // Whoever may read everything reads this, too.
+    if std::fs::read(&path).is_err() {
+        let expected = "error[E0001]: cannot read `secret.hyped`: permission denied\n";
+        assert_eq!(checked(&path), (2, expected.to_string()));
+    }
+    let link = temporary("link.hyped");
+    let _ = std::fs::remove_file(&link);
+    std::os::unix::fs::symlink("link.hyped", &link).unwrap();
+    let (code, found) = checked(link.to_str().unwrap());
+    assert!(code == 2 && found.starts_with("error[E0001]: cannot read `link.hyped`: "), "{found}");
+}
+
+#[test]
+fn imports_in_a_circle_are_told_with_the_way() {
+    let own = written("own.hyped", "import \"own.hyped\"\nentity A { }\n");
+    let expected = "own.hyped:1:8: error[E0204]: files import each other: `own.hyped` → `own.hyped`\n";
+    assert_eq!(checked(&own), (1, expected.to_string()));
+    let first = written("first.hyped", "import \"second.hyped\"\nentity A { x' = v }\nconst v = 3\n");
+    written("second.hyped", "import \"third.hyped\"\nentity B { }\n");
+    written("third.hyped", "import \"./first.hyped\"\nentity C { }\n");
+    let (code, found) = checked(&first);
+    let way = "`first.hyped` → `second.hyped` → `third.hyped` → `./first.hyped`";
+    assert_eq!((code, found), (1, format!("third.hyped:1:8: error[E0204]: files import each other: {way}\n")));
+    let lost = written("lost.hyped", "import \"nowhere.hyped\"\nentity A { use Walk() }\n");
+    let expected = "lost.hyped:1:8: error[E0001]: cannot read `nowhere.hyped`: no such file or directory\n";
+    assert_eq!(checked(&lost), (1, expected.to_string()));
+}
+
+#[test]
+fn people_see_the_first_mistakes() {
+    let text: String = (0..250).map(|i| format!("entity A{i} {{ x' = lost{i} }}\n")).collect();
+    let path = written("many.hyped", &text);
+    let human = hypedc(&["check", &path]);
+    let found = String::from_utf8(human.stdout).unwrap();
+    assert_eq!(found.matches("error[E0201]").count(), 100);
+    assert!(found.ends_with("\n\n… and 150 more, all of which `--format short` shows\n\n"), "{found}");
+    assert!(String::from_utf8(human.stderr).unwrap().contains(": 250 errors"));
+    assert_eq!(checked(&path).1.lines().count(), 250);
+    let json = hypedc(&["check", "--format", "json", &path]);
+    let json: Value = serde_json::from_slice(&json.stdout).unwrap();
+    assert_eq!(json["findings"].as_array().unwrap().len(), 250);
+}
+
+#[test]
+fn findings_without_end_are_counted() {
+    let text: String = (0..25_000).map(|i| format!("entity A{i} {{ x' = lost }}\n")).collect();
+    let path = written("endless.hyped", &text);
+    let output = hypedc(&["check", "--format", "json", &path]);
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["findings"].as_array().unwrap().len(), 10_000);
+    assert_eq!(json["programs"][0]["errors"], 25_000);
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert!(told.ends_with(": more than 10000 findings; 15000 of them are counted alone\n"), "{told}");
 }
 
 #[test]

@@ -52,6 +52,19 @@ fn behaviours_inside_of_each_other_end_somewhere() {
 }
 
 #[test]
+fn large_programs_are_far_below_the_largest() {
+    assert!(large::realistic(100_000).len() * 4 < hypedc::source::MAX_FILE_BYTES);
+}
+
+#[test]
+fn guards_of_many_parts_are_compared_with_an_end() {
+    let parts = |edge: usize| (0..60).map(|p| format!("x > {}", edge + p)).collect::<Vec<_>>().join(" and ");
+    let edges: String = (0..400).map(|edge| format!("when {} -> a\n", parts(edge))).collect();
+    let found = codes(&format!("entity A {{ mode a {{ {edges} }} }}\n"));
+    assert!(found.iter().all(|code| *code == "W0405"), "{found:?}");
+}
+
+#[test]
 fn bytes_without_end_get_an_answer() {
     // Each of them is a single line, or a single blank.
     let all =

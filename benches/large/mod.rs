@@ -339,6 +339,35 @@ pub const SHAPES: &[Shape] = &[
             rooms.collect::<String>()
         )
     }),
+    ("settings of one instance and of one spawn", |n| {
+        let params: String = (0..n).map(|i| format!("param p{i} = 1\n")).collect();
+        let settings: String = (0..n).map(|i| format!("p{i} = 2\n")).collect();
+        let spawned: String = (0..n).map(|i| format!("p{i} = 2,\n")).collect();
+        let goals: String = (0..n).map(|i| format!("goal g{i}: a.p{i} > 3\n")).collect();
+        format!(
+            "entity A {{ {params} }}\nentity B {{ mode a {{ when timer > 1 {{ spawn A({spawned} x = 1) }} }} }}\nworld W {{ space s {{ place a: A at (0, 0) {{ {settings} }} }}\n {goals} }}\n"
+        )
+    }),
+    ("updates of one edge", |n| {
+        let variables: String = (0..n).map(|i| format!("discrete d{i}: int 0..9 = 0\n")).collect();
+        let updates: String = (0..n).map(|i| format!("d{i} := 1\n")).collect();
+        format!("entity A {{ {variables} mode a {{ {updates}\nwhen timer > 1 {{ {updates} }} }} }}\n")
+    }),
+    ("parameters that are products", |n| {
+        let params = (0..n).map(|i| format!("param p{i} = 1\n"));
+        let products = (0..n).map(|i| format!("param q{i} = p{i} * p{}\n", (i + 1) % n));
+        format!("entity A {{ {}{} x' = q0 }}\n", params.collect::<String>(), products.collect::<String>())
+    }),
+    ("comparisons that make a chain", |n| {
+        let params = (0..=n).map(|i| format!("param p{i} = 1\n"));
+        let edges = (0..n).map(|i| format!("when p{i} > p{} {{ x := 1 }}\n", i + 1));
+        format!("entity A {{ {} mode a {{ {} x' = p0 }} }}\n", params.collect::<String>(), edges.collect::<String>())
+    }),
+    ("arguments of a behaviour", |n| {
+        let formals = (0..n).map(|i| format!("v{i}")).collect::<Vec<_>>().join(",\n");
+        let actuals = (0..n).map(|i| format!("v{i} = 1")).collect::<Vec<_>>().join(",\n");
+        format!("behavior B({formals}) {{ x' = v0 }}\nentity A {{ use B({actuals}) }}\n")
+    }),
     ("worlds", |n| {
         let worlds = (0..n).map(|i| format!("world W{i} {{ collide body with wall: block\n space s {{ rect wall (0, 0, 90, 8)\n place p: A{i} at (20, 20) }}\n player 1: p }}\n"));
         let entities = (0..n).map(|i| format!("entity A{i} {{ button go\n collider body: rect(0, 0, 8, 8)\n mode a {{ when held(go) and touching(body, wall) -> b }}\n mode b {{ }} }}\n"));

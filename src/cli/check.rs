@@ -5,13 +5,16 @@ use std::path::Path;
 
 use crate::compile::{Compilation, compile_with};
 use crate::diagnostic::render::{self, Found};
-use crate::diagnostic::{Code, Diagnostics, Severity};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics, MAX_FINDINGS, Severity};
 
 use super::Answer;
 use super::args::{CheckArgs, FindingFormat};
 use super::disk::Disk;
 use super::fix::mend;
 use super::report::colored;
+
+/// So many findings of a program are shown to people.
+const MOST_SHOWN: usize = 100;
 
 pub(super) fn run(args: &CheckArgs) -> io::Result<Answer> {
     let color = colored(io::stdout().is_terminal());
@@ -30,11 +33,23 @@ pub(super) fn run(args: &CheckArgs) -> io::Result<Answer> {
         first = all.min_by_key(|(severity, _)| *severity);
         match args.format {
             FindingFormat::Human => {
-                write!(io::stdout(), "{}", render::human(&compilation.sources, found.iter(), color))?;
+                let shown = first_of(found);
+                write!(io::stdout(), "{}", render::human(&compilation.sources, shown.iter().copied(), color))?;
+                let left = found.iter().len() - shown.len();
+                if left > 0 {
+                    writeln!(io::stdout(), "… and {left} more, all of which `--format short` shows\n")?;
+                }
                 writeln!(io::stderr(), "{}: {}", path.display(), summary(found, !args.fix))?;
             }
             FindingFormat::Short => write!(io::stdout(), "{}", render::short(&compilation.sources, found.iter()))?,
-            FindingFormat::Json | FindingFormat::Sarif => kept.push((path, compilation)),
+            FindingFormat::Json | FindingFormat::Sarif => {}
+        }
+        let (left, most) = (found.left_out(), MAX_FINDINGS);
+        if left > 0 {
+            writeln!(io::stderr(), "{}: more than {most} findings; {left} of them are counted alone", path.display())?;
+        }
+        if matches!(args.format, FindingFormat::Json | FindingFormat::Sarif) {
+            kept.push((path, compilation));
         }
     }
     let run: Vec<Found<'_>> = kept
@@ -53,6 +68,20 @@ pub(super) fn run(args: &CheckArgs) -> io::Result<Answer> {
         FindingFormat::Sarif => write!(io::stdout(), "{}", render::sarif(&run, &std::env::current_dir()?)?)?,
     }
     Ok(answer)
+}
+
+/// What is shown to people, who mend the first mistakes first: errors rather than warnings if there are too many.
+fn first_of(found: &Diagnostics) -> Vec<&Diagnostic> {
+    let (errors, warnings) = found.iter().partition::<Vec<_>, _>(|d| d.severity == Severity::Error);
+    let mut errors = errors.len().min(MOST_SHOWN);
+    let mut warnings = warnings.len().min(MOST_SHOWN - errors);
+    let shown = found.iter().filter(|d| {
+        let left = if d.severity == Severity::Error { &mut errors } else { &mut warnings };
+        let shows = *left > 0;
+        *left = left.saturating_sub(1);
+        shows
+    });
+    shown.collect()
 }
 
 fn judged(found: &Diagnostics, deny_warnings: bool) -> Answer {

@@ -11,12 +11,12 @@ pub fn together<'d>(
     found: impl IntoIterator<Item = &'d Diagnostic>,
     may: impl Fn(&Fix) -> bool,
 ) -> Vec<(&'d Diagnostic, &'d Fix)> {
-    let mut taken: Vec<Span> = Vec::new();
+    let mut taken = Taken::default();
     let mut chosen = Vec::new();
     for d in found {
         let Some(fix) = d.fix.as_ref().filter(|fix| may(fix)) else { continue };
-        if fix.edits.iter().all(|(span, _)| !taken.iter().any(|other| touch(*span, *other))) {
-            taken.extend(fix.edits.iter().map(|(span, _)| *span));
+        if !fix.edits.iter().any(|(span, _)| taken.touches(*span)) {
+            fix.edits.iter().for_each(|(span, _)| taken.add(*span));
             chosen.push((d, fix));
         }
     }
@@ -48,9 +48,21 @@ pub fn mended(text: &str, edits: &[(Span, &str)]) -> Option<String> {
     Some(out)
 }
 
-/// Whether edits of both places would disturb each other.
-fn touch(a: Span, b: Span) -> bool {
-    a.file == b.file && a.start <= b.end && b.start <= a.end
+/// Places that are taken, none of which overlap: where they end, by where they start.
+#[derive(Default)]
+struct Taken(BTreeMap<(FileId, u32), u32>);
+
+impl Taken {
+    fn add(&mut self, span: Span) {
+        let end = self.0.entry((span.file, span.start)).or_default();
+        *end = span.end.max(*end);
+    }
+
+    /// Whether edits of this place and of one that is taken would disturb each other.
+    fn touches(&self, span: Span) -> bool {
+        let before = self.0.range((span.file, 0)..=(span.file, span.end)).next_back();
+        before.is_some_and(|(_, end)| *end >= span.start)
+    }
 }
 
 #[cfg(test)]

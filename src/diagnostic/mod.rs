@@ -144,10 +144,15 @@ pub trait Fact {
     fn word(self) -> Diagnostic;
 }
 
+/// So many findings are kept, errors rather than warnings; the rest is only counted.
+pub const MAX_FINDINGS: usize = 10_000;
+
 /// The findings of a stage.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Diagnostics {
     list: Vec<Diagnostic>,
+    /// How many errors and how many warnings were left out.
+    left_out: (usize, usize),
 }
 
 impl Diagnostics {
@@ -159,22 +164,46 @@ impl Diagnostics {
     /// Records a fact.
     pub fn report(&mut self, fact: impl Fact) {
         self.list.push(fact.word());
+        if self.list.len() >= 2 * MAX_FINDINGS {
+            self.limit();
+        }
     }
 
     /// Takes over the findings of another stage.
     pub fn append(&mut self, mut other: Diagnostics) {
         self.list.append(&mut other.list);
+        self.left_out.0 += other.left_out.0;
+        self.left_out.1 += other.left_out.1;
+    }
+
+    /// Leaves out what is too much: warnings first, and of those the ones found last.
+    fn limit(&mut self) {
+        if self.list.len() <= MAX_FINDINGS {
+            return;
+        }
+        self.list.sort_by_key(|d| d.severity);
+        for d in self.list.drain(MAX_FINDINGS..) {
+            match d.severity {
+                Severity::Error => self.left_out.0 += 1,
+                Severity::Warning => self.left_out.1 += 1,
+            }
+        }
+    }
+
+    /// How many findings were left out because there are too many.
+    pub fn left_out(&self) -> usize {
+        self.left_out.0 + self.left_out.1
     }
 
     /// Whether any finding is an error.
     pub fn has_errors(&self) -> bool {
-        self.list.iter().any(|d| d.severity == Severity::Error)
+        self.left_out.0 > 0 || self.list.iter().any(|d| d.severity == Severity::Error)
     }
 
-    /// How many errors and how many warnings.
+    /// How many errors and how many warnings, those left out included.
     pub fn counts(&self) -> (usize, usize) {
         let errors = self.list.iter().filter(|d| d.severity == Severity::Error).count();
-        (errors, self.list.len() - errors)
+        (errors + self.left_out.0, self.list.len() - errors + self.left_out.1)
     }
 
     /// Points at the text itself where code was put in place by `use`, and at the `use`.
@@ -182,8 +211,9 @@ impl Diagnostics {
         self.list = std::mem::take(&mut self.list).into_iter().map(|d| d.traced(sources)).collect();
     }
 
-    /// Sorts by file and place, those without a place first; equal findings become one.
+    /// Sorts by file and place, those without a place first; equal findings become one. What is too much is left out.
     pub fn sort(&mut self) {
+        self.limit();
         self.list.sort_by_key(|d| (d.primary.as_ref().map(|l| l.span), d.code));
         self.list.dedup();
     }

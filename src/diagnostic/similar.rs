@@ -16,12 +16,22 @@ pub fn only_similar<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str
     close.all(|c| c == first).then(|| first.to_string())
 }
 
+/// The closest candidate, as [`similar`] gives it, and whether it is the only close one.
+pub(super) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<(&'a str, bool)> {
+    close(name, candidates)
+        .map(|(distance, candidate)| (distance, candidate, true))
+        .reduce(|best, other| {
+            let only = best.2 && other.1 == best.1;
+            if other.0 < best.0 { (other.0, other.1, only) } else { (best.0, best.1, only) }
+        })
+        .map(|(_, candidate, only)| (candidate, only))
+}
+
 /// The candidates that are close, with their distances.
 fn close<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> impl Iterator<Item = (usize, &'a str)> {
     let length = name.chars().count();
     let limit = (length / 3).min(4);
-    let mut measure =
-        Measure { name: name.to_lowercase().chars().collect(), other: Vec::new(), rows: Default::default() };
+    let mut measure = Measure::of(name);
     candidates
         .into_iter()
         // Among thousands of names nobody looks for a slip of the hand.
@@ -30,23 +40,69 @@ fn close<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> impl 
         .filter_map(move |c| measure.distance(c, limit).map(|d| (d, c)))
 }
 
-/// Measures how far others are from a name; what it needs is made once.
+/// Measures how far others are from a name: the optimal string alignment distance, in characters, case folded. What it
+/// needs of the name is made once.
 struct Measure {
     name: Vec<char>,
+    /// For each ASCII character where it stands in the name, a bit for each place.
+    places: [u64; 128],
     other: Vec<char>,
-    /// The last three rows of the table.
+    /// The last three rows of the table, for names that have more characters than a word has bits.
     rows: [Vec<usize>; 3],
 }
 
 impl Measure {
-    /// Optimal string alignment distance, in characters, case folded; none if it is above the limit.
+    fn of(name: &str) -> Self {
+        let name: Vec<char> = name.chars().flat_map(char::to_lowercase).collect();
+        let mut places = [0; 128];
+        for (at, c) in name.iter().enumerate().take(64).filter(|(_, c)| c.is_ascii()) {
+            places[*c as usize] |= 1 << at;
+        }
+        Measure { name, places, other: Vec::new(), rows: Default::default() }
+    }
+
+    /// The distance; none if it is above the limit.
     fn distance(&mut self, other: &str, limit: usize) -> Option<usize> {
         self.other.clear();
-        self.other.extend(other.chars().flat_map(char::to_lowercase));
-        let (a, b) = (&self.name, &self.other);
-        if a.len().abs_diff(b.len()) > limit {
+        if other.is_ascii() {
+            self.other.extend(other.chars().map(|c| c.to_ascii_lowercase()));
+        } else {
+            self.other.extend(other.chars().flat_map(char::to_lowercase));
+        }
+        if self.name.len().abs_diff(self.other.len()) > limit {
             return None;
         }
+        let distance = if (1..=64).contains(&self.name.len()) { self.in_words() } else { self.in_rows(limit) };
+        (distance <= limit).then_some(distance)
+    }
+
+    /// All places of a column of the table at once, as the bits of a word: where it grows and falls from one row to the
+    /// next (Hyyrö, *A bit-vector algorithm for computing Levenshtein and Damerau edit distances*, 2003).
+    fn in_words(&self) -> usize {
+        let last = 1u64 << (self.name.len() - 1);
+        let (mut grows, mut falls, mut diagonal, mut before) = (u64::MAX, 0u64, 0u64, 0u64);
+        let mut distance = self.name.len();
+        for c in &self.other {
+            let same = match self.places.get(*c as usize) {
+                Some(places) => *places,
+                None => self.name.iter().enumerate().fold(0, |bits, (at, n)| bits | u64::from(n == c) << at),
+            };
+            let swapped = ((!diagonal & same) << 1) & before;
+            diagonal = ((same & grows).wrapping_add(grows) ^ grows) | same | falls | swapped;
+            let (up, down) = (falls | !(diagonal | grows), diagonal & grows);
+            distance += usize::from(up & last != 0);
+            distance -= usize::from(down & last != 0);
+            let (up, down) = (up << 1 | 1, down << 1);
+            grows = down | !(diagonal | up);
+            falls = up & diagonal;
+            before = same;
+        }
+        distance
+    }
+
+    /// Row by row; what is above the limit may be any number above it.
+    fn in_rows(&mut self, limit: usize) -> usize {
+        let (a, b) = (&self.name, &self.other);
         let [oldest, old, row] = &mut self.rows;
         row.clear();
         row.extend(0..=b.len());
@@ -65,10 +121,10 @@ impl Measure {
             }
             // No later row can come below what this one and the one before have.
             if row.iter().chain(old.iter()).all(|d| *d > limit) {
-                return None;
+                return limit + 1;
             }
         }
-        row.last().copied().filter(|d| *d <= limit)
+        row.last().copied().unwrap_or(0)
     }
 }
 
@@ -83,5 +139,41 @@ mod tests {
         assert_eq!(similar("jump", ["duck", "left"]), None);
         assert_eq!(only_similar("walkng", ["running", "walking", "walking"]), Some("walking".into()));
         assert_eq!(only_similar("stat", ["start", "state"]), None);
+    }
+
+    #[test]
+    fn the_nearest_is_the_similar_one() {
+        for (name, others) in [
+            ("stat", &["stop", "start", "state"][..]),
+            ("walkng", &["running", "walking", "walking"]),
+            ("speed1", &["spee", "speed", "sped1"]),
+            ("jump", &["duck"]),
+            ("", &["a"]),
+        ] {
+            let others = || others.iter().copied();
+            let found = nearest(name, others());
+            assert_eq!(found.map(|(near, _)| near.to_string()), similar(name, others()), "{name}");
+            assert_eq!(found.filter(|f| f.1).map(|f| f.0.to_string()), only_similar(name, others()), "{name}");
+        }
+    }
+
+    #[test]
+    fn words_and_rows_measure_the_same() {
+        // All texts of up to five of these letters: swaps, repetitions, letters of two bytes.
+        let mut texts = vec![String::new()];
+        for start in 0.. {
+            let Some(text) = texts.get(start).filter(|t| t.chars().count() < 5).cloned() else { break };
+            texts.extend(['a', 'b', 'ß'].map(|c| format!("{text}{c}")));
+        }
+        for name in texts.iter().filter(|name| !name.is_empty()) {
+            let mut measure = Measure::of(name);
+            for other in &texts {
+                measure.other = other.chars().collect();
+                assert_eq!(measure.in_words(), measure.in_rows(9), "{name} and {other}");
+            }
+        }
+        let long = "a".repeat(64);
+        assert_eq!(Measure::of(&long).distance(&format!("{}ba", &long[2..]), 4), Some(1));
+        assert_eq!(Measure::of(&format!("{long}x")).distance(&format!("{long}y"), 4), Some(1));
     }
 }

@@ -11,16 +11,25 @@ use super::terms::same;
 /// How many pairs of terms are compared before a question is left open.
 const PATIENCE: u32 = 2_000;
 
+/// So many parts of a conjunction are held against each other.
+const MOST_FACTS: usize = 64;
+
 /// Whether a guard always (or never) holds; none if that depends.
 pub(super) fn truth(entity: &Entity, guard: &Term) -> Option<bool> {
     match &guard.kind {
         TermKind::Bool(b) => Some(*b),
         TermKind::Not(a) => truth(entity, a).map(|b| !b),
-        TermKind::And(a, b) => match (truth(entity, a), truth(entity, b)) {
-            (Some(false), _) | (_, Some(false)) => Some(false),
-            (Some(true), Some(true)) => Some(true),
-            _ => contradictory(entity, guard).then_some(false),
-        },
+        TermKind::And(..) => {
+            let parts = conjuncts(guard);
+            let truths = || parts.iter().map(|part| truth(entity, part));
+            if truths().any(|t| t == Some(false)) {
+                Some(false)
+            } else if truths().all(|t| t == Some(true)) {
+                Some(true)
+            } else {
+                contradictory(entity, guard).then_some(false)
+            }
+        }
         TermKind::Or(a, b) => match (truth(entity, a), truth(entity, b)) {
             (Some(true), _) | (_, Some(true)) => Some(true),
             (Some(false), Some(false)) => Some(false),
@@ -32,6 +41,19 @@ pub(super) fn truth(entity: &Entity, guard: &Term) -> Option<bool> {
         TermKind::Compare(op, a, b) => compared(*op, range(entity, a, &[]), range(entity, b, &[])),
         _ => None,
     }
+}
+
+/// The parts of a conjunction.
+fn conjuncts(guard: &Term) -> Vec<&Term> {
+    let mut parts = Vec::new();
+    let mut open = vec![guard];
+    while let Some(term) = open.pop() {
+        match &term.kind {
+            TermKind::And(a, b) => open.extend([a.as_ref(), b.as_ref()]),
+            _ => parts.push(term),
+        }
+    }
+    parts
 }
 
 fn compared(op: CompareOp, a: Range, b: Range) -> Option<bool> {
@@ -54,13 +76,16 @@ fn compared(op: CompareOp, a: Range, b: Range) -> Option<bool> {
 
 /// Whether the parts of a conjunction leave a number no value.
 fn contradictory(entity: &Entity, guard: &Term) -> bool {
-    let facts = facts(entity, guard);
-    facts.len() >= 2 && facts.len() <= 64 && facts.iter().any(|f| range(entity, f.of, &facts).is_empty())
+    let mut facts = facts(entity, guard);
+    facts.truncate(MOST_FACTS);
+    facts.len() >= 2 && facts.iter().any(|f| range(entity, f.of, &facts).is_empty())
 }
 
-/// Whether the second guard holds whenever the first does.
-pub(super) fn implies(entity: &Entity, a: &Term, b: &Term) -> bool {
-    Question { entity, patience: Cell::new(PATIENCE) }.implies(a, b)
+/// The first of some guards that holds whenever `a` does. All of them have no truth of their own, or are plainly true.
+pub(super) fn implied<'t, K>(entity: &Entity, a: &Term, guards: impl IntoIterator<Item = (K, &'t Term)>) -> Option<K> {
+    // Long guards are many pairs: all of them share what patience there is.
+    let question = Question { entity, patience: Cell::new(2 * PATIENCE) };
+    guards.into_iter().find(|(_, b)| question.implies(a, b)).map(|(key, _)| key)
 }
 
 /// Whether two guards never hold together.
@@ -85,17 +110,24 @@ impl Question<'_> {
         if self.is_tired() {
             return false;
         }
-        if same(a, b) || truth(self.entity, b) == Some(true) || truth(self.entity, a) == Some(false) {
+        if same(a, b) {
             return true;
         }
         match (&a.kind, &b.kind) {
-            (TermKind::Or(p, q), _) => self.implies(p, b) && self.implies(q, b),
+            (TermKind::Or(p, q), _) => [p, q].into_iter().all(|part| self.is_false(part) || self.implies(part, b)),
             (_, TermKind::And(r, s)) => self.implies(a, r) && self.implies(a, s),
             (TermKind::And(p, q), _) if self.implies(p, b) || self.implies(q, b) => true,
             (_, TermKind::Or(r, s)) => self.implies(a, r) || self.implies(a, s),
+            // All that it is made of was asked.
+            (TermKind::And(..), _) => false,
+            _ if truth(self.entity, b) == Some(true) || self.is_false(a) => true,
             (TermKind::Not(x), TermKind::Not(y)) => self.implies(y, x),
             _ => self.atom_implies(a, b),
         }
+    }
+
+    fn is_false(&self, guard: &Term) -> bool {
+        truth(self.entity, guard) == Some(false)
     }
 
     fn atom_implies(&self, a: &Term, b: &Term) -> bool {

@@ -6,7 +6,7 @@ use crate::sema::checked::{Edge, Entity, Mode, Term, TermKind};
 use crate::sema::ids::{EdgeId, IdVec, ModeId};
 use crate::source::Span;
 
-use super::guard::{implies, truth};
+use super::guard::{implied, truth};
 
 /// An edge is compared with at most so many that are tried before it.
 const MOST_COMPARED: usize = 64;
@@ -59,12 +59,14 @@ pub(super) fn modes(entity: &Entity, found: &mut Diagnostics) {
 
 /// Why edges are never taken; none for those that can be.
 fn deaths(entity: &Entity, entered: &IdVec<ModeId, bool>) -> IdVec<EdgeId, Option<Dead>> {
-    let mut dead: IdVec<EdgeId, Option<Dead>> = entity.edges.iter().map(|e| never(entity, e)).collect();
+    let truths: IdVec<EdgeId, Option<bool>> = entity.edges.iter().map(|e| truth(entity, &e.guard)).collect();
+    let mut dead: IdVec<EdgeId, Option<Dead>> =
+        truths.iter().map(|truth| (*truth == Some(false)).then_some(Dead::Never)).collect();
     for (mode, m) in entity.modes.pairs().filter(|(mode, _)| entered[*mode]) {
         let mut own: Vec<EdgeId> = Vec::new();
         for &edge in m.edges.iter().filter(|&&e| entity.edges[e].target.is_some()) {
             if dead[edge].is_none() {
-                dead[edge] = shadow(entity, mode, &own, edge);
+                dead[edge] = shadow(entity, &truths, mode, &own, edge);
             }
             own.push(edge);
         }
@@ -103,23 +105,27 @@ fn never(entity: &Entity, edge: &Edge) -> Option<Dead> {
 }
 
 /// The edge that is always taken before this one, among the earlier ones of its mode and those of the modes around.
-fn shadow(entity: &Entity, mode: ModeId, earlier: &[EdgeId], edge: EdgeId) -> Option<Dead> {
+fn shadow(
+    entity: &Entity,
+    truths: &IdVec<EdgeId, Option<bool>>,
+    mode: ModeId,
+    earlier: &[EdgeId],
+    edge: EdgeId,
+) -> Option<Dead> {
     let this = &entity.edges[edge];
-    let mut before: Vec<EdgeId> = earlier.iter().rev().copied().collect();
+    let mut before: Vec<EdgeId> = earlier.iter().rev().take(MOST_COMPARED).copied().collect();
     let mut around = entity.modes[mode].parent;
-    while let Some(outer) = around {
-        before.extend(&entity.modes[outer].edges);
+    while let Some(outer) = around.filter(|_| before.len() < MOST_COMPARED) {
+        before.extend(entity.modes[outer].edges.iter().take(MOST_COMPARED));
         around = entity.modes[outer].parent;
     }
-    let by = before.into_iter().take(MOST_COMPARED).find(|&other| {
-        let other = &entity.edges[other];
+    let possible = before.into_iter().take(MOST_COMPARED).map(|id| (id, &entity.edges[id])).filter(|(id, other)| {
         // Edges on `lost` come before all others; a guard that is no choice is told of where it stands.
         other.target.is_some()
             && (this.lost.is_none() || other.lost.is_some())
-            && (is_literal(&other.guard) || truth(entity, &other.guard).is_none())
-            && implies(entity, &this.guard, &other.guard)
+            && (is_literal(&other.guard) || truths[*id].is_none())
     });
-    by.map(Dead::Shadowed)
+    implied(entity, &this.guard, possible.map(|(id, other)| (id, &other.guard))).map(Dead::Shadowed)
 }
 
 fn is_literal(guard: &Term) -> bool {

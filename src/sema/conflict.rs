@@ -1,5 +1,7 @@
 //! Variables that two flows or envelopes drive at once.
 
+use std::collections::BTreeMap;
+
 use crate::diagnostic::catalogue::structure::FlowConflict;
 
 use super::Checker;
@@ -28,9 +30,11 @@ impl Checker<'_> {
     }
 
     fn within(&mut self, entity: &Entity, drives: &[Drive]) {
-        for (index, drive) in drives.iter().enumerate() {
-            if let Some(first) = drives[..index].iter().find(|d| d.var == drive.var) {
-                self.conflict(entity, first, drive, false);
+        let mut first: BTreeMap<VarId, &Drive> = BTreeMap::new();
+        for drive in drives {
+            match first.get(&drive.var) {
+                Some(first) => self.conflict(entity, first, drive, false),
+                None => drop(first.insert(drive.var, drive)),
             }
         }
     }

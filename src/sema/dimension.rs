@@ -4,11 +4,12 @@
 //! Kennedy, *Programming Languages and Dimensions*, 1996). A literal takes the dimension that its place needs; as a
 //! factor beside anything else it is a pure number.
 
+mod report;
+
 use std::collections::BTreeMap;
 
-use crate::diagnostic::catalogue::types::DimensionConflict;
-use crate::diagnostic::{Diagnostics, similar};
-use crate::source::Span;
+use crate::diagnostic::Diagnostics;
+use crate::source::{SourceMap, Span};
 
 use super::checked::{
     Action, Arithmetic, By, Checked, DriveBy, Entity, Function, Given, Place, Rate, Release, Subject, Term, TermKind,
@@ -58,6 +59,10 @@ impl Dim {
         Dim { unknowns: BTreeMap::from([(u, Ratio::ONE)]), ..Dim::known(0, 0) }
     }
     fn plus(mut self, other: &Dim, factor: Ratio) -> Dim {
+        self.add(other, factor);
+        self
+    }
+    fn add(&mut self, other: &Dim, factor: Ratio) {
         self.px = self.px.plus(other.px.times(factor));
         self.s = self.s.plus(other.s.times(factor));
         for (u, r) in &other.unknowns {
@@ -68,7 +73,6 @@ impl Dim {
                 self.unknowns.insert(*u, sum);
             }
         }
-        self
     }
     fn words(&self) -> String {
         let part = |unit: &str, r: Ratio| match (r.0, r.1) {
@@ -95,7 +99,7 @@ const TIME: (i64, i64) = (0, 1);
 const LENGTH: (i64, i64) = (1, 0);
 
 /// Checks all entities and worlds of a program that is otherwise right.
-pub(super) fn check(program: &Checked, diagnostics: &mut Diagnostics) {
+pub(super) fn check(program: &Checked, sources: &SourceMap, diagnostics: &mut Diagnostics) {
     let mut solver = Solver {
         program,
         solved: Vec::new(),
@@ -118,7 +122,7 @@ pub(super) fn check(program: &Checked, diagnostics: &mut Diagnostics) {
             solver.dimension(guard, &Here { me: None, entity_of: &entity_of });
         }
     }
-    solver.report(diagnostics);
+    solver.report(sources, diagnostics);
 }
 
 /// Whose variables a term reads.
@@ -134,12 +138,32 @@ enum Named {
     Var(EntityId, VarId),
 }
 
+/// Where a term stands whose dimension does not fit.
+#[derive(Debug, Clone)]
+enum Beside {
+    /// In a place that asks for a dimension.
+    Place,
+    /// Beside another term: what is done with both.
+    Term(Term, Joint),
+    /// It is driven by the envelope that drives the first of its variables.
+    Driven { first: VarId, other: VarId, degree: u8 },
+}
+
+/// What asks for one dimension of two terms.
+#[derive(Debug, Clone, Copy)]
+enum Joint {
+    Added,
+    Subtracted,
+    Compared,
+    Given(Function),
+}
+
 struct Conflict {
     entity: Option<EntityId>,
     term: Term,
     needed: Dim,
     found: Dim,
-    place: Option<Span>,
+    beside: Beside,
     /// The envelope that holds the place.
     envelope: Option<Span>,
 }
@@ -183,19 +207,43 @@ impl Solver<'_> {
         Dim::unknown(u)
     }
 
-    fn reduce(&self, dim: &Dim) -> Dim {
+    /// A dimension without the unknowns that are solved.
+    fn reduce(&mut self, dim: &Dim) -> Dim {
+        self.settle(dim);
+        self.put_in(dim)
+    }
+
+    /// Puts in what is known of the unknowns of a dimension, itself not to be reduced any further.
+    fn put_in(&self, dim: &Dim) -> Dim {
         let mut out = Dim { unknowns: BTreeMap::new(), ..dim.clone() };
         for (u, r) in &dim.unknowns {
             match &self.solved[*u] {
-                Some((solution, _)) => out = out.plus(&self.reduce(solution), *r),
-                None => out = out.plus(&Dim::unknown(*u), *r),
+                Some((solution, _)) => out.add(solution, *r),
+                None => out.add(&Dim::unknown(*u), *r),
             }
         }
         out
     }
 
+    /// Reduces the solutions that a dimension needs, innermost first and each once: a chain of them may be long.
+    fn settle(&mut self, dim: &Dim) {
+        let mut open: Vec<(Unknown, bool)> = dim.unknowns.keys().map(|u| (*u, false)).collect();
+        while let Some((u, inner_done)) = open.pop() {
+            let Some((solution, at)) = &self.solved[u] else { continue };
+            if solution.unknowns.keys().all(|v| self.solved[*v].is_none()) {
+                continue;
+            }
+            if inner_done {
+                self.solved[u] = Some((self.put_in(solution), *at));
+            } else {
+                open.push((u, true));
+                open.extend(solution.unknowns.keys().map(|v| (*v, false)));
+            }
+        }
+    }
+
     /// Makes `found`, the dimension of `term`, equal to what its place needs.
-    fn need(&mut self, term: &Term, found: &Dim, needed: &Dim, place: Option<Span>, here: &Here<'_>) {
+    fn need(&mut self, term: &Term, found: &Dim, needed: &Dim, beside: Beside, here: &Here<'_>) {
         let difference = self.reduce(found).plus(&self.reduce(needed), Ratio(-1, 1));
         // The unknown that stands alone is the one that this use determines.
         let pick =
@@ -207,12 +255,13 @@ impl Solver<'_> {
                 self.solved[u] = Some((solution, term.span));
             }
             None if difference.px != Ratio::ZERO || difference.s != Ratio::ZERO => {
+                let (needed, found) = (self.reduce(needed), self.reduce(found));
                 self.conflicts.push(Conflict {
                     entity: here.me,
                     term: term.clone(),
-                    needed: self.reduce(needed),
-                    found: self.reduce(found),
-                    place,
+                    needed,
+                    found,
+                    beside,
                     envelope: self.envelope,
                 });
             }
@@ -220,23 +269,38 @@ impl Solver<'_> {
         }
     }
 
+    /// The default of a parameter: what it is given is the first that is known of it. Of several unknowns none is solved
+    /// by it: products of products would grow.
+    fn is_given(&mut self, term: &Term, found: &Dim, needed: &Dim, here: &Here<'_>) {
+        let own = needed.unknowns.keys().next().copied().filter(|u| self.solved[*u].is_none());
+        let found = self.reduce(found);
+        match own {
+            Some(own) if found.unknowns.len() > 1 && !found.unknowns.contains_key(&own) => {
+                self.solved[own] = Some((found, term.span))
+            }
+            _ => self.need(term, &found, needed, Beside::Place, here),
+        }
+    }
+
     /// A term in a place of known dimension.
     fn place(&mut self, term: &Term, needed: &Dim, here: &Here<'_>) {
         if let Some(found) = self.dimension(term, here) {
-            self.need(term, &found, needed, None, here);
+            self.need(term, &found, needed, Beside::Place, here);
         }
     }
 
     /// Terms that must agree; gives their common dimension, none if all are literals.
-    fn agree(&mut self, terms: &[&Term], here: &Here<'_>) -> Option<Dim> {
-        let mut common: Option<(Dim, Span)> = None;
+    fn agree(&mut self, terms: &[&Term], joint: Joint, here: &Here<'_>) -> Option<Dim> {
+        let mut common: Option<(Dim, &Term)> = None;
         for term in terms {
             let Some(found) = self.dimension(term, here) else {
                 continue;
             };
             match &common {
-                Some((needed, place)) => self.need(term, &found, &needed.clone(), Some(*place), here),
-                None => common = Some((found, term.span)),
+                Some((needed, first)) => {
+                    self.need(term, &found, needed, Beside::Term((*first).clone(), joint), here);
+                }
+                None => common = Some((found, term)),
             }
         }
         common.map(|(dim, _)| dim)
@@ -265,7 +329,8 @@ impl Solver<'_> {
             }
             TermKind::Discrete(..) | TermKind::Axis(_) => Some(Dim::known(0, 0)),
             TermKind::Negate(a) => self.dimension(a, here),
-            TermKind::Arithmetic(Arithmetic::Add | Arithmetic::Subtract, a, b) => self.agree(&[a, b], here),
+            TermKind::Arithmetic(Arithmetic::Add, a, b) => self.agree(&[a, b], Joint::Added, here),
+            TermKind::Arithmetic(Arithmetic::Subtract, a, b) => self.agree(&[a, b], Joint::Subtracted, here),
             TermKind::Arithmetic(op, a, b) => {
                 let sign = if *op == Arithmetic::Divide { Ratio(-1, 1) } else { Ratio::ONE };
                 let (a, b) = (self.dimension(a, here), self.dimension(b, here));
@@ -280,10 +345,10 @@ impl Solver<'_> {
                 match (function, args.as_slice()) {
                     (Function::If, [condition, values @ ..]) => {
                         self.dimension(condition, here);
-                        self.agree(values, here)
+                        self.agree(values, Joint::Given(*function), here)
                     }
                     (Function::Sign | Function::Atan2, _) => {
-                        self.agree(&args, here);
+                        self.agree(&args, Joint::Given(*function), here);
                         Some(Dim::known(0, 0))
                     }
                     (Function::Sin | Function::Cos, [angle]) => {
@@ -294,15 +359,15 @@ impl Solver<'_> {
                         let square = self.dimension(a, here)?;
                         let root = Dim::unknown(self.fresh());
                         let twice = Dim::known(0, 0).plus(&root, Ratio(2, 1));
-                        self.need(a, &twice, &square, None, here);
+                        self.need(a, &twice, &square, Beside::Place, here);
                         self.roots.push((root.clone(), (*a).clone()));
                         Some(root)
                     }
-                    _ => self.agree(&args, here),
+                    _ => self.agree(&args, Joint::Given(*function), here),
                 }
             }
             TermKind::Compare(_, a, b) => {
-                self.agree(&[a, b], here);
+                self.agree(&[a, b], Joint::Compared, here);
                 None
             }
             TermKind::And(a, b) | TermKind::Or(a, b) => {
@@ -389,7 +454,7 @@ impl Solver<'_> {
         for (param, declared) in entity.params.pairs() {
             if let Some(found) = self.dimension(&declared.default, &here) {
                 let needed = self.name(Named::Param(id, param));
-                self.need(&declared.default, &found, &needed, None, &here);
+                self.is_given(&declared.default, &found, &needed, &here);
             }
         }
         for drive in entity.drives.iter().chain(entity.modes.iter().flat_map(|m| &m.drives)) {
@@ -408,7 +473,8 @@ impl Solver<'_> {
             // The components of a vector are of one dimension.
             for &other in envelope.vars.iter().skip(1) {
                 let found = of_var(self, other, envelope.degree);
-                self.need(&envelope.sustain, &found, &level, None, &here);
+                let (first, degree) = (var, envelope.degree);
+                self.need(&envelope.sustain, &found, &level, Beside::Driven { first, other, degree }, &here);
             }
             let rate = |this: &mut Self, rate: &Rate| match rate {
                 Rate::Instant => {}
@@ -474,95 +540,5 @@ impl Solver<'_> {
                 self.place(initial, &needed, &here);
             }
         }
-    }
-
-    fn report(self, diagnostics: &mut Diagnostics) {
-        for (root, of) in &self.roots {
-            let root = self.reduce(root);
-            if root.unknowns.is_empty() && (root.px.1 != 1 || root.s.1 != 1) {
-                let square = Dim::known(0, 0).plus(&root, Ratio(2, 1)).words();
-                let at = (of.span, format!("it is {square}, which is no square"));
-                diagnostics.report(DimensionConflict {
-                    what: "a square root".into(),
-                    at,
-                    other: None,
-                    near: None,
-                    also: Vec::new(),
-                });
-            }
-        }
-        for conflict in &self.conflicts {
-            let Conflict { entity, term, needed, found, place, envelope } = conflict;
-            let named = match (&term.kind, entity) {
-                (TermKind::Param(Subject::Me, p), Some(e)) => {
-                    Some((Named::Param(*e, *p), self.program.entities[*e].params[*p].name.text.clone()))
-                }
-                (TermKind::Var(Subject::Me, v, degree), Some(e)) => {
-                    let name = &self.program.entities[*e].vars[*v].name.text;
-                    Some((Named::Var(*e, *v), format!("{name}{}", "'".repeat(usize::from(*degree)))))
-                }
-                _ => None,
-            };
-            let reason = named.as_ref().and_then(|(n, _)| self.named.get(n)).and_then(|&u| self.solved[u].as_ref());
-            let other = match (reason, place) {
-                (Some((_, span)), _) => Some((*span, found.words())),
-                (None, Some(place)) => Some((*place, needed.words())),
-                (None, None) => None,
-            };
-            let what = named.as_ref().map_or("this value".to_string(), |(_, n)| format!("`{n}`"));
-            let at = match (&other, reason) {
-                (Some(_), Some(_)) => (term.span, needed.words()),
-                (Some(_), None) => (term.span, found.words()),
-                (None, _) => (term.span, format!("it is {}, and {} is needed", found.words(), needed.words())),
-            };
-            let near = entity.and_then(|e| self.of_dimension(e, needed, named.as_ref().map(|(_, n)| n.as_str())));
-            let mut also: Vec<(Span, String)> =
-                envelope.map(|at| (at, "of this envelope".to_string())).into_iter().collect();
-            if named.is_none() {
-                also.extend(entity.and_then(|e| self.culprit(e, term)));
-            }
-            diagnostics.report(DimensionConflict { what, at, other, near, also });
-        }
-    }
-
-    /// Inside of a term without a name of its own: what first gave one of its names its dimension.
-    fn culprit(&self, entity: EntityId, term: &Term) -> Option<(Span, String)> {
-        let named = match &term.kind {
-            TermKind::Param(Subject::Me, p) => {
-                Some((Named::Param(entity, *p), &self.program.entities[entity].params[*p].name.text))
-            }
-            TermKind::Var(Subject::Me, v, _) => {
-                Some((Named::Var(entity, *v), &self.program.entities[entity].vars[*v].name.text))
-            }
-            _ => None,
-        };
-        if let Some((id, name)) = named {
-            let (dim, at) = self.named.get(&id).and_then(|&u| self.solved[u].as_ref())?;
-            return (*at != term.span).then(|| (*at, format!("by this, `{name}` is {}", self.reduce(dim).words())));
-        }
-        match &term.kind {
-            TermKind::Negate(a) | TermKind::Not(a) => self.culprit(entity, a),
-            TermKind::Arithmetic(_, a, b) | TermKind::Compare(_, a, b) => {
-                self.culprit(entity, a).or_else(|| self.culprit(entity, b))
-            }
-            TermKind::Call(_, arguments) => arguments.iter().find_map(|a| self.culprit(entity, a)),
-            _ => None,
-        }
-    }
-
-    /// A parameter of an entity that has a dimension; the most similar to `name` if there are several.
-    fn of_dimension(&self, entity: EntityId, dim: &Dim, name: Option<&str>) -> Option<String> {
-        let name = name?;
-        let fitting: Vec<&str> = self.program.entities[entity]
-            .params
-            .pairs()
-            .filter(|(p, _)| {
-                let solution = self.named.get(&Named::Param(entity, *p)).and_then(|&u| self.solved[u].as_ref());
-                solution.is_some_and(|(d, _)| self.reduce(d) == *dim)
-            })
-            .map(|(_, p)| p.name.text.as_str())
-            .filter(|n| *n != name)
-            .collect();
-        similar(name, fitting.iter().copied()).or_else(|| fitting.first().map(|n| (*n).to_string()))
     }
 }

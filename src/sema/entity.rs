@@ -161,7 +161,8 @@ impl<'a> Checker<'a> {
                 Member::Edge(edge) if edge.target.is_some() => lost_by(&edge.guard),
                 _ => None,
             });
-            edges.map(|name| name.text.clone()).collect()
+            let once: BTreeSet<&String> = edges.map(|name| &name.text).collect();
+            once.into_iter().cloned().collect()
         };
         names.lost = names.mode_syntax.iter().map(lost).collect();
         (entity, names)

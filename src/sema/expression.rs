@@ -1,5 +1,8 @@
 //! Expressions: names resolved and types checked, with one scope for each place where an expression can stand.
 
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
 use crate::diagnostic::catalogue::names::UnknownName;
 use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::{BadChain, NotConstant, TypeMismatch};
@@ -60,12 +63,20 @@ impl Reads {
 pub(super) struct WorldNames {
     pub instances: Vec<(Name, EntityId)>,
     pub spaces: Vec<(Name, Option<(f64, f64)>)>,
+    /// Which instance has a name.
+    index: BTreeMap<String, usize>,
 }
 
 impl WorldNames {
+    pub fn new(instances: Vec<(Name, EntityId)>, spaces: Vec<(Name, Option<(f64, f64)>)>) -> Self {
+        let names = instances.iter().enumerate().rev();
+        let index = names.map(|(at, (name, _))| (name.text.clone(), at)).collect();
+        WorldNames { instances, spaces, index }
+    }
+
     /// The slot of a named instance, and its entity.
     pub fn instance(&self, name: &str) -> Option<(SlotId, EntityId)> {
-        let slot = self.instances.iter().position(|(n, _)| n.text == name)?;
+        let slot = *self.index.get(name)?;
         Some((SlotId(slot as u32), self.instances[slot].1))
     }
 
@@ -162,6 +173,12 @@ impl Checker<'_> {
     }
 
     /// Reports an unknown name unless an earlier error explains it.
+    /// The names of the modes of another entity.
+    fn mode_names(&mut self, entity: EntityId) -> Rc<ModeNames> {
+        let of = &self.checked.entities[entity];
+        Rc::clone(self.mode_names.entry(entity).or_insert_with(|| Rc::new(ModeNames::of(of))))
+    }
+
     pub(super) fn report_unknown(&mut self, fact: UnknownName) {
         if !self.suspects.contains(&fact.name) && !self.suspects.contains("*") {
             self.diagnostics.report(fact);
@@ -228,7 +245,7 @@ impl Checker<'_> {
                     self.of_any(subject.span, "whose modes could be asked");
                     return None;
                 };
-                let names = ModeNames::of(&self.checked.entities[entity]);
+                let names = self.mode_names(entity);
                 let mode = self.mode_named(&names, path, None)?;
                 make(TermKind::InMode(of, mode), Type::Bool)
             }
@@ -245,7 +262,7 @@ impl Checker<'_> {
                 make(TermKind::Is(of, entity), Type::Bool)
             }
             ExprKind::In(subject, path) => self.relation(subject, e.span, scope, |this, slot, entity| {
-                let names = ModeNames::of(&this.checked.entities[entity]);
+                let names = this.mode_names(entity);
                 let mode = this.mode_named(&names, path, None)?;
                 Some(TermKind::InMode(Subject::Slot(slot), mode))
             }),
@@ -364,17 +381,14 @@ impl Checker<'_> {
             });
             return None;
         }
-        let mut known: Vec<Known<'_>> = Vec::new();
-        if let Some(names) = scope.names {
-            known.extend(names.vars.names());
-            if path.primes == 0 {
-                known.extend(names.params.names().chain(names.discretes.names()).chain(names.axes.names()));
-            }
-        }
-        if let Some(Type::Set(values)) = wanted {
-            known.extend(values.iter().map(|v| Known::from(v.as_str())));
-        }
-        known.extend(self.constants.names());
+        let of_entity = scope.names.into_iter().flat_map(|names| {
+            let plain = Some(names).filter(|_| path.primes == 0).into_iter();
+            let plain = plain.flat_map(|n| n.params.names().chain(n.discretes.names()).chain(n.axes.names()));
+            names.vars.names().chain(plain)
+        });
+        let values = wanted.and_then(|ty| if let Type::Set(values) = ty { Some(values) } else { None });
+        let values = values.into_iter().flat_map(|values| values.iter().map(|v| Known::from(v.as_str())));
+        let known = of_entity.chain(values).chain(self.constants.names());
         let kind = if path.primes > 0 { "continuous variable" } else { "variable, parameter or constant" };
         let fact = unknown(kind, &name.text, name.span, known);
         self.report_unknown(fact);

@@ -63,6 +63,11 @@ impl Facts {
         self.known.iter().any(|(s, _)| *s == subject)
     }
 
+    /// The references of the entity itself that are known not to be none.
+    pub fn set_refs(&self) -> Vec<RefId> {
+        self.known.iter().filter_map(|(s, _)| if let Subject::Ref(id) = s { Some(*id) } else { None }).collect()
+    }
+
     /// The entity that a reference is known to be of.
     pub fn entity(&self, subject: Subject) -> Option<EntityId> {
         self.known.iter().rev().filter(|(s, _)| *s == subject).find_map(|(_, e)| *e)

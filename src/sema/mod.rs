@@ -70,7 +70,7 @@ pub fn check(files: &[ast::File], sources: &SourceMap, level: Option<FileId>) ->
     }
     checker.count_tags();
     let Checker { checked, mut diagnostics, .. } = checker;
-    dimension::check(&checked, &mut diagnostics);
+    dimension::check(&checked, sources, &mut diagnostics);
     diagnostics.sort();
     (checked, diagnostics)
 }
@@ -94,6 +94,10 @@ struct Checker<'a> {
     suspects: BTreeSet<String>,
     /// What is known at the place that is being checked.
     facts: facts::Facts,
+    /// The names of the modes of entities that others ask.
+    mode_names: std::collections::BTreeMap<EntityId, std::rc::Rc<mode::ModeNames>>,
+    /// What the names of values mean in entities that others read or set.
+    values: std::collections::BTreeMap<EntityId, std::rc::Rc<std::collections::BTreeMap<String, checked::Given>>>,
 }
 
 impl<'a> Checker<'a> {
@@ -110,6 +114,8 @@ impl<'a> Checker<'a> {
             tags: std::collections::BTreeMap::new(),
             skeletons: Vec::new(),
             facts: facts::Facts::default(),
+            mode_names: std::collections::BTreeMap::new(),
+            values: std::collections::BTreeMap::new(),
             suspects: files.iter().flat_map(|f| &f.broken).flat_map(|b| b.names.iter().cloned()).collect(),
         }
     }

@@ -1,12 +1,15 @@
 //! Modes: their tree, the look-up of a mode by path, edges and updates.
 
+use std::cell::OnceCell;
+use std::collections::BTreeMap;
+
 use crate::diagnostic::catalogue::names::{AmbiguousMode, DuplicateName};
 use crate::diagnostic::catalogue::structure::{EdgeOutOfGroup, IdleEdge, UpdateConflict};
 use crate::diagnostic::catalogue::types::TypeMismatch;
 use crate::source::Span;
 use crate::syntax::ast::{self, Initial, Member, Path};
 
-use super::checked::{Action, Edge, Entity, Follow, Mode, Place, Subject, Term, Type, Update};
+use super::checked::{Action, Edge, Entity, Follow, Mode, Place, Term, Type, Update};
 use super::expression::{Reads, Scope};
 use super::ids::{EdgeId, GroupId, Id, ModeId, RefId};
 use super::names::{Known, unknown};
@@ -17,11 +20,36 @@ use super::{Checker, MAX_MODES};
 #[derive(Debug, Clone, Default)]
 pub(super) struct ModeNames {
     modes: Vec<(Vec<String>, GroupId, Span)>,
+    /// Which modes have a name.
+    named: BTreeMap<String, Vec<usize>>,
+    /// All names once, in order, each with the first place; made when first needed.
+    last: OnceCell<BTreeMap<String, Span>>,
+    /// The same for whole paths.
+    whole: OnceCell<BTreeMap<String, Span>>,
 }
 
 impl ModeNames {
     pub fn of(entity: &Entity) -> Self {
-        ModeNames { modes: entity.modes.iter().map(|m| (m.path.clone(), m.group, m.name.span)).collect() }
+        let mut names = ModeNames::default();
+        for (index, mode) in entity.modes.iter().enumerate() {
+            names.modes.push((mode.path.clone(), mode.group, mode.name.span));
+            names.named.entry(mode.name.text.clone()).or_default().push(index);
+        }
+        names
+    }
+
+    /// The names, or whole paths, that may have been meant.
+    fn known(&self, whole: bool) -> impl Iterator<Item = Known<'_>> {
+        let made = if whole { &self.whole } else { &self.last };
+        let known = made.get_or_init(|| {
+            let mut known = BTreeMap::new();
+            for (path, _, at) in &self.modes {
+                let text = if whole { path.join(".") } else { path.last().cloned().unwrap_or_default() };
+                known.entry(text).or_insert(*at);
+            }
+            known
+        });
+        known.iter().map(|(text, at)| Known { text, at: Some(*at) })
     }
 }
 
@@ -37,18 +65,16 @@ impl<'a> Checker<'a> {
         syntax: &mut Vec<&'a ast::Mode>,
     ) -> Vec<ModeId> {
         let mut ids: Vec<ModeId> = Vec::new();
+        let mut named: BTreeMap<&str, Span> = BTreeMap::new();
         for mode in modes {
             if entity.modes.is_full(MAX_MODES) {
                 self.too_many("modes", MAX_MODES, mode.name.span);
                 return ids;
             }
-            if let Some(&first) = ids.iter().find(|&&id| entity.modes[id].name.text == mode.name.text) {
-                self.diagnostics.report(DuplicateName {
-                    kind: "mode",
-                    name: mode.name.text.clone(),
-                    first: entity.modes[first].name.span,
-                    second: mode.name.span,
-                });
+            let first = *named.entry(&mode.name.text).or_insert(mode.name.span);
+            if first != mode.name.span {
+                let (name, second) = (mode.name.text.clone(), mode.name.span);
+                self.diagnostics.report(DuplicateName { kind: "mode", name, first, second });
                 continue;
             }
             let mut full = path.to_vec();
@@ -87,7 +113,8 @@ impl<'a> Checker<'a> {
             mode.len() >= segments.len()
                 && mode[mode.len() - segments.len()..].iter().zip(&segments).all(|(a, b)| a == b)
         };
-        let all: Vec<usize> = (0..names.modes.len()).filter(|&i| path.primes == 0 && fits(&names.modes[i].0)).collect();
+        let named = segments.last().filter(|_| path.primes == 0).and_then(|last| names.named.get(*last));
+        let all: Vec<usize> = named.into_iter().flatten().copied().filter(|&i| fits(&names.modes[i].0)).collect();
         let own: Vec<usize> = all.iter().copied().filter(|&i| Some(names.modes[i].1) == group).collect();
         let whole: Vec<usize> = all.iter().copied().filter(|&i| names.modes[i].0.len() == segments.len()).collect();
         // What a behaviour says of its own modes means those of the same `use`.
@@ -100,15 +127,7 @@ impl<'a> Checker<'a> {
         }
         let written = segments.join(".");
         if all.is_empty() {
-            let joined: Vec<String> = names.modes.iter().map(|(p, ..)| p.join(".")).collect();
-            let known = names.modes.iter().zip(&joined).map(|((p, _, at), joined)| {
-                let text = if segments.len() == 1 { p.last().map_or("", String::as_str) } else { joined.as_str() };
-                Known { text, at: Some(*at) }
-            });
-            let mut known_once: Vec<Known<'_>> = known.collect();
-            known_once.sort_by_key(|k| k.text);
-            known_once.dedup_by_key(|k| k.text);
-            let fact = unknown("mode", &written, path.span, known_once);
+            let fact = unknown("mode", &written, path.span, names.known(segments.len() > 1));
             self.report_unknown(fact);
             return None;
         }
@@ -160,6 +179,7 @@ impl<'a> Checker<'a> {
                 other => self.misplaced(other, "a mode", "in the entity, outside of its modes"),
             }
         }
+        self.update_conflicts(&entity.modes[id].entry, entity);
     }
 
     /// An edge, and the references that its guard tests.
@@ -175,7 +195,7 @@ impl<'a> Checker<'a> {
         if let Some(guard) = &guard {
             self.facts.learn(guard, true);
         }
-        let tests = entity.refs.ids().filter(|r| self.facts.is_set(Subject::Ref(*r))).collect();
+        let tests = self.facts.set_refs();
         let target = edge.target.as_ref().map(|path| {
             let target = self.mode_named(&names.modes, path, Some(group))?;
             if entity.modes[target].group != group {
@@ -196,6 +216,7 @@ impl<'a> Checker<'a> {
         for update in &edge.updates {
             self.action(update, scope, &mut actions);
         }
+        self.update_conflicts(&actions, entity);
         self.facts.forget(mark);
         let needs = std::mem::take(&mut self.facts.needs);
         let lost = lost_by(&edge.guard).and_then(|name| names.refs.get(&name.text).copied());
@@ -234,6 +255,9 @@ impl<'a> Checker<'a> {
         for update in &follow.updates {
             self.action(update, scope, &mut actions);
         }
+        if let Some(entity) = scope.entity {
+            self.update_conflicts(&actions, entity);
+        }
         self.facts.forget(mark);
         let needs = std::mem::take(&mut self.facts.needs);
         let guard = match guard {
@@ -250,9 +274,7 @@ impl<'a> Checker<'a> {
             ast::Update::Spawn(spawn) => self.spawn(spawn, scope).map(Action::Spawn),
             ast::Update::Destroy(destroy) => self.typed(&destroy.what, scope, &Type::Ref(None)).map(Action::Destroy),
         };
-        let Some(action) = action else { return };
-        self.update_conflict(before, &action, scope);
-        before.push(action);
+        before.extend(action);
     }
 
     /// `y' := e`, `keys := keys + 1`
@@ -300,10 +322,14 @@ impl<'a> Checker<'a> {
         None
     }
 
-    fn update_conflict(&mut self, before: &[Action], action: &Action, scope: &Scope<'_>) {
-        let Some(entity) = scope.entity else { return };
-        let Some((place, second)) = written(action) else { return };
-        if let Some((_, first)) = before.iter().filter_map(written).find(|(p, _)| *p == place) {
+    /// Variables that the updates of one edge or entry set twice.
+    fn update_conflicts(&mut self, actions: &[Action], entity: &Entity) {
+        let mut first: BTreeMap<Place, Span> = BTreeMap::new();
+        for (place, second) in actions.iter().filter_map(written) {
+            let Some(&first) = first.get(&place) else {
+                first.insert(place, second);
+                continue;
+            };
             let variable = match place {
                 Place::Var(var, degree) => {
                     format!("{}{}", entity.vars[var].name.text, "'".repeat(usize::from(degree)))

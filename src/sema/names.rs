@@ -1,7 +1,7 @@
 //! Tables of names: declaration with a look at duplicates, look-up with "did you mean".
 
+use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::names::{DuplicateName, UnknownName};
-use crate::diagnostic::{Diagnostics, MAX_CANDIDATES, similar};
 use crate::source::Span;
 use crate::syntax::ast::Name;
 
@@ -70,9 +70,5 @@ pub(super) fn unknown<'a>(
     at: Span,
     known: impl IntoIterator<Item = impl Into<Known<'a>>>,
 ) -> UnknownName {
-    let known: Vec<Known<'a>> = known.into_iter().map(Into::into).take(MAX_CANDIDATES).collect();
-    let near = similar(name, known.iter().map(|k| k.text));
-    let declared = near.as_ref().and_then(|near| known.iter().find(|k| k.text == near)).and_then(|k| k.at);
-    let known = known.iter().map(|k| (k.text.to_string(), k.at)).collect();
-    UnknownName { kind, name: name.to_string(), at, near, declared, known }
+    UnknownName::new(kind, name, at, known.into_iter().map(Into::into).map(|k: Known<'a>| (k.text, k.at)))
 }

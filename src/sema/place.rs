@@ -68,7 +68,7 @@ impl Checker<'_> {
             if !set.declare(&Name { text: written, span: variable.span }, (), &mut self.diagnostics) {
                 continue;
             }
-            let Some((what, ty)) = self.setting(&entity, variable) else { continue };
+            let Some((what, ty)) = self.setting(id, variable) else { continue };
             if self.position_is_placed(place, setting, what) {
                 continue;
             }

@@ -1,5 +1,7 @@
 //! Who lives in a world: placed instances, instances that tiles make, and the slots that a `limit` leaves free.
 
+use std::collections::BTreeMap;
+
 use crate::diagnostic::catalogue::names::DuplicateName;
 use crate::diagnostic::catalogue::types::{OutOfRange, TypeMismatch};
 use crate::diagnostic::catalogue::world::{MissingLimit, OverLimit, TileInstances};
@@ -25,7 +27,7 @@ pub(super) struct Population {
     /// What references of placed instances refer to, by name.
     pub references: Vec<(SlotId, RefId, Name)>,
     /// Of each entity, how many unnamed slots it has.
-    unnamed: std::collections::BTreeMap<EntityId, usize>,
+    unnamed: BTreeMap<EntityId, usize>,
     full: bool,
 }
 
@@ -36,7 +38,7 @@ impl Population {
             step,
             names: Table::new("instance"),
             references: Vec::new(),
-            unnamed: std::collections::BTreeMap::new(),
+            unnamed: BTreeMap::new(),
             full: false,
         }
     }
@@ -159,7 +161,7 @@ impl Checker<'_> {
 
     /// The slots that `limit` lines leave free; every entity that lives and is spawned must have one.
     pub(super) fn limits(&mut self, syntax: &ast::World, population: &mut Population) {
-        let mut limits: Vec<(EntityId, Span)> = Vec::new();
+        let mut limits: BTreeMap<EntityId, Span> = BTreeMap::new();
         for item in &syntax.items {
             let WorldItem::Limit(limit) = item else { continue };
             let Some(&entity) = self.entities.get(&limit.entity.text) else {
@@ -167,13 +169,13 @@ impl Checker<'_> {
                 self.report_unknown(fact);
                 continue;
             };
-            if let Some((_, first)) = limits.iter().find(|(e, _)| *e == entity) {
+            if let Some(first) = limits.get(&entity) {
                 let name = limit.entity.text.clone();
                 let kind = "the limit of";
                 self.diagnostics.report(DuplicateName { kind, name, first: *first, second: limit.span });
                 continue;
             }
-            limits.push((entity, limit.span));
+            limits.insert(entity, limit.span);
             let term = self.number(&limit.count, &Scope::constant());
             let Some(count) = term.and_then(|t| self.evaluated(&t, ConstantContext::LITERALS)) else { continue };
             if count.fract() != 0.0 || !(0.0..=MAX_INSTANCES as f64).contains(&count) {
@@ -203,7 +205,7 @@ impl Checker<'_> {
     }
 
     /// Every entity that can be spawned in the world has a limit.
-    fn spawned_entities(&mut self, syntax: &ast::World, limits: &[(EntityId, Span)], population: &Population) {
+    fn spawned_entities(&mut self, syntax: &ast::World, limits: &BTreeMap<EntityId, Span>, population: &Population) {
         let mut living: Vec<EntityId> = Vec::new();
         let mut missing: Vec<(EntityId, Span)> = Vec::new();
         let mut next: Vec<EntityId> = population.instances.iter().map(|i| i.entity).collect();
@@ -218,7 +220,7 @@ impl Checker<'_> {
             for action in actions.chain(entries) {
                 let Action::Spawn(spawn) = action else { continue };
                 next.push(spawn.entity);
-                let known = limits.iter().any(|(e, _)| *e == spawn.entity);
+                let known = limits.contains_key(&spawn.entity);
                 if !known && !missing.iter().any(|(e, _)| *e == spawn.entity) {
                     missing.push((spawn.entity, spawn.span));
                 }
@@ -232,9 +234,10 @@ impl Checker<'_> {
 
     /// What the references of placed instances refer to; all instances must be known.
     pub(super) fn placed_references(&mut self, population: &mut Population) {
+        let named = population.instances.pairs().filter(|(_, i)| i.origin == Origin::Named);
+        let named: BTreeMap<String, SlotId> = named.rev().map(|(slot, i)| (i.name.text.clone(), slot)).collect();
         for (slot, reference, name) in std::mem::take(&mut population.references) {
-            let Some(target) = population.instances.find(|i| i.origin == Origin::Named && i.name.text == name.text)
-            else {
+            let Some(&target) = named.get(&name.text) else {
                 let named = population.instances.iter().filter(|i| i.origin == Origin::Named);
                 let fact = unknown("instance", &name.text, name.span, named.map(|i| i.name.text.as_str()));
                 self.report_unknown(fact);

@@ -6,7 +6,7 @@ use crate::source::Span;
 use crate::syntax::ast::{Expr, ExprKind, Name, Path};
 
 use super::Checker;
-use super::checked::{Subject, Term, TermKind, Type};
+use super::checked::{Given, Subject, Term, TermKind, Type};
 use super::expression::{Reads, Scope};
 use super::ids::{EntityId, SlotId};
 use super::names::{Known, unknown};
@@ -80,8 +80,7 @@ impl Checker<'_> {
         scope: &Scope<'_>,
     ) -> Option<Term> {
         let Some((subject, entity)) = self.referred(&first.text, scope) else {
-            let refs = scope.names.map(|n| n.refs.names().collect::<Vec<_>>()).unwrap_or_default();
-            let known: Vec<Known<'_>> = refs.into_iter().chain(self.facts.names()).collect();
+            let known = scope.names.into_iter().flat_map(|n| n.refs.names()).chain(self.facts.names());
             let fact = unknown("reference", &first.text, first.span, known);
             self.report_unknown(fact);
             return None;
@@ -108,16 +107,17 @@ impl Checker<'_> {
     fn value_of(&mut self, of: Subject, id: EntityId, path: &Path, second: &Name, span: Span) -> Option<Term> {
         {
             let entity = self.checked.entities[id].clone();
-            if let Some(var) = entity.vars.find(|v| v.name.text == second.text) {
+            let named = self.value_named(id, &second.text);
+            if let Some(Given::Var(var, _)) = named {
                 let degree = self.degree(path)?;
                 return Some(Term { kind: TermKind::Var(of, var, degree), ty: Type::Real, span });
             }
-            if let Some(id) = entity.discretes.find(|v| v.name.text == second.text) {
+            if let Some(Given::Discrete(id)) = named {
                 self.unprimed(path)?;
                 let ty = entity.discretes[id].ty.clone();
                 return Some(Term { kind: TermKind::Discrete(of, id), ty, span });
             }
-            if let Some(id) = entity.params.find(|p| p.name.text == second.text) {
+            if let Some(Given::Param(id)) = named {
                 self.unprimed(path)?;
                 let ty = entity.params[id].default.ty.clone();
                 return Some(Term { kind: TermKind::Param(of, id), ty, span });

@@ -1,5 +1,8 @@
 //! References: what they may refer to, where they may be read, `spawn` and `destroy`.
 
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
 use crate::diagnostic::catalogue::names::DuplicateName;
 use crate::diagnostic::catalogue::structure::{LostEntry, LostRead};
 use crate::diagnostic::catalogue::syntax::Misplaced;
@@ -11,8 +14,8 @@ use super::Checker;
 use super::checked::{Action, Edge, Entity, Given, Place, Spawn, Subject, Term, TermKind, Type};
 use super::entity::{Skeleton, Y};
 use super::expression::Scope;
-use super::ids::{ModeId, RefId};
-use super::names::{Known, Table, unknown};
+use super::ids::{EntityId, ModeId, RefId};
+use super::names::{Table, unknown};
 
 /// The reference that a guard says is lost, if that is all it says.
 pub(super) fn lost_by(guard: &Expr) -> Option<&Name> {
@@ -30,7 +33,7 @@ pub(super) fn lost_by(guard: &Expr) -> Option<&Name> {
 
 impl Checker<'_> {
     /// A reference of one's own, or an instance that a guard named, with its entity where that is known.
-    pub(super) fn referred(&self, name: &str, scope: &Scope<'_>) -> Option<(Subject, Option<super::ids::EntityId>)> {
+    pub(super) fn referred(&self, name: &str, scope: &Scope<'_>) -> Option<(Subject, Option<EntityId>)> {
         if let Some(touch) = self.facts.named(name) {
             let subject = Subject::Touched(touch);
             return Some((subject, self.facts.entity(subject)));
@@ -42,15 +45,14 @@ impl Checker<'_> {
     }
 
     /// The reference that an expression names.
-    pub(super) fn reference(&mut self, e: &Expr, scope: &Scope<'_>) -> Option<(Subject, Option<super::ids::EntityId>)> {
+    pub(super) fn reference(&mut self, e: &Expr, scope: &Scope<'_>) -> Option<(Subject, Option<EntityId>)> {
         if let ExprKind::Path(Path { segments, primes: 0, .. }) = &e.kind
             && let [name] = segments.as_slice()
         {
             if let Some(found) = self.referred(&name.text, scope) {
                 return Some(found);
             }
-            let refs = scope.names.map(|n| n.refs.names().collect::<Vec<_>>()).unwrap_or_default();
-            let known: Vec<Known<'_>> = refs.into_iter().chain(self.facts.names()).collect();
+            let known = scope.names.into_iter().flat_map(|n| n.refs.names()).chain(self.facts.names());
             let fact = unknown("reference", &name.text, name.span, known);
             self.report_unknown(fact);
             return None;
@@ -89,13 +91,11 @@ impl Checker<'_> {
 
     /// Edges into a mode that reads a reference must make sure of it.
     pub(super) fn lost_entries(&mut self, entity: &Entity, guards: &[Vec<RefId>]) {
-        let mut asked: Vec<(ModeId, RefId, Span)> = Vec::new();
+        let mut asked: BTreeMap<(ModeId, RefId), Span> = BTreeMap::new();
         for &(mode, reference, at) in &self.facts.covered {
-            if !asked.iter().any(|(m, r, _)| (*m, *r) == (mode, reference)) {
-                asked.push((mode, reference, at));
-            }
+            asked.entry((mode, reference)).or_insert(at);
         }
-        for (mode, reference, read) in asked {
+        for ((mode, reference), read) in asked {
             for (index, edge) in entity.edges.iter().enumerate() {
                 if !may_enter(entity, edge, mode) || guards[index].contains(&reference) || sets(edge, reference) {
                     continue;
@@ -132,7 +132,6 @@ impl Checker<'_> {
                 help: None,
             });
         }
-        let of = self.checked.entities[entity].clone();
         let mut set: Table<()> = Table::new("setting");
         let mut given = Vec::new();
         let mut fits = true;
@@ -141,7 +140,7 @@ impl Checker<'_> {
             if !set.declare(&Name { text: written, span: setting.variable.span }, (), &mut self.diagnostics) {
                 continue;
             }
-            let value = self.setting(&of, &setting.variable).and_then(|(what, ty)| {
+            let value = self.setting(entity, &setting.variable).and_then(|(what, ty)| {
                 let term = self.typed(&setting.value, scope, &ty)?;
                 Some((what, term))
             });
@@ -151,26 +150,41 @@ impl Checker<'_> {
         fits.then_some(Spawn { into, entity, given, span: spawn.span })
     }
 
+    /// What a name of a value means in an entity.
+    pub(super) fn value_named(&mut self, id: EntityId, name: &str) -> Option<Given> {
+        let entity = &self.checked.entities[id];
+        let values = self.values.entry(id).or_insert_with(|| {
+            let vars = entity.vars.pairs().map(|(id, v)| (&v.name, Given::Var(id, 0)));
+            let refs = entity.refs.pairs().map(|(id, r)| (&r.name, Given::Ref(id)));
+            let discretes = entity.discretes.pairs().map(|(id, d)| (&d.name, Given::Discrete(id)));
+            let params = entity.params.pairs().map(|(id, p)| (&p.name, Given::Param(id)));
+            // They share one name space, which holds the first of two equal names.
+            let all = vars.chain(refs).chain(discretes).chain(params);
+            Rc::new(all.map(|(name, what)| (name.text.clone(), what)).collect())
+        });
+        values.get(name).copied()
+    }
+
     /// What a name in a `place` or a `spawn` sets, and the type of its value.
-    pub(super) fn setting(&mut self, of: &Entity, variable: &ast::Variable) -> Option<(Given, Type)> {
+    pub(super) fn setting(&mut self, id: EntityId, variable: &ast::Variable) -> Option<(Given, Type)> {
         let name = &variable.name;
-        let plain = variable.primes == 0;
-        if let Some(id) = of.params.find(|p| plain && p.name.text == name.text) {
-            let ty = match &of.params[id].default.ty {
-                Type::Int => Type::Real,
-                ty => ty.clone(),
-            };
-            return Some((Given::Param(id), ty));
-        }
-        if let Some(id) = of.discretes.find(|d| plain && d.name.text == name.text) {
-            return Some((Given::Discrete(id), of.discretes[id].ty.clone()));
-        }
-        if let Some(id) = of.refs.find(|r| plain && r.name.text == name.text) {
-            return Some((Given::Ref(id), Type::Ref(of.refs[id].entity)));
-        }
-        if let Some(id) = of.vars.find(|v| v.name.text == name.text) {
-            let degree = self.primes(variable)?;
-            return Some((Given::Var(id, degree), Type::Real));
+        let of = Rc::clone(&self.checked.entities[id]);
+        let named = self.value_named(id, &name.text);
+        match named.filter(|what| variable.primes == 0 || matches!(what, Given::Var(..))) {
+            Some(Given::Param(id)) => {
+                let ty = match &of.params[id].default.ty {
+                    Type::Int => Type::Real,
+                    ty => ty.clone(),
+                };
+                return Some((Given::Param(id), ty));
+            }
+            Some(Given::Discrete(id)) => return Some((Given::Discrete(id), of.discretes[id].ty.clone())),
+            Some(Given::Ref(id)) => return Some((Given::Ref(id), Type::Ref(of.refs[id].entity))),
+            Some(Given::Var(id, _)) => {
+                let degree = self.primes(variable)?;
+                return Some((Given::Var(id, degree), Type::Real));
+            }
+            None => {}
         }
         let known = of.params.iter().map(|p| &p.name);
         let known = known.chain(of.discretes.iter().map(|d| &d.name)).chain(of.refs.iter().map(|r| &r.name));

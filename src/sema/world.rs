@@ -106,10 +106,7 @@ impl Checker<'_> {
         self.limits(syntax, &mut population);
         self.placed_references(&mut population);
         world.instances = population.instances;
-        let names = WorldNames {
-            instances: world.instances.iter().map(|i| (i.name.clone(), i.entity)).collect(),
-            spaces: sizes,
-        };
+        let names = WorldNames::new(world.instances.iter().map(|i| (i.name.clone(), i.entity)).collect(), sizes);
         self.links(syntax, &names, &spaces, &mut world);
         self.players(syntax, &mut world);
         let mut goals: Table<()> = Table::new("goal");

@@ -5,12 +5,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::file::TooMany;
 use crate::diagnostic::catalogue::lint::Unused;
 use crate::diagnostic::catalogue::names::{BehaviorCycle, DuplicateName, UnknownName};
 use crate::diagnostic::catalogue::syntax::ExpressionTooLong;
 use crate::diagnostic::catalogue::types::MissingArguments;
-use crate::diagnostic::{Diagnostics, similar};
 use crate::source::{SourceMap, Span};
 
 use super::ast::{Behavior, Expr, File, Item, Member, Use};
@@ -41,10 +41,11 @@ pub fn expand(files: &mut [File], sources: &mut SourceMap) -> Diagnostics {
                 behaviors.insert(behavior.name.text.clone(), behavior.clone());
             }
         }
-        for (index, parameter) in behavior.parameters.iter().enumerate() {
-            if let Some(first) = behavior.parameters[..index].iter().find(|p| p.text == parameter.text) {
-                let name = parameter.text.clone();
-                let (first, second) = (first.span, parameter.span);
+        let mut parameters: BTreeMap<&str, Span> = BTreeMap::new();
+        for parameter in &behavior.parameters {
+            let first = *parameters.entry(&parameter.text).or_insert(parameter.span);
+            if first != parameter.span {
+                let (name, second) = (parameter.text.clone(), parameter.span);
                 diagnostics.report(DuplicateName { kind: "parameter", name, first, second });
             }
         }
@@ -170,17 +171,8 @@ impl Expander<'_> {
         let name = &put.behavior.text;
         let Some(behavior) = self.behaviors.get(name).cloned() else {
             if !self.suspects.contains(name) && !self.suspects.contains("*") {
-                let known = || self.behaviors.keys().map(String::as_str);
-                let near = similar(name, known());
-                let declared = near.as_ref().and_then(|near| self.behaviors.get(near)).map(|b| b.name.span);
-                self.diagnostics.report(UnknownName {
-                    kind: "behavior",
-                    name: name.clone(),
-                    at: put.behavior.span,
-                    near,
-                    declared,
-                    known: self.behaviors.values().map(|b| (b.name.text.clone(), Some(b.name.span))).collect(),
-                });
+                let known = self.behaviors.values().map(|b| (b.name.text.as_str(), Some(b.name.span)));
+                self.diagnostics.report(UnknownName::new("behavior", name, put.behavior.span, known));
             }
             return Vec::new();
         };
@@ -223,37 +215,30 @@ impl Expander<'_> {
     /// The argument of each parameter.
     fn arguments(&mut self, put: &Use, behavior: &Behavior) -> Option<Vec<(String, Expr)>> {
         let mut arguments: Vec<(String, Expr)> = Vec::new();
-        let mut places: Vec<(&str, Span)> = Vec::new();
+        let mut places: BTreeMap<&str, Span> = BTreeMap::new();
+        let parameters: BTreeSet<&str> = behavior.parameters.iter().map(|p| p.text.as_str()).collect();
         let mut fits = true;
         for argument in &put.arguments {
             let (name, at) = (&argument.variable.name.text, argument.variable.span);
-            let known = behavior.parameters.iter().any(|p| p.text == *name) && argument.variable.primes == 0;
+            let known = parameters.contains(name.as_str()) && argument.variable.primes == 0;
             if !known {
                 fits = false;
-                let near = similar(name, behavior.parameters.iter().map(|p| p.text.as_str()));
-                let declared = behavior.parameters.iter().find(|p| Some(&p.text) == near.as_ref()).map(|p| p.span);
-                self.diagnostics.report(UnknownName {
-                    kind: "parameter",
-                    name: name.clone(),
-                    at,
-                    near,
-                    declared,
-                    known: behavior.parameters.iter().map(|p| (p.text.clone(), Some(p.span))).collect(),
-                });
+                let known = behavior.parameters.iter().map(|p| (p.text.as_str(), Some(p.span)));
+                self.diagnostics.report(UnknownName::new("parameter", name, at, known));
                 continue;
             }
-            if let Some((_, first)) = places.iter().find(|(n, _)| n == name) {
-                let (name, first) = (name.clone(), *first);
+            if let Some(&first) = places.get(name.as_str()) {
+                let name = name.clone();
                 self.diagnostics.report(DuplicateName { kind: "argument", name, first, second: at });
                 continue;
             }
-            places.push((name, at));
+            places.insert(name, at);
             arguments.push((name.clone(), argument.value.clone()));
         }
         let missing: Vec<String> = behavior
             .parameters
             .iter()
-            .filter(|p| !places.iter().any(|(n, _)| *n == p.text))
+            .filter(|p| !places.contains_key(p.text.as_str()))
             .map(|p| p.text.clone())
             .collect();
         if !missing.is_empty() && fits {

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use crate::diagnostic::{Code, Diagnostic, Fact};
-use crate::source::{ReadError, Span};
+use crate::source::{MAX_FILE_BYTES, ReadError, Span};
 
 /// A file that is not to be had.
 pub struct Unreadable {
@@ -24,16 +24,31 @@ impl Fact for Unreadable {
                 Diagnostic::new(Code::NotUtf8, format!("`{path}` is not UTF-8 text: byte {byte} fits no character"))
                     .help("save the file with the encoding UTF-8")
             }
-            ReadError::TooLarge(bytes) => Diagnostic::new(
-                Code::TooLarge,
-                format!("`{path}` is too large: {bytes} bytes, at most {} are read", crate::source::MAX_FILE_BYTES),
-            ),
+            ReadError::TooLarge(bytes) => {
+                let (found, most) = (mebibytes(bytes), MAX_FILE_BYTES >> 20);
+                let message = format!("`{path}` is too large: {found} MiB, at most {most} MiB are read");
+                Diagnostic::new(Code::TooLarge, message).help(match self.path.extension() {
+                    Some(extension) if extension == "hyped" => "split it into several files, and `import` them in one",
+                    _ => "a level can be several spaces, each with a map in a file of its own",
+                })
+            }
         };
         match self.import {
             Some(span) => d.at(span, "named here"),
             None => d,
         }
     }
+}
+
+/// How much that is, for people. Of a stream only its beginning is read: of that it is no more than known to be too
+/// large.
+fn mebibytes(bytes: u64) -> String {
+    let over = bytes.saturating_sub(MAX_FILE_BYTES as u64);
+    if over <= 1 {
+        return format!("more than {}", MAX_FILE_BYTES >> 20);
+    }
+    // Rounded up: what is too large does not look as if it were not.
+    format!("{:.1}", (bytes as f64 / f64::from(1 << 20) * 10.0).ceil() / 10.0)
 }
 
 /// Files that import each other.

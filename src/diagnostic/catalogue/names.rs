@@ -1,7 +1,8 @@
 //! Facts about names.
 
 use super::did_you_mean;
-use crate::diagnostic::{Code, Diagnostic, Fact, only_similar};
+use crate::diagnostic::similar::nearest;
+use crate::diagnostic::{Code, Diagnostic, Fact, MAX_CANDIDATES};
 use crate::source::Span;
 
 /// A name that nothing declares.
@@ -12,31 +13,55 @@ pub struct UnknownName {
     pub name: String,
     /// Where it stands.
     pub at: Span,
-    /// The nearest name of that kind.
-    pub near: Option<String>,
+    /// The nearest name of that kind, and whether it is the only near one.
+    near: Option<(String, bool)>,
     /// Where that one is declared.
-    pub declared: Option<Span>,
-    /// All names of that kind, each with where it is declared.
-    pub known: Vec<(String, Option<Span>)>,
+    declared: Option<Span>,
+    /// All names of that kind, each with where it is declared, if they are few and none is near.
+    known: Vec<(String, Option<Span>)>,
+}
+
+/// So many names are listed.
+const MOST_LISTED: usize = 8;
+
+impl UnknownName {
+    /// The name of some kind that stands at a place, and all names of that kind with where they are declared.
+    pub fn new<'a>(
+        kind: &'static str,
+        name: &str,
+        at: Span,
+        known: impl IntoIterator<Item = (&'a str, Option<Span>)>,
+    ) -> Self {
+        let known: Vec<(&str, Option<Span>)> = known.into_iter().take(MAX_CANDIDATES).collect();
+        let near = nearest(name, known.iter().map(|(text, _)| *text));
+        let declared = near.and_then(|(near, _)| known.iter().find(|(text, _)| *text == near)?.1);
+        let listed = if near.is_some() || known.len() > MOST_LISTED { &[] } else { known.as_slice() };
+        UnknownName {
+            kind,
+            name: name.to_string(),
+            at,
+            near: near.map(|(text, only)| (text.to_string(), only)),
+            declared,
+            known: listed.iter().map(|(text, at)| ((*text).to_string(), *at)).collect(),
+        }
+    }
 }
 
 impl Fact for UnknownName {
     fn word(self) -> Diagnostic {
         let UnknownName { kind, name, at, near, declared, known } = self;
+        let hint = did_you_mean(near.as_ref().map(|(near, _)| near));
         let mut d =
-            Diagnostic::new(Code::UnknownName, format!("no {kind} named `{name}`{}", did_you_mean(near.as_ref())))
-                .at(at, "not declared");
-        if let (Some(near), Some(declared)) = (&near, declared) {
+            Diagnostic::new(Code::UnknownName, format!("no {kind} named `{name}`{hint}")).at(at, "not declared");
+        if let (Some((near, _)), Some(declared)) = (&near, declared) {
             d = d.and(declared, format!("`{near}` is declared here"));
         }
-        // Of two names that are as near either may be meant; and a place may hold more than the name.
-        let meant =
-            only_similar(&name, known.iter().map(|(k, _)| k.as_str())).filter(|_| at.range().len() == name.len());
-        let d = match meant {
-            Some(meant) => d.fix(format!("write `{meant}`"), at, meant),
-            None => d,
+        // Of two names that are near either may be meant; and a place may hold more than the name.
+        let d = match near {
+            Some((near, true)) if at.range().len() == name.len() => d.fix(format!("write `{near}`"), at, near),
+            _ => d,
         };
-        if near.is_some() || known.is_empty() || known.len() > 8 {
+        if known.is_empty() {
             return d;
         }
         if let [(only, Some(declared))] = known.as_slice() {

@@ -34,7 +34,7 @@ pub struct DimensionConflict {
     /// The use that came second, and its dimension.
     pub at: (Span, String),
     /// The first use, and its dimension.
-    pub other: Option<(Span, String)>,
+    pub other: (Span, String),
     /// Other places that have to do with it.
     pub also: Vec<(Span, String)>,
     /// A name of the dimension that the second use needs.
@@ -43,25 +43,121 @@ pub struct DimensionConflict {
 
 impl Fact for DimensionConflict {
     fn word(self) -> Diagnostic {
-        let (at, here) = self.at;
-        let mut d = match self.other {
-            Some((span, there)) => {
-                let message = format!("{} is used as {} and as {}", self.what, kind(&here), kind(&there));
-                Diagnostic::new(Code::DimensionConflict, message)
-                    .at(at, format!("here it must be {here}"))
-                    .and(span, format!("here it must be {there}"))
-            }
-            None => {
-                Diagnostic::new(Code::DimensionConflict, format!("{} does not fit: {here}", self.what)).at(at, here)
-            }
+        let ((at, here), (span, there)) = (self.at, self.other);
+        let near = did_you_mean(self.near.as_ref());
+        let message = format!("{} is used as {} and as {}{near}", self.what, kind(&here), kind(&there));
+        let d = Diagnostic::new(Code::DimensionConflict, message)
+            .at(at, format!("here it must be {here}"))
+            .and(span, format!("here it must be {there}"));
+        self.also.into_iter().fold(d, |d, (span, text)| d.and(span, text))
+    }
+}
+
+/// An expression, and its dimension.
+pub struct Dimensioned {
+    /// As it is written, in backquotes.
+    pub text: String,
+    /// Where it stands.
+    pub at: Option<Span>,
+    /// Its dimension.
+    pub dimension: String,
+}
+
+/// An expression in a place that asks for another dimension.
+pub struct WrongDimension {
+    /// The expression.
+    pub this: Dimensioned,
+    /// The dimension that its place asks for.
+    pub needed: String,
+    /// Other places that have to do with it.
+    pub also: Vec<(Span, String)>,
+    /// A name of the dimension that is needed.
+    pub near: Option<String>,
+    /// A way out.
+    pub help: Option<String>,
+}
+
+impl Fact for WrongDimension {
+    fn word(self) -> Diagnostic {
+        let WrongDimension { this, needed, also, near, help } = self;
+        let (found, needed) = (measured(&this.dimension), measured(&needed));
+        let near = did_you_mean(near.as_ref());
+        let message = format!("{} is {found}, but {needed} is needed here{near}", this.text);
+        let d = Diagnostic::new(Code::DimensionConflict, message);
+        finished(labelled(d, this.at, found), also, help)
+    }
+}
+
+/// Two expressions that must be of one dimension, and are not.
+pub struct Unjoinable {
+    /// The first of them.
+    pub first: Dimensioned,
+    /// The second.
+    pub second: Dimensioned,
+    /// What is done with both: `added`.
+    pub how: String,
+    /// Other places that have to do with it.
+    pub also: Vec<(Span, String)>,
+    /// A name of the first's dimension, where the second is a name.
+    pub near: Option<String>,
+    /// A way out.
+    pub help: Option<String>,
+}
+
+impl Fact for Unjoinable {
+    fn word(self) -> Diagnostic {
+        let Unjoinable { first, second, how, also, near, help } = self;
+        let (one, other) = (measured(&first.dimension), measured(&second.dimension));
+        let near = did_you_mean(near.as_ref());
+        let verb = if how.starts_with("the ") { "cannot both be" } else { "cannot be" };
+        let message = format!("{} and {} {verb} {how}: {one} and {other}{near}", first.text, second.text);
+        let d = Diagnostic::new(Code::DimensionConflict, message);
+        let d = match first.at {
+            Some(at) => labelled(d, second.at, other).and(at, one),
+            None => labelled(d, second.at, format!("{} is {other}", second.text)),
         };
-        for (span, text) in self.also {
-            d = d.and(span, text);
-        }
-        if self.near.is_some() {
-            d.message.push_str(&did_you_mean(self.near.as_ref()));
-        }
-        d
+        finished(d, also, help)
+    }
+}
+
+/// A square root of what is no square.
+pub struct NoSquare {
+    /// What it is taken of, as written.
+    pub of: String,
+    /// Where that stands.
+    pub at: Span,
+    /// Its dimension.
+    pub dimension: String,
+}
+
+impl Fact for NoSquare {
+    fn word(self) -> Diagnostic {
+        let dimension = measured(&self.dimension);
+        let message = format!("{} has no square root: it is {dimension}, which is no square", self.of);
+        Diagnostic::new(Code::DimensionConflict, message).at(self.at, dimension)
+    }
+}
+
+fn labelled(d: Diagnostic, at: Option<Span>, text: String) -> Diagnostic {
+    match at {
+        Some(at) => d.at(at, text),
+        None => d,
+    }
+}
+
+fn finished(d: Diagnostic, also: Vec<(Span, String)>, help: Option<String>) -> Diagnostic {
+    let d = also.into_iter().fold(d, |d, (span, text)| d.and(span, text));
+    match help {
+        Some(help) => d.help(help),
+        None => d,
+    }
+}
+
+/// A dimension in words, and as it is written.
+fn measured(dimension: &str) -> String {
+    match dimension {
+        "px" | "px/s" | "px/s^2" | "s" | "1/s" => format!("{} ({dimension})", kind(dimension)),
+        _ => kind(dimension),
     }
 }
 

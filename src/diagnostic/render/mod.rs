@@ -8,7 +8,8 @@ mod page;
 mod sarif;
 mod short;
 
-use std::path::Path;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
 pub use human::human;
 pub use json::json;
@@ -34,12 +35,19 @@ pub struct Found<'a> {
 /// import, comes once.
 fn distinct<'a, T: PartialEq>(run: &[Found<'a>], make: impl Fn(&Found<'a>, &Diagnostic) -> T) -> Vec<T> {
     let mut all: Vec<T> = Vec::new();
+    // Where those stand in `all` that begin at a place and say the same.
+    type Place = Option<(PathBuf, u32)>;
+    let mut known: BTreeMap<(Place, String), Vec<usize>> = BTreeMap::new();
     for found in run {
         // A program never has a finding twice.
         let earlier = all.len();
         for d in found.diagnostics.iter() {
-            let made = make(found, &d.clone().traced(found.sources));
-            if !all.iter().take(earlier).any(|known| *known == made) {
+            let d = d.clone().traced(found.sources);
+            let place = d.primary.as_ref().map(|l| (found.sources.file(l.span.file).path.clone(), l.span.start));
+            let made = make(found, &d);
+            let alike = known.entry((place, d.message)).or_default();
+            if !alike.iter().any(|at| *at < earlier && all[*at] == made) {
+                alike.push(all.len());
                 all.push(made);
             }
         }

@@ -1,0 +1,200 @@
+//! What the solver found wrong, put into facts: two uses of one name, two terms that do not go together, a term in a place
+//! that asks for another dimension.
+
+use crate::diagnostic::catalogue::types::{DimensionConflict, Dimensioned, NoSquare, Unjoinable, WrongDimension};
+use crate::diagnostic::{Diagnostics, similar};
+use crate::source::{SourceMap, Span};
+
+use super::super::checked::{Arithmetic, Function, Subject, Term, TermKind};
+use super::super::ids::EntityId;
+use super::{Beside, Conflict, Dim, Joint, Named, Ratio, Solver};
+
+/// So many characters of an expression are shown.
+const SHOWN: usize = 40;
+
+impl Solver<'_> {
+    pub(super) fn report(mut self, sources: &SourceMap, diagnostics: &mut Diagnostics) {
+        for (root, of) in std::mem::take(&mut self.roots) {
+            let root = self.reduce(&root);
+            if root.unknowns.is_empty() && (root.px.1 != 1 || root.s.1 != 1) {
+                let dimension = Dim::known(0, 0).plus(&root, Ratio(2, 1)).words();
+                diagnostics.report(NoSquare { of: shown(sources, of.span), at: of.span, dimension });
+            }
+        }
+        for conflict in std::mem::take(&mut self.conflicts) {
+            self.conflict(&conflict, sources, diagnostics);
+        }
+    }
+
+    fn conflict(&mut self, conflict: &Conflict, sources: &SourceMap, diagnostics: &mut Diagnostics) {
+        let Conflict { entity, term, needed, found, beside, envelope } = conflict;
+        let named = self.named(*entity, term);
+        let near = named.as_ref().zip(*entity).and_then(|((_, name), e)| self.of_dimension(e, needed, name));
+        let mut also: Vec<(Span, String)> =
+            envelope.map(|at| (at, "of this envelope".to_string())).into_iter().collect();
+        let this = Dimensioned { text: shown(sources, term.span), at: Some(term.span), dimension: found.words() };
+        match beside {
+            Beside::Place => {
+                let reason = named.as_ref().and_then(|(n, _)| self.named.get(n)).and_then(|&u| self.solved[u].as_ref());
+                if let (Some((_, name)), Some((_, reason))) = (&named, reason) {
+                    let (what, at) = (format!("`{name}`"), (term.span, needed.words()));
+                    let other = (*reason, found.words());
+                    diagnostics.report(DimensionConflict { what, at, other, also, near });
+                    return;
+                }
+                also.extend(entity.and_then(|e| self.culprit(e, term)));
+                let help = plain_factor(sources, term, found, needed);
+                diagnostics.report(WrongDimension { this, needed: needed.words(), also, near, help });
+            }
+            Beside::Term(first, joint) => {
+                let culprits = [first, term].into_iter().filter_map(|t| self.culprit((*entity)?, t));
+                for culprit in culprits.collect::<Vec<_>>() {
+                    if !also.contains(&culprit) {
+                        also.push(culprit);
+                    }
+                }
+                let help = plain_factor(sources, term, found, needed);
+                let help = help.or_else(|| plain_factor(sources, first, needed, found));
+                let other = self.named(*entity, first).map(|(_, name)| name);
+                let near = near.filter(|near| Some(near) != other.as_ref());
+                let (text, at) = (shown(sources, first.span), Some(first.span));
+                let first = Dimensioned { text, at, dimension: needed.words() };
+                diagnostics.report(Unjoinable { first, second: this, how: joint.words(), also, near, help });
+            }
+            Beside::Driven { first, other, degree } => {
+                let Some(entity) = entity.map(|e| &self.program.entities[e]) else { return };
+                let of = |var, dim: &Dim, at| {
+                    let text = format!("`{}{}`", entity.vars[var].name.text, "'".repeat(usize::from(*degree)));
+                    Dimensioned { text, at, dimension: dim.words() }
+                };
+                let (first, second) = (of(*first, needed, None), of(*other, found, *envelope));
+                let how = "driven by one envelope".to_string();
+                diagnostics.report(Unjoinable { first, second, how, also: Vec::new(), near: None, help: None });
+            }
+        }
+    }
+
+    /// The name that a term is, and how it is written.
+    fn named(&self, entity: Option<EntityId>, term: &Term) -> Option<(Named, String)> {
+        let e = entity?;
+        match &term.kind {
+            TermKind::Param(Subject::Me, p) => {
+                Some((Named::Param(e, *p), self.program.entities[e].params[*p].name.text.clone()))
+            }
+            TermKind::Var(Subject::Me, v, degree) => {
+                let name = &self.program.entities[e].vars[*v].name.text;
+                Some((Named::Var(e, *v), format!("{name}{}", "'".repeat(usize::from(*degree)))))
+            }
+            _ => None,
+        }
+    }
+
+    /// Inside of a term: what first gave one of its names its dimension; else a name that never has one.
+    fn culprit(&mut self, id: EntityId, term: &Term) -> Option<(Span, String)> {
+        let mut names = Vec::new();
+        leaves(term, &mut names);
+        let entity = &self.program.entities[id];
+        let given = names.iter().find_map(|leaf| {
+            let (named, name) = match &leaf.kind {
+                TermKind::Param(Subject::Me, p) => (Named::Param(id, *p), &entity.params[*p].name.text),
+                TermKind::Var(Subject::Me, v, _) => (Named::Var(id, *v), &entity.vars[*v].name.text),
+                _ => return None,
+            };
+            let (dim, at) = self.named.get(&named).and_then(|&u| self.solved[u].clone())?;
+            (at != leaf.span).then(|| (at, format!("by this, `{name}` is {}", self.reduce(&dim).words())))
+        });
+        given.or_else(|| {
+            names.iter().find_map(|leaf| {
+                let (name, kind) = match &leaf.kind {
+                    TermKind::Discrete(Subject::Me, d) => (&entity.discretes[*d].name, "`discrete`"),
+                    TermKind::Axis(axis) => (&entity.axes[*axis], "axis"),
+                    _ => return None,
+                };
+                Some((name.span, format!("`{}` is a pure number, as is every {kind}", name.text)))
+            })
+        })
+    }
+
+    /// A parameter of an entity that has a dimension; the most similar to `name` if there are several.
+    fn of_dimension(&mut self, entity: EntityId, dim: &Dim, name: &str) -> Option<String> {
+        let mut fitting: Vec<&str> = Vec::new();
+        for (p, param) in self.program.entities[entity].params.pairs() {
+            let solution = self.named.get(&Named::Param(entity, p)).and_then(|&u| self.solved[u].clone());
+            if param.name.text != name && solution.is_some_and(|(found, _)| self.reduce(&found) == *dim) {
+                fitting.push(&param.name.text);
+            }
+        }
+        similar(name, fitting.iter().copied()).or_else(|| fitting.first().map(|n| (*n).to_string()))
+    }
+}
+
+impl Joint {
+    fn words(self) -> String {
+        match self {
+            Joint::Added => "added".into(),
+            Joint::Subtracted => "subtracted".into(),
+            Joint::Compared => "compared".into(),
+            Joint::Given(Function::If) => "the values of one `if`".into(),
+            Joint::Given(function) => format!("given to one `{function:?}`").to_lowercase(),
+        }
+    }
+}
+
+/// A plain number that makes a pure number of a term because it stands beside `*` or `/`: the way out is to give it a
+/// name.
+fn plain_factor(sources: &SourceMap, term: &Term, found: &Dim, needed: &Dim) -> Option<String> {
+    let number = factor(term)?;
+    let text = sources.slice(number.span);
+    let annotation = needed.words();
+    let is_usual = matches!(annotation.as_str(), "px" | "px/s" | "px/s^2" | "s");
+    if *found != Dim::known(0, 0) || !is_usual || !text.bytes().all(|b| b.is_ascii_digit() || b == b'.') {
+        return None;
+    }
+    Some(format!(
+        "beside `*` or `/` a plain number such as `{text}` is a pure number; one that is not needs a name: \
+         `param NAME: {annotation} = {text}`"
+    ))
+}
+
+/// A plain number among the factors of a term.
+fn factor(term: &Term) -> Option<&Term> {
+    let number = |t: &Term| matches!(t.kind, TermKind::Number(_));
+    match &term.kind {
+        TermKind::Arithmetic(Arithmetic::Multiply, a, b) if number(a) && !number(b) => Some(a),
+        TermKind::Arithmetic(Arithmetic::Multiply, a, b) if number(b) && !number(a) => Some(b),
+        TermKind::Arithmetic(Arithmetic::Divide, a, b) if number(a) && !number(b) => Some(a),
+        TermKind::Arithmetic(Arithmetic::Divide, a, _) | TermKind::Negate(a) => factor(a),
+        TermKind::Arithmetic(_, a, b) => factor(a).or_else(|| factor(b)),
+        _ => None,
+    }
+}
+
+/// The names in a term that its dimension comes from.
+fn leaves<'t>(term: &'t Term, out: &mut Vec<&'t Term>) {
+    match &term.kind {
+        TermKind::Negate(a) | TermKind::Not(a) => leaves(a, out),
+        TermKind::Arithmetic(_, a, b) | TermKind::Compare(_, a, b) => {
+            leaves(a, out);
+            leaves(b, out);
+        }
+        TermKind::Call(_, arguments) => arguments.iter().for_each(|a| leaves(a, out)),
+        TermKind::Param(..) | TermKind::Var(..) | TermKind::Discrete(..) | TermKind::Axis(_) => out.push(term),
+        _ => {}
+    }
+}
+
+/// An expression as it is written, on one line; only its beginning and its end if it is long.
+fn shown(sources: &SourceMap, at: Span) -> String {
+    let words: Vec<&str> = sources.slice(at).split_whitespace().collect();
+    let text = words.join(" ");
+    let length = text.chars().count();
+    if text.is_empty() || text.contains("//") {
+        return "this value".to_string();
+    }
+    if length <= SHOWN {
+        return format!("`{text}`");
+    }
+    let start: String = text.chars().take(SHOWN / 2).collect();
+    let end: String = text.chars().skip(length - SHOWN / 4).collect();
+    format!("`{} … {}`", start.trim_end(), end.trim_start())
+}

@@ -23,7 +23,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("analysis", &["ir"]),
     ("compile", &["source", "diagnostic", "syntax", "sema", "lint", "ir"]),
     ("sim", &["source", "diagnostic", "ir"]),
-    ("reach", &["watch", "ir", "sim"]),
+    ("reach", &["watch", "ir", "analysis", "sim"]),
     ("graph", &["source", "ir"]),
     ("cli", &["source", "analysis", "watch", "diagnostic", "format", "ir", "compile", "sim", "reach", "graph"]),
 ];

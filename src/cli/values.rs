@@ -60,7 +60,8 @@ pub(super) fn reasons(sources: &SourceMap, program: &Program, world: &World, pro
     let mut out: Vec<String> = Vec::new();
     for part in &proof.parts {
         let text = sources.slice(program.spans.exprs[part.predicate]);
-        let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        let text: Vec<&str> = text.lines().filter_map(|line| line.split("//").next()).collect();
+        let text = text.join(" ").split_whitespace().collect::<Vec<_>>().join(" ");
         let reads = part.reads.iter().map(|(quantity, values)| {
             let (slot, name) = match *quantity {
                 Quantity::Var(slot, var, degree) => (slot, variable(entity(program, world, slot), var, degree)),

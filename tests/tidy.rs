@@ -107,7 +107,7 @@ fn arguments(command: &str) -> Vec<String> {
 /// How long a search took is no two times the same.
 fn without_seconds(text: &str) -> String {
     text.lines()
-        .map(|line| match (line.find("trees, "), line.find(" s; ")) {
+        .map(|line| match (line.find(" tree"), line.find(" s; ")) {
             (Some(from), Some(to)) if from < to => format!("{}{}\n", &line[..from], &line[to..]),
             _ => format!("{line}\n"),
         })

@@ -10,6 +10,7 @@ use std::hint::black_box;
 use std::path::Path;
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use hypedc::analysis::configuration_space;
 use hypedc::compile::compile;
 use hypedc::ir::{GoalId, WorldId};
 use hypedc::reach::{Limits, Linear, Problem, Settings, reach};
@@ -99,11 +100,12 @@ fn grow(c: &mut Criterion) {
     let program = program(compile(Path::new("examples/paper/test2.hyped"), &Disk));
     let sim = Simulator::new(&program, WorldId(0));
     let problem = Problem::new(&sim, GoalId(0));
+    let space = configuration_space(&program, WorldId(0));
     c.bench_function("reach/test2, drawn goal, ten seeds", |b| {
         b.iter(|| {
             for seed in 1..=10 {
                 let settings = Settings { seed, ..Settings::default() };
-                black_box(reach(&problem, &settings, &Limits { nodes: 100_000 }, &Unwatched).unwrap());
+                black_box(reach(&problem, &space, &settings, &Limits { nodes: 100_000 }, &Unwatched).unwrap());
             }
         });
     });

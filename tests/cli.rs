@@ -266,6 +266,17 @@ fn reach_answers_with_exit_codes() {
     assert_eq!(code(&["reach", TEST2, "--goal", "drawn", "--seed", "7"]), 0);
     assert_eq!(code(&["reach", TEST1, "--nodes", "2"]), 1);
     assert_eq!(code(&["reach", TEST1, "--seconds", "0", "--nodes", "1000000000", "--seed", "3"]), 1);
+    assert_eq!(code(&["reach", TEST1, "--bounds", "naive"]), 0);
+    assert_eq!(code(&["reach", TEST1, "--bounds", "exact"]), 2);
+    let still = written(
+        "still.hyped",
+        "entity Rock { }\nworld W {\n    space main { place rock: Rock at (3, 4) }\n    goal there: rock.x > 3\n}\n",
+    );
+    let proven = hypedc(&["reach", &still, "--format", "json"]);
+    assert_eq!(proven.status.code(), Some(1));
+    let json: Value = serde_json::from_slice(&proven.stdout).unwrap();
+    assert_eq!(json["goals"][0]["verdict"], "proven-unreachable");
+    assert_eq!(json["goals"][0]["argument"], "`rock.x > 3` never holds: rock.x = 3");
     let mut all = String::new();
     all.push_str(&shown(&["reach", TEST1, "--goal", "arive"]));
     all.push_str(&shown(&["reach", TEST1, "--world", "Test2"]));

@@ -7,14 +7,20 @@ mod support;
 
 use std::path::Path;
 
+use hypedc::analysis::configuration_space;
 use hypedc::compile::compile;
-use hypedc::ir::{GoalId, Program, WorldId};
-use hypedc::reach::{Limits, Outcome, Plan, Problem, Settings, Verdict, reach};
+use hypedc::ir::{GoalId, Program, SlotId, VarId, WorldId};
+use hypedc::reach::{
+    Limits, Metric, Outcome, Plan, Point, Problem, Proof, Quantity, Rrt, Sampling, Settings, Verdict, reach,
+    search as grow,
+};
 use hypedc::sim::{Simulator, parse_script};
 use hypedc::source::SourceMap;
 use hypedc::watch::Unwatched;
 use proptest::prelude::*;
-use support::{Disk, compile_text, program};
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
+use support::{Disk, compile_text, files, program};
 
 const WORLD: WorldId = WorldId(0);
 
@@ -23,10 +29,15 @@ fn example(path: &str) -> Program {
 }
 
 fn search(program: &Program, goal: u32, seed: u64, nodes: u64) -> Outcome {
+    search_in(program, goal, seed, nodes, Sampling::Reduced)
+}
+
+fn search_in(program: &Program, goal: u32, seed: u64, nodes: u64, sampling: Sampling) -> Outcome {
     let sim = Simulator::new(program, WORLD);
     let problem = Problem::new(&sim, GoalId(goal));
-    let settings = Settings { seed, ..Settings::default() };
-    reach(&problem, &settings, &Limits { nodes }, &Unwatched).unwrap()
+    let space = configuration_space(program, WORLD);
+    let settings = Settings { seed, sampling, ..Settings::default() };
+    reach(&problem, &space, &settings, &Limits { nodes }, &Unwatched).unwrap()
 }
 
 /// Writes the script as text, reads it back, runs it: the goal holds at its end and not before, no `never` holds.
@@ -58,7 +69,7 @@ fn the_papers_tests_are_solved_for_every_seed() {
             for seed in 1..=50 {
                 match search(&program, goal, seed, 500_000).verdict {
                     Verdict::Reached(plan) => replay(&program, goal, &plan),
-                    Verdict::NotFound => panic!("{path}, goal {goal}, seed {seed}: not found"),
+                    other => panic!("{path}, goal {goal}, seed {seed}: {other:?}"),
                 }
             }
         }
@@ -94,7 +105,8 @@ fn a_goal_that_holds_at_the_start_needs_no_step() {
     let Verdict::Reached(plan) = search(&program, 0, 1, 10).verdict else { panic!("not found") };
     assert_eq!(plan.steps, 0);
     // Without a player there is one thing to do, and without a space's map nowhere to fall.
-    assert_eq!(search(&program, 1, 1, 10).verdict, Verdict::NotFound);
+    assert!(matches!(search(&program, 1, 1, 10).verdict, Verdict::Unreachable(_)));
+    assert_eq!(search_regardless(&program, 1, 10).0.verdict, Verdict::NotFound);
 }
 
 #[test]
@@ -141,6 +153,154 @@ fn a_branch_ends_below_and_beside_the_bounds_but_not_above() {
         assert!(matches!(search(&free, 0, 1, 20_000).verdict, Verdict::Reached(_)), "{goal} without bounds");
         let bounded = program(compile_text(&text("bounds rect(0, 0, 100, 100)", goal)));
         assert_eq!(matches!(search(&bounded, 0, 1, 20_000).verdict, Verdict::Reached(_)), inside, "{goal}");
+    }
+}
+
+/// Searches without asking the analysis whether there is any use.
+fn search_regardless(program: &Program, goal: u32, nodes: u64) -> (Outcome, Option<Proof>) {
+    let sim = Simulator::new(program, WORLD);
+    let problem = Problem::new(&sim, GoalId(goal));
+    let space = configuration_space(program, WORLD);
+    let metric = Metric::new(&sim, &space, Sampling::Naive);
+    let outcome =
+        grow(&problem, &metric, &mut Rrt::new(&metric), &Settings::default(), &Limits { nodes }, &Unwatched).unwrap();
+    (outcome, Proof::of(&problem, &space))
+}
+
+fn jumper(goal: &str) -> Program {
+    program(compile_text(&format!(
+        "entity Hero {{
+             axis horizontal
+             button jump
+             collider body: rect(0, 0, 12, 14)
+             y'' = -600
+             envelope x' by horizontal {{ sustain 60 }}
+             mode air {{ when touching(body, wall, below) -> ground }}
+             mode ground {{
+                 y' = -30
+                 when pressed(jump) -> air {{ y' := 240 }}
+                 when not touching(body, wall, below) -> air
+             }}
+         }}
+         world W {{
+             collide body with wall: block
+             tiles t 16 x 16 {{ '.': empty; '#': wall }}
+             space main {{
+                 map t \"
+                     ..........
+                     ..........
+                     ..........
+                     ..........
+                     ##########
+                 \"
+                 place hero: Hero at (8, 16)
+             }}
+             player 1: hero
+             goal there: {goal}
+         }}"
+    )))
+}
+
+#[test]
+fn a_goal_above_the_highest_jump_is_proven_unreachable() {
+    // The floor is at 16, and a jump of 240 px/s under 600 px/s² rises by less than 48 px.
+    for (goal, holds, reads) in [
+        ("hero.y > 64", false, vec![Quantity::Var(SlotId(0), VarId(1), 0)]),
+        ("hero.x > 20 and (hero.y > 64 or hero.y > 80)", false, vec![Quantity::Var(SlotId(0), VarId(1), 0)]),
+        ("not hero.y <= 64", true, vec![Quantity::Var(SlotId(0), VarId(1), 0)]),
+        (
+            "near(hero, (80, 90), 20)",
+            false,
+            vec![Quantity::Var(SlotId(0), VarId(0), 0), Quantity::Var(SlotId(0), VarId(1), 0)],
+        ),
+    ] {
+        let program = jumper(goal);
+        let Verdict::Unreachable(proof) = search(&program, 0, 1, 1_000).verdict else { panic!("{goal}: no proof") };
+        for part in &proof.parts {
+            assert_eq!(part.holds, holds, "{goal}");
+            let read: Vec<Quantity> = part.reads.iter().map(|(quantity, _)| *quantity).collect();
+            assert_eq!(read, reads, "{goal}");
+            let (_, height) = part.reads.last().unwrap();
+            let top = height.hull().unwrap().high;
+            assert!((60.0..=64.0).contains(&top), "{goal}: {top}");
+        }
+        assert_eq!(search_regardless(&program, 0, 2_000).0.verdict, Verdict::NotFound, "{goal}");
+    }
+    let program = jumper("hero.y > 60");
+    let Verdict::Reached(plan) = search(&program, 0, 1, 1_000).verdict else { panic!("a jump is that high") };
+    replay(&program, 0, &plan);
+}
+
+#[test]
+fn a_goal_that_holds_only_out_of_bounds_is_neither_reached_nor_open() {
+    for goal in ["hero.x < 0", "hero.x > 160"] {
+        let (outcome, proof) = search_regardless(&jumper(goal), 0, 5_000);
+        assert_eq!(outcome.verdict, Verdict::NotFound, "{goal}");
+        assert!(proof.is_some(), "{goal}");
+    }
+}
+
+/// The inputs that come with the examples reach their goals.
+#[test]
+fn what_the_examples_reach_is_not_proven_unreachable() {
+    let mut goals = 0;
+    for path in files("examples", "hyped").into_iter().chain(files("tests/conformance", "hyped")) {
+        let program = compile(&path, &Disk).program.unwrap();
+        for world in program.worlds.ids() {
+            let space = configuration_space(&program, world);
+            for goal in program.worlds[world].goals.ids() {
+                let name = &program.worlds[world].goals[goal].name;
+                assert!(space.can_hold(&program, world, goal), "{}: {name}", path.display());
+                goals += 1;
+            }
+        }
+    }
+    assert!(goals > 20);
+}
+
+#[test]
+fn samples_are_drawn_from_what_can_be() {
+    let program = example("examples/paper/test1.hyped");
+    let sim = Simulator::new(&program, WORLD);
+    let space = configuration_space(&program, WORLD);
+    let metric = Metric::new(&sim, &space, Sampling::Reduced);
+    let naive = Metric::new(&sim, &space, Sampling::Naive);
+    // The height of a platform and its speed, which its mode tells, are no coordinates.
+    let brown = SlotId(1);
+    let of_brown =
+        metric.coordinates().iter().filter(|c| matches!(c.quantity, Quantity::Var(slot, ..) if slot == brown));
+    let quantities: Vec<Quantity> = of_brown.map(|c| c.quantity).collect();
+    assert_eq!(quantities, [Quantity::Var(brown, VarId(0), 0)]);
+    assert!(metric.coordinates().len() < naive.coordinates().len() / 2);
+    let at = metric.coordinates().iter().position(|c| c.quantity == quantities[0]).unwrap();
+    let mode = metric.mode_index(brown, program.entities[sim.world().slots[brown].entity].groups.ids().next().unwrap());
+    let x = &metric.coordinates()[at];
+    let mut rng = Pcg64::seed_from_u64(1);
+    let mut sample = Point::default();
+    let mut seen = std::collections::BTreeSet::new();
+    for _ in 0..2_000 {
+        metric.sample(&mut rng, &mut sample);
+        assert_eq!((sample.reals.len(), sample.modes.len()), (metric.coordinates().len(), metric.modes()));
+        let leaf = sample.modes[mode.unwrap()];
+        let own = space.slots[brown].configurations.iter().find(|c| c.leaves[0].0 as f32 == leaf).unwrap();
+        let hull = own.vars[VarId(0)][0].hull().unwrap();
+        let (low, high) = (x.scaled(hull.low), x.scaled(hull.high));
+        assert!((low..=high).contains(&sample.reals[at]), "{leaf}: {} not in {low}..{high}", sample.reals[at]);
+        seen.insert(leaf as u32);
+    }
+    assert_eq!(seen.len(), 3);
+}
+
+#[test]
+fn naive_bounds_solve_the_papers_tests_too() {
+    for (path, goals) in [("examples/paper/test1.hyped", 1), ("examples/paper/test2.hyped", 2)] {
+        let program = example(path);
+        for (goal, seed) in (0..goals).flat_map(|goal| (1..=5).map(move |seed| (goal, seed))) {
+            match search_in(&program, goal, seed, 500_000, Sampling::Naive).verdict {
+                Verdict::Reached(plan) => replay(&program, goal, &plan),
+                other => panic!("{path}, goal {goal}, seed {seed}: {other:?}"),
+            }
+        }
     }
 }
 
@@ -196,6 +356,8 @@ proptest! {
              }}"
         );
         let program = program(compile_text(&text));
+        let (regardless, proof) = search_regardless(&program, 0, 2_000);
+        prop_assert!(proof.is_none() || regardless.verdict == Verdict::NotFound, "{:?}", proof);
         let first = search(&program, 0, seed, 3_000);
         let second = search(&program, 0, seed, 3_000);
         prop_assert_eq!(&first, &second);

@@ -23,7 +23,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("analysis", &["ir"]),
     ("compile", &["source", "diagnostic", "syntax", "sema", "lint", "ir"]),
     ("sim", &["source", "diagnostic", "ir"]),
-    ("reach", &["watch", "ir", "sim"]),
+    ("reach", &["watch", "ir", "analysis", "sim"]),
     ("graph", &["source", "ir"]),
     ("cli", &["source", "analysis", "watch", "diagnostic", "format", "ir", "compile", "sim", "reach", "graph"]),
 ];
@@ -107,7 +107,7 @@ fn arguments(command: &str) -> Vec<String> {
 /// How long a search took is no two times the same.
 fn without_seconds(text: &str) -> String {
     text.lines()
-        .map(|line| match (line.find("trees, "), line.find(" s; ")) {
+        .map(|line| match (line.find(" tree"), line.find(" s; ")) {
             (Some(from), Some(to)) if from < to => format!("{}{}\n", &line[..from], &line[to..]),
             _ => format!("{line}\n"),
         })

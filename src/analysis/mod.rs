@@ -22,7 +22,7 @@ mod widen;
 pub use evaluate::Configuration;
 pub use values::{Interval, Values};
 
-use crate::ir::{GoalId, IdVec, Program, SlotId, World, WorldId};
+use crate::ir::{ExprId, GoalId, IdVec, Program, SlotId, World, WorldId};
 
 use evaluate::{Overall, Reader};
 use fixpoint::Analysis;
@@ -60,6 +60,12 @@ impl ConfigurationSpace {
     pub fn can_hold(&self, program: &Program, world: WorldId, goal: GoalId) -> bool {
         let world = &program.worlds[world];
         self.reader(program, world, None).truth(world.goals[goal].holds).can_hold
+    }
+
+    /// Whether a predicate of the world, or a part of one, can hold (or fail) in some state.
+    pub fn can_turn_out(&self, program: &Program, world: WorldId, predicate: ExprId, holds: bool) -> bool {
+        let truth = self.reader(program, &program.worlds[world], None).truth(predicate);
+        if holds { truth.can_hold } else { truth.can_fail }
     }
 
     /// What expressions are read against: those of an instance in one of its configurations, or those of the world.

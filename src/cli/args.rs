@@ -107,6 +107,9 @@ pub(super) struct BoundsArgs {
     /// The world, where the program has several.
     #[arg(long, value_name = "NAME")]
     pub world: Option<String>,
+    /// As tables for people, or as JSON.
+    #[arg(long, value_enum, default_value = "human")]
+    pub format: ResultFormat,
 }
 
 #[derive(Debug, Args)]
@@ -166,6 +169,9 @@ pub(super) struct ReachArgs {
     /// A goal to ask for; all goals of the world if none is given.
     #[arg(long, value_name = "NAME")]
     pub goal: Vec<String>,
+    /// Where samples are drawn from.
+    #[arg(long, value_enum, value_name = "BOUNDS", default_value = "reduced")]
+    pub bounds: SampleBounds,
     /// The seed: the same seed gives the same search.
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
@@ -181,6 +187,15 @@ pub(super) struct ReachArgs {
     /// Writes the inputs of a found path to a file; with several goals, the goal's name goes before the extension.
     #[arg(long, value_name = "PATH")]
     pub save_inputs: Option<PathBuf>,
+}
+
+/// Where a search draws its samples from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum SampleBounds {
+    /// A box: the level for positions, ±1000 for velocities and accelerations, all combinations of modes.
+    Naive,
+    /// What can be in each combination of modes, as `hypedc bounds` shows it.
+    Reduced,
 }
 
 #[derive(Debug, Args)]

@@ -1,75 +1,198 @@
-//! `hypedc bounds`: what each part of a world can be.
+//! `hypedc bounds`: what each part of a world can be, as tables or as JSON, and how many dimensions that leaves.
 
 use std::io::{self, Write};
+use std::ops::AddAssign;
 
-use crate::analysis::{Configuration, ConfigurationSpace, SlotSpace, Values, configuration_space};
-use crate::ir::{Entity, Program, World};
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use crate::analysis::{Configuration, ConfigurationSpace, Interval, SlotSpace, Values, configuration_space};
+use crate::ir::{Entity, Id, Program, SlotId, World, WorldId};
+use crate::reach::{Problem, Proof};
+use crate::sim::Simulator;
 
 use super::Answer;
-use super::args::BoundsArgs;
-use super::report::{choose_world, load};
+use super::args::{BoundsArgs, ResultFormat};
+use super::bounds_table::write_table;
+use super::report::{Loaded, choose_world, load};
+use super::values::{is_bounded, reasons};
+
+/// The version of the JSON result.
+const RESULT_VERSION: u32 = 1;
+
+/// How many numbers a state has: three for each continuous variable (it and two derivatives), one for each discrete
+/// variable and each timer, one for each group of modes that has several.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub(super) struct Dimensions {
+    /// As the program is written.
+    pub all: usize,
+    /// Those that are not the same in all that can be.
+    pub varying: usize,
+    /// The most that are not told by the combination of modes.
+    pub in_one_combination: usize,
+}
+
+impl AddAssign for Dimensions {
+    fn add_assign(&mut self, other: Self) {
+        self.all += other.all;
+        self.varying += other.varying;
+        self.in_one_combination += other.in_one_combination;
+    }
+}
+
+pub(super) fn dimensions(entity: &Entity, space: &SlotSpace) -> Dimensions {
+    let numbers = |c: &Configuration| -> Vec<Values> {
+        let vars = c.vars.iter().flatten().cloned();
+        vars.chain(c.discretes.iter().cloned()).chain(c.timers.iter().map(|t| Values::from(*t))).collect()
+    };
+    let groups: Vec<usize> = entity.groups.ids().map(Id::index).collect();
+    let several = |group: &&usize| {
+        let modes = entity.groups.iter().nth(**group).map_or((0, 0), |g| (g.modes.0.0, g.modes.1.0));
+        entity.leaves.iter().filter(|l| modes.0 <= l.mode.0 && l.mode.0 < modes.1).count() > 1
+    };
+    let plain = 3 * entity.vars.len() + entity.discretes.len() + entity.timers.len();
+    let all = plain + groups.iter().filter(several).count();
+    if space.is_given_up {
+        return Dimensions { all, varying: all, in_one_combination: plain };
+    }
+    let found: Vec<Vec<Values>> = space.configurations.iter().map(numbers).collect();
+    let varies = |at: &usize| {
+        let mut values = found.iter().map(|f| f[*at].constant());
+        let first = values.next().flatten();
+        first.is_none() || values.any(|v| v != first)
+    };
+    let leaves = |group: &&usize| {
+        let mut leaves = space.configurations.iter().map(|c| c.leaves.get(**group));
+        let first = leaves.next();
+        leaves.any(|l| Some(l) != first)
+    };
+    let varying =
+        (0..plain).filter(|at| !found.is_empty() && varies(at)).count() + groups.iter().filter(leaves).count();
+    let free = |f: &Vec<Values>| f.iter().filter(|v| v.constant().is_none()).count();
+    Dimensions { all, varying, in_one_combination: found.iter().map(free).max().unwrap_or(0) }
+}
+
+/// What is asked of one world.
+pub(super) struct Asked<'a> {
+    pub program: &'a Program,
+    pub world: &'a World,
+    pub space: &'a ConfigurationSpace,
+}
+
+impl<'a> Asked<'a> {
+    pub fn entity(&self, slot: SlotId) -> &'a Entity {
+        &self.program.entities[self.world.slots[slot].entity]
+    }
+
+    pub fn dimensions(&self) -> Dimensions {
+        let mut sum = Dimensions::default();
+        for (slot, space) in self.space.slots.pairs() {
+            sum += dimensions(self.entity(slot), space);
+        }
+        sum
+    }
+}
 
 pub(super) fn run(args: &BoundsArgs) -> io::Result<Answer> {
     let Some(loaded) = load(&args.file, args.map.as_deref())? else { return Ok(Answer::Unasked) };
     let Some(id) = choose_world(&loaded, &args.file, args.world.as_deref())? else { return Ok(Answer::Unasked) };
-    let (program, world) = (&loaded.program, &loaded.program.worlds[id]);
-    let space = configuration_space(program, id);
+    let space = configuration_space(&loaded.program, id);
+    let asked = Asked { program: &loaded.program, world: &loaded.program.worlds[id], space: &space };
+    let goals = goals(&loaded, id, &space);
     let mut out = io::stdout().lock();
-    writeln!(out, "{}, world {}", args.file.display(), world.name)?;
-    for (slot, found) in space.slots.pairs() {
-        let entity = &program.entities[world.slots[slot].entity];
-        write_slot(&mut out, &world.slots[slot].name, entity, found)?;
+    if args.format == ResultFormat::Json {
+        let result = json!({
+            "version": RESULT_VERSION,
+            "hypedc": env!("CARGO_PKG_VERSION"),
+            "file": args.file.display().to_string(),
+            "world": asked.world.name,
+            "dimensions": asked.dimensions(),
+            "slots": asked.space.slots.ids().map(|slot| slot_json(&asked, slot)).collect::<Vec<_>>(),
+            "goals": goals.iter().map(|(name, why)| goal_json(name, why.as_deref())).collect::<Vec<_>>(),
+        });
+        serde_json::to_writer_pretty(&mut out, &result)?;
+        writeln!(out)?;
+        return Ok(Answer::Yes);
     }
-    write_goals(&mut out, program, world, id, &space)?;
+    writeln!(out, "{}, world {}", args.file.display(), asked.world.name)?;
+    write_table(&mut out, &asked)?;
+    let mut proven = false;
+    for (goal, why) in goals {
+        match why {
+            None => writeln!(out, "goal {goal}: not ruled out")?,
+            Some(why) => {
+                proven = true;
+                writeln!(out, "goal {goal}: proven unreachable")?;
+                for reason in why {
+                    writeln!(out, "  {reason}")?;
+                }
+            }
+        }
+    }
+    if proven && is_bounded(asked.world) {
+        writeln!(out, "a run ends where a player leaves the bounds of its space, below or beside")?;
+    }
     Ok(Answer::Yes)
 }
 
-fn write_goals(
-    out: &mut impl Write,
-    program: &Program,
-    world: &World,
-    id: crate::ir::WorldId,
-    space: &ConfigurationSpace,
-) -> io::Result<()> {
-    for (goal, g) in world.goals.pairs() {
-        let verdict = if space.can_hold(program, id, goal) { "within what can be" } else { "proven unreachable" };
-        writeln!(out, "goal {}: {verdict}", g.name)?;
-    }
-    Ok(())
+/// Each goal, with the reasons why it cannot hold if there are any.
+fn goals(loaded: &Loaded, id: WorldId, space: &ConfigurationSpace) -> Vec<(String, Option<Vec<String>>)> {
+    let sim = Simulator::new(&loaded.program, id);
+    let why = |goal| {
+        let proof = Proof::of(&Problem::new(&sim, goal), space)?;
+        Some(reasons(&loaded.sources, &loaded.program, sim.world(), &proof))
+    };
+    sim.world().goals.pairs().map(|(goal, g)| (g.name.clone(), why(goal))).collect()
 }
 
-fn write_slot(out: &mut impl Write, name: &str, entity: &Entity, found: &SlotSpace) -> io::Result<()> {
-    if found.is_given_up {
-        return writeln!(out, "\n{name}: {}\n  too much to tell: everything is possible", entity.name);
-    }
-    let count = found.configurations.len();
-    let modes = if count == 1 { "combination" } else { "combinations" };
-    let absent = if found.can_be_absent { ", or absent" } else { "" };
-    writeln!(out, "\n{name}: {}, {count} {modes} of modes{absent}", entity.name)?;
-    for at in &found.configurations {
-        let paths: Vec<&str> = at.leaves.iter().map(|l| entity.modes[entity.leaves[*l].mode].path.as_str()).collect();
-        writeln!(out, "  {}", if paths.is_empty() { "always".to_string() } else { paths.join(", ") })?;
-        write_configuration(out, entity, at)?;
-    }
-    Ok(())
+fn goal_json(name: &str, why: Option<&[String]>) -> Value {
+    let verdict = if why.is_some() { "proven-unreachable" } else { "not ruled out" };
+    json!({ "goal": name, "verdict": verdict, "argument": why.map(|w| w.join("; ")) })
 }
 
-fn write_configuration(out: &mut impl Write, entity: &Entity, at: &Configuration) -> io::Result<()> {
-    for (var, values) in at.vars.pairs() {
-        let name = &entity.vars[var];
-        let degrees = values.iter().zip(["", "'", "''"]);
-        let shown: Vec<String> = degrees.map(|(v, primes)| format!("{name}{primes} {}", shown(v))).collect();
-        writeln!(out, "    {}", shown.join("   "))?;
-    }
-    for (id, values) in at.discretes.pairs() {
-        writeln!(out, "    {} {}", entity.discretes[id].name, shown(values))?;
-    }
-    Ok(())
+fn slot_json(asked: &Asked<'_>, slot: SlotId) -> Value {
+    let (entity, found) = (asked.entity(slot), &asked.space.slots[slot]);
+    json!({
+        "slot": asked.world.slots[slot].name,
+        "entity": entity.name,
+        "can_be_absent": found.can_be_absent,
+        "given_up": found.is_given_up,
+        "dimensions": dimensions(entity, found),
+        "combinations": match found.is_given_up {
+            true => Value::Null,
+            false => found.configurations.iter().map(|c| configuration_json(asked, entity, c)).collect(),
+        },
+    })
 }
 
-fn shown(values: &Values) -> String {
-    match values.constant() {
-        Some(_) => format!("= {values}"),
-        None => format!("in {{{values}}}"),
-    }
+/// Intervals as pairs, infinite ends as null.
+fn intervals<'i>(all: impl IntoIterator<Item = &'i Interval>) -> Value {
+    let end = |x: f64| if x.is_finite() { json!(x) } else { Value::Null };
+    all.into_iter().map(|i| json!([end(i.low), end(i.high)])).collect()
+}
+
+fn configuration_json(asked: &Asked<'_>, entity: &Entity, at: &Configuration) -> Value {
+    let modes: Vec<&str> = at.leaves.iter().map(|l| entity.modes[entity.leaves[*l].mode].path.as_str()).collect();
+    let spaces: Vec<&str> = at.spaces.iter().map(|s| asked.world.spaces[*s].name.as_str()).collect();
+    let variable = |(var, [position, velocity, acceleration]): (crate::ir::VarId, &[Values; 3])| {
+        json!({
+            "name": entity.vars[var],
+            "value": intervals(position.intervals()),
+            "velocity": intervals(velocity.intervals()),
+            "acceleration": intervals(acceleration.intervals()),
+        })
+    };
+    let discrete =
+        |(id, v): (_, &Values)| json!({ "name": entity.discretes[id].name, "value": intervals(v.intervals()) });
+    let timer = |(id, steps): (_, &Interval)| {
+        let timer: &crate::ir::Timer = &entity.timers[id];
+        json!({ "mode": entity.modes[timer.mode].path, "steps": intervals([steps]) })
+    };
+    json!({
+        "modes": modes,
+        "spaces": spaces,
+        "variables": at.vars.pairs().map(variable).collect::<Vec<_>>(),
+        "discretes": at.discretes.pairs().map(discrete).collect::<Vec<_>>(),
+        "timers": at.timers.pairs().map(timer).collect::<Vec<_>>(),
+    })
 }

@@ -6,6 +6,7 @@
 mod about;
 mod args;
 mod bounds;
+mod bounds_table;
 mod check;
 mod disk;
 mod explain;
@@ -17,6 +18,7 @@ mod new;
 mod reach;
 mod report;
 mod sim;
+mod values;
 mod watching;
 
 use std::io;

@@ -2,23 +2,26 @@
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use serde::Serialize;
 
+use crate::analysis::configuration_space;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::similar;
 use crate::ir::{GoalId, WorldId};
-use crate::reach::{Limits, Outcome, Problem, Settings, Verdict, reach};
+use crate::reach::{Limits, Outcome, Problem, Sampling, Settings, Verdict, reach};
 use crate::sim::Simulator;
 
 use super::Answer;
-use super::args::{ReachArgs, ResultFormat};
+use super::args::{ReachArgs, ResultFormat, SampleBounds};
 use super::report::{Loaded, choose_world, load, plain_error, show_fact};
 use super::sim::save_script;
+use super::values;
 use super::watching::CommandWatch;
 
 /// The version of the JSON result.
-const RESULT_VERSION: u32 = 1;
+const RESULT_VERSION: u32 = 2;
 
 #[derive(Serialize)]
 struct RunResult<'a> {
@@ -27,6 +30,8 @@ struct RunResult<'a> {
     file: String,
     world: &'a str,
     seed: u64,
+    bounds: &'static str,
+    analysis_seconds: f64,
     nodes_limit: u64,
     seconds_limit: Option<f64>,
     goals: Vec<GoalResult>,
@@ -36,6 +41,8 @@ struct RunResult<'a> {
 struct GoalResult {
     goal: String,
     verdict: &'static str,
+    /// Why it is proven unreachable.
+    argument: Option<String>,
     /// Number of steps and length of the path; none if there is none.
     steps: Option<u64>,
     seconds_of_play: Option<f64>,
@@ -63,6 +70,13 @@ pub(super) fn run(args: &ReachArgs) -> io::Result<Answer> {
         return Ok(Answer::Unasked);
     };
     let sim = Simulator::new(&loaded.program, world);
+    let started = Instant::now();
+    let space = configuration_space(&loaded.program, world);
+    let analysis_seconds = started.elapsed().as_secs_f64();
+    let (sampling, bounds) = match args.bounds {
+        SampleBounds::Naive => (Sampling::Naive, "naive"),
+        SampleBounds::Reduced => (Sampling::Reduced, "reduced"),
+    };
     let mut answer = Answer::Yes;
     let mut result = RunResult {
         version: RESULT_VERSION,
@@ -70,19 +84,22 @@ pub(super) fn run(args: &ReachArgs) -> io::Result<Answer> {
         file: args.file.display().to_string(),
         world: &sim.world().name,
         seed: args.seed,
+        bounds,
+        analysis_seconds,
         nodes_limit: args.nodes,
         seconds_limit: args.seconds,
         goals: Vec::new(),
     };
     if args.format == ResultFormat::Human {
-        writeln!(io::stdout(), "{}, world {}, seed {}", result.file, result.world, result.seed)?;
+        let naive = if sampling == Sampling::Naive { ", naive bounds" } else { "" };
+        writeln!(io::stdout(), "{}, world {}, seed {}{naive}", result.file, result.world, result.seed)?;
     }
     for &goal in &goals {
         let name = &sim.world().goals[goal].name;
         let problem = Problem::new(&sim, goal);
         let watch = CommandWatch::new(name, args.seconds);
-        let settings = Settings { seed: args.seed, ..Settings::default() };
-        let outcome = reach(&problem, &settings, &Limits { nodes: args.nodes }, &watch);
+        let settings = Settings { seed: args.seed, sampling, ..Settings::default() };
+        let outcome = reach(&problem, &space, &settings, &Limits { nodes: args.nodes }, &watch);
         watch.finish();
         let outcome = match outcome {
             Ok(outcome) => outcome,
@@ -95,6 +112,14 @@ pub(super) fn run(args: &ReachArgs) -> io::Result<Answer> {
             show_fact(&loaded.sources, fault.fact(&loaded.program, world, step))?;
         }
         let mut row = row(&sim, name, &outcome, watch.seconds());
+        let mut reasons = Vec::new();
+        if let Verdict::Unreachable(proof) = &outcome.verdict {
+            reasons = values::reasons(&loaded.sources, &loaded.program, sim.world(), proof);
+            row.argument = Some(reasons.join("; "));
+            if values::is_bounded(sim.world()) {
+                reasons.push("a run ends where a player leaves the bounds of its space, below or beside".to_string());
+            }
+        }
         if let (Some(path), Some(inputs)) = (&args.save_inputs, &row.inputs) {
             let path = save_path(path, name, goals.len());
             if let Err(error) = save_script(&path, inputs) {
@@ -104,7 +129,7 @@ pub(super) fn run(args: &ReachArgs) -> io::Result<Answer> {
             row.saved = Some(path);
         }
         if args.format == ResultFormat::Human {
-            write!(io::stdout(), "{}", human(&row))?;
+            write!(io::stdout(), "{}", human(&row, &reasons))?;
         }
         if !matches!(outcome.verdict, Verdict::Reached(_)) {
             answer = answer.max(Answer::No);
@@ -159,12 +184,17 @@ fn choose_goals(loaded: &Loaded, world: WorldId, wanted: &[String]) -> io::Resul
 fn row(sim: &Simulator<'_>, goal: &str, outcome: &Outcome, seconds: f64) -> GoalResult {
     let plan = match &outcome.verdict {
         Verdict::Reached(plan) => Some(plan),
-        Verdict::NotFound => None,
+        Verdict::NotFound | Verdict::Unreachable(_) => None,
     };
     let s = &outcome.statistics;
     GoalResult {
         goal: goal.to_string(),
-        verdict: if plan.is_some() { "reached" } else { "not found" },
+        verdict: match outcome.verdict {
+            Verdict::Reached(_) => "reached",
+            Verdict::NotFound => "not found",
+            Verdict::Unreachable(_) => "proven-unreachable",
+        },
+        argument: None,
         steps: plan.map(|p| p.steps),
         seconds_of_play: plan.map(|p| p.steps as f64 * sim.world().step.seconds()),
         inputs: plan.map(|p| p.script.text(sim.program(), sim.world_id())),
@@ -180,7 +210,11 @@ fn row(sim: &Simulator<'_>, goal: &str, outcome: &Outcome, seconds: f64) -> Goal
     }
 }
 
-fn human(row: &GoalResult) -> String {
+fn human(row: &GoalResult, reasons: &[String]) -> String {
+    if row.argument.is_some() {
+        let lines: String = reasons.iter().map(|r| format!("    {r}\n")).collect();
+        return format!("  goal {}: proven unreachable, in no state that the world can be in\n{lines}", row.goal);
+    }
     let trees = if row.trees == 1 { "tree" } else { "trees" };
     let mut out = format!("  goal {}: {}\n", row.goal, row.verdict);
     if let (Some(steps), Some(seconds)) = (row.steps, row.seconds_of_play) {

@@ -2,6 +2,8 @@
 
 use crate::sim::{Fault, Script};
 
+use super::proof::Proof;
+
 /// The answer to "can this goal be reached?".
 #[derive(Debug, Clone, PartialEq)]
 pub enum Verdict {
@@ -9,6 +11,8 @@ pub enum Verdict {
     Reached(Plan),
     /// Nothing was found within the budget; this proves nothing.
     NotFound,
+    /// No, and this is why; nothing was searched.
+    Unreachable(Proof),
 }
 
 /// A way to a goal.
@@ -48,4 +52,11 @@ pub struct Outcome {
     pub truncated: bool,
     /// The first run-time error met, with the step of its path (from 1): a mistake of the program.
     pub fault: Option<(Fault, u64)>,
+}
+
+impl Outcome {
+    /// A verdict before any work.
+    pub(super) fn of(verdict: Verdict) -> Self {
+        Outcome { verdict, statistics: Statistics::default(), stopped: false, truncated: false, fault: None }
+    }
 }

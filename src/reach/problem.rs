@@ -35,7 +35,8 @@ impl<'s> Problem<'s> {
         &self.players
     }
 
-    /// Judges a state: `never` first, then the goal, then the bounds of the space.
+    /// Judges a state: `never` first, then the bounds of the space, then the goal. The order matters: a state out of
+    /// bounds is the end of a run, which the analysis does not look at.
     ///
     /// # Errors
     /// A [`Fault`] if a predicate breaks a rule.
@@ -43,10 +44,10 @@ impl<'s> Problem<'s> {
         if self.sim.violated(state)?.is_some() {
             return Ok(Standing::Dead);
         }
-        if self.sim.goal(state, self.goal)? {
-            return Ok(Standing::Goal);
+        if !self.in_bounds(state) {
+            return Ok(Standing::Dead);
         }
-        Ok(if self.in_bounds(state) { Standing::Open } else { Standing::Dead })
+        Ok(if self.sim.goal(state, self.goal)? { Standing::Goal } else { Standing::Open })
     }
 
     /// Whether every player is within its space: at or above the bounds' lower edge, between their sides. Above there is

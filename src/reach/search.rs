@@ -10,9 +10,10 @@ use rand_pcg::Pcg64;
 use crate::sim::{Fault, Input, Scratch, Script};
 use crate::watch::{Progress, Watch};
 
+use super::bounds::Sampling;
 use super::controls::ControlSets;
 use super::metric::{Metric, Point};
-use super::outcome::{Outcome, Plan, Statistics, Verdict};
+use super::outcome::{Outcome, Plan, Verdict};
 use super::problem::{Problem, Standing};
 use super::region::GoalRegion;
 use super::strategy::{Choice, Growth, Strategy};
@@ -29,11 +30,13 @@ pub struct Settings {
     pub goal_bias: f64,
     /// The number of nodes of the shortest tree before a restart.
     pub restart: u64,
+    /// Where samples are drawn from.
+    pub sampling: Sampling,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Settings { seed: 1, hold: (10, 10), goal_bias: 0.05, restart: 2_000 }
+        Settings { seed: 1, hold: (10, 10), goal_bias: 0.05, restart: 2_000, sampling: Sampling::Reduced }
     }
 }
 
@@ -64,13 +67,7 @@ pub fn search(
 ) -> Result<Outcome, Fault> {
     let mut scratch = problem.sim.scratch();
     let root = problem.sim.initial(&mut scratch)?;
-    let mut outcome = Outcome {
-        verdict: Verdict::NotFound,
-        statistics: Statistics::default(),
-        stopped: false,
-        truncated: false,
-        fault: None,
-    };
+    let mut outcome = Outcome::of(Verdict::NotFound);
     match problem.judge(&root)? {
         Standing::Open => {}
         Standing::Goal => {

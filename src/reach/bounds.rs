@@ -1,0 +1,185 @@
+//! The bounds that samples are drawn from. Naive: a box for everything, every combination of leaves. Reduced: for each
+//! combination that can be, what the analysis finds that each variable can be then; what the combination tells is no
+//! coordinate of its own. Both are after Osborn, Lambrigger and Mateas, *HyPED: Modeling and Analyzing Action Games as Hybrid
+//! Systems*, AIIDE 2017.
+
+use crate::analysis::{Configuration, Interval, SlotSpace, Values};
+use crate::ir::{Bounds, Entity, GroupId, Id, LeafId, Program, SlotId, VarId, World};
+
+use super::draw::{Combination, Draw, Leaf, SlotDraw};
+use super::metric::{Coordinate, Quantity, SlotPart};
+
+/// The bound of velocities and accelerations, px/s and px/s².
+const SPEED: f64 = 1000.0;
+/// How far around the placed instances positions are sampled where there is no map, px.
+const OPEN_MARGIN: f64 = 500.0;
+/// An unbounded counter says little by its size.
+const COUNTER: i32 = 1000;
+/// Nor does a timer that is compared with nothing, steps.
+const TIMER: u32 = 600;
+/// How many times its range a speed, an acceleration or a timer has to differ by to count as much as the position: they
+/// change at once, or by themselves.
+const FLEETING: f64 = 10.0;
+
+/// Where samples are drawn from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Sampling {
+    /// A box: the level for positions, ±1000 for what is derived from them, all values of discrete variables, all
+    /// combinations of leaves.
+    Naive,
+    /// What the analysis says that can be.
+    #[default]
+    Reduced,
+}
+
+/// The coordinates of a slot, and how they are drawn.
+pub(super) fn of_slot(
+    program: &Program,
+    world: &World,
+    slot: SlotId,
+    space: &SlotSpace,
+    sampling: Sampling,
+) -> (Vec<Coordinate>, SlotPart) {
+    let entity = &program.entities[world.slots[slot].entity];
+    let all = boxes(world, entity, slot);
+    match sampling {
+        Sampling::Reduced if !space.is_given_up => reduced(entity, slot, space, &all),
+        _ => naive(entity, slot, all),
+    }
+}
+
+fn naive(entity: &Entity, slot: SlotId, all: Vec<Coordinate>) -> (Vec<Coordinate>, SlotPart) {
+    let groups: Vec<(GroupId, Leaf)> = entity
+        .groups
+        .pairs()
+        .filter_map(|(group, g)| {
+            let first = entity.modes[g.modes.0].leaves.0;
+            let after = entity.leaves.ids().rev().find(|l| entity.leaves[*l].mode < g.modes.1);
+            let count = after.map_or(0, |last| last.0 + 1 - first.0);
+            (count > 1).then_some((group, Leaf::Any(first.0, count)))
+        })
+        .collect();
+    let draw = |c: &Coordinate| Draw::of(c, &[Interval { low: c.low, high: c.high }], false);
+    let combination =
+        Combination { leaves: groups.iter().map(|(_, l)| *l).collect(), values: all.iter().map(draw).collect() };
+    let part = SlotPart {
+        slot,
+        reals: all.len(),
+        groups: groups.into_iter().map(|(g, _)| g).collect(),
+        presence: false,
+        draw: SlotDraw { combinations: vec![combination] },
+    };
+    (all, part)
+}
+
+fn reduced(entity: &Entity, slot: SlotId, space: &SlotSpace, all: &[Coordinate]) -> (Vec<Coordinate>, SlotPart) {
+    let configurations = &space.configurations;
+    let mut coordinates = Vec::new();
+    for c in all {
+        let found = || configurations.iter().map(|at| finite(&values(at, c.quantity), c));
+        // What the leaves tell is not told twice.
+        if found().all(|v| v.constant().is_some()) {
+            continue;
+        }
+        if let Some(Interval { low, high }) = found().filter_map(|v| v.hull()).reduce(Interval::or) {
+            let unit = match c.quantity {
+                // A px is a px, however far something can go.
+                Quantity::Var(_, var, 0) if var.index() < 2 => c.unit,
+                Quantity::Var(_, _, 0) | Quantity::Discrete(..) => high - low,
+                Quantity::Var(..) | Quantity::Timer(..) => (high - low) * FLEETING,
+            };
+            coordinates.push(Coordinate { quantity: c.quantity, low, high, unit: positive(unit) });
+        }
+    }
+    let leaf = |at: &Configuration, group: GroupId| at.leaves.get(group.index()).copied().unwrap_or(LeafId(0));
+    let differs = |group: &GroupId| {
+        let mut leaves = configurations.iter().map(|at| leaf(at, *group));
+        let first = leaves.next();
+        leaves.any(|l| Some(l) != first)
+    };
+    let groups: Vec<GroupId> = entity.groups.ids().filter(differs).collect();
+    let can_be_both = space.can_be_absent && !configurations.is_empty();
+    let presence = can_be_both && groups.is_empty();
+    let combination = |at: &Configuration| {
+        let present = presence.then_some(Leaf::Fixed(0.0));
+        let leaves = groups.iter().map(|g| Leaf::Fixed(leaf(at, *g).0 as f32));
+        let draw = |c: &Coordinate| {
+            let whole = !matches!(c.quantity, Quantity::Var(..));
+            let within = all.iter().find(|b| b.quantity == c.quantity).unwrap_or(c);
+            Draw::of(c, finite(&values(at, c.quantity), within).intervals(), whole)
+        };
+        let values = coordinates.iter().map(draw).collect();
+        Combination { leaves: present.into_iter().chain(leaves).collect(), values }
+    };
+    let mut combinations: Vec<Combination> = configurations.iter().map(combination).collect();
+    if can_be_both {
+        combinations.push(Combination::absent(&coordinates, groups.len() + usize::from(presence)));
+    }
+    let part = SlotPart { slot, reals: coordinates.len(), groups, presence, draw: SlotDraw { combinations } };
+    (coordinates, part)
+}
+
+/// What a quantity can be in a configuration.
+fn values(at: &Configuration, quantity: Quantity) -> Values {
+    match quantity {
+        Quantity::Var(_, var, degree) => at.vars[var][usize::from(degree)].clone(),
+        Quantity::Discrete(_, id) => at.discretes[id].clone(),
+        Quantity::Timer(_, id) => Values::from(at.timers[id]),
+    }
+}
+
+/// Without infinite ends: those are moved to the ends of a box, and so are finite ones that are nowhere near it.
+fn finite(values: &Values, within: &Coordinate) -> Values {
+    let width = within.high - within.low;
+    let (least, most) = (within.low - width, within.high + width);
+    let cut = |i: &Interval| {
+        let low = if i.low < least { within.low.min(i.high) } else { i.low };
+        let high = if i.high > most { within.high.max(i.low) } else { i.high };
+        Interval { low: low.min(high), high }
+    };
+    Values::any(values.intervals().iter().map(cut))
+}
+
+fn positive(unit: f64) -> f64 {
+    if unit > 0.0 { unit } else { 1.0 }
+}
+
+/// Every variable of a slot, its derivatives, the discrete ones and the timers, in a box.
+fn boxes(world: &World, entity: &Entity, slot: SlotId) -> Vec<Coordinate> {
+    let mut all = Vec::new();
+    let mut add = |quantity: Quantity, low: f64, high: f64| {
+        all.push(Coordinate { quantity, low, high, unit: positive(high - low) });
+    };
+    for var in entity.vars.ids() {
+        for degree in 0..3u8 {
+            let (low, high) = if degree == 0 { positions(world, var) } else { (-SPEED, SPEED) };
+            add(Quantity::Var(slot, var, degree), low, high);
+        }
+    }
+    for (id, discrete) in entity.discretes.pairs() {
+        let (low, high) = discrete.range;
+        let cut = |end: i32| f64::from(end.clamp(-COUNTER, COUNTER));
+        add(Quantity::Discrete(slot, id), cut(low), cut(high));
+    }
+    for (id, limit) in world.slots[slot].timer_limits.pairs() {
+        add(Quantity::Timer(slot, id), 0.0, f64::from((*limit).min(TIMER)));
+    }
+    all
+}
+
+/// The range in which positions are sampled, px: the level, or a box around what is placed. Other continuous variables
+/// have none of their own.
+fn positions(world: &World, var: VarId) -> (f64, f64) {
+    if var.index() > 1 {
+        return (-SPEED, SPEED);
+    }
+    let side = |b: &Bounds| if var.index() == 0 { (b.left, b.right) } else { (b.bottom, b.top) };
+    let around = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
+    if let Some(range) = world.spaces.iter().filter_map(|s| s.bounds.as_ref()).map(side).reduce(around) {
+        return range;
+    }
+    let placed = || world.slots.iter().map(|s| s.vars[var][0]);
+    let low = placed().fold(f64::INFINITY, f64::min).min(0.0);
+    let high = placed().fold(f64::NEG_INFINITY, f64::max).max(0.0);
+    (low - OPEN_MARGIN, high + OPEN_MARGIN)
+}

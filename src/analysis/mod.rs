@@ -10,11 +10,13 @@
 
 mod energy;
 mod evaluate;
+mod findings;
 mod step;
 mod surroundings;
 mod values;
 
 pub use evaluate::Configuration;
+pub use findings::{InvariantVerdict, findings, invariants};
 pub use values::{Interval, Values};
 
 use std::collections::{BTreeMap, BTreeSet};

@@ -80,11 +80,7 @@ impl Site {
         let cases = self.cases(subject);
         let program = subject.scene.program;
         let mut part = self.guard;
-        loop {
-            let (a, b) = match (program.exprs[part], holds) {
-                (Expr::And(a, b), false) | (Expr::Or(a, b), true) => (a, b),
-                _ => break,
-            };
+        while let (Expr::And(a, b), false) | (Expr::Or(a, b), true) = (program.exprs[part], holds) {
             let decides = |id: &ExprId| {
                 let truth = self.truth(subject, judge, *id, &cases);
                 if holds { !truth.can_fail } else { !truth.can_hold }

@@ -1,9 +1,9 @@
-//! How a guard turns out by the values of the instance itself. What depends on inputs, contacts, other instances or on
-//! parameters alone is left open: whether there is something to touch is a matter of the level, not of the guard.
+//! How a guard turns out by the values of the instance itself. What depends on inputs, contacts, other instances, on
+//! parameters alone or on where the instance stands is left open: that is a matter of the level, not of the guard.
 
 use std::collections::BTreeSet;
 
-use crate::ir::{DiscreteId, Expr, ExprId, Function, IdVec, ParamId, Program, TimerId, VarId};
+use crate::ir::{DiscreteId, Entity, Expr, ExprId, Function, Id, IdVec, ParamId, Program, TimerId, VarId};
 
 use super::super::evaluate::{Reader, Truth};
 use super::Subject;
@@ -89,6 +89,12 @@ impl Reads {
         }
     }
 
+    /// Whether it reads a coordinate that the entity itself does not bound.
+    fn asks_where(&self, entity: &Entity) -> bool {
+        let own = |var: VarId| entity.clamps.iter().any(|c| c.var == var && c.degree == 0);
+        self.vars.iter().any(|(var, degree)| *degree == 0 && var.index() < 2 && !own(*var))
+    }
+
     /// Whether anything that it reads changes while a world runs.
     fn changes(&self) -> bool {
         let counted = self.vars.len() + self.discretes.len() + self.timers.len();
@@ -99,6 +105,7 @@ impl Reads {
 /// Judges the guards of an entity.
 pub(super) struct Judge<'a> {
     program: &'a Program,
+    entity: &'a Entity,
     /// Of each parameter, whether its value is more than the choice of one instance.
     general: IdVec<ParamId, bool>,
 }
@@ -117,7 +124,7 @@ impl<'a> Judge<'a> {
             let distinct: BTreeSet<u64> = values(param).filter_map(|(v, _)| Some(v?.to_bits())).collect();
             distinct.len() > 1 || values(param).any(|(value, default)| value.is_some() && value == default)
         };
-        Judge { program, general: subject.entity.params.ids().map(general).collect() }
+        Judge { program, entity: subject.entity, general: subject.entity.params.ids().map(general).collect() }
     }
 
     /// The ways a guard can turn out.
@@ -133,7 +140,8 @@ impl<'a> Judge<'a> {
             Expr::Or(a, b) => self.turned(reader, a, positive).or(self.turned(reader, b, positive)),
             _ => {
                 let reads = Reads::of(self.program, id);
-                if reads.others || !reads.changes() || reads.params.iter().any(|p| !self.general[*p]) {
+                let is_open = reads.others || !reads.changes() || reads.asks_where(self.entity);
+                if is_open || reads.params.iter().any(|p| !self.general[*p]) {
                     return Truth::EITHER;
                 }
                 let truth = reader.truth(id);

@@ -3,7 +3,7 @@
 //! behind that altogether: if it goes farther in a step than that is thick and itself is long, along an axis.
 
 use std::cell::OnceCell;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::values::Tunnels;
@@ -12,8 +12,7 @@ use crate::ir::{
 };
 use crate::source::Span;
 
-use super::super::evaluate::Configuration;
-use super::super::values::Interval;
+use super::super::values::{Interval, Values};
 use super::super::{ConfigurationSpace, configuration_space};
 use super::{Scene, words};
 
@@ -25,27 +24,28 @@ pub(super) fn tunnelling(scene: &Scene<'_>, is_ours: impl Fn(&EntityId) -> bool,
     let mut worst: BTreeMap<(EntityId, usize), (f64, Tunnels)> = BTreeMap::new();
     for (&id, free) in &scene.worlds {
         let world = &scene.original.worlds[id];
+        let has_bounds = !world.players.is_empty() && world.spaces.iter().any(|s| s.bounds.is_some());
         // Bounds stop falls: where the speed is too high without them, they are asked.
         let bounded: OnceCell<ConfigurationSpace> = OnceCell::new();
-        let has_bounds = !world.players.is_empty() && world.spaces.iter().any(|s| s.bounds.is_some());
-        let mut tiles = Tiles::new();
-        for slot in world.slots.ids().filter(|s| is_ours(&world.slots[*s].entity)) {
-            let entity = world.slots[slot].entity;
-            for axis in 0..2 {
-                let of = |space| Course { scene, id, world, space, slot, axis };
-                let Some(mut tunnel) = of(free).tunnel(&mut tiles) else { continue };
-                if has_bounds {
-                    let space = bounded.get_or_init(|| configuration_space(scene.original, id));
-                    match of(space).tunnel(&mut tiles) {
-                        Some(less) => tunnel = less,
-                        None => continue,
-                    }
+        for axis in 0..2 {
+            let first = Course::new(scene, id, free, axis);
+            let second: OnceCell<Course<'_>> = OnceCell::new();
+            for slot in world.slots.ids().filter(|s| is_ours(&world.slots[*s].entity)) {
+                if first.tunnel(slot, false).is_none() {
+                    continue;
                 }
-                let excess = tunnel.speed.abs() * tunnel.step / (tunnel.thickness + tunnel.extent);
-                let known = worst.get(&(entity, axis)).map(|(excess, _)| *excess);
+                let course = match has_bounds {
+                    true => second.get_or_init(|| {
+                        let space = bounded.get_or_init(|| configuration_space(scene.original, id));
+                        Course::new(scene, id, space, axis)
+                    }),
+                    false => &first,
+                };
                 // What nothing bounds is no sign of a mistake: a fall with no floor below it is one.
-                if tunnel.speed.is_finite() && known.is_none_or(|known| known < excess) {
-                    worst.insert((entity, axis), (excess, tunnel));
+                let Some((excess, tunnel)) = course.tunnel(slot, true) else { continue };
+                let key = (world.slots[slot].entity, axis);
+                if worst.get(&key).is_none_or(|(known, _)| *known < excess) {
+                    worst.insert(key, (excess, tunnel));
                 }
             }
         }
@@ -53,19 +53,6 @@ pub(super) fn tunnelling(scene: &Scene<'_>, is_ours: impl Fn(&EntityId) -> bool,
     for (_, tunnel) in worst.into_values() {
         found.report(tunnel);
     }
-}
-
-/// Of the map of a space, the tags of its tiles.
-type Tiles = BTreeMap<SpaceId, Vec<TagSet>>;
-
-/// The course of a slot along an axis.
-struct Course<'a> {
-    scene: &'a Scene<'a>,
-    id: WorldId,
-    world: &'a World,
-    space: &'a ConfigurationSpace,
-    slot: SlotId,
-    axis: usize,
 }
 
 /// A collider: its tags, and from where to where it reaches relative to the position.
@@ -76,85 +63,102 @@ struct Body {
     at: Span,
 }
 
-/// Something that blocks.
+/// Something that may block.
 struct Obstacle {
     tags: TagSet,
+    /// px
     thickness: f64,
-    /// How fast it moves itself, px/s.
-    speed: f64,
+    /// How it moves itself, px/s.
+    velocity: Interval,
+    spaces: BTreeSet<SpaceId>,
     name: String,
     at: Span,
+    /// The only slot whose it is; none if it is of several or of none.
+    owner: Option<SlotId>,
 }
 
-impl Course<'_> {
-    fn program(&self) -> &Program {
+/// A world along an axis.
+struct Course<'a> {
+    scene: &'a Scene<'a>,
+    id: WorldId,
+    world: &'a World,
+    space: &'a ConfigurationSpace,
+    axis: usize,
+    /// All that there is, of each kind the worst.
+    obstacles: Vec<Obstacle>,
+}
+
+impl<'a> Course<'a> {
+    fn new(scene: &'a Scene<'a>, id: WorldId, space: &'a ConfigurationSpace, axis: usize) -> Self {
+        let world = &scene.original.worlds[id];
+        let mut course = Course { scene, id, world, space, axis, obstacles: Vec::new() };
+        course.obstacles = course.statics();
+        course.obstacles.extend(course.movers());
+        course
+    }
+
+    fn program(&self) -> &'a Program {
         self.scene.program
     }
 
-    /// Where it is too fast, by how much most.
-    fn tunnel(&self, tiles: &mut Tiles) -> Option<Tunnels> {
-        let found = &self.space.slots[self.slot];
+    fn velocity(&self, of: &[Values; 3]) -> Option<Interval> {
+        of[1].hull()
+    }
+
+    /// Where a slot is too fast, and how many times most; with `bounded` only where a bound is known.
+    fn tunnel(&self, slot: SlotId, bounded: bool) -> Option<(f64, Tunnels)> {
+        let found = &self.space.slots[slot];
         if found.is_given_up || found.configurations.is_empty() {
             return None;
         }
-        let bodies: Vec<Body> = self.bodies(self.slot)?.into_iter().filter(|b| !b.kinematic).collect();
-        if bodies.is_empty() {
-            return None;
-        }
-        let obstacles = self.obstacles(&bodies, tiles);
+        let bodies: Vec<Body> = self.bodies(slot)?.into_iter().filter(|b| !b.kinematic).collect();
         let step = self.world.step.seconds();
         let mut worst: Option<(f64, Tunnels)> = None;
-        for obstacle in &obstacles {
-            let met: Vec<(&Body, bool)> = bodies
-                .iter()
-                .filter_map(|b| {
-                    let meeting = self.world.meeting(b.tags, obstacle.tags)?;
-                    match meeting.response.push {
-                        Push::Sense => None,
-                        Push::Block => Some((b, false)),
-                        // It blocks from above alone.
-                        Push::FromAbove => (self.axis == 1 && meeting.first_on_second).then_some((b, true)),
-                    }
-                })
-                .collect();
+        for obstacle in self.obstacles.iter().filter(|o| o.owner != Some(slot)) {
+            let pushes = |b: &Body| {
+                let meeting = self.world.meeting(b.tags, obstacle.tags)?;
+                match meeting.response.push {
+                    Push::Sense => None,
+                    Push::Block => Some(false),
+                    // It blocks from above alone.
+                    Push::FromAbove => (self.axis == 1 && meeting.first_on_second).then_some(true),
+                }
+            };
+            let met: Vec<(&Body, bool)> = bodies.iter().filter_map(|b| Some((b, pushes(b)?))).collect();
             // Colliders of one body hold each other up: what is between the outermost counts as long.
             let Some(reach) = met.iter().map(|(b, _)| b.reach).reduce(Interval::or) else { continue };
             let from_above = met.iter().all(|(_, from_above)| *from_above);
             let extent = reach.high - reach.low;
-            for at in &found.configurations {
-                let Some(speed) = self.speed(at, from_above) else { continue };
-                let speed = speed + obstacle.speed.copysign(speed);
+            for at in found.configurations.iter().filter(|c| !c.spaces.is_disjoint(&obstacle.spaces)) {
+                let Some(own) = self.velocity(&at.vars[VarId::from_index(self.axis)]) else { continue };
+                let nearing = own.minus(obstacle.velocity);
+                let down = if nearing.low < 0.0 { nearing.low } else { 0.0 };
+                let speed = if from_above || nearing.high < -down { down } else { nearing.high };
                 let excess = speed.abs() * step / (obstacle.thickness + extent);
-                if speed.abs() * step <= obstacle.thickness + extent + ROUNDING
-                    || worst.as_ref().is_some_and(|(known, _)| *known >= excess)
+                let passes = speed.abs() * step > obstacle.thickness + extent + ROUNDING;
+                if passes && (speed.is_finite() || !bounded) && worst.as_ref().is_none_or(|(known, _)| *known < excess)
                 {
-                    continue;
+                    let at = met.first().map(|(b, _)| b.at);
+                    worst = Some((excess, self.told(slot, at, obstacle, speed, extent)));
                 }
-                let entity = self.world.slots[self.slot].entity;
-                let e = &self.program().entities[entity];
-                let spans = &self.program().spans.entities[entity];
-                let mode = at.leaves.first().map(|l| e.leaves[*l].mode);
-                let tunnels = Tunnels {
-                    at: met.first().map_or(spans.name, |(b, _)| b.at),
-                    velocity: words::derivative(e, VarId::from_index(self.axis), 1),
-                    speed,
-                    step,
-                    mode: mode.map(|m| (e.modes[m].path.clone(), spans.modes[m])),
-                    over: (obstacle.name.clone(), obstacle.at),
-                    thickness: obstacle.thickness,
-                    extent,
-                };
-                worst = Some((excess, tunnels));
             }
         }
-        worst.map(|(_, tunnels)| tunnels)
+        worst
     }
 
-    /// The fastest it can be, with its sign.
-    fn speed(&self, at: &Configuration, downwards: bool) -> Option<f64> {
-        let hull = at.vars[VarId::from_index(self.axis)][1].hull()?;
-        let speed = if downwards || hull.high < -hull.low { hull.low } else { hull.high };
-        (speed != 0.0 && !(downwards && speed > 0.0)).then_some(speed)
+    fn told(&self, slot: SlotId, at: Option<Span>, obstacle: &Obstacle, speed: f64, extent: f64) -> Tunnels {
+        let entity = self.world.slots[slot].entity;
+        let e = &self.program().entities[entity];
+        Tunnels {
+            at: at.unwrap_or(self.program().spans.entities[entity].name),
+            velocity: words::derivative(e, VarId::from_index(self.axis), 1),
+            speed,
+            step: self.world.step.seconds(),
+            over: (obstacle.name.clone(), obstacle.at),
+            moves: obstacle.velocity != Interval::point(0.0),
+            thickness: obstacle.thickness,
+            extent,
+        }
     }
 
     /// The colliders of a slot whose size never changes; none if one of them does.
@@ -187,55 +191,61 @@ impl Course<'_> {
         program.entities[entity].colliders.pairs().map(body).collect()
     }
 
-    /// What there is in the spaces that the slot can be in.
-    fn obstacles(&self, bodies: &[Body], tiles: &mut Tiles) -> Vec<Obstacle> {
+    /// What never moves: of what has the same tags in one space the thinnest.
+    fn statics(&self) -> Vec<Obstacle> {
         let spans = &self.program().spans.worlds[self.id];
-        let spaces = &self.space.overall[self.slot].spaces;
-        let mut out = Vec::new();
-        for &space in spaces {
-            let s = &self.world.spaces[space];
+        let mut thinnest: BTreeMap<(SpaceId, u64), Obstacle> = BTreeMap::new();
+        let mut add = |space: SpaceId, tags: TagSet, thickness: f64, name: String, at: Span| {
+            let velocity = Interval::point(0.0);
+            let obstacle = Obstacle { tags, thickness, velocity, spaces: [space].into(), name, at, owner: None };
+            let known = thinnest.get(&(space, tags.0));
+            if thickness > 0.0 && known.is_none_or(|k| thickness < k.thickness) {
+                thinnest.insert((space, tags.0), obstacle);
+            }
+        };
+        for (space, s) in self.world.spaces.pairs() {
             for (solid, at) in s.solids.iter().zip(&spans.solids[space]) {
                 let b = solid.bounds;
                 let thickness = if self.axis == 0 { b.right - b.left } else { b.top - b.bottom };
-                let name = "this `rect`".to_string();
-                out.push(Obstacle { tags: solid.tags, thickness, speed: 0.0, name, at: *at });
+                add(space, solid.tags, thickness, "this `rect`".to_string(), *at);
             }
             let Some(map) = &s.map else { continue };
             // Of tiles in a row, those behind give no way back: their faces are covered. So one of them is all there is.
             let thickness = if self.axis == 0 { map.tile.0 } else { map.tile.1 };
-            for tags in tiles.entry(space).or_insert_with(|| used(map)).iter().copied() {
-                let name = format!("the tiles of `{}`", s.name);
-                out.push(Obstacle { tags, thickness, speed: 0.0, name, at: spans.spaces[space] });
+            for tags in used(map) {
+                add(space, tags, thickness, format!("the tiles of `{}`", s.name), spans.spaces[space]);
             }
         }
-        for other in self.world.slots.ids().filter(|s| *s != self.slot) {
-            let overall = &self.space.overall[other];
-            if !overall.can_live || overall.spaces.is_disjoint(spaces) {
-                continue;
-            }
-            let velocity = overall.vars[VarId::from_index(self.axis)][1].hull();
-            let speed = velocity.map_or(0.0, |v| v.low.abs().max(v.high.abs()));
-            if !speed.is_finite() {
-                continue;
-            }
-            let name = &self.world.slots[other].name;
-            for body in self.bodies(other).into_iter().flatten() {
-                out.push(Obstacle {
-                    tags: body.tags,
-                    thickness: body.reach.high - body.reach.low,
-                    speed,
-                    name: format!("`{name}`"),
-                    at: spans.slots[other],
-                });
-            }
-        }
-        out.retain(|o| o.thickness > 0.0 && bodies.iter().any(|b| self.blocks(b.tags, o.tags)));
-        out
+        thinnest.into_values().collect()
     }
 
-    /// Whether a contact pushes.
-    fn blocks(&self, mine: TagSet, other: TagSet) -> bool {
-        self.world.meeting(mine, other).is_some_and(|m| m.response.push != Push::Sense)
+    /// What can move: of colliders of one kind and size one, that moves as all of them do.
+    fn movers(&self) -> Vec<Obstacle> {
+        type Kind = (EntityId, usize, u64, BTreeSet<SpaceId>);
+        let spans = &self.program().spans.worlds[self.id];
+        let mut kinds: BTreeMap<Kind, Obstacle> = BTreeMap::new();
+        for slot in self.world.slots.ids().filter(|s| self.space.overall[*s].can_live) {
+            let overall = &self.space.overall[slot];
+            let velocity = self.velocity(&overall.vars[VarId::from_index(self.axis)]);
+            let Some(velocity) = velocity.filter(|v| v.low.is_finite() && v.high.is_finite()) else { continue };
+            for (index, body) in self.bodies(slot).into_iter().flatten().enumerate() {
+                let s = &self.world.slots[slot];
+                let thickness = body.reach.high - body.reach.low;
+                let kind = (s.entity, index, thickness.to_bits(), overall.spaces.clone());
+                let known = kinds.entry(kind).or_insert_with(|| Obstacle {
+                    tags: body.tags,
+                    thickness,
+                    velocity,
+                    spaces: overall.spaces.clone(),
+                    name: format!("`{}`", s.name),
+                    at: spans.slots[slot],
+                    owner: Some(slot),
+                });
+                known.velocity = known.velocity.or(velocity);
+                known.owner = known.owner.filter(|owner| *owner == slot);
+            }
+        }
+        kinds.into_values().filter(|o| o.thickness > 0.0).collect()
     }
 }
 

@@ -97,7 +97,11 @@ pub(super) fn read(subject: &Subject<'_>, reads: &Reads, at: &[(&Occurrence<'_>,
             let high = if high >= f64::from(o.world.slots[o.slot].timer_limits[id]) { f64::INFINITY } else { high };
             Values::from(Interval { low: low * step, high: high * step })
         });
-        out.push(format!("`timer` {}", values(&found, "s")));
+        // As it is written where the mode is the innermost one.
+        let mode = entity.timers[id].mode;
+        let is_own = at.iter().all(|(_, c)| c.leaves.iter().any(|l| entity.leaves[*l].mode == mode));
+        let name = if is_own { "timer".to_string() } else { format!("timer({})", entity.modes[mode].path) };
+        out.push(format!("`{name}` {}", values(&found, "s")));
     }
     for &id in &reads.params {
         let found = all(&|o, _| o.space.overall[o.slot].params[id].clone());

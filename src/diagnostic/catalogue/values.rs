@@ -160,15 +160,15 @@ pub struct Tunnels {
     pub at: Span,
     /// The velocity: `y'`.
     pub velocity: String,
-    /// How fast it can be, px/s, signed; relative to what blocks it, if that moves.
+    /// How fast it can come nearer, px/s, signed.
     pub speed: f64,
     /// How long a step is, s.
     pub step: f64,
-    /// The mode in which it is that fast, if there are modes.
-    pub mode: Option<(String, Span)>,
     /// What it can jump over: in words, and where.
     pub over: (String, Span),
-    /// How thick that is, px.
+    /// Whether that moves, too.
+    pub moves: bool,
+    /// How thick it is, px.
     pub thickness: f64,
     /// How long the body is along this axis, px.
     pub extent: f64,
@@ -180,19 +180,23 @@ impl Fact for Tunnels {
             let text = format!("{x:.3}");
             text.trim_end_matches('0').trim_end_matches('.').to_string()
         };
-        let Tunnels { at, velocity, speed, step, mode, over: (over, place), thickness, extent } = self;
+        let Tunnels { at, velocity, speed, step, over: (over, place), moves, thickness, extent } = self;
         let together = thickness + extent;
         // A little less than what just does not pass, so that rounding plays no part.
-        let most = (together / step).ceil() - 1.0;
-        let message = format!("`{velocity}` may be so high that a step passes through {over}");
-        let label = format!("up to {} px in a step, at {} px/s", short(speed.abs() * step), short(speed));
+        let most = short((together / step).ceil() - 1.0);
+        let (far, speed) = (short(speed.abs() * step), short(speed));
         let d =
-            Diagnostic::new(Code::Tunnels, message).at(at, label).and(place, format!("{} px thick", short(thickness)));
-        let d = mode.into_iter().fold(d, |d, (_, span)| d.and(span, "in this mode"));
-        let bound = short(most);
-        d.help(format!("bound it: `clamp {velocity} in -{bound}..{bound}`")).note(format!(
-            "a step of more than both together, {} px, ends behind it without a contact",
-            short(together)
-        ))
+            Diagnostic::new(Code::Tunnels, format!("`{velocity}` may be so high that a step passes through {over}"));
+        let d = match moves {
+            false => d
+                .at(at, format!("up to {far} px in a step, at {speed} px/s"))
+                .and(place, format!("{} px thick", short(thickness)))
+                .help(format!("bound it: `clamp {velocity} in -{most}..{most}`")),
+            true => d
+                .at(at, format!("up to {far} px in a step nearer to it, at {speed} px/s from both"))
+                .and(place, format!("{} px thick, and moves", short(thickness)))
+                .help(format!("bound both, by `clamp {velocity} in …`, to {most} px/s together")),
+        };
+        d.note(format!("a step of more than both are long, {} px, ends behind it without a contact", short(together)))
     }
 }

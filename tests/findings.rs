@@ -377,3 +377,129 @@ fn what_is_too_fast_for_a_wall_passes_it_and_nothing_else_does() {
         }
     }
 }
+
+/// The codes that are found in a program of some files, the first being the one that is checked.
+fn codes(files: &[(&str, &str)]) -> Vec<&'static str> {
+    struct Given<'a>(&'a [(&'a str, &'a str)]);
+    impl Files for Given<'_> {
+        fn read(&self, path: &Path) -> Result<String, ReadError> {
+            let found = self.0.iter().find(|(name, _)| path == Path::new(name));
+            found.map(|(_, text)| (*text).to_string()).ok_or(ReadError::Unreadable("there is none".to_string()))
+        }
+        fn identity(&self, path: &Path) -> PathBuf {
+            path.to_path_buf()
+        }
+    }
+    let compilation = check_with(Path::new(files[0].0), None, &Given(files));
+    compilation.diagnostics.iter().map(|d| d.code.text()).collect()
+}
+
+/// A counter that is left where it has counted to `most`, and what asks it.
+const COUNTER: &str = "entity Counter {
+    param most = 3
+    param last = 0
+    discrete count: int 0..9 = 0
+    mode counting {
+        when count < most and count < 9 { count := count + 1 }
+        when GUARD -> done
+    }
+    mode done { when timer > 1s + last -> counting }
+}
+";
+
+fn counter(guard: &str, worlds: &str) -> Vec<&'static str> {
+    let text = format!("{}{worlds}", COUNTER.replace("GUARD", guard));
+    codes(&[("counter.hyped", &text)])
+}
+
+#[test]
+fn a_guard_is_told_of_only_where_all_instances_agree() {
+    let one = "world A { space main { place a: Counter at (0, 0) } }";
+    let more = "world B { space main { place b: Counter at (0, 0) { most = 8 } } }";
+    let both = "world C { space main { place a: Counter at (0, 0)\n place b: Counter at (0, 0) { most = 8 } } }";
+    let open = "world D { tiles t 8 x 8 { '.': empty }\n space main { map level t\n place a: Counter at (0, 0) } }";
+    // The mode that it leads to is never entered: that is said once.
+    assert_eq!(counter("count > 5", one), ["W0702"]);
+    assert_eq!(counter("count > 5", &format!("{one}\n{more}")), [""; 0]);
+    assert_eq!(counter("count > 5", both), [""; 0]);
+    assert_eq!(counter("count > 8", both), ["W0702"]);
+    assert_eq!(counter("count > 5", &format!("{one}\n{open}")), [""; 0]);
+    assert_eq!(counter("count > 5", ""), [""; 0], "no instance at all");
+    assert_eq!(counter("count > 5 or timer > 5s", one), [""; 0]);
+    assert_eq!(counter("count <= 3 and timer >= 0s", one), ["W0701"], "it always holds");
+}
+
+#[test]
+fn what_the_level_or_a_parameter_decides_is_not_told_of() {
+    let place = |given: &str| format!("world A {{ space main {{ place a: Counter at (0, 0) {given} }} }}");
+    let with = |guard: &str, given: &str| counter(guard, &place(given));
+    assert_eq!(with("last > 0", ""), [""; 0], "a parameter alone");
+    assert_eq!(with("last > 0 and timer > 1s", ""), [""; 0]);
+    assert_eq!(with("timer > last - 1", ""), [""; 0], "a parameter that makes it always hold");
+    assert_eq!(with("count > most", ""), ["W0702"], "the default");
+    assert_eq!(with("count > most", "{ most = 4 }"), [""; 0], "what this instance was given");
+    assert_eq!(with("x > 100", ""), [""; 0], "where it stands");
+    let touching = "entity Slime {
+            collider slime: rect(0, 0, 8, 8)
+            mode idle { when touching(spring) -> flying }
+            mode flying { when timer > 1s -> idle }
+        }
+        entity Spring { collider spring: rect(0, 0, 8, 8) }
+        world W {
+            collide slime with spring: sense
+            space main { place slime: Slime at (0, 0) }
+        }";
+    assert_eq!(codes(&[("a.hyped", touching)]), [""; 0], "there is no spring in this level");
+}
+
+#[test]
+fn bounds_at_which_a_search_stops_prove_nothing() {
+    let text = |bounds: &str| {
+        format!(
+            "entity Hero {{
+                button jump
+                y'' = -400
+                invariant y > -100
+                mode falling {{
+                    when pressed(jump) {{ y' := 0 }}
+                    when y' < -300 -> dead
+                }}
+                mode dead {{ y' = 0 }}
+            }}
+            world W {{
+                space main {{ {bounds} place hero: Hero at (8, 32) }}
+                player 1: hero
+            }}"
+        )
+    };
+    for bounds in ["", "bounds rect(0, 0, 320, 240)\n"] {
+        assert_eq!(codes(&[("a.hyped", &text(bounds))]), ["W0703"]);
+    }
+}
+
+#[test]
+fn what_another_file_says_is_its_own_affair() {
+    let counter = COUNTER.replace("GUARD", "count > 5");
+    let world = "world A { space main { place a: Counter at (0, 0) } }";
+    let own = format!("{counter}{world}");
+    assert_eq!(codes(&[("own.hyped", &own)]), ["W0702"]);
+    let main = format!("import \"counter.hyped\"\n{world}");
+    assert_eq!(codes(&[("main.hyped", &main), ("counter.hyped", &counter)]), [""; 0]);
+}
+
+#[test]
+fn a_behavior_is_told_of_where_all_its_uses_agree() {
+    let text = |two: &str| {
+        format!(
+            "behavior Sink {{
+                mode sinking {{ when y' < -300 -> fast\n when timer > 9s -> fast }}
+                mode fast {{ when timer > 1s -> sinking }}
+            }}
+            entity Stone {{ y'' = -400\n clamp y' in -200..200\n use Sink }}
+            entity Anvil {{ y'' = -400\n clamp y' in -{two}..200\n use Sink }}
+            world W {{ space main {{ place stone: Stone at (0, 0)\n place anvil: Anvil at (0, 0) }} }}"
+        )
+    };
+    assert_eq!(codes(&[("a.hyped", &text("400"))]), [""; 0]);
+    assert_eq!(codes(&[("a.hyped", &text("250"))]), ["W0701", "W0701"]);
+}

@@ -8,10 +8,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::values::Tunnels;
 use crate::ir::{
-    EntityId, Id, IdVec, ParamId, Program, Push, Shape, SlotId, SpaceId, TagId, TagSet, TileMap, VarId, World, WorldId,
+    Drive, EntityId, Id, IdVec, ParamId, Program, Push, Shape, SlotId, SpaceId, TagId, TagSet, TileMap, VarId, World,
+    WorldId,
 };
 use crate::source::Span;
 
+use super::super::evaluate::Configuration;
 use super::super::values::{Interval, Values};
 use super::super::{ConfigurationSpace, configuration_space};
 use super::{Scene, words};
@@ -138,21 +140,36 @@ impl<'a> Course<'a> {
                 let passes = speed.abs() * step > obstacle.thickness + extent + ROUNDING;
                 if passes && (speed.is_finite() || !bounded) && worst.as_ref().is_none_or(|(known, _)| *known < excess)
                 {
-                    let at = met.first().map(|(b, _)| b.at);
-                    worst = Some((excess, self.told(slot, at, obstacle, speed, extent)));
+                    let body = met.first().map(|(b, _)| b.at);
+                    worst = Some((excess, self.told((slot, at), body, obstacle, speed, extent)));
                 }
             }
         }
         worst
     }
 
-    fn told(&self, slot: SlotId, at: Option<Span>, obstacle: &Obstacle, speed: f64, extent: f64) -> Tunnels {
+    fn told(
+        &self,
+        (slot, at): (SlotId, &Configuration),
+        body: Option<Span>,
+        obstacle: &Obstacle,
+        speed: f64,
+        extent: f64,
+    ) -> Tunnels {
         let entity = self.world.slots[slot].entity;
         let e = &self.program().entities[entity];
+        let spans = &self.program().spans.entities[entity];
+        let var = VarId::from_index(self.axis);
+        let drives = |drive: &Drive| match *drive {
+            Drive::Coast(v) | Drive::Flow { var: v, .. } => v == var,
+            Drive::Envelope(id, _) => e.envelopes[id].vars.contains(&var),
+        };
+        let moving = at.leaves.iter().find(|l| e.leaves[**l].drives.iter().any(drives));
         Tunnels {
-            at: at.unwrap_or(self.program().spans.entities[entity].name),
-            velocity: words::derivative(e, VarId::from_index(self.axis), 1),
+            at: body.unwrap_or(spans.name),
+            velocity: words::derivative(e, var, 1),
             speed,
+            mode: moving.map(|l| spans.modes[e.leaves[*l].mode]),
             step: self.world.step.seconds(),
             over: (obstacle.name.clone(), obstacle.at),
             moves: obstacle.velocity != Interval::point(0.0),

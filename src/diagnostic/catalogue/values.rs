@@ -162,6 +162,8 @@ pub struct Tunnels {
     pub velocity: String,
     /// How fast it can come nearer, px/s, signed.
     pub speed: f64,
+    /// The mode in which it is that fast, if modes drive it.
+    pub mode: Option<Span>,
     /// How long a step is, s.
     pub step: f64,
     /// What it can jump over: in words, and where.
@@ -180,7 +182,7 @@ impl Fact for Tunnels {
             let text = format!("{x:.3}");
             text.trim_end_matches('0').trim_end_matches('.').to_string()
         };
-        let Tunnels { at, velocity, speed, step, over: (over, place), moves, thickness, extent } = self;
+        let Tunnels { at, velocity, speed, mode, step, over: (over, place), moves, thickness, extent } = self;
         let together = thickness + extent;
         // A little less than what just does not pass, so that rounding plays no part.
         let most = short((together / step).ceil() - 1.0);
@@ -197,6 +199,7 @@ impl Fact for Tunnels {
                 .and(place, format!("{} px thick, and moves", short(thickness)))
                 .help(format!("bound both, by `clamp {velocity} in …`, to {most} px/s together")),
         };
+        let d = mode.into_iter().fold(d, |d, mode| d.and(mode, "in this mode"));
         d.note(format!("a step of more than both are long, {} px, ends behind it without a contact", short(together)))
     }
 }

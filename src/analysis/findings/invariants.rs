@@ -3,7 +3,10 @@
 
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::values::{Broken, Unproven};
-use crate::ir::{EntityId, ExprId, IdVec, LeafId, Origin, ParamId, Program, SlotId, World, WorldId};
+use crate::ir::{
+    Actions, Drive, Entity, EntityId, ExprId, Group, IdVec, LeafId, ModeId, Origin, ParamId, Place, Program, SlotId,
+    VarId, World, WorldId,
+};
 
 use super::super::ConfigurationSpace;
 use super::super::evaluate::Configuration;
@@ -129,8 +132,36 @@ pub(super) fn report(subject: &Subject<'_>, found: &mut Diagnostics) {
             found.report(Broken { at: spans.invariants[index], values, instance: (name, placed) });
             continue;
         }
-        let modes = at.leaves.iter().map(|l| subject.entity.leaves[*l].mode);
+        let concerned = concerned(subject.entity, &Reads::of(scene.program, holds));
+        let leaves = at.leaves.iter().enumerate().filter(|(group, _)| concerned[*group]);
+        let modes = leaves.map(|(_, l)| subject.entity.leaves[*l].mode);
         let modes: Vec<_> = modes.map(|m| (subject.entity.modes[m].path.clone(), spans.modes[m])).collect();
         found.report(Unproven { at: spans.invariants[index], values, modes, instance: name });
     }
+}
+
+/// Of each group, whether it drives or updates any of what is read; a group alone always counts.
+fn concerned(entity: &Entity, reads: &Reads) -> Vec<bool> {
+    let is_read = |var: VarId| reads.vars.iter().any(|(v, _)| *v == var);
+    let updates = |a: &Actions| {
+        a.updates.iter().any(|u| match u.place {
+            Place::Var(var, _) => is_read(var),
+            Place::Discrete(id) => reads.discretes.contains(&id),
+            Place::Ref(_) => false,
+        })
+    };
+    let drives = |drive: &Drive| match *drive {
+        Drive::Coast(var) | Drive::Flow { var, .. } => is_read(var),
+        Drive::Envelope(id, _) => entity.envelopes[id].vars.iter().any(|v| is_read(*v)),
+    };
+    let of = |group: &Group| {
+        let (first, after) = group.modes;
+        let is_own = |mode: ModeId| first <= mode && mode < after;
+        entity.groups.len() == 1
+            || reads.modes
+            || entity.leaves.iter().any(|l| is_own(l.mode) && l.drives.iter().any(drives))
+            || entity.edges.iter().any(|e| is_own(e.source) && updates(&e.actions))
+            || entity.modes.pairs().any(|(mode, m)| is_own(mode) && updates(&m.entry))
+    };
+    entity.groups.iter().map(of).collect()
 }

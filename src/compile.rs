@@ -1,14 +1,16 @@
-//! The stages in a row: files, syntax trees, checked program, flat IR. What every front door calls.
+//! The stages in a row: files, syntax trees, checked program, flat IR. What every front door calls; who wants to know
+//! all that is wrong adds the analysis of values.
 
 use std::path::Path;
 
+use crate::analysis;
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::file::Unreadable;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::ir::{self, Program};
 use crate::lint;
 use crate::sema;
-use crate::source::{Files, SourceMap};
+use crate::source::{FileId, Files, SourceMap};
 use crate::syntax;
 
 /// What came of compiling a file and all that it imports.
@@ -53,4 +55,14 @@ pub fn compile_with(root: &Path, map: Option<&Path>, files: &dyn Files) -> Compi
     diagnostics.sort();
     let program = (!diagnostics.has_errors()).then(|| ir::lower(&checked));
     Compilation { sources, program, diagnostics }
+}
+
+/// As [`compile_with`], and looks at what values can be while the worlds run.
+pub fn check_with(root: &Path, map: Option<&Path>, files: &dyn Files) -> Compilation {
+    let mut compilation = compile_with(root, map, files);
+    let Compilation { sources, program: Some(program), diagnostics } = &mut compilation else { return compilation };
+    // The root is the first file that is read.
+    diagnostics.append(analysis::findings(program, sources, FileId(0), diagnostics));
+    diagnostics.sort();
+    compilation
 }

@@ -22,7 +22,7 @@
 //! | [`sema`] | names, types, structure: a program in which every name is an id |
 //! | [`lint`] | warnings: what has a meaning, but hardly the one that was meant |
 //! | [`ir`] | the flat tables that all consumers share, and the layout of a state |
-//! | [`analysis`] | what each part of a world can be: abstract interpretation of the flat tables |
+//! | [`analysis`] | what each part of a world can be: abstract interpretation of the flat tables, and what that tells |
 //! | [`compile`] | the stages up to here in a row |
 //! | [`sim`] | one step of time, input scripts, traces |
 //! | [`reach`] | planners over the simulator |

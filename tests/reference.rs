@@ -16,7 +16,7 @@ mod support;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use hypedc::compile::{Compilation, compile_with};
+use hypedc::compile::{Compilation, check_with};
 use hypedc::diagnostic::{Code, render};
 use hypedc::ir::{Program, WorldId};
 use hypedc::sim::{Simulator, parse_script};
@@ -213,7 +213,7 @@ impl Files for PageFiles<'_> {
 
 fn compiled(text: &str, map: Option<&str>, all: &[Block]) -> Compilation {
     let others = all.iter().filter_map(|b| Some((PathBuf::from(b.setting("file")?), b.text.as_str()))).collect();
-    compile_with(Path::new("example.hyped"), map.map(Path::new), &PageFiles { main: text, others })
+    check_with(Path::new("example.hyped"), map.map(Path::new), &PageFiles { main: text, others })
 }
 
 /// Runs a world; gives the code of the error that ended it early, if one did, and the claims that do not hold then.

@@ -310,8 +310,8 @@ impl<'a> Reader<'a> {
     fn cut(&self, out: &mut Configuration, id: ExprId, op: CompareOp, with: &Values) {
         let Some(hull) = with.hull() else { return };
         let whole = matches!(self.program.exprs[id], Expr::Discrete(..));
-        let less = if whole { hull.high - 1.0 } else { hull.high };
-        let more = if whole { hull.low + 1.0 } else { hull.low };
+        let less = if whole { hull.high.ceil() - 1.0 } else { hull.high };
+        let more = if whole { hull.low.floor() + 1.0 } else { hull.low };
         let cut = |values: &Values| match op {
             CompareOp::Equal => values.and(with),
             CompareOp::Unequal => with.constant().map_or_else(|| values.clone(), |x| values.without(x)),

@@ -11,6 +11,7 @@
 mod birth;
 mod energy;
 mod evaluate;
+mod findings;
 mod fixpoint;
 mod scene;
 mod step;
@@ -20,6 +21,7 @@ mod values;
 mod widen;
 
 pub use evaluate::Configuration;
+pub use findings::{InvariantVerdict, findings, invariants};
 pub use values::{Interval, Values};
 
 use crate::ir::{ExprId, GoalId, IdVec, Program, SlotId, World, WorldId};

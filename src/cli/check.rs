@@ -3,7 +3,7 @@
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 
-use crate::compile::{Compilation, compile_with};
+use crate::compile::{Compilation, check_with};
 use crate::diagnostic::render::{self, Found};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, MAX_FINDINGS, Severity};
 
@@ -25,7 +25,7 @@ pub(super) fn run(args: &CheckArgs) -> io::Result<Answer> {
         if args.fix && !mend(path, args.map.as_deref())? {
             answer = Answer::Unasked;
         }
-        let compilation = compile_with(path, args.map.as_deref(), &Disk);
+        let compilation = check_with(path, args.map.as_deref(), &Disk);
         let found = &compilation.diagnostics;
         answer = answer.max(judged(found, args.deny.is_some()));
         // The first error, or the first warning where there is no error.

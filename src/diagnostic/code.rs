@@ -1,5 +1,5 @@
 //! The closed list of diagnostic codes. The first digit after the letter is the family: files and limits,
-//! syntax, names, types, structure, worlds, questions and runs.
+//! syntax, names, types, structure, worlds, questions and runs, what values tell.
 
 use std::fmt;
 
@@ -87,6 +87,8 @@ codes! {
     Fault Error "E0603" "a running world broke a rule"
     InvariantBroken Error "E0604" "an invariant does not hold in a running world"
 
+    BrokenAtStart Error "E0701" "an invariant does not hold at the start"
+
     Unused Warning "W0201" "nothing uses a declaration"
     MayLeaveRange Warning "W0301" "a discrete variable may leave its range"
     IdleEdge Warning "W0401" "an edge does nothing"
@@ -100,6 +102,11 @@ codes! {
     NoPlayer Warning "W0503" "no player gives the inputs of an entity"
     PlacedInside Warning "W0504" "an instance begins inside of what blocks it"
     SpawnRefused Warning "W0601" "a spawn found no free slot"
+    GuardByValue Warning "W0701" "by its values, a guard never or always holds"
+    ModeByValue Warning "W0702" "by the values, a mode is never entered"
+    UnprovenInvariant Warning "W0703" "an invariant is not proven"
+    LeavesRange Warning "W0704" "by the values, a discrete variable may leave its range"
+    Tunnels Warning "W0705" "a body may pass through what blocks it"
 }
 
 impl Code {

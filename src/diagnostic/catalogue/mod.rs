@@ -18,6 +18,7 @@ pub mod run;
 pub mod structure;
 pub mod syntax;
 pub mod types;
+pub mod values;
 pub mod world;
 
 /// `a`, `a or b`, `a, b or c`.

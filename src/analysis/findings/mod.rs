@@ -1,0 +1,176 @@
+//! What the configuration space tells of a program: guards and modes that values decide, invariants that are not proven,
+//! ranges that are left, bodies that are too fast for what blocks them. Each check has a file of its own.
+//!
+//! A finding holds of all worlds of the program together. The worlds are looked at without the bounds at which a search
+//! stops, and with a player for every entity that reads inputs: what is never said to happen does not happen in a run
+//! that goes on beyond, either.
+
+mod guards;
+mod invariants;
+mod judge;
+mod modes;
+mod ranges;
+mod tunnelling;
+mod words;
+
+pub use invariants::{InvariantVerdict, invariants};
+
+use std::collections::BTreeMap;
+
+use crate::diagnostic::{Code, Diagnostics};
+use crate::ir::{Entity, EntityId, ExprId, PlayerId, Program, SlotId, World, WorldId};
+use crate::source::{FileId, SourceMap, Span};
+
+use super::evaluate::{Configuration, Reader};
+use super::{ConfigurationSpace, SlotSpace, configuration_space};
+
+/// Looks for what values tell of the entities of a file. `said` is what was found before: nothing is said twice.
+pub fn findings(program: &Program, sources: &SourceMap, root: FileId, said: &Diagnostics) -> Diagnostics {
+    let is_ours = |id: &EntityId| program.spans.entities[*id].name.file == root;
+    // Where nothing of the file is in a world, there is nothing to tell.
+    let occurs = |w: &World| w.slots.iter().any(|s| is_ours(&s.entity));
+    let free = freed(program);
+    let closed = program.worlds.pairs().filter(|(_, w)| w.open.is_none() && occurs(w));
+    let worlds = closed.map(|(id, _)| (id, configuration_space(&free, id))).collect();
+    let scene = Scene { program: &free, original: program, worlds, sources, said: Said::new(said) };
+    let mut found = Diagnostics::new();
+    for id in program.entities.ids().filter(is_ours) {
+        let subject = scene.subject(id);
+        if subject.slots.is_empty() {
+            continue;
+        }
+        if subject.is_known {
+            let explained = modes::modes(&subject, &mut found);
+            guards::guards(&subject, &explained, &mut found);
+            ranges::ranges(&subject, &mut found);
+        }
+        invariants::report(&subject, &mut found);
+    }
+    tunnelling::tunnelling(&scene, is_ours, &mut found);
+    found.trace(sources);
+    // What stands in a behaviour of another file is that file's affair.
+    found.retain(|d| d.primary.as_ref().is_some_and(|l| l.span.file == root));
+    found
+}
+
+impl ConfigurationSpace {
+    /// Whether a guard of an instance can hold, and whether it can fail, in one of its configurations.
+    pub fn turns_out(
+        &self,
+        program: &Program,
+        world: WorldId,
+        (slot, at): (SlotId, &Configuration),
+        guard: ExprId,
+    ) -> (bool, bool) {
+        let truth = self.reader(program, &program.worlds[world], Some((slot, at))).truth(guard);
+        (truth.can_hold, truth.can_fail)
+    }
+}
+
+/// The same worlds, without the bounds at which a search stops, and with a player for all who read inputs.
+fn freed(program: &Program) -> Program {
+    let mut free = program.clone();
+    for world in free.worlds.iter_mut() {
+        for space in world.spaces.iter_mut() {
+            space.bounds = None;
+        }
+        for slot in world.slots.iter_mut() {
+            let entity = &program.entities[slot.entity];
+            if !entity.buttons.is_empty() || !entity.axes.is_empty() {
+                slot.player = slot.player.or(Some(PlayerId(0)));
+            }
+        }
+    }
+    free
+}
+
+/// The worlds of a program, and what they can be.
+struct Scene<'a> {
+    /// Without bounds.
+    program: &'a Program,
+    original: &'a Program,
+    /// Those with all their maps.
+    worlds: BTreeMap<WorldId, ConfigurationSpace>,
+    sources: &'a SourceMap,
+    said: Said,
+}
+
+impl Scene<'_> {
+    fn subject(&self, id: EntityId) -> Subject<'_> {
+        let of = |w: &World| w.slots.iter().any(|s| s.entity == id);
+        let mut slots = Vec::new();
+        let mut is_known = true;
+        for (world_id, world) in self.program.worlds.pairs().filter(|(_, w)| of(w)) {
+            let Some(space) = self.worlds.get(&world_id) else {
+                // Its map is not given: whatever may happen there.
+                is_known = false;
+                continue;
+            };
+            for slot in world.slots.ids().filter(|s| world.slots[*s].entity == id) {
+                let found = &space.slots[slot];
+                is_known &= !found.is_given_up;
+                if !found.is_given_up && !found.configurations.is_empty() {
+                    slots.push(Occurrence { world_id, world, space, slot, found });
+                }
+            }
+        }
+        Subject { scene: self, id, entity: &self.program.entities[id], slots, is_known }
+    }
+}
+
+/// An entity in all worlds.
+struct Subject<'a> {
+    scene: &'a Scene<'a>,
+    id: EntityId,
+    entity: &'a Entity,
+    /// Where there can be an instance.
+    slots: Vec<Occurrence<'a>>,
+    /// Whether that is all there is to know of it.
+    is_known: bool,
+}
+
+/// A slot of a world with what can be in it.
+#[derive(Clone, Copy)]
+struct Occurrence<'a> {
+    world_id: WorldId,
+    world: &'a World,
+    space: &'a ConfigurationSpace,
+    slot: SlotId,
+    found: &'a SlotSpace,
+}
+
+impl<'a> Occurrence<'a> {
+    fn reader<'r>(&self, program: &'r Program, at: &'r Configuration) -> Reader<'r>
+    where
+        'a: 'r,
+    {
+        self.space.reader(program, self.world, Some((self.slot, at)))
+    }
+}
+
+impl<'a> Subject<'a> {
+    /// Every configuration in all worlds.
+    fn configurations(&self) -> impl Iterator<Item = (&Occurrence<'a>, &'a Configuration)> {
+        self.slots.iter().flat_map(|o| o.found.configurations.iter().map(move |c| (o, c)))
+    }
+}
+
+/// The places of which something was said already.
+struct Said(Vec<(Code, Span)>);
+
+impl Said {
+    fn new(found: &Diagnostics) -> Self {
+        let places = found.iter().flat_map(|d| {
+            // What a trap's edges are is said by its labels.
+            let more = if d.code == Code::Trap { d.secondary.as_slice() } else { &[] };
+            d.primary.iter().chain(more).map(|l| (d.code, l.span)).collect::<Vec<_>>()
+        });
+        Said(places.collect())
+    }
+
+    /// Whether one of some codes was found at a place, in it or around it.
+    fn of(&self, codes: &[Code], at: Span, sources: &SourceMap) -> bool {
+        let (at, _) = sources.trace(at);
+        self.0.iter().any(|(code, span)| codes.contains(code) && (at.contains(*span) || span.contains(at)))
+    }
+}

@@ -1,0 +1,69 @@
+//! Modes that edges lead to, but that values never let an instance enter.
+
+use std::collections::BTreeSet;
+
+use crate::diagnostic::Diagnostics;
+use crate::diagnostic::catalogue::values::{ModeByValue, Reason};
+use crate::ir::{EdgeId, Id, ModeId};
+
+use super::Subject;
+use super::guards::{SAID, Site, any_of, live, sites};
+use super::judge::Judge;
+
+/// Reports modes that are never entered; gives the edges whose guards are told of with them.
+pub(super) fn modes(subject: &Subject<'_>, found: &mut Diagnostics) -> BTreeSet<EdgeId> {
+    let (entity, scene) = (subject.entity, subject.scene);
+    let live = live(subject);
+    let is_live = |mode: ModeId| any_of(&live, entity.modes[mode].leaves);
+    let mut explained = BTreeSet::new();
+    if entity.modes.ids().all(is_live) {
+        return explained;
+    }
+    let judge = Judge::new(subject);
+    let sites = sites(subject);
+    let choices = entity.groups.iter().flat_map(|g| &g.choices).chain(entity.modes.iter().flat_map(|m| &m.choices));
+    let chosen: Vec<ModeId> = choices.map(|c| c.mode).collect();
+    for (mode, m) in entity.modes.pairs().filter(|(mode, _)| !is_live(*mode)) {
+        let inside = |inner: ModeId, outer: ModeId| outer <= inner && inner < entity.modes[outer].end;
+        // Parameters choose those: which of them is a matter of the instance.
+        let is_chosen = chosen.iter().any(|c| inside(*c, mode) || inside(mode, *c));
+        let is_outermost = m.parent.is_none_or(is_live);
+        let name = scene.program.spans.entities[subject.id].modes[mode];
+        if is_chosen || !is_outermost || name.is_copy() || scene.said.of(SAID, name, scene.sources) {
+            continue;
+        }
+        let leads_here = |target: ModeId| {
+            let initial = entity.modes[target].initial;
+            inside(target, mode) || (m.leaves.0 <= initial && initial < m.leaves.1)
+        };
+        // Edges of modes that are never active either are no reason.
+        let edges: Vec<&Site> = sites
+            .iter()
+            .filter(|s| {
+                let edge = s.edge.map(|e| &entity.edges[e]);
+                edge.is_some_and(|e| e.target.is_some_and(leads_here) && is_live(e.source))
+            })
+            .collect();
+        let is_explained = |s: &&Site| {
+            let guard = scene.program.spans.exprs[s.guard];
+            s.verdict(subject, &judge) == Some(false) && !scene.said.of(SAID, guard, scene.sources)
+        };
+        if edges.is_empty() || !edges.iter().all(is_explained) {
+            continue;
+        }
+        explained.extend(edges.iter().filter_map(|s| s.edge));
+        let reasons: Vec<Reason> = edges.iter().map(|s| s.reason(subject, &judge, false)).collect();
+        let after: Vec<String> = entity
+            .edges
+            .iter()
+            .filter(|e| inside(e.source, mode))
+            .filter_map(|e| e.target)
+            .filter(|t| !is_live(*t) && !inside(*t, mode) && t.index() != mode.index())
+            .map(|t| entity.modes[t].path.clone())
+            .collect::<BTreeSet<_>>()
+            .into_iter()
+            .collect();
+        found.report(ModeByValue { path: m.path.clone(), at: name, reasons, after });
+    }
+    explained
+}

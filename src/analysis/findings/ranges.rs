@@ -1,0 +1,116 @@
+//! Updates whose value can be out of a discrete variable's range, where the guard holds.
+
+use std::collections::BTreeSet;
+
+use crate::diagnostic::catalogue::values::LeavesRange;
+use crate::diagnostic::{Code, Diagnostics};
+use crate::ir::{Actions, Domain, Entity, ExprId, LeafId, ModeId, Place};
+
+use super::super::evaluate::Configuration;
+use super::super::values::{Interval, Values};
+use super::judge::Reads;
+use super::{Occurrence, Subject, words};
+
+/// An update of a discrete variable: where it happens, and what of the configuration is left then.
+type Visit<'v> = dyn FnMut(&Actions, &Occurrence<'_>, &Configuration, LeafId) + 'v;
+
+/// Reports updates that may leave the range, of which the text alone did not tell.
+pub(super) fn ranges(subject: &Subject<'_>, found: &mut Diagnostics) {
+    let (entity, scene) = (subject.entity, subject.scene);
+    if entity.discretes.iter().all(|d| d.domain != Domain::Int) {
+        return;
+    }
+    let mut seen: Vec<ExprId> = Vec::new();
+    visit(subject, &mut |actions, o, at, leaf| {
+        for update in &actions.updates {
+            let Place::Discrete(id) = update.place else { continue };
+            let variable = &entity.discretes[id];
+            let span = scene.program.spans.exprs[update.value];
+            if variable.domain != Domain::Int || seen.contains(&update.value) {
+                continue;
+            }
+            let value = o.reader(scene.program, at).number(update.value);
+            let (low, high) = (f64::from(variable.range.0), f64::from(variable.range.1));
+            // An end that is not known is no sign of a mistake.
+            let leaves = |x: f64| x.is_finite() && !(low..=high).contains(&x);
+            let Some(hull) = value.hull().filter(|h| leaves(h.low) || leaves(h.high)) else { continue };
+            if scene.said.of(&[Code::MayLeaveRange], span, scene.sources) {
+                continue;
+            }
+            seen.push(update.value);
+            let outside = [(f64::NEG_INFINITY, low - 1.0), (high + 1.0, f64::INFINITY)];
+            let outside = Values::any(
+                outside.into_iter().flat_map(|(low, high)| value.within(Interval { low, high }).intervals().to_vec()),
+            );
+            let reads = words::read(subject, &Reads::of(scene.program, update.value), &[(o, at)]);
+            found.report(LeavesRange {
+                name: variable.name.clone(),
+                range: variable.range,
+                declared: scene.program.spans.entities[subject.id].discretes[id],
+                at: span,
+                value: words::values(&Values::from(hull), ""),
+                always: outside == value,
+                mode: entity.modes[entity.leaves[leaf].mode].path.clone(),
+                reads: (!reads.is_empty()).then(|| words::listed(&reads)),
+            });
+        }
+    });
+}
+
+/// Goes through all that can be run, in each configuration in which it can be, cut to where its guard holds.
+fn visit(subject: &Subject<'_>, visit: &mut Visit<'_>) {
+    let (entity, program) = (subject.entity, subject.scene.program);
+    let writes = |a: &Actions| a.updates.iter().any(|u| matches!(u.place, Place::Discrete(_)));
+    for (o, at) in subject.configurations() {
+        for &from in &at.leaves {
+            let leaf = &entity.leaves[from];
+            let mut rest = Some(at.clone());
+            for &edge in &leaf.edges {
+                let edge = &entity.edges[edge];
+                let Some(before) = rest.take() else { break };
+                let reader = o.reader(program, &before);
+                if let Some(held) = reader.refined(&before, edge.guard, true) {
+                    if writes(&edge.actions) {
+                        visit(&edge.actions, o, &held, from);
+                    }
+                    for mode in edge.target.map(|target| entered(entity, from, target)).unwrap_or_default() {
+                        if writes(&entity.modes[mode].entry) {
+                            visit(&entity.modes[mode].entry, o, &held, from);
+                        }
+                    }
+                }
+                rest = reader.refined(&before, edge.guard, false);
+            }
+            for &edge in &leaf.internal {
+                let edge = &entity.edges[edge];
+                if writes(&edge.actions)
+                    && let Some(held) = o.reader(program, at).refined(at, edge.guard, true)
+                {
+                    visit(&edge.actions, o, &held, from);
+                }
+            }
+            for &follow in &leaf.follows {
+                let follow = &entity.follows[follow];
+                let held = match follow.guard {
+                    Some(guard) => o.reader(program, at).refined(at, guard, true),
+                    None => Some(at.clone()),
+                };
+                if let Some(held) = held.filter(|_| writes(&follow.actions)) {
+                    visit(&follow.actions, o, &held, from);
+                }
+            }
+        }
+    }
+}
+
+/// The modes that an edge from a leaf to a mode may enter.
+fn entered(entity: &Entity, from: LeafId, target: ModeId) -> BTreeSet<ModeId> {
+    let m = &entity.modes[target];
+    let is_active = |mode: ModeId| entity.leaves[from].path.contains(&mode);
+    let is_kept = |mode: ModeId| mode < target && target < entity.modes[mode].end && is_active(mode);
+    let leaves = entity.leaves.ids().filter(|l| match m.chooses {
+        true => m.leaves.0 <= *l && *l < m.leaves.1,
+        false => *l == m.initial,
+    });
+    leaves.flat_map(|l| entity.leaves[l].path.iter().copied()).filter(|mode| !is_kept(*mode)).collect()
+}

@@ -503,3 +503,17 @@ fn a_behavior_is_told_of_where_all_its_uses_agree() {
     assert_eq!(codes(&[("a.hyped", &text("400"))]), [""; 0]);
     assert_eq!(codes(&[("a.hyped", &text("250"))]), ["W0701", "W0701"]);
 }
+
+#[test]
+fn a_whole_number_below_a_fraction_is_not_lost() {
+    let text = "entity Counter {
+    discrete n: int 0..9 = 0
+    mode counting {
+        when n < 2.5 { n := n + 1 }
+        when n > 2.5 -> done
+    }
+    mode done { when timer > 1s -> counting { n := 0 } }
+}
+world A { space main { place a: Counter at (0, 0) } }";
+    assert_eq!(codes(&[("counter.hyped", text)]), [""; 0]);
+}

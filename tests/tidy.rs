@@ -20,7 +20,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("sema", &["source", "diagnostic", "syntax", "level"]),
     ("lint", &["source", "diagnostic", "sema"]),
     ("ir", &["source", "level", "sema"]),
-    ("analysis", &["source", "diagnostic", "ir"]),
+    ("analysis", &["source", "diagnostic", "level", "ir"]),
     ("compile", &["source", "diagnostic", "syntax", "sema", "lint", "ir", "analysis"]),
     ("sim", &["source", "diagnostic", "ir"]),
     ("reach", &["watch", "ir", "analysis", "sim"]),

@@ -49,6 +49,8 @@ pub(super) struct Analysis<'a> {
     pub surroundings: Surroundings,
     /// Of each slot the one that is looked at for it: slots in which nothing is at first are alike.
     first: IdVec<SlotId, SlotId>,
+    /// Whether what is found is cut, so that nothing grows for ever.
+    is_narrowing: bool,
     /// How many ways of steps may still be looked at.
     effort: usize,
     /// The numbers that the program compares with or writes, and where edges meet.
@@ -81,6 +83,7 @@ impl<'a> Analysis<'a> {
             scene: Scene::new(program, world),
             surroundings: Surroundings::default(),
             effort: MOST_EFFORT,
+            is_narrowing: false,
             thresholds: Thresholds::default(),
         };
         analysis.overall = world.slots.ids().map(|s| analysis.overall(s)).collect();
@@ -117,6 +120,7 @@ impl<'a> Analysis<'a> {
     /// Adds what an instance can be; gives whether that is more than before.
     pub(super) fn grow(&mut self, slot: SlotId, found: Configuration) -> bool {
         let thresholds = &self.thresholds;
+        let entity = &self.program.entities[self.world.slots[slot].entity];
         let known = &mut self.slots[slot];
         if known.is_given_up {
             return false;
@@ -145,7 +149,12 @@ impl<'a> Analysis<'a> {
                 if joined == growing.at {
                     return false;
                 }
-                growing.patience.widen(&growing.at, &mut joined, thresholds);
+                if !self.is_narrowing {
+                    growing.patience.widen(&growing.at, &mut joined, thresholds);
+                }
+                for (id, discrete) in entity.discretes.pairs() {
+                    joined.discretes[id] = joined.discretes[id].and(&range(discrete.range));
+                }
                 joined.sharpen();
                 growing.at = within_bounds(self.world, slot, joined);
                 growing.is_new = true;
@@ -239,6 +248,7 @@ impl<'a> Analysis<'a> {
                 return;
             }
         }
+        self.is_narrowing = true;
         for _ in 0..NARROWINGS {
             self.narrow();
         }

@@ -70,6 +70,7 @@ impl Analysis<'_> {
                 world: self.world,
                 slots: &self.overall,
                 surroundings: &self.surroundings,
+                pinned: None,
                 me: Some((spawner, at)),
             };
             let theirs = |id| reader.number(id);

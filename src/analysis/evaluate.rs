@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 
 use crate::ir::{
-    Arithmetic, CompareOp, DiscreteId, Entity, Expr, ExprId, Function, IdVec, LeafId, ParamId, Program, SlotId,
+    Arithmetic, CompareOp, DiscreteId, Entity, Expr, ExprId, Function, Id, IdVec, LeafId, ParamId, Program, SlotId,
     SpaceId, Subject, TimerId, VarId, World, call,
 };
 
@@ -73,6 +73,8 @@ pub(super) struct Reader<'a> {
     pub slots: &'a IdVec<SlotId, Overall>,
     /// What is known of each slot's contacts.
     pub surroundings: &'a Surroundings,
+    /// In a world's predicate: an instance, and the part of its region that it is looked at in.
+    pub pinned: Option<(SlotId, SpaceId, [Interval; 2])>,
     /// The instance that `Subject::Me` stands for, none in a world's predicate.
     pub me: Option<(SlotId, &'a Configuration)>,
 }
@@ -106,6 +108,22 @@ impl<'a> Reader<'a> {
         Values::any(found.flat_map(|v| v.intervals().to_vec()).chain(zero))
     }
 
+    /// A position of an instance, within the part of its region that it is looked at in.
+    fn in_part(&self, slot: SlotId, axis: usize, at: &Values) -> Values {
+        match self.pinned {
+            Some((pinned, _, part)) if pinned == slot => at.within(part[axis]),
+            _ => *at,
+        }
+    }
+
+    fn position(&self, of: Subject, axis: usize) -> Values {
+        let at = |o: &Overall| o.vars.get(VarId(axis as u32)).map(|v| v[0]);
+        match of {
+            Subject::Slot(slot) => self.read(of, |o| Some(self.in_part(slot, axis, &at(o)?))),
+            _ => self.read(of, at),
+        }
+    }
+
     fn mine(&self, of: Subject) -> Option<&'a Configuration> {
         self.me.filter(|_| of == Subject::Me).map(|(_, c)| c)
     }
@@ -123,7 +141,8 @@ impl<'a> Reader<'a> {
             Expr::Param(of, p) => self.read(of, |o| o.params.get(p).cloned()),
             Expr::Var(of, var, degree) => match self.mine(of) {
                 Some(c) => c.vars[var][usize::from(degree)].clone(),
-                None => self.read(of, |o| o.vars.get(var).map(|v| v[usize::from(degree)].clone())),
+                None if degree == 0 && var.index() < 2 => self.position(of, var.index()),
+                None => self.read(of, |o| o.vars.get(var).map(|v| v[usize::from(degree)])),
             },
             Expr::Discrete(of, id) => match self.mine(of) {
                 Some(c) => c.discretes[id].clone(),
@@ -216,8 +235,10 @@ impl<'a> Reader<'a> {
             Expr::Touching(of, touch) => {
                 let can = |slot: &SlotId| {
                     let vars = self.mine(of).map_or(&self.slots[*slot].vars, |c| &c.vars);
-                    let places = self.surroundings.places(*slot, touch).iter();
-                    places.zip(vars.iter()).all(|(places, [at, ..])| !at.and(places).is_none())
+                    let places = self.surroundings.places(*slot, touch).iter().enumerate();
+                    places
+                        .zip(vars.iter())
+                        .all(|((axis, places), [at, ..])| !self.in_part(*slot, axis, at).and(places).is_none())
                 };
                 Truth { can_hold: self.candidates(of).iter().any(can), can_fail: true }
             }
@@ -239,6 +260,9 @@ impl<'a> Reader<'a> {
                 };
                 Truth { can_hold: self.candidates(of).iter().any(of_mode), can_fail: true }
             }
+            Expr::InSpace(Subject::Slot(slot), space) if self.pinned.is_some_and(|(pinned, ..)| pinned == slot) => {
+                Truth::of(self.pinned.is_some_and(|(_, here, _)| here == space))
+            }
             Expr::InSpace(of, space) => {
                 let spaces = |slot: &SlotId| self.slots[*slot].spaces.contains(&space);
                 Truth { can_hold: self.candidates(of).iter().any(spaces), can_fail: true }
@@ -246,10 +270,7 @@ impl<'a> Reader<'a> {
             Expr::Near { of, x, y, radius } => {
                 let (px, py) = match self.mine(of) {
                     Some(c) => (c.vars[VarId(0)][0].clone(), c.vars[VarId(1)][0].clone()),
-                    None => (
-                        self.read(of, |o| Some(o.vars[VarId(0)][0].clone())),
-                        self.read(of, |o| Some(o.vars[VarId(1)][0].clone())),
-                    ),
+                    None => (self.position(of, 0), self.position(of, 1)),
                 };
                 let apart = |a: &Values, b: ExprId| a.pairs(&self.number(b), Interval::minus).map(Interval::square);
                 let squares = apart(&px, x).pairs(&apart(&py, y), Interval::plus);

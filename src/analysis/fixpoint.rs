@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::ir::{Entity, EntityId, Id, IdVec, LeafId, Origin, ParamId, Program, RefValue, SlotId, Subject, World};
 
 use super::evaluate::{Configuration, Overall, Reader};
-use super::scene::Scene;
+use super::scene::{Scene, rounded_step};
 use super::step::{Landing, Outcome, Stepper};
 use super::surroundings::Surroundings;
 use super::values::{Interval, Values};
@@ -228,7 +228,7 @@ impl<'a> Analysis<'a> {
         let firsts: Vec<SlotId> = self.world.slots.ids().filter(|s| self.is_first(*s)).collect();
         let mut others_changed = true;
         for round in 0.. {
-            let before = std::mem::replace(&mut self.surroundings, Surroundings::new(&self.scene, &self.overall));
+            let before = std::mem::replace(&mut self.surroundings, Surroundings::new(&mut self.scene, &self.overall));
             let mut changed = false;
             for &slot in &firsts {
                 let same = round > 0 && self.surroundings.of(slot) == before.of(slot);
@@ -275,7 +275,10 @@ impl<'a> Analysis<'a> {
     fn settle(&mut self, slot: SlotId) -> bool {
         let mut changed = false;
         while self.effort > 0 {
-            let new = self.slots[slot].configurations.values_mut().filter(|g| g.is_new);
+            // What is met in other spaces is not known before they are told of.
+            let told = &self.overall[slot].spaces;
+            let new = self.slots[slot].configurations.values_mut();
+            let new = new.filter(|g| g.is_new && g.at.spaces.is_subset(told));
             let due: Vec<Configuration> = new
                 .map(|g| {
                     g.is_new = false;
@@ -307,6 +310,7 @@ impl<'a> Analysis<'a> {
             world: self.world,
             slots: &self.overall,
             surroundings: &self.surroundings,
+            pinned: None,
             me: None,
         };
         Stepper { reader, slot, step: self.world.step.seconds() }
@@ -334,21 +338,30 @@ impl<'a> Analysis<'a> {
                 known.is_changed = true;
             }
         }
+        let kind = &mut self.scene.kinds[self.scene.of[slot]];
+        changed |= outcome.appears && !kind.appears;
+        kind.appears |= outcome.appears;
         for landing in outcome.landings {
             changed |= self.land(slot, &landing);
         }
         changed
     }
 
-    /// Something puts an instance somewhere; gives whether that lets it be inside of what pushes it, which is new.
+    /// Something puts an instance somewhere; gives whether it can be there, or inside of what pushes it, which is new.
     pub fn land(&mut self, slot: SlotId, landing: &Landing) -> bool {
         let kind = self.scene.of[slot];
-        if self.scene.kinds[kind].jumps {
-            return false;
+        let mut changed = false;
+        for space in landing.spaces.iter().filter(|_| landing.collider.is_none()) {
+            changed |= self.scene.seed(kind, *space, landing.at);
         }
-        let inside = landing.spaces.iter().any(|space| self.scene.is_inside(kind, *space, landing.at));
+        if self.scene.kinds[kind].jumps {
+            return changed;
+        }
+        let [x, y] = self.slots[slot].speed;
+        let far = rounded_step(x.max(y) * self.world.step.seconds());
+        let inside = landing.spaces.iter().any(|space| self.scene.is_inside(kind, *space, landing, far));
         self.scene.kinds[kind].jumps = inside;
-        inside
+        changed || inside
     }
 
     /// Notes which instances others can destroy.
@@ -380,7 +393,7 @@ impl<'a> Analysis<'a> {
     /// Steps once from all that was found, and keeps of it only what comes of that or is there from the start.
     fn narrow(&mut self) {
         let before = self.slots.clone();
-        self.surroundings = Surroundings::new(&self.scene, &self.overall);
+        self.surroundings = Surroundings::new(&mut self.scene, &self.overall);
         let mut found: Vec<(SlotId, Outcome)> = Vec::new();
         for slot in self.world.slots.ids().filter(|s| self.is_first(*s) && !self.slots[*s].is_given_up) {
             for growing in self.slots[slot].configurations.values() {
@@ -417,7 +430,7 @@ impl<'a> Analysis<'a> {
         self.tell();
     }
 
-    pub fn finish(self) -> ConfigurationSpace {
+    pub fn finish(mut self) -> ConfigurationSpace {
         let slots = self.world.slots.ids().map(|slot| {
             let found = &self.slots[self.first[slot]];
             SlotSpace {
@@ -427,7 +440,7 @@ impl<'a> Analysis<'a> {
             }
         });
         let slots = slots.collect();
-        let surroundings = Surroundings::new(&self.scene, &self.overall);
+        let surroundings = Surroundings::new(&mut self.scene, &self.overall);
         ConfigurationSpace { slots, overall: self.overall, surroundings }
     }
 }

@@ -13,6 +13,7 @@ mod energy;
 mod evaluate;
 mod findings;
 mod fixpoint;
+mod region;
 mod scene;
 mod step;
 mod surroundings;
@@ -60,14 +61,27 @@ pub fn configuration_space(program: &Program, world: WorldId) -> ConfigurationSp
 impl ConfigurationSpace {
     /// Whether a goal can hold in some state; if not, it is proven that it cannot be reached.
     pub fn can_hold(&self, program: &Program, world: WorldId, goal: GoalId) -> bool {
-        let world = &program.worlds[world];
-        self.reader(program, world, None).truth(world.goals[goal].holds).can_hold
+        self.can_turn_out(program, world, program.worlds[world].goals[goal].holds, true)
     }
 
     /// Whether a predicate of the world, or a part of one, can hold (or fail) in some state.
     pub fn can_turn_out(&self, program: &Program, world: WorldId, predicate: ExprId, holds: bool) -> bool {
-        let truth = self.reader(program, &program.worlds[world], None).truth(predicate);
-        if holds { truth.can_hold } else { truth.can_fail }
+        let table = &program.worlds[world];
+        let reader = self.reader(program, table, None);
+        let can = |reader: &Reader<'_>| {
+            let truth = reader.truth(predicate);
+            if holds { truth.can_hold } else { truth.can_fail }
+        };
+        // Each instance is somewhere in its region, if it is there at all.
+        let in_parts = |slot: SlotId| {
+            let regions = self.surroundings.regions(slot);
+            let mut parts = regions.iter().flat_map(|(space, region)| region.boxes().iter().map(move |b| (*space, *b)));
+            let absent = self.overall[slot].can_be_absent;
+            regions.is_empty()
+                || absent
+                || parts.any(|(space, part)| can(&Reader { pinned: Some((slot, space, part)), ..reader }))
+        };
+        can(&reader) && table.players.iter().map(|p| p.slot).all(in_parts)
     }
 
     /// What expressions are read against: those of an instance in one of its configurations, or those of the world.
@@ -77,6 +91,6 @@ impl ConfigurationSpace {
         world: &'a World,
         me: Option<(SlotId, &'a Configuration)>,
     ) -> Reader<'a> {
-        Reader { program, world, slots: &self.overall, surroundings: &self.surroundings, me }
+        Reader { program, world, slots: &self.overall, surroundings: &self.surroundings, pinned: None, me }
     }
 }

@@ -7,11 +7,19 @@ use crate::ir::{
     VarId, World,
 };
 
+use super::region::Region;
+use super::step::Landing;
 use super::tiles::Tiles;
 use super::values::{Interval, Values};
 
 /// Edges that meet are this near, px: positions are rounded.
 pub(super) const ROUNDING: f64 = 1e-6;
+
+/// More places than that where instances are put are not told apart.
+const MOST_SEEDS: usize = 64;
+
+/// What is no deeper inside of something counts as outside, px.
+const INSIDE: f64 = 0.001;
 
 /// A box relative to a position, px: of both axes, from its low to its high end.
 pub(super) type Extent = [Interval; 2];
@@ -36,6 +44,8 @@ pub(super) struct Kind {
     pub bodies: Vec<Body>,
     /// Whether something can put an instance inside of what pushes it, or through it.
     pub jumps: bool,
+    /// Whether a collider can be there that was not.
+    pub appears: bool,
 }
 
 /// A body of a kind meets a body of another.
@@ -85,6 +95,15 @@ pub(super) struct Scene<'a> {
     /// Of each kind, what its bodies meet of others.
     pub pairs: Vec<Vec<Pair>>,
     statics: BTreeMap<(usize, SpaceId), Statics>,
+    /// Where instances of a kind are put.
+    seeds: BTreeMap<(usize, SpaceId), Vec<[Interval; 2]>>,
+    /// Where those of a kind get from there, with the length of their steps, px, and the number of seeds.
+    regions: BTreeMap<(usize, SpaceId), (f64, usize, Option<Region>)>,
+}
+
+/// How far a step goes, px, rounded up, so that what comes of it is not found anew for each growth.
+pub(super) fn rounded_step(far: f64) -> f64 {
+    (2.0 * far).ceil() / 2.0
 }
 
 /// The place in `Edges` of the pushes by a contact on a side.
@@ -114,8 +133,16 @@ pub(super) fn sides_of(meeting: Meeting) -> impl Iterator<Item = Side> {
 impl<'a> Scene<'a> {
     pub fn new(program: &'a Program, world: &'a World) -> Self {
         let mut numbers: BTreeMap<(EntityId, bool, Vec<u64>), usize> = BTreeMap::new();
-        let mut scene =
-            Scene { program, world, kinds: Vec::new(), of: IdVec::new(), pairs: Vec::new(), statics: BTreeMap::new() };
+        let mut scene = Scene {
+            program,
+            world,
+            kinds: Vec::new(),
+            of: IdVec::new(),
+            pairs: Vec::new(),
+            statics: BTreeMap::new(),
+            seeds: BTreeMap::new(),
+            regions: BTreeMap::new(),
+        };
         for (slot, s) in world.slots.pairs() {
             let params: Vec<u64> = s.params.iter().map(|p| p.to_bits()).collect();
             let next = numbers.len();
@@ -123,7 +150,7 @@ impl<'a> Scene<'a> {
             if number == scene.kinds.len() {
                 let bodies = scene.bodies(s.entity, &s.params.iter().map(|p| Values::point(*p)).collect());
                 let jumps = drives_position(program, s.entity);
-                scene.kinds.push(Kind { entity: s.entity, slots: Vec::new(), bodies, jumps });
+                scene.kinds.push(Kind { entity: s.entity, slots: Vec::new(), bodies, jumps, appears: false });
             }
             scene.kinds[number].slots.push(slot);
             scene.of.push(number);
@@ -137,6 +164,7 @@ impl<'a> Scene<'a> {
         let kind = self.of[slot];
         self.kinds[kind].bodies = self.bodies(self.kinds[kind].entity, params);
         self.statics.retain(|(k, _), _| *k != kind);
+        self.regions.retain(|(k, _), _| *k != kind);
     }
 
     /// Finds out what a kind meets in a space, if that is not known yet.
@@ -150,6 +178,39 @@ impl<'a> Scene<'a> {
     /// What a kind meets in a space; none if that has not been prepared.
     pub fn statics(&self, kind: usize, space: SpaceId) -> Option<&Statics> {
         self.statics.get(&(kind, space))
+    }
+
+    /// Something puts instances of a kind somewhere; gives whether that is new.
+    pub fn seed(&mut self, kind: usize, space: SpaceId, at: [Interval; 2]) -> bool {
+        let known = self.seeds.entry((kind, space)).or_default();
+        let is_known = known.iter().any(|k| (0..2).all(|a| k[a].low <= at[a].low && at[a].high <= k[a].high));
+        if !is_known {
+            known.push(at);
+            if known.len() > MOST_SEEDS {
+                let hull = known.iter().copied().reduce(|a, b| [a[0].or(b[0]), a[1].or(b[1])]);
+                known.clear();
+                known.extend(hull);
+                self.regions.remove(&(kind, space));
+            }
+        }
+        !is_known
+    }
+
+    /// Where instances of a kind can get in a space, if a step moves them by at most `far` px along each axis. None if
+    /// that is not known.
+    pub fn region(&mut self, kind: usize, space: SpaceId, far: f64) -> Option<&Region> {
+        if !far.is_finite() {
+            return None;
+        }
+        let far = rounded_step(far);
+        let seeds = self.seeds.get(&(kind, space)).map_or(&[][..], Vec::as_slice);
+        let known = self.regions.get(&(kind, space));
+        if known.is_none_or(|(f, count, _)| *f != far || *count != seeds.len()) {
+            let found = self.flooded(kind, space, seeds, far);
+            let count = seeds.len();
+            self.regions.insert((kind, space), (far, count, found));
+        }
+        self.regions.get(&(kind, space))?.2.as_ref()
     }
 
     /// All edges that are known.
@@ -295,18 +356,22 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// Whether an instance of a kind at some positions of a space can lie inside of what never moves and pushes it.
-    pub fn is_inside(&self, kind: usize, space: SpaceId, [x, y]: [Interval; 2]) -> bool {
+    /// Whether what is put somewhere in a space can lie inside of what never moves and pushes it, deeper than a push
+    /// across may leave it there: by a step of `far` px.
+    pub fn is_inside(&self, kind: usize, space: SpaceId, landing: &Landing, far: f64) -> bool {
+        let [x, y] = landing.at;
         let tiles = Tiles::new(self.world, space);
-        self.kinds[kind].bodies.iter().filter(|b| !b.kinematic).any(|body| {
+        let bodies = self.kinds[kind].bodies.iter().enumerate();
+        let meant = bodies.filter(|(id, b)| !b.kinematic && landing.collider.is_none_or(|c| c.index() == *id));
+        meant.map(|(_, body)| body).any(|body| {
             let blocks =
                 |tags: TagSet| self.world.meeting(body.tags, tags).is_some_and(|m| m.response.push != Push::Sense);
             let solids = self.world.spaces[space].solids.iter().filter(|s| blocks(s.tags));
             let kinds: Vec<bool> = tiles.tags.iter().map(|t| blocks(*t)).collect();
             let Some(extent) = body.extent else { return kinds.contains(&true) || solids.count() > 0 };
             let wide = |at: Interval, e: Interval| Interval {
-                low: at.low + e.low + ROUNDING,
-                high: at.high + e.high - ROUNDING,
+                low: at.low + e.low + far + INSIDE,
+                high: at.high + e.high - far - INSIDE,
             };
             let (x, y) = (wide(x, extent[0]), wide(y, extent[1]));
             let overlaps = |b: Bounds| x.low < b.right && b.left < x.high && y.low < b.top && b.bottom < y.high;

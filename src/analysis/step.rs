@@ -4,8 +4,8 @@
 use std::collections::BTreeSet;
 
 use crate::ir::{
-    Actions, By, Drive, EdgeId, Entity, Envelope, ExprId, GroupId, Id, IdVec, LeafId, ModeId, Place, RefValue, Release,
-    SlotId, SpaceId, SpawnId, Subject, Update, VarId,
+    Actions, By, ColliderId, Drive, EdgeId, Entity, Envelope, ExprId, GroupId, Id, IdVec, LeafId, ModeId, Place,
+    RefValue, Release, SlotId, SpaceId, SpawnId, Subject, Update, VarId,
 };
 
 use super::energy::Fall;
@@ -25,6 +25,8 @@ pub(super) struct Outcome {
     pub can_end: bool,
     /// Of both axes, how fast it moves before anything stops it, px/s.
     pub speed: [f64; 2],
+    /// Whether a collider can be there that was not.
+    pub appears: bool,
     /// Where updates and links put it.
     pub landings: Vec<Landing>,
 }
@@ -34,13 +36,15 @@ pub(super) struct Outcome {
 pub(super) struct Landing {
     pub spaces: BTreeSet<SpaceId>,
     pub at: [Interval; 2],
+    /// If it is there already, and only a collider is new: which.
+    pub collider: Option<ColliderId>,
 }
 
 impl Landing {
     /// Where an instance is; none if it cannot be.
     pub fn of(at: &Configuration) -> Option<Landing> {
         let hull = |axis: u32| at.vars[VarId(axis)][0].hull();
-        Some(Landing { spaces: at.spaces.clone(), at: [hull(0)?, hull(1)?] })
+        Some(Landing { spaces: at.spaces.clone(), at: [hull(0)?, hull(1)?], collider: None })
     }
 }
 
@@ -149,13 +153,12 @@ impl<'a> Stepper<'a> {
                     None => Some(at.clone()),
                 };
                 let Some(held) = held else { continue };
-                for next in &mut nexts {
-                    let mut moved = next.clone();
-                    if self.follow(&held, &mut moved) {
-                        outcome.landings.extend(Landing::of(&moved));
-                        self.act(&follow.actions, &held, &mut moved, outcome);
-                        *next = next.or(&moved);
-                    }
+                let ways = |next: &Configuration| self.follow(&held, next);
+                let through: Vec<Configuration> = nexts.iter().flat_map(ways).collect();
+                for mut moved in through {
+                    outcome.landings.extend(Landing::of(&moved));
+                    self.act(&follow.actions, &held, &mut moved, outcome);
+                    nexts.push(moved);
                 }
             }
         }
@@ -171,10 +174,15 @@ impl<'a> Stepper<'a> {
 
     /// A collider that was not there can be so inside of something.
     fn activations(&self, from: &Configuration, outcome: &mut Outcome) {
-        let guards = self.entity().colliders.iter().filter(|c| !c.kinematic).filter_map(|c| c.guard);
-        for guard in guards.filter(|g| self.at(from).truth(*g).can_fail) {
+        let guarded = self.entity().colliders.pairs().filter_map(|(id, c)| Some((id, c, c.guard?)));
+        for (id, collider, guard) in guarded.filter(|(.., g)| self.at(from).truth(*g).can_fail) {
             let on = outcome.next.iter().filter(|next| self.at(next).truth(guard).can_hold);
-            outcome.landings.extend(on.filter_map(Landing::of));
+            let landings = on.filter_map(Landing::of).map(|l| Landing { collider: Some(id), ..l });
+            let landings: Vec<Landing> = landings.collect();
+            outcome.appears |= !landings.is_empty();
+            if !collider.kinematic {
+                outcome.landings.extend(landings);
+            }
         }
     }
 
@@ -277,28 +285,45 @@ impl<'a> Stepper<'a> {
         }
     }
 
-    /// Goes through any link that the instance can stand in; false if there is none.
-    fn follow(&self, at: &Configuration, next: &mut Configuration) -> bool {
-        let spaces = &self.reader.world.spaces;
-        let position = |axis: u32| at.vars[VarId(axis)][0].clone();
-        let stands = |values: &Values, low: f64, high: f64| !values.within(Interval { low, high }).is_none();
-        let links = at.spaces.iter().flat_map(|&s| &spaces[s].links);
-        let open: Vec<_> = links
-            .filter(|l| {
-                stands(&position(0), l.from.left, l.from.right) && stands(&position(1), l.from.bottom, l.from.top)
-            })
-            .collect();
-        if open.is_empty() {
-            return false;
+    /// Goes through any link that the instance can stand in: what comes of each.
+    fn follow(&self, at: &Configuration, next: &Configuration) -> Vec<Configuration> {
+        let mut out = Vec::new();
+        // The guards of links read the world's instances.
+        let onlooker = Reader { me: None, ..self.reader };
+        for &space in &at.spaces {
+            for link in &self.reader.world.spaces[space].links {
+                if link.guard.is_some_and(|g| !onlooker.truth(g).can_hold) {
+                    continue;
+                }
+                let axis = |axis: u32, low: f64, high: f64| at.vars[VarId(axis)][0].within(Interval { low, high });
+                let (x, y) = (axis(0, link.from.left, link.from.right), axis(1, link.from.bottom, link.from.top));
+                let [x, y] = self.reader.surroundings.within_region(self.slot, space, &x, &y);
+                if x.is_none() || y.is_none() {
+                    continue;
+                }
+                let mut moved = next.clone();
+                moved.spaces = [link.space].into();
+                let along = |values: Values, from: (f64, f64), to: (f64, f64)| {
+                    let at = |x: f64| to.0 + (x - from.0) * (to.1 - to.0) / (from.1 - from.0);
+                    let wide =
+                        |i: Interval| Interval { low: i.low - 1e-9 * i.low.abs(), high: i.high + 1e-9 * i.high.abs() };
+                    let to = Interval::between(to.0, to.1);
+                    // A link without an extent leads to all of the other.
+                    match from.0 < from.1 {
+                        true => values.map(|i| wide(i.map(at))).within(wide(to)),
+                        false => Values::from(wide(to)),
+                    }
+                };
+                let (from, to) = (&link.from, &link.to);
+                moved.vars[VarId(0)][0] = along(x, (from.left, from.right), (to.left, to.right));
+                moved.vars[VarId(1)][0] = along(y, (from.bottom, from.top), (to.bottom, to.top));
+                for var in [VarId(0), VarId(1)] {
+                    moved.energy[var] = None;
+                }
+                out.push(moved);
+            }
         }
-        next.spaces = open.iter().map(|l| l.space).collect();
-        let wide = |low: f64, high: f64| Interval { low: low - 1e-9 * low.abs(), high: high + 1e-9 * high.abs() };
-        next.vars[VarId(0)][0] = Values::any(open.iter().map(|l| wide(l.to.left, l.to.right)));
-        next.vars[VarId(1)][0] = Values::any(open.iter().map(|l| wide(l.to.bottom, l.to.top)));
-        for var in [VarId(0), VarId(1)] {
-            next.energy[var] = None;
-        }
-        true
+        out
     }
 
     /// Flows, envelopes, clamps, timers, and what a collision can do.

@@ -8,7 +8,8 @@ use std::collections::BTreeSet;
 use crate::ir::{Id, IdVec, Push, SlotId, SpaceId, TagSet, Touch, TouchId, VarId};
 
 use super::evaluate::{Configuration, Overall};
-use super::scene::{Body, Edges, Pair, ROUNDING, Scene, disjoin, face, near, sides_of};
+use super::region::Region;
+use super::scene::{Body, Edges, Pair, ROUNDING, Scene, disjoin, face, near, rounded_step, sides_of};
 use super::values::{Interval, Values};
 
 /// What is known of the contacts of every slot.
@@ -32,6 +33,8 @@ pub(super) struct Contacts {
     /// Of both axes, how far a push can be where it is deep inside of something, px.
     longest: [f64; 2],
     is_pushed: bool,
+    /// How far a push across may leave it inside of something, px.
+    sunk: f64,
     /// Whether pushes can end anywhere.
     anywhere: bool,
     /// Of both axes, how fast what pushes it can move, px/s.
@@ -44,6 +47,8 @@ pub(super) struct Contacts {
     is_loose: bool,
     /// Of both axes, where a carrier can take the instance.
     carried: [Option<Values>; 2],
+    /// Where it can get, in each of its spaces.
+    regions: Vec<(SpaceId, Region)>,
 }
 
 /// What is known of all instances of a kind.
@@ -56,14 +61,16 @@ struct Crowd {
     speed: [f64; 2],
     /// Of both axes, how far a push can be, px.
     push: [f64; 2],
+    /// How far a step takes it along an axis, px, if it is held by what never moves and never inside of it.
+    held: Option<f64>,
 }
 
 impl Surroundings {
     /// From what the slots can be. The scene must be prepared for their kinds in their spaces.
-    pub fn new(scene: &Scene<'_>, slots: &IdVec<SlotId, Overall>) -> Self {
+    pub fn new(scene: &mut Scene<'_>, slots: &IdVec<SlotId, Overall>) -> Self {
         let mut crowds: Vec<Crowd> = scene.kinds.iter().map(|kind| Crowd::new(&kind.slots, slots)).collect();
         for kind in 0..crowds.len() {
-            crowds[kind].push = pushable(scene, kind, &crowds);
+            (crowds[kind].push, crowds[kind].held) = pushable(scene, kind, &crowds);
         }
         let mut out = Surroundings::default();
         let mut known: Vec<(usize, &BTreeSet<SpaceId>)> = Vec::new();
@@ -71,7 +78,12 @@ impl Surroundings {
             let key = (scene.of[slot], &overall.spaces);
             let number = known.iter().position(|k| *k == key).unwrap_or_else(|| {
                 known.push(key);
-                out.contacts.push(contacts(scene, key.0, key.1, &crowds));
+                let mut contacts = contacts(scene, key.0, key.1, &crowds);
+                if let Some(far) = crowds[key.0].held {
+                    let region = |space: &SpaceId| Some((*space, scene.region(key.0, *space, far)?.clone()));
+                    contacts.regions = key.1.iter().map(region).collect::<Option<_>>().unwrap_or_default();
+                }
+                out.contacts.push(contacts);
                 known.len() - 1
             });
             out.of.push(number);
@@ -83,6 +95,11 @@ impl Surroundings {
     pub fn places(&self, slot: SlotId, touch: TouchId) -> &[Values; 2] {
         const ANYWHERE: [Values; 2] = [Values::all(), Values::all()];
         self.of(slot).places.get(touch.index()).unwrap_or(&ANYWHERE)
+    }
+
+    /// Where an instance can get, in each of the spaces it can be in; none if that is not known.
+    pub fn regions(&self, slot: SlotId) -> &[(SpaceId, Region)] {
+        &self.of(slot).regions
     }
 
     /// What is known of the contacts of a slot.
@@ -103,11 +120,29 @@ impl Surroundings {
         if !contacts.is_pushed {
             return;
         }
+        self.push(contacts, step, before, moved);
+        if !contacts.regions.is_empty() {
+            let (x, y) = (moved.vars[VarId(0)][0], moved.vars[VarId(1)][0]);
+            let cut = moved.spaces.iter().map(|space| self.within_region(slot, *space, &x, &y));
+            let all = cut.reduce(|a, b| [a[0].or(&b[0]), a[1].or(&b[1])]);
+            let [x, y] = all.unwrap_or([Values::none(), Values::none()]);
+            moved.vars[VarId(0)][0] = x;
+            moved.vars[VarId(1)][0] = y;
+        }
+    }
+
+    /// What is left of the positions of an instance in a space where it can get.
+    pub fn within_region(&self, slot: SlotId, space: SpaceId, x: &Values, y: &Values) -> [Values; 2] {
+        let mut regions = self.of(slot).regions.iter();
+        regions.find(|(s, _)| *s == space).map_or([*x, *y], |(_, region)| region.cut(x, y))
+    }
+
+    fn push(&self, contacts: &Contacts, step: f64, before: &Configuration, moved: &mut Configuration) {
         let speed = |axis: usize| moved.vars[VarId(axis as u32)][1].hull().map_or(0.0, |v| v.high.max(-v.low));
         let far = [0, 1].map(|axis| (speed(axis) + contacts.pushers[axis]) * step);
         let deep = contacts.may_penetrate || (0..2).any(|axis| far[axis] + ROUNDING >= contacts.thinnest[axis]);
         // What comes in along one axis is pushed out along the other where that is less.
-        let far = far[0].max(far[1]) + ROUNDING;
+        let far = far[0].max(far[1]) + contacts.sunk + ROUNDING;
         for axis in 0..2 {
             let var = VarId(axis as u32);
             let way = before.vars[var][0].hull().zip(moved.vars[var][0].hull()).map(|(a, b)| a.or(b));
@@ -173,6 +208,7 @@ impl Crowd {
             position: [all(0, 0), all(1, 0)],
             speed: [speed(0), speed(1)],
             push: [0.0; 2],
+            held: None,
         }
     }
 }
@@ -190,18 +226,20 @@ fn met<'s>(scene: &'s Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: 
 fn can_come_over(scene: &Scene<'_>, pair: &Pair, crowds: &[Crowd]) -> bool {
     let theirs = &scene.kinds[pair.kind].bodies[pair.theirs];
     let moves = crowds[pair.kind].speed != [0.0; 2];
-    moves || !theirs.kinematic || !theirs.is_steady || theirs.extent.is_none() || !scene.is_settled(pair.kind)
+    let appears = scene.kinds[pair.kind].appears;
+    moves || !theirs.kinematic || appears || theirs.extent.is_none() || !scene.is_settled(pair.kind)
 }
 
 /// Of both axes, how far instances of a kind can be pushed in a step, px.
-fn pushable(scene: &Scene<'_>, me: usize, crowds: &[Crowd]) -> [f64; 2] {
+fn pushable(scene: &Scene<'_>, me: usize, crowds: &[Crowd]) -> ([f64; 2], Option<f64>) {
     let (kind, crowd) = (&scene.kinds[me], &crowds[me]);
     let step = scene.world.step.seconds();
     let mut is_pushed = false;
-    let mut deep = kind.jumps || kind.bodies.iter().any(|b| b.extent.is_none());
+    let mut deep = kind.jumps;
     let (mut far, mut longest) = (crowd.speed.map(|s| s * step), [0.0_f64; 2]);
     for found in crowd.spaces.iter().filter_map(|s| scene.statics(me, *s)).filter(|s| s.pushes) {
         is_pushed = true;
+        deep |= found.anywhere;
         for axis in 0..2 {
             longest[axis] = longest[axis].max(found.longest[axis]);
             deep |= far[axis] + ROUNDING >= found.thinnest[axis];
@@ -213,14 +251,16 @@ fn pushable(scene: &Scene<'_>, me: usize, crowds: &[Crowd]) -> [f64; 2] {
             continue;
         }
         is_pushed = true;
-        deep |= can_come_over(scene, pair, crowds);
+        deep |= can_come_over(scene, pair, crowds) || mine.extent.is_none();
         for axis in 0..2 {
             longest[axis] = longest[axis].max(Scene::size(mine)[axis] + Scene::size(theirs)[axis]);
             far[axis] = far[axis].max((crowd.speed[axis] + crowds[pair.kind].speed[axis]) * step);
         }
     }
-    let far = far[0].max(far[1]) + ROUNDING;
-    [0, 1].map(|axis| if is_pushed { far + if deep { longest[axis] } else { 0.0 } } else { 0.0 })
+    let far = far[0].max(far[1]);
+    let push =
+        |axis: usize| if is_pushed { 2.0 * far + ROUNDING + if deep { longest[axis] } else { 0.0 } } else { 0.0 };
+    ([0, 1].map(push), (is_pushed && !deep).then_some(far))
 }
 
 fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[Crowd]) -> Contacts {
@@ -262,7 +302,8 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
     for edges in out.edges.iter_mut().chain(&mut out.faces).flatten() {
         disjoin(edges);
     }
-    out.may_penetrate |= kind.jumps || kind.bodies.iter().any(|b| b.extent.is_none());
+    out.may_penetrate |= kind.jumps || out.anywhere;
+    out.sunk = rounded_step(crowds[me].held.unwrap_or(0.0));
     out.carried = carried.map(|c| if c.is_empty() { None } else { Some(Values::any(c)) });
     if out.anywhere {
         out.carried = out.carried.map(|c| c.map(|_| Values::all()));

@@ -1,6 +1,6 @@
 //! The tiles of a space as the analysis looks at them: which kinds stand where, in which columns and rows.
 
-use crate::ir::{Side, SpaceId, TagId, TagSet, World};
+use crate::ir::{Bounds, Side, SpaceId, TagId, TagSet, World};
 use crate::level::TileMap;
 
 use super::values::Interval;
@@ -73,6 +73,30 @@ impl<'a> Tiles<'a> {
             on.map(|(i, _)| (i as f64 * size, i as f64 * size + size)).collect()
         };
         (lines(&columns, map.tile.0), lines(&rows, map.tile.1))
+    }
+
+    /// The boxes of the tiles of some kinds: of those that lie side by side in a row, one.
+    pub fn boxes(&self, is_meant: impl Fn(usize) -> bool) -> impl Iterator<Item = Bounds> + '_ {
+        let [width, height] = self.size();
+        let columns = self.count().0.max(1);
+        let cells: Vec<bool> = self.map.iter().flat_map(|m| &m.cells).map(|k| is_meant(usize::from(*k))).collect();
+        let rows = cells.chunks(columns).enumerate();
+        let mut out = Vec::new();
+        for (row, cells) in rows {
+            let mut from = 0;
+            for run in cells.chunk_by(|a, b| a == b) {
+                if run[0] {
+                    out.push(Bounds {
+                        left: from as f64 * width,
+                        right: (from + run.len()) as f64 * width,
+                        bottom: row as f64 * height,
+                        top: row as f64 * height + height,
+                    });
+                }
+                from += run.len();
+            }
+        }
+        out.into_iter()
     }
 
     /// The kinds of the tiles whose inside a box meets.

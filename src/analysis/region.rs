@@ -1,0 +1,198 @@
+//! Where an instance can get that moves in small steps among what never moves: the free places that hang together with
+//! those where it is put, found by flooding the plane of its positions (Lozano-Pérez, *Spatial planning: a configuration
+//! space approach*, IEEE Transactions on Computers 1983: what blocks it grows by the size of its collider).
+//!
+//! A step moves it by at most so much, and a push may leave it inside of something by at most as much again. So free
+//! places hang together that are not further apart than four such steps; thicker walls are not passed.
+
+use crate::ir::{Bounds, Push, SpaceId, TagSet};
+
+use super::scene::{Extent, Kind, ROUNDING, Scene};
+use super::tiles::Tiles;
+use super::values::{Interval, Values};
+
+/// More cells than that are not looked at: everything is free.
+const MOST_CELLS: usize = 1 << 22;
+/// With more strips than that only the box around all of them is used.
+const MOST_STRIPS: usize = 256;
+
+/// So for what is asked of the world.
+const MOST_BOXES: usize = 1 << 16;
+
+/// Boxes of positions, px.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Region {
+    /// In order of their low ends along y, then x.
+    strips: Vec<[Interval; 2]>,
+    hull: [Interval; 2],
+}
+
+impl Region {
+    /// None if there are no boxes.
+    pub fn new(strips: Vec<[Interval; 2]>) -> Option<Region> {
+        let hull = strips.iter().copied().reduce(|a, b| [a[0].or(b[0]), a[1].or(b[1])])?;
+        Some(Region { strips, hull })
+    }
+
+    /// What is left of a position.
+    pub fn cut(&self, x: &Values, y: &Values) -> [Values; 2] {
+        let cut = [x.within(self.hull[0]), y.within(self.hull[1])];
+        let (Some(across), Some(up)) = (cut[0].hull(), cut[1].hull()) else { return cut };
+        if self.strips.len() > MOST_STRIPS {
+            return cut;
+        }
+        let meets = |[x, y]: &&[Interval; 2]| x.and(across).is_some() && y.and(up).is_some();
+        let within = |axis: usize| Values::any(self.strips.iter().filter(meets).map(|strip| strip[axis]));
+        [cut[0].and(&within(0)), cut[1].and(&within(1))]
+    }
+
+    /// The boxes; few enough to look at each.
+    pub fn boxes(&self) -> &[[Interval; 2]] {
+        match self.strips.len() > MOST_BOXES {
+            true => std::slice::from_ref(&self.hull),
+            false => &self.strips,
+        }
+    }
+}
+
+impl Scene<'_> {
+    /// Where instances of a kind that begin in some boxes can get in a space, if a step moves them by at most `far` px
+    /// along each axis. None if there is too much to look at.
+    pub fn flooded(&self, kind: usize, space: SpaceId, seeds: &[[Interval; 2]], far: f64) -> Option<Region> {
+        let of = &self.kinds[kind];
+        let players = of.slots.iter().all(|s| self.world.slots[*s].player.is_some());
+        let bounds = self.world.spaces[space].bounds.filter(|_| players);
+        let blocking = self.blocking(of, space);
+        let plane = Plane::new(&blocking, bounds)?;
+        let apart = 4.0 * far + 4.0 * ROUNDING;
+        let reached = plane.flood(seeds, apart);
+        // A push can leave it a little inside of what blocks it.
+        let wide = |i: Interval| Interval { low: i.low - far - ROUNDING, high: i.high + far + ROUNDING };
+        let strips: Vec<[Interval; 2]> = reached.into_iter().map(|strip| strip.map(wide)).collect();
+        Region::new(strips)
+    }
+
+    /// The positions at which a collider that is always there lies inside of what blocks it and never moves.
+    fn blocking(&self, kind: &Kind, space: SpaceId) -> Vec<[Interval; 2]> {
+        let tiles = Tiles::new(self.world, space);
+        let mut out = Vec::new();
+        for body in kind.bodies.iter().filter(|b| !b.kinematic && b.is_steady) {
+            let Some(extent) = body.extent else { continue };
+            let blocks = |t: TagSet| self.world.meeting(body.tags, t).is_some_and(|m| m.response.push == Push::Block);
+            let solids = self.world.spaces[space].solids.iter().filter(|s| blocks(s.tags));
+            out.extend(solids.map(|s| grown(s.bounds, extent)));
+            let kinds: Vec<bool> = tiles.tags.iter().map(|t| blocks(*t)).collect();
+            out.extend(tiles.boxes(|kind| kinds[kind]).map(|b| grown(b, extent)));
+        }
+        out.retain(|[x, y]| x.low < x.high && y.low < y.high);
+        out
+    }
+}
+
+/// The positions at which a box lies inside of another.
+fn grown(b: Bounds, extent: Extent) -> [Interval; 2] {
+    let axis = |low: f64, high: f64, own: Interval| Interval {
+        low: low - own.high + ROUNDING,
+        high: high - own.low - ROUNDING,
+    };
+    [axis(b.left, b.right, extent[0]), axis(b.bottom, b.top, extent[1])]
+}
+
+/// The plane of positions, cut into cells by the sides of what blocks.
+struct Plane {
+    /// The sides, in order; a cell lies between two of them.
+    lines: [Vec<f64>; 2],
+    /// Row by row.
+    is_blocked: Vec<bool>,
+}
+
+impl Plane {
+    fn new(blocking: &[[Interval; 2]], bounds: Option<Bounds>) -> Option<Plane> {
+        let bounds = bounds.map_or([Interval::ALL; 2], |b| {
+            [Interval { low: b.left, high: b.right }, Interval { low: b.bottom, high: f64::INFINITY }]
+        });
+        let lines = [0, 1].map(|axis| {
+            let Interval { low, high } = bounds[axis];
+            let inside = blocking.iter().flat_map(|b| [b[axis].low, b[axis].high]).filter(|x| low < *x && *x < high);
+            let mut lines: Vec<f64> = inside.chain([low, high]).collect();
+            lines.sort_by(f64::total_cmp);
+            lines.dedup();
+            lines
+        });
+        let count = |axis: usize| lines[axis].len() - 1;
+        if count(0).saturating_mul(count(1)) > MOST_CELLS || count(0) == 0 || count(1) == 0 {
+            return None;
+        }
+        let mut is_blocked = vec![false; count(0) * count(1)];
+        for b in blocking {
+            let range = |axis: usize| {
+                let first = lines[axis].partition_point(|x| *x < b[axis].low);
+                let after = lines[axis].partition_point(|x| *x < b[axis].high);
+                first..after.min(count(axis))
+            };
+            for row in range(1) {
+                is_blocked[row * count(0)..][range(0)].fill(true);
+            }
+        }
+        Some(Plane { lines, is_blocked })
+    }
+
+    /// The free cells of a row that lie side by side, as one box each.
+    fn strips(&self, row: usize) -> Vec<[Interval; 2]> {
+        let [x, y] = &self.lines;
+        let across = x.len() - 1;
+        let cells = &self.is_blocked[row * across..][..across];
+        let up = Interval { low: y[row], high: y[row + 1] };
+        let mut out = Vec::new();
+        let mut from = 0;
+        for run in cells.chunk_by(|a, b| a == b) {
+            if !run[0] {
+                out.push([Interval { low: x[from], high: x[from + run.len()] }, up]);
+            }
+            from += run.len();
+        }
+        out
+    }
+
+    /// The free strips that hang together with some boxes, where two do that are no further apart than so much.
+    fn flood(&self, seeds: &[[Interval; 2]], apart: f64) -> Vec<[Interval; 2]> {
+        let rows = self.lines[1].len() - 1;
+        let mut starts = Vec::with_capacity(rows + 1);
+        let mut strips = Vec::new();
+        for row in 0..rows {
+            starts.push(strips.len());
+            strips.extend(self.strips(row));
+        }
+        starts.push(strips.len());
+        let near = |a: Interval, b: Interval| a.low - apart <= b.high && b.low - apart <= a.high;
+        let mut is_reached = vec![false; strips.len()];
+        let mut open: Vec<usize> = Vec::new();
+        for (at, strip) in strips.iter().enumerate() {
+            if seeds.iter().any(|s| near(s[0], strip[0]) && near(s[1], strip[1])) {
+                is_reached[at] = true;
+                open.push(at);
+            }
+        }
+        let row_of = |at: usize| starts.partition_point(|s| *s <= at) - 1;
+        while let Some(at) = open.pop() {
+            let [x, y] = strips[at];
+            let row = row_of(at);
+            let below = (0..=row).rev().take_while(|r| near(y, Interval::point(self.lines[1][r + 1])) || *r == row);
+            let above = (row + 1..rows).take_while(|r| near(y, Interval::point(self.lines[1][*r])));
+            for other in below.chain(above) {
+                let of_row = &strips[starts[other]..starts[other + 1]];
+                let first = starts[other] + of_row.partition_point(|s| s[0].high < x.low - apart);
+                for next in first..starts[other + 1] {
+                    if strips[next][0].low > x.high + apart {
+                        break;
+                    }
+                    if !is_reached[next] {
+                        is_reached[next] = true;
+                        open.push(next);
+                    }
+                }
+            }
+        }
+        strips.into_iter().zip(is_reached).filter(|(_, reached)| *reached).map(|(strip, _)| strip).collect()
+    }
+}

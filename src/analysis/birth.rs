@@ -5,20 +5,16 @@ use crate::ir::{Id, IdVec, LeafId, Origin, ParamId, Place, SlotId, SpawnId, VarI
 use super::evaluate::{Configuration, Reader};
 use super::fixpoint::{Analysis, MOST_CONFIGURATIONS, range};
 use super::step::Landing;
-use super::values::{Interval, Values};
+use super::values::Values;
+use super::widen::within_bounds;
 
 impl Analysis<'_> {
     /// The first configurations of an instance that is there from the start.
     pub(super) fn begin(&mut self, slot: SlotId) {
         let s = &self.world.slots[slot];
-        let at = Configuration {
-            leaves: Vec::new(),
-            vars: s.vars.iter().map(|v| v.map(Values::point)).collect(),
-            discretes: s.discretes.iter().map(|d| Values::point(f64::from(*d))).collect(),
-            timers: s.timer_limits.iter().map(|_| Interval::point(0.0)).collect(),
-            spaces: [s.space].into(),
-            energy: s.vars.iter().map(|_| None).collect(),
-        };
+        let vars = s.vars.iter().map(|v| v.map(Values::point)).collect();
+        let discretes = s.discretes.iter().map(|d| Values::point(f64::from(*d))).collect();
+        let at = Configuration::new(vars, discretes, s.timer_limits.len(), [s.space].into());
         if let Some(landing) = Landing::of(&at) {
             self.land(slot, &landing);
         }
@@ -48,6 +44,7 @@ impl Analysis<'_> {
                 .take(MOST_CONFIGURATIONS + 1)
                 .collect();
         }
+        let at = within_bounds(self.world, slot, at);
         let mut changed = false;
         for leaves in combinations {
             changed |= self.grow(slot, Configuration { leaves, ..at.clone() });
@@ -94,25 +91,17 @@ impl Analysis<'_> {
                 self.program.constant(id, &known, self.world.step).map_or(otherwise, Values::point)
             };
             let zero = || Values::point(0.0);
-            let mut born = Configuration {
-                leaves: Vec::new(),
-                vars: entity
-                    .first
-                    .pairs()
-                    .map(|(var, value)| {
-                        let position = match value {
-                            Some(value) => first(*value, Values::all()),
-                            None if var.index() < 2 => at.vars[VarId(var.0)][0].clone(),
-                            None => zero(),
-                        };
-                        [position, zero(), zero()]
-                    })
-                    .collect(),
-                discretes: entity.discretes.iter().map(|d| first(d.first, range(d.range))).collect(),
-                timers: entity.timers.iter().map(|_| Interval::point(0.0)).collect(),
-                spaces: at.spaces.clone(),
-                energy: entity.vars.iter().map(|_| None).collect(),
+            let position = |(var, value): (VarId, &Option<_>)| {
+                let position = match value {
+                    Some(value) => first(*value, Values::all()),
+                    None if var.index() < 2 => at.vars[var][0],
+                    None => zero(),
+                };
+                [position, zero(), zero()]
             };
+            let vars = entity.first.pairs().map(position).collect();
+            let discretes = entity.discretes.iter().map(|d| first(d.first, range(d.range))).collect();
+            let mut born = Configuration::new(vars, discretes, entity.timers.len(), (*at.spaces).clone());
             for update in &spawn.updates {
                 match update.place {
                     Place::Var(var, degree) => born.vars[var][usize::from(degree)] = theirs(update.value),

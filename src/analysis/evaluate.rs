@@ -2,6 +2,8 @@
 //! of a configuration where it turns out one way.
 
 use std::collections::BTreeSet;
+use std::ops::{Deref, DerefMut};
+use std::sync::Arc;
 
 use crate::ir::{
     Arithmetic, CompareOp, DiscreteId, Entity, Expr, ExprId, Function, Id, IdVec, LeafId, ParamId, Program, SlotId,
@@ -17,16 +19,37 @@ use super::values::{Interval, Values};
 pub struct Configuration {
     /// The active leaf of each group.
     pub leaves: Vec<LeafId>,
+    /// The count of each timer, steps.
+    pub timers: IdVec<TimerId, Interval>,
+    /// The spaces it can be in.
+    pub spaces: Arc<BTreeSet<SpaceId>>,
+    /// What its variables can be. Most ways of a step leave them as they are, so that they are shared until written.
+    pub(super) numbers: Arc<Numbers>,
+}
+
+/// What the variables of an instance can be.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Numbers {
     /// Position, velocity and acceleration of each continuous variable.
     pub vars: IdVec<VarId, [Values; 3]>,
     /// Each discrete variable.
     pub discretes: IdVec<DiscreteId, Values>,
-    /// The count of each timer, steps.
-    pub timers: IdVec<TimerId, Interval>,
-    /// The spaces it can be in.
-    pub spaces: BTreeSet<SpaceId>,
     /// Of each continuous variable that fell in the last step: how, and with which energy.
     pub(super) energy: IdVec<VarId, Option<(Fall, Interval)>>,
+}
+
+impl Deref for Configuration {
+    type Target = Numbers;
+
+    fn deref(&self) -> &Numbers {
+        &self.numbers
+    }
+}
+
+impl DerefMut for Configuration {
+    fn deref_mut(&mut self) -> &mut Numbers {
+        Arc::make_mut(&mut self.numbers)
+    }
 }
 
 /// What is known of a slot whatever it does: its configurations in one.
@@ -319,7 +342,7 @@ impl<'a> Reader<'a> {
             (Expr::Touching(Subject::Me, touch), true) => {
                 let mut out = from.clone();
                 for (var, places) in [VarId(0), VarId(1)].into_iter().zip(self.surroundings.places(me, touch)) {
-                    out.vars[var][0] = out.vars[var][0].and(places);
+                    out.set(var, 0, out.vars[var][0].and(places));
                 }
                 (!out.is_impossible()).then_some(out)
             }
@@ -343,10 +366,14 @@ impl<'a> Reader<'a> {
         };
         match self.program.exprs[id] {
             Expr::Var(Subject::Me, var, degree) => {
-                let values = &mut out.vars[var][usize::from(degree)];
-                *values = cut(values);
+                out.set(var, usize::from(degree), cut(&out.vars[var][usize::from(degree)]));
             }
-            Expr::Discrete(Subject::Me, id) => out.discretes[id] = cut(&out.discretes[id]),
+            Expr::Discrete(Subject::Me, id) => {
+                let left = cut(&out.discretes[id]);
+                if left != out.discretes[id] {
+                    out.discretes[id] = left;
+                }
+            }
             Expr::Timer(timer) => {
                 // Counts are cut a step too wide, as times are rounded.
                 let step = self.world.step.seconds();
@@ -374,6 +401,31 @@ impl Configuration {
         self.vars.iter().flatten().any(Values::is_none) || self.discretes.iter().any(Values::is_none)
     }
 
+    /// Of an instance that has not moved yet.
+    pub(super) fn new(
+        vars: IdVec<VarId, [Values; 3]>,
+        discretes: IdVec<DiscreteId, Values>,
+        timers: usize,
+        spaces: BTreeSet<SpaceId>,
+    ) -> Self {
+        let energy = vars.iter().map(|_| None).collect();
+        let timers = (0..timers).map(|_| Interval::point(0.0)).collect();
+        let numbers = Arc::new(Numbers { vars, discretes, energy });
+        Configuration { leaves: Vec::new(), timers, spaces: Arc::new(spaces), numbers }
+    }
+
+    /// Sets a variable (0), its velocity (1) or acceleration (2).
+    pub(super) fn set(&mut self, var: VarId, degree: usize, values: Values) {
+        if self.vars[var][degree] != values {
+            self.vars[var][degree] = values;
+        }
+    }
+
+    /// Whether the variables are the very same: nothing has been written since.
+    pub(super) fn shares(&self, other: &Configuration) -> bool {
+        Arc::ptr_eq(&self.numbers, &other.numbers)
+    }
+
     /// Whether all that can be here can be there, too.
     pub(super) fn is_within(&self, there: &Configuration) -> bool {
         let energy = |(a, b): (&Option<(Fall, Interval)>, &Option<(Fall, Interval)>)| match (a, b) {
@@ -382,30 +434,43 @@ impl Configuration {
             (None, Some(_)) => false,
         };
         let both = |a: &[Values; 3], b: &[Values; 3]| a.iter().zip(b).all(|(a, b)| a.is_within(b));
-        self.vars.iter().zip(there.vars.iter()).all(|(a, b)| both(a, b))
-            && self.discretes.iter().zip(there.discretes.iter()).all(|(a, b)| a.is_within(b))
-            && self.timers.iter().zip(there.timers.iter()).all(|(a, b)| b.low <= a.low && a.high <= b.high)
-            && self.spaces.is_subset(&there.spaces)
-            && self.energy.iter().zip(there.energy.iter()).all(energy)
+        let numbers = || {
+            self.vars.iter().zip(there.vars.iter()).all(|(a, b)| both(a, b))
+                && self.discretes.iter().zip(there.discretes.iter()).all(|(a, b)| a.is_within(b))
+                && self.energy.iter().zip(there.energy.iter()).all(energy)
+        };
+        self.timers.iter().zip(there.timers.iter()).all(|(a, b)| b.low <= a.low && a.high <= b.high)
+            && (Arc::ptr_eq(&self.spaces, &there.spaces) || self.spaces.is_subset(&there.spaces))
+            && (self.shares(there) || numbers())
     }
 
     /// Cuts speeds and heights to what energies allow.
     pub(super) fn sharpen(&mut self) {
-        for (var, energy) in self.energy.pairs() {
-            let [position, velocity, _] = &mut self.vars[var];
-            let Some((fall, energy)) = energy else { continue };
+        for var in self.energy.ids() {
+            let [mut position, mut velocity, _] = self.vars[var];
+            let Some((fall, energy)) = self.energy[var] else { continue };
             for _ in 0..2 {
-                let Some(hull) = position.hull() else { return };
-                *velocity = fall.velocities(*energy, hull, velocity);
-                let Some(hull) = velocity.hull() else { return };
-                *position = fall.positions(*energy, hull, position);
+                let Some(hull) = position.hull() else { break };
+                velocity = fall.velocities(energy, hull, &velocity);
+                let Some(hull) = velocity.hull() else { break };
+                position = fall.positions(energy, hull, &position);
             }
+            self.set(var, 0, position);
+            self.set(var, 1, velocity);
         }
     }
 
     /// What can be in either; both are of the same leaves.
     #[must_use]
     pub fn or(&self, other: &Configuration) -> Configuration {
+        let timers = self.timers.iter().zip(other.timers.iter()).map(|(a, b)| a.or(*b)).collect();
+        let spaces = match self.spaces.is_superset(&other.spaces) {
+            true => Arc::clone(&self.spaces),
+            false => Arc::new(self.spaces.union(&other.spaces).copied().collect()),
+        };
+        if self.shares(other) {
+            return Configuration { timers, spaces, ..self.clone() };
+        }
         // Positions and velocities have an energy under whatever acceleration.
         let energy = |var: VarId| {
             let of = |c: &Configuration, fall: Fall| match c.energy[var] {
@@ -415,14 +480,12 @@ impl Configuration {
             let fall = self.energy[var].or(other.energy[var])?.0;
             Some((fall, of(self, fall)?.or(of(other, fall)?)))
         };
-        Configuration {
-            leaves: self.leaves.clone(),
+        let numbers = Numbers {
             vars: self.vars.iter().zip(other.vars.iter()).map(|(a, b)| [0, 1, 2].map(|d| a[d].or(&b[d]))).collect(),
             discretes: self.discretes.iter().zip(other.discretes.iter()).map(|(a, b)| a.or(b)).collect(),
-            timers: self.timers.iter().zip(other.timers.iter()).map(|(a, b)| a.or(*b)).collect(),
-            spaces: self.spaces.union(&other.spaces).copied().collect(),
             energy: self.energy.ids().map(energy).collect(),
-        }
+        };
+        Configuration { leaves: self.leaves.clone(), timers, spaces, numbers: Arc::new(numbers) }
     }
 }
 

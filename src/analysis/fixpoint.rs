@@ -125,8 +125,6 @@ impl<'a> Analysis<'a> {
         if known.is_given_up {
             return false;
         }
-        let mut found = within_bounds(self.world, slot, found);
-        found.sharpen();
         if found.is_impossible() {
             return false;
         }
@@ -313,7 +311,9 @@ impl<'a> Analysis<'a> {
             pinned: None,
             me: None,
         };
-        Stepper { reader, slot, step: self.world.step.seconds() }
+        let flowing = self.scene.flowing[self.world.slots[slot].entity].as_deref();
+        let moving = &self.scene.moving[self.world.slots[slot].entity];
+        Stepper { reader, slot, step: self.world.step.seconds(), flowing, moving }
     }
 
     fn take(&mut self, slot: SlotId, outcome: Outcome) -> bool {

@@ -21,7 +21,7 @@ mod tiles;
 mod values;
 mod widen;
 
-pub use evaluate::Configuration;
+pub use evaluate::{Configuration, Numbers};
 pub use findings::{InvariantVerdict, findings, invariants};
 pub use values::{Interval, Values};
 

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use crate::ir::{
-    Bounds, Drive, EntityId, Id, IdVec, Meeting, Origin, ParamId, Program, Push, Shape, Side, SlotId, SpaceId, TagSet,
-    VarId, World,
+    Actions, Bounds, Drive, EdgeId, Entity, EntityId, Expr, ExprId, Group, Id, IdVec, Meeting, Origin, ParamId, Place,
+    Program, Push, Release, Shape, Side, SlotId, SpaceId, TagSet, VarId, World,
 };
 
 use super::region::Region;
@@ -90,6 +90,10 @@ pub(super) struct Scene<'a> {
     pub program: &'a Program,
     pub world: &'a World,
     pub kinds: Vec<Kind>,
+    /// Of each entity, the groups whose leaves decide how its variables flow; none if time does, too.
+    pub flowing: IdVec<EntityId, Option<Vec<bool>>>,
+    /// Of each entity, the edges whose way depends on where the instance is and how it moves.
+    pub moving: IdVec<EntityId, IdVec<EdgeId, bool>>,
     /// The kind of each slot.
     pub of: IdVec<SlotId, usize>,
     /// Of each kind, what its bodies meet of others.
@@ -137,6 +141,8 @@ impl<'a> Scene<'a> {
             program,
             world,
             kinds: Vec::new(),
+            moving: program.entities.iter().map(moving).collect(),
+            flowing: program.entities.ids().map(|e| flowing(program, e)).collect(),
             of: IdVec::new(),
             pairs: Vec::new(),
             statics: BTreeMap::new(),
@@ -426,6 +432,63 @@ pub(super) fn disjoin(edges: &mut Vec<Interval>) {
         }
         meets
     });
+}
+
+/// The groups whose leaves decide how an entity's variables flow: those that drive them, or all where what drives them
+/// asks for modes. None if it reads timers.
+fn flowing(program: &Program, entity: EntityId) -> Option<Vec<bool>> {
+    let entity = &program.entities[entity];
+    let drives = entity.free.iter().chain(entity.leaves.iter().flat_map(|l| &l.drives));
+    let values = drives.filter_map(|d| match d {
+        Drive::Flow { value, .. } => Some(*value),
+        Drive::Coast(_) | Drive::Envelope(..) => None,
+    });
+    let mut open: Vec<ExprId> = values.collect();
+    open.extend(entity.clamps.iter().flat_map(|c| [c.low, c.high]).flatten());
+    for e in entity.envelopes.iter() {
+        open.push(e.sustain);
+        open.extend([e.attack, e.peak, e.decay, e.guard].into_iter().flatten());
+        if let Release::To { rate, level } = e.release {
+            open.extend(rate);
+            open.push(level);
+        }
+    }
+    let mut asks_for_modes = false;
+    while let Some(id) = open.pop() {
+        let expr = program.exprs[id];
+        match expr {
+            Expr::Timer(_) => return None,
+            Expr::InMode(..) | Expr::Joint(..) => asks_for_modes = true,
+            _ => {}
+        }
+        open.extend(expr.operands());
+    }
+    let of = |group: &Group| {
+        let (first, after) = group.modes;
+        let mut leaves = entity.leaves.iter().filter(|l| first <= l.mode && l.mode < after);
+        asks_for_modes || leaves.any(|l| !l.drives.is_empty())
+    };
+    Some(entity.groups.iter().map(of).collect())
+}
+
+/// The edges of groups that drive variables, and those that set them or spawn something.
+fn moving(entity: &Entity) -> IdVec<EdgeId, bool> {
+    let sets = |a: &Actions| !a.spawns.is_empty() || a.updates.iter().any(|u| matches!(u.place, Place::Var(..)));
+    let group_moves = |group: &Group| {
+        let (first, after) = group.modes;
+        let mut leaves = entity.leaves.iter().filter(|l| first <= l.mode && l.mode < after);
+        let mut modes = entity.modes.pairs().filter(|(m, _)| first <= *m && *m < after);
+        leaves.any(|l| !l.drives.is_empty() || !l.follows.is_empty()) || modes.any(|(_, m)| sets(&m.entry))
+    };
+    let moves: Vec<bool> = entity.groups.iter().map(group_moves).collect();
+    let mut out: IdVec<EdgeId, bool> = entity.edges.iter().map(|e| sets(&e.actions)).collect();
+    for leaf in entity.leaves.iter() {
+        let group = entity.modes[leaf.mode].group;
+        for edge in leaf.edges.iter().filter(|_| moves[group.index()]) {
+            out[*edge] = true;
+        }
+    }
+    out
 }
 
 /// Whether a flow, an envelope or a clamp sets the position itself.

@@ -2,15 +2,17 @@
 //! follows a phase of the simulator and allows for everything that it could do.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use crate::ir::{
     Actions, By, ColliderId, Drive, EdgeId, Entity, Envelope, ExprId, GroupId, Id, IdVec, LeafId, ModeId, Place,
-    RefValue, Release, SlotId, SpaceId, SpawnId, Subject, Update, VarId,
+    RefValue, Release, SlotId, SpaceId, SpawnId, Subject, TimerId, Update, VarId,
 };
 
 use super::energy::Fall;
 use super::evaluate::{Configuration, Reader};
 use super::values::{Interval, Values};
+use super::widen::within_bounds;
 
 /// The most ways of a step that are told apart.
 const MOST_WAYS: usize = 512;
@@ -34,7 +36,7 @@ pub(super) struct Outcome {
 /// Where something puts an instance, px.
 #[derive(Debug)]
 pub(super) struct Landing {
-    pub spaces: BTreeSet<SpaceId>,
+    pub spaces: Arc<BTreeSet<SpaceId>>,
     pub at: [Interval; 2],
     /// If it is there already, and only a collider is new: which.
     pub collider: Option<ColliderId>,
@@ -54,7 +56,14 @@ pub(super) struct Stepper<'a> {
     pub slot: SlotId,
     /// s
     pub step: f64,
+    /// The groups whose leaves decide how the variables flow; none if time does, too.
+    pub flowing: Option<&'a [bool]>,
+    /// The edges whose way depends on where the instance is and how it moves.
+    pub moving: &'a IdVec<EdgeId, bool>,
 }
+
+/// Flows that have been followed: from where, and what came of it.
+type Followed = Vec<(Configuration, Option<Configuration>)>;
 
 /// A way that the groups decided so far can go: what each takes, and what the configuration is then.
 type Way = (Vec<Option<EdgeId>>, Configuration);
@@ -86,8 +95,9 @@ impl<'a> Stepper<'a> {
             }
         }
         let mut outcome = Outcome::default();
+        let mut followed = Followed::new();
         for (taken, at) in ways {
-            self.take(&taken, &at, &mut outcome);
+            self.take(&taken, &at, &mut followed, &mut outcome);
         }
         self.activations(from, &mut outcome);
         outcome.next.retain(|c| !c.is_impossible());
@@ -103,7 +113,11 @@ impl<'a> Stepper<'a> {
             let Some(at) = &rest else { return };
             let guard = entity.edges[edge].guard;
             let reader = self.at(at);
-            if let Some(held) = reader.refined(at, guard, true) {
+            if let Some(mut held) = reader.refined(at, guard, true) {
+                // What only turns a lamp on goes one way wherever that is.
+                if !self.moving[edge] && held.discretes == at.discretes {
+                    held.numbers = Arc::clone(&at.numbers);
+                }
                 out.push((with(Some(edge)), held));
             }
             rest = reader.refined(at, guard, false);
@@ -114,7 +128,7 @@ impl<'a> Stepper<'a> {
     }
 
     /// Runs what the groups have decided, then everything else of the step.
-    fn take(&self, taken: &[Option<EdgeId>], at: &Configuration, outcome: &mut Outcome) {
+    fn take(&self, taken: &[Option<EdgeId>], at: &Configuration, followed: &mut Followed, outcome: &mut Outcome) {
         let entity = self.entity();
         let mut nexts = vec![at.clone()];
         let mut ends = false;
@@ -167,8 +181,11 @@ impl<'a> Stepper<'a> {
             return;
         }
         for next in nexts {
-            let moved = self.flow(next, outcome);
-            outcome.next.extend(moved);
+            if let Some(mut moved) = self.flowed(&next, followed, outcome) {
+                moved.leaves.clone_from(&next.leaves);
+                moved.timers = self.time(&next);
+                outcome.next.push(moved);
+            }
         }
     }
 
@@ -290,7 +307,7 @@ impl<'a> Stepper<'a> {
         let mut out = Vec::new();
         // The guards of links read the world's instances.
         let onlooker = Reader { me: None, ..self.reader };
-        for &space in &at.spaces {
+        for &space in at.spaces.iter() {
             for link in &self.reader.world.spaces[space].links {
                 if link.guard.is_some_and(|g| !onlooker.truth(g).can_hold) {
                     continue;
@@ -302,7 +319,7 @@ impl<'a> Stepper<'a> {
                     continue;
                 }
                 let mut moved = next.clone();
-                moved.spaces = [link.space].into();
+                moved.spaces = Arc::new([link.space].into());
                 let along = |values: Values, from: (f64, f64), to: (f64, f64)| {
                     let at = |x: f64| to.0 + (x - from.0) * (to.1 - to.0) / (from.1 - from.0);
                     let wide =
@@ -326,10 +343,40 @@ impl<'a> Stepper<'a> {
         out
     }
 
-    /// Flows, envelopes, clamps, timers, and what a collision can do.
-    fn flow(&self, mut next: Configuration, outcome: &mut Outcome) -> Option<Configuration> {
+    /// What comes of a flow; most ways of a step differ in nothing that it depends on.
+    fn flowed(&self, next: &Configuration, followed: &mut Followed, outcome: &mut Outcome) -> Option<Configuration> {
+        let Some(flowing) = self.flowing else { return self.flow(next, outcome) };
+        let same = |known: &Configuration| {
+            let leaves = known.leaves.iter().zip(&next.leaves).zip(flowing);
+            known.shares(next) && known.spaces == next.spaces && leaves.into_iter().all(|((a, b), f)| !f || a == b)
+        };
+        if let Some((_, found)) = followed.iter().find(|(known, _)| same(known)) {
+            return found.clone();
+        }
+        let found = self.flow(next, outcome);
+        followed.push((next.clone(), found.clone()));
+        found
+    }
+
+    /// The timers a step later.
+    fn time(&self, next: &Configuration) -> IdVec<TimerId, Interval> {
         let entity = self.entity();
-        let reader = self.at(&next);
+        let limits = &self.reader.world.slots[self.slot].timer_limits;
+        let later = |(id, count): (TimerId, &Interval)| {
+            let (first, after) = entity.modes[entity.timers[id].mode].leaves;
+            let limit = f64::from(limits[id]);
+            match next.leaves.iter().any(|l| first <= *l && *l < after) {
+                true => Interval { low: (count.low + 1.0).min(limit), high: (count.high + 1.0).min(limit) },
+                false => *count,
+            }
+        };
+        next.timers.pairs().map(later).collect()
+    }
+
+    /// Flows, envelopes, clamps, and what a collision can do.
+    fn flow(&self, next: &Configuration, outcome: &mut Outcome) -> Option<Configuration> {
+        let entity = self.entity();
+        let reader = self.at(next);
         let mut drives: IdVec<VarId, Drive> = entity.vars.ids().map(Drive::Coast).collect();
         let active = next.leaves.iter().flat_map(|l| &entity.leaves[*l].drives);
         for drive in entity.free.iter().chain(active) {
@@ -388,15 +435,7 @@ impl<'a> Stepper<'a> {
             };
             moved.vars[var] = new;
             let fall = self.fall(*drive, &moved.vars[var][2]);
-            moved.energy[var] = fall.and_then(|fall| Some((fall, self.fallen(&next, &moved, var, fall)?)));
-        }
-        for (id, timer) in entity.timers.pairs() {
-            let (first, after) = entity.modes[timer.mode].leaves;
-            if next.leaves.iter().any(|l| first <= *l && *l < after) {
-                let limit = f64::from(self.reader.world.slots[self.slot].timer_limits[id]);
-                let count = moved.timers[id];
-                moved.timers[id] = Interval { low: (count.low + 1.0).min(limit), high: (count.high + 1.0).min(limit) };
-            }
+            moved.energy[var] = fall.and_then(|fall| Some((fall, self.fallen(next, &moved, var, fall)?)));
         }
         for (axis, speed) in outcome.speed.iter_mut().enumerate() {
             let var = VarId(axis as u32);
@@ -409,10 +448,10 @@ impl<'a> Stepper<'a> {
                 || entity.clamps.iter().any(|c| c.var == var && c.degree == 0);
             *speed = speed.max(if is_put { far } else { velocity });
         }
-        self.reader.surroundings.collide(self.slot, self.step, &next, &mut moved);
-        next = moved;
-        next.sharpen();
-        (!next.is_impossible()).then_some(next)
+        self.reader.surroundings.collide(self.slot, self.step, next, &mut moved);
+        let mut moved = within_bounds(self.reader.world, self.slot, moved);
+        moved.sharpen();
+        (!moved.is_impossible()).then_some(moved)
     }
 
     /// The constant acceleration that a drive is.

@@ -182,7 +182,10 @@ impl Contacts {
         let around = |edges: &[Interval]| Some(Interval { low: edges.first()?.low, high: edges.last()?.high });
         let hulls = ends.map(around);
         if hulls.iter().flatten().any(|hull| !Values::from(*hull).is_within(position)) {
-            *position = position.or(&Values::any(ends.into_iter().flatten().copied()));
+            let known = *position;
+            let is_new = |e: &Interval| !known.intervals().iter().any(|i| i.low <= e.low && e.high <= i.high);
+            let new = ends.into_iter().flatten().copied().filter(is_new);
+            *position = Values::any(known.intervals().iter().copied().chain(new));
         }
         hulls
     }

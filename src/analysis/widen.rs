@@ -1,10 +1,10 @@
 //! How growing values are brought to an end: widening to the numbers of the program, and what is in two enclosures.
 
-use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use crate::ir::{Bounds, DiscreteId, IdVec, SlotId, VarId, World};
 
-use super::evaluate::Configuration;
+use super::evaluate::{Configuration, Numbers};
 use super::values::{Interval, Values};
 
 /// Without the states at which a search stops: a player below or beside the bounds of its space.
@@ -22,8 +22,8 @@ pub(super) fn within_bounds(world: &World, slot: SlotId, mut at: Configuration) 
         })
     }) {
         let cut = |values: &Values, low: f64, high: f64| values.within(Interval { low, high });
-        at.vars[VarId(0)][0] = cut(&at.vars[VarId(0)][0], all.left, all.right);
-        at.vars[VarId(1)][0] = cut(&at.vars[VarId(1)][0], all.bottom, f64::INFINITY);
+        at.set(VarId(0), 0, cut(&at.vars[VarId(0)][0], all.left, all.right));
+        at.set(VarId(1), 0, cut(&at.vars[VarId(1)][0], all.bottom, f64::INFINITY));
     }
     at
 }
@@ -78,7 +78,8 @@ impl Patience {
     pub fn widen(&mut self, old: &Configuration, new: &mut Configuration, thresholds: &Thresholds) {
         let counts = self.vars.iter_mut().flatten().chain(self.discretes.iter_mut());
         let olds = old.vars.iter().flatten().chain(old.discretes.iter());
-        let news = new.vars.iter_mut().flatten().chain(new.discretes.iter_mut());
+        let numbers: &mut Numbers = new;
+        let news = numbers.vars.iter_mut().flatten().chain(numbers.discretes.iter_mut());
         for ((count, old), new) in counts.zip(olds).zip(news) {
             wider(count, old, new, thresholds);
         }
@@ -148,6 +149,6 @@ pub(super) fn both(a: &Configuration, b: &Configuration) -> Configuration {
     out.vars = a.vars.iter().zip(b.vars.iter()).map(|(a, b)| [0, 1, 2].map(|d| a[d].and(&b[d]))).collect();
     out.discretes = a.discretes.iter().zip(b.discretes.iter()).map(|(a, b)| a.and(b)).collect();
     out.timers = a.timers.iter().zip(b.timers.iter()).map(|(a, b)| a.and(*b).unwrap_or(*a)).collect();
-    out.spaces = a.spaces.intersection(&b.spaces).copied().collect::<BTreeSet<_>>();
+    out.spaces = Arc::new(a.spaces.intersection(&b.spaces).copied().collect());
     out
 }

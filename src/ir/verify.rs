@@ -2,7 +2,7 @@
 //! without `..`, so that a new field does not build before it is looked at. A failure is a bug of the compiler.
 
 use super::{
-    Actions, By, Clamp, Drive, Edge, Entity, Envelope, Expr, ExprId, Follow, Id, Leaf, Link, Mode, Program, RefUpdate,
+    Actions, By, Clamp, Drive, Edge, Entity, Envelope, ExprId, Follow, Id, Leaf, Link, Mode, Program, RefUpdate,
     RefValue, Release, Slot, Space, Spawn, Subject, Update, World,
 };
 
@@ -21,7 +21,7 @@ pub(super) fn verify(program: &Program) {
     assert_eq!(entities.len(), spans.entities.len(), "spans for each entity");
     assert_eq!(worlds.len(), spans.worlds.len(), "spans for each world");
     for (id, expr) in exprs.pairs() {
-        for operand in operands(*expr) {
+        for operand in expr.operands() {
             assert!(operand < id, "{operand:?} stands before {id:?}");
         }
     }
@@ -30,33 +30,6 @@ pub(super) fn verify(program: &Program) {
     }
     for world in worlds.iter() {
         verify_world(program, world);
-    }
-}
-
-fn operands(expr: Expr) -> Vec<ExprId> {
-    match expr {
-        Expr::Negate(a) | Expr::Not(a) => vec![a],
-        Expr::Arithmetic(_, a, b) | Expr::Compare(_, a, b) | Expr::And(a, b) | Expr::Or(a, b) => {
-            vec![a, b]
-        }
-        Expr::Call(_, args) => args.to_vec(),
-        Expr::Near { of: _, x, y, radius } => vec![x, y, radius],
-        Expr::Number(_)
-        | Expr::Frames(_)
-        | Expr::Bool(_)
-        | Expr::Param(..)
-        | Expr::Joint(..)
-        | Expr::IsNone(_)
-        | Expr::Is(..)
-        | Expr::Alive(_)
-        | Expr::Var(..)
-        | Expr::Discrete(..)
-        | Expr::Axis(_)
-        | Expr::Timer(_)
-        | Expr::Button(..)
-        | Expr::Touching(..)
-        | Expr::InMode(..)
-        | Expr::InSpace(..) => Vec::new(),
     }
 }
 

@@ -191,3 +191,33 @@ impl Program {
         result.is_finite().then_some(result)
     }
 }
+
+impl Expr {
+    /// The expressions that it is made of.
+    pub fn operands(self) -> Vec<ExprId> {
+        match self {
+            Expr::Negate(a) | Expr::Not(a) => vec![a],
+            Expr::Arithmetic(_, a, b) | Expr::Compare(_, a, b) | Expr::And(a, b) | Expr::Or(a, b) => {
+                vec![a, b]
+            }
+            Expr::Call(_, args) => args.to_vec(),
+            Expr::Near { of: _, x, y, radius } => vec![x, y, radius],
+            Expr::Number(_)
+            | Expr::Frames(_)
+            | Expr::Bool(_)
+            | Expr::Param(..)
+            | Expr::Joint(..)
+            | Expr::IsNone(_)
+            | Expr::Is(..)
+            | Expr::Alive(_)
+            | Expr::Var(..)
+            | Expr::Discrete(..)
+            | Expr::Axis(_)
+            | Expr::Timer(_)
+            | Expr::Button(..)
+            | Expr::Touching(..)
+            | Expr::InMode(..)
+            | Expr::InSpace(..) => Vec::new(),
+        }
+    }
+}

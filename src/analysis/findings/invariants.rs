@@ -10,7 +10,7 @@ use crate::ir::{
 
 use super::super::ConfigurationSpace;
 use super::super::evaluate::Configuration;
-use super::super::values::{Interval, Values};
+use super::super::values::Values;
 use super::judge::Reads;
 use super::{Subject, words};
 
@@ -99,14 +99,10 @@ fn beginning(program: &Program, world: &World, slot: SlotId) -> Option<Configura
         }
         leaves.push(entity.modes[mode].initial);
     }
-    Some(Configuration {
-        leaves,
-        vars: s.vars.iter().map(|v| v.map(Values::point)).collect(),
-        discretes: s.discretes.iter().map(|d| Values::point(f64::from(*d))).collect(),
-        timers: s.timer_limits.iter().map(|_| Interval::point(0.0)).collect(),
-        spaces: [s.space].into(),
-        energy: s.vars.iter().map(|_| None).collect(),
-    })
+    let vars = s.vars.iter().map(|v| v.map(Values::point)).collect();
+    let discretes = s.discretes.iter().map(|d| Values::point(f64::from(*d))).collect();
+    let first = Configuration::new(vars, discretes, s.timer_limits.len(), [s.space].into());
+    Some(Configuration { leaves, ..first })
 }
 
 /// Reports the invariants of an entity that break at the start, or that are not proven.

@@ -161,6 +161,9 @@ impl<'a> Reader<'a> {
         match self.program.exprs[id] {
             Expr::Number(n) => Values::point(n),
             Expr::Frames(n) => Values::point(n * self.world.step.seconds()),
+            Expr::Param(Subject::Me, p) if self.me.is_some() => {
+                self.me.and_then(|(me, _)| self.slots[me].params.get(p).copied()).unwrap_or_default()
+            }
             Expr::Param(of, p) => self.read(of, |o| o.params.get(p).cloned()),
             Expr::Var(of, var, degree) => match self.mine(of) {
                 Some(c) => c.vars[var][usize::from(degree)].clone(),

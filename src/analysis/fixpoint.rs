@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use crate::ir::{Entity, EntityId, Id, IdVec, LeafId, Origin, ParamId, Program, RefValue, SlotId, Subject, World};
+use crate::ir::{
+    Entity, EntityId, Id, IdVec, LeafId, Origin, ParamId, Program, RefValue, SlotId, Subject, VarId, World,
+};
 
 use super::evaluate::{Configuration, Overall, Reader};
 use super::scene::{Scene, rounded_step};
@@ -119,7 +121,6 @@ impl<'a> Analysis<'a> {
 
     /// Adds what an instance can be; gives whether that is more than before.
     pub(super) fn grow(&mut self, slot: SlotId, found: Configuration) -> bool {
-        let thresholds = &self.thresholds;
         let entity = &self.program.entities[self.world.slots[slot].entity];
         let known = &mut self.slots[slot];
         if known.is_given_up {
@@ -128,27 +129,26 @@ impl<'a> Analysis<'a> {
         if found.is_impossible() {
             return false;
         }
-        match known.configurations.get_mut(&found.leaves) {
-            None => {
-                let patience = Patience::new(&found);
-                known.configurations.insert(found.leaves.clone(), Growing { at: found, patience, is_new: true });
-                known.is_changed = true;
-                if known.configurations.len() > MOST_CONFIGURATIONS {
-                    self.give_up(slot);
-                }
-                true
+        let Some(mut growing) = known.configurations.remove(&found.leaves) else {
+            let patience = Patience::new(&found);
+            known.configurations.insert(found.leaves.clone(), Growing { at: found, patience, is_new: true });
+            known.is_changed = true;
+            if known.configurations.len() > MOST_CONFIGURATIONS {
+                self.give_up(slot);
             }
-            Some(growing) => {
-                if found.is_within(&growing.at) {
-                    return false;
-                }
-                let mut joined = growing.at.or(&found);
-                joined.sharpen();
-                if joined == growing.at {
-                    return false;
-                }
+            return true;
+        };
+        let others = |var: VarId, degree: usize| {
+            let hulls = known.configurations.values().filter_map(|g| g.at.vars[var][degree].hull());
+            hulls.reduce(Interval::or)
+        };
+        let is_more = !found.is_within(&growing.at) && {
+            let mut joined = growing.at.or(&found);
+            joined.sharpen();
+            let is_more = joined != growing.at;
+            if is_more {
                 if !self.is_narrowing {
-                    growing.patience.widen(&growing.at, &mut joined, thresholds);
+                    growing.patience.widen(&growing.at, &mut joined, &self.thresholds, others);
                 }
                 for (id, discrete) in entity.discretes.pairs() {
                     joined.discretes[id] = joined.discretes[id].and(&range(discrete.range));
@@ -157,9 +157,11 @@ impl<'a> Analysis<'a> {
                 growing.at = within_bounds(self.world, slot, joined);
                 growing.is_new = true;
                 known.is_changed = true;
-                true
             }
-        }
+            is_more
+        };
+        known.configurations.insert(found.leaves, growing);
+        is_more
     }
 
     fn overall(&self, slot: SlotId) -> Overall {
@@ -275,18 +277,19 @@ impl<'a> Analysis<'a> {
         while self.effort > 0 {
             // What is met in other spaces is not known before they are told of.
             let told = &self.overall[slot].spaces;
-            let new = self.slots[slot].configurations.values_mut();
-            let new = new.filter(|g| g.is_new && g.at.spaces.is_subset(told));
-            let due: Vec<Configuration> = new
-                .map(|g| {
-                    g.is_new = false;
-                    g.at.clone()
-                })
-                .collect();
+            let known = self.slots[slot].configurations.iter();
+            let new = known.filter(|(_, g)| g.is_new && g.at.spaces.is_subset(told));
+            let due: Vec<Vec<LeafId>> = new.map(|(leaves, _)| leaves.clone()).collect();
             if due.is_empty() {
                 break;
             }
-            for at in due {
+            for leaves in due {
+                // As it is by now: those before it may have added to it.
+                let told = &self.overall[slot].spaces;
+                let growing = self.slots[slot].configurations.get_mut(&leaves);
+                let Some(growing) = growing.filter(|g| g.at.spaces.is_subset(told)) else { continue };
+                growing.is_new = false;
+                let at = growing.at.clone();
                 match self.stepper(slot).run(&at) {
                     Some(outcome) => {
                         self.effort = self.effort.saturating_sub(outcome.next.len() + 1);

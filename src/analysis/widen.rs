@@ -30,8 +30,10 @@ pub(super) fn within_bounds(world: &World, slot: SlotId, mut at: Configuration) 
 
 /// After so many changes an end is moved to a number of the program.
 const PATIENCE: u8 = 5;
-/// How often it may stay at such a number.
-const STAYS: u8 = 10;
+/// After so many it is moved to where the variable ends in other modes.
+const STAYS_UNTIL: u8 = PATIENCE + 10;
+/// After so many it goes on for ever.
+const FOLLOWS_UNTIL: u8 = STAYS_UNTIL + 20;
 /// Energies grow by what comes in from other modes alone, and are left more time.
 const LONG_PATIENCE: u8 = 96;
 
@@ -75,13 +77,23 @@ impl Patience {
     }
 
     /// What has grown too often goes to the next number that the program knows, then on for ever.
-    pub fn widen(&mut self, old: &Configuration, new: &mut Configuration, thresholds: &Thresholds) {
-        let counts = self.vars.iter_mut().flatten().chain(self.discretes.iter_mut());
-        let olds = old.vars.iter().flatten().chain(old.discretes.iter());
+    /// `others` gives, of a variable by its number and degree, what it can be while other leaves are active.
+    pub fn widen(
+        &mut self,
+        old: &Configuration,
+        new: &mut Configuration,
+        thresholds: &Thresholds,
+        others: impl Fn(VarId, usize) -> Option<Interval>,
+    ) {
         let numbers: &mut Numbers = new;
-        let news = numbers.vars.iter_mut().flatten().chain(numbers.discretes.iter_mut());
-        for ((count, old), new) in counts.zip(olds).zip(news) {
-            wider(count, old, new, thresholds);
+        for (var, old) in old.vars.pairs() {
+            for degree in 0..3 {
+                let count = &mut self.vars[var][degree];
+                wider(count, &old[degree], &mut numbers.vars[var][degree], thresholds, || others(var, degree));
+            }
+        }
+        for (id, old) in old.discretes.pairs() {
+            wider(&mut self.discretes[id], old, &mut numbers.discretes[id], thresholds, || None);
         }
         // Time goes on until something ends it.
         for (id, old) in old.timers.pairs() {
@@ -104,7 +116,13 @@ impl Patience {
     }
 }
 
-fn wider(count: &mut u8, old: &Values, new: &mut Values, thresholds: &Thresholds) {
+fn wider(
+    count: &mut u8,
+    old: &Values,
+    new: &mut Values,
+    thresholds: &Thresholds,
+    others: impl Fn() -> Option<Interval>,
+) {
     if new == old {
         return;
     }
@@ -113,17 +131,14 @@ fn wider(count: &mut u8, old: &Values, new: &mut Values, thresholds: &Thresholds
     if *count <= PATIENCE || new.is_within(old) {
         return;
     }
-    let for_ever = *count > PATIENCE + STAYS;
-    let low = match to.low < from.low {
-        true if for_ever => f64::NEG_INFINITY,
-        true => thresholds.at_most(to.low),
-        false => to.low,
+    // What is bounded in other modes is so where it comes from there.
+    let around = match *count {
+        ..=STAYS_UNTIL => Interval { low: thresholds.at_most(to.low), high: thresholds.at_least(to.high) },
+        ..=FOLLOWS_UNTIL => others().filter(|o| o.low <= to.low && to.high <= o.high).unwrap_or(Interval::ALL),
+        _ => Interval::ALL,
     };
-    let high = match to.high > from.high {
-        true if for_ever => f64::INFINITY,
-        true => thresholds.at_least(to.high),
-        false => to.high,
-    };
+    let low = if to.low < from.low { around.low } else { to.low };
+    let high = if to.high > from.high { around.high } else { to.high };
     *new = Values::from(Interval { low, high });
 }
 

@@ -4,8 +4,8 @@
 use std::collections::BTreeSet;
 
 use crate::ir::{
-    Actions, By, Drive, EdgeId, Entity, Envelope, ExprId, GroupId, Id, IdVec, LeafId, ModeId, Place, RefValue, Release,
-    SlotId, SpaceId, SpawnId, Subject, Update, VarId,
+    Actions, By, Drive, EdgeId, Entity, Envelope, ExprId, GroupId, Id, IdVec, LeafId, Link, ModeId, Place, RefValue,
+    Release, SlotId, SpaceId, SpawnId, Subject, Update, VarId,
 };
 
 use super::energy::Fall;
@@ -114,6 +114,7 @@ impl<'a> Stepper<'a> {
         let entity = self.entity();
         let mut nexts = vec![at.clone()];
         let mut ends = false;
+        let (mut links, mut put) = (Vec::new(), [false; 2]);
         for (group, edge) in entity.groups.ids().zip(taken) {
             let from = at.leaves[group.index()];
             for &internal in &entity.leaves[from].internal {
@@ -124,6 +125,7 @@ impl<'a> Stepper<'a> {
                     for next in &mut nexts {
                         let mut changed = next.clone();
                         self.act(&internal.actions, &held, &mut changed, outcome);
+                        note_puts(&internal.actions, &mut put);
                         *next = if sure { changed } else { next.or(&changed) };
                     }
                 }
@@ -131,6 +133,8 @@ impl<'a> Stepper<'a> {
             if let Some(edge) = edge {
                 let edge = &entity.edges[*edge];
                 let Some(target) = edge.target else { continue };
+                note_puts(&edge.actions, &mut put);
+                entity.modes.iter().for_each(|m| note_puts(&m.entry, &mut put));
                 let mut entered = Vec::new();
                 for leaf in self.entered(target, at) {
                     for next in &nexts {
@@ -149,16 +153,24 @@ impl<'a> Stepper<'a> {
                     None => Some(at.clone()),
                 };
                 let Some(held) = held else { continue };
-                for next in &mut nexts {
-                    let mut moved = next.clone();
-                    if self.follow(&held, &mut moved) {
-                        outcome.landings.extend(Landing::of(&moved));
-                        self.act(&follow.actions, &held, &mut moved, outcome);
-                        *next = next.or(&moved);
-                    }
+                let open = self.open_links(&held);
+                if open.is_empty() {
+                    continue;
                 }
+                for next in &mut nexts {
+                    let mut changed = next.clone();
+                    self.act(&follow.actions, &held, &mut changed, outcome);
+                    note_puts(&follow.actions, &mut put);
+                    *next = next.or(&changed);
+                }
+                links.extend(open);
             }
         }
+        // Who goes through a link does so after all updates.
+        let moved: Vec<Configuration> =
+            nexts.iter().flat_map(|next| links.iter().map(|link| Self::through(link, next, put))).collect();
+        outcome.landings.extend(moved.iter().filter_map(Landing::of));
+        nexts.extend(moved);
         outcome.can_end |= ends;
         if ends {
             return;
@@ -277,28 +289,28 @@ impl<'a> Stepper<'a> {
         }
     }
 
-    /// Goes through any link that the instance can stand in; false if there is none.
-    fn follow(&self, at: &Configuration, next: &mut Configuration) -> bool {
+    /// The links that the instance can stand in.
+    fn open_links(&self, at: &Configuration) -> Vec<&'a Link> {
         let spaces = &self.reader.world.spaces;
-        let position = |axis: u32| at.vars[VarId(axis)][0].clone();
-        let stands = |values: &Values, low: f64, high: f64| !values.within(Interval { low, high }).is_none();
+        let stands = |axis: u32, low: f64, high: f64| !at.vars[VarId(axis)][0].within(Interval { low, high }).is_none();
         let links = at.spaces.iter().flat_map(|&s| &spaces[s].links);
-        let open: Vec<_> = links
-            .filter(|l| {
-                stands(&position(0), l.from.left, l.from.right) && stands(&position(1), l.from.bottom, l.from.top)
-            })
-            .collect();
-        if open.is_empty() {
-            return false;
+        links.filter(|l| stands(0, l.from.left, l.from.right) && stands(1, l.from.bottom, l.from.top)).collect()
+    }
+
+    /// What comes out of a link, where updates may have put `x` or `y` elsewhere since it stood there.
+    fn through(link: &Link, next: &Configuration, put: [bool; 2]) -> Configuration {
+        let mut out = next.clone();
+        out.spaces = [link.space].into();
+        let (from, to) = (link.from, link.to);
+        let axes = [((from.left, from.right), (to.left, to.right)), ((from.bottom, from.top), (to.bottom, to.top))];
+        for (axis, (from, to)) in (0..).zip(axes) {
+            let [position, ..] = &mut out.vars[VarId(axis)];
+            let stood = Interval { low: from.0, high: from.1 };
+            let values = if put[axis as usize] { *position } else { position.within(stood) };
+            *position = values.map(|i| i.map(|x| to.0 + (to.1 - to.0) * (x - from.0) / (from.1 - from.0)));
+            out.energy[VarId(axis)] = None;
         }
-        next.spaces = open.iter().map(|l| l.space).collect();
-        let wide = |low: f64, high: f64| Interval { low: low - 1e-9 * low.abs(), high: high + 1e-9 * high.abs() };
-        next.vars[VarId(0)][0] = Values::any(open.iter().map(|l| wide(l.to.left, l.to.right)));
-        next.vars[VarId(1)][0] = Values::any(open.iter().map(|l| wide(l.to.bottom, l.to.top)));
-        for var in [VarId(0), VarId(1)] {
-            next.energy[var] = None;
-        }
-        true
+        out
     }
 
     /// Flows, envelopes, clamps, timers, and what a collision can do.
@@ -480,5 +492,14 @@ impl<'a> Stepper<'a> {
             low: if to.low < from.low { to.low.max(from.low - most) } else { from.low.min(to.high) },
             high: if to.high > from.high { to.high.min(from.high + most) } else { from.high.max(to.low) },
         })
+    }
+}
+
+/// Notes which coordinates updates set.
+fn note_puts(actions: &Actions, put: &mut [bool; 2]) {
+    for update in &actions.updates {
+        if let Place::Var(var @ VarId(0 | 1), 0) = update.place {
+            put[var.index()] = true;
+        }
     }
 }

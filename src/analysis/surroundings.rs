@@ -56,6 +56,8 @@ struct Crowd {
     speed: [f64; 2],
     /// Of both axes, how far a push can be, px.
     push: [f64; 2],
+    /// Whether each is in one place for ever.
+    stays: bool,
 }
 
 impl Surroundings {
@@ -173,6 +175,10 @@ impl Crowd {
             position: [all(0, 0), all(1, 0)],
             speed: [speed(0), speed(1)],
             push: [0.0; 2],
+            stays: live().all(|o| {
+                let is_fixed = |axis| o.vars.get(VarId(axis)).is_some_and(|v| v[0].constant().is_some());
+                is_fixed(0) && is_fixed(1) && o.spaces.len() == 1
+            }),
         }
     }
 }
@@ -189,7 +195,8 @@ fn met<'s>(scene: &'s Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: 
 /// Whether what pushes a body can do so while that stands still: then it may push it into a wall, or be inside of it.
 fn can_come_over(scene: &Scene<'_>, pair: &Pair, crowds: &[Crowd]) -> bool {
     let theirs = &scene.kinds[pair.kind].bodies[pair.theirs];
-    let moves = crowds[pair.kind].speed != [0.0; 2];
+    let crowd = &crowds[pair.kind];
+    let moves = crowd.speed != [0.0; 2] || !crowd.stays;
     moves || !theirs.kinematic || !theirs.is_steady || theirs.extent.is_none() || !scene.is_settled(pair.kind)
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use hypedc::compile::{Compilation, compile};
+use hypedc::compile::{Compilation, check_with, compile};
 use hypedc::diagnostic::render::{self, Found};
 use hypedc::diagnostic::fix;
 use hypedc::format::format;
@@ -40,7 +40,7 @@ const IMPORTED: &[(&str, &[u8])] = &[
 /// A program: all that can be asked of it is answered.
 pub fn check(bytes: &[u8]) {
     let files: Vec<(&str, &[u8])> = [(ROOT, bytes)].into_iter().chain(IMPORTED.iter().copied()).collect();
-    let compiled = compile(Path::new(ROOT), &Memory(&files));
+    let compiled = check_with(Path::new(ROOT), None, &Memory(&files));
     shown(&compiled);
     mended(&compiled);
     if let Some(program) = &compiled.program {

@@ -38,6 +38,9 @@ pub fn run(program: &Program, id: WorldId, steps: usize, seed: u64) -> Run {
     let world = sim.world();
     let mut scratch = sim.scratch();
     let Ok(start) = sim.initial(&mut scratch) else { return run };
+    if !goes_on(&sim, &start) {
+        return run;
+    }
     let mut rng = Pcg64::seed_from_u64(seed);
     let mut state = start.clone();
     let mut left = 0;

@@ -56,6 +56,7 @@ pub fn program(choices: &[u16]) -> String {
         g.role = role;
         g.entity(name, tag);
     }
+    g.line("behavior Blink(t) { mode on { when timer >= t -> off } mode off { when timer >= t -> on { flag := not flag } } }");
     g.out + &world
 }
 
@@ -100,11 +101,19 @@ impl Generator<'_> {
         }
         let played = self.role == Role::Hero && self.may_ask;
         match dim {
-            Dim::Length => self.one(&["x", "y", "size", "charge", "if(target is Foe, target.x, size)"]),
+            Dim::Length => self.one(&["x", "y", "size", "charge", "if(target is Foe, target.x, size)", "size * count"]),
             Dim::Speed if played && self.chance(50) => self.one(&["speed * horizontal", "speed * vertical"]),
-            Dim::Speed => self.one(&["speed", "x'", "y'", "charge'", "if(target is Foe, target.x', speed)"]),
+            Dim::Speed => self.one(&[
+                "speed",
+                "x'",
+                "y'",
+                "charge'",
+                "if(target is Foe, target.x', speed)",
+                "speed * count",
+                "size / delay",
+            ]),
             Dim::Acceleration => self.one(&["gravity", "gravity / 2", "x''", "-gravity"]),
-            Dim::Time if self.in_mode => self.one(&["timer", "delay"]),
+            Dim::Time if self.in_mode => self.one(&["timer", "delay", "timer(g0.m0)"]),
             Dim::Time => "delay",
         }
         .into()
@@ -112,23 +121,30 @@ impl Generator<'_> {
 
     fn node(&mut self, dim: Dim) -> String {
         let a = self.value(dim);
-        match self.pick(10) {
+        match self.pick(12) {
             0 => format!("({a} + {})", self.value(dim)),
             1 => format!("({a} - {})", self.value(dim)),
             2 => format!("min({a}, {})", self.value(dim)),
             3 => format!("max({a}, {})", self.value(dim)),
             4 => format!("abs({a})"),
             5 => {
-                let known = match dim {
-                    Dim::Length => "size",
-                    Dim::Speed => "speed",
-                    Dim::Acceleration => "gravity",
-                    Dim::Time => "delay",
-                };
+                let known = ["size", "speed", "gravity", "delay"][dim as usize];
                 format!("({a} + {known}) * factor")
             }
             6 => format!("if({}, {a}, {})", self.guard(), self.value(dim)),
             7 => format!("-({a})"),
+            8 => format!("clamp({a}, {}, {})", self.value(dim), self.value(dim)),
+            9 => {
+                let turn = self.one(&[
+                    "atan2(y, x)",
+                    "sqrt(abs(x / size))",
+                    "sign(y' - x')",
+                    "round(x / size)",
+                    "sin(y / size)",
+                ]);
+                let known = ["size", "speed", "gravity", "delay"][dim as usize];
+                format!("({a} - {known} * {turn})")
+            }
             _ => match dim {
                 Dim::Length => format!("(100 + size * {}(charge / size))", self.one(&["sin", "cos", "floor"])),
                 Dim::Speed => {
@@ -323,7 +339,11 @@ impl Generator<'_> {
             let spawn = self.spawn();
             self.line(format!("when {guard} {{ {spawn} }}"));
         }
-        if deep < 1 && self.chance(25) {
+        if self.chance(10) {
+            let lost = siblings[self.pick(siblings.len())].clone();
+            self.line(format!("when lost(target) -> {lost}"));
+        }
+        if deep < 2 && self.chance(25) {
             let inner: Vec<String> = (0..1 + self.pick(2)).map(|i| format!("{name}_{i}")).collect();
             for child in &inner {
                 let path = format!("{path}.{child}");
@@ -413,6 +433,9 @@ impl Generator<'_> {
             }
             self.line("}");
         }
+        if self.chance(15) {
+            self.line("group blink { use Blink(t = delay / 2) }");
+        }
         if self.role == Role::Shot {
             self.line("group life { mode only { when timer >= 0.8 { destroy self } } }");
         }
@@ -476,6 +499,9 @@ impl Generator<'_> {
                 if self.chance(30) {
                     set.push(format!("gravity = {}", self.number(Dim::Acceleration)));
                 }
+                if self.chance(20) {
+                    set.push(self.one(&["count = 3", "y' = 100", "x' = -90", "charge = 12", "flag = true"]).into());
+                }
                 if entity == "Hero" && self.chance(50) {
                     set.push("target = foe".into());
                 }
@@ -495,6 +521,9 @@ impl Generator<'_> {
             self.line("place second: Lift at (60, 10) { speed = -30 }");
         }
         self.line("link rect(100, 0, 80, 80) -> main at rect(64, 64, 60, 40)\n}\nplayer 1: hero");
+        if self.chance(20) {
+            self.line("player 2: foe");
+        }
         for (name, goal) in [
             ("wall", "hero touching wall or any Foe touching wall"),
             ("lift", "hero touching lift or any Foe touching lift"),

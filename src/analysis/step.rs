@@ -170,13 +170,18 @@ impl<'a> Stepper<'a> {
         let moved: Vec<Configuration> =
             nexts.iter().flat_map(|next| links.iter().map(|link| Self::through(link, next, put))).collect();
         outcome.landings.extend(moved.iter().filter_map(Landing::of));
-        nexts.extend(moved);
+        let jumps = |next: &Configuration| {
+            [0, 1].map(|axis| if put[axis as usize] { shift(at, next, VarId(axis)) } else { Interval::point(0.0) })
+        };
+        let mut nexts: Vec<_> = nexts.into_iter().map(|next| (jumps(&next), next)).collect();
+        // What carried it stays behind.
+        nexts.extend(moved.into_iter().map(|next| ([Interval::point(0.0); 2], next)));
         outcome.can_end |= ends;
         if ends {
             return;
         }
-        for next in nexts {
-            let moved = self.flow(next, outcome);
+        for (jumps, next) in nexts {
+            let moved = self.flow(next, jumps, outcome);
             outcome.next.extend(moved);
         }
     }
@@ -314,7 +319,8 @@ impl<'a> Stepper<'a> {
     }
 
     /// Flows, envelopes, clamps, timers, and what a collision can do.
-    fn flow(&self, mut next: Configuration, outcome: &mut Outcome) -> Option<Configuration> {
+    /// Before, updates have put it as far as `jumps` from where it was.
+    fn flow(&self, mut next: Configuration, jumps: [Interval; 2], outcome: &mut Outcome) -> Option<Configuration> {
         let entity = self.entity();
         let reader = self.at(&next);
         let mut drives: IdVec<VarId, Drive> = entity.vars.ids().map(Drive::Coast).collect();
@@ -385,18 +391,21 @@ impl<'a> Stepper<'a> {
                 moved.timers[id] = Interval { low: (count.low + 1.0).min(limit), high: (count.high + 1.0).min(limit) };
             }
         }
+        let mut own = jumps;
         for (axis, speed) in outcome.speed.iter_mut().enumerate() {
             let var = VarId(axis as u32);
-            let far = next.vars[var][0].hull().zip(moved.vars[var][0].hull());
             // Where the position itself is driven or cut, it moves as far as from one end to the other.
-            let far = far.map_or(0.0, |(a, b)| (b.high - a.low).max(a.high - b.low) / self.step);
+            let way = shift(&next, &moved, var);
+            let far = way.high.max(-way.low) / self.step;
             let velocity = moved.vars[var][1].hull().map_or(0.0, |v| v.high.max(-v.low));
             let is_put = matches!(drives[var], Drive::Flow { degree: 0, .. })
                 || matches!(drives[var], Drive::Envelope(id, _) if entity.envelopes[id].degree == 0)
                 || entity.clamps.iter().any(|c| c.var == var && c.degree == 0);
             *speed = speed.max(if is_put { far } else { velocity });
+            let by_velocity = moved.vars[var][1].hull().map_or(Interval::point(0.0), |v| v.times(dt));
+            own[axis] = own[axis].plus(if is_put { way } else { by_velocity });
         }
-        self.reader.surroundings.collide(self.slot, self.step, &next, &mut moved);
+        self.reader.surroundings.collide(self.slot, self.step, own, &next, &mut moved);
         next = moved;
         next.sharpen();
         (!next.is_impossible()).then_some(next)
@@ -502,4 +511,10 @@ fn note_puts(actions: &Actions, put: &mut [bool; 2]) {
             put[var.index()] = true;
         }
     }
+}
+
+/// How far a variable can go from one configuration to the next.
+fn shift(from: &Configuration, to: &Configuration, var: VarId) -> Interval {
+    let hulls = from.vars[var][0].hull().zip(to.vars[var][0].hull());
+    hulls.map_or(Interval::point(0.0), |(from, to)| to.minus(from))
 }

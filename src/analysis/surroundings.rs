@@ -92,13 +92,22 @@ impl Surroundings {
         &self.contacts[self.of[slot]]
     }
 
-    /// What a collision can do: `before` as the movement began, `moved` after it.
-    pub fn collide(&self, slot: SlotId, step: f64, before: &Configuration, moved: &mut Configuration) {
+    /// What a collision can do: `before` as the movement began, `moved` after it; `own` is how far the instance has gone
+    /// by itself along both axes since the last collision.
+    pub fn collide(
+        &self,
+        slot: SlotId,
+        step: f64,
+        own: [Interval; 2],
+        before: &Configuration,
+        moved: &mut Configuration,
+    ) {
         let contacts = self.of(slot);
         for axis in 0..2 {
             if let Some(places) = &contacts.carried[axis] {
                 let var = VarId(axis as u32);
-                moved.vars[var][0] = moved.vars[var][0].or(places);
+                // It stood near the carrier, and has gone from there by itself and with it.
+                moved.vars[var][0] = moved.vars[var][0].or(&places.map(|i| i.plus(own[axis])));
                 moved.energy[var] = None;
             }
         }
@@ -264,7 +273,11 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
         out.is_loose |= !pair.meeting.response.stop || !theirs.kinematic;
         is_moved_by_movers |= !theirs.kinematic;
         out.may_penetrate |= can_come_over(scene, pair, crowds);
-        pushed_by(&mut out, &mut carried, pair, mine, theirs, &crowds[pair.kind]);
+        let crowd = &crowds[pair.kind];
+        // Both can be pushed after they have met; the carrier can be put elsewhere.
+        let step = scene.world.step.seconds();
+        let slack = [0, 1].map(|a| crowds[me].push[a] + crowd.push[a] + crowd.speed[a] * step);
+        pushed_by(&mut out, &mut carried, pair, (mine, theirs), crowd, slack);
     }
     for edges in out.edges.iter_mut().chain(&mut out.faces).flatten() {
         disjoin(edges);
@@ -317,9 +330,9 @@ fn pushed_by(
     out: &mut Contacts,
     carried: &mut [Vec<Interval>; 2],
     pair: &Pair,
-    mine: &Body,
-    theirs: &Body,
+    (mine, theirs): (&Body, &Body),
     crowd: &Crowd,
+    slack: [f64; 2],
 ) {
     let (Some(extent), Some(other)) = (mine.extent, theirs.extent) else {
         out.anywhere = true;
@@ -350,7 +363,7 @@ fn pushed_by(
             out.faces[axis][end].extend(&edges);
         }
         if pair.meeting.response.carry {
-            carried[axis].push(reach);
+            carried[axis].push(Interval { low: reach.low - slack[axis], high: reach.high + slack[axis] });
         }
     }
 }

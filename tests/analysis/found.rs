@@ -61,3 +61,43 @@ fn an_update_moves_what_goes_through_a_link() {
          }",
     );
 }
+
+/// A rider goes by itself as well as with its carrier, so that it can end beside all places where it could stand on it.
+#[test]
+fn who_is_carried_goes_by_itself_as_well() {
+    inside(
+        "entity Rider {
+             param reach: px = 60
+             continuous turn = 0
+             collider rider: rect(0, 0, 16, 16)
+             turn' = 40
+             x = reach * sin(turn)
+         }
+         entity Lift {
+             param reach: px = 30
+             continuous turn = 0
+             kinematic collider lift: rect(0, 0, 16, 16)
+             turn' = 47
+             x = reach * sin(turn)
+         }
+         world W {
+             collide rider with lift: block, carry
+             space main { place rider: Rider at (0, 16); place lift: Lift at (0, 0) }
+         }",
+    );
+    inside(
+        "entity Rider {
+             collider rider: rect(0, 0, 16, 16)
+             mode only { when timer >= 0.1 and x < 30 { x := 60 } when x > 30 { x := 0 } }
+         }
+         entity Lift {
+             kinematic collider lift: rect(0, 0, 16, 16)
+             mode right { x' = 200; when x >= 50 -> left }
+             mode left { x' = -200; when x <= 0 -> right }
+         }
+         world W {
+             collide rider with lift: block, carry
+             space main { place rider: Rider at (0, 16); place lift: Lift at (0, 0) }
+         }",
+    );
+}

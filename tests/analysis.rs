@@ -4,6 +4,7 @@
 //! each time; without it the random programs are always the same.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+#![allow(clippy::print_stdout, reason = "it says how much it has seen")]
 
 #[path = "properties/generate.rs"]
 mod any_program;

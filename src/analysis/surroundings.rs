@@ -103,11 +103,11 @@ impl Surroundings {
         moved: &mut Configuration,
     ) {
         let contacts = self.of(slot);
-        for axis in 0..2 {
-            if let Some(places) = &contacts.carried[axis] {
-                let var = VarId(axis as u32);
+        for ((axis, places), own) in (0..).zip(&contacts.carried).zip(own) {
+            if let Some(places) = places {
+                let var = VarId(axis);
                 // It stood near the carrier, and has gone from there by itself and with it.
-                moved.vars[var][0] = moved.vars[var][0].or(&places.map(|i| i.plus(own[axis])));
+                moved.vars[var][0] = moved.vars[var][0].or(&places.map(|i| i.plus(own)));
                 moved.energy[var] = None;
             }
         }

@@ -1,125 +1,140 @@
 //! What a world can be, held against what it is: no state of random runs lies outside.
+//!
+//! `HYPEDC_LONG=1 cargo test --test analysis` runs a million steps of each world and 5,000 random programs, other ones
+//! each time; without it the random programs are always the same.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+#![allow(clippy::print_stdout, reason = "it says how much it has seen")]
 
+#[path = "properties/generate.rs"]
+mod any_program;
+#[path = "analysis/found.rs"]
+mod found;
+#[path = "analysis/generate.rs"]
+mod generate;
+#[path = "analysis/outside.rs"]
+mod outside;
+#[path = "analysis/run.rs"]
+mod run;
+#[path = "analysis/sharp.rs"]
+mod sharp;
 mod support;
 
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::path::Path;
 
-use hypedc::analysis::{ConfigurationSpace, configuration_space};
 use hypedc::compile::compile;
-use hypedc::ir::{Program, VarId, WorldId};
-use hypedc::sim::{Input, PlayerInput, Simulator};
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64;
-use support::{Disk, files};
+use hypedc::ir::WorldId;
+use proptest::prelude::*;
+use proptest::test_runner::{RngSeed, TestError, TestRunner};
+use run::{Run, run};
+use support::{Disk, compile_text, files};
 
-/// Random steps of each world.
-const STEPS: usize = 5_000;
-
-/// What of a state is outside, if anything is.
-fn outside(program: &Program, sim: &Simulator<'_>, space: &ConfigurationSpace, state: &[u8]) -> Option<String> {
-    let world = sim.world();
-    for (slot, s) in world.slots.pairs() {
-        let (found, layout) = (&space.slots[slot], &world.layout.slots[slot]);
-        let entity = &program.entities[s.entity];
-        if found.is_given_up {
-            continue;
-        }
-        if !layout.alive(state) {
-            if !found.can_be_absent {
-                return Some(format!("{} is absent", s.name));
-            }
-            continue;
-        }
-        let leaves: Vec<_> = entity.groups.ids().map(|g| layout.leaf(state, g)).collect();
-        let modes: Vec<&str> = leaves.iter().map(|l| entity.modes[entity.leaves[*l].mode].path.as_str()).collect();
-        let Some(at) = found.configurations.iter().find(|c| c.leaves == leaves) else {
-            return Some(format!("{} is in {modes:?}", s.name));
-        };
-        for (var, values) in at.vars.pairs() {
-            for (degree, values) in (0u8..).zip(values) {
-                let value = layout.var(state, var, degree);
-                if !values.contains(value) {
-                    let name = format!("{}{}", entity.vars[var], "'".repeat(usize::from(degree)));
-                    return Some(format!("{} in {modes:?}: {name} is {value}, not in {values}", s.name));
-                }
-            }
-        }
-        for (id, values) in at.discretes.pairs() {
-            let value = f64::from(layout.discrete(state, id));
-            if !values.contains(value) {
-                return Some(format!("{} in {modes:?}: {} is {value}", s.name, entity.discretes[id].name));
-            }
-        }
-        for (id, count) in at.timers.pairs() {
-            if !count.contains(f64::from(layout.timer(state, id))) {
-                return Some(format!("{} in {modes:?}: {id} is {}", s.name, layout.timer(state, id)));
-            }
-        }
-        if !at.spaces.contains(&layout.space(state)) {
-            return Some(format!("{} in {modes:?}: in another space", s.name));
-        }
-    }
-    None
-}
-
-/// Whether a search would go on: no player is below or beside its space.
-fn goes_on(sim: &Simulator<'_>, state: &[u8]) -> bool {
-    sim.world().players.iter().all(|p| {
-        let layout = &sim.world().layout.slots[p.slot];
-        let bounds = sim.world().spaces[layout.space(state)].bounds;
-        let (x, y) = (layout.var(state, VarId(0), 0), layout.var(state, VarId(1), 0));
-        !layout.alive(state) || bounds.is_none_or(|b| (b.left..=b.right).contains(&x) && y >= b.bottom)
-    })
-}
-
-/// Runs a world at random; gives what was outside.
-fn run(program: &Program, id: WorldId, steps: usize, seed: u64) -> Vec<String> {
-    let space = configuration_space(program, id);
-    let sim = Simulator::new(program, id);
-    let mut scratch = sim.scratch();
-    let start = sim.initial(&mut scratch).unwrap();
-    let mut rng = Pcg64::seed_from_u64(seed);
-    let mut state = start.clone();
-    let mut found = Vec::new();
-    let mut left = 0;
-    let mut input = Input::nothing(sim.world().players.len());
-    for _ in 0..steps {
-        if let Some(what) = outside(program, &sim, &space, &state) {
-            found.push(what);
-            if found.len() > 5 {
-                break;
-            }
-        }
-        if left == 0 {
-            left = rng.random_range(1..32);
-            for player in &mut input.0 {
-                let axis = |rng: &mut Pcg64| f64::from(rng.random_range(-1..=1));
-                let axes = [axis(&mut rng), axis(&mut rng), axis(&mut rng), axis(&mut rng)];
-                *player = PlayerInput { buttons: rng.random(), axes };
-            }
-        }
-        left -= 1;
-        // A run ends where a search ends, and now and then anyway.
-        let ended = sim.step(&mut state, &input, &mut scratch).is_err();
-        if ended || !goes_on(&sim, &state) || rng.random_range(0..2_000) == 0 {
-            state.copy_from_slice(&start);
-        }
-    }
-    found
+/// Whether there is time.
+fn is_long() -> bool {
+    std::env::var_os("HYPEDC_LONG").is_some()
 }
 
 #[test]
 fn no_random_state_lies_outside() {
-    let mut all = Vec::new();
+    let steps = if is_long() { 1_000_000 } else { 5_000 };
+    let (mut all, mut worlds, mut states) = (Vec::new(), 0, 0);
     for path in files("examples", "hyped").into_iter().chain(files("tests/conformance", "hyped")) {
         let program = compile(Path::new(&path), &Disk).program.unwrap();
         for world in program.worlds.ids() {
-            for what in run(&program, world, STEPS, 1) {
-                all.push(format!("{}: {what}", path.display()));
-            }
+            let run = run(&program, world, steps, 1);
+            worlds += 1;
+            states += run.states;
+            all.extend(run.outside.into_iter().map(|what| format!("{}: {what}", path.display())));
         }
     }
+    println!("{worlds} worlds, {states} states, {} outside", all.len());
     assert!(all.is_empty(), "{}", all.join("\n"));
+}
+
+/// What happened in random programs.
+#[derive(Debug, Default)]
+struct Tally {
+    programs: usize,
+    /// Those that compile.
+    compiled: usize,
+    states: usize,
+    slots: usize,
+    given_up: usize,
+    /// How many saw what.
+    seen: BTreeMap<String, usize>,
+}
+
+impl Tally {
+    fn add(&mut self, run: &Run) {
+        self.states += run.states;
+        self.slots += run.slots;
+        self.given_up += run.given_up;
+        let happened = [("spawned", run.spawned), ("ended", run.ended), ("linked", run.linked)];
+        let happened = happened.into_iter().filter(|(_, did)| *did).map(|(name, _)| name);
+        for name in happened.chain(run.goals.iter().map(String::as_str)) {
+            *self.seen.entry(name.to_string()).or_default() += 1;
+        }
+    }
+
+    /// Of those that compile, how many of a hundred saw something.
+    fn share(&self, of: &str) -> usize {
+        100 * self.seen.get(of).copied().unwrap_or(0) / self.compiled.max(1)
+    }
+}
+
+/// Runs random programs; shrinks one with a state outside, and tells of it.
+fn hold(programs: u32, length: std::ops::Range<usize>, generate: fn(&[u16]) -> String) -> Tally {
+    let rng_seed = if is_long() { RngSeed::Random } else { RngSeed::Fixed(1) };
+    let config = ProptestConfig { cases: programs, failure_persistence: None, rng_seed, ..ProptestConfig::default() };
+    let tally = RefCell::new(Tally::default());
+    let choices = (prop::collection::vec(any::<u16>(), length), any::<u64>());
+    let result = TestRunner::new(config).run(&choices, |(choices, seed)| {
+        let mut tally = tally.borrow_mut();
+        tally.programs += 1;
+        let Some(program) = compile_text(&generate(&choices)).program else { return Ok(()) };
+        tally.compiled += 1;
+        let run = run(&program, WorldId(0), 1_000, seed);
+        tally.add(&run);
+        if run.outside.is_empty() { Ok(()) } else { Err(TestCaseError::fail(run.outside.join("\n"))) }
+    });
+    if let Err(error) = result {
+        match error {
+            TestError::Fail(why, (choices, seed)) => panic!("{}\nseed {seed}: {why}", generate(&choices)),
+            TestError::Abort(why) => panic!("{why}"),
+        }
+    }
+    let tally = tally.into_inner();
+    println!("{tally:?}");
+    tally
+}
+
+#[test]
+fn no_state_of_a_lively_program_lies_outside() {
+    let tally = hold(if is_long() { 5_000 } else { 200 }, 200..700, generate::program);
+    // Otherwise it says little.
+    assert!(tally.compiled * 100 >= tally.programs * 90, "{tally:?}");
+    assert!(tally.given_up * 100 <= tally.slots * 5, "{tally:?}");
+    let least = [
+        ("wall", 80),
+        ("lift", 25),
+        ("cloud", 25),
+        ("foe", 20),
+        ("shot", 15),
+        ("spawned", 30),
+        ("ended", 10),
+        ("linked", 12),
+        ("away", 8),
+        ("far", 8),
+    ];
+    for (what, least) in least {
+        assert!(tally.share(what) >= least, "{what}: {} of 100 programs, {tally:?}", tally.share(what));
+    }
+}
+
+#[test]
+fn no_state_of_any_program_lies_outside() {
+    let tally = hold(if is_long() { 5_000 } else { 200 }, 0..400, any_program::program);
+    assert!(tally.compiled * 100 >= tally.programs * 20, "{tally:?}");
 }

@@ -1,8 +1,12 @@
 //! What the fuzz targets do with their bytes.
 
+#[path = "../../tests/analysis/outside.rs"]
+mod outside;
+
 use std::path::Path;
 
-use hypedc::compile::{Compilation, compile};
+use hypedc::analysis::configuration_space;
+use hypedc::compile::{Compilation, check_with, compile};
 use hypedc::diagnostic::render::{self, Found};
 use hypedc::diagnostic::fix;
 use hypedc::format::format;
@@ -11,6 +15,7 @@ use hypedc::ir::{self, Program, WorldId};
 use hypedc::sim::{Input, Simulator};
 use hypedc::source::{FileId, Files, ReadError, SourceMap, decode};
 use hypedc::syntax::parse;
+use outside::{goes_on, outside, ruled_out};
 
 /// The program that is looked at.
 const ROOT: &str = "test.hyped";
@@ -40,7 +45,7 @@ const IMPORTED: &[(&str, &[u8])] = &[
 /// A program: all that can be asked of it is answered.
 pub fn check(bytes: &[u8]) {
     let files: Vec<(&str, &[u8])> = [(ROOT, bytes)].into_iter().chain(IMPORTED.iter().copied()).collect();
-    let compiled = compile(Path::new(ROOT), &Memory(&files));
+    let compiled = check_with(Path::new(ROOT), None, &Memory(&files));
     shown(&compiled);
     mended(&compiled);
     if let Some(program) = &compiled.program {
@@ -144,13 +149,20 @@ fn drawn(sources: &SourceMap, program: &Program) {
     assert_eq!(ir::text(program).is_empty(), program.entities.is_empty() && program.worlds.is_empty());
 }
 
-/// Fifty steps, every button held in turn; a fault is an answer, too. The same step gives the same state.
+/// Fifty steps, every button held in turn; a fault is an answer, too. The same step gives the same state, and none is
+/// outside of what the analysis of values has found.
 fn run(program: &Program, world: WorldId) {
     let sim = Simulator::new(program, world);
     let mut scratch = sim.scratch();
     let Ok(mut state) = sim.initial(&mut scratch) else { return };
+    let space = configuration_space(program, world);
     let mut input = Input::nothing(program.worlds[world].players.len());
     for step in 0..50u64 {
+        if !goes_on(&sim, &state) {
+            return;
+        }
+        assert_eq!(outside(program, &sim, &space, &state), None, "step {step}");
+        assert_eq!(ruled_out(program, &sim, &space, &state), None, "step {step}");
         for player in &mut input.0 {
             player.buttons = 1 << (step / 4 % 8);
             player.axes[0] = [-1.0, 0.0, 1.0][(step / 7 % 3) as usize];

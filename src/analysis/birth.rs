@@ -47,7 +47,7 @@ impl Analysis<'_> {
         let at = within_bounds(self.world, slot, at);
         let mut changed = false;
         for leaves in combinations {
-            changed |= self.grow(slot, Configuration { leaves, ..at.clone() });
+            changed |= self.grow(slot, Configuration { leaves, ..at.clone() }, false);
         }
         changed
     }

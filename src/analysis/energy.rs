@@ -83,7 +83,7 @@ impl Fall {
         let kinetic = energy.plus(position.times(Interval::point(2.0 * self.acceleration)));
         let square = wide(kinetic).high + half * half;
         if square.is_nan() || square == f64::INFINITY {
-            return velocity.clone();
+            return *velocity;
         }
         let root = square.max(0.0).sqrt();
         velocity.within(wide(Interval { low: -half - root, high: -half + root }))

@@ -35,8 +35,11 @@ pub struct Numbers {
     /// Each discrete variable.
     pub discretes: IdVec<DiscreteId, Values>,
     /// Of each continuous variable that fell in the last step: how, and with which energy.
-    pub(super) energy: IdVec<VarId, Option<(Fall, Interval)>>,
+    pub(super) energy: IdVec<VarId, Energy>,
 }
+
+/// How a variable falls, and with which energy.
+type Energy = Option<(Fall, Interval)>;
 
 impl Deref for Configuration {
     type Target = Numbers;
@@ -166,12 +169,12 @@ impl<'a> Reader<'a> {
             }
             Expr::Param(of, p) => self.read(of, |o| o.params.get(p).cloned()),
             Expr::Var(of, var, degree) => match self.mine(of) {
-                Some(c) => c.vars[var][usize::from(degree)].clone(),
+                Some(c) => c.vars[var][usize::from(degree)],
                 None if degree == 0 && var.index() < 2 => self.position(of, var.index()),
                 None => self.read(of, |o| o.vars.get(var).map(|v| v[usize::from(degree)])),
             },
             Expr::Discrete(of, id) => match self.mine(of) {
-                Some(c) => c.discretes[id].clone(),
+                Some(c) => c.discretes[id],
                 None => self.read(of, |o| o.discretes.get(id).cloned()),
             },
             Expr::Axis(_) if self.is_played() => Values::from(Interval { low: -1.0, high: 1.0 }),
@@ -295,7 +298,7 @@ impl<'a> Reader<'a> {
             }
             Expr::Near { of, x, y, radius } => {
                 let (px, py) = match self.mine(of) {
-                    Some(c) => (c.vars[VarId(0)][0].clone(), c.vars[VarId(1)][0].clone()),
+                    Some(c) => (c.vars[VarId(0)][0], c.vars[VarId(1)][0]),
                     None => (self.position(of, 0), self.position(of, 1)),
                 };
                 let apart = |a: &Values, b: ExprId| a.pairs(&self.number(b), Interval::minus).map(Interval::square);
@@ -361,7 +364,7 @@ impl<'a> Reader<'a> {
         let more = if whole { hull.low.floor() + 1.0 } else { hull.low };
         let cut = |values: &Values| match op {
             CompareOp::Equal => values.and(with),
-            CompareOp::Unequal => with.constant().map_or_else(|| values.clone(), |x| values.without(x)),
+            CompareOp::Unequal => with.constant().map_or_else(|| *values, |x| values.without(x)),
             CompareOp::Less => values.within(Interval { low: f64::NEG_INFINITY, high: less }),
             CompareOp::AtMost => values.within(Interval { low: f64::NEG_INFINITY, high: hull.high }),
             CompareOp::Greater => values.within(Interval { low: more, high: f64::INFINITY }),
@@ -431,7 +434,7 @@ impl Configuration {
 
     /// Whether all that can be here can be there, too.
     pub(super) fn is_within(&self, there: &Configuration) -> bool {
-        let energy = |(a, b): (&Option<(Fall, Interval)>, &Option<(Fall, Interval)>)| match (a, b) {
+        let energy = |(a, b): (&Energy, &Energy)| match (a, b) {
             (_, None) => true,
             (Some((a, here)), Some((b, there))) => a == b && there.low <= here.low && here.high <= there.high,
             (None, Some(_)) => false,

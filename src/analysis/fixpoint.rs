@@ -11,13 +11,15 @@ use super::scene::{Scene, rounded_step};
 use super::step::{Landing, Outcome, Stepper};
 use super::surroundings::Surroundings;
 use super::values::{Interval, Values};
-use super::widen::{Patience, Thresholds, both, within_bounds};
+use super::widen::{Patience, Thresholds, both, extended, within_bounds};
 use super::{ConfigurationSpace, SlotSpace};
 
 /// More combinations of leaves than that are not told apart.
 pub(super) const MOST_CONFIGURATIONS: usize = 1_024;
 /// How often the result is cut to what follows from it.
-const NARROWINGS: usize = 3;
+const NARROWINGS: usize = 2;
+/// How often a configuration is extended by what comes of it before that is given up.
+const MOST_EXTENSIONS: usize = 8;
 /// After so many ways of steps all is given up: everything can be anything.
 const MOST_EFFORT: usize = 300_000;
 
@@ -120,7 +122,7 @@ impl<'a> Analysis<'a> {
     }
 
     /// Adds what an instance can be; gives whether that is more than before.
-    pub(super) fn grow(&mut self, slot: SlotId, found: Configuration) -> bool {
+    pub(super) fn grow(&mut self, slot: SlotId, found: Configuration, is_own: bool) -> bool {
         let entity = &self.program.entities[self.world.slots[slot].entity];
         let known = &mut self.slots[slot];
         if known.is_given_up {
@@ -148,7 +150,7 @@ impl<'a> Analysis<'a> {
             let is_more = joined != growing.at;
             if is_more {
                 if !self.is_narrowing {
-                    growing.patience.widen(&growing.at, &mut joined, &self.thresholds, others);
+                    growing.patience.widen(&growing.at, &mut joined, &self.thresholds, is_own, others);
                 }
                 for (id, discrete) in entity.discretes.pairs() {
                     joined.discretes[id] = joined.discretes[id].and(&range(discrete.range));
@@ -186,8 +188,8 @@ impl<'a> Analysis<'a> {
             can_live: !known.configurations.is_empty(),
             can_be_absent: known.can_be_absent,
             params: known.params.clone(),
-            vars: entity.vars.ids().map(|v| [0, 1, 2].map(|d| all(&|c| c.vars[v][d].clone()))).collect(),
-            discretes: entity.discretes.ids().map(|id| all(&|c| c.discretes[id].clone())).collect(),
+            vars: entity.vars.ids().map(|v| [0, 1, 2].map(|d| all(&|c| c.vars[v][d]))).collect(),
+            discretes: entity.discretes.ids().map(|id| all(&|c| c.discretes[id])).collect(),
             spaces: known.configurations.values().flat_map(|g| g.at.spaces.iter().copied()).collect(),
             speed: known.speed,
             leaves: known.configurations.keys().flatten().copied().collect(),
@@ -293,7 +295,7 @@ impl<'a> Analysis<'a> {
                 match self.stepper(slot).run(&at) {
                     Some(outcome) => {
                         self.effort = self.effort.saturating_sub(outcome.next.len() + 1);
-                        changed |= self.take(slot, outcome);
+                        changed |= self.take(slot, &leaves, outcome);
                     }
                     None => {
                         self.give_up(slot);
@@ -319,10 +321,14 @@ impl<'a> Analysis<'a> {
         Stepper { reader, slot, step: self.world.step.seconds(), flowing, moving }
     }
 
-    fn take(&mut self, slot: SlotId, outcome: Outcome) -> bool {
+    fn take(&mut self, slot: SlotId, from: &[LeafId], outcome: Outcome) -> bool {
         let mut changed = false;
         for next in outcome.next {
-            changed |= self.grow(slot, next);
+            let is_own = next.leaves == from;
+            // What narrows a configuration is what comes in from others.
+            if !(is_own && self.is_narrowing) {
+                changed |= self.grow(slot, next, is_own);
+            }
         }
         if outcome.can_end && !self.slots[slot].can_be_absent {
             self.slots[slot].can_be_absent = true;
@@ -393,15 +399,16 @@ impl<'a> Analysis<'a> {
         changed
     }
 
-    /// Steps once from all that was found, and keeps of it only what comes of that or is there from the start.
+    /// Steps once from all that was found, and keeps of it only what comes of that or is there from the start. Ends that
+    /// a configuration has only from itself are lost: it begins anew with what comes in from others.
     fn narrow(&mut self) {
         let before = self.slots.clone();
         self.surroundings = Surroundings::new(&mut self.scene, &self.overall);
-        let mut found: Vec<(SlotId, Outcome)> = Vec::new();
+        let mut found: Vec<(SlotId, Vec<LeafId>, Outcome)> = Vec::new();
         for slot in self.world.slots.ids().filter(|s| self.is_first(*s) && !self.slots[*s].is_given_up) {
-            for growing in self.slots[slot].configurations.values() {
+            for (leaves, growing) in &self.slots[slot].configurations {
                 if let Some(outcome) = self.stepper(slot).run(&growing.at) {
-                    found.push((slot, outcome));
+                    found.push((slot, leaves.clone(), outcome));
                 }
             }
         }
@@ -413,24 +420,43 @@ impl<'a> Analysis<'a> {
         for slot in self.world.slots.ids().filter(|s| self.world.slots[*s].origin != Origin::Free) {
             self.begin(slot);
         }
-        for (slot, outcome) in found {
-            self.take(slot, outcome);
+        for (slot, leaves, outcome) in found {
+            self.take(slot, &leaves, outcome);
         }
         for (slot, known) in before.pairs() {
-            let narrowed = &mut self.slots[slot];
-            narrowed.is_given_up = known.is_given_up;
+            let mut narrowed = std::mem::take(&mut self.slots[slot].configurations);
             if known.is_given_up {
-                narrowed.configurations = known.configurations.clone();
+                narrowed.clone_from(&known.configurations);
             }
-            for (leaves, growing) in &mut narrowed.configurations {
-                if let Some(known) = known.configurations.get(leaves) {
-                    growing.at = both(&growing.at, &known.at);
-                    growing.at.sharpen();
+            for (leaves, growing) in &mut narrowed {
+                if let Some(known) = known.configurations.get(leaves).filter(|_| !self.slots[slot].is_given_up) {
+                    growing.at = self.from_entries(slot, both(&growing.at, &known.at), &known.at);
                 }
                 growing.patience = Patience::new(&growing.at);
             }
+            self.slots[slot].is_given_up = known.is_given_up;
+            self.slots[slot].configurations = narrowed;
         }
         self.tell();
+    }
+
+    /// What a configuration can be that begins with what comes in, if it was known to be no more than `known`.
+    fn from_entries(&self, slot: SlotId, entries: Configuration, known: &Configuration) -> Configuration {
+        let mut at = entries.clone();
+        for _ in 0..MOST_EXTENSIONS {
+            let Some(outcome) = self.stepper(slot).run(&at) else { break };
+            let own = outcome.next.into_iter().filter(|n| n.leaves == at.leaves).reduce(|a, b| a.or(&b));
+            let Some(own) = own else { return entries };
+            if own.is_within(&at) {
+                // Nothing more comes of it; what is not come by is cut.
+                let mut at = both(&entries.or(&own), &at);
+                at.sharpen();
+                return at;
+            }
+            at = extended(&at, &own, known);
+            at.sharpen();
+        }
+        known.clone()
     }
 
     pub fn finish(mut self) -> ConfigurationSpace {

@@ -382,6 +382,30 @@ impl<'a> Scene<'a> {
             let (x, y) = (wide(x, extent[0]), wide(y, extent[1]));
             let overlaps = |b: Bounds| x.low < b.right && b.left < x.high && y.low < b.top && b.bottom < y.high;
             solids.into_iter().any(|s| overlaps(s.bounds)) || tiles.within(x, y).any(|kind| kinds[kind])
+        }) || self.is_inside_another(kind, space, landing, far)
+    }
+
+    /// Whether it can lie inside of an instance that pushes it, if that stays where it is at first.
+    fn is_inside_another(&self, kind: usize, space: SpaceId, landing: &Landing, far: f64) -> bool {
+        let at = landing.at;
+        let me = &self.kinds[kind];
+        let pushing = |p: &&Pair| {
+            let meant = landing.collider.is_none_or(|c| c.index() == p.mine);
+            let is_other = p.kind != kind || me.slots.len() > 1;
+            meant && is_other && p.meeting.response.push != Push::Sense && !me.bodies[p.mine].kinematic
+        };
+        self.pairs[kind].iter().filter(pushing).any(|pair| {
+            let theirs = &self.kinds[pair.kind];
+            let boxes = self.kinds[kind].bodies[pair.mine].extent.zip(theirs.bodies[pair.theirs].extent);
+            let Some((mine, other)) = boxes else { return true };
+            let there = theirs.slots.iter().map(|s| &self.world.slots[*s]);
+            there.into_iter().filter(|s| s.origin != Origin::Free && s.space == space).any(|s| {
+                (0..2).all(|axis| {
+                    let from = s.vars[VarId(axis as u32)][0];
+                    let (low, high) = (from + other[axis].low + far + INSIDE, from + other[axis].high - far - INSIDE);
+                    low < at[axis].high + mine[axis].high && at[axis].low + mine[axis].low < high
+                })
+            })
         })
     }
 }

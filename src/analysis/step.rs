@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use crate::ir::{
-    Actions, By, ColliderId, Drive, EdgeId, Entity, Envelope, ExprId, GroupId, Id, IdVec, LeafId, ModeId, Place,
+    Actions, By, ColliderId, Drive, EdgeId, Entity, Envelope, ExprId, GroupId, Id, IdVec, LeafId, Link, ModeId, Place,
     RefValue, Release, SlotId, SpaceId, SpawnId, Subject, TimerId, Update, VarId,
 };
 
@@ -132,6 +132,7 @@ impl<'a> Stepper<'a> {
         let entity = self.entity();
         let mut nexts = vec![at.clone()];
         let mut ends = false;
+        let (mut links, mut put) = (Vec::new(), [false; 2]);
         for (group, edge) in entity.groups.ids().zip(taken) {
             let from = at.leaves[group.index()];
             for &internal in &entity.leaves[from].internal {
@@ -142,6 +143,7 @@ impl<'a> Stepper<'a> {
                     for next in &mut nexts {
                         let mut changed = next.clone();
                         self.act(&internal.actions, &held, &mut changed, outcome);
+                        note_puts(&internal.actions, &mut put);
                         *next = if sure { changed } else { next.or(&changed) };
                     }
                 }
@@ -149,6 +151,8 @@ impl<'a> Stepper<'a> {
             if let Some(edge) = edge {
                 let edge = &entity.edges[*edge];
                 let Some(target) = edge.target else { continue };
+                note_puts(&edge.actions, &mut put);
+                entity.modes.iter().for_each(|m| note_puts(&m.entry, &mut put));
                 let mut entered = Vec::new();
                 for leaf in self.entered(target, at) {
                     for next in &nexts {
@@ -167,21 +171,35 @@ impl<'a> Stepper<'a> {
                     None => Some(at.clone()),
                 };
                 let Some(held) = held else { continue };
-                let ways = |next: &Configuration| self.follow(&held, next);
-                let through: Vec<Configuration> = nexts.iter().flat_map(ways).collect();
-                for mut moved in through {
-                    outcome.landings.extend(Landing::of(&moved));
-                    self.act(&follow.actions, &held, &mut moved, outcome);
-                    nexts.push(moved);
+                let open = self.open_links(&held);
+                if open.is_empty() {
+                    continue;
                 }
+                for next in &mut nexts {
+                    let mut changed = next.clone();
+                    self.act(&follow.actions, &held, &mut changed, outcome);
+                    note_puts(&follow.actions, &mut put);
+                    *next = next.or(&changed);
+                }
+                links.extend(open);
             }
         }
+        // Who goes through a link does so after all updates.
+        let moved: Vec<Configuration> =
+            nexts.iter().flat_map(|next| links.iter().map(|link| self.through(*link, next, put))).collect();
+        outcome.landings.extend(moved.iter().filter_map(Landing::of));
+        let jumps = |next: &Configuration| {
+            [0, 1].map(|axis| if put[axis as usize] { shift(at, next, VarId(axis)) } else { Interval::point(0.0) })
+        };
+        let mut nexts: Vec<_> = nexts.into_iter().map(|next| (jumps(&next), next)).collect();
+        // What carried it stays behind.
+        nexts.extend(moved.into_iter().map(|next| ([Interval::point(0.0); 2], next)));
         outcome.can_end |= ends;
         if ends {
             return;
         }
-        for next in nexts {
-            if let Some(mut moved) = self.flowed(&next, followed, outcome) {
+        for (jumps, next) in nexts {
+            if let Some(mut moved) = self.flowed(&next, jumps, followed, outcome) {
                 moved.leaves.clone_from(&next.leaves);
                 moved.timers = self.time(&next);
                 outcome.next.push(moved);
@@ -302,50 +320,57 @@ impl<'a> Stepper<'a> {
         }
     }
 
-    /// Goes through any link that the instance can stand in: what comes of each.
-    fn follow(&self, at: &Configuration, next: &Configuration) -> Vec<Configuration> {
-        let mut out = Vec::new();
+    /// The links that the instance can stand in and that can be open, with their spaces.
+    fn open_links(&self, at: &Configuration) -> Vec<(SpaceId, &'a Link)> {
         // The guards of links read the world's instances.
         let onlooker = Reader { me: None, ..self.reader };
-        for &space in at.spaces.iter() {
-            for link in &self.reader.world.spaces[space].links {
-                if link.guard.is_some_and(|g| !onlooker.truth(g).can_hold) {
-                    continue;
-                }
-                let axis = |axis: u32, low: f64, high: f64| at.vars[VarId(axis)][0].within(Interval { low, high });
-                let (x, y) = (axis(0, link.from.left, link.from.right), axis(1, link.from.bottom, link.from.top));
-                let [x, y] = self.reader.surroundings.within_region(self.slot, space, &x, &y);
-                if x.is_none() || y.is_none() {
-                    continue;
-                }
-                let mut moved = next.clone();
-                moved.spaces = Arc::new([link.space].into());
-                let along = |values: Values, from: (f64, f64), to: (f64, f64)| {
-                    let at = |x: f64| to.0 + (x - from.0) * (to.1 - to.0) / (from.1 - from.0);
-                    let wide =
-                        |i: Interval| Interval { low: i.low - 1e-9 * i.low.abs(), high: i.high + 1e-9 * i.high.abs() };
-                    let to = Interval::between(to.0, to.1);
-                    // A link without an extent leads to all of the other.
-                    match from.0 < from.1 {
-                        true => values.map(|i| wide(i.map(at))).within(wide(to)),
-                        false => Values::from(wide(to)),
-                    }
-                };
-                let (from, to) = (&link.from, &link.to);
-                moved.vars[VarId(0)][0] = along(x, (from.left, from.right), (to.left, to.right));
-                moved.vars[VarId(1)][0] = along(y, (from.bottom, from.top), (to.bottom, to.top));
-                for var in [VarId(0), VarId(1)] {
-                    moved.energy[var] = None;
-                }
-                out.push(moved);
-            }
+        let links = at.spaces.iter().flat_map(|&s| self.reader.world.spaces[s].links.iter().map(move |l| (s, l)));
+        let open = |(space, link): &(SpaceId, &Link)| {
+            let [x, y] = self.standing(*space, link, at);
+            !x.is_none() && !y.is_none() && link.guard.is_none_or(|g| onlooker.truth(g).can_hold)
+        };
+        links.filter(open).collect()
+    }
+
+    /// Where the instance can stand in a link.
+    fn standing(&self, space: SpaceId, link: &Link, at: &Configuration) -> [Values; 2] {
+        let from = &link.from;
+        let axis = |axis: u32, low: f64, high: f64| at.vars[VarId(axis)][0].within(Interval { low, high });
+        let (x, y) = (axis(0, from.left, from.right), axis(1, from.bottom, from.top));
+        self.reader.surroundings.within_region(self.slot, space, &x, &y)
+    }
+
+    /// What comes out of a link, where updates may have put `x` or `y` elsewhere since it stood there.
+    fn through(&self, (space, link): (SpaceId, &Link), next: &Configuration, put: [bool; 2]) -> Configuration {
+        let mut out = next.clone();
+        out.spaces = Arc::new([link.space].into());
+        let (from, to) = (link.from, link.to);
+        let stood = match put {
+            [false, false] => self.standing(space, link, next),
+            _ => [(from.left, from.right), (from.bottom, from.top)].map(|(low, high)| Interval { low, high }.into()),
+        };
+        let axes = [((from.left, from.right), (to.left, to.right)), ((from.bottom, from.top), (to.bottom, to.top))];
+        for (axis, (from, to)) in (0..).zip(axes) {
+            let var = VarId(axis as u32);
+            let position = out.vars[var][0];
+            let values = if put[axis] { position } else { position.and(&stood[axis]) };
+            out.vars[var][0] = values.map(|i| i.map(|x| to.0 + (to.1 - to.0) * (x - from.0) / (from.1 - from.0)));
+            out.energy[var] = None;
         }
         out
     }
 
     /// What comes of a flow; most ways of a step differ in nothing that it depends on.
-    fn flowed(&self, next: &Configuration, followed: &mut Followed, outcome: &mut Outcome) -> Option<Configuration> {
-        let Some(flowing) = self.flowing else { return self.flow(next, outcome) };
+    fn flowed(
+        &self,
+        next: &Configuration,
+        jumps: [Interval; 2],
+        followed: &mut Followed,
+        outcome: &mut Outcome,
+    ) -> Option<Configuration> {
+        let Some(flowing) = self.flowing.filter(|_| jumps == [Interval::point(0.0); 2]) else {
+            return self.flow(next, jumps, outcome);
+        };
         let same = |known: &Configuration| {
             let leaves = known.leaves.iter().zip(&next.leaves).zip(flowing);
             known.shares(next) && known.spaces == next.spaces && leaves.into_iter().all(|((a, b), f)| !f || a == b)
@@ -353,7 +378,7 @@ impl<'a> Stepper<'a> {
         if let Some((_, found)) = followed.iter().find(|(known, _)| same(known)) {
             return found.clone();
         }
-        let found = self.flow(next, outcome);
+        let found = self.flow(next, jumps, outcome);
         followed.push((next.clone(), found.clone()));
         found
     }
@@ -373,8 +398,9 @@ impl<'a> Stepper<'a> {
         next.timers.pairs().map(later).collect()
     }
 
-    /// Flows, envelopes, clamps, and what a collision can do.
-    fn flow(&self, next: &Configuration, outcome: &mut Outcome) -> Option<Configuration> {
+    /// Flows, envelopes, clamps, and what a collision can do. Before, updates have put it as far as `jumps` from where it
+    /// was.
+    fn flow(&self, next: &Configuration, jumps: [Interval; 2], outcome: &mut Outcome) -> Option<Configuration> {
         let entity = self.entity();
         let reader = self.at(next);
         let mut drives: IdVec<VarId, Drive> = entity.vars.ids().map(Drive::Coast).collect();
@@ -414,7 +440,7 @@ impl<'a> Stepper<'a> {
         for (var, drive) in drives.pairs() {
             let [position, velocity, acceleration] = &next.vars[var];
             let (degree, value) = match *drive {
-                Drive::Coast(_) => (2, acceleration.clone()),
+                Drive::Coast(_) => (2, *acceleration),
                 Drive::Flow { degree, value, .. } => (degree, reader.number(value)),
                 Drive::Envelope(id, component) => {
                     let envelope = &entity.envelopes[id];
@@ -437,18 +463,21 @@ impl<'a> Stepper<'a> {
             let fall = self.fall(*drive, &moved.vars[var][2]);
             moved.energy[var] = fall.and_then(|fall| Some((fall, self.fallen(next, &moved, var, fall)?)));
         }
+        let mut own = jumps;
         for (axis, speed) in outcome.speed.iter_mut().enumerate() {
             let var = VarId(axis as u32);
-            let far = next.vars[var][0].hull().zip(moved.vars[var][0].hull());
             // Where the position itself is driven or cut, it moves as far as from one end to the other.
-            let far = far.map_or(0.0, |(a, b)| (b.high - a.low).max(a.high - b.low) / self.step);
+            let way = shift(next, &moved, var);
+            let far = way.high.max(-way.low) / self.step;
             let velocity = moved.vars[var][1].hull().map_or(0.0, |v| v.high.max(-v.low));
             let is_put = matches!(drives[var], Drive::Flow { degree: 0, .. })
                 || matches!(drives[var], Drive::Envelope(id, _) if entity.envelopes[id].degree == 0)
                 || entity.clamps.iter().any(|c| c.var == var && c.degree == 0);
             *speed = speed.max(if is_put { far } else { velocity });
+            let by_velocity = moved.vars[var][1].hull().map_or(Interval::point(0.0), |v| v.times(dt));
+            own[axis] = own[axis].plus(if is_put { way } else { by_velocity });
         }
-        self.reader.surroundings.collide(self.slot, self.step, next, &mut moved);
+        self.reader.surroundings.collide(self.slot, self.step, own, next, &mut moved);
         let mut moved = within_bounds(self.reader.world, self.slot, moved);
         moved.sharpen();
         (!moved.is_impossible()).then_some(moved)
@@ -496,13 +525,13 @@ impl<'a> Stepper<'a> {
             return hull.map_or(Values::none(), Values::from);
         }
         let Some(&var) = envelope.vars.get(component) else { return Values::all() };
-        let current = at.vars[var][usize::from(envelope.degree)].clone();
+        let current = at.vars[var][usize::from(envelope.degree)];
         let mirrored = |values: &Values| values.or(&values.map(|i| i.map(|x| -x)));
         let is_played = self.reader.world.slots[self.slot].player.is_some();
         let may_drive = is_played && envelope.guard.is_none_or(|g| reader.truth(g).can_hold);
         let mut out = Values::none();
         if may_drive {
-            let levels = envelope.peak.map_or(sustain.clone(), |p| reader.number(p).or(&sustain));
+            let levels = envelope.peak.map_or(sustain, |p| reader.number(p).or(&sustain));
             let target = match envelope.by {
                 By::Button(_) if component == 0 => levels,
                 By::Button(_) => Values::point(0.0),
@@ -533,7 +562,7 @@ impl<'a> Stepper<'a> {
 
     /// From some values towards others, by at most what a rate covers in a step.
     fn approached(&self, reader: &Reader<'_>, current: &Values, target: &Values, rate: Option<ExprId>) -> Values {
-        let Some(rate) = rate else { return target.clone() };
+        let Some(rate) = rate else { return *target };
         let Some(rate) = reader.number(rate).hull() else { return Values::none() };
         let most = rate.high.abs().max(rate.low.abs()) * self.step;
         if rate.low < 0.0 {
@@ -545,4 +574,19 @@ impl<'a> Stepper<'a> {
             high: if to.high > from.high { to.high.min(from.high + most) } else { from.high.max(to.low) },
         })
     }
+}
+
+/// Notes which coordinates updates set.
+fn note_puts(actions: &Actions, put: &mut [bool; 2]) {
+    for update in &actions.updates {
+        if let Place::Var(var @ VarId(0 | 1), 0) = update.place {
+            put[var.index()] = true;
+        }
+    }
+}
+
+/// How far a variable can go from one configuration to the next.
+fn shift(from: &Configuration, to: &Configuration, var: VarId) -> Interval {
+    let hulls = from.vars[var][0].hull().zip(to.vars[var][0].hull());
+    hulls.map_or(Interval::point(0.0), |(from, to)| to.minus(from))
 }

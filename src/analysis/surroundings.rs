@@ -63,6 +63,8 @@ struct Crowd {
     push: [f64; 2],
     /// How far a step takes it along an axis, px, if it is held by what never moves and never inside of it.
     held: Option<f64>,
+    /// Whether each is in one place for ever.
+    stays: bool,
 }
 
 impl Surroundings {
@@ -107,13 +109,22 @@ impl Surroundings {
         &self.contacts[self.of[slot]]
     }
 
-    /// What a collision can do: `before` as the movement began, `moved` after it.
-    pub fn collide(&self, slot: SlotId, step: f64, before: &Configuration, moved: &mut Configuration) {
+    /// What a collision can do: `before` as the movement began, `moved` after it; `own` is how far the instance has gone
+    /// by itself along both axes since the last collision.
+    pub fn collide(
+        &self,
+        slot: SlotId,
+        step: f64,
+        own: [Interval; 2],
+        before: &Configuration,
+        moved: &mut Configuration,
+    ) {
         let contacts = self.of(slot);
-        for axis in 0..2 {
-            if let Some(places) = &contacts.carried[axis] {
-                let var = VarId(axis as u32);
-                moved.vars[var][0] = moved.vars[var][0].or(places);
+        for ((axis, places), own) in (0..).zip(&contacts.carried).zip(own) {
+            if let Some(places) = places {
+                let var = VarId(axis);
+                // It stood near the carrier, and has gone from there by itself and with it.
+                moved.vars[var][0] = moved.vars[var][0].or(&places.map(|i| i.plus(own)));
                 moved.energy[var] = None;
             }
         }
@@ -212,6 +223,10 @@ impl Crowd {
             speed: [speed(0), speed(1)],
             push: [0.0; 2],
             held: None,
+            stays: live().all(|o| {
+                let is_fixed = |axis| o.vars.get(VarId(axis)).is_some_and(|v| v[0].constant().is_some());
+                is_fixed(0) && is_fixed(1) && o.spaces.len() == 1
+            }),
         }
     }
 }
@@ -228,7 +243,8 @@ fn met<'s>(scene: &'s Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: 
 /// Whether what pushes a body can do so while that stands still: then it may push it into a wall, or be inside of it.
 fn can_come_over(scene: &Scene<'_>, pair: &Pair, crowds: &[Crowd]) -> bool {
     let theirs = &scene.kinds[pair.kind].bodies[pair.theirs];
-    let moves = crowds[pair.kind].speed != [0.0; 2];
+    let crowd = &crowds[pair.kind];
+    let moves = crowd.speed != [0.0; 2] || !crowd.stays;
     let appears = scene.kinds[pair.kind].appears;
     moves || !theirs.kinematic || appears || theirs.extent.is_none() || !scene.is_settled(pair.kind)
 }
@@ -300,7 +316,11 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
         out.is_loose |= !pair.meeting.response.stop || !theirs.kinematic;
         is_moved_by_movers |= !theirs.kinematic;
         out.may_penetrate |= can_come_over(scene, pair, crowds);
-        pushed_by(&mut out, &mut carried, pair, mine, theirs, &crowds[pair.kind]);
+        let crowd = &crowds[pair.kind];
+        // Both can be pushed after they have met; the carrier can be put elsewhere.
+        let step = scene.world.step.seconds();
+        let slack = [0, 1].map(|a| crowds[me].push[a] + crowd.push[a] + crowd.speed[a] * step);
+        pushed_by(&mut out, &mut carried, pair, (mine, theirs), crowd, slack);
     }
     for edges in out.edges.iter_mut().chain(&mut out.faces).flatten() {
         disjoin(edges);
@@ -336,8 +356,7 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
             Values::any(of_statics.map(|p| wide(*p, moved)).chain(of_others))
         });
         let pushes = |p: &&&Pair| p.meeting.response.push != Push::Sense && !body(p).0.kinematic;
-        let by_all =
-            statics.iter().all(|s| s.pushed.get(id.index()) == Some(&true)) && asked.iter().all(|p| pushes(&p));
+        let by_all = statics.iter().all(|s| s.pushed.get(id.index()) == Some(&true)) && asked.iter().all(pushes);
         if let (Some(side), true) = (touch.side, by_all && !is_moved_by_movers && !out.anywhere) {
             let (axis, end) = face(side);
             let edges = if deep { &out.edges } else { &out.faces };
@@ -354,9 +373,9 @@ fn pushed_by(
     out: &mut Contacts,
     carried: &mut [Vec<Interval>; 2],
     pair: &Pair,
-    mine: &Body,
-    theirs: &Body,
+    (mine, theirs): (&Body, &Body),
     crowd: &Crowd,
+    slack: [f64; 2],
 ) {
     let (Some(extent), Some(other)) = (mine.extent, theirs.extent) else {
         out.anywhere = true;
@@ -387,7 +406,7 @@ fn pushed_by(
             out.faces[axis][end].extend(&edges);
         }
         if pair.meeting.response.carry {
-            carried[axis].push(reach);
+            carried[axis].push(Interval { low: reach.low - slack[axis], high: reach.high + slack[axis] });
         }
     }
 }

@@ -28,12 +28,14 @@ pub(super) fn within_bounds(world: &World, slot: SlotId, mut at: Configuration) 
     at
 }
 
+/// What a growth that comes from the configuration itself counts, against one that comes from others.
+const OWN: u8 = 4;
 /// After so many changes an end is moved to a number of the program.
-const PATIENCE: u8 = 5;
+const PATIENCE: u8 = 5 * OWN;
 /// After so many it is moved to where the variable ends in other modes.
-const STAYS_UNTIL: u8 = PATIENCE + 10;
+const STAYS_UNTIL: u8 = PATIENCE + 10 * OWN;
 /// After so many it goes on for ever.
-const FOLLOWS_UNTIL: u8 = STAYS_UNTIL + 20;
+const FOLLOWS_UNTIL: u8 = STAYS_UNTIL + 20 * OWN;
 /// Energies grow by what comes in from other modes alone, and are left more time.
 const LONG_PATIENCE: u8 = 96;
 
@@ -77,23 +79,27 @@ impl Patience {
     }
 
     /// What has grown too often goes to the next number that the program knows, then on for ever.
-    /// `others` gives, of a variable by its number and degree, what it can be while other leaves are active.
+    /// `others` gives, of a variable by its number and degree, what it can be while other leaves are active; `is_own`
+    /// tells that the growth comes from the configuration itself. What comes from others ends when they are widened,
+    /// mostly.
     pub fn widen(
         &mut self,
         old: &Configuration,
         new: &mut Configuration,
         thresholds: &Thresholds,
+        is_own: bool,
         others: impl Fn(VarId, usize) -> Option<Interval>,
     ) {
+        let weight = if is_own { OWN } else { 1 };
         let numbers: &mut Numbers = new;
         for (var, old) in old.vars.pairs() {
-            for degree in 0..3 {
-                let count = &mut self.vars[var][degree];
-                wider(count, &old[degree], &mut numbers.vars[var][degree], thresholds, || others(var, degree));
+            let places = self.vars[var].iter_mut().zip(&mut numbers.vars[var]);
+            for ((degree, old), (count, new)) in old.iter().enumerate().zip(places) {
+                wider((count, weight), old, new, thresholds, || others(var, degree));
             }
         }
         for (id, old) in old.discretes.pairs() {
-            wider(&mut self.discretes[id], old, &mut numbers.discretes[id], thresholds, || None);
+            wider((&mut self.discretes[id], weight), old, &mut numbers.discretes[id], thresholds, || None);
         }
         // Time goes on until something ends it.
         for (id, old) in old.timers.pairs() {
@@ -117,7 +123,7 @@ impl Patience {
 }
 
 fn wider(
-    count: &mut u8,
+    (count, weight): (&mut u8, u8),
     old: &Values,
     new: &mut Values,
     thresholds: &Thresholds,
@@ -126,16 +132,17 @@ fn wider(
     if new == old {
         return;
     }
-    *count = count.saturating_add(1);
+    *count = count.saturating_add(weight);
     let (Some(from), Some(to)) = (old.hull(), new.hull()) else { return };
-    if *count <= PATIENCE || new.is_within(old) {
+    if *count <= PATIENCE || new.is_within(old) || weight == 1 && *count <= STAYS_UNTIL {
         return;
     }
     // What is bounded in other modes is so where it comes from there.
-    let around = match *count {
-        ..=STAYS_UNTIL => Interval { low: thresholds.at_most(to.low), high: thresholds.at_least(to.high) },
-        ..=FOLLOWS_UNTIL => others().filter(|o| o.low <= to.low && to.high <= o.high).unwrap_or(Interval::ALL),
-        _ => Interval::ALL,
+    let around = if *count <= STAYS_UNTIL {
+        Interval { low: thresholds.at_most(to.low), high: thresholds.at_least(to.high) }
+    } else {
+        let others = others().filter(|o| *count <= FOLLOWS_UNTIL && o.low <= to.low && to.high <= o.high);
+        others.unwrap_or(Interval::ALL)
     };
     let low = if to.low < from.low { around.low } else { to.low };
     let high = if to.high > from.high { around.high } else { to.high };
@@ -165,5 +172,39 @@ pub(super) fn both(a: &Configuration, b: &Configuration) -> Configuration {
     out.discretes = a.discretes.iter().zip(b.discretes.iter()).map(|(a, b)| a.and(b)).collect();
     out.timers = a.timers.iter().zip(b.timers.iter()).map(|(a, b)| a.and(*b).unwrap_or(*a)).collect();
     out.spaces = Arc::new(a.spaces.intersection(&b.spaces).copied().collect());
+    out
+}
+
+/// A configuration with what comes of it: what goes beyond its ends goes as far as was known.
+pub(super) fn extended(at: &Configuration, own: &Configuration, known: &Configuration) -> Configuration {
+    let values = |at: &Values, own: &Values, known: &Values| {
+        let joined = at.or(own);
+        let (Some(a), Some(b), Some(k)) = (at.hull(), own.hull(), known.hull()) else { return joined };
+        if joined == *at {
+            return joined;
+        }
+        let low = if b.low < a.low { k.low } else { a.low };
+        let high = if b.high > a.high { k.high } else { a.high };
+        known.within(Interval { low, high }).or(&joined).and(known)
+    };
+    let mut out = at.or(own);
+    for (var, known) in known.vars.pairs() {
+        for (degree, known) in known.iter().enumerate() {
+            out.set(var, degree, values(&at.vars[var][degree], &own.vars[var][degree], known));
+        }
+    }
+    for (id, known) in known.discretes.pairs() {
+        out.discretes[id] = values(&at.discretes[id], &own.discretes[id], known);
+    }
+    for (id, known) in known.timers.pairs() {
+        if own.timers[id].high > at.timers[id].high {
+            out.timers[id].high = known.high;
+        }
+    }
+    for (var, known) in known.energy.pairs() {
+        if out.energy[var] != at.energy[var] {
+            out.energy[var] = *known;
+        }
+    }
     out
 }

@@ -95,7 +95,9 @@ impl Slot<'_> {
         let steady: Vec<String> = steady.map(|c| self.relation(*c, place)).collect();
         out.push_str(&wrapped("  always  ", &steady));
         if self.space.configurations.iter().any(|c| c.leaves.len() > 1) {
-            out.push_str(&format!("  {} combinations of modes\n", self.space.configurations.len()));
+            let count = self.space.configurations.len();
+            let noun = if count == 1 { "combination" } else { "combinations" };
+            out.push_str(&format!("  {count} {noun} of modes\n"));
         }
         for group in groups {
             let own: Vec<Column> = columns.iter().copied().filter(|c| differs(c, group)).collect();
@@ -151,7 +153,7 @@ impl Slot<'_> {
                 let count: f64 = values.intervals().iter().map(|i| i.high - i.low + 1.0).sum();
                 count > 2.0 && count == h.high - h.low + 1.0
             });
-            return shown(&joined.map_or_else(|| values.clone(), Values::from));
+            return shown(&joined.map_or_else(|| *values, Values::from));
         }
         let names: Vec<String> =
             values.intervals().iter().flat_map(|i| i.low as i64..=i.high as i64).map(name).collect();

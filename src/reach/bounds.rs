@@ -122,8 +122,8 @@ fn reduced(entity: &Entity, slot: SlotId, space: &SlotSpace, all: &[Coordinate])
 /// What a quantity can be in a configuration.
 fn values(at: &Configuration, quantity: Quantity) -> Values {
     match quantity {
-        Quantity::Var(_, var, degree) => at.vars[var][usize::from(degree)].clone(),
-        Quantity::Discrete(_, id) => at.discretes[id].clone(),
+        Quantity::Var(_, var, degree) => at.vars[var][usize::from(degree)],
+        Quantity::Discrete(_, id) => at.discretes[id],
         Quantity::Timer(_, id) => Values::from(at.timers[id]),
     }
 }

@@ -82,11 +82,11 @@ pub(super) fn read(subject: &Subject<'_>, reads: &Reads, at: &[(&Occurrence<'_>,
     };
     let mut out = Vec::new();
     for &(var, degree) in &reads.vars {
-        let found = all(&|_, c| c.vars[var][usize::from(degree)].clone());
+        let found = all(&|_, c| c.vars[var][usize::from(degree)]);
         out.push(format!("`{}` {}", derivative(entity, var, degree), values(&found, unit(entity, var, degree))));
     }
     for &id in &reads.discretes {
-        let found = all(&|_, c| c.discretes[id].clone());
+        let found = all(&|_, c| c.discretes[id]);
         out.push(format!("`{}` {}", entity.discretes[id].name, discrete(&entity.discretes[id].domain, &found)));
     }
     for &id in &reads.timers {
@@ -104,7 +104,7 @@ pub(super) fn read(subject: &Subject<'_>, reads: &Reads, at: &[(&Occurrence<'_>,
         out.push(format!("`{name}` {}", values(&found, "s")));
     }
     for &id in &reads.params {
-        let found = all(&|o, _| o.space.overall[o.slot].params[id].clone());
+        let found = all(&|o, _| o.space.overall[o.slot].params[id]);
         out.push(format!("`{}` {}", entity.params[id].name, values(&found, "")));
     }
     out

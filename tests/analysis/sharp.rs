@@ -1,0 +1,187 @@
+//! How tight the spaces of the paper's tests and of Mario are: within what the system of 2017 took its samples from, in
+//! each mode and dimension.
+//!
+//! Its rules: positions are in [0, 640]. A variable starts from its first value. A constant flow gives its value, and 0
+//! if the entity can be pushed; an envelope gives from minus to plus its sustain level; who has no flow rests. Derivatives
+//! above the one that is driven are 0. An acceleration widens the velocity to 1000 on its side, a velocity the position.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use hypedc::analysis::{Configuration, ConfigurationSpace, Interval, Values, configuration_space};
+use hypedc::compile::compile;
+use hypedc::ir::{Program, SlotId, VarId, WorldId};
+
+use crate::support::{Disk, program};
+
+const X: VarId = VarId(0);
+const Y: VarId = VarId(1);
+
+fn space(path: &str) -> (Program, ConfigurationSpace) {
+    let program = program(compile(Path::new(path), &Disk));
+    let space = configuration_space(&program, WorldId(0));
+    (program, space)
+}
+
+fn slot(program: &Program, name: &str) -> SlotId {
+    program.worlds[WorldId(0)].slots.find(|s| s.name == name).unwrap()
+}
+
+/// The configurations of a slot with the mode of its first group.
+fn modes<'s>(program: &'s Program, space: &'s ConfigurationSpace, name: &str) -> Vec<(&'s str, &'s Configuration)> {
+    let slot = slot(program, name);
+    let entity = &program.entities[program.worlds[WorldId(0)].slots[slot].entity];
+    let found = &space.slots[slot];
+    assert!(!found.is_given_up && !found.configurations.is_empty(), "{name}");
+    found.configurations.iter().map(|c| (entity.modes[entity.leaves[c.leaves[0]].mode].path.as_str(), c)).collect()
+}
+
+/// All configurations of a world, line by line.
+fn shown(program: &Program, space: &ConfigurationSpace) -> String {
+    let mut out = String::new();
+    for (id, s) in program.worlds[WorldId(0)].slots.pairs() {
+        let entity = &program.entities[s.entity];
+        for at in &space.slots[id].configurations {
+            let leaves = at.leaves.iter().map(|l| entity.modes[entity.leaves[*l].mode].path.as_str());
+            writeln!(out, "{} in {}", s.name, leaves.collect::<Vec<_>>().join(", ")).unwrap();
+            for (var, values) in at.vars.pairs() {
+                for (degree, values) in values.iter().enumerate() {
+                    let name = format!("{}{}", entity.vars[var], "'".repeat(degree));
+                    writeln!(out, "  {name:<3} {values}").unwrap();
+                }
+            }
+        }
+    }
+    out
+}
+
+/// What the system of 2017 allows in a mode: `x'`, `x''`, `y'`, `y''`.
+struct Old {
+    slot: &'static str,
+    mode: &'static str,
+    bounds: [&'static [(f64, f64)]; 4],
+}
+
+const ZERO: &[(f64, f64)] = &[(0.0, 0.0)];
+
+const TEST1: &[Old] = &[
+    // It can be pushed, so that 0 is beside each flow. Gravity widens y' from 0 down to -1000.
+    Old { slot: "hero", mode: "stop", bounds: [ZERO, ZERO, &[(-1000.0, 0.0)], &[(-1000.0, -1000.0), (0.0, 0.0)]] },
+    Old {
+        slot: "hero",
+        mode: "right",
+        bounds: [&[(0.0, 0.0), (60.0, 60.0)], ZERO, &[(-1000.0, 0.0)], &[(-1000.0, -1000.0), (0.0, 0.0)]],
+    },
+    Old {
+        slot: "hero",
+        mode: "left",
+        bounds: [&[(-60.0, -60.0), (0.0, 0.0)], ZERO, &[(-1000.0, 0.0)], &[(-1000.0, -1000.0), (0.0, 0.0)]],
+    },
+    // Nothing pushes a platform: its flow and nothing else; without a flow it rests.
+    Old { slot: "brown", mode: "wait", bounds: [ZERO, ZERO, ZERO, ZERO] },
+    Old { slot: "brown", mode: "right", bounds: [&[(30.0, 30.0)], ZERO, ZERO, ZERO] },
+    Old { slot: "brown", mode: "left", bounds: [&[(-30.0, -30.0)], ZERO, ZERO, ZERO] },
+    // Before its first step it has its first velocity, which that system did not count.
+    Old { slot: "blue", mode: "right", bounds: [&[(0.0, 0.0), (30.0, 30.0)], ZERO, ZERO, ZERO] },
+    Old { slot: "blue", mode: "left", bounds: [&[(-30.0, -30.0)], ZERO, ZERO, ZERO] },
+];
+
+// x' is driven by an envelope that sustains 100. A jump begins with 200 and gravity widens y' from there to -1000.
+const RUN: &[(f64, f64)] = &[(-100.0, 100.0)];
+const JUMP: &[(f64, f64)] = &[(-1000.0, 200.0)];
+
+const TEST2: &[Old] = &[
+    Old { slot: "hero", mode: "air.falling", bounds: [RUN, ZERO, JUMP, &[(-400.0, -400.0), (0.0, 0.0)]] },
+    Old { slot: "hero", mode: "air.jump_control", bounds: [RUN, ZERO, JUMP, &[(-250.0, -250.0), (0.0, 0.0)]] },
+    Old { slot: "hero", mode: "air.jump_fixed", bounds: [RUN, ZERO, JUMP, &[(-250.0, -250.0), (0.0, 0.0)]] },
+    // The flow is y' = -30: above it all is 0.
+    Old { slot: "hero", mode: "ground", bounds: [RUN, ZERO, &[(-30.0, -30.0), (0.0, 0.0)], ZERO] },
+    Old { slot: "brown", mode: "wait", bounds: [ZERO, ZERO, ZERO, ZERO] },
+    Old { slot: "brown", mode: "right", bounds: [&[(30.0, 30.0)], ZERO, ZERO, ZERO] },
+    Old { slot: "brown", mode: "left", bounds: [&[(-30.0, -30.0)], ZERO, ZERO, ZERO] },
+    Old { slot: "green", mode: "right", bounds: [&[(0.0, 0.0), (30.0, 30.0)], ZERO, ZERO, ZERO] },
+    Old { slot: "green", mode: "left", bounds: [&[(-30.0, -30.0)], ZERO, ZERO, ZERO] },
+];
+
+/// The space is within what was, in each mode and dimension.
+fn is_tighter(path: &str, old: &[Old]) {
+    let (program, space) = space(path);
+    let mut met = 0;
+    for name in ["hero", "brown", "blue", "green"] {
+        if program.worlds[WorldId(0)].slots.iter().all(|s| s.name != name) {
+            continue;
+        }
+        for (mode, at) in modes(&program, &space, name) {
+            let Some(old) = old.iter().find(|o| (o.slot, o.mode) == (name, mode)) else {
+                panic!("{path}: {name} in {mode} is not in the table");
+            };
+            met += 1;
+            let derivatives = [(X, 1), (X, 2), (Y, 1), (Y, 2)];
+            for ((var, degree), bounds) in derivatives.into_iter().zip(old.bounds) {
+                let (ours, theirs) = (&at.vars[var][degree], bounds.iter().map(|(a, b)| Interval::between(*a, *b)));
+                let theirs = Values::any(theirs);
+                assert!(ours.is_within(&theirs), "{path}: {name} in {mode}, {var} {degree}: {ours}, {theirs}");
+            }
+            for var in [X, Y] {
+                let ours = at.vars[var][0].hull().unwrap();
+                assert!(0.0 <= ours.low && ours.high <= 640.0, "{path}: {name} in {mode}, {var}: {ours}");
+            }
+            let level = program.worlds[WorldId(0)].spaces.iter().next().unwrap().bounds.unwrap();
+            let x = at.vars[X][0].hull().unwrap();
+            assert!(level.left <= x.low && x.high <= level.right, "{path}: {name} in {mode}: {x}");
+        }
+    }
+    // Otherwise a mode has become impossible, or the table holds what is not there.
+    assert_eq!(met, old.len(), "{path}");
+}
+
+#[test]
+fn test_1_is_tighter_than_it_was() {
+    is_tighter("examples/paper/test1.hyped", TEST1);
+    let (program, space) = space("examples/paper/test1.hyped");
+    insta::assert_snapshot!("paper_test1", shown(&program, &space));
+}
+
+#[test]
+fn test_2_is_tighter_than_it_was() {
+    is_tighter("examples/paper/test2.hyped", TEST2);
+    let (program, space) = space("examples/paper/test2.hyped");
+    insta::assert_snapshot!("paper_test2", shown(&program, &space));
+}
+
+#[test]
+fn a_platform_is_one_interval() {
+    let (program, space) = space("examples/paper/test1.hyped");
+    for (name, y) in [("brown", 32.0), ("blue", 32.0)] {
+        for (mode, at) in modes(&program, &space, name) {
+            let [x, speed, ..] = &at.vars[X];
+            assert_eq!(x.intervals().len(), 1, "{name} in {mode}: {x}");
+            assert_eq!(
+                at.vars[Y].each_ref().map(Values::constant),
+                [Some(y), Some(0.0), Some(0.0)],
+                "{name} in {mode}"
+            );
+            // Blue begins in `right`, at rest.
+            match (name, mode) {
+                ("blue", "right") => assert_eq!(format!("{speed}"), "0, 30"),
+                _ => assert!(speed.constant().is_some(), "{name} in {mode}: {speed}"),
+            }
+        }
+    }
+}
+
+#[test]
+fn mario_rises_and_falls_no_faster_than_he_can() {
+    let (program, space) = space("examples/mario.hyped");
+    let all = modes(&program, &space, "hero");
+    assert!(all.len() > 100, "{}", all.len());
+    let (fall_limit, jump_speed) = (-300.0, 200.0);
+    let mut least = 0.0_f64;
+    for (mode, at) in all {
+        let speed = at.vars[Y][1].hull().unwrap();
+        assert!(fall_limit <= speed.low && speed.high <= jump_speed, "{mode}: {speed}");
+        least = least.min(speed.low);
+    }
+    // The limit is reached: he falls into pits.
+    assert_eq!(least, fall_limit);
+}

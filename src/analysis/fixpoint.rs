@@ -2,11 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use crate::ir::{Entity, EntityId, Id, IdVec, LeafId, Origin, ParamId, Program, RefValue, SlotId, Subject, World};
+use crate::ir::{
+    DiscreteId, Entity, EntityId, Id, IdVec, LeafId, Origin, ParamId, Program, RefValue, SlotId, Subject, World,
+};
 
 use super::evaluate::{Configuration, Overall, Reader};
 use super::scene::Scene;
 use super::step::{Landing, Outcome, Stepper};
+use super::supply;
 use super::surroundings::Surroundings;
 use super::values::{Interval, Values};
 use super::widen::{Patience, Thresholds, both, within_bounds};
@@ -49,6 +52,8 @@ pub(super) struct Analysis<'a> {
     pub surroundings: Surroundings,
     /// Of each slot the one that is looked at for it: slots in which nothing is at first are alike.
     first: IdVec<SlotId, SlotId>,
+    /// What discrete variables can be at most, whatever the steps.
+    limits: IdVec<SlotId, IdVec<DiscreteId, Values>>,
     /// Whether what is found is cut, so that nothing grows for ever.
     is_narrowing: bool,
     /// How many ways of steps may still be looked at.
@@ -81,6 +86,7 @@ impl<'a> Analysis<'a> {
             slots,
             first: first.collect(),
             scene: Scene::new(program, world),
+            limits: supply::limits(program, world),
             surroundings: Surroundings::default(),
             effort: MOST_EFFORT,
             is_narrowing: false,
@@ -120,12 +126,12 @@ impl<'a> Analysis<'a> {
     /// Adds what an instance can be; gives whether that is more than before.
     pub(super) fn grow(&mut self, slot: SlotId, found: Configuration) -> bool {
         let thresholds = &self.thresholds;
-        let entity = &self.program.entities[self.world.slots[slot].entity];
         let known = &mut self.slots[slot];
         if known.is_given_up {
             return false;
         }
         let mut found = within_bounds(self.world, slot, found);
+        cut(&mut found.discretes, &self.limits[slot]);
         found.sharpen();
         if found.is_impossible() {
             return false;
@@ -152,9 +158,7 @@ impl<'a> Analysis<'a> {
                 if !self.is_narrowing {
                     growing.patience.widen(&growing.at, &mut joined, thresholds);
                 }
-                for (id, discrete) in entity.discretes.pairs() {
-                    joined.discretes[id] = joined.discretes[id].and(&range(discrete.range));
-                }
+                cut(&mut joined.discretes, &self.limits[slot]);
                 joined.sharpen();
                 growing.at = within_bounds(self.world, slot, joined);
                 growing.is_new = true;
@@ -176,7 +180,7 @@ impl<'a> Analysis<'a> {
                 can_be_absent: true,
                 params: known.params.clone(),
                 vars: entity.vars.iter().map(|_| [Values::all(), Values::all(), Values::all()]).collect(),
-                discretes: entity.discretes.iter().map(|d| range(d.range)).collect(),
+                discretes: self.limits[slot].clone(),
                 spaces: self.world.spaces.ids().collect(),
                 speed: [f64::INFINITY; 2],
                 leaves: entity.leaves.ids().collect(),
@@ -435,6 +439,13 @@ impl<'a> Analysis<'a> {
 /// Whether an instance reads others.
 fn reads_others(entity: &Entity) -> bool {
     !entity.refs.is_empty() || entity.touches.iter().any(|t| t.bound)
+}
+
+/// Cuts discrete variables to what they can be at most.
+fn cut(discretes: &mut IdVec<DiscreteId, Values>, limits: &IdVec<DiscreteId, Values>) {
+    for (values, limit) in discretes.iter_mut().zip(limits.iter()) {
+        *values = values.and(limit);
+    }
 }
 
 pub(super) fn range((low, high): (i32, i32)) -> Values {

@@ -15,6 +15,7 @@ mod findings;
 mod fixpoint;
 mod scene;
 mod step;
+mod supply;
 mod surroundings;
 mod tiles;
 mod values;

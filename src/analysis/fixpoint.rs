@@ -9,7 +9,7 @@ use crate::ir::{
 use super::evaluate::{Configuration, Overall, Reader};
 use super::scene::Scene;
 use super::step::{Landing, Outcome, Stepper};
-use super::supply;
+use super::supply::Limits;
 use super::surroundings::Surroundings;
 use super::values::{Interval, Values};
 use super::widen::{Patience, Thresholds, both, within_bounds};
@@ -53,7 +53,7 @@ pub(super) struct Analysis<'a> {
     /// Of each slot the one that is looked at for it: slots in which nothing is at first are alike.
     first: IdVec<SlotId, SlotId>,
     /// What discrete variables can be at most, whatever the steps.
-    limits: IdVec<SlotId, IdVec<DiscreteId, Values>>,
+    limits: Limits,
     /// Whether what is found is cut, so that nothing grows for ever.
     is_narrowing: bool,
     /// How many ways of steps may still be looked at.
@@ -63,7 +63,7 @@ pub(super) struct Analysis<'a> {
 }
 
 impl<'a> Analysis<'a> {
-    pub fn new(program: &'a Program, world: &'a World) -> Self {
+    pub fn new(program: &'a Program, world: &'a World, limits: Limits) -> Self {
         let slots: IdVec<SlotId, Slot> = world
             .slots
             .iter()
@@ -86,7 +86,7 @@ impl<'a> Analysis<'a> {
             slots,
             first: first.collect(),
             scene: Scene::new(program, world),
-            limits: supply::limits(program, world),
+            limits,
             surroundings: Surroundings::default(),
             effort: MOST_EFFORT,
             is_narrowing: false,

@@ -21,24 +21,34 @@ use crate::ir::{
     compare,
 };
 
+use super::fixpoint::range;
 use super::tiles::Tiles;
 use super::values::{Interval, Values};
 
-/// What each discrete variable of each slot can be at most: its range, cut where there is not enough to raise it.
-pub(super) fn limits(program: &Program, world: &World) -> IdVec<SlotId, IdVec<DiscreteId, Values>> {
+/// What each discrete variable of each slot can be, whatever the steps.
+pub(super) type Limits = IdVec<SlotId, IdVec<DiscreteId, Values>>;
+
+/// The ranges of the variables.
+pub(super) fn ranges(program: &Program, world: &World) -> Limits {
+    let discretes = |slot: &Slot| program.entities[slot.entity].discretes.iter().map(|d| range(d.range)).collect();
+    world.slots.iter().map(discretes).collect()
+}
+
+/// The ranges, cut where there is not enough to raise a variable so far.
+pub(super) fn limits(program: &Program, world: &World) -> Limits {
+    let mut limits = ranges(program, world);
+    // What stands on a map that is not known is not known either.
+    if world.open.is_some() {
+        return limits;
+    }
     let mut supply = Supply { program, world, lives: IdVec::new(), runs: BTreeMap::new() };
     supply.lives = supply.lives();
-    let limits = world.slots.pairs().map(|(_, slot)| {
-        let discretes = program.entities[slot.entity].discretes.pairs();
-        let limits = discretes.map(|(id, discrete)| {
-            let (low, high) = (f64::from(discrete.range.0), f64::from(discrete.range.1));
-            // What stands on a map that is not known is not known either.
-            let most = if world.open.is_some() { high } else { supply.most(slot, id) };
-            Values::from(Interval { low, high: high.min(most).max(low) })
-        });
-        limits.collect()
-    });
-    limits.collect()
+    for (slot, limits) in world.slots.iter().zip(limits.iter_mut()) {
+        for (id, limit) in program.entities[slot.entity].discretes.ids().zip(limits.iter_mut()) {
+            *limit = limit.within(Interval { low: f64::NEG_INFINITY, high: supply.most(slot, id) });
+        }
+    }
+    limits
 }
 
 /// When an action list runs.

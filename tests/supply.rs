@@ -367,14 +367,16 @@ fn examples_are_bounded() {
 fn check_leaves_the_number_of_things_to_the_level() {
     let told = |most: u8| {
         let hero = format!(
-            "mode poor {{ {TAKES}
-                when coins >= {most} -> rich }}
+            "discrete gems: int 0..99 = 0
+             mode poor {{ {TAKES}
+                when pressed(lucky) {{ gems := if(coins >= 4, 20, 0) }}
+                when gems >= {most} -> rich }}
              mode rich {{ when timer > 1s -> poor }}"
         );
         let text = world(COIN, "", &hero, THREE);
         let found = check_with(Path::new("test.hyped"), None, &Text(&text)).diagnostics;
         found.iter().map(|d| d.code.text()).filter(|code| code.starts_with("W07")).collect::<Vec<_>>()
     };
-    assert_eq!(told(4), [""; 0]);
-    assert!(!told(10).is_empty(), "that is beyond the range");
+    assert_eq!(told(10), [""; 0]);
+    assert_eq!(told(21), ["W0702"], "no number of coins is enough");
 }

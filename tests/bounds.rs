@@ -51,7 +51,7 @@ fn groups_are_told_apart_and_lines_are_short() {
     }
     let text = bounds(&["examples/link.hyped"]);
     let link = slot(&text, "hero: Link");
-    assert!(link.contains("facing in {up, down, left, right}") && link.contains("keys in [0, 9]"), "{link}");
+    assert!(link.contains("facing in {up, down, left, right}") && link.contains("keys in [0, 2]"), "{link}");
     let life = link.lines().position(|l| l.starts_with("  life  hearts")).unwrap();
     let dead = link.lines().skip(life).find(|l| l.starts_with("  dead")).unwrap();
     assert_eq!(dead.split_whitespace().collect::<Vec<_>>(), ["dead", "=", "0", "=", "0"]);

@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 
 use crate::ir::{
-    Entity, EntityId, Id, IdVec, LeafId, Origin, ParamId, Program, RefValue, SlotId, Subject, VarId, World,
+    DiscreteId, Entity, EntityId, Id, IdVec, LeafId, Origin, ParamId, Program, RefValue, SlotId, Subject, VarId, World,
 };
 
 use super::evaluate::{Configuration, Overall, Reader};
 use super::scene::{Scene, rounded_step};
 use super::step::{Landing, Outcome, Stepper};
+use super::supply::Limits;
 use super::surroundings::Surroundings;
 use super::values::{Interval, Values};
 use super::widen::{Patience, Thresholds, both, extended, within_bounds};
@@ -53,6 +54,8 @@ pub(super) struct Analysis<'a> {
     pub surroundings: Surroundings,
     /// Of each slot the one that is looked at for it: slots in which nothing is at first are alike.
     first: IdVec<SlotId, SlotId>,
+    /// What discrete variables can be at most, whatever the steps.
+    limits: Limits,
     /// Whether what is found is cut, so that nothing grows for ever.
     is_narrowing: bool,
     /// How many ways of steps may still be looked at.
@@ -62,7 +65,7 @@ pub(super) struct Analysis<'a> {
 }
 
 impl<'a> Analysis<'a> {
-    pub fn new(program: &'a Program, world: &'a World) -> Self {
+    pub fn new(program: &'a Program, world: &'a World, limits: Limits) -> Self {
         let slots: IdVec<SlotId, Slot> = world
             .slots
             .iter()
@@ -85,6 +88,7 @@ impl<'a> Analysis<'a> {
             slots,
             first: first.collect(),
             scene: Scene::new(program, world),
+            limits,
             surroundings: Surroundings::default(),
             effort: MOST_EFFORT,
             is_narrowing: false,
@@ -122,12 +126,12 @@ impl<'a> Analysis<'a> {
     }
 
     /// Adds what an instance can be; gives whether that is more than before.
-    pub(super) fn grow(&mut self, slot: SlotId, found: Configuration, is_own: bool) -> bool {
-        let entity = &self.program.entities[self.world.slots[slot].entity];
+    pub(super) fn grow(&mut self, slot: SlotId, mut found: Configuration, is_own: bool) -> bool {
         let known = &mut self.slots[slot];
         if known.is_given_up {
             return false;
         }
+        cut(&mut found, &self.limits[slot]);
         if found.is_impossible() {
             return false;
         }
@@ -152,9 +156,7 @@ impl<'a> Analysis<'a> {
                 if !self.is_narrowing {
                     growing.patience.widen(&growing.at, &mut joined, &self.thresholds, is_own, others);
                 }
-                for (id, discrete) in entity.discretes.pairs() {
-                    joined.discretes[id] = joined.discretes[id].and(&range(discrete.range));
-                }
+                cut(&mut joined, &self.limits[slot]);
                 joined.sharpen();
                 growing.at = within_bounds(self.world, slot, joined);
                 growing.is_new = true;
@@ -178,7 +180,7 @@ impl<'a> Analysis<'a> {
                 can_be_absent: true,
                 params: known.params.clone(),
                 vars: entity.vars.iter().map(|_| [Values::all(), Values::all(), Values::all()]).collect(),
-                discretes: entity.discretes.iter().map(|d| range(d.range)).collect(),
+                discretes: self.limits[slot].clone(),
                 spaces: self.world.spaces.ids().collect(),
                 speed: [f64::INFINITY; 2],
                 leaves: entity.leaves.ids().collect(),
@@ -430,7 +432,7 @@ impl<'a> Analysis<'a> {
             }
             for (leaves, growing) in &mut narrowed {
                 if let Some(known) = known.configurations.get(leaves).filter(|_| !self.slots[slot].is_given_up) {
-                    growing.at = self.from_entries(slot, both(&growing.at, &known.at), &known.at);
+                    growing.at = self.restarted(slot, both(&growing.at, &known.at), &known.at);
                 }
                 growing.patience = Patience::new(&growing.at);
             }
@@ -441,12 +443,12 @@ impl<'a> Analysis<'a> {
     }
 
     /// What a configuration can be that begins with what comes in, if it was known to be no more than `known`.
-    fn from_entries(&self, slot: SlotId, entries: Configuration, known: &Configuration) -> Configuration {
+    fn restarted(&self, slot: SlotId, entries: Configuration, known: &Configuration) -> Configuration {
         let mut at = entries.clone();
         for _ in 0..MOST_EXTENSIONS {
             let Some(outcome) = self.stepper(slot).run(&at) else { break };
             let own = outcome.next.into_iter().filter(|n| n.leaves == at.leaves).reduce(|a, b| a.or(&b));
-            let Some(own) = own else { return entries };
+            let Some(own) = own.map(|own| both(&own, known)) else { return entries };
             if own.is_within(&at) {
                 // Nothing more comes of it; what is not come by is cut.
                 let mut at = both(&entries.or(&own), &at);
@@ -477,6 +479,15 @@ impl<'a> Analysis<'a> {
 /// Whether an instance reads others.
 fn reads_others(entity: &Entity) -> bool {
     !entity.refs.is_empty() || entity.touches.iter().any(|t| t.bound)
+}
+
+/// Cuts discrete variables to what they can be at most.
+fn cut(at: &mut Configuration, limits: &IdVec<DiscreteId, Values>) {
+    for (id, limit) in limits.pairs() {
+        if !at.discretes[id].is_within(limit) {
+            at.discretes[id] = at.discretes[id].and(limit);
+        }
+    }
 }
 
 pub(super) fn range((low, high): (i32, i32)) -> Values {

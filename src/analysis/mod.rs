@@ -16,6 +16,7 @@ mod fixpoint;
 mod region;
 mod scene;
 mod step;
+mod supply;
 mod surroundings;
 mod tiles;
 mod values;
@@ -53,7 +54,14 @@ pub struct ConfigurationSpace {
 
 /// Finds what a world can be.
 pub fn configuration_space(program: &Program, world: WorldId) -> ConfigurationSpace {
-    let mut analysis = Analysis::new(program, &program.worlds[world]);
+    let mut analysis = Analysis::new(program, &program.worlds[world], supply::limits(program, &program.worlds[world]));
+    analysis.run();
+    analysis.finish()
+}
+
+/// As [`configuration_space`], but whatever the number of things that can be picked up: that is a matter of the level.
+fn with_any_supply(program: &Program, world: WorldId) -> ConfigurationSpace {
+    let mut analysis = Analysis::new(program, &program.worlds[world], supply::ranges(program, &program.worlds[world]));
     analysis.run();
     analysis.finish()
 }

@@ -3,7 +3,7 @@
 //!
 //! A finding holds of all worlds of the program together. The worlds are looked at without the bounds at which a search
 //! stops, and with a player for every entity that reads inputs: what is never said to happen does not happen in a run
-//! that goes on beyond, either.
+//! that goes on beyond, either. Nor does it matter how many things there are to be picked up.
 
 mod guards;
 mod invariants;
@@ -22,7 +22,7 @@ use crate::ir::{Entity, EntityId, ExprId, PlayerId, Program, SlotId, World, Worl
 use crate::source::{FileId, SourceMap, Span};
 
 use super::evaluate::{Configuration, Reader};
-use super::{ConfigurationSpace, SlotSpace, configuration_space};
+use super::{ConfigurationSpace, SlotSpace, with_any_supply};
 
 /// Looks for what values tell of the entities of a file. `said` is what was found before: nothing is said twice.
 pub fn findings(program: &Program, sources: &SourceMap, root: FileId, said: &Diagnostics) -> Diagnostics {
@@ -31,7 +31,7 @@ pub fn findings(program: &Program, sources: &SourceMap, root: FileId, said: &Dia
     let occurs = |w: &World| w.slots.iter().any(|s| is_ours(&s.entity));
     let free = freed(program);
     let closed = program.worlds.pairs().filter(|(_, w)| w.open.is_none() && occurs(w));
-    let worlds = closed.map(|(id, _)| (id, configuration_space(&free, id))).collect();
+    let worlds = closed.map(|(id, _)| (id, with_any_supply(&free, id))).collect();
     let scene = Scene { program: &free, original: program, worlds, sources, said: Said::new(said) };
     let mut found = Diagnostics::new();
     for id in program.entities.ids().filter(is_ours) {

@@ -368,3 +368,48 @@ proptest! {
         }
     }
 }
+
+/// A walker in a room with a chamber of solid rock, which has a gap of some width.
+fn chamber(gap: f64, goal: &str) -> Program {
+    let text = format!(
+        "entity Walker {{
+             axis horizontal, vertical
+             collider body, player: rect(0, 0, 12, 12)
+             mode walk {{ envelope (x', y') by (horizontal, vertical) {{ sustain 80 }} }}
+         }}
+         world Rock {{
+             collide body with wall: block
+             collide player with gold: sense
+             space main {{
+                 bounds rect(0, 0, 200, 100)
+                 rect wall (0, 0, 200, 8)
+                 rect wall (0, 92, 200, 8)
+                 rect wall (0, 0, 8, 100)
+                 rect wall (192, 0, 8, 100)
+                 rect wall (80, 30, 8, 40)
+                 rect wall (120, 30, 8, 40)
+                 rect wall (80, 62, 48, 8)
+                 rect wall (80, 30, {}, 8)
+                 rect gold (100, 46, 8, 8)
+                 place hero: Walker at (20, 20)
+             }}
+             player 1: hero
+             goal inside: {goal}
+         }}",
+        40.0 - gap
+    );
+    program(compile_text(&text))
+}
+
+#[test]
+fn what_is_walled_off_is_proven_unreachable() {
+    for goal in ["hero touching gold", "near(hero, (98, 46), 6)", "95 < hero.x < 105 and 40 < hero.y < 50"] {
+        let program = chamber(0.0, goal);
+        assert!(matches!(search(&program, 0, 1, 1_000).verdict, Verdict::Unreachable(_)), "{goal}");
+        assert_eq!(search_regardless(&program, 0, 5_000).0.verdict, Verdict::NotFound, "{goal}");
+        // Through a gap one gets in.
+        let program = chamber(24.0, goal);
+        let Verdict::Reached(plan) = search(&program, 0, 1, 50_000).verdict else { panic!("{goal}: there is a gap") };
+        replay(&program, 0, &plan);
+    }
+}

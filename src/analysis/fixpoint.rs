@@ -446,8 +446,8 @@ impl<'a> Analysis<'a> {
     fn restarted(&self, slot: SlotId, entries: Configuration, known: &Configuration) -> Configuration {
         let mut at = entries.clone();
         for _ in 0..MOST_EXTENSIONS {
-            let Some(outcome) = self.stepper(slot).run(&at) else { break };
-            let own = outcome.next.into_iter().filter(|n| n.leaves == at.leaves).reduce(|a, b| a.or(&b));
+            let Some(outcome) = self.stepper(slot).run_on(&at) else { break };
+            let own = outcome.next.into_iter().reduce(|a, b| a.or(&b));
             let Some(own) = own.map(|own| both(&own, known)) else { return entries };
             if own.is_within(&at) {
                 // Nothing more comes of it; what is not come by is cut.

@@ -3,10 +3,18 @@
 //!
 //! For each combination that can be active it finds what each variable and its derivatives can be: a constant, a few
 //! values, or intervals. A state that a run can reach is never outside, as long as the run stops where a search does:
-//! when a player leaves the bounds of its space.
+//! when a player leaves the bounds of its space, below or beside. It steps from all that is known until nothing new is
+//! found (`fixpoint`), moves ends that keep growing to numbers of the program, and in the end cuts what nothing comes to
+//! (`widen`).
 //!
-//! What is lost: variables are not related to each other, but for speed and height under a constant acceleration
-//! (`energy.rs`); references can refer to any instance of their entity; contacts can happen wherever the tags allow them.
+//! What is assumed: inputs can be anything at any time; references can refer to any instance of their entity; joint
+//! transitions can happen or not. Positions are known from levels in three ways: a push ends where edges meet and a
+//! contact tells where both are (`surroundings`), and what moves in small steps among walls stays where it can get
+//! (`region`). Speed and height under a constant acceleration are tied to each other (`energy`). What can be used up once
+//! bounds what counts it (`supply`).
+//!
+//! What is lost: else variables are not related to each other, nor instances. An entity with more than a thousand
+//! combinations of leaves, or a world that takes too many steps to look at, is given up: everything is possible then.
 
 mod birth;
 mod energy;

@@ -82,12 +82,23 @@ impl<'a> Stepper<'a> {
 
     /// All that can come of a configuration; none if there is too much to tell.
     pub fn run(&self, from: &Configuration) -> Option<Outcome> {
+        self.follow_ways(from, false)
+    }
+
+    /// What can come of a configuration while its leaves stay active; none if there is too much to tell.
+    pub fn run_on(&self, from: &Configuration) -> Option<Outcome> {
+        let mut outcome = self.follow_ways(from, true)?;
+        outcome.next.retain(|next| next.leaves == from.leaves);
+        Some(outcome)
+    }
+
+    fn follow_ways(&self, from: &Configuration, stays: bool) -> Option<Outcome> {
         let entity = self.entity();
         let mut ways: Vec<Way> = vec![(Vec::new(), from.clone())];
         for group in entity.groups.ids() {
             let mut next = Vec::new();
             for (taken, at) in ways {
-                self.choices(group, &taken, at, &mut next);
+                self.choices(group, &taken, at, stays, &mut next);
             }
             ways = next;
             if ways.len() > MOST_WAYS {
@@ -104,16 +115,20 @@ impl<'a> Stepper<'a> {
         Some(outcome)
     }
 
-    /// What a group can do: take each of its edges, or none.
-    fn choices(&self, group: GroupId, taken: &[Option<EdgeId>], from: Configuration, out: &mut Vec<Way>) {
+    /// What a group can do: take each of its edges, or none. If it `stays`, those that lead elsewhere do not matter.
+    fn choices(&self, group: GroupId, taken: &[Option<EdgeId>], from: Configuration, stays: bool, out: &mut Vec<Way>) {
         let entity = self.entity();
+        let leaf = from.leaves[group.index()];
         let with = |edge| taken.iter().copied().chain([edge]).collect::<Vec<_>>();
         let mut rest = Some(from);
-        for &edge in &entity.leaves[rest.as_ref().map_or(LeafId(0), |c| c.leaves[group.index()])].edges {
+        for &edge in &entity.leaves[leaf].edges {
             let Some(at) = &rest else { return };
             let guard = entity.edges[edge].guard;
             let reader = self.at(at);
-            if let Some(mut held) = reader.refined(at, guard, true) {
+            let target = entity.edges[edge].target;
+            let leads_off = || target.is_some_and(|t| !self.entered(t, at).contains(&leaf));
+            let held = if stays && leads_off() { None } else { reader.refined(at, guard, true) };
+            if let Some(mut held) = held {
                 // What only turns a lamp on goes one way wherever that is.
                 if !self.moving[edge] && held.discretes == at.discretes {
                     held.numbers = Arc::clone(&at.numbers);

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use crate::ir::{
-    DiscreteId, Entity, EntityId, Id, IdVec, LeafId, Origin, ParamId, Program, RefValue, SlotId, Subject, VarId, World,
+    DiscreteId, Entity, EntityId, ExprId, Id, IdVec, LeafId, Origin, ParamId, Program, RefValue, SlotId, Subject,
+    VarId, World,
 };
 
 use super::evaluate::{Configuration, Overall, Reader};
@@ -21,8 +22,6 @@ pub(super) const MOST_CONFIGURATIONS: usize = 1_024;
 const NARROWINGS: usize = 2;
 /// How often a configuration is extended by what comes of it before that is given up.
 const MOST_EXTENSIONS: usize = 8;
-/// After so many ways of steps all is given up: everything can be anything.
-const MOST_EFFORT: usize = 300_000;
 
 /// A configuration that is still growing.
 #[derive(Debug, Clone)]
@@ -59,13 +58,13 @@ pub(super) struct Analysis<'a> {
     /// Whether what is found is cut, so that nothing grows for ever.
     is_narrowing: bool,
     /// How many ways of steps may still be looked at.
-    effort: usize,
+    pub effort: usize,
     /// The numbers that the program compares with or writes, and where edges meet.
     thresholds: Thresholds,
 }
 
 impl<'a> Analysis<'a> {
-    pub fn new(program: &'a Program, world: &'a World, limits: Limits) -> Self {
+    pub fn new(program: &'a Program, world: &'a World, limits: Limits, effort: usize) -> Self {
         let slots: IdVec<SlotId, Slot> = world
             .slots
             .iter()
@@ -90,7 +89,7 @@ impl<'a> Analysis<'a> {
             scene: Scene::new(program, world),
             limits,
             surroundings: Surroundings::default(),
-            effort: MOST_EFFORT,
+            effort,
             is_narrowing: false,
             thresholds: Thresholds::default(),
         };
@@ -106,10 +105,12 @@ impl<'a> Analysis<'a> {
     fn thresholds(&self) -> Thresholds {
         let (program, world) = (self.program, self.world);
         let mut numbers = vec![0.0];
-        let kinds = self.scene.kinds.iter().filter_map(|k| Some(&world.slots[*k.slots.first()?].params));
-        let none = IdVec::new();
-        for params in kinds.chain([&none]) {
-            let constants = program.exprs.ids().filter_map(|id| program.constant(id, params, world.step));
+        let mut read: BTreeMap<EntityId, Vec<ExprId>> = BTreeMap::new();
+        for kind in &self.scene.kinds {
+            let Some(first) = kind.slots.first() else { continue };
+            let exprs = read.entry(kind.entity).or_insert_with(|| program.entities[kind.entity].exprs(program));
+            let params = &world.slots[*first].params;
+            let constants = exprs.iter().filter_map(|id| program.constant(*id, params, world.step));
             numbers.extend(constants.flat_map(|c| [c, -c]));
         }
         numbers.extend(self.scene.edges().flat_map(|e| [e.low, e.high]));

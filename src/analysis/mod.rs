@@ -40,6 +40,9 @@ use evaluate::{Overall, Reader};
 use fixpoint::Analysis;
 use surroundings::Surroundings;
 
+/// After so many ways of steps a world is given up: everything can be anything.
+const MOST_EFFORT: usize = 300_000;
+
 /// What a slot can be.
 #[derive(Debug, Clone)]
 pub struct SlotSpace {
@@ -62,15 +65,19 @@ pub struct ConfigurationSpace {
 
 /// Finds what a world can be.
 pub fn configuration_space(program: &Program, world: WorldId) -> ConfigurationSpace {
-    let mut analysis = Analysis::new(program, &program.worlds[world], supply::limits(program, &program.worlds[world]));
+    let table = &program.worlds[world];
+    let mut analysis = Analysis::new(program, table, supply::limits(program, table), MOST_EFFORT);
     analysis.run();
     analysis.finish()
 }
 
 /// As [`configuration_space`], but whatever the number of things that can be picked up: that is a matter of the level.
-fn with_any_supply(program: &Program, world: WorldId) -> ConfigurationSpace {
-    let mut analysis = Analysis::new(program, &program.worlds[world], supply::ranges(program, &program.worlds[world]));
+/// Takes what it needs from an effort; a world that needs more than is left is given up.
+fn with_any_supply(program: &Program, world: WorldId, effort: &mut usize) -> ConfigurationSpace {
+    let table = &program.worlds[world];
+    let mut analysis = Analysis::new(program, table, supply::ranges(program, table), *effort);
     analysis.run();
+    *effort = analysis.effort;
     analysis.finish()
 }
 

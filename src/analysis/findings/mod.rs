@@ -24,6 +24,9 @@ use crate::source::{FileId, SourceMap, Span};
 use super::evaluate::{Configuration, Reader};
 use super::{ConfigurationSpace, SlotSpace, with_any_supply};
 
+/// So many ways of steps are looked at for all worlds of a program: a check is to answer while one types.
+const MOST_EFFORT: usize = 200_000;
+
 /// Looks for what values tell of the entities of a file. `said` is what was found before: nothing is said twice.
 pub fn findings(program: &Program, sources: &SourceMap, root: FileId, said: &Diagnostics) -> Diagnostics {
     let is_ours = |id: &EntityId| program.spans.entities[*id].name.file == root;
@@ -31,7 +34,10 @@ pub fn findings(program: &Program, sources: &SourceMap, root: FileId, said: &Dia
     let occurs = |w: &World| w.slots.iter().any(|s| is_ours(&s.entity));
     let free = freed(program);
     let closed = program.worlds.pairs().filter(|(_, w)| w.open.is_none() && occurs(w));
-    let worlds = closed.map(|(id, _)| (id, with_any_supply(&free, id))).collect();
+    // Of what is left when that is used up nothing is said.
+    let mut effort = MOST_EFFORT;
+    let worlds = closed.map_while(|(id, _)| (effort > 0).then(|| (id, with_any_supply(&free, id, &mut effort))));
+    let worlds = worlds.collect();
     let scene = Scene { program: &free, original: program, worlds, sources, said: Said::new(said) };
     let mut found = Diagnostics::new();
     for id in program.entities.ids().filter(is_ours) {

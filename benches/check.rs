@@ -1,5 +1,5 @@
-//! How long it takes to check programs of 1,000, 10,000 and 100,000 lines: all stages from the text to the flat IR, and
-//! each shape that stresses one thing at two sizes. `cargo bench --bench check` prints the times.
+//! How long it takes to check programs of 1,000, 10,000 and 100,000 lines: all stages from the text to what values tell,
+//! and each shape that stresses one thing at two sizes, to the flat IR. `cargo bench --bench check` prints the times.
 
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a bench fails by panicking")]
 
@@ -8,9 +8,11 @@ mod large;
 mod support;
 
 use std::hint::black_box;
+use std::path::Path;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use support::compile_text;
+use hypedc::compile::check_with;
+use support::{Text, compile_text};
 
 fn lines(c: &mut Criterion) {
     let mut group = c.benchmark_group("check");
@@ -18,7 +20,8 @@ fn lines(c: &mut Criterion) {
     for lines in [1_000, 10_000, 100_000] {
         let text = large::realistic(lines);
         group.throughput(Throughput::Elements(text.lines().count() as u64));
-        group.bench_function(format!("{lines} lines"), |b| b.iter(|| black_box(compile_text(&text))));
+        let check = || check_with(Path::new("test.hyped"), None, &Text(&text));
+        group.bench_function(format!("{lines} lines"), |b| b.iter(|| black_box(check())));
     }
     group.finish();
 }

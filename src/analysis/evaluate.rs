@@ -65,11 +65,46 @@ pub(super) struct Overall {
     pub params: IdVec<ParamId, Values>,
     pub vars: IdVec<VarId, [Values; 3]>,
     pub discretes: IdVec<DiscreteId, Values>,
+    /// What updates make of it within a step, which flows of others read.
+    pub between: Between,
     pub spaces: BTreeSet<SpaceId>,
     /// Of both axes, the greatest speed at which it moves before anything stops it, px/s.
     pub speed: [f64; 2],
     /// The leaves that can be active.
     pub leaves: BTreeSet<LeafId>,
+}
+
+/// What variables can be within a step, after updates and before they flow.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Between {
+    vars: IdVec<VarId, [Values; 3]>,
+    discretes: IdVec<DiscreteId, Values>,
+}
+
+impl Between {
+    /// Of an entity with so many variables.
+    pub fn new(vars: usize, discretes: usize) -> Self {
+        let none = |count: usize| (0..count).map(|_| Values::none());
+        Between { vars: none(vars).map(|v| [v; 3]).collect(), discretes: none(discretes).collect() }
+    }
+
+    /// Adds what a way of a step leads to; gives whether that is more than before.
+    pub fn add(&mut self, numbers: &Numbers) -> bool {
+        let mut changed = false;
+        let mut join = |known: &mut Values, new: &Values| {
+            if !new.is_within(known) {
+                *known = known.or(new);
+                changed = true;
+            }
+        };
+        for (known, new) in self.vars.iter_mut().flatten().zip(numbers.vars.iter().flatten()) {
+            join(known, new);
+        }
+        for (known, new) in self.discretes.iter_mut().zip(numbers.discretes.iter()) {
+            join(known, new);
+        }
+        changed
+    }
 }
 
 /// The ways a guard can turn out.
@@ -142,8 +177,14 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// A variable of another instance: between steps, and for entities, which may read it as it flows, within them.
+    fn var(&self, o: &Overall, var: VarId, degree: usize) -> Option<Values> {
+        let between = o.between.vars.get(var).filter(|_| self.me.is_some());
+        Some(o.vars.get(var)?[degree].or(between.map_or(&Values::none(), |v| &v[degree])))
+    }
+
     fn position(&self, of: Subject, axis: usize) -> Values {
-        let at = |o: &Overall| o.vars.get(VarId(axis as u32)).map(|v| v[0]);
+        let at = |o: &Overall| self.var(o, VarId(axis as u32), 0);
         match of {
             Subject::Slot(slot) => self.read(of, |o| Some(self.in_part(slot, axis, &at(o)?))),
             _ => self.read(of, at),
@@ -171,11 +212,14 @@ impl<'a> Reader<'a> {
             Expr::Var(of, var, degree) => match self.mine(of) {
                 Some(c) => c.vars[var][usize::from(degree)],
                 None if degree == 0 && var.index() < 2 => self.position(of, var.index()),
-                None => self.read(of, |o| o.vars.get(var).map(|v| v[usize::from(degree)])),
+                None => self.read(of, |o| self.var(o, var, usize::from(degree))),
             },
             Expr::Discrete(of, id) => match self.mine(of) {
                 Some(c) => c.discretes[id],
-                None => self.read(of, |o| o.discretes.get(id).cloned()),
+                None => self.read(of, |o| {
+                    let between = o.between.discretes.get(id).filter(|_| self.me.is_some());
+                    Some(o.discretes.get(id)?.or(between.unwrap_or(&Values::none())))
+                }),
             },
             Expr::Axis(_) if self.is_played() => Values::from(Interval { low: -1.0, high: 1.0 }),
             Expr::Axis(_) => Values::point(0.0),

@@ -7,7 +7,7 @@ use crate::ir::{
     VarId, World,
 };
 
-use super::evaluate::{Configuration, Overall, Reader};
+use super::evaluate::{Between, Configuration, Overall, Reader};
 use super::scene::{Scene, rounded_step};
 use super::step::{Landing, Outcome, Stepper};
 use super::supply::Limits;
@@ -39,6 +39,7 @@ pub(super) struct Slot {
     pub params: IdVec<ParamId, Values>,
     /// px/s
     speed: [f64; 2],
+    between: Between,
     /// Whether what it can be was changed since others were told.
     pub is_changed: bool,
 }
@@ -55,6 +56,8 @@ pub(super) struct Analysis<'a> {
     first: IdVec<SlotId, SlotId>,
     /// What discrete variables can be at most, whatever the steps.
     limits: Limits,
+    /// Whether some instance reads others.
+    is_read: bool,
     /// Whether what is found is cut, so that nothing grows for ever.
     is_narrowing: bool,
     /// How many ways of steps may still be looked at.
@@ -72,6 +75,7 @@ impl<'a> Analysis<'a> {
                 can_be_absent: s.origin == Origin::Free,
                 params: s.params.iter().map(|p| Values::point(*p)).collect(),
                 is_changed: true,
+                between: Between::new(s.vars.len(), s.discretes.len()),
                 ..Slot::default()
             })
             .collect();
@@ -91,6 +95,7 @@ impl<'a> Analysis<'a> {
             surroundings: Surroundings::default(),
             effort,
             is_narrowing: false,
+            is_read: program.entities.iter().any(reads_others),
             thresholds: Thresholds::default(),
         };
         analysis.overall = world.slots.ids().map(|s| analysis.overall(s)).collect();
@@ -184,6 +189,7 @@ impl<'a> Analysis<'a> {
                 discretes: self.limits[slot].clone(),
                 spaces: self.world.spaces.ids().collect(),
                 speed: [f64::INFINITY; 2],
+                between: known.between.clone(),
                 leaves: entity.leaves.ids().collect(),
             };
         }
@@ -195,6 +201,7 @@ impl<'a> Analysis<'a> {
             discretes: entity.discretes.ids().map(|id| all(&|c| c.discretes[id])).collect(),
             spaces: known.configurations.values().flat_map(|g| g.at.spaces.iter().copied()).collect(),
             speed: known.speed,
+            between: known.between.clone(),
             leaves: known.configurations.keys().flatten().copied().collect(),
         }
     }
@@ -349,6 +356,11 @@ impl<'a> Analysis<'a> {
                 changed = true;
                 known.is_changed = true;
             }
+        }
+        for numbers in outcome.between.iter().filter(|_| self.is_read) {
+            let is_more = known.between.add(numbers);
+            known.is_changed |= is_more;
+            changed |= is_more;
         }
         let kind = &mut self.scene.kinds[self.scene.of[slot]];
         changed |= outcome.appears && !kind.appears;

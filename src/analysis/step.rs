@@ -10,7 +10,7 @@ use crate::ir::{
 };
 
 use super::energy::Fall;
-use super::evaluate::{Configuration, Reader};
+use super::evaluate::{Configuration, Numbers, Reader};
 use super::values::{Interval, Values};
 use super::widen::within_bounds;
 
@@ -29,6 +29,8 @@ pub(super) struct Outcome {
     pub speed: [f64; 2],
     /// Whether a collider can be there that was not.
     pub appears: bool,
+    /// What updates make of it.
+    pub between: Vec<Arc<Numbers>>,
     /// Where updates and links put it.
     pub landings: Vec<Landing>,
 }
@@ -213,6 +215,8 @@ impl<'a> Stepper<'a> {
         if ends {
             return;
         }
+        let changed = nexts.iter().filter(|(_, next)| !next.shares(at));
+        outcome.between.extend(changed.map(|(_, next)| Arc::clone(&next.numbers)));
         for (jumps, next) in nexts {
             if let Some(mut moved) = self.flowed(&next, jumps, followed, outcome) {
                 moved.leaves.clone_from(&next.leaves);

@@ -101,3 +101,24 @@ fn who_is_carried_goes_by_itself_as_well() {
          }",
     );
 }
+
+/// Flows read others in the middle of a step, when those are updated, but have not flowed.
+#[test]
+fn a_flow_reads_what_an_update_has_just_written() {
+    inside(
+        "entity Runner {
+             mode run { x' = 60; when timer >= 0.1 -> run { x' := 150 } }
+         }
+         entity Watcher {
+             ref whom: any
+             continuous charge = 0
+             mode only { charge' = if(whom is Runner, whom.x', 0) }
+         }
+         world W {
+             space main {
+                 place watcher: Watcher at (0, 0) { whom = runner }
+                 place runner: Runner at (0, 0)
+             }
+         }",
+    );
+}

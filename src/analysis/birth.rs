@@ -2,8 +2,8 @@
 
 use crate::ir::{Id, IdVec, LeafId, Origin, ParamId, Place, SlotId, SpawnId, VarId};
 
-use super::evaluate::{Configuration, Reader};
-use super::fixpoint::{Analysis, MOST_CONFIGURATIONS, range};
+use super::evaluate::Configuration;
+use super::fixpoint::{Analysis, MOST_CONFIGURATIONS};
 use super::step::Landing;
 use super::values::Values;
 use super::widen::within_bounds;
@@ -62,14 +62,7 @@ impl Analysis<'_> {
                 continue;
             }
             let entity = self.entity(slot);
-            let reader = Reader {
-                program: self.program,
-                world: self.world,
-                slots: &self.overall,
-                surroundings: &self.surroundings,
-                pinned: None,
-                me: Some((spawner, at)),
-            };
+            let reader = self.reader(Some((spawner, at)));
             let theirs = |id| reader.number(id);
             let mut params = IdVec::new();
             for (id, param) in entity.params.pairs() {
@@ -100,7 +93,7 @@ impl Analysis<'_> {
                 [position, zero(), zero()]
             };
             let vars = entity.first.pairs().map(position).collect();
-            let discretes = entity.discretes.iter().map(|d| first(d.first, range(d.range))).collect();
+            let discretes = entity.discretes.iter().map(|d| first(d.first, Values::range(d.range))).collect();
             let mut born = Configuration::new(vars, discretes, entity.timers.len(), (*at.spaces).clone());
             for update in &spawn.updates {
                 match update.place {

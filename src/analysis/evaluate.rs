@@ -264,12 +264,9 @@ impl<'a> Reader<'a> {
         let f = |x: f64| call(function, [x, 0.0, 0.0]);
         let within = |low: f64, high: f64| Values::from(Interval { low, high });
         match function {
-            Function::Min => a.pairs(&b, |a, b| Interval { low: a.low.min(b.low), high: a.high.min(b.high) }),
-            Function::Max => a.pairs(&b, |a, b| Interval { low: a.low.max(b.low), high: a.high.max(b.high) }),
-            Function::Clamp => {
-                let least = a.pairs(&b, |a, b| Interval { low: a.low.max(b.low), high: a.high.max(b.high) });
-                least.pairs(&c, |a, c| Interval { low: a.low.min(c.low), high: a.high.min(c.high) })
-            }
+            Function::Min => a.pairs(&b, Interval::least),
+            Function::Max => a.pairs(&b, Interval::greatest),
+            Function::Clamp => a.pairs(&b, Interval::greatest).pairs(&c, Interval::least),
             Function::Abs => a.map(|i| match i.contains(0.0) {
                 true => Interval { low: 0.0, high: i.high.max(-i.low) },
                 false => i.map(f64::abs),
@@ -383,10 +380,10 @@ impl<'a> Reader<'a> {
                 }
             }
             (Expr::Compare(op, a, b), _) => {
-                let op = if holds { op } else { negated(op) };
+                let op = if holds { op } else { op.negated() };
                 let mut out = from.clone();
                 self.cut(&mut out, a, op, &reader.number(b));
-                self.cut(&mut out, b, mirrored(op), &reader.number(a));
+                self.cut(&mut out, b, op.mirrored(), &reader.number(a));
                 (!out.is_impossible()).then_some(out)
             }
             (Expr::Touching(Subject::Me, touch), true) => {
@@ -551,27 +548,5 @@ fn compared(op: CompareOp, a: &Values, b: &Values) -> Truth {
             Truth { can_hold: !a.and(b).is_none(), can_fail: !same }
         }
         CompareOp::Unequal => compared(CompareOp::Equal, a, b).not(),
-    }
-}
-
-fn negated(op: CompareOp) -> CompareOp {
-    match op {
-        CompareOp::Equal => CompareOp::Unequal,
-        CompareOp::Unequal => CompareOp::Equal,
-        CompareOp::Less => CompareOp::AtLeast,
-        CompareOp::AtMost => CompareOp::Greater,
-        CompareOp::Greater => CompareOp::AtMost,
-        CompareOp::AtLeast => CompareOp::Less,
-    }
-}
-
-/// `b op a` for `a op b`.
-fn mirrored(op: CompareOp) -> CompareOp {
-    match op {
-        CompareOp::Equal | CompareOp::Unequal => op,
-        CompareOp::Less => CompareOp::Greater,
-        CompareOp::AtMost => CompareOp::AtLeast,
-        CompareOp::Greater => CompareOp::Less,
-        CompareOp::AtLeast => CompareOp::AtMost,
     }
 }

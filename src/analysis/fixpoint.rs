@@ -113,7 +113,8 @@ impl<'a> Analysis<'a> {
         let mut read: BTreeMap<EntityId, Vec<ExprId>> = BTreeMap::new();
         for kind in &self.scene.kinds {
             let Some(first) = kind.slots.first() else { continue };
-            let exprs = read.entry(kind.entity).or_insert_with(|| program.entities[kind.entity].exprs(program));
+            let exprs =
+                read.entry(kind.entity).or_insert_with(|| program.with_operands(program.entities[kind.entity].exprs()));
             let params = &world.slots[*first].params;
             let constants = exprs.iter().filter_map(|id| program.constant(*id, params, world.step));
             numbers.extend(constants.flat_map(|c| [c, -c]));
@@ -317,15 +318,20 @@ impl<'a> Analysis<'a> {
         changed
     }
 
-    fn stepper(&self, slot: SlotId) -> Stepper<'_> {
-        let reader = Reader {
+    /// What expressions are read against, by an instance or by the world.
+    pub fn reader<'s>(&'s self, me: Option<(SlotId, &'s Configuration)>) -> Reader<'s> {
+        Reader {
             program: self.program,
             world: self.world,
             slots: &self.overall,
             surroundings: &self.surroundings,
             pinned: None,
-            me: None,
-        };
+            me,
+        }
+    }
+
+    fn stepper(&self, slot: SlotId) -> Stepper<'_> {
+        let reader = self.reader(None);
         let flowing = self.scene.flowing[self.world.slots[slot].entity].as_deref();
         let moving = &self.scene.moving[self.world.slots[slot].entity];
         Stepper { reader, slot, step: self.world.step.seconds(), flowing, moving }
@@ -501,8 +507,4 @@ fn cut(at: &mut Configuration, limits: &IdVec<DiscreteId, Values>) {
             at.discretes[id] = at.discretes[id].and(limit);
         }
     }
-}
-
-pub(super) fn range((low, high): (i32, i32)) -> Values {
-    Values::from(Interval { low: f64::from(low), high: f64::from(high) })
 }

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use crate::ir::{
-    Actions, Bounds, Drive, EdgeId, Entity, EntityId, Expr, ExprId, Group, Id, IdVec, Meeting, Origin, ParamId, Place,
-    Program, Push, Release, Shape, Side, SlotId, SpaceId, TagSet, VarId, World,
+    Actions, Bounds, Drive, EdgeId, Entity, EntityId, Expr, Group, Id, IdVec, Meeting, Origin, ParamId, Place, Program,
+    Push, Shape, Side, SlotId, SpaceId, TagSet, VarId, World,
 };
 
 use super::region::Region;
@@ -462,30 +462,13 @@ pub(super) fn disjoin(edges: &mut Vec<Interval>) {
 /// asks for modes. None if it reads timers.
 fn flowing(program: &Program, entity: EntityId) -> Option<Vec<bool>> {
     let entity = &program.entities[entity];
-    let drives = entity.free.iter().chain(entity.leaves.iter().flat_map(|l| &l.drives));
-    let values = drives.filter_map(|d| match d {
-        Drive::Flow { value, .. } => Some(*value),
-        Drive::Coast(_) | Drive::Envelope(..) => None,
-    });
-    let mut open: Vec<ExprId> = values.collect();
-    open.extend(entity.clamps.iter().flat_map(|c| [c.low, c.high]).flatten());
-    for e in entity.envelopes.iter() {
-        open.push(e.sustain);
-        open.extend([e.attack, e.peak, e.decay, e.guard].into_iter().flatten());
-        if let Release::To { rate, level } = e.release {
-            open.extend(rate);
-            open.push(level);
-        }
-    }
     let mut asks_for_modes = false;
-    while let Some(id) = open.pop() {
-        let expr = program.exprs[id];
-        match expr {
+    for id in program.with_operands(entity.flow_exprs()) {
+        match program.exprs[id] {
             Expr::Timer(_) => return None,
             Expr::InMode(..) | Expr::Joint(..) => asks_for_modes = true,
             _ => {}
         }
-        open.extend(expr.operands());
     }
     let of = |group: &Group| {
         let (first, after) = group.modes;

@@ -322,7 +322,7 @@ impl<'a> Stepper<'a> {
         ends
     }
 
-    pub fn update(&self, update: &Update, at: &Configuration, next: &mut Configuration) {
+    fn update(&self, update: &Update, at: &Configuration, next: &mut Configuration) {
         let value = self.at(at).number(update.value);
         match update.place {
             Place::Var(var, degree) => {
@@ -331,9 +331,7 @@ impl<'a> Stepper<'a> {
             }
             Place::Discrete(id) => {
                 // A value out of the range stops the run.
-                let (low, high) = self.entity().discretes[id].range;
-                let range = Interval { low: f64::from(low), high: f64::from(high) };
-                next.discretes[id] = value.within(range);
+                next.discretes[id] = value.and(&Values::range(self.entity().discretes[id].range));
             }
             Place::Ref(_) => {}
         }
@@ -450,8 +448,7 @@ impl<'a> Stepper<'a> {
         let clip = |var: VarId, degree: u8, values: Values| {
             let own = entity.clamps.iter().zip(&bounds).filter(|(c, _)| c.var == var && c.degree == degree);
             own.fold(values, |values, (_, (low, high))| {
-                let low = values.pairs(low, |a, b| Interval { low: a.low.max(b.low), high: a.high.max(b.high) });
-                low.pairs(high, |a, b| Interval { low: a.low.min(b.low), high: a.high.min(b.high) })
+                values.pairs(low, Interval::greatest).pairs(high, Interval::least)
             })
         };
         let dt = Interval::point(self.step);

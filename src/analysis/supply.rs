@@ -21,7 +21,6 @@ use crate::ir::{
     compare,
 };
 
-use super::fixpoint::range;
 use super::tiles::Tiles;
 use super::values::{Interval, Values};
 
@@ -30,7 +29,8 @@ pub(super) type Limits = IdVec<SlotId, IdVec<DiscreteId, Values>>;
 
 /// The ranges of the variables.
 pub(super) fn ranges(program: &Program, world: &World) -> Limits {
-    let discretes = |slot: &Slot| program.entities[slot.entity].discretes.iter().map(|d| range(d.range)).collect();
+    let discretes =
+        |slot: &Slot| program.entities[slot.entity].discretes.iter().map(|d| Values::range(d.range)).collect();
     world.slots.iter().map(discretes).collect()
 }
 

@@ -59,6 +59,16 @@ impl Interval {
         with(other.low).or(with(other.high))
     }
 
+    /// Around the lesser of two numbers.
+    pub(super) fn least(self, other: Interval) -> Interval {
+        Interval { low: self.low.min(other.low), high: self.high.min(other.high) }
+    }
+
+    /// Around the greater of two numbers.
+    pub(super) fn greatest(self, other: Interval) -> Interval {
+        Interval { low: self.low.max(other.low), high: self.high.max(other.high) }
+    }
+
     pub(super) fn plus(self, other: Interval) -> Interval {
         Interval { low: self.low + other.low, high: self.high + other.high }.sound()
     }
@@ -129,6 +139,11 @@ impl Values {
     /// One number.
     pub const fn point(x: f64) -> Self {
         Values::one(Interval::point(x))
+    }
+
+    /// The numbers of a discrete variable's range.
+    pub(super) fn range((low, high): (i32, i32)) -> Self {
+        Values::from(Interval { low: f64::from(low), high: f64::from(high) })
     }
 
     const fn one(interval: Interval) -> Self {

@@ -158,28 +158,10 @@ impl Reads<'_> {
     }
 
     fn expr(&self, id: ExprId) -> Inputs {
-        let both = |a, b| self.expr(a).with(self.expr(b));
         match self.program.exprs[id] {
             Expr::Button(_, button) => Inputs { buttons: 1 << button.index(), axes: 0 },
             Expr::Axis(axis) => Inputs { buttons: 0, axes: 1 << axis.index() },
-            Expr::Negate(a) | Expr::Not(a) => self.expr(a),
-            Expr::Arithmetic(_, a, b) | Expr::Compare(_, a, b) | Expr::And(a, b) | Expr::Or(a, b) => both(a, b),
-            Expr::Call(_, [a, b, c]) => both(a, b).with(self.expr(c)),
-            Expr::Near { x, y, radius, .. } => both(x, y).with(self.expr(radius)),
-            Expr::Number(_)
-            | Expr::Frames(_)
-            | Expr::Bool(_)
-            | Expr::Param(..)
-            | Expr::Joint(..)
-            | Expr::IsNone(_)
-            | Expr::Is(..)
-            | Expr::Alive(_)
-            | Expr::Var(..)
-            | Expr::Discrete(..)
-            | Expr::Timer(_)
-            | Expr::Touching(..)
-            | Expr::InMode(..)
-            | Expr::InSpace(..) => Inputs::default(),
+            expr => expr.operands().into_iter().fold(Inputs::default(), |all, a| all.with(self.expr(a))),
         }
     }
 }

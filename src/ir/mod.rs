@@ -5,6 +5,7 @@
 //! simulator, the planners and all later backends read these tables and nothing else.
 
 mod actions;
+mod expressions;
 mod fold;
 mod layout;
 mod leaf;

@@ -4,9 +4,8 @@ use crate::sema::{arithmetic, call, checked, compare};
 
 use super::fold::Context;
 use super::{
-    Bounds, Collide, Drive, Entity, EntityId, Expr, ExprId, GoalId, Id, IdVec, Layout, Link, NeverId, Origin, ParamId,
-    Player, PlayerId, Predicate, Program, RefValue, Release, Slot, SlotId, Solid, Space, SpaceId, Step, Subject,
-    TagSet, Timer, World, WorldSpans,
+    Bounds, Collide, EntityId, Expr, ExprId, GoalId, IdVec, Layout, Link, NeverId, Origin, ParamId, Player, PlayerId,
+    Predicate, Program, RefValue, Slot, SlotId, Solid, Space, SpaceId, Step, Subject, TagSet, Timer, World, WorldSpans,
 };
 
 /// The predicates of a world, lowered.
@@ -190,79 +189,5 @@ impl Program {
             _ => return None,
         };
         result.is_finite().then_some(result)
-    }
-}
-
-impl Entity {
-    /// All expressions that an instance reads as it runs, with those that they are made of.
-    pub fn exprs(&self, program: &Program) -> Vec<ExprId> {
-        let mut open: Vec<ExprId> = Vec::new();
-        let edges = self.edges.iter();
-        open.extend(edges.clone().map(|e| e.guard));
-        open.extend(self.follows.iter().filter_map(|f| f.guard));
-        let actions = edges.map(|e| &e.actions).chain(self.modes.iter().map(|m| &m.entry));
-        for actions in actions.chain(self.follows.iter().map(|f| &f.actions)) {
-            open.extend(actions.updates.iter().map(|u| u.value));
-        }
-        for spawn in self.spawns.iter() {
-            open.extend(spawn.params.iter().map(|(_, value)| *value));
-            open.extend(spawn.updates.iter().map(|u| u.value));
-        }
-        for drive in self.free.iter().chain(self.leaves.iter().flat_map(|l| &l.drives)) {
-            if let Drive::Flow { value, .. } = drive {
-                open.push(*value);
-            }
-        }
-        open.extend(self.clamps.iter().flat_map(|c| [c.low, c.high]).flatten());
-        for e in self.envelopes.iter() {
-            open.push(e.sustain);
-            open.extend([e.attack, e.peak, e.decay, e.guard].into_iter().flatten());
-            if let Release::To { rate, level } = e.release {
-                open.extend(rate);
-                open.push(level);
-            }
-        }
-        open.extend(self.invariants.iter());
-        open.extend(self.colliders.iter().filter_map(|c| c.guard));
-        let mut seen = vec![false; program.exprs.len()];
-        let mut out = Vec::new();
-        while let Some(id) = open.pop() {
-            if !std::mem::replace(&mut seen[id.index()], true) {
-                out.push(id);
-                open.extend(program.exprs[id].operands());
-            }
-        }
-        out.sort_unstable();
-        out
-    }
-}
-
-impl Expr {
-    /// The expressions that it is made of.
-    pub fn operands(self) -> Vec<ExprId> {
-        match self {
-            Expr::Negate(a) | Expr::Not(a) => vec![a],
-            Expr::Arithmetic(_, a, b) | Expr::Compare(_, a, b) | Expr::And(a, b) | Expr::Or(a, b) => {
-                vec![a, b]
-            }
-            Expr::Call(_, args) => args.to_vec(),
-            Expr::Near { of: _, x, y, radius } => vec![x, y, radius],
-            Expr::Number(_)
-            | Expr::Frames(_)
-            | Expr::Bool(_)
-            | Expr::Param(..)
-            | Expr::Joint(..)
-            | Expr::IsNone(_)
-            | Expr::Is(..)
-            | Expr::Alive(_)
-            | Expr::Var(..)
-            | Expr::Discrete(..)
-            | Expr::Axis(_)
-            | Expr::Timer(_)
-            | Expr::Button(..)
-            | Expr::Touching(..)
-            | Expr::InMode(..)
-            | Expr::InSpace(..) => Vec::new(),
-        }
     }
 }

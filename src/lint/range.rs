@@ -172,7 +172,7 @@ pub(super) fn fact<'t>(entity: &Entity, term: &'t Term) -> Option<Fact<'t>> {
     let (op, a, b) = match &term.kind {
         TermKind::Compare(op, a, b) => (*op, a, b),
         TermKind::Not(inner) => match &inner.kind {
-            TermKind::Compare(op, a, b) => (negated(*op), a, b),
+            TermKind::Compare(op, a, b) => (op.negated(), a, b),
             _ => return None,
         },
         _ => return None,
@@ -181,7 +181,7 @@ pub(super) fn fact<'t>(entity: &Entity, term: &'t Term) -> Option<Fact<'t>> {
     let (of, op, with): (&Term, _, _) = if right.is_point() {
         (a, op, right)
     } else if left.is_point() {
-        (b, mirrored(op), left)
+        (b, op.mirrored(), left)
     } else {
         return None;
     };
@@ -201,26 +201,4 @@ pub(super) fn facts<'t>(entity: &Entity, guard: &'t Term) -> Vec<Fact<'t>> {
         }
     }
     out
-}
-
-fn negated(op: CompareOp) -> CompareOp {
-    match op {
-        CompareOp::Equal => CompareOp::Unequal,
-        CompareOp::Unequal => CompareOp::Equal,
-        CompareOp::Less => CompareOp::AtLeast,
-        CompareOp::AtMost => CompareOp::Greater,
-        CompareOp::Greater => CompareOp::AtMost,
-        CompareOp::AtLeast => CompareOp::Less,
-    }
-}
-
-/// `b op a` for `a op b`.
-fn mirrored(op: CompareOp) -> CompareOp {
-    match op {
-        CompareOp::Equal | CompareOp::Unequal => op,
-        CompareOp::Less => CompareOp::Greater,
-        CompareOp::AtMost => CompareOp::AtLeast,
-        CompareOp::Greater => CompareOp::Less,
-        CompareOp::AtLeast => CompareOp::AtMost,
-    }
 }

@@ -128,3 +128,30 @@ pub fn call(function: Function, [a, b, c]: [f64; 3]) -> f64 {
         }
     }
 }
+
+impl CompareOp {
+    /// What holds where this one fails.
+    #[must_use]
+    pub fn negated(self) -> Self {
+        match self {
+            CompareOp::Equal => CompareOp::Unequal,
+            CompareOp::Unequal => CompareOp::Equal,
+            CompareOp::Less => CompareOp::AtLeast,
+            CompareOp::AtMost => CompareOp::Greater,
+            CompareOp::Greater => CompareOp::AtMost,
+            CompareOp::AtLeast => CompareOp::Less,
+        }
+    }
+
+    /// `b op a` for `a op b`.
+    #[must_use]
+    pub fn mirrored(self) -> Self {
+        match self {
+            CompareOp::Equal | CompareOp::Unequal => self,
+            CompareOp::Less => CompareOp::Greater,
+            CompareOp::AtMost => CompareOp::AtLeast,
+            CompareOp::Greater => CompareOp::Less,
+            CompareOp::AtLeast => CompareOp::AtMost,
+        }
+    }
+}

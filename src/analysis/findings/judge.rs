@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::ir::{DiscreteId, Entity, Expr, ExprId, Function, Id, IdVec, ParamId, Program, TimerId, VarId};
+use crate::ir::{DiscreteId, Entity, Expr, ExprId, Id, IdVec, ParamId, Program, TimerId, VarId};
 
 use super::super::evaluate::{Reader, Truth};
 use super::Subject;
@@ -55,27 +55,16 @@ impl Reads {
             }
             Expr::Axis(_) | Expr::Button(..) => self.inputs = true,
             Expr::InMode(Me, _) => self.modes = true,
-            Expr::Negate(a) | Expr::Not(a) => self.add(program, a),
-            Expr::Arithmetic(_, a, b) | Expr::Compare(_, a, b) | Expr::And(a, b) | Expr::Or(a, b) => {
-                self.add(program, a);
-                self.add(program, b);
-            }
-            Expr::Call(function, arguments) => {
-                let count = match function {
-                    Function::Clamp | Function::If => 3,
-                    Function::Min | Function::Max | Function::Atan2 => 2,
-                    _ => 1,
-                };
-                for argument in &arguments[..count] {
-                    self.add(program, *argument);
-                }
-            }
-            Expr::Near { x, y, radius, .. } => {
+            Expr::Negate(_)
+            | Expr::Not(_)
+            | Expr::Arithmetic(..)
+            | Expr::Compare(..)
+            | Expr::And(..)
+            | Expr::Or(..)
+            | Expr::Call(..) => {}
+            Expr::Near { .. } => {
                 self.others = true;
                 self.motion = true;
-                for part in [x, y, radius] {
-                    self.add(program, part);
-                }
             }
             Expr::Param(..)
             | Expr::Discrete(..)
@@ -86,6 +75,9 @@ impl Reads {
             | Expr::Alive(_)
             | Expr::InMode(..)
             | Expr::InSpace(..) => self.others = true,
+        }
+        for operand in program.exprs[id].operands() {
+            self.add(program, operand);
         }
     }
 

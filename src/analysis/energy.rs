@@ -26,10 +26,7 @@ fn wide(i: Interval) -> Interval {
 impl Fall {
     /// The energy of some positions and velocities.
     pub fn energy(self, position: Interval, velocity: Interval) -> Interval {
-        let Fall { acceleration: a, step } = self;
-        let kinetic = self.kinetic(velocity);
-        let _ = step;
-        wide(kinetic.minus(position.times(Interval::point(2.0 * a))))
+        wide(self.kinetic(velocity).minus(position.times(Interval::point(2.0 * self.acceleration))))
     }
 
     /// `v² + a·dt·v`

@@ -423,7 +423,6 @@ impl<'a> Analysis<'a> {
     /// Steps once from all that was found, and keeps of it only what comes of that or is there from the start. Ends that
     /// a configuration has only from itself are lost: it begins anew with what comes in from others.
     fn narrow(&mut self) {
-        let before = self.slots.clone();
         self.surroundings = Surroundings::new(&mut self.scene, &self.overall);
         let mut found: Vec<(SlotId, Vec<LeafId>, Outcome)> = Vec::new();
         for slot in self.world.slots.ids().filter(|s| self.is_first(*s) && !self.slots[*s].is_given_up) {
@@ -433,29 +432,29 @@ impl<'a> Analysis<'a> {
                 }
             }
         }
-        for slot in self.slots.iter_mut() {
-            slot.configurations.clear();
+        let clear = |slot: &mut Slot| {
             slot.speed = [0.0; 2];
             slot.is_changed = true;
-        }
+            (std::mem::take(&mut slot.configurations), slot.is_given_up)
+        };
+        let before: Vec<(BTreeMap<Vec<LeafId>, Growing>, bool)> = self.slots.iter_mut().map(clear).collect();
         for slot in self.world.slots.ids().filter(|s| self.world.slots[*s].origin != Origin::Free) {
             self.begin(slot);
         }
         for (slot, leaves, outcome) in found {
             self.take(slot, &leaves, outcome);
         }
-        for (slot, known) in before.pairs() {
-            let mut narrowed = std::mem::take(&mut self.slots[slot].configurations);
-            if known.is_given_up {
-                narrowed.clone_from(&known.configurations);
+        for (slot, (known, is_given_up)) in self.world.slots.ids().zip(before) {
+            if is_given_up {
+                self.slots[slot].configurations = known;
+                continue;
             }
+            let mut narrowed = std::mem::take(&mut self.slots[slot].configurations);
             for (leaves, growing) in &mut narrowed {
-                if let Some(known) = known.configurations.get(leaves).filter(|_| !self.slots[slot].is_given_up) {
+                if let Some(known) = known.get(leaves) {
                     growing.at = self.restarted(slot, both(&growing.at, &known.at), &known.at);
                 }
-                growing.patience = Patience::new(&growing.at);
             }
-            self.slots[slot].is_given_up = known.is_given_up;
             self.slots[slot].configurations = narrowed;
         }
         self.tell();

@@ -21,6 +21,7 @@ mod energy;
 mod evaluate;
 mod findings;
 mod fixpoint;
+mod flow;
 mod region;
 mod scene;
 mod step;
@@ -38,6 +39,7 @@ use crate::ir::{ExprId, GoalId, IdVec, Program, SlotId, World, WorldId};
 
 use evaluate::{Overall, Reader};
 use fixpoint::Analysis;
+use supply::Limits;
 use surroundings::Surroundings;
 
 /// After so many ways of steps a world is given up: everything can be anything.
@@ -65,17 +67,18 @@ pub struct ConfigurationSpace {
 
 /// Finds what a world can be.
 pub fn configuration_space(program: &Program, world: WorldId) -> ConfigurationSpace {
-    let table = &program.worlds[world];
-    let mut analysis = Analysis::new(program, table, supply::limits(program, table), MOST_EFFORT);
-    analysis.run();
-    analysis.finish()
+    let limits = supply::limits(program, &program.worlds[world]);
+    within_limits(program, world, limits, &mut { MOST_EFFORT })
 }
 
 /// As [`configuration_space`], but whatever the number of things that can be picked up: that is a matter of the level.
 /// Takes what it needs from an effort; a world that needs more than is left is given up.
 fn with_any_supply(program: &Program, world: WorldId, effort: &mut usize) -> ConfigurationSpace {
-    let table = &program.worlds[world];
-    let mut analysis = Analysis::new(program, table, supply::ranges(program, table), *effort);
+    within_limits(program, world, supply::ranges(program, &program.worlds[world]), effort)
+}
+
+fn within_limits(program: &Program, world: WorldId, limits: Limits, effort: &mut usize) -> ConfigurationSpace {
+    let mut analysis = Analysis::new(program, &program.worlds[world], limits, *effort);
     analysis.run();
     *effort = analysis.effort;
     analysis.finish()

@@ -15,8 +15,7 @@ use super::values::{Interval, Values};
 const MOST_CELLS: usize = 1 << 22;
 /// With more strips than that only the box around all of them is used.
 const MOST_STRIPS: usize = 256;
-
-/// So for what is asked of the world.
+/// So for what is asked of the world, which is looked at in each of them once.
 const MOST_BOXES: usize = 1 << 16;
 
 /// Boxes of positions, px.

@@ -358,42 +358,51 @@ impl<'a> Reader<'a> {
 
     /// What is left of a configuration where a guard holds (or fails); none if it cannot.
     pub fn refined(&self, from: &Configuration, guard: ExprId, holds: bool) -> Option<Configuration> {
-        let (me, _) = self.me?;
-        let reader = Reader { me: Some((me, from)), ..*self };
-        let truth = reader.truth(guard);
-        if !(if holds { truth.can_hold } else { truth.can_fail }) {
+        if !self.can_turn_out(from, guard, holds) {
             return None;
         }
+        let mut out = from.clone();
+        self.refine(&mut out, guard, holds).then_some(out)
+    }
+
+    fn can_turn_out(&self, at: &Configuration, guard: ExprId, holds: bool) -> bool {
+        let reader = Reader { me: self.me.map(|(me, _)| (me, at)), ..*self };
+        let truth = reader.truth(guard);
+        if holds { truth.can_hold } else { truth.can_fail }
+    }
+
+    /// Cuts a configuration to what is left where a guard holds (or fails); gives whether it can.
+    pub fn refine(&self, at: &mut Configuration, guard: ExprId, holds: bool) -> bool {
+        let Some((me, _)) = self.me.filter(|_| self.can_turn_out(at, guard, holds)) else { return false };
         match (self.program.exprs[guard], holds) {
-            (Expr::Not(a), _) => self.refined(from, a, !holds),
-            (Expr::And(a, b), true) | (Expr::Or(a, b), false) => {
-                let first = self.refined(from, a, holds)?;
-                self.refined(&first, b, holds)
-            }
+            (Expr::Not(a), _) => self.refine(at, a, !holds),
+            (Expr::And(a, b), true) | (Expr::Or(a, b), false) => self.refine(at, a, holds) && self.refine(at, b, holds),
             (Expr::And(a, b), false) | (Expr::Or(a, b), true) => {
                 // Either decides; the second is asked only where the first has not.
-                let first = self.refined(from, a, holds);
-                let second = self.refined(from, a, !holds).and_then(|rest| self.refined(&rest, b, holds));
-                match (first, second) {
-                    (Some(a), Some(b)) => Some(a.or(&b)),
-                    (a, b) => a.or(b),
+                let first = self.refined(at, a, holds);
+                let has_second = self.refine(at, a, !holds) && self.refine(at, b, holds);
+                match first {
+                    Some(first) if has_second => *at = first.or(at),
+                    Some(first) => *at = first,
+                    None => return has_second,
                 }
+                true
             }
             (Expr::Compare(op, a, b), _) => {
                 let op = if holds { op } else { op.negated() };
-                let mut out = from.clone();
-                self.cut(&mut out, a, op, &reader.number(b));
-                self.cut(&mut out, b, op.mirrored(), &reader.number(a));
-                (!out.is_impossible()).then_some(out)
+                let reader = Reader { me: Some((me, at)), ..*self };
+                let (left, right) = (reader.number(a), reader.number(b));
+                self.cut(at, a, op, &right);
+                self.cut(at, b, op.mirrored(), &left);
+                !at.is_impossible()
             }
             (Expr::Touching(Subject::Me, touch), true) => {
-                let mut out = from.clone();
                 for (var, places) in [VarId(0), VarId(1)].into_iter().zip(self.surroundings.places(me, touch)) {
-                    out.set(var, 0, out.vars[var][0].and(places));
+                    at.set(var, 0, at.vars[var][0].and(places));
                 }
-                (!out.is_impossible()).then_some(out)
+                !at.is_impossible()
             }
-            _ => Some(from.clone()),
+            _ => true,
         }
     }
 
@@ -416,10 +425,7 @@ impl<'a> Reader<'a> {
                 out.set(var, usize::from(degree), cut(&out.vars[var][usize::from(degree)]));
             }
             Expr::Discrete(Subject::Me, id) => {
-                let left = cut(&out.discretes[id]);
-                if left != out.discretes[id] {
-                    out.discretes[id] = left;
-                }
+                out.set_discrete(id, cut(&out.discretes[id]));
             }
             Expr::Timer(timer) => {
                 // Counts are cut a step too wide, as times are rounded.
@@ -468,6 +474,20 @@ impl Configuration {
         }
     }
 
+    /// Sets a discrete variable.
+    pub(super) fn set_discrete(&mut self, id: DiscreteId, values: Values) {
+        if self.discretes[id] != values {
+            self.discretes[id] = values;
+        }
+    }
+
+    /// A variable does not go on as it fell.
+    pub(super) fn forget_energy(&mut self, var: VarId) {
+        if self.energy[var].is_some() {
+            self.energy[var] = None;
+        }
+    }
+
     /// Whether the variables are the very same: nothing has been written since.
     pub(super) fn shares(&self, other: &Configuration) -> bool {
         Arc::ptr_eq(&self.numbers, &other.numbers)
@@ -510,6 +530,9 @@ impl Configuration {
     /// What can be in either; both are of the same leaves.
     #[must_use]
     pub fn or(&self, other: &Configuration) -> Configuration {
+        if other.is_within(self) {
+            return self.clone();
+        }
         let timers = self.timers.iter().zip(other.timers.iter()).map(|(a, b)| a.or(*b)).collect();
         let spaces = match self.spaces.is_superset(&other.spaces) {
             true => Arc::clone(&self.spaces),

@@ -142,6 +142,9 @@ impl<'a> Analysis<'a> {
         if found.is_impossible() {
             return false;
         }
+        if known.configurations.get(&found.leaves).is_some_and(|g| found.is_within(&g.at)) {
+            return false;
+        }
         let Some(mut growing) = known.configurations.remove(&found.leaves) else {
             let patience = Patience::new(&found);
             known.configurations.insert(found.leaves.clone(), Growing { at: found, patience, is_new: true });
@@ -155,22 +158,19 @@ impl<'a> Analysis<'a> {
             let hulls = known.configurations.values().filter_map(|g| g.at.vars[var][degree].hull());
             hulls.reduce(Interval::or)
         };
-        let is_more = !found.is_within(&growing.at) && {
-            let mut joined = growing.at.or(&found);
-            joined.sharpen();
-            let is_more = joined != growing.at;
-            if is_more {
-                if !self.is_narrowing {
-                    growing.patience.widen(&growing.at, &mut joined, &self.thresholds, is_own, others);
-                }
-                cut(&mut joined, &self.limits[slot]);
-                joined.sharpen();
-                growing.at = within_bounds(self.world, slot, joined);
-                growing.is_new = true;
-                known.is_changed = true;
+        let mut joined = growing.at.or(&found);
+        joined.sharpen();
+        let is_more = joined != growing.at;
+        if is_more {
+            if !self.is_narrowing {
+                growing.patience.widen(&growing.at, &mut joined, &self.thresholds, is_own, others);
             }
-            is_more
-        };
+            cut(&mut joined, &self.limits[slot]);
+            joined.sharpen();
+            growing.at = within_bounds(self.world, slot, joined);
+            growing.is_new = true;
+            known.is_changed = true;
+        }
         known.configurations.insert(found.leaves, growing);
         is_more
     }

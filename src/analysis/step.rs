@@ -96,7 +96,7 @@ impl<'a> Stepper<'a> {
         for group in entity.groups.ids() {
             let mut next = Vec::new();
             for (taken, at) in ways {
-                self.choices(group, &taken, at, stays, &mut next);
+                self.choices(group, &taken, &at, stays, &mut next);
             }
             ways = next;
             if ways.len() > MOST_WAYS {
@@ -114,30 +114,28 @@ impl<'a> Stepper<'a> {
     }
 
     /// What a group can do: take each of its edges, or none. If it `stays`, those that lead elsewhere do not matter.
-    fn choices(&self, group: GroupId, taken: &[Option<EdgeId>], from: Configuration, stays: bool, out: &mut Vec<Way>) {
+    fn choices(&self, group: GroupId, taken: &[Option<EdgeId>], from: &Configuration, stays: bool, out: &mut Vec<Way>) {
         let entity = self.entity();
         let leaf = from.leaves[group.index()];
         let with = |edge| taken.iter().copied().chain([edge]).collect::<Vec<_>>();
-        let mut rest = Some(from);
+        let mut rest = from.clone();
         for &edge in &entity.leaves[leaf].edges {
-            let Some(at) = &rest else { return };
             let guard = entity.edges[edge].guard;
-            let reader = self.at(at);
             let target = entity.edges[edge].target;
-            let leads_off = || target.is_some_and(|t| !self.entered(t, at).contains(&leaf));
-            let held = if stays && leads_off() { None } else { reader.refined(at, guard, true) };
+            let leads_off = || target.is_some_and(|t| !self.entered(t, &rest).contains(&leaf));
+            let held = if stays && leads_off() { None } else { self.at(&rest).refined(&rest, guard, true) };
             if let Some(mut held) = held {
                 // What only turns a lamp on goes one way wherever that is.
-                if !self.moving[edge] && held.discretes == at.discretes {
-                    held.numbers = Arc::clone(&at.numbers);
+                if !self.moving[edge] && held.discretes == rest.discretes {
+                    held.numbers = Arc::clone(&rest.numbers);
                 }
                 out.push((with(Some(edge)), held));
             }
-            rest = reader.refined(at, guard, false);
+            if !self.at(from).refine(&mut rest, guard, false) {
+                return;
+            }
         }
-        if let Some(rest) = rest {
-            out.push((with(None), rest));
-        }
+        out.push((with(None), rest));
     }
 
     /// Runs what the groups have decided, then everything else of the step.
@@ -150,9 +148,8 @@ impl<'a> Stepper<'a> {
             let from = at.leaves[group.index()];
             for &internal in &entity.leaves[from].internal {
                 let internal = &entity.edges[internal];
-                let truth = self.at(at).truth(internal.guard);
                 if let Some(held) = self.at(at).refined(at, internal.guard, true) {
-                    let sure = !truth.can_fail && internal.needs.is_empty();
+                    let sure = internal.needs.is_empty() && !self.at(at).truth(internal.guard).can_fail;
                     for next in &mut nexts {
                         let mut changed = next.clone();
                         self.act(&internal.actions, &held, &mut changed, outcome);
@@ -165,7 +162,8 @@ impl<'a> Stepper<'a> {
                 let edge = &entity.edges[*edge];
                 let Some(target) = edge.target else { continue };
                 note_puts(&edge.actions, &mut put);
-                entity.modes.iter().for_each(|m| note_puts(&m.entry, &mut put));
+                let entries = entity.modes.iter().map(|m| &m.entry).filter(|e| !e.updates.is_empty());
+                entries.for_each(|e| note_puts(e, &mut put));
                 let mut entered = Vec::new();
                 for leaf in self.entered(target, at) {
                     for next in &nexts {
@@ -322,13 +320,11 @@ impl<'a> Stepper<'a> {
         let value = self.at(at).number(update.value);
         match update.place {
             Place::Var(var, degree) => {
-                next.vars[var][usize::from(degree)] = value;
-                next.energy[var] = None;
+                next.set(var, usize::from(degree), value);
+                next.forget_energy(var);
             }
-            Place::Discrete(id) => {
-                // A value out of the range stops the run.
-                next.discretes[id] = value.and(&Values::range(self.entity().discretes[id].range));
-            }
+            // A value out of the range stops the run.
+            Place::Discrete(id) => next.set_discrete(id, value.and(&Values::range(self.entity().discretes[id].range))),
             Place::Ref(_) => {}
         }
     }
@@ -368,7 +364,7 @@ impl<'a> Stepper<'a> {
             let position = out.vars[var][0];
             let values = if put[axis] { position } else { position.and(&stood[axis]) };
             out.vars[var][0] = values.map(|i| i.map(|x| to.0 + (to.1 - to.0) * (x - from.0) / (from.1 - from.0)));
-            out.energy[var] = None;
+            out.forget_energy(var);
         }
         out
     }

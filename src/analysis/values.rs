@@ -206,12 +206,28 @@ impl Values {
         if other.is_within(self) {
             return *self;
         }
+        if let ([a], [b]) = (self.intervals(), other.intervals()) {
+            let (a, b) = if a.low <= b.low { (*a, *b) } else { (*b, *a) };
+            return if b.low <= a.high { Values::one(a.or(b)) } else { Values::both(a, b) };
+        }
         Values::any(self.intervals().iter().chain(other.intervals()).copied())
+    }
+
+    /// Two intervals with a gap between them, in order.
+    fn both(a: Interval, b: Interval) -> Values {
+        let mut out = Values { len: 2, items: [b; MOST] };
+        out.items[0] = a;
+        out
     }
 
     /// Those in both.
     #[must_use]
     pub fn and(&self, other: &Values) -> Values {
+        match (self.intervals(), other.intervals()) {
+            ([only], _) => return other.within(*only),
+            (_, [only]) => return self.within(*only),
+            _ => {}
+        }
         Values::any(self.intervals().iter().flat_map(|a| other.intervals().iter().filter_map(|b| a.and(*b))))
     }
 
@@ -229,6 +245,9 @@ impl Values {
 
     /// What is left of each interval.
     fn keep(&self, left: impl Fn(Interval) -> Option<Interval>) -> Values {
+        if let [only] = self.intervals() {
+            return left(*only).map_or(Values::none(), Values::one);
+        }
         let mut out = Values::none();
         let kept = self.intervals().iter().filter_map(|i| left(*i));
         for (place, interval) in out.items.iter_mut().zip(kept) {

@@ -105,7 +105,7 @@ fn grow(c: &mut Criterion) {
         b.iter(|| {
             for seed in 1..=10 {
                 let settings = Settings { seed, ..Settings::default() };
-                black_box(reach(&problem, &space, &settings, &Limits { nodes: 100_000 }, &Unwatched).unwrap());
+                black_box(reach(&problem, &space, &settings, &Limits::default(), &Unwatched).unwrap());
             }
         });
     });

@@ -24,6 +24,19 @@ pub struct Compilation {
     pub diagnostics: Diagnostics,
 }
 
+/// A predicate that may never hold, beside those of the program.
+#[derive(Debug, Clone, Copy)]
+pub struct Barred<'a> {
+    /// The world; none: all of the file.
+    pub world: Option<&'a str>,
+    /// What it is called.
+    pub name: &'a str,
+    /// Its text.
+    pub predicate: &'a str,
+    /// Where the text stands, as findings call it.
+    pub origin: &'a str,
+}
+
 /// Compiles a file and what it imports. Worlds that leave their map open stay open.
 pub fn compile(root: &Path, files: &dyn Files) -> Compilation {
     compile_with(root, None, files)
@@ -31,8 +44,23 @@ pub fn compile(root: &Path, files: &dyn Files) -> Compilation {
 
 /// Compiles a file and what it imports; worlds that leave their map open get this one.
 pub fn compile_with(root: &Path, map: Option<&Path>, files: &dyn Files) -> Compilation {
+    compile_barred(root, map, None, files)
+}
+
+/// As [`compile_with`], with one more `never` in each world of the file that is named, or in all: a predicate that comes
+/// from the command line. It is the last one of its world.
+pub fn compile_barred(root: &Path, map: Option<&Path>, barred: Option<Barred<'_>>, files: &dyn Files) -> Compilation {
     let mut sources = SourceMap::new();
     let (mut trees, mut diagnostics) = syntax::load(root, files, &mut sources);
+    if let Some(barred) = barred {
+        let text = format!("world it {{ never {}: {} }}", barred.name, barred.predicate);
+        let file = sources.add(Path::new(barred.origin), text.clone());
+        let (tree, found) = syntax::parse(file, &text);
+        diagnostics.append(found);
+        if let Some(root) = trees.first_mut() {
+            root.bar(&tree, barred.world);
+        }
+    }
     diagnostics.append(syntax::expand(&mut trees, &mut sources));
     let level = map.and_then(|path| match files.read(path) {
         Ok(text) => Some(sources.add(path, text)),

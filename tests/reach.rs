@@ -11,8 +11,8 @@ use hypedc::analysis::configuration_space;
 use hypedc::compile::compile;
 use hypedc::ir::{GoalId, Program, SlotId, VarId, WorldId};
 use hypedc::reach::{
-    Limits, Metric, Outcome, Plan, Point, Problem, Proof, Quantity, Rrt, Sampling, Settings, Verdict, reach,
-    search as grow,
+    Argument, Limits, Metric, Outcome, Plan, Planner, Point, Problem, Proof, Quantity, Sampling, Settings, Verdict,
+    reach, search as grow,
 };
 use hypedc::sim::{Simulator, parse_script};
 use hypedc::source::SourceMap;
@@ -36,8 +36,8 @@ fn search_in(program: &Program, goal: u32, seed: u64, nodes: u64, sampling: Samp
     let sim = Simulator::new(program, WORLD);
     let problem = Problem::new(&sim, GoalId(goal));
     let space = configuration_space(program, WORLD);
-    let settings = Settings { seed, sampling, ..Settings::default() };
-    reach(&problem, &space, &settings, &Limits { nodes }, &Unwatched).unwrap()
+    let settings = Settings { seed, sampling, planner: Planner::Rrt, ..Settings::default() };
+    reach(&problem, &space, &settings, &Limits { nodes, ..Limits::default() }, &Unwatched).unwrap()
 }
 
 /// Writes the script as text, reads it back, runs it: the goal holds at its end and not before, no `never` holds.
@@ -161,9 +161,8 @@ fn search_regardless(program: &Program, goal: u32, nodes: u64) -> (Outcome, Opti
     let sim = Simulator::new(program, WORLD);
     let problem = Problem::new(&sim, GoalId(goal));
     let space = configuration_space(program, WORLD);
-    let metric = Metric::new(&sim, &space, Sampling::Naive);
-    let outcome =
-        grow(&problem, &metric, &mut Rrt::new(&metric), &Settings::default(), &Limits { nodes }, &Unwatched).unwrap();
+    let settings = Settings { planner: Planner::Rrt, sampling: Sampling::Naive, ..Settings::default() };
+    let outcome = grow(&problem, &space, &settings, &Limits { nodes, ..Limits::default() }, &Unwatched).unwrap();
     (outcome, Proof::of(&problem, &space))
 }
 
@@ -215,7 +214,9 @@ fn a_goal_above_the_highest_jump_is_proven_unreachable() {
         ),
     ] {
         let program = jumper(goal);
-        let Verdict::Unreachable(proof) = search(&program, 0, 1, 1_000).verdict else { panic!("{goal}: no proof") };
+        let Verdict::Unreachable(Argument::Analysis(proof)) = search(&program, 0, 1, 1_000).verdict else {
+            panic!("{goal}: no proof")
+        };
         for part in &proof.parts {
             assert_eq!(part.holds, holds, "{goal}");
             let read: Vec<Quantity> = part.reads.iter().map(|(quantity, _)| *quantity).collect();

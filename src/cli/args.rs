@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::reach::Planner;
+
 /// Compiles, simulates and analyses action-game entities written as hybrid automata.
 #[derive(Debug, Parser)]
 #[command(version, about, propagate_version = true)]
@@ -156,6 +158,8 @@ pub(super) struct SimArgs {
 }
 
 #[derive(Debug, Args)]
+#[command(after_help = "Scripts are those of `hypedc sim`. A predicate is one of the program's language, such as \
+`hero.keys > 0` or `hero in running`.")]
 pub(super) struct ReachArgs {
     /// The program.
     #[arg(value_name = "FILE")]
@@ -166,26 +170,63 @@ pub(super) struct ReachArgs {
     /// The world, where the program has several.
     #[arg(long, value_name = "NAME")]
     pub world: Option<String>,
-    /// A goal to ask for; all goals of the world if none is given.
-    #[arg(long, value_name = "NAME")]
+    /// A goal to ask for; all goals of the world if nothing is asked for.
+    #[arg(long, value_name = "NAME", help_heading = "The question")]
     pub goal: Vec<String>,
+    /// A `never` to break: asks for a counterexample.
+    #[arg(long, value_name = "NAME", help_heading = "The question")]
+    pub never: Vec<String>,
+    /// Asks for ways on which a predicate never holds: are the key, the run button needed?
+    #[arg(long, value_name = "PREDICATE", help_heading = "The question")]
+    pub without: Option<String>,
+    /// Begins in the state that an input script leads to; several make several beginnings.
+    #[arg(long, value_name = "SCRIPT", allow_hyphen_values = true, help_heading = "The question")]
+    pub after: Vec<String>,
+    /// Admits only inputs that change after so long at the earliest, such as `12frames` or `200ms`.
+    #[arg(long, value_name = "TIME", value_parser = Time::read, help_heading = "The question")]
+    pub min_hold: Option<Time>,
+    /// Who searches.
+    #[arg(long, value_name = "NAME", default_value = "auto", value_parser = planner(), help_heading = "The search")]
+    pub planner: String,
     /// Where samples are drawn from.
-    #[arg(long, value_enum, value_name = "BOUNDS", default_value = "reduced")]
+    #[arg(long, value_enum, value_name = "BOUNDS", default_value = "reduced", help_heading = "The search")]
     pub bounds: SampleBounds,
+    /// What distances are measured in.
+    #[arg(long, value_enum, value_name = "METRIC", default_value = "full", help_heading = "The search")]
+    pub metric: MetricName,
+    /// For how many steps an input is held: `10`, or `10..60` to draw it for each extension. By itself, a planner holds
+    /// them for 10, `coverage` for 10..60.
+    #[arg(long, value_name = "N|A..B", value_parser = hold, help_heading = "The search")]
+    pub hold: Option<(u16, u16)>,
+    /// The nodes of the shortest tree before a new one is begun, or `never`.
+    #[arg(long, value_name = "N|never", default_value = "2000", value_parser = Restart::read, help_heading = "The search")]
+    pub restart: Restart,
+    /// How many trees grow side by side, each from a seed of its own.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..), help_heading = "The search")]
+    pub trees: u16,
+    /// How many threads let them grow; the result is the same for any number.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..), help_heading = "The search")]
+    pub threads: u16,
     /// The seed: the same seed gives the same search.
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, help_heading = "The search")]
     pub seed: u64,
     /// The most nodes to grow for each goal.
-    #[arg(long, value_name = "N", default_value_t = 200_000)]
+    #[arg(long, value_name = "N", default_value_t = 200_000, help_heading = "The budget")]
     pub nodes: u64,
     /// The most seconds to take for each goal.
-    #[arg(long, value_name = "S", value_parser = seconds)]
+    #[arg(long, value_name = "S", value_parser = seconds, help_heading = "The budget")]
     pub seconds: Option<f64>,
+    /// The most memory that trees may take, MiB.
+    #[arg(long, value_name = "MIB", default_value_t = 2048, help_heading = "The budget")]
+    pub memory: u64,
     /// As text for people, or as JSON.
-    #[arg(long, value_enum, default_value = "human")]
+    #[arg(long, value_enum, default_value = "human", help_heading = "The result")]
     pub format: ResultFormat,
+    /// Shortens a path that is found, and takes out changes of inputs that are not needed.
+    #[arg(long, help_heading = "The result")]
+    pub minimize: bool,
     /// Writes the inputs of a found path to a file; with several goals, the goal's name goes before the extension.
-    #[arg(long, value_name = "PATH")]
+    #[arg(long, value_name = "PATH", help_heading = "The result")]
     pub save_inputs: Option<PathBuf>,
 }
 
@@ -196,6 +237,66 @@ pub(super) enum SampleBounds {
     Naive,
     /// What can be in each combination of modes, as `hypedc bounds` shows it.
     Reduced,
+}
+
+/// What a search measures distances in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum MetricName {
+    /// The whole state.
+    Full,
+    /// The players' positions.
+    Xy,
+}
+
+/// A time, as steps or as seconds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Time {
+    /// `12frames`
+    Steps(u16),
+    /// `0.2s`, `200ms`
+    Seconds(f64),
+}
+
+impl Time {
+    fn read(text: &str) -> Result<Time, String> {
+        let number = |text: &str| text.parse::<f64>().ok().filter(|x| x.is_finite() && *x >= 0.0);
+        let steps = text.strip_suffix("frames").or(text.strip_suffix("frame")).unwrap_or(text);
+        let found = match (steps.parse::<u16>(), text.strip_suffix("ms"), text.strip_suffix('s')) {
+            (Ok(steps), ..) => Some(Time::Steps(steps)),
+            (_, Some(ms), _) => number(ms).map(|ms| Time::Seconds(ms / 1000.0)),
+            (_, _, Some(s)) => number(s).map(Time::Seconds),
+            _ => None,
+        };
+        found.ok_or_else(|| "a time such as `12frames`, `0.2s` or `200ms`".to_string())
+    }
+}
+
+/// When a tree is given up for a new one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Restart(pub Option<u64>);
+
+impl Restart {
+    fn read(text: &str) -> Result<Restart, String> {
+        match (text, text.parse()) {
+            ("never", _) => Ok(Restart(None)),
+            (_, Ok(nodes)) if nodes > 1 => Ok(Restart(Some(nodes))),
+            _ => Err("a number of nodes above 1, or `never`".to_string()),
+        }
+    }
+}
+
+fn planner() -> clap::builder::PossibleValuesParser {
+    clap::builder::PossibleValuesParser::new(
+        Planner::ALL.map(|p| clap::builder::PossibleValue::new(p.name()).help(p.summary())),
+    )
+}
+
+fn hold(text: &str) -> Result<(u16, u16), String> {
+    let (low, high) = text.split_once("..").unwrap_or((text, text));
+    match (low.parse(), high.parse()) {
+        (Ok(low), Ok(high)) if 1 <= low && low <= high => Ok((low, high)),
+        _ => Err("a number of steps such as `10`, or a range such as `10..60`".to_string()),
+    }
 }
 
 #[derive(Debug, Args)]

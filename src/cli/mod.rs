@@ -16,6 +16,7 @@ mod graph;
 mod ir;
 mod new;
 mod reach;
+mod reach_result;
 mod report;
 mod sim;
 mod values;

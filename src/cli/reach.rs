@@ -4,242 +4,272 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use serde::Serialize;
-
-use crate::analysis::configuration_space;
+use crate::analysis::{ConfigurationSpace, configuration_space};
+use crate::compile::Barred;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::similar;
-use crate::ir::{GoalId, WorldId};
-use crate::reach::{Limits, Outcome, Problem, Sampling, Settings, Verdict, reach};
-use crate::sim::Simulator;
+use crate::ir::{GoalId, NeverId, World, WorldId};
+use crate::reach::{
+    BadStart, Death, Limits, Measure, Outcome, Planner, Problem, Sampling, Settings, Target, Verdict, reach, shorten,
+};
+use crate::sim::{Script, Simulator, parse_script};
 
 use super::Answer;
-use super::args::{ReachArgs, ResultFormat, SampleBounds};
-use super::report::{Loaded, choose_world, load, plain_error, show_fact};
+use super::args::{MetricName, ReachArgs, ResultFormat, SampleBounds, Time};
+use super::reach_result::{Answered, RunResult, Violation};
+use super::report::{Loaded, choose_world, load_barred, plain_error, show, show_fact};
 use super::sim::save_script;
-use super::values;
 use super::watching::CommandWatch;
 
-/// The version of the JSON result.
-const RESULT_VERSION: u32 = 2;
-
-#[derive(Serialize)]
-struct RunResult<'a> {
-    version: u32,
-    hypedc: &'a str,
-    file: String,
-    world: &'a str,
-    seed: u64,
-    bounds: &'static str,
-    analysis_seconds: f64,
-    nodes_limit: u64,
-    seconds_limit: Option<f64>,
-    goals: Vec<GoalResult>,
-}
-
-#[derive(Serialize)]
-struct GoalResult {
-    goal: String,
-    verdict: &'static str,
-    /// Why it is proven unreachable.
-    argument: Option<String>,
-    /// Number of steps and length of the path; none if there is none.
-    steps: Option<u64>,
-    seconds_of_play: Option<f64>,
-    inputs: Option<String>,
-    nodes: u64,
-    trees: u64,
-    extensions: u64,
-    failures: u64,
-    simulated_steps: u64,
-    seconds: f64,
-    stopped: bool,
-    inputs_left_out: bool,
-    #[serde(skip)]
-    saved: Option<PathBuf>,
-}
+/// What the predicate of `--without` is called.
+const WITHOUT: &str = "without";
 
 pub(super) fn run(args: &ReachArgs) -> io::Result<Answer> {
-    let Some(loaded) = load(&args.file, args.map.as_deref())? else {
+    let barred = args.without.as_deref().map(|predicate| Barred {
+        world: args.world.as_deref(),
+        name: WITHOUT,
+        predicate,
+        origin: "--without",
+    });
+    let Some(mut loaded) = load_barred(&args.file, args.map.as_deref(), barred)? else {
         return Ok(Answer::Unasked);
     };
     let Some(world) = choose_world(&loaded, &args.file, args.world.as_deref())? else {
         return Ok(Answer::Unasked);
     };
-    let Some(goals) = choose_goals(&loaded, world, &args.goal)? else {
+    let Some(targets) = choose_targets(&loaded, world, args)? else {
+        return Ok(Answer::Unasked);
+    };
+    let Some(after) = read_scripts(&mut loaded, world, &args.after)? else {
         return Ok(Answer::Unasked);
     };
     let sim = Simulator::new(&loaded.program, world);
     let started = Instant::now();
     let space = configuration_space(&loaded.program, world);
     let analysis_seconds = started.elapsed().as_secs_f64();
-    let (sampling, bounds) = match args.bounds {
-        SampleBounds::Naive => (Sampling::Naive, "naive"),
-        SampleBounds::Reduced => (Sampling::Reduced, "reduced"),
+    let Some(settings) = settings(args, sim.world())? else {
+        return Ok(Answer::Unasked);
     };
-    let mut answer = Answer::Yes;
-    let mut result = RunResult {
-        version: RESULT_VERSION,
-        hypedc: env!("CARGO_PKG_VERSION"),
-        file: args.file.display().to_string(),
-        world: &sim.world().name,
-        seed: args.seed,
-        bounds,
-        analysis_seconds,
-        nodes_limit: args.nodes,
-        seconds_limit: args.seconds,
-        goals: Vec::new(),
-    };
+    let mut result = RunResult::new(args, &loaded.program, world, &settings, analysis_seconds);
     if args.format == ResultFormat::Human {
-        let naive = if sampling == Sampling::Naive { ", naive bounds" } else { "" };
-        writeln!(io::stdout(), "{}, world {}, seed {}{naive}", result.file, result.world, result.seed)?;
+        write!(io::stdout(), "{}", result.head())?;
     }
-    for &goal in &goals {
-        let name = &sim.world().goals[goal].name;
-        let problem = Problem::new(&sim, goal);
-        let watch = CommandWatch::new(name, args.seconds);
-        let settings = Settings { seed: args.seed, sampling, ..Settings::default() };
-        let outcome = reach(&problem, &space, &settings, &Limits { nodes: args.nodes }, &watch);
-        watch.finish();
-        let outcome = match outcome {
-            Ok(outcome) => outcome,
-            Err(fault) => {
-                show_fact(&loaded.sources, fault.fact(&loaded.program, world, 0))?;
-                return Ok(Answer::Unasked);
-            }
-        };
-        if let Some((fault, step)) = outcome.fault {
-            show_fact(&loaded.sources, fault.fact(&loaded.program, world, step))?;
-        }
-        let mut row = row(&sim, name, &outcome, watch.seconds());
-        let mut reasons = Vec::new();
-        if let Verdict::Unreachable(proof) = &outcome.verdict {
-            reasons = values::reasons(&loaded.sources, &loaded.program, sim.world(), proof);
-            row.argument = Some(reasons.join("; "));
-            if values::is_bounded(sim.world()) {
-                reasons.push("a run ends where a player leaves the bounds of its space, below or beside".to_string());
-            }
-        }
-        if let (Some(path), Some(inputs)) = (&args.save_inputs, &row.inputs) {
-            let path = save_path(path, name, goals.len());
-            if let Err(error) = save_script(&path, inputs) {
-                plain_error(&format!("cannot write `{}`: {error}", path.display()))?;
-                return Ok(Answer::Unasked);
-            }
-            row.saved = Some(path);
-        }
+    let mut run = Run { args, loaded: &loaded, sim: &sim, space: &space, settings, after, targets: targets.len() };
+    let mut answer = Answer::Yes;
+    for &target in &targets {
+        let Some((answered, is_interrupted)) = run.ask(target)? else { return Ok(Answer::Unasked) };
         if args.format == ResultFormat::Human {
-            write!(io::stdout(), "{}", human(&row, &reasons))?;
+            write!(io::stdout(), "{}", answered.human(target))?;
         }
-        if !matches!(outcome.verdict, Verdict::Reached(_)) {
+        if !answered.is_as_wished {
             answer = answer.max(Answer::No);
         }
-        result.goals.push(row);
-        if watch.is_interrupted() {
+        result.add(answered);
+        if is_interrupted {
             answer = answer.max(Answer::No);
             break;
         }
     }
-    if args.format == ResultFormat::Json {
-        let mut out = io::stdout().lock();
-        serde_json::to_writer_pretty(&mut out, &result)?;
-        writeln!(out)?;
+    match args.format {
+        ResultFormat::Human => write!(io::stdout(), "{}", result.tail())?,
+        ResultFormat::Json => {
+            let mut out = io::stdout().lock();
+            serde_json::to_writer_pretty(&mut out, &result)?;
+            writeln!(out)?;
+        }
     }
     Ok(answer)
 }
 
-/// The goals that were asked for, or all; shows why if there are none.
-fn choose_goals(loaded: &Loaded, world: WorldId, wanted: &[String]) -> io::Result<Option<Vec<GoalId>>> {
-    let goals = &loaded.program.worlds[world].goals;
-    let world = &loaded.program.worlds[world].name;
-    let mut chosen = Vec::new();
-    for name in wanted {
-        let Some(goal) = goals.find(|g| g.name == *name) else {
-            let names: Vec<&str> = goals.iter().map(|g| g.name.as_str()).collect();
-            let list: Vec<String> = names.iter().map(|n| format!("`{n}`")).collect();
-            let fact = NoQuestion {
-                why: format!("no goal `{name}` in `{world}`"),
-                near: similar(name, names.iter().copied()),
-                help: (!list.is_empty()).then(|| format!("there is {}", list.join(", "))),
+/// One run of the command.
+struct Run<'r> {
+    args: &'r ReachArgs,
+    loaded: &'r Loaded,
+    sim: &'r Simulator<'r>,
+    space: &'r ConfigurationSpace,
+    settings: Settings,
+    /// Where searches begin.
+    after: Vec<Script>,
+    /// How many questions there are.
+    targets: usize,
+}
+
+impl Run<'_> {
+    /// The question of a target; shows why there is none.
+    fn problem(&self, target: Target) -> io::Result<Option<Problem<'_>>> {
+        let world = self.sim.world();
+        let mut problem = Problem::asking(self.sim, target);
+        if self.args.without.is_some()
+            && let Some(never) = world.nevers.iter().last()
+        {
+            problem = problem.without(never.holds);
+        }
+        for (script, text) in self.after.iter().zip(&self.args.after) {
+            problem = match problem.after(script.clone()) {
+                Ok(problem) => problem,
+                Err(BadStart::Fault(fault, step)) => {
+                    show_fact(&self.loaded.sources, fault.fact(&self.loaded.program, self.sim.world_id(), step))?;
+                    return Ok(None);
+                }
+                Err(BadStart::Over(death, step)) => {
+                    let why = match death {
+                        Death::Never(id) => format!("`never {}` holds", world.nevers[id].name),
+                        Death::Avoided => "the predicate of `--without` holds".to_string(),
+                        Death::Outside => "the player is out of bounds".to_string(),
+                    };
+                    let why = format!("`--after \"{text}\"` leads nowhere: {why} after step {step}");
+                    let help = Some("give a script whose run is not over at its end".to_string());
+                    show_fact(&self.loaded.sources, NoQuestion { why, near: None, help })?;
+                    return Ok(None);
+                }
             };
-            show_fact(&loaded.sources, fact)?;
-            return Ok(None);
+        }
+        Ok(Some(problem))
+    }
+
+    /// Asks one question; gives the answer and whether the user has had enough.
+    fn ask(&mut self, target: Target) -> io::Result<Option<(Answered, bool)>> {
+        let Some(problem) = self.problem(target)? else { return Ok(None) };
+        let (program, world) = (&self.loaded.program, self.sim.world_id());
+        let name = match target {
+            Target::Goal(id) => &self.sim.world().goals[id].name,
+            Target::Never(id) => &self.sim.world().nevers[id].name,
         };
-        if !chosen.contains(&goal) {
-            chosen.push(goal);
+        let watch = CommandWatch::new(name, self.args.seconds);
+        let limits = Limits { nodes: self.args.nodes, memory: self.args.memory << 20 };
+        let outcome = reach(&problem, self.space, &self.settings, &limits, &watch);
+        let mut outcome: Outcome = match outcome {
+            Ok(outcome) => outcome,
+            Err(fault) => {
+                watch.finish();
+                show_fact(&self.loaded.sources, fault.fact(program, world, 0))?;
+                return Ok(None);
+            }
+        };
+        let seconds = watch.seconds();
+        if let (true, Verdict::Reached(plan)) = (self.args.minimize, &outcome.verdict) {
+            let least = self.least_hold().unwrap_or(1);
+            outcome.verdict = Verdict::Reached(shorten(&problem, plan, u32::from(least), &watch));
+        }
+        watch.finish();
+        if let Some((fault, step)) = outcome.fault {
+            show_fact(&self.loaded.sources, fault.fact(program, world, step))?;
+        }
+        let mut answered = Answered::new(self.loaded, self.sim, target, &outcome, seconds);
+        let script = |script: &Script| script.text(program, world);
+        answered.violations = outcome
+            .violations
+            .iter()
+            .filter(|(never, _)| self.sim.world().nevers[*never].name != WITHOUT)
+            .map(|(never, path)| Violation::new(self.sim.world(), *never, path.len(), script(path)))
+            .collect();
+        if let (Some(path), Some(inputs)) = (&self.args.save_inputs, &answered.inputs) {
+            let path = save_path(path, name, self.targets);
+            if let Err(error) = save_script(&path, inputs) {
+                plain_error(&format!("cannot write `{}`: {error}", path.display()))?;
+                return Ok(None);
+            }
+            answered.saved = Some(path);
+        }
+        Ok(Some((answered, watch.is_interrupted())))
+    }
+
+    fn least_hold(&self) -> Option<u16> {
+        self.args.min_hold.map(|time| steps(time, self.sim.world()))
+    }
+}
+
+/// A time in steps of a world, at least one.
+fn steps(time: Time, world: &World) -> u16 {
+    match time {
+        Time::Steps(steps) => steps.max(1),
+        Time::Seconds(seconds) => (seconds / world.step.seconds()).ceil().clamp(1.0, f64::from(u16::MAX)) as u16,
+    }
+}
+
+/// How to search; shows why there is no way to.
+fn settings(args: &ReachArgs, world: &World) -> io::Result<Option<Settings>> {
+    let planner = Planner::named(&args.planner).unwrap_or_default();
+    let mut hold = args.hold;
+    if let Some(least) = args.min_hold.map(|time| steps(time, world)) {
+        let (low, high) = hold.unwrap_or(planner.hold());
+        if args.hold.is_some() && high < least {
+            plain_error(&format!("`--hold` is at most {high} steps, `--min-hold` at least {least}"))?;
+            return Ok(None);
+        }
+        hold = Some((low.max(least), high.max(least)));
+    }
+    Ok(Some(Settings {
+        seed: args.seed,
+        planner,
+        hold,
+        restart: args.restart.0,
+        sampling: match args.bounds {
+            SampleBounds::Naive => Sampling::Naive,
+            SampleBounds::Reduced => Sampling::Reduced,
+        },
+        measure: match args.metric {
+            MetricName::Full => Measure::Full,
+            MetricName::Xy => Measure::Positions,
+        },
+        trees: usize::from(args.trees),
+        threads: usize::from(args.threads),
+        ..Settings::default()
+    }))
+}
+
+/// Reads input scripts; shows what is wrong with them.
+fn read_scripts(loaded: &mut Loaded, world: WorldId, texts: &[String]) -> io::Result<Option<Vec<Script>>> {
+    let mut scripts = Vec::new();
+    for text in texts {
+        let file = loaded.sources.add("--after", text.clone());
+        let (script, found) = parse_script(&loaded.program, world, file, text);
+        if found.has_errors() {
+            show(&loaded.sources, &found)?;
+            return Ok(None);
+        }
+        scripts.push(script);
+    }
+    Ok(Some(scripts))
+}
+
+/// What was asked for, or all goals; shows why if there is nothing.
+fn choose_targets(loaded: &Loaded, world: WorldId, args: &ReachArgs) -> io::Result<Option<Vec<Target>>> {
+    let table = &loaded.program.worlds[world];
+    let mut chosen = Vec::new();
+    let goals: Vec<&str> = table.goals.iter().map(|g| g.name.as_str()).collect();
+    let nevers: Vec<&str> = table.nevers.iter().map(|g| g.name.as_str()).filter(|n| *n != WITHOUT).collect();
+    for (kind, names, wanted) in [("goal", &goals, &args.goal), ("never", &nevers, &args.never)] {
+        for name in wanted {
+            let Some(at) = names.iter().position(|n| n == name) else {
+                let list: Vec<String> = names.iter().map(|n| format!("`{n}`")).collect();
+                let fact = NoQuestion {
+                    why: format!("no {kind} `{name}` in `{}`", table.name),
+                    near: similar(name, names.iter().copied()),
+                    help: (!list.is_empty()).then(|| format!("there is {}", list.join(", "))),
+                };
+                show_fact(&loaded.sources, fact)?;
+                return Ok(None);
+            };
+            let target = match kind {
+                "goal" => Target::Goal(GoalId(at as u32)),
+                _ => Target::Never(NeverId(at as u32)),
+            };
+            if !chosen.contains(&target) {
+                chosen.push(target);
+            }
         }
     }
-    if wanted.is_empty() {
-        chosen.extend(goals.ids());
+    if args.goal.is_empty() && args.never.is_empty() {
+        chosen.extend(table.goals.ids().map(Target::Goal));
     }
     if chosen.is_empty() {
-        let why = format!("`{world}` has no goal");
+        let why = format!("`{}` has no goal", table.name);
         let help = Some("add one, such as `goal arrive: near(hero, (416, 48), 16)`".to_string());
         show_fact(&loaded.sources, NoQuestion { why, near: None, help })?;
         return Ok(None);
     }
     Ok(Some(chosen))
-}
-
-fn row(sim: &Simulator<'_>, goal: &str, outcome: &Outcome, seconds: f64) -> GoalResult {
-    let plan = match &outcome.verdict {
-        Verdict::Reached(plan) => Some(plan),
-        Verdict::NotFound | Verdict::Unreachable(_) => None,
-    };
-    let s = &outcome.statistics;
-    GoalResult {
-        goal: goal.to_string(),
-        verdict: match outcome.verdict {
-            Verdict::Reached(_) => "reached",
-            Verdict::NotFound => "not found",
-            Verdict::Unreachable(_) => "proven-unreachable",
-        },
-        argument: None,
-        steps: plan.map(|p| p.steps),
-        seconds_of_play: plan.map(|p| p.steps as f64 * sim.world().step.seconds()),
-        inputs: plan.map(|p| p.script.text(sim.program(), sim.world_id())),
-        nodes: s.nodes,
-        trees: s.trees,
-        extensions: s.extensions,
-        failures: s.failures,
-        simulated_steps: s.steps,
-        seconds,
-        stopped: outcome.stopped,
-        inputs_left_out: outcome.truncated,
-        saved: None,
-    }
-}
-
-fn human(row: &GoalResult, reasons: &[String]) -> String {
-    if row.argument.is_some() {
-        let lines: String = reasons.iter().map(|r| format!("    {r}\n")).collect();
-        return format!("  goal {}: proven unreachable, in no state that the world can be in\n{lines}", row.goal);
-    }
-    let trees = if row.trees == 1 { "tree" } else { "trees" };
-    let mut out = format!("  goal {}: {}\n", row.goal, row.verdict);
-    if let (Some(steps), Some(seconds)) = (row.steps, row.seconds_of_play) {
-        out.push_str(&format!("    path    {steps} steps ({seconds:.2} s of play)\n"));
-    }
-    if let Some(inputs) = row.inputs.as_ref().filter(|i| !i.is_empty()) {
-        out.push_str(&format!("    inputs  {inputs}\n"));
-    }
-    if let Some(path) = &row.saved {
-        out.push_str(&format!("    saved   {}\n", path.display()));
-    }
-    out.push_str(&format!(
-        "    search  {} nodes in {} {trees}, {:.3} s; {} of {} extensions failed\n",
-        row.nodes, row.trees, row.seconds, row.failures, row.extensions
-    ));
-    if row.stopped {
-        out.push_str("    stopped before the budget of nodes was spent\n");
-    }
-    if row.inputs_left_out {
-        out.push_str("    some combinations of buttons were left out: there are too many\n");
-    }
-    if row.verdict == "not found" {
-        out.push_str("    this proves nothing: a longer search may find a way\n");
-    }
-    out
 }
 
 /// The file for a goal's inputs; with several goals the goal's name goes before the extension.

@@ -3,7 +3,7 @@
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 
-use crate::compile::{Compilation, compile_with};
+use crate::compile::{Barred, Compilation, compile_barred};
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::{Diagnostics, Fact, render, similar};
 use crate::ir::{Program, World, WorldId};
@@ -43,7 +43,12 @@ pub(super) struct Loaded {
 /// Compiles a file, with a map for worlds that leave theirs open; shows what is wrong and gives nothing if it cannot be
 /// run.
 pub(super) fn load(path: &Path, map: Option<&Path>) -> io::Result<Option<Loaded>> {
-    let Compilation { sources, program, diagnostics } = compile_with(path, map, &Disk);
+    load_barred(path, map, None)
+}
+
+/// As [`load`], with a predicate that may never hold.
+pub(super) fn load_barred(path: &Path, map: Option<&Path>, barred: Option<Barred<'_>>) -> io::Result<Option<Loaded>> {
+    let Compilation { sources, program, diagnostics } = compile_barred(path, map, barred, &Disk);
     match diagnostics.counts() {
         (0, 0) => {}
         // Whoever runs a program a thousand times knows them.

@@ -82,6 +82,15 @@ impl Combination {
 }
 
 impl SlotDraw {
+    /// Leaves out all leaves and those values that are not kept.
+    pub fn keep(&mut self, kept: &[bool]) {
+        for combination in &mut self.combinations {
+            combination.leaves.clear();
+            let mut kept = kept.iter();
+            combination.values.retain(|_| kept.next().is_none_or(|k| *k));
+        }
+    }
+
     /// Adds the slot's part to a sample.
     pub fn draw(&self, rng: &mut impl Rng, out: &mut Point) {
         let chosen = match self.combinations.as_slice() {

@@ -5,10 +5,11 @@
 use rand::Rng;
 
 use crate::analysis::ConfigurationSpace;
-use crate::ir::{DiscreteId, GroupId, SlotId, TimerId, VarId, World};
+use crate::ir::{DiscreteId, GroupId, Id, SlotId, TimerId, VarId, World};
 use crate::sim::Simulator;
 
 use super::bounds::{self, Sampling};
+use super::coverage::PLACE;
 use super::draw::SlotDraw;
 
 /// What a differing leaf adds to the squared distance.
@@ -67,12 +68,33 @@ pub(super) struct SlotPart {
     pub draw: SlotDraw,
 }
 
+impl SlotPart {
+    /// Leaves out all modes and those coordinates that are not kept.
+    fn keep(&mut self, kept: &[bool]) {
+        self.reals = kept.iter().filter(|k| **k).count();
+        self.groups.clear();
+        self.presence = false;
+        self.draw.keep(kept);
+    }
+}
+
+/// What of a state distances are measured in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Measure {
+    /// All of it.
+    #[default]
+    Full,
+    /// The players' positions alone.
+    Positions,
+}
+
 /// The sampled space of a world.
 #[derive(Debug, Clone)]
 pub struct Metric {
     reals: Vec<Coordinate>,
     modes: usize,
     slots: Vec<SlotPart>,
+    players: Vec<SlotId>,
 }
 
 /// A point of the sampled space, or a state seen as one.
@@ -84,12 +106,37 @@ pub struct Point {
     pub modes: Vec<f32>,
 }
 
+impl Point {
+    /// The squared distance to another; a mode that differs adds `penalty`.
+    pub fn distance(&self, other: &Point, penalty: f32) -> f32 {
+        let reals = self.reals.iter().zip(&other.reals).map(|(a, b)| (a - b) * (a - b));
+        let modes = self.modes.iter().zip(&other.modes).map(|(a, b)| if a == b { 0.0 } else { penalty });
+        reals.chain(modes).sum()
+    }
+}
+
 impl Metric {
-    /// The space of a world, sampled from the chosen bounds.
+    /// The space of a world, sampled from the chosen bounds and measured by all of it.
     pub fn new(sim: &Simulator<'_>, space: &ConfigurationSpace, sampling: Sampling) -> Self {
-        let mut metric = Metric { reals: Vec::new(), modes: 0, slots: Vec::new() };
+        Metric::measuring(sim, space, sampling, Measure::Full)
+    }
+
+    /// The space of a world, sampled from the chosen bounds.
+    pub fn measuring(sim: &Simulator<'_>, space: &ConfigurationSpace, sampling: Sampling, measure: Measure) -> Self {
+        let players: Vec<SlotId> = sim.world().players.iter().map(|p| p.slot).collect();
+        let mut metric = Metric { reals: Vec::new(), modes: 0, slots: Vec::new(), players };
         for slot in sim.world().slots.ids() {
-            let (coordinates, part) = bounds::of_slot(sim.program(), sim.world(), slot, &space.slots[slot], sampling);
+            let (mut coordinates, mut part) =
+                bounds::of_slot(sim.program(), sim.world(), slot, &space.slots[slot], sampling);
+            if measure == Measure::Positions {
+                if !metric.players.contains(&slot) {
+                    continue;
+                }
+                let is_position = |c: &Coordinate| matches!(c.quantity, Quantity::Var(_, var, 0) if var.index() < 2);
+                let kept: Vec<bool> = coordinates.iter().map(is_position).collect();
+                part.keep(&kept);
+                coordinates.retain(is_position);
+            }
             metric.modes += part.groups.len() + usize::from(part.presence);
             metric.reals.extend(coordinates);
             metric.slots.push(part);
@@ -117,6 +164,30 @@ impl Metric {
             before += part.groups.len() + usize::from(part.presence);
         }
         None
+    }
+
+    /// For planners that cover a projection: of each coordinate the level (0 to 2) at which it begins to tell, its cells
+    /// along a distance of 1, and where the first cell begins; and of each mode its level. Where players are tells first,
+    /// then their modes and speeds and what is counted, then all else.
+    pub(super) fn projection(&self) -> (Vec<(usize, f32, f32)>, Vec<usize>) {
+        let is_player = |slot: SlotId| self.players.contains(&slot);
+        let real = |c: &Coordinate| {
+            let width = (c.high - c.low).max(f64::MIN_POSITIVE);
+            let (level, cells) = match c.quantity {
+                Quantity::Var(slot, var, 0) if is_player(slot) && var.index() < 2 => (0, (width / PLACE).max(1.0)),
+                Quantity::Discrete(..) => (1, width + 1.0),
+                Quantity::Var(slot, _, 0) if !is_player(slot) => (2, 8.0),
+                Quantity::Var(slot, _, 1) if is_player(slot) => (2, 4.0),
+                Quantity::Timer(..) => (2, 4.0),
+                Quantity::Var(..) => (2, 2.0),
+            };
+            (level, (cells * c.unit / width) as f32, c.scaled(c.low))
+        };
+        let modes = |part: &SlotPart| {
+            let count = part.groups.len() + usize::from(part.presence);
+            std::iter::repeat_n(if is_player(part.slot) { 1 } else { 2 }, count)
+        };
+        (self.reals.iter().map(real).collect(), self.slots.iter().flat_map(modes).collect())
     }
 
     /// A state as a point.

@@ -3,40 +3,48 @@
 //! The analysis is asked first: a goal that holds in no state that it allows is proven unreachable. It allows all that
 //! a search could come to, since both end a run where a player leaves the bounds of its space.
 //!
-//! One loop ([`search`]) owns sampling, simulation, the tree and the budget; what a published planner adds is a small
-//! strategy of two methods, in a file of its own. A found path is replayed in the simulator before it is reported.
+//! Then searchers grow trees of states ([`search`]). Those that sample share one loop (`sampler.rs`), to which a planner
+//! adds a strategy (`planners/`); `exhaustive.rs` visits each state once and can prove a "no"; `portfolio.rs` lets several
+//! take turns. A found path is replayed in the simulator before it is reported.
 
 mod bounds;
 mod controls;
+mod coverage;
 mod draw;
+mod exhaustive;
+mod ground;
 mod metric;
 mod nearest;
 mod outcome;
+mod planners;
+mod portfolio;
 mod problem;
 mod proof;
 mod region;
-mod rrt;
+mod sampler;
 mod search;
+mod searcher;
+mod shorten;
 mod strategy;
 mod tree;
 
 pub use bounds::Sampling;
-pub use controls::{ControlSets, MAX_CONTROLS};
-pub use metric::{Coordinate, Metric, Point, Quantity};
-pub use nearest::Linear;
-pub use outcome::{Outcome, Plan, Statistics, Verdict};
-pub use problem::{Problem, Standing};
+pub use controls::MAX_CONTROLS;
+pub use coverage::{Count, Covered, PLACE};
+pub use metric::{Coordinate, Measure, Metric, Point, Quantity};
+pub use nearest::{Index, Neighbour};
+pub use outcome::{Argument, End, Outcome, Plan, Statistics, Verdict};
+pub use planners::Planner;
+pub use problem::{BadStart, Death, Problem, Standing, Start, Target};
 pub use proof::{Part, Proof};
-pub use rrt::Rrt;
 pub use search::{Limits, Settings, search};
-pub use strategy::{Choice, Growth, Strategy};
-pub use tree::{NodeId, Tree};
+pub use shorten::shorten;
 
 use crate::analysis::ConfigurationSpace;
 use crate::sim::Fault;
 use crate::watch::Watch;
 
-/// Asks the analysis whether the goal can hold at all; if so, looks for a way to it with the plain RRT.
+/// Asks the analysis whether what is asked for can hold at all; if so, searches for a way to it.
 ///
 /// # Errors
 /// A [`Fault`] if the initial state breaks a rule.
@@ -49,9 +57,7 @@ pub fn reach(
 ) -> Result<Outcome, Fault> {
     if let Some(proof) = Proof::of(problem, space) {
         problem.sim.initial(&mut problem.sim.scratch())?;
-        return Ok(Outcome::of(Verdict::Unreachable(proof)));
+        return Ok(Outcome::of(Verdict::Unreachable(Argument::Analysis(proof)), "analysis"));
     }
-    let metric = Metric::new(problem.sim, space, settings.sampling);
-    let mut strategy = Rrt::new(&metric);
-    search(problem, &metric, &mut strategy, settings, limits, watch)
+    search(problem, space, settings, limits, watch)
 }

@@ -67,8 +67,13 @@ impl Linear {
         self.blocks[block][index % LANES] = REMOVED;
     }
 
-    /// The index of the nearest point; none if all are removed.
-    pub fn nearest(&self, reals: &[f32], modes: &[f32]) -> Option<usize> {
+    /// x
+    pub fn nearest_where(
+        &self,
+        reals: &[f32],
+        modes: &[f32],
+        mut accept: impl FnMut(usize) -> bool,
+    ) -> Option<Neighbour> {
         let mut best = (f32::INFINITY, 0);
         for (number, block) in self.blocks.chunks_exact(self.rows()).enumerate() {
             let mut sums = [0.0f32; LANES];
@@ -86,11 +91,63 @@ impl Linear {
             }
             let least = sums.iter().copied().fold(f32::INFINITY, f32::min);
             if least < best.0 {
-                let lane = sums.iter().position(|s| *s == least).unwrap_or(0);
-                best = (least, number * LANES + lane);
+                for lane in 0..LANES {
+                    if sums[lane] < best.0 && accept(number * LANES + lane) {
+                        best = (sums[lane], number * LANES + lane);
+                    }
+                }
             }
         }
-        (best.0 < f32::INFINITY).then_some(best.1)
+        (best.0 < f32::INFINITY).then_some(Neighbour { index: best.1, distance: best.0 })
+    }
+
+    /// x
+    pub fn nearest(&self, reals: &[f32], modes: &[f32]) -> Option<usize> {
+        self.nearest_where(reals, modes, |_| true).map(|n| n.index)
+    }
+}
+
+/// The nearest point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Neighbour {
+    /// Which.
+    pub index: usize,
+    /// The squared distance.
+    pub distance: f32,
+}
+
+/// Points.
+#[derive(Debug, Clone)]
+pub struct Index(Linear);
+
+impl Index {
+    /// New.
+    pub fn new(reals: usize, modes: usize, penalty: f32) -> Self {
+        Index(Linear::new(reals, modes, penalty))
+    }
+    /// x
+    pub fn clear(&mut self) {
+        self.0.clear();
+    }
+    /// x
+    pub fn push(&mut self, reals: &[f32], modes: &[f32]) {
+        self.0.push(reals, modes);
+    }
+    /// x
+    pub fn remove(&mut self, index: usize) {
+        self.0.remove(index);
+    }
+    /// x
+    pub fn nearest(&self, reals: &[f32], modes: &[f32]) -> Option<Neighbour> {
+        self.0.nearest_where(reals, modes, |_| true)
+    }
+    /// x
+    pub fn nearest_where(&self, reals: &[f32], modes: &[f32], accept: impl FnMut(usize) -> bool) -> Option<Neighbour> {
+        self.0.nearest_where(reals, modes, accept)
+    }
+    /// x
+    pub fn bytes(&self) -> usize {
+        0
     }
 }
 

@@ -1,27 +1,47 @@
 //! How a search ends, and what it took.
 
+use crate::ir::NeverId;
 use crate::sim::{Fault, Script};
 
+use super::coverage::Covered;
 use super::proof::Proof;
 
-/// The answer to "can this goal be reached?".
+/// The answer to "can this be reached?".
 #[derive(Debug, Clone, PartialEq)]
 pub enum Verdict {
     /// Yes, by this plan, which was replayed.
     Reached(Plan),
     /// Nothing was found within the budget; this proves nothing.
     NotFound,
-    /// No, and this is why; nothing was searched.
-    Unreachable(Proof),
+    /// No, and this is why.
+    Unreachable(Argument),
 }
 
-/// A way to a goal.
+/// Why something cannot be reached.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Argument {
+    /// It holds in no state that the world can be in; nothing was searched.
+    Analysis(Proof),
+    /// All that a player can do was tried, with inputs that change only every so many steps.
+    Exhaustion {
+        /// How many different states there are.
+        states: u64,
+        /// For how many steps each input is held.
+        hold: u16,
+    },
+}
+
+/// A way to what was asked for.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
-    /// The inputs from the initial state on; the goal holds after the last step.
+    /// The inputs from the initial state on; what was asked for holds after the last step.
     pub script: Script,
     /// How many steps they last.
     pub steps: u64,
+    /// How many of the first steps lead to where the search began.
+    pub after: u64,
+    /// Whether no other way of inputs held as long takes fewer steps.
+    pub is_shortest: bool,
 }
 
 /// What a search did.
@@ -39,15 +59,45 @@ pub struct Statistics {
     pub steps: u64,
 }
 
+impl Statistics {
+    /// Adds what another search did.
+    pub(super) fn add(&mut self, other: &Statistics) {
+        self.nodes += other.nodes;
+        self.trees += other.trees;
+        self.extensions += other.extensions;
+        self.failures += other.failures;
+        self.steps += other.steps;
+    }
+}
+
+/// Why a search came to an end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    /// It has its answer.
+    Answered,
+    /// The nodes of its budget are grown.
+    Nodes,
+    /// Its memory is full.
+    Memory,
+    /// The watch stopped it.
+    Stopped,
+}
+
 /// The end of a search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
     /// The answer.
     pub verdict: Verdict,
+    /// What ended the search.
+    pub end: End,
+    /// Which planner gave the answer, or was the last.
+    pub planner: &'static str,
     /// What it took.
     pub statistics: Statistics,
-    /// Whether the watch ended it before the budget did.
-    pub stopped: bool,
+    /// What was covered.
+    pub covered: Covered,
+    /// The first way found that broke each `never`.
+    pub violations: Vec<(NeverId, Script)>,
     /// Whether some combinations of inputs were left out because there are too many.
     pub truncated: bool,
     /// The first run-time error met, with the step of its path (from 1): a mistake of the program.
@@ -56,7 +106,16 @@ pub struct Outcome {
 
 impl Outcome {
     /// A verdict before any work.
-    pub(super) fn of(verdict: Verdict) -> Self {
-        Outcome { verdict, statistics: Statistics::default(), stopped: false, truncated: false, fault: None }
+    pub(super) fn of(verdict: Verdict, planner: &'static str) -> Self {
+        Outcome {
+            verdict,
+            end: End::Answered,
+            planner,
+            statistics: Statistics::default(),
+            covered: Covered::default(),
+            violations: Vec::new(),
+            truncated: false,
+            fault: None,
+        }
     }
 }

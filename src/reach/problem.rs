@@ -1,38 +1,132 @@
-//! The question: a world, a goal, and where a branch of the search ends.
+//! The question: a world, what is asked for, where a search begins, and where a branch of it ends.
 
-use crate::ir::{GoalId, SlotId};
-use crate::sim::{Fault, Simulator};
+use crate::ir::{ExprId, GoalId, NeverId, SlotId};
+use crate::sim::{Fault, Script, Simulator};
+
+/// What is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Target {
+    /// A way to a goal.
+    Goal(GoalId),
+    /// A way to break a `never`: a counterexample.
+    Never(NeverId),
+}
+
+/// Why a branch ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Death {
+    /// A `never` holds.
+    Never(NeverId),
+    /// What the question asks to do without holds.
+    Avoided,
+    /// A player's position lies below or beside its space's bounds.
+    Outside,
+}
 
 /// What the simulator makes of a state on the way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Standing {
     /// Go on.
     Open,
-    /// The goal holds.
+    /// What is asked for holds.
     Goal,
-    /// A `never` holds, or a player's position lies below or beside its space's bounds.
-    Dead,
+    /// The branch ends.
+    Dead(Death),
 }
 
-/// A world and the goal that is asked for.
+/// A state from which a search begins, and the inputs that lead there.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Start {
+    /// From the world's initial state on; empty where the search begins there.
+    pub script: Script,
+    /// What it leads to.
+    pub state: Vec<u8>,
+}
+
+/// Why an input script leads to no start.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum BadStart {
+    /// A run-time error at a step.
+    Fault(Fault, u64),
+    /// The run is over at a step (0: before the first).
+    Over(Death, u64),
+}
+
+/// A world and what is asked of it.
 pub struct Problem<'s> {
     /// The simulator of the world.
     pub sim: &'s Simulator<'s>,
-    /// The goal.
-    pub goal: GoalId,
+    /// What is asked for.
+    pub target: Target,
+    /// Predicates of the world that may not hold on the way, nor at its end.
+    avoided: Vec<ExprId>,
     players: Vec<SlotId>,
+    /// From where; none: from the initial state alone.
+    starts: Vec<Start>,
 }
 
 impl<'s> Problem<'s> {
-    /// Asks for a goal of the simulator's world.
+    /// Asks for a goal of the simulator's world, from its initial state.
     pub fn new(sim: &'s Simulator<'s>, goal: GoalId) -> Self {
+        Problem::asking(sim, Target::Goal(goal))
+    }
+
+    /// Asks for a goal, or for a way to break a `never`.
+    pub fn asking(sim: &'s Simulator<'s>, target: Target) -> Self {
         let players = sim.world().players.iter().map(|p| p.slot).collect();
-        Problem { sim, goal, players }
+        Problem { sim, target, players, avoided: Vec::new(), starts: Vec::new() }
+    }
+
+    /// Where it may not lead: a predicate of the world must never hold.
+    #[must_use]
+    pub fn without(mut self, predicate: ExprId) -> Self {
+        self.avoided.push(predicate);
+        self
+    }
+
+    /// Begins where a script leads, too; without any, a search begins in the initial state.
+    ///
+    /// # Errors
+    /// Where the run ends on the way.
+    pub fn after(mut self, script: Script) -> Result<Self, BadStart> {
+        let mut scratch = self.sim.scratch();
+        let mut state = self.sim.initial(&mut scratch).map_err(|f| BadStart::Fault(f, 0))?;
+        let over = |state: &[u8], step: u64| match self.judge(state) {
+            Ok(Standing::Dead(death)) => Err(BadStart::Over(death, step)),
+            Ok(_) => Ok(()),
+            Err(fault) => Err(BadStart::Fault(fault, step)),
+        };
+        over(&state, 0)?;
+        for (input, step) in script.inputs().zip(1..) {
+            self.sim.step(&mut state, input, &mut scratch).map_err(|f| BadStart::Fault(f, step))?;
+            over(&state, step)?;
+        }
+        self.starts.push(Start { script, state });
+        Ok(self)
+    }
+
+    /// From where a search begins.
+    ///
+    /// # Errors
+    /// A [`Fault`] if the initial state breaks a rule.
+    pub(super) fn starts(&self) -> Result<Vec<Start>, Fault> {
+        if !self.starts.is_empty() {
+            return Ok(self.starts.clone());
+        }
+        Ok(vec![Start { script: Script::default(), state: self.sim.initial(&mut self.sim.scratch())? }])
     }
 
     /// The slots that players control.
     pub fn players(&self) -> &[SlotId] {
         &self.players
+    }
+
+    /// The predicate that is asked for.
+    pub fn predicate(&self) -> ExprId {
+        match self.target {
+            Target::Goal(goal) => self.sim.world().goals[goal].holds,
+            Target::Never(never) => self.sim.world().nevers[never].holds,
+        }
     }
 
     /// Judges a state: `never` first, then the bounds of the space, then the goal. The order matters: a state out of
@@ -41,13 +135,26 @@ impl<'s> Problem<'s> {
     /// # Errors
     /// A [`Fault`] if a predicate breaks a rule.
     pub fn judge(&self, state: &[u8]) -> Result<Standing, Fault> {
-        if self.sim.violated(state)?.is_some() {
-            return Ok(Standing::Dead);
+        for &predicate in &self.avoided {
+            if self.sim.holds(state, predicate)? {
+                return Ok(Standing::Dead(Death::Avoided));
+            }
+        }
+        if let Target::Never(never) = self.target
+            && self.sim.holds(state, self.sim.world().nevers[never].holds)?
+        {
+            return Ok(Standing::Goal);
+        }
+        if let Some(never) = self.sim.violated(state)? {
+            return Ok(Standing::Dead(Death::Never(never)));
         }
         if !self.in_bounds(state) {
-            return Ok(Standing::Dead);
+            return Ok(Standing::Dead(Death::Outside));
         }
-        Ok(if self.sim.goal(state, self.goal)? { Standing::Goal } else { Standing::Open })
+        Ok(match self.target {
+            Target::Goal(goal) if self.sim.goal(state, goal)? => Standing::Goal,
+            _ => Standing::Open,
+        })
     }
 
     /// Whether every player is within its space: at or above the bounds' lower edge, between their sides. Above there is

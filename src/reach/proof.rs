@@ -5,7 +5,7 @@ use crate::analysis::{ConfigurationSpace, Interval, SlotSpace, Values};
 use crate::ir::{Expr, ExprId, SlotId, Subject, VarId};
 
 use super::metric::Quantity;
-use super::problem::Problem;
+use super::problem::{Problem, Target};
 
 /// The argument that a goal cannot be reached; each of its parts would have to turn out otherwise.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,12 +29,14 @@ impl Proof {
     /// Whether the analysis shows that the goal holds in no state, and why.
     pub fn of(problem: &Problem<'_>, space: &ConfigurationSpace) -> Option<Proof> {
         let (program, world) = (problem.sim.program(), problem.sim.world_id());
-        if space.can_hold(program, world, problem.goal) {
+        // A `never` is looked at out of bounds, too, of which the analysis says nothing.
+        let Target::Goal(goal) = problem.target else { return None };
+        if space.can_hold(program, world, goal) {
             return None;
         }
         let mut proof = Proof { parts: Vec::new() };
         let prover = Prover { problem, space };
-        prover.explain(problem.sim.world().goals[problem.goal].holds, true, &mut proof.parts);
+        prover.explain(problem.predicate(), true, &mut proof.parts);
         Some(proof)
     }
 }

@@ -28,8 +28,7 @@ impl GoalRegion {
     /// The boxes of the problem's goal.
     pub fn new(problem: &Problem<'_>, metric: &Metric) -> Self {
         let finder = Finder { problem, metric };
-        let goal = problem.sim.world().goals[problem.goal].holds;
-        let mut boxes = finder.boxes(goal);
+        let mut boxes = finder.boxes(problem.predicate());
         boxes.retain(|b| *b != Region::default());
         GoalRegion { boxes }
     }

@@ -1,42 +1,62 @@
-//! The planning loop: sample, choose a node and an input, extend, learn; restarts, the budget, the replay.
-//!
-//! Restarts follow the universal sequence 1, 1, 2, 1, 1, 2, 4, … of Luby, Sinclair and Zuckerman, *Optimal Speedup of
-//! Las Vegas Algorithms*, 1993: an early choice that cannot be undone (boarding a platform at the wrong moment) makes
-//! single trees heavy-tailed.
+//! A whole search: builds the searchers that the settings ask for, lets them grow until there is an answer or the budget
+//! is spent, several of them in parallel, and tells what came of it.
 
-use rand::{RngExt, SeedableRng};
+use rand::SeedableRng;
 use rand_pcg::Pcg64;
 
-use crate::sim::{Fault, Input, Scratch, Script};
-use crate::watch::{Progress, Watch};
+use crate::analysis::ConfigurationSpace;
+use crate::sim::Fault;
+use crate::watch::{Progress, Unwatched, Watch};
 
 use super::bounds::Sampling;
 use super::controls::ControlSets;
-use super::metric::{Metric, Point};
-use super::outcome::{Outcome, Plan, Verdict};
-use super::problem::{Problem, Standing};
-use super::region::GoalRegion;
-use super::strategy::{Choice, Growth, Strategy};
-use super::tree::{NodeId, Tree};
+use super::coverage::mixed;
+use super::exhaustive::Exhaustive;
+use super::ground::{Ground, Notes};
+use super::metric::{Measure, Metric};
+use super::outcome::{Argument, End, Outcome, Plan, Verdict};
+use super::planners::Planner;
+use super::portfolio::Portfolio;
+use super::problem::{Problem, Standing, Start};
+use super::sampler::Sampler;
+use super::searcher::{Ending, Searcher};
 
 /// How a search goes about it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// The seed of the generator: the same seed gives the same search.
     pub seed: u64,
-    /// For how many steps an input is held: drawn between both, ends included.
-    pub hold: (u16, u16),
+    /// Who searches.
+    pub planner: Planner,
+    /// For how many steps an input is held: drawn between both, ends included; none: as the planner does by itself.
+    pub hold: Option<(u16, u16)>,
     /// The share of samples that are drawn towards the goal.
     pub goal_bias: f64,
-    /// The number of nodes of the shortest tree before a restart.
-    pub restart: u64,
+    /// The number of nodes of the shortest tree before a restart; none: trees grow for ever.
+    pub restart: Option<u64>,
     /// Where samples are drawn from.
     pub sampling: Sampling,
+    /// What distances are measured in.
+    pub measure: Measure,
+    /// How many trees grow side by side, each from a seed of its own; the result depends on it.
+    pub trees: usize,
+    /// How many threads let them grow; the result does not depend on it.
+    pub threads: usize,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Settings { seed: 1, hold: (10, 10), goal_bias: 0.05, restart: 2_000, sampling: Sampling::Reduced }
+        Settings {
+            seed: 1,
+            planner: Planner::Auto,
+            hold: None,
+            goal_bias: 0.05,
+            restart: Some(2_000),
+            sampling: Sampling::Reduced,
+            measure: Measure::Full,
+            trees: 1,
+            threads: 1,
+        }
     }
 }
 
@@ -45,215 +65,182 @@ impl Default for Settings {
 pub struct Limits {
     /// Nodes over all trees.
     pub nodes: u64,
+    /// Bytes that trees and indexes may take.
+    pub memory: u64,
 }
 
-/// How many samples in a row a strategy may discard before its tree is given up.
-const MAX_FRUITLESS: u64 = 10_000;
+impl Default for Limits {
+    fn default() -> Self {
+        Limits { nodes: 200_000, memory: 2 << 30 }
+    }
+}
 
-/// How often the watch is asked, in extensions.
-const WATCH_EVERY: u64 = 64;
+/// How many nodes grow between two looks at the whole.
+const ROUND: u64 = 512;
 
-/// Grows trees until the goal is found or the budget is spent.
+/// Searches until what is asked for is found or the budget is spent, without asking the analysis first.
 ///
 /// # Errors
 /// A [`Fault`] if the initial state breaks a rule.
 pub fn search(
     problem: &Problem<'_>,
-    metric: &Metric,
-    strategy: &mut dyn Strategy,
+    space: &ConfigurationSpace,
     settings: &Settings,
     limits: &Limits,
     watch: &dyn Watch,
 ) -> Result<Outcome, Fault> {
-    let mut scratch = problem.sim.scratch();
-    let root = problem.sim.initial(&mut scratch)?;
-    let mut outcome = Outcome::of(Verdict::NotFound);
-    match problem.judge(&root)? {
-        Standing::Open => {}
-        Standing::Goal => {
-            outcome.verdict = Verdict::Reached(Plan { script: Script::default(), steps: 0 });
-            return Ok(outcome);
+    let mut starts = Vec::new();
+    for start in problem.starts()? {
+        match problem.judge(&start.state)? {
+            Standing::Open => starts.push(start),
+            Standing::Dead(_) => {}
+            Standing::Goal => {
+                let steps = start.script.len();
+                let plan = Plan { steps, script: start.script, after: steps, is_shortest: true };
+                return Ok(Outcome::of(Verdict::Reached(plan), settings.planner.name()));
+            }
         }
-        Standing::Dead => return Ok(outcome),
     }
-    let mut planner = Planner {
-        problem,
-        metric,
-        settings,
-        limits,
-        watch,
-        region: GoalRegion::new(problem, metric),
-        controls: ControlSets::default(),
-        tree: Tree::new(root.len()),
-        rng: Pcg64::seed_from_u64(settings.seed),
-        scratch,
-        work: root.clone(),
-        outcome,
-    };
-    let mut round = 1;
-    while !planner.is_done() {
-        let allowance = settings.restart.max(1).saturating_mul(luby(round));
-        if let Some(script) = planner.grow(strategy, &root, allowance) {
-            let steps = script.len();
-            planner.outcome.verdict = Verdict::Reached(Plan { script, steps });
-            break;
-        }
-        round += 1;
+    if starts.is_empty() {
+        // Every run is over before it begins.
+        let verdict = Verdict::Unreachable(Argument::Exhaustion { states: 0, hold: 0 });
+        return Ok(Outcome::of(verdict, settings.planner.name()));
     }
-    planner.outcome.truncated = planner.controls.truncated;
-    Ok(planner.outcome)
+    let metric = Metric::measuring(problem.sim, space, settings.sampling, settings.measure);
+    let build = Builder { problem, metric: &metric, settings, limits, starts: &starts };
+    let trees: Vec<Box<dyn Searcher + '_>> = (0..settings.trees.max(1)).map(|tree| build.searcher(tree)).collect();
+    Ok(Forest { trees, settings, limits, watch }.grow())
 }
 
-/// The `i`-th term, from 1, of the universal restart sequence.
-fn luby(mut i: u64) -> u64 {
-    loop {
-        let next = (i + 1).next_power_of_two();
-        if i + 1 == next {
-            return next / 2;
-        }
-        i = i + 1 - next / 2;
-    }
-}
-
-struct Planner<'a> {
+/// Builds searchers.
+struct Builder<'b, 'a> {
     problem: &'a Problem<'a>,
     metric: &'a Metric,
-    settings: &'a Settings,
-    limits: &'a Limits,
-    watch: &'a dyn Watch,
-    region: GoalRegion,
-    controls: ControlSets,
-    tree: Tree,
-    rng: Pcg64,
-    scratch: Scratch,
-    work: Vec<u8>,
-    outcome: Outcome,
+    settings: &'b Settings,
+    limits: &'b Limits,
+    starts: &'b [Start],
 }
 
-/// How an extension ended.
-enum Extension {
-    Open,
-    Dead,
-    Goal(u16),
-}
-
-impl Planner<'_> {
-    fn is_done(&self) -> bool {
-        self.outcome.stopped || self.outcome.statistics.nodes >= self.limits.nodes
+impl<'a> Builder<'_, 'a> {
+    /// The searcher of a tree.
+    fn searcher(&self, tree: usize) -> Box<dyn Searcher + 'a> {
+        match self.settings.planner {
+            Planner::Auto => {
+                // An exhaustion is the same whatever its seed.
+                let arms = AUTO.iter().filter(|p| tree == 0 || **p != Planner::Exhaustive);
+                let arms = arms.map(|planner| self.one(*planner, tree)).collect();
+                Box::new(Portfolio::new(arms, self.limits.memory / self.settings.trees.max(1) as u64))
+            }
+            planner => self.one(planner, tree),
+        }
     }
 
-    /// Grows one tree up to a number of nodes; gives the way to the goal, if it found one that replays.
-    fn grow(&mut self, strategy: &mut dyn Strategy, root: &[u8], allowance: u64) -> Option<Script> {
-        let mut toward = Point::default();
-        let mut point = Point::default();
-        self.tree.clear();
-        self.add(root, NodeId(0), 0, 0);
-        self.outcome.statistics.trees += 1;
-        self.metric.point(self.problem.sim.world(), root, &mut point);
-        strategy.learn(&self.tree, None, Growth::Rooted(&point));
-        let mut tries = 0u64;
-        let mut fruitless = 0u64;
-        while (self.tree.len() as u64) < allowance && !self.is_done() && !strategy.exhausted(&self.tree) {
-            tries += 1;
-            if tries.is_multiple_of(WATCH_EVERY) {
-                let s = &self.outcome.statistics;
-                self.watch.progress(Progress { nodes: s.nodes, budget: self.limits.nodes, trees: s.trees });
-                self.outcome.stopped = self.watch.stop();
+    fn one(&self, planner: Planner, tree: usize) -> Box<dyn Searcher + 'a> {
+        let hold = self.settings.hold.unwrap_or(planner.hold());
+        // Trees begin at different starts and with different seeds, of which the first is the one that is given.
+        let mut starts = self.starts.to_vec();
+        let seed = if tree == 0 { self.settings.seed } else { mixed(self.settings.seed, tree as u64) };
+        let rng = Pcg64::seed_from_u64(seed);
+        match planner.strategy(self.metric) {
+            Some(strategy) => {
+                starts.rotate_left(tree % self.starts.len().max(1));
+                let ground = Ground::new(self.problem, self.metric, ControlSets::default(), starts, hold, rng);
+                let settings = self.settings;
+                Box::new(Sampler::new(ground, strategy, planner.name(), settings.goal_bias, settings.restart))
             }
-            self.metric.sample(&mut self.rng, &mut toward);
-            if self.rng.random_bool(self.settings.goal_bias.clamp(0.0, 1.0)) {
-                self.region.pull(&mut self.rng, &mut toward);
+            None => {
+                let controls = ControlSets::complete();
+                Box::new(Exhaustive::new(Ground::new(self.problem, self.metric, controls, starts, hold, rng)))
             }
-            let Some(choice) = strategy.choose(&mut self.tree, &toward, &mut self.rng) else {
-                // A strategy that discards every sample has nothing more to say about this tree.
-                fruitless += 1;
-                if fruitless >= MAX_FRUITLESS {
-                    break;
-                }
-                continue;
-            };
-            fruitless = 0;
-            let (low, high) = self.settings.hold;
-            let hold = if low < high { self.rng.random_range(low..=high) } else { low.max(1) };
-            match self.extend(choice, hold) {
-                Extension::Open => {
-                    self.metric.point(self.problem.sim.world(), &self.work, &mut point);
-                    let state = std::mem::take(&mut self.work);
-                    self.add(&state, choice.node, choice.input as u16, hold);
-                    self.work = state;
-                    strategy.learn(&self.tree, Some(choice), Growth::Added(&point));
-                }
-                Extension::Dead => {
-                    self.outcome.statistics.failures += 1;
-                    strategy.learn(&self.tree, Some(choice), Growth::Failed);
-                }
-                Extension::Goal(steps) => {
-                    let set = self.tree.set(choice.node);
-                    let mut script = self.tree.script(choice.node, |set| self.controls.inputs(set));
-                    script.push(&self.controls.inputs(set)[choice.input], u32::from(steps));
-                    if self.replays(&script) {
-                        return Some(script);
+        }
+    }
+}
+
+/// The planners that `auto` takes in turns.
+const AUTO: [Planner; 3] = [Planner::Rrt, Planner::Coverage, Planner::Exhaustive];
+
+/// Searchers side by side.
+struct Forest<'f, 'a> {
+    trees: Vec<Box<dyn Searcher + 'a>>,
+    settings: &'f Settings,
+    limits: &'f Limits,
+    watch: &'f dyn Watch,
+}
+
+impl Forest<'_, '_> {
+    /// Lets all trees grow in rounds. In each round all grow as much, and the lowest tree with an answer has the word, so
+    /// that the result does not depend on who is faster.
+    fn grow(mut self) -> Outcome {
+        loop {
+            let nodes: u64 = self.trees.iter().map(|t| t.nodes()).sum();
+            let left = self.limits.nodes.saturating_sub(nodes);
+            if left == 0 {
+                return self.outcome(Verdict::NotFound, End::Nodes, 0);
+            }
+            let bytes: usize = self.trees.iter().map(|t| t.bytes()).sum();
+            if bytes as u64 > self.limits.memory {
+                return self.outcome(Verdict::NotFound, End::Memory, 0);
+            }
+            self.watch.progress(Progress { nodes, budget: self.limits.nodes, trees: self.trees.len() as u64 });
+            let share = (left / self.trees.len() as u64).clamp(1, ROUND);
+            let endings = self.round(share);
+            let is_spent = endings.iter().all(|e| matches!(e, Ending::Spent));
+            for (tree, ending) in endings.into_iter().enumerate() {
+                match ending {
+                    Ending::Reached(plan) => return self.outcome(Verdict::Reached(plan), End::Answered, tree),
+                    Ending::Exhausted(states, hold) => {
+                        let verdict = Verdict::Unreachable(Argument::Exhaustion { states, hold });
+                        return self.outcome(verdict, End::Answered, tree);
                     }
-                    debug_assert!(false, "a found path must replay");
+                    Ending::Stopped => return self.outcome(Verdict::NotFound, End::Stopped, tree),
+                    Ending::Paused | Ending::Spent => {}
                 }
             }
-        }
-        None
-    }
-
-    fn add(&mut self, state: &[u8], parent: NodeId, input: u16, hold: u16) {
-        let set = self.controls.of(self.problem, state);
-        let inputs = self.controls.inputs(set).len();
-        self.tree.push(state, parent, input, hold, set, inputs);
-        self.outcome.statistics.nodes += 1;
-    }
-
-    /// Simulates a choice in the working state.
-    fn extend(&mut self, choice: Choice, hold: u16) -> Extension {
-        self.work.copy_from_slice(self.tree.state(choice.node));
-        let input: &Input = &self.controls.inputs(self.tree.set(choice.node))[choice.input];
-        self.outcome.statistics.extensions += 1;
-        for step in 1..=hold {
-            self.outcome.statistics.steps += 1;
-            let stepped = self.problem.sim.step(&mut self.work, input, &mut self.scratch);
-            match stepped.and_then(|()| self.problem.judge(&self.work)) {
-                Ok(Standing::Open) => {}
-                Ok(Standing::Goal) => return Extension::Goal(step),
-                Ok(Standing::Dead) => return Extension::Dead,
-                Err(fault) => {
-                    let before = self.tree.script(choice.node, |set| self.controls.inputs(set)).len();
-                    self.outcome.fault.get_or_insert((fault, before + u64::from(step)));
-                    return Extension::Dead;
-                }
+            if is_spent {
+                return self.outcome(Verdict::NotFound, End::Answered, 0);
+            }
+            if self.watch.stop() {
+                return self.outcome(Verdict::NotFound, End::Stopped, 0);
             }
         }
-        Extension::Open
     }
 
-    /// Runs a script from the initial state: the goal must hold after its last step, and no branch may end before.
-    fn replays(&mut self, script: &Script) -> bool {
-        let sim = self.problem.sim;
-        let Ok(mut state) = sim.initial(&mut self.scratch) else {
-            return false;
+    fn round(&mut self, nodes: u64) -> Vec<Ending> {
+        let threads = self.settings.threads.clamp(1, self.trees.len());
+        if threads == 1 {
+            let watch = self.watch;
+            return self.trees.iter_mut().map(|tree| tree.advance(nodes, watch)).collect();
+        }
+        let per_thread = self.trees.len().div_ceil(threads);
+        std::thread::scope(|scope| {
+            let grow = |trees: &mut [Box<dyn Searcher + '_>]| {
+                trees.iter_mut().map(|tree| tree.advance(nodes, &Unwatched)).collect::<Vec<_>>()
+            };
+            let workers: Vec<_> =
+                self.trees.chunks_mut(per_thread).map(|trees| scope.spawn(move || grow(trees))).collect();
+            workers
+                .into_iter()
+                .flat_map(|worker| worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+                .collect()
+        })
+    }
+
+    fn outcome(self, verdict: Verdict, end: End, tree: usize) -> Outcome {
+        let mut notes = Notes::default();
+        self.trees.iter().for_each(|tree| tree.report(&mut notes));
+        let planner = match end {
+            End::Answered => self.trees[tree].planner(),
+            _ => self.settings.planner.name(),
         };
-        let mut standing = Ok(Standing::Open);
-        for input in script.inputs() {
-            if standing != Ok(Standing::Open) {
-                return false;
-            }
-            standing = sim.step(&mut state, input, &mut self.scratch).and_then(|()| self.problem.judge(&state));
+        Outcome {
+            verdict,
+            end,
+            planner,
+            statistics: notes.statistics,
+            covered: notes.coverage.covered(),
+            violations: notes.violations,
+            truncated: notes.is_truncated,
+            fault: notes.fault,
         }
-        standing == Ok(Standing::Goal)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::luby;
-
-    #[test]
-    fn restarts_follow_the_universal_sequence() {
-        let terms: Vec<u64> = (1..=15).map(luby).collect();
-        assert_eq!(terms, [1, 1, 2, 1, 1, 2, 4, 1, 1, 2, 1, 1, 2, 4, 8]);
     }
 }

@@ -1,38 +1,51 @@
-//! Where the published planners differ: which node to grow and how, and what to learn from it.
+//! Where planners differ: where samples lean, which node to grow and how, what to learn from it.
 
-use rand_pcg::Pcg64;
-
+use super::ground::Ground;
 use super::metric::Point;
-use super::tree::{NodeId, Tree};
+use super::region::GoalRegion;
+use super::tree::NodeId;
 
-/// A node and the index of an input of its control set.
+/// A node, the index of an input of its control set, and for how many steps it is held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Choice {
     /// The node to grow.
     pub node: NodeId,
     /// The input.
     pub input: usize,
+    /// Steps.
+    pub hold: u16,
 }
 
 /// What came of a choice.
 #[derive(Debug, Clone, Copy)]
 pub enum Growth<'p> {
-    /// A new tree was begun with this root.
-    Rooted(&'p Point),
-    /// A node was added at this point; its id is the number of nodes before it.
-    Added(&'p Point),
+    /// A new tree was begun; this is its root.
+    Rooted(NodeId, &'p Point),
+    /// A node was added at this point.
+    Added(NodeId, &'p Point),
     /// The extension ended in a dead state.
     Failed,
 }
 
-/// Everything in which the published planners differ; the planning loop owns the rest.
+/// Everything in which planners differ; the loop owns the rest.
 pub trait Strategy {
+    /// Moves a sample towards what the planner leans to; false to leave that to the loop, which draws a share of all
+    /// samples from the goal.
+    fn aim(&mut self, _ground: &mut Ground<'_>, _goal: &GoalRegion, _toward: &mut Point) -> bool {
+        false
+    }
+
     /// Which node to grow and how; none to discard this sample. The input is marked as tried.
-    fn choose(&mut self, tree: &mut Tree, toward: &Point, rng: &mut Pcg64) -> Option<Choice>;
+    fn choose(&mut self, ground: &mut Ground<'_>, toward: &Point) -> Option<Choice>;
 
     /// Told what came of a choice, or of none at a root.
-    fn learn(&mut self, tree: &Tree, choice: Option<Choice>, growth: Growth<'_>);
+    fn learn(&mut self, ground: &mut Ground<'_>, choice: Option<Choice>, growth: Growth<'_>);
 
-    /// Whether nothing is left to try in this tree.
-    fn exhausted(&self, tree: &Tree) -> bool;
+    /// Whether it looks at samples at all.
+    fn samples(&self) -> bool {
+        true
+    }
+
+    /// The memory that it takes, bytes.
+    fn bytes(&self) -> usize;
 }

@@ -3,7 +3,8 @@
 use std::cell::Cell;
 
 use crate::ir::{
-    Entity, ExprId, GoalId, Id, NeverId, Origin, Program, SlotId, SlotLayout, SpaceId, SpawnId, VarId, World, WorldId,
+    Entity, Expr, ExprId, GoalId, Id, NeverId, Origin, Press, Program, SlotId, SlotLayout, SpaceId, SpawnId, VarId,
+    World, WorldId,
 };
 
 use super::actor::{Actor, Flow, actors, is_private};
@@ -30,6 +31,8 @@ pub struct Simulator<'p> {
     pub(super) is_private: bool,
     /// Whether anything can be destroyed or spawned.
     lives_change: bool,
+    /// The buttons that a state remembers: of the others nobody asks when they went down or up.
+    remembered: u64,
 }
 
 /// The working memory of a step; made once, reused by every step.
@@ -55,6 +58,15 @@ pub struct Scratch {
     pub(super) start: Vec<(f64, f64)>,
     /// What the collision phase needs.
     pub(super) collision: super::collision::Scratch,
+}
+
+/// The buttons whose going down or up is read anywhere.
+fn remembered(program: &Program) -> u64 {
+    let bit = |expr: &Expr| match expr {
+        Expr::Button(Press::Pressed | Press::Released, button) => 1 << button.index(),
+        _ => 0,
+    };
+    program.exprs.iter().map(bit).fold(0, |all, bit| all | bit)
 }
 
 impl<'p> Simulator<'p> {
@@ -83,6 +95,7 @@ impl<'p> Simulator<'p> {
             pools: program.entities.ids().map(pool).collect(),
             actors,
             lives_change,
+            remembered: remembered(program),
         }
     }
 
@@ -200,7 +213,7 @@ impl<'p> Simulator<'p> {
         for (player, &at) in self.world.layout.players.pairs() {
             let now = input.of(player);
             scratch.frames[player.index()] = Frame::new(now, buttons(state, at));
-            set_buttons(state, at, now.buttons);
+            set_buttons(state, at, now.buttons & self.remembered);
         }
         self.transitions(state, scratch)?;
         self.flow(state, scratch)?;

@@ -2,7 +2,7 @@
 
 use crate::source::Span;
 
-use super::ast::{Assignment, Expr, Name};
+use super::ast::{Assignment, Expr, File, Item, Name};
 
 /// `world Name { … }`
 #[derive(Debug, Clone, PartialEq)]
@@ -36,6 +36,25 @@ pub enum WorldItem {
     Goal(Question),
     /// `never name: predicate`
     Never(Question),
+}
+
+impl File {
+    /// Adds what another text says that may never happen to a world of this file, or to all of them.
+    pub(crate) fn bar(&mut self, with: &File, world: Option<&str>) {
+        let worlds = |item: &Item| match item {
+            Item::World(world) => world.items.clone(),
+            _ => Vec::new(),
+        };
+        let nevers = with.items.iter().flat_map(worlds).filter(|i| matches!(i, WorldItem::Never(_)));
+        let nevers: Vec<WorldItem> = nevers.collect();
+        for item in &mut self.items {
+            if let Item::World(known) = item
+                && world.is_none_or(|name| known.name.text == name)
+            {
+                known.items.extend(nevers.iter().cloned());
+            }
+        }
+    }
 }
 
 /// `collide a, b with c: block, keep velocity`

@@ -1,0 +1,315 @@
+//! What `hypedc reach` found, as text for people and as JSON for programs.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+
+use crate::ir::{NeverId, Program, World, WorldId};
+use crate::reach::{Argument, Count, End, Outcome, Settings, Target, Verdict};
+use crate::sim::Simulator;
+
+use super::args::{ReachArgs, SampleBounds};
+use super::report::Loaded;
+use super::values;
+
+/// The version of the JSON result.
+const RESULT_VERSION: u32 = 3;
+
+/// All answers of one run of the command.
+#[derive(Serialize)]
+pub(super) struct RunResult {
+    version: u32,
+    hypedc: &'static str,
+    file: String,
+    /// Of the flat IR: what else is compiled the same has the same.
+    program_sha256: String,
+    world: String,
+    seed: u64,
+    planner: &'static str,
+    bounds: &'static str,
+    metric: &'static str,
+    hold: Option<(u16, u16)>,
+    restart: Option<u64>,
+    trees: usize,
+    without: Option<String>,
+    after: Vec<String>,
+    analysis_seconds: f64,
+    nodes_limit: u64,
+    seconds_limit: Option<f64>,
+    memory_limit: u64,
+    goals: Vec<Answered>,
+}
+
+impl RunResult {
+    pub fn new(
+        args: &ReachArgs,
+        program: &Program,
+        world: WorldId,
+        settings: &Settings,
+        analysis_seconds: f64,
+    ) -> Self {
+        let json = serde_json::to_vec(program).unwrap_or_default();
+        let digest = Sha256::digest(&json);
+        RunResult {
+            version: RESULT_VERSION,
+            hypedc: env!("CARGO_PKG_VERSION"),
+            file: args.file.display().to_string(),
+            program_sha256: digest.iter().map(|byte| format!("{byte:02x}")).collect(),
+            world: program.worlds[world].name.clone(),
+            seed: args.seed,
+            planner: settings.planner.name(),
+            bounds: match args.bounds {
+                SampleBounds::Naive => "naive",
+                SampleBounds::Reduced => "reduced",
+            },
+            metric: match settings.measure {
+                crate::reach::Measure::Full => "full",
+                crate::reach::Measure::Positions => "xy",
+            },
+            hold: settings.hold,
+            restart: settings.restart,
+            trees: settings.trees,
+            without: args.without.clone(),
+            after: args.after.clone(),
+            analysis_seconds,
+            nodes_limit: args.nodes,
+            seconds_limit: args.seconds,
+            memory_limit: args.memory << 20,
+            goals: Vec::new(),
+        }
+    }
+
+    pub fn add(&mut self, answered: Answered) {
+        self.goals.push(answered);
+    }
+
+    /// The first line.
+    pub fn head(&self) -> String {
+        let naive = if self.bounds == "naive" { ", naive bounds" } else { "" };
+        let metric = if self.metric == "xy" { ", measured by positions" } else { "" };
+        let without = self.without.as_ref().map_or(String::new(), |p| format!(", without {p}"));
+        let after = match self.after.as_slice() {
+            [] => String::new(),
+            [only] => format!(", after {only}"),
+            several => format!(", after {} scripts", several.len()),
+        };
+        format!("{}, world {}, seed {}{naive}{metric}{without}{after}\n", self.file, self.world, self.seed)
+    }
+
+    /// What was broken on the way, whatever was asked for.
+    pub fn tail(&self) -> String {
+        let mut seen = BTreeSet::new();
+        let mut out = String::new();
+        for violation in self.goals.iter().flat_map(|goal| &goal.violations) {
+            if seen.insert(&violation.never) {
+                let Violation { never, steps, inputs } = violation;
+                out.push_str(&format!("  never {never}: can happen, as after {steps} steps\n"));
+                out.push_str(&format!("    inputs  {inputs}\n"));
+            }
+        }
+        out
+    }
+}
+
+/// A `never` that was broken on the way, and how.
+#[derive(Serialize)]
+pub(super) struct Violation {
+    never: String,
+    steps: u64,
+    inputs: String,
+}
+
+impl Violation {
+    pub fn new(world: &World, never: NeverId, steps: u64, inputs: String) -> Self {
+        Violation { never: world.nevers[never].name.clone(), steps, inputs }
+    }
+}
+
+/// How much a search covered.
+#[derive(Serialize)]
+struct CoverageResult {
+    /// The side of a place, px.
+    place: f64,
+    places: u64,
+    mode_combinations: u64,
+    places_with_modes: u64,
+    /// How it grew: nodes, places, combinations, both.
+    growth: Vec<[u64; 4]>,
+    #[serde(skip)]
+    half: Count,
+}
+
+/// The answer to one question.
+#[derive(Serialize)]
+pub(super) struct Answered {
+    /// `goal` or `never`.
+    kind: &'static str,
+    goal: String,
+    verdict: &'static str,
+    /// Why it is proven unreachable.
+    argument: Option<String>,
+    /// Number of steps and length of the path; none if there is none.
+    steps: Option<u64>,
+    seconds_of_play: Option<f64>,
+    /// Whether no path of inputs held as long is shorter.
+    is_shortest: Option<bool>,
+    pub inputs: Option<String>,
+    /// Who had the answer.
+    planner: &'static str,
+    nodes: u64,
+    trees: u64,
+    extensions: u64,
+    failures: u64,
+    simulated_steps: u64,
+    seconds: f64,
+    coverage: CoverageResult,
+    pub violations: Vec<Violation>,
+    stopped: bool,
+    out_of_memory: bool,
+    inputs_left_out: bool,
+    #[serde(skip)]
+    pub saved: Option<PathBuf>,
+    #[serde(skip)]
+    reasons: Vec<String>,
+    #[serde(skip)]
+    pub is_as_wished: bool,
+}
+
+impl Answered {
+    pub fn new(loaded: &Loaded, sim: &Simulator<'_>, target: Target, outcome: &Outcome, seconds: f64) -> Self {
+        let world = sim.world();
+        let (kind, goal) = match target {
+            Target::Goal(id) => ("goal", &world.goals[id].name),
+            Target::Never(id) => ("never", &world.nevers[id].name),
+        };
+        let plan = match &outcome.verdict {
+            Verdict::Reached(plan) => Some(plan),
+            Verdict::NotFound | Verdict::Unreachable(_) => None,
+        };
+        let mut reasons = match &outcome.verdict {
+            Verdict::Unreachable(argument) => why(loaded, world, argument),
+            _ => Vec::new(),
+        };
+        let argument = (!reasons.is_empty()).then(|| reasons.join("; "));
+        if argument.is_some() && values::is_bounded(world) && kind == "goal" {
+            reasons.push("a run ends where a player leaves the bounds of its space, below or beside".to_string());
+        }
+        let s = &outcome.statistics;
+        let covered = &outcome.covered;
+        Answered {
+            kind,
+            goal: goal.clone(),
+            verdict: match (&outcome.verdict, kind) {
+                (Verdict::Reached(_), "goal") => "reached",
+                (Verdict::Reached(_), _) => "violated",
+                (Verdict::NotFound, _) => "not found",
+                (Verdict::Unreachable(_), _) => "proven-unreachable",
+            },
+            argument,
+            steps: plan.map(|p| p.steps),
+            seconds_of_play: plan.map(|p| p.steps as f64 * world.step.seconds()),
+            is_shortest: plan.map(|p| p.is_shortest),
+            inputs: plan.map(|p| p.script.text(sim.program(), sim.world_id())),
+            planner: outcome.planner,
+            nodes: s.nodes,
+            trees: s.trees,
+            extensions: s.extensions,
+            failures: s.failures,
+            simulated_steps: s.steps,
+            seconds,
+            coverage: CoverageResult {
+                place: crate::reach::PLACE,
+                places: covered.all.places,
+                mode_combinations: covered.all.modes,
+                places_with_modes: covered.all.both,
+                growth: covered.growth.iter().map(|(n, c)| [*n, c.places, c.modes, c.both]).collect(),
+                half: covered.half,
+            },
+            violations: Vec::new(),
+            stopped: outcome.end == End::Stopped,
+            out_of_memory: outcome.end == End::Memory,
+            inputs_left_out: outcome.truncated,
+            saved: None,
+            reasons,
+            is_as_wished: match kind {
+                "goal" => plan.is_some(),
+                _ => plan.is_none(),
+            },
+        }
+    }
+
+    /// As text.
+    pub fn human(&self, target: Target) -> String {
+        let (kind, goal) = (self.kind, &self.goal);
+        let mut out = match (self.verdict, target) {
+            ("proven-unreachable", _) if self.planner == "analysis" => {
+                format!("  {kind} {goal}: proven unreachable, in no state that the world can be in\n")
+            }
+            ("proven-unreachable", _) => format!("  {kind} {goal}: proven unreachable\n"),
+            ("not found", Target::Never(_)) => format!("  {kind} {goal}: no way to break it was found\n"),
+            (verdict, _) => format!("  {kind} {goal}: {verdict}\n"),
+        };
+        self.reasons.iter().for_each(|reason| out.push_str(&format!("    {reason}\n")));
+        if let (Some(steps), Some(seconds)) = (self.steps, self.seconds_of_play) {
+            let shortest = if self.is_shortest == Some(true) && steps > 0 { ", as few as there can be" } else { "" };
+            out.push_str(&format!("    path    {steps} steps ({seconds:.2} s of play){shortest}\n"));
+        }
+        if let Some(inputs) = self.inputs.as_ref().filter(|i| !i.is_empty()) {
+            out.push_str(&format!("    inputs  {inputs}\n"));
+        }
+        if let Some(path) = &self.saved {
+            out.push_str(&format!("    saved   {}\n", path.display()));
+        }
+        if self.nodes == 0 {
+            return out;
+        }
+        let (trees, by) = (if self.trees == 1 { "tree" } else { "trees" }, self.planner);
+        out.push_str(&format!(
+            "    search  {} nodes in {} {trees}, {:.3} s; {} of {} extensions failed ({by})\n",
+            self.nodes, self.trees, self.seconds, self.failures, self.extensions
+        ));
+        if self.verdict == "not found" {
+            let c = &self.coverage;
+            out.push_str(&format!(
+                "    covered {} places of {} px, {} combinations of modes, {} of both; in the second half {}, {} and {} of \
+                 them new\n",
+                c.places,
+                c.place,
+                c.mode_combinations,
+                c.places_with_modes,
+                c.places - c.half.places,
+                c.mode_combinations - c.half.modes,
+                c.places_with_modes - c.half.both
+            ));
+        }
+        if self.stopped {
+            out.push_str("    stopped before the budget of nodes was spent\n");
+        }
+        if self.out_of_memory {
+            out.push_str("    stopped because the memory is full; `--memory MIB` gives more\n");
+        }
+        if self.inputs_left_out {
+            out.push_str("    some combinations of buttons were left out: there are too many\n");
+        }
+        if self.verdict == "not found" {
+            out.push_str("    this proves nothing: a longer search may find a way\n");
+        }
+        out
+    }
+}
+
+/// Why something cannot be reached.
+fn why(loaded: &Loaded, world: &World, argument: &Argument) -> Vec<String> {
+    match argument {
+        Argument::Analysis(proof) => values::reasons(&loaded.sources, &loaded.program, world, proof),
+        Argument::Exhaustion { states: 0, .. } => vec!["every run is over before it begins".to_string()],
+        Argument::Exhaustion { states, hold } => {
+            let held = if *hold == 1 { "a step".to_string() } else { format!("{hold} steps") };
+            vec![format!(
+                "all {states} states were visited that inputs lead to which are held for {held} each (axes at -1, 0, 1)"
+            )]
+        }
+    }
+}

@@ -1,0 +1,139 @@
+//! What a search has covered: how many places the players were in, how many combinations of modes, how many of both;
+//! and how many of them are new lately, so that "not found" carries weight.
+
+use hashbrown::HashTable;
+
+use crate::ir::{Origin, SlotId};
+
+use super::problem::Problem;
+
+/// The side of a place, px.
+pub const PLACE: f64 = 16.0;
+/// The most checkpoints that are kept of how coverage grew.
+const CHECKPOINTS: usize = 512;
+
+/// How much was covered.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Count {
+    /// Places of 16 × 16 px in which the players' positions were, all players at once.
+    pub places: u64,
+    /// Combinations of modes and of discrete variables, of all instances.
+    pub modes: u64,
+    /// Places with combinations.
+    pub both: u64,
+}
+
+/// What was covered, and what of it is new.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Covered {
+    /// By all nodes.
+    pub all: Count,
+    /// By the first half of them.
+    pub half: Count,
+    /// How it grew: after so many nodes, so much.
+    pub growth: Vec<(u64, Count)>,
+}
+
+/// What is being covered.
+#[derive(Debug, Default)]
+pub(super) struct Coverage {
+    places: HashTable<u64>,
+    modes: HashTable<u64>,
+    both: HashTable<u64>,
+    visits: u64,
+    /// A checkpoint is made after so many visits.
+    every: u64,
+    growth: Vec<(u64, Count)>,
+    slots: Vec<SlotId>,
+}
+
+impl Coverage {
+    pub fn new(problem: &Problem<'_>) -> Self {
+        let world = problem.sim.world();
+        let changes = |slot: &SlotId| {
+            let s = &world.slots[*slot];
+            let entity = &problem.sim.program().entities[s.entity];
+            s.origin == Origin::Free || entity.leaves.len() > entity.groups.len() || !entity.discretes.is_empty()
+        };
+        Coverage { every: 1, slots: world.slots.ids().filter(changes).collect(), ..Coverage::default() }
+    }
+
+    /// Counts a state.
+    pub fn visit(&mut self, problem: &Problem<'_>, state: &[u8]) {
+        let world = problem.sim.world();
+        let mut place = 0;
+        for &slot in problem.players() {
+            let (x, y) = problem.sim.position(state, slot);
+            place = mixed(place, u64::from(problem.sim.space(state, slot).0));
+            place = mixed(place, (x / PLACE).floor() as i64 as u64);
+            place = mixed(place, (y / PLACE).floor() as i64 as u64);
+        }
+        let mut modes = 0;
+        for &slot in &self.slots {
+            let layout = &world.layout.slots[slot];
+            let entity = &problem.sim.program().entities[world.slots[slot].entity];
+            modes = mixed(modes, u64::from(layout.alive(state)));
+            if !layout.alive(state) {
+                continue;
+            }
+            for group in entity.groups.ids() {
+                modes = mixed(modes, u64::from(layout.leaf(state, group).0));
+            }
+            for id in entity.discretes.ids() {
+                modes = mixed(modes, layout.discrete(state, id) as u64);
+            }
+        }
+        insert(&mut self.places, place);
+        insert(&mut self.modes, modes);
+        insert(&mut self.both, mixed(place, modes));
+        self.visits += 1;
+        if self.visits.is_multiple_of(self.every) {
+            self.growth.push((self.visits, self.count()));
+            if self.growth.len() >= CHECKPOINTS {
+                self.every *= 2;
+                let every = self.every;
+                self.growth.retain(|(visits, _)| visits.is_multiple_of(every));
+            }
+        }
+    }
+
+    pub fn count(&self) -> Count {
+        Count { places: self.places.len() as u64, modes: self.modes.len() as u64, both: self.both.len() as u64 }
+    }
+
+    pub fn covered(&self) -> Covered {
+        let half = self.growth.iter().find(|(visits, _)| *visits >= self.visits / 2).map_or(self.count(), |(_, c)| *c);
+        Covered { all: self.count(), half, growth: self.growth.clone() }
+    }
+
+    /// Adds what another search covered; how it grew is then told of the larger one.
+    pub fn join(&mut self, other: &Coverage) {
+        for (mine, theirs) in
+            [(&mut self.places, &other.places), (&mut self.modes, &other.modes), (&mut self.both, &other.both)]
+        {
+            theirs.iter().for_each(|key| insert(mine, *key));
+        }
+        if other.visits > self.visits {
+            (self.visits, self.every) = (other.visits, other.every);
+            self.growth.clone_from(&other.growth);
+        }
+    }
+
+    /// The memory that it takes, bytes.
+    pub fn bytes(&self) -> usize {
+        (self.places.capacity() + self.modes.capacity() + self.both.capacity()) * 10
+    }
+}
+
+fn insert(table: &mut HashTable<u64>, key: u64) {
+    table.entry(key, |known| *known == key, |known| *known).or_insert(key);
+}
+
+/// Mixes a number into a key, so that other numbers make other keys, but for one case in 2⁶⁴.
+pub(super) fn mixed(key: u64, number: u64) -> u64 {
+    // The finaliser of Steele, Lea and Flood, Fast Splittable Pseudorandom Number Generators, 2014.
+    let mut z = key.rotate_left(23) ^ number.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}

@@ -1,0 +1,288 @@
+//! What planners stand on: the tree, the inputs of its nodes, the simulator that extends it, and what is noted on the
+//! way. The loop (`sampler.rs`, `exhaustive.rs`) owns one; strategies borrow it.
+
+use rand::RngExt;
+use rand_pcg::Pcg64;
+
+use crate::ir::NeverId;
+use crate::sim::{Fault, Input, Scratch, Script};
+
+use super::controls::ControlSets;
+use super::coverage::Coverage;
+use super::metric::{Metric, Point};
+use super::outcome::{Plan, Statistics};
+use super::problem::{Death, Problem, Standing, Start};
+use super::strategy::Choice;
+use super::tree::{NodeId, Tree};
+
+/// How an extension ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Extension {
+    /// The input was held to the end.
+    Open,
+    /// The branch ended before.
+    Dead,
+    /// What is asked for holds after so many steps.
+    Goal(u16),
+}
+
+/// What a search notes beside its tree.
+#[derive(Debug, Default)]
+pub(super) struct Notes {
+    pub statistics: Statistics,
+    /// The first way that broke each `never`.
+    pub violations: Vec<(NeverId, Script)>,
+    /// The first run-time error met, with the step of its path.
+    pub fault: Option<(Fault, u64)>,
+    pub coverage: Coverage,
+    /// Whether inputs were left out because there are too many.
+    pub is_truncated: bool,
+}
+
+impl Notes {
+    /// Adds what another search noted; what was first stays.
+    pub fn join(&mut self, other: &Notes) {
+        self.statistics.add(&other.statistics);
+        for (never, script) in &other.violations {
+            if self.violations.iter().all(|(known, _)| known != never) {
+                self.violations.push((*never, script.clone()));
+            }
+        }
+        if self.fault.is_none() {
+            self.fault = other.fault;
+        }
+        self.coverage.join(&other.coverage);
+        self.is_truncated |= other.is_truncated;
+    }
+}
+
+/// A tree in its world.
+pub struct Ground<'a> {
+    /// The question.
+    pub problem: &'a Problem<'a>,
+    /// The space that is sampled.
+    pub metric: &'a Metric,
+    /// The tree that grows.
+    pub tree: Tree,
+    /// Where all that is drawn comes from.
+    pub rng: Pcg64,
+    pub(super) controls: ControlSets,
+    pub(super) notes: Notes,
+    /// For how many steps an input is held: from the least to the most.
+    pub(super) hold: (u16, u16),
+    starts: Vec<Start>,
+    /// Of each root of the tree, its start.
+    roots: Vec<(NodeId, usize)>,
+    scratch: Scratch,
+    /// The state that the last simulation led to.
+    work: Vec<u8>,
+}
+
+impl<'a> Ground<'a> {
+    /// Ground for a search from some starts.
+    pub(super) fn new(
+        problem: &'a Problem<'a>,
+        metric: &'a Metric,
+        controls: ControlSets,
+        starts: Vec<Start>,
+        hold: (u16, u16),
+        rng: Pcg64,
+    ) -> Self {
+        let size = problem.sim.world().layout.size;
+        Ground {
+            problem,
+            metric,
+            tree: Tree::new(size),
+            rng,
+            controls,
+            notes: Notes { coverage: Coverage::new(problem), ..Notes::default() },
+            hold: (hold.0.max(1), hold.1.max(hold.0).max(1)),
+            starts,
+            roots: Vec::new(),
+            scratch: problem.sim.scratch(),
+            work: vec![0; size],
+        }
+    }
+
+    /// The number of states to begin in.
+    pub(super) fn starts(&self) -> usize {
+        self.starts.len()
+    }
+
+    /// Forgets the tree.
+    pub(super) fn clear(&mut self) {
+        self.tree.clear();
+        self.roots.clear();
+    }
+
+    /// Begins a tree at a start.
+    pub(super) fn plant(&mut self, start: usize, inputs_one_by_one: bool) -> NodeId {
+        let state = &self.starts[start].state;
+        let set = self.controls.of(self.problem, state);
+        let inputs = if inputs_one_by_one { self.controls.inputs(set).len() } else { 0 };
+        let root = self.tree.plant(state, set, inputs);
+        self.roots.push((root, start));
+        self.notes.statistics.nodes += 1;
+        self.notes.coverage.visit(self.problem, state);
+        root
+    }
+
+    /// For how many steps the next input is held.
+    pub fn draw_hold(&mut self) -> u16 {
+        let (low, high) = self.hold;
+        if low < high { self.rng.random_range(low..=high) } else { low }
+    }
+
+    /// Any node of the tree.
+    pub fn draw_node(&mut self) -> NodeId {
+        NodeId(self.rng.random_range(0..self.tree.len().max(1)) as u32)
+    }
+
+    /// Any input of a node, tried or not.
+    pub fn draw_input(&mut self, node: NodeId) -> usize {
+        let inputs = self.inputs(node);
+        self.rng.random_range(0..inputs.max(1))
+    }
+
+    /// One of the untried inputs of a node, which is tried then, held for a drawn time; none if there is none.
+    pub fn draw_untried(&mut self, node: NodeId) -> Option<Choice> {
+        let untried = self.tree.untried(node);
+        if untried == 0 {
+            return None;
+        }
+        let nth = self.rng.random_range(0..untried);
+        let input = self.tree.take_untried(node, nth);
+        Some(Choice { node, input, hold: self.draw_hold() })
+    }
+
+    /// The number of inputs of a node, tried or not.
+    pub fn inputs(&self, node: NodeId) -> usize {
+        self.controls.inputs(self.tree.set(node)).len()
+    }
+
+    /// Simulates a choice, counts it, and notes what it broke.
+    pub(super) fn extend(&mut self, choice: Choice) -> Extension {
+        let extension = self.simulate(choice);
+        let s = &mut self.notes.statistics;
+        s.extensions += 1;
+        s.failures += u64::from(extension == Extension::Dead);
+        extension
+    }
+
+    /// Simulates a choice without adding to the tree; where it does not end, `point` is where it leads.
+    pub fn preview(&mut self, choice: Choice, point: &mut Point) -> Extension {
+        let extension = self.simulate(choice);
+        self.metric.point(self.problem.sim.world(), &self.work, point);
+        extension
+    }
+
+    fn simulate(&mut self, choice: Choice) -> Extension {
+        self.work.copy_from_slice(self.tree.state(choice.node));
+        let set = self.tree.set(choice.node);
+        for step in 1..=choice.hold {
+            self.notes.statistics.steps += 1;
+            let input: &Input = &self.controls.inputs(set)[choice.input];
+            let stepped = self.problem.sim.step(&mut self.work, input, &mut self.scratch);
+            match stepped.and_then(|()| self.problem.judge(&self.work)) {
+                Ok(Standing::Open) => {}
+                Ok(Standing::Goal) => return Extension::Goal(step),
+                Ok(Standing::Dead(death)) => {
+                    self.note_death(choice, step, death);
+                    return Extension::Dead;
+                }
+                Err(fault) => {
+                    if self.notes.fault.is_none() {
+                        let path = self.script(choice, step);
+                        self.notes.fault = Some((fault, path.len()));
+                    }
+                    return Extension::Dead;
+                }
+            }
+        }
+        Extension::Open
+    }
+
+    fn note_death(&mut self, choice: Choice, step: u16, death: Death) {
+        if let Death::Never(never) = death
+            && self.notes.violations.iter().all(|(known, _)| *known != never)
+        {
+            let script = self.script(choice, step);
+            self.notes.violations.push((never, script));
+        }
+    }
+
+    /// Adds what the last simulation led to.
+    pub(super) fn add(&mut self, choice: Choice, inputs_one_by_one: bool) -> NodeId {
+        let set = self.controls.of(self.problem, &self.work);
+        let inputs = if inputs_one_by_one { self.controls.inputs(set).len() } else { 0 };
+        self.notes.statistics.nodes += 1;
+        self.notes.coverage.visit(self.problem, &self.work);
+        self.tree.push(&self.work, choice.node, (choice.input as u16, choice.hold), set, inputs)
+    }
+
+    /// The state that the last simulation led to.
+    pub(super) fn reached(&self) -> &[u8] {
+        &self.work
+    }
+
+    /// A node as a point of the sampled space.
+    pub fn point(&self, node: NodeId, out: &mut Point) {
+        self.metric.point(self.problem.sim.world(), self.tree.state(node), out);
+    }
+
+    /// The start of the tree that a node is in.
+    fn start(&self, node: NodeId) -> &Start {
+        let root = self.tree.root(node);
+        let start = self.roots.iter().find(|(r, _)| *r == root).map_or(0, |(_, start)| *start);
+        &self.starts[start]
+    }
+
+    /// The inputs from the initial state to the end of a choice that lasts so many steps.
+    fn script(&self, choice: Choice, steps: u16) -> Script {
+        let mut script = self.start(choice.node).script.clone();
+        for step in self.tree.script(choice.node, |set| self.controls.inputs(set)).steps {
+            script.push(&step.input, step.count);
+        }
+        script.push(&self.controls.inputs(self.tree.set(choice.node))[choice.input], u32::from(steps));
+        script
+    }
+
+    /// A way to what is asked for, which a choice brings about after so many steps; replayed.
+    pub(super) fn plan(&mut self, choice: Choice, steps: u16, is_shortest: bool) -> Option<Plan> {
+        let after = self.start(choice.node).script.len();
+        let script = self.script(choice, steps);
+        let length = replays_to(self.problem, &script, after, &mut self.scratch);
+        debug_assert_eq!(length, Some(script.len()), "a found path must replay");
+        (length == Some(script.len())).then_some(Plan { steps: script.len(), script, after, is_shortest })
+    }
+
+    /// Adds what was noted.
+    pub(super) fn report(&self, notes: &mut Notes) {
+        notes.join(&self.notes);
+        notes.is_truncated |= self.controls.truncated;
+    }
+
+    /// The memory that the tree takes, bytes.
+    pub(super) fn bytes(&self) -> usize {
+        self.tree.bytes() + self.notes.coverage.bytes()
+    }
+}
+
+/// Runs a script from the initial state: after how many steps what is asked for holds for the first time, not looking at
+/// the first `skipped` ones; none if a branch ends before.
+pub(super) fn replays_to(problem: &Problem<'_>, script: &Script, skipped: u64, scratch: &mut Scratch) -> Option<u64> {
+    let mut state = problem.sim.initial(scratch).ok()?;
+    let mut inputs = script.inputs();
+    let mut step = 0;
+    loop {
+        if step >= skipped {
+            match problem.judge(&state).ok()? {
+                Standing::Open => {}
+                Standing::Goal => return Some(step),
+                Standing::Dead(_) => return None,
+            }
+        }
+        problem.sim.step(&mut state, inputs.next()?, scratch).ok()?;
+        step += 1;
+    }
+}

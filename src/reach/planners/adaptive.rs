@@ -1,0 +1,153 @@
+//! RRT+: samples lean towards the goal or towards the edge of what is covered, by a weight that adapts to how the tree
+//! grows.
+//!
+//! Kim and Esposito, *Adaptive Sample Bias for Rapidly-Exploring Random Trees with Applications to Test Generation*, 2005.
+//! As there, two distributions are mixed, one uniform and one biased, and the weight moves towards the one under which
+//! the tree grows faster. Growth is counted here in new cells of a grid over the sampled space instead of a dispersion
+//! over all of it, and there are two biased distributions: the goal's region, and cells beside covered ones that are not
+//! covered themselves. (The planner that is called RRT+ in the 2017 system is a plain RRT.)
+
+use hashbrown::HashTable;
+use rand::RngExt;
+
+use crate::reach::coverage::mixed;
+use crate::reach::ground::Ground;
+use crate::reach::metric::{Metric, Point};
+use crate::reach::region::GoalRegion;
+use crate::reach::strategy::{Choice, Growth, Strategy};
+
+use super::rrt::Rrt;
+
+/// Cells along each coordinate's unit.
+const CELLS: f32 = 32.0;
+/// How fast yields are forgotten, for each extension.
+const MEMORY: f32 = 0.99;
+/// No distribution gets less of the samples.
+const LEAST: f32 = 0.05;
+/// How often an uncovered neighbour is looked for.
+const LOOKS: usize = 4;
+
+/// Where a sample came from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Source {
+    Uniform,
+    Goal,
+    Edge,
+}
+
+const SOURCES: [Source; 3] = [Source::Uniform, Source::Goal, Source::Edge];
+
+/// RRT with adaptive sample bias.
+#[derive(Debug)]
+pub struct Adaptive {
+    rrt: Rrt,
+    cells: HashTable<u64>,
+    /// Of each source: new cells and extensions, lately.
+    yields: [(f32, f32); 3],
+    source: Source,
+    point: Point,
+}
+
+impl Adaptive {
+    /// A strategy for a space.
+    pub fn new(metric: &Metric) -> Self {
+        Adaptive {
+            rrt: Rrt::new(metric),
+            cells: HashTable::new(),
+            yields: [(1.0, 1.0); 3],
+            source: Source::Uniform,
+            point: Point::default(),
+        }
+    }
+
+    /// The weight of each source.
+    fn weights(&self) -> [f32; 3] {
+        let rates = self.yields.map(|(new, all)| new / all.max(1e-3));
+        let sum: f32 = rates.iter().sum::<f32>().max(1e-6);
+        rates.map(|rate| LEAST + (1.0 - 3.0 * LEAST) * rate / sum)
+    }
+
+    fn is_covered(&self, cell: u64) -> bool {
+        self.cells.find(cell, |known| *known == cell).is_some()
+    }
+
+    /// Moves the sample into a cell beside a covered one; false if none was found that is not covered.
+    fn beside(&mut self, ground: &mut Ground<'_>, toward: &mut Point) -> bool {
+        for _ in 0..LOOKS {
+            let node = ground.draw_node();
+            ground.point(node, &mut self.point);
+            if self.point.reals.is_empty() {
+                return false;
+            }
+            let at = ground.rng.random_range(0..self.point.reals.len());
+            self.point.reals[at] += if ground.rng.random_bool(0.5) { 1.0 / CELLS } else { -1.0 / CELLS };
+            if !self.is_covered(cell(&self.point)) {
+                toward.clone_from(&self.point);
+                return true;
+            }
+        }
+        false
+    }
+}
+
+impl Strategy for Adaptive {
+    fn aim(&mut self, ground: &mut Ground<'_>, goal: &GoalRegion, toward: &mut Point) -> bool {
+        let weights = self.weights();
+        let mut drawn = ground.rng.random::<f32>();
+        self.source = Source::Uniform;
+        for (source, weight) in SOURCES.into_iter().zip(weights) {
+            if drawn < weight {
+                self.source = source;
+                break;
+            }
+            drawn -= weight;
+        }
+        match self.source {
+            Source::Goal => goal.pull(&mut ground.rng, toward),
+            Source::Edge => {
+                if !self.beside(ground, toward) {
+                    self.source = Source::Uniform;
+                }
+            }
+            Source::Uniform => {}
+        }
+        true
+    }
+
+    fn choose(&mut self, ground: &mut Ground<'_>, toward: &Point) -> Option<Choice> {
+        self.rrt.choose(ground, toward)
+    }
+
+    fn learn(&mut self, ground: &mut Ground<'_>, choice: Option<Choice>, growth: Growth<'_>) {
+        let is_new = match growth {
+            Growth::Rooted(_, point) | Growth::Added(_, point) => {
+                if matches!(growth, Growth::Rooted(..)) {
+                    self.cells.clear();
+                }
+                let cell = cell(point);
+                let is_new = !self.is_covered(cell);
+                if is_new {
+                    self.cells.insert_unique(cell, cell, |known| *known);
+                }
+                is_new
+            }
+            Growth::Failed => false,
+        };
+        if choice.is_some() {
+            let (new, all) = &mut self.yields[self.source as usize];
+            *new = *new * MEMORY + f32::from(is_new);
+            *all = *all * MEMORY + 1.0;
+        }
+        self.rrt.learn(ground, choice, growth);
+    }
+
+    fn bytes(&self) -> usize {
+        self.rrt.bytes() + self.cells.capacity() * 9
+    }
+}
+
+/// The cell of a point.
+fn cell(point: &Point) -> u64 {
+    let reals = point.reals.iter().map(|x| (x * CELLS).floor() as i64 as u64);
+    reals.chain(point.modes.iter().map(|m| u64::from(m.to_bits()))).fold(0, mixed)
+}

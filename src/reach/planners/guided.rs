@@ -1,0 +1,129 @@
+//! A*-guided: where the planner below grows one node, a bounded best-first search goes on from it towards the same sample.
+//!
+//! After the local planners that Tremblay, Borodovski and Verbrugge, *I Can Jump! Exploring Search Algorithms for
+//! Simulating Platformer Players*, 2014, compare; Osborn, Lambrigger and Mateas name it as future work. All that the
+//! local search visits stays in the tree. Costs and estimates are in extensions: an estimate is the distance to the
+//! sample by how far an extension goes, on average.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+use crate::reach::ground::Ground;
+use crate::reach::metric::{MODE_PENALTY, Point};
+use crate::reach::strategy::{Choice, Growth, Strategy};
+use crate::reach::tree::NodeId;
+
+/// So many extensions a local search may take.
+const MOST_EXTENSIONS: u32 = 24;
+
+/// A strategy with a best-first search as local planner.
+#[derive(Debug)]
+pub struct Guided<S> {
+    below: S,
+    open: BinaryHeap<Ranked>,
+    toward: Point,
+    /// How many extensions are left of the local search.
+    left: u32,
+    /// The squared distance at which the sample counts as reached: less than this there is nothing to gain.
+    near: f32,
+    /// How far an extension goes on average: the sum and the number.
+    gone: (f64, u64),
+    point: Point,
+}
+
+/// A node of the local search; the greatest is the best.
+#[derive(Debug, PartialEq)]
+struct Ranked {
+    /// Extensions so far and those still to go.
+    cost: f32,
+    so_far: u32,
+    node: NodeId,
+}
+
+impl Eq for Ranked {}
+
+impl Ord for Ranked {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.cost.total_cmp(&self.cost).then(other.node.cmp(&self.node))
+    }
+}
+
+impl PartialOrd for Ranked {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl<S: Strategy> Guided<S> {
+    /// Over a strategy.
+    pub fn new(below: S) -> Self {
+        Guided {
+            below,
+            open: BinaryHeap::new(),
+            toward: Point::default(),
+            left: 0,
+            near: 0.0,
+            gone: (0.0, 0),
+            point: Point::default(),
+        }
+    }
+
+    fn rank(&mut self, node: NodeId, so_far: u32, at: &Point) {
+        let distance = self.toward.distance(at, MODE_PENALTY);
+        if distance <= self.near {
+            // As near as an extension can tell.
+            self.left = 0;
+            return;
+        }
+        let step = (self.gone.0 / self.gone.1.max(1) as f64).max(1e-6) as f32;
+        self.open.push(Ranked { cost: so_far as f32 + distance.sqrt() / step, so_far, node });
+    }
+}
+
+impl<S: Strategy> Strategy for Guided<S> {
+    fn choose(&mut self, ground: &mut Ground<'_>, toward: &Point) -> Option<Choice> {
+        while self.left > 0 {
+            let Some(best) = self.open.peek() else { break };
+            if let Some(choice) = ground.draw_untried(best.node) {
+                self.left -= 1;
+                return Some(choice);
+            }
+            self.open.pop();
+        }
+        let choice = self.below.choose(ground, toward)?;
+        self.open.clear();
+        self.left = MOST_EXTENSIONS;
+        self.toward.clone_from(toward);
+        ground.point(choice.node, &mut self.point);
+        let from = std::mem::take(&mut self.point);
+        self.rank(choice.node, 0, &from);
+        self.point = from;
+        Some(choice)
+    }
+
+    fn learn(&mut self, ground: &mut Ground<'_>, choice: Option<Choice>, growth: Growth<'_>) {
+        match (growth, choice) {
+            (Growth::Rooted(..), _) => {
+                self.open.clear();
+                self.left = 0;
+            }
+            (Growth::Added(node, point), Some(choice)) => {
+                ground.point(choice.node, &mut self.point);
+                let gone = self.point.distance(point, MODE_PENALTY);
+                self.gone.0 += f64::from(gone.sqrt());
+                self.gone.1 += 1;
+                self.near = gone / 4.0;
+                let so_far = self.open.peek().map_or(0, |best| best.so_far) + 1;
+                if self.left > 0 {
+                    self.rank(node, so_far, point);
+                }
+            }
+            _ => {}
+        }
+        self.below.learn(ground, choice, growth);
+    }
+
+    fn bytes(&self) -> usize {
+        self.below.bytes() + self.open.capacity() * size_of::<Ranked>()
+    }
+}

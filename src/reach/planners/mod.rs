@@ -1,0 +1,117 @@
+//! The planners, by their names. What samples is a [`Strategy`] of the planning loop (`sampler.rs`); RC, RG and EG are
+//! two ideas and their composition: `blame.rs` (failure feedback) and `reachable.rs` (reachable states).
+
+mod adaptive;
+mod blame;
+mod coverage_guided;
+mod eg;
+mod guided;
+mod rc;
+mod reachable;
+mod rg;
+mod rrt;
+
+use super::metric::Metric;
+use super::strategy::Strategy;
+
+/// A planner.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub enum Planner {
+    /// Several in turns, chosen by measurement (`portfolio.rs`).
+    #[default]
+    Auto,
+    /// LaValle 1998.
+    Rrt,
+    /// Cheng and LaValle 2002: failure feedback.
+    RcRrt,
+    /// Shkolnik, Walter and Tedrake 2009: reachable states.
+    RgRrt,
+    /// Jaillet et al. 2011: both.
+    EgRrt,
+    /// Kim and Esposito 2005: adaptive sample bias.
+    RrtPlus,
+    /// RRT with a bounded best-first search as local planner.
+    AstarRrt,
+    /// RG-RRT with the same.
+    AstarRgRrt,
+    /// After KPIECE (Şucan and Kavraki 2009) and EST: guided by what is covered, without neighbours.
+    Coverage,
+    /// Breadth first, each state once: shortest plans, and proofs.
+    Exhaustive,
+}
+
+impl Planner {
+    /// All of them.
+    pub const ALL: [Planner; 10] = [
+        Planner::Auto,
+        Planner::Rrt,
+        Planner::RcRrt,
+        Planner::RgRrt,
+        Planner::EgRrt,
+        Planner::RrtPlus,
+        Planner::AstarRrt,
+        Planner::AstarRgRrt,
+        Planner::Coverage,
+        Planner::Exhaustive,
+    ];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Planner::Auto => "auto",
+            Planner::Rrt => "rrt",
+            Planner::RcRrt => "rc-rrt",
+            Planner::RgRrt => "rg-rrt",
+            Planner::EgRrt => "eg-rrt",
+            Planner::RrtPlus => "rrt+",
+            Planner::AstarRrt => "astar-rrt",
+            Planner::AstarRgRrt => "astar-rg-rrt",
+            Planner::Coverage => "coverage",
+            Planner::Exhaustive => "exhaustive",
+        }
+    }
+
+    /// What it does, in a few words.
+    pub fn summary(self) -> &'static str {
+        match self {
+            Planner::Auto => "several in turns, chosen by measurement",
+            Planner::Rrt => "rapidly-exploring random tree (LaValle 1998)",
+            Planner::RcRrt => "with failure feedback (Cheng and LaValle 2002)",
+            Planner::RgRrt => "guided by reachable states (Shkolnik, Walter and Tedrake 2009)",
+            Planner::EgRrt => "with both (Jaillet et al. 2011)",
+            Planner::RrtPlus => "with adaptive sample bias (Kim and Esposito 2005)",
+            Planner::AstarRrt => "RRT with a bounded best-first search as local planner",
+            Planner::AstarRgRrt => "RG-RRT with the same",
+            Planner::Coverage => "guided by what is covered, without neighbours (after KPIECE and EST)",
+            Planner::Exhaustive => "breadth first, each state once: shortest plans, and proofs of no",
+        }
+    }
+
+    /// The planner of a name.
+    pub fn named(name: &str) -> Option<Planner> {
+        Planner::ALL.into_iter().find(|p| p.name() == name)
+    }
+
+    /// For how many steps it holds an input, if nothing else is asked for.
+    pub fn hold(self) -> (u16, u16) {
+        match self {
+            Planner::Coverage => (10, 60),
+            _ => (10, 10),
+        }
+    }
+
+    /// Its strategy in the planning loop; none of those that do not sample.
+    pub(super) fn strategy<'m>(self, metric: &'m Metric) -> Option<Box<dyn Strategy + Send + 'm>> {
+        Some(match self {
+            Planner::Auto | Planner::Exhaustive => return None,
+            Planner::Rrt => Box::new(rrt::Rrt::new(metric)),
+            Planner::RcRrt => Box::new(rc::Rc::new(metric)),
+            Planner::RgRrt => Box::new(rg::Rg::new(metric)),
+            Planner::EgRrt => Box::new(eg::Eg::new(metric)),
+            Planner::RrtPlus => Box::new(adaptive::Adaptive::new(metric)),
+            Planner::AstarRrt => Box::new(guided::Guided::new(rrt::Rrt::new(metric))),
+            Planner::AstarRgRrt => Box::new(guided::Guided::new(rg::Rg::new(metric))),
+            Planner::Coverage => Box::new(coverage_guided::CoverageGuided::new(metric)),
+        })
+    }
+}

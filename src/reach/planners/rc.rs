@@ -1,0 +1,48 @@
+//! RC-RRT: the plain RRT, where nodes whose branches fail are passed over more and more often (`blame.rs`).
+//!
+//! Cheng and LaValle, *Resolution Complete Rapidly-Exploring Random Trees*, 2002.
+
+use crate::reach::ground::Ground;
+use crate::reach::metric::{Metric, Point};
+use crate::reach::strategy::{Choice, Growth, Strategy};
+
+use super::blame::Blame;
+use super::rrt::Rrt;
+
+/// RRT with failure feedback.
+#[derive(Debug)]
+pub struct Rc {
+    rrt: Rrt,
+    blame: Blame,
+}
+
+impl Rc {
+    /// A strategy for a space.
+    pub fn new(metric: &Metric) -> Self {
+        Rc { rrt: Rrt::new(metric), blame: Blame::default() }
+    }
+}
+
+impl Strategy for Rc {
+    fn choose(&mut self, ground: &mut Ground<'_>, toward: &Point) -> Option<Choice> {
+        let takes_part = self.blame.lottery(ground);
+        self.rrt.choose_where(ground, toward, takes_part)
+    }
+
+    fn learn(&mut self, ground: &mut Ground<'_>, choice: Option<Choice>, growth: Growth<'_>) {
+        match (growth, choice) {
+            (Growth::Rooted(..), _) => {
+                self.blame.clear();
+                self.blame.add();
+            }
+            (Growth::Added(..), _) => self.blame.add(),
+            (Growth::Failed, Some(choice)) => self.blame.fail(ground, choice.node),
+            (Growth::Failed, None) => {}
+        }
+        self.rrt.learn(ground, choice, growth);
+    }
+
+    fn bytes(&self) -> usize {
+        self.rrt.bytes() + self.blame.bytes()
+    }
+}

@@ -1,0 +1,46 @@
+//! RG-RRT: what is nearest to a sample is looked for among the states that nodes can reach (`reachable.rs`), and the
+//! input that leads there is taken.
+//!
+//! Shkolnik, Walter and Tedrake, *Reachability-Guided Sampling for Planning Under Differential Constraints*, 2009.
+
+use crate::reach::ground::Ground;
+use crate::reach::metric::{Metric, Point};
+use crate::reach::strategy::{Choice, Growth, Strategy};
+
+use super::reachable::Reachable;
+
+/// RRT guided by reachable states.
+#[derive(Debug)]
+pub struct Rg {
+    reachable: Reachable,
+}
+
+impl Rg {
+    /// A strategy for a space.
+    pub fn new(metric: &Metric) -> Self {
+        Rg { reachable: Reachable::new(metric) }
+    }
+}
+
+impl Strategy for Rg {
+    fn choose(&mut self, ground: &mut Ground<'_>, toward: &Point) -> Option<Choice> {
+        self.reachable.choose_where(ground, toward, |_| true)
+    }
+
+    fn learn(&mut self, ground: &mut Ground<'_>, _choice: Option<Choice>, growth: Growth<'_>) {
+        match growth {
+            Growth::Rooted(root, _) => {
+                self.reachable.clear();
+                self.reachable.add(ground, root);
+            }
+            Growth::Added(node, _) => {
+                self.reachable.add(ground, node);
+            }
+            Growth::Failed => {}
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        self.reachable.bytes()
+    }
+}

@@ -1,0 +1,66 @@
+//! RRT: sample, the nearest node with an untried input, one of its untried inputs.
+//!
+//! LaValle, *Rapidly-Exploring Random Trees: A New Tool for Path Planning*, 1998. Inputs are finitely many here, and
+//! each is tried at most once at a node; a node without untried inputs is no longer looked at.
+
+use crate::reach::ground::Ground;
+use crate::reach::metric::{MODE_PENALTY, Metric, Point};
+use crate::reach::nearest::Index;
+use crate::reach::strategy::{Choice, Growth, Strategy};
+use crate::reach::tree::NodeId;
+
+/// The plain RRT.
+#[derive(Debug)]
+pub struct Rrt {
+    /// The tree's nodes, without those that are done with.
+    open: Index,
+}
+
+impl Rrt {
+    /// A strategy for a space.
+    pub fn new(metric: &Metric) -> Self {
+        Rrt { open: Index::new(metric.coordinates().len(), metric.modes(), MODE_PENALTY) }
+    }
+
+    /// As [`Strategy::choose`], among the nodes that are accepted.
+    pub(super) fn choose_where(
+        &mut self,
+        ground: &mut Ground<'_>,
+        toward: &Point,
+        accept: impl FnMut(NodeId) -> bool,
+    ) -> Option<Choice> {
+        let mut accept = accept;
+        let nearest = self.open.nearest_where(&toward.reals, &toward.modes, |index| accept(NodeId(index as u32)))?;
+        self.grow(ground, NodeId(nearest.index as u32))
+    }
+
+    fn grow(&mut self, ground: &mut Ground<'_>, node: NodeId) -> Option<Choice> {
+        let choice = ground.draw_untried(node);
+        if ground.tree.untried(node) == 0 {
+            self.open.remove(node.index());
+        }
+        choice
+    }
+}
+
+impl Strategy for Rrt {
+    fn choose(&mut self, ground: &mut Ground<'_>, toward: &Point) -> Option<Choice> {
+        let nearest = self.open.nearest(&toward.reals, &toward.modes)?;
+        self.grow(ground, NodeId(nearest.index as u32))
+    }
+
+    fn learn(&mut self, _ground: &mut Ground<'_>, _choice: Option<Choice>, growth: Growth<'_>) {
+        match growth {
+            Growth::Rooted(_, point) => {
+                self.open.clear();
+                self.open.push(&point.reals, &point.modes);
+            }
+            Growth::Added(_, point) => self.open.push(&point.reals, &point.modes),
+            Growth::Failed => {}
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        self.open.bytes()
+    }
+}

@@ -1,0 +1,176 @@
+//! The planning loop of all that sample: sample, choose a node and an input, extend, learn; and restarts.
+//!
+//! Restarts follow the universal sequence 1, 1, 2, 1, 1, 2, 4, … of Luby, Sinclair and Zuckerman, *Optimal Speedup of
+//! Las Vegas Algorithms*, 1993: an early choice that cannot be undone (boarding a platform at the wrong moment) makes
+//! single trees heavy-tailed.
+
+use rand::RngExt;
+
+use crate::watch::Watch;
+
+use super::ground::{Extension, Ground, Notes};
+use super::metric::Point;
+use super::outcome::Plan;
+use super::region::GoalRegion;
+use super::searcher::{Ending, Searcher};
+use super::strategy::{Choice, Growth, Strategy};
+
+/// How many samples in a row a strategy may discard before its tree is given up.
+const MAX_FRUITLESS: u64 = 10_000;
+
+/// How often the watch is asked, in samples.
+const WATCH_EVERY: u64 = 64;
+
+/// A tree that a strategy grows from samples, planted anew now and then.
+pub(super) struct Sampler<'a> {
+    ground: Ground<'a>,
+    strategy: Box<dyn Strategy + Send + 'a>,
+    /// The planner's.
+    name: &'static str,
+    region: GoalRegion,
+    /// The share of samples that are drawn towards the goal.
+    goal_bias: f64,
+    /// The number of nodes of the shortest tree before a restart; none: never.
+    restart: Option<u64>,
+    /// How many nodes the tree may have.
+    allowance: u64,
+    round: u64,
+    tries: u64,
+    fruitless: u64,
+    toward: Point,
+    point: Point,
+}
+
+impl<'a> Sampler<'a> {
+    pub fn new(
+        ground: Ground<'a>,
+        strategy: Box<dyn Strategy + Send + 'a>,
+        name: &'static str,
+        goal_bias: f64,
+        restart: Option<u64>,
+    ) -> Self {
+        let region = GoalRegion::new(ground.problem, ground.metric);
+        Sampler {
+            ground,
+            strategy,
+            name,
+            region,
+            goal_bias: goal_bias.clamp(0.0, 1.0),
+            restart,
+            allowance: 0,
+            round: 0,
+            tries: 0,
+            fruitless: 0,
+            toward: Point::default(),
+            point: Point::default(),
+        }
+    }
+
+    /// Begins the next tree, at the next start.
+    fn plant(&mut self) {
+        self.round += 1;
+        self.fruitless = 0;
+        self.allowance = self.restart.map_or(u64::MAX, |shortest| shortest.max(2).saturating_mul(luby(self.round)));
+        self.ground.clear();
+        let start = (self.round - 1) as usize % self.ground.starts().max(1);
+        let root = self.ground.plant(start, true);
+        self.ground.notes.statistics.trees += 1;
+        self.ground.point(root, &mut self.point);
+        self.strategy.learn(&mut self.ground, None, Growth::Rooted(root, &self.point));
+    }
+
+    fn is_over(&self) -> bool {
+        let tree = &self.ground.tree;
+        tree.len() as u64 >= self.allowance || tree.open_nodes() == 0 || self.fruitless >= MAX_FRUITLESS
+    }
+
+    fn choose(&mut self) -> Option<Choice> {
+        if self.strategy.samples() {
+            self.ground.metric.sample(&mut self.ground.rng, &mut self.toward);
+            if !self.strategy.aim(&mut self.ground, &self.region, &mut self.toward)
+                && self.ground.rng.random_bool(self.goal_bias)
+            {
+                self.region.pull(&mut self.ground.rng, &mut self.toward);
+            }
+        }
+        self.strategy.choose(&mut self.ground, &self.toward)
+    }
+
+    /// One turn of the loop.
+    fn turn(&mut self) -> Option<Plan> {
+        let Some(choice) = self.choose() else {
+            // A strategy that discards every sample has nothing more to say about this tree.
+            self.fruitless += 1;
+            return None;
+        };
+        self.fruitless = 0;
+        match self.ground.extend(choice) {
+            Extension::Open => {
+                let node = self.ground.add(choice, true);
+                self.ground.point(node, &mut self.point);
+                self.strategy.learn(&mut self.ground, Some(choice), Growth::Added(node, &self.point));
+            }
+            Extension::Dead => self.strategy.learn(&mut self.ground, Some(choice), Growth::Failed),
+            Extension::Goal(steps) => {
+                return self.ground.plan(choice, steps, false);
+            }
+        }
+        None
+    }
+}
+
+impl Searcher for Sampler<'_> {
+    fn advance(&mut self, nodes: u64, watch: &dyn Watch) -> Ending {
+        let until = self.ground.notes.statistics.nodes.saturating_add(nodes);
+        while self.ground.notes.statistics.nodes < until {
+            self.tries += 1;
+            if self.tries.is_multiple_of(WATCH_EVERY) && watch.stop() {
+                return Ending::Stopped;
+            }
+            if self.is_over() {
+                self.plant();
+            } else if let Some(plan) = self.turn() {
+                return Ending::Reached(plan);
+            }
+        }
+        Ending::Paused
+    }
+
+    fn nodes(&self) -> u64 {
+        self.ground.notes.statistics.nodes
+    }
+
+    fn report(&self, notes: &mut Notes) {
+        self.ground.report(notes);
+    }
+
+    fn planner(&self) -> &'static str {
+        self.name
+    }
+
+    fn bytes(&self) -> usize {
+        self.ground.bytes() + self.strategy.bytes()
+    }
+}
+
+/// The `i`-th term, from 1, of the universal restart sequence.
+fn luby(mut i: u64) -> u64 {
+    loop {
+        let next = (i + 1).next_power_of_two();
+        if i + 1 == next {
+            return next / 2;
+        }
+        i = i + 1 - next / 2;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::luby;
+
+    #[test]
+    fn restarts_follow_the_universal_sequence() {
+        let terms: Vec<u64> = (1..=15).map(luby).collect();
+        assert_eq!(terms, [1, 1, 2, 1, 1, 2, 4, 1, 1, 2, 1, 1, 2, 4, 8]);
+    }
+}

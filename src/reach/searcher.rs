@@ -1,0 +1,39 @@
+//! A search that can be continued: what the planning loop, the exhaustion and the portfolio have in common.
+
+use crate::watch::Watch;
+
+use super::ground::Notes;
+use super::outcome::Plan;
+
+/// How a part of a search ended.
+#[derive(Debug)]
+pub(super) enum Ending {
+    /// It can go on.
+    Paused,
+    /// The watch stopped it.
+    Stopped,
+    /// It has found a way.
+    Reached(Plan),
+    /// There is nothing more to try: all states were visited, so many, by inputs held for so many steps.
+    Exhausted(u64, u16),
+    /// It has nothing more to try, but that proves nothing.
+    Spent,
+}
+
+/// A search that can be continued.
+pub(super) trait Searcher: Send {
+    /// Grows about so many nodes more.
+    fn advance(&mut self, nodes: u64, watch: &dyn Watch) -> Ending;
+
+    /// The nodes grown so far.
+    fn nodes(&self) -> u64;
+
+    /// Adds what it has noted so far.
+    fn report(&self, notes: &mut Notes);
+
+    /// The memory that it takes, bytes.
+    fn bytes(&self) -> usize;
+
+    /// The name of the planner at work, or of the one that had the answer.
+    fn planner(&self) -> &'static str;
+}

@@ -1,0 +1,119 @@
+//! Makes a plan shorter and simpler: leaves out parts, merges neighbours, cuts times, as long as what is left still leads
+//! to the goal. Every plan on the way is replayed.
+
+use crate::sim::{Script, ScriptStep};
+use crate::watch::Watch;
+
+use super::ground::replays_to;
+use super::outcome::Plan;
+use super::problem::Problem;
+
+/// Shortens a plan of a question until no change of one place makes it better, or the watch stops it. Better is: no more
+/// steps and no more changes of inputs, and fewer of one of them. What leads to where the search began stays. No input
+/// is held for less than `least` steps, but the last.
+#[must_use]
+pub fn shorten(problem: &Problem<'_>, plan: &Plan, least: u32, watch: &dyn Watch) -> Plan {
+    let kept = plan.after;
+    let mut scratch = problem.sim.scratch();
+    let (prefix, mut best) = split(&plan.script, kept);
+    // A script that ends with the goal at once, if it leads there.
+    let mut attempt = |steps: &[ScriptStep]| -> Option<Vec<ScriptStep>> {
+        let mut script = prefix.clone();
+        steps.iter().for_each(|s| script.push(&s.input, s.count));
+        let length = replays_to(problem, &script, kept, &mut scratch)?;
+        let mut cut = Script::default();
+        let mut left = length - kept;
+        for step in steps {
+            let count = u64::from(step.count).min(left) as u32;
+            cut.push(&step.input, count);
+            left -= u64::from(count);
+        }
+        cut.steps.iter().rev().skip(1).all(|s| s.count >= least).then_some(cut.steps)
+    };
+    let cost = |steps: &[ScriptStep]| (steps.len(), steps.iter().map(|s| u64::from(s.count)).sum::<u64>());
+    let better = |new: &[ScriptStep], old: &[ScriptStep]| {
+        let (new, old) = (cost(new), cost(old));
+        new.0 <= old.0 && new.1 <= old.1 && new != old
+    };
+    let mut changed = true;
+    while std::mem::take(&mut changed) && !watch.stop() {
+        let mut at = 0;
+        while at < best.len() && !watch.stop() {
+            let found = variants(&best, at).into_iter().find_map(|steps| {
+                if !better(&steps, &best) {
+                    return None;
+                }
+                attempt(&steps).filter(|steps| better(steps, &best))
+            });
+            match found {
+                Some(steps) => {
+                    best = steps;
+                    changed = true;
+                }
+                None => at += 1,
+            }
+        }
+    }
+    let mut script = prefix;
+    best.iter().for_each(|s| script.push(&s.input, s.count));
+    if script == plan.script {
+        return plan.clone();
+    }
+    Plan { steps: script.len(), script, after: kept, is_shortest: false }
+}
+
+/// The first steps of a script, and what follows.
+fn split(script: &Script, kept: u64) -> (Script, Vec<ScriptStep>) {
+    let (mut prefix, mut rest) = (Script::default(), Vec::new());
+    let mut left = kept;
+    for step in &script.steps {
+        let count = u64::from(step.count).min(left) as u32;
+        prefix.push(&step.input, count);
+        left -= u64::from(count);
+        if step.count > count {
+            rest.push(ScriptStep { input: step.input.clone(), count: step.count - count });
+        }
+    }
+    (prefix, rest)
+}
+
+/// What a place of a plan can be changed to, the boldest first.
+fn variants(steps: &[ScriptStep], at: usize) -> Vec<Vec<ScriptStep>> {
+    let mut out = Vec::new();
+    let with = |change: &dyn Fn(&mut Vec<ScriptStep>)| {
+        let mut steps = steps.to_vec();
+        change(&mut steps);
+        // Neighbours that are alike become one.
+        let mut script = Script::default();
+        steps.iter().filter(|s| s.count > 0).for_each(|s| script.push(&s.input, s.count));
+        script.steps
+    };
+    out.push(with(&|s| drop(s.remove(at))));
+    for neighbour in [at.checked_sub(1), Some(at + 1)].into_iter().flatten().filter(|n| *n < steps.len()) {
+        out.push(with(&|s| s[at].input = s[neighbour].input.clone()));
+    }
+    let count = steps[at].count;
+    for cut in [count / 2, count / 4, 8, 4, 2, 1] {
+        if 0 < cut && cut < count {
+            out.push(with(&|s| s[at].count -= cut));
+        }
+    }
+    // A change that comes earlier or later makes room.
+    if at + 1 < steps.len() {
+        for moved in [8, 4, 2, 1] {
+            if moved < count {
+                out.push(with(&|s| {
+                    s[at].count -= moved;
+                    s[at + 1].count += moved;
+                }));
+            }
+            if moved < steps[at + 1].count {
+                out.push(with(&|s| {
+                    s[at].count += moved;
+                    s[at + 1].count -= moved;
+                }));
+            }
+        }
+    }
+    out
+}

@@ -161,7 +161,7 @@ fn is_panel(node: &roxmltree::Node<'_, '_>) -> bool {
     node.tag_name().name() == "svg" && node.has_attribute("x")
 }
 
-/// Checks what holds of every picture; gives how many elements of each class it has.
+/// Checks what holds of every picture, also that no text covers another; gives how many elements of each class it has.
 fn check(svg: &str) -> BTreeMap<String, usize> {
     let document = roxmltree::Document::parse(svg).unwrap();
     let root = document.root_element();
@@ -169,6 +169,7 @@ fn check(svg: &str) -> BTreeMap<String, usize> {
     let (width, height) = (size("width"), size("height"));
     assert_eq!(root.attribute("viewBox").unwrap(), format!("0 0 {width} {height}"));
     let mut classes = BTreeMap::new();
+    let mut texts: Vec<(String, [f64; 4])> = Vec::new();
     for node in document.descendants().filter(|node| node.is_element()) {
         let number = |name: &str| node.attribute(name).map_or(0.0, |text| text.parse::<f64>().unwrap());
         for attribute in node.attributes().filter(|a| a.name() != "xmlns") {
@@ -192,6 +193,7 @@ fn check(svg: &str) -> BTreeMap<String, usize> {
             "circle" => [number("cx"), number("cx"), number("cy"), number("cy")],
             "path" => path_extent(node.attribute("d").unwrap()),
             "text" => {
+                // No letter is narrower on average.
                 let text = 4.0 * node.text().unwrap().chars().count() as f64;
                 let centered = matches!(node.attribute("class"), Some("verdict" | "number"));
                 if centered { [x - text / 2.0, x + text / 2.0, y, y] } else { [x, x + text, y, y] }
@@ -200,6 +202,14 @@ fn check(svg: &str) -> BTreeMap<String, usize> {
         };
         let inside = left + shift[0] >= -0.02 && right + shift[0] <= width + 0.02;
         let inside = inside && top + shift[1] >= -0.02 && bottom + shift[1] <= height + 0.02;
+        if let Some(text) = node.text().filter(|_| node.tag_name().name() == "text") {
+            let extent = [left + shift[0], right + shift[0], top + shift[1] - 8.0, bottom + shift[1]];
+            for (other, b) in &texts {
+                let apart = extent[1] <= b[0] || b[1] <= extent[0] || extent[3] <= b[2] || b[3] <= extent[2];
+                assert!(apart, "`{text}` and `{other}`");
+            }
+            texts.push((text.to_string(), extent));
+        }
         assert!(inside, "{left} {right} {top} {bottom} at {shift:?} of {width} {height}: {node:?}");
     }
     classes
@@ -377,4 +387,64 @@ fn goals_are_drawn_where_they_lie() {
     assert_eq!(goals("there"), ["224 96 32"]);
     assert_eq!(goals("corner").len(), 1);
     assert!(goals("nothing").is_empty());
+}
+
+const ARMED: &str = "entity Armed {
+    continuous reach = 6
+    discrete side: {left, right} = right
+    collider feet: rect(-4, 0, 8, 2)
+    collider body: rect(-8, 0, 16, 24) when in tall
+    collider body: rect(-6, 0, 12, 12) when not in tall and side == right
+    collider sword: rect(6, 4, reach, 2) when reach > 1 and side == right
+    collider sword: rect(-6 - reach, 4, reach, 2) when side == left
+    mode small { }
+    mode tall { }
+}
+world Hall {
+    step 1/60
+    space main {
+        bounds rect(-50, -50, 100, 100)
+        place hero: Armed at (0, 0)
+    }
+    player 1: hero
+    goal long: hero.reach > 9
+}
+";
+
+#[test]
+fn instances_look_as_they_do_at_first() {
+    let program = program(compile_text(ARMED));
+    let path = vec![Stop { space: SpaceId(0), at: [0.0, 0.0], changes: false }];
+    let svg = draw(&program, &Walk { nodes: Vec::new(), path }, &[]);
+    let document = roxmltree::Document::parse(&svg).unwrap();
+    let rects = document.descendants().filter(|node| node.attribute("class") == Some("hero"));
+    let inside = rects.filter(|node| node.parent().is_some_and(|group| is_panel(&group)));
+    let size = |name: &str, node: roxmltree::Node<'_, '_>| node.attribute(name).unwrap().parse::<f64>().unwrap() / 4.0;
+    let sizes: Vec<[f64; 2]> = inside.map(|node| [size("width", node), size("height", node)]).collect();
+    assert_eq!(sizes, [[8.0, 2.0], [12.0, 12.0], [6.0, 2.0]]);
+    // The path runs through the middle of the largest box whose shape never changes: the body's, 6 px over the feet.
+    let start = document.descendants().find(|node| node.attribute("class") == Some("start")).unwrap();
+    let panel = start.parent().unwrap();
+    let height = size("height", panel);
+    assert_eq!(height / 2.0 - size("cy", start), 6.0);
+}
+
+/// A picture of many rooms and a level of many small tiles are still small.
+#[test]
+fn large_levels_make_small_pictures() {
+    let mut rng = Pcg64::seed_from_u64(3);
+    let (columns, rows) = (600, 400);
+    let row = |rng: &mut Pcg64| (0..columns).map(|_| if rng.random_bool(0.5) { '#' } else { '.' }).collect::<String>();
+    let map: Vec<String> = (0..rows).map(|_| row(&mut rng)).collect();
+    let mut rooms = String::new();
+    for room in 0..60 {
+        rooms.push_str(&format!("    space room{room} {{ bounds rect(0, 0, 100, {}) }}\n", 20 + room));
+    }
+    let text = ROOMS.replace("            #...F#\n", &format!("            {}\n", map.join("\n            ")));
+    let text = text.replace("            #.==.#\n            #?..^~\n            ######\n", "");
+    let text = text.replace("    space attic", &format!("{rooms}    space attic"));
+    let program = program(compile_text(&text));
+    let svg = draw(&program, &Walk { nodes: Vec::new(), path: Vec::new() }, &[]);
+    assert_eq!(check(&svg)["head"], 63);
+    assert!(svg.len() < 1_000_000, "{} bytes", svg.len());
 }

@@ -1,6 +1,9 @@
-//! What an instance looks like as it starts: its colliders, as far as their shapes never change.
+//! What an instance looks like as it starts: its colliders, as far as modes, parameters and its own first values tell.
 
-use crate::ir::{Bounds, Expr, ExprId, Id, ModeId, Program, Shape, Slot, SlotId, Subject, TagSet, World};
+use crate::ir::{
+    Bounds, Choice, Expr, ExprId, Id, ModeId, Program, Shape, Slot, SlotId, Subject, TagSet, World, arithmetic, call,
+    compare,
+};
 
 use super::frame::moved;
 
@@ -17,7 +20,7 @@ pub(super) struct Part {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Body {
     pub parts: Vec<Part>,
-    /// The largest of them, or of all where none is known to be there.
+    /// The largest of them whose shape never changes, or of all such where none is known to be there.
     main: Option<Part>,
 }
 
@@ -26,12 +29,12 @@ impl Body {
     pub fn new(program: &Program, world: &World, id: SlotId) -> Body {
         let slot = &world.slots[id];
         let start = Start { program, world, slot };
-        let (mut parts, mut others) = (Vec::new(), Vec::new());
+        let (mut parts, mut steady, mut others) = (Vec::new(), Vec::new(), Vec::new());
         for collider in program.entities[slot.entity].colliders.iter() {
-            let numbers = collider.shape.numbers().iter();
-            let numbers: Option<Vec<f64>> = numbers.map(|&n| program.constant(n, &slot.params, world.step)).collect();
-            let Some(numbers) = numbers else { continue };
-            let (bounds, round) = match (collider.shape, numbers.as_slice()) {
+            let numbers = collider.shape.numbers();
+            let values: Option<Vec<f64>> = numbers.iter().map(|&number| start.value(number)).collect();
+            let Some(values) = values else { continue };
+            let (bounds, round) = match (collider.shape, values.as_slice()) {
                 (Shape::Rect(_), &[x, y, width, height]) => (Bounds::new([x, y, width, height]), false),
                 (Shape::Circle(_), &[x, y, radius]) => {
                     (Bounds::new([x - radius, y - radius, 2.0 * radius, 2.0 * radius]), true)
@@ -39,12 +42,18 @@ impl Body {
                 _ => continue,
             };
             let part = Part { bounds, round, tags: collider.tags };
-            match collider.guard.map_or(Some(true), |guard| start.truth(guard)) {
-                Some(true) => parts.push(part),
-                _ => others.push(part),
+            let never_changes = numbers.iter().all(|&number| start.constant(number).is_some());
+            let there = collider.guard.is_none_or(|guard| start.value(guard).is_some_and(|value| value != 0.0));
+            if there {
+                parts.push(part);
+            }
+            match (never_changes, there) {
+                (true, true) => steady.push(part),
+                (true, false) => others.push(part),
+                (false, _) => {}
             }
         }
-        let main = largest(&parts).or(largest(&others));
+        let main = largest(&steady).or(largest(&others));
         Body { parts, main }
     }
 
@@ -83,21 +92,30 @@ struct Start<'a> {
 }
 
 impl Start<'_> {
-    /// Whether a guard holds; none where that takes more than modes and constants to tell.
-    fn truth(&self, id: ExprId) -> Option<bool> {
-        match self.program.exprs[id] {
-            Expr::InMode(Subject::Me, mode) => Some(self.is_in(mode)),
-            Expr::Not(a) => self.truth(a).map(|a| !a),
-            Expr::And(a, b) => match (self.truth(a), self.truth(b)) {
-                (Some(false), _) | (_, Some(false)) => Some(false),
-                (a, b) => Some(a? && b?),
+    /// The value of an expression that reads no inputs, no contacts and nobody else; truth is 1.
+    fn value(&self, id: ExprId) -> Option<f64> {
+        let truth = |holds: bool| f64::from(u8::from(holds));
+        let value = match self.program.exprs[id] {
+            Expr::InMode(Subject::Me, mode) => truth(self.is_in(mode)),
+            Expr::Var(Subject::Me, var, degree) => *self.slot.vars.get(var)?.get(usize::from(degree))?,
+            Expr::Discrete(Subject::Me, discrete) => f64::from(*self.slot.discretes.get(discrete)?),
+            Expr::Negate(a) => -self.value(a)?,
+            Expr::Not(a) => truth(self.value(a)? == 0.0),
+            // One side is enough where it decides.
+            Expr::And(a, b) => match (self.value(a), self.value(b)) {
+                (Some(0.0), _) | (_, Some(0.0)) => 0.0,
+                (a, b) => a.and(b).map(|_| 1.0)?,
             },
-            Expr::Or(a, b) => match (self.truth(a), self.truth(b)) {
-                (Some(true), _) | (_, Some(true)) => Some(true),
-                (a, b) => Some(a? || b?),
+            Expr::Or(a, b) => match (self.value(a), self.value(b)) {
+                (Some(a), Some(b)) => truth(a != 0.0 || b != 0.0),
+                (a, b) => a.or(b).filter(|value| *value != 0.0)?,
             },
-            _ => self.constant(id).map(|value| value != 0.0),
-        }
+            Expr::Arithmetic(op, a, b) => arithmetic(op, self.value(a)?, self.value(b)?),
+            Expr::Compare(op, a, b) => truth(compare(op, self.value(a)?, self.value(b)?)),
+            Expr::Call(function, [a, b, c]) => call(function, [self.value(a)?, self.value(b)?, self.value(c)?]),
+            _ => self.constant(id)?,
+        };
+        value.is_finite().then_some(value)
     }
 
     fn constant(&self, id: ExprId) -> Option<f64> {
@@ -108,7 +126,7 @@ impl Start<'_> {
     fn is_in(&self, mode: ModeId) -> bool {
         let entity = &self.program.entities[self.slot.entity];
         let group = &entity.groups[entity.modes[mode].group];
-        let chosen = |choices: &[crate::ir::Choice], otherwise: Option<ModeId>| {
+        let chosen = |choices: &[Choice], otherwise: Option<ModeId>| {
             let choice = choices.iter().find(|c| self.constant(c.guard).is_some_and(|value| value != 0.0));
             choice.map(|c| c.mode).or(otherwise)
         };

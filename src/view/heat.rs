@@ -34,7 +34,7 @@ pub(super) fn draw(
 
 /// How strong a shade is.
 pub(super) fn opacity(level: usize) -> f64 {
-    0.12 + 0.5 * level as f64 / (LEVELS - 1) as f64
+    0.16 + 0.46 * level as f64 / (LEVELS - 1) as f64
 }
 
 /// Neighbouring cells of a row with the same shade as one rectangle.

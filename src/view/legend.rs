@@ -81,6 +81,9 @@ fn entries(scene: &Scene<'_>) -> Vec<(Sign, String)> {
     if scene.world.spaces.iter().any(|space| !space.links.is_empty()) {
         entries.push((Sign::Box("link".into()), "link to another place".into()));
     }
+    if scene.bounded {
+        entries.push((Sign::Box("bounds".into()), "bounds".into()));
+    }
     if scene.hero.is_some() {
         entries.push((Sign::Box("hero".into()), "player at the start".into()));
     }

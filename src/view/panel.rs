@@ -37,6 +37,8 @@ pub(super) struct Scene<'a> {
     pub hero: Option<SlotId>,
     /// How many panels show a part of the search, at least 1.
     pub visited: usize,
+    /// Whether the bounds of a space are drawn in a panel.
+    pub bounded: bool,
 }
 
 /// Draws a space.

@@ -65,6 +65,8 @@ const MIN_WIDTH: f64 = 620.0;
 /// The height of a line of the notes, and of the name over a panel.
 const LINE: f64 = 18.0;
 const HEAD: f64 = 24.0;
+/// The most lines of one note.
+const NOTE_LINES: usize = 3;
 
 /// Draws the spaces of a world with what a search covered, its tree and its path, as SVG that needs nothing else.
 pub fn search_svg(program: &Program, world: WorldId, search: &Search<'_>) -> String {
@@ -92,7 +94,8 @@ pub fn search_svg(program: &Program, world: WorldId, search: &Search<'_>) -> Str
     let looks = Looks::new(program, world, hero, goal.tags);
     let route = Route { path: search.path, strands: &strands, middle, body: body.bounds() };
     let visited = shown.iter().filter(|(.., presence)| presence.visits > 0).count().max(1);
-    let scene = Scene { program, world, search, looks, goal, route, hero, visited };
+    let bounded = shown.iter().any(|(id, view, _)| world.spaces[*id].bounds.is_some_and(|bounds| bounds != *view));
+    let scene = Scene { program, world, search, looks, goal, route, hero, visited, bounded };
     let grid = Grid::new(&shown.iter().map(|(_, view, _)| *view).collect::<Vec<_>>());
     let width = grid.width().max(MIN_WIDTH);
 
@@ -140,7 +143,7 @@ fn title(out: &mut String, world: &str, search: &Search<'_>, width: f64) -> f64 
     put!(out, "<rect class=\"{class}\" x=\"{left}\" y=\"20\" width=\"{wide}\" height=\"22\" rx=\"11\"/>\n");
     put!(out, "<text class=\"verdict\" x=\"{middle}\" y=\"35.2\">{}</text>\n", escaped(&verdict));
     let mut y = 44.0;
-    for line in search.notes.iter().flat_map(|note| wrapped(note, 12.0, width)) {
+    for line in search.notes.iter().flat_map(|note| wrapped(note, 12.0, width, NOTE_LINES)) {
         y += LINE;
         put!(out, "<text class=\"quiet\" x=\"{MARGIN}\" y=\"{}\">{}</text>\n", Number(y), escaped(&line));
     }

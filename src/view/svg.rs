@@ -84,17 +84,21 @@ pub(super) fn text_width(text: &str, size: f64) -> f64 {
 /// How much wider bold letters are.
 pub(super) const BOLD: f64 = 1.12;
 
-/// Lines of at most a width, broken between words; a longer word has a line of its own, cut.
-pub(super) fn wrapped(text: &str, size: f64, width: f64) -> Vec<String> {
+/// At most so many lines of at most a width, broken between words; what is too long is cut.
+pub(super) fn wrapped(text: &str, size: f64, width: f64, most: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
-        let word = shortened(word, size, width);
-        match lines.last_mut() {
-            Some(line) if text_width(line, size) + text_width(&word, size) + size * 0.42 <= width => {
-                line.push(' ');
-                line.push_str(&word);
+        let joined = lines.last().map(|line| format!("{line} {word}"));
+        match joined.filter(|joined| lines.len() == most || text_width(joined, size) <= width) {
+            Some(joined) => {
+                let full = text_width(&joined, size) > width;
+                lines.pop();
+                lines.push(shortened(&joined, size, width));
+                if full {
+                    break;
+                }
             }
-            _ => lines.push(word),
+            None => lines.push(shortened(word, size, width)),
         }
     }
     lines
@@ -136,8 +140,12 @@ mod tests {
     fn text_is_cut_and_wrapped_to_a_width() {
         assert_eq!(shortened("short", 12.0, 100.0), "short");
         assert!(text_width(&shortened(&"w".repeat(50), 12.0, 100.0), 12.0) <= 100.0);
-        let lines = wrapped("one two three four five six seven", 12.0, 80.0);
+        let text = "one two three four five six seven";
+        let lines = wrapped(text, 12.0, 80.0, 9);
         assert!(lines.len() > 2 && lines.iter().all(|line| text_width(line, 12.0) <= 80.0), "{lines:?}");
-        assert_eq!(lines.join(" "), "one two three four five six seven");
+        assert_eq!(lines.join(" "), text);
+        let cut = wrapped(text, 12.0, 80.0, 2);
+        assert!(cut.len() == 2 && cut[0] == lines[0] && cut[1].ends_with('…'), "{cut:?}");
+        assert!(text_width(&cut[1], 12.0) <= 80.0);
     }
 }

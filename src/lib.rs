@@ -4,7 +4,7 @@
 //! ```text
 //!  .hyped text ──syntax──▶ AST ──sema──▶ checked program ──ir──▶ Program (flat IR)
 //!                  │               │                              │
-//!                  └── diagnostic ─┘                     graph ◀──┴──▶ sim ◀── reach
+//!                  └── diagnostic ─┘               graph, view ◀──┴──▶ sim ◀── reach
 //! ```
 //!
 //! The modules below stand in the order in which the data passes through them. Each stage is a function from
@@ -27,6 +27,7 @@
 //! | [`sim`] | one step of time, input scripts, traces |
 //! | [`reach`] | planners over the simulator |
 //! | [`graph`] | statecharts of entities as DOT, Mermaid and SVG |
+//! | [`view`] | pictures of what a search found |
 //! | [`cli`] | the subcommands |
 //!
 //! Time is in seconds (s), length in pixels (px), y points up.
@@ -47,4 +48,5 @@ pub mod sema;
 pub mod sim;
 pub mod source;
 pub mod syntax;
+pub mod view;
 pub mod watch;

@@ -25,7 +25,8 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("sim", &["source", "diagnostic", "ir"]),
     ("reach", &["watch", "ir", "analysis", "sim"]),
     ("graph", &["source", "ir"]),
-    ("cli", &["source", "analysis", "watch", "diagnostic", "format", "ir", "compile", "sim", "reach", "graph"]),
+    ("view", &["ir"]),
+    ("cli", &["source", "analysis", "watch", "diagnostic", "format", "ir", "compile", "sim", "reach", "graph", "view"]),
 ];
 
 /// The longest a source file may be before it is time to look for the seam.

@@ -1,0 +1,142 @@
+//! What an instance looks like as it starts: its colliders, as far as modes, parameters and its own first values tell.
+
+use crate::ir::{
+    Bounds, Choice, Expr, ExprId, Id, ModeId, Program, Shape, Slot, SlotId, Subject, TagSet, World, arithmetic, call,
+    compare,
+};
+
+use super::frame::moved;
+
+/// A collider relative to the position, px.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Part {
+    pub bounds: Bounds,
+    /// Whether it is the circle inside.
+    pub round: bool,
+    pub tags: TagSet,
+}
+
+/// The colliders of an instance that are there at first.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Body {
+    pub parts: Vec<Part>,
+    /// The largest of them whose shape never changes, or of all such where none is known to be there.
+    main: Option<Part>,
+}
+
+impl Body {
+    /// Of the instance of a slot.
+    pub fn new(program: &Program, world: &World, id: SlotId) -> Body {
+        let slot = &world.slots[id];
+        let start = Start { program, world, slot };
+        let (mut parts, mut steady, mut others) = (Vec::new(), Vec::new(), Vec::new());
+        for collider in program.entities[slot.entity].colliders.iter() {
+            let numbers = collider.shape.numbers();
+            let values: Option<Vec<f64>> = numbers.iter().map(|&number| start.value(number)).collect();
+            let Some(values) = values else { continue };
+            let (bounds, round) = match (collider.shape, values.as_slice()) {
+                (Shape::Rect(_), &[x, y, width, height]) => (Bounds::new([x, y, width, height]), false),
+                (Shape::Circle(_), &[x, y, radius]) => {
+                    (Bounds::new([x - radius, y - radius, 2.0 * radius, 2.0 * radius]), true)
+                }
+                _ => continue,
+            };
+            let part = Part { bounds, round, tags: collider.tags };
+            let never_changes = numbers.iter().all(|&number| start.constant(number).is_some());
+            let there = collider.guard.is_none_or(|guard| start.value(guard).is_some_and(|value| value != 0.0));
+            if there {
+                parts.push(part);
+            }
+            match (never_changes, there) {
+                (true, true) => steady.push(part),
+                (true, false) => others.push(part),
+                (false, _) => {}
+            }
+        }
+        let main = largest(&steady).or(largest(&others));
+        Body { parts, main }
+    }
+
+    /// The box that stands for it, relative to the position; none if it has no collider of a known shape.
+    pub fn bounds(&self) -> Option<Bounds> {
+        self.main.map(|part| part.bounds)
+    }
+
+    /// Where its middle is, relative to the position.
+    pub fn middle(&self) -> [f64; 2] {
+        self.bounds().map_or([0.0, 0.0], |b| [(b.left + b.right) / 2.0, (b.bottom + b.top) / 2.0])
+    }
+}
+
+fn largest(parts: &[Part]) -> Option<Part> {
+    let area = |p: &Part| (p.bounds.right - p.bounds.left) * (p.bounds.top - p.bounds.bottom);
+    parts.iter().copied().reduce(|best, next| if area(&next) > area(&best) { next } else { best })
+}
+
+/// Where the position of a slot is at first, px.
+pub(super) fn position(slot: &Slot) -> [f64; 2] {
+    let mut places = slot.vars.iter().map(|values| values[0]);
+    [places.next().unwrap_or(0.0), places.next().unwrap_or(0.0)]
+}
+
+/// A part of an instance that stands somewhere.
+pub(super) fn placed(part: &Part, slot: &Slot) -> Bounds {
+    moved(part.bounds, position(slot))
+}
+
+/// An instance before the first step.
+struct Start<'a> {
+    program: &'a Program,
+    world: &'a World,
+    slot: &'a Slot,
+}
+
+impl Start<'_> {
+    /// The value of an expression that reads no inputs, no contacts and nobody else; truth is 1.
+    fn value(&self, id: ExprId) -> Option<f64> {
+        let truth = |holds: bool| f64::from(u8::from(holds));
+        let value = match self.program.exprs[id] {
+            Expr::InMode(Subject::Me, mode) => truth(self.is_in(mode)),
+            Expr::Var(Subject::Me, var, degree) => *self.slot.vars.get(var)?.get(usize::from(degree))?,
+            Expr::Discrete(Subject::Me, discrete) => f64::from(*self.slot.discretes.get(discrete)?),
+            Expr::Negate(a) => -self.value(a)?,
+            Expr::Not(a) => truth(self.value(a)? == 0.0),
+            // One side is enough where it decides.
+            Expr::And(a, b) => match (self.value(a), self.value(b)) {
+                (Some(0.0), _) | (_, Some(0.0)) => 0.0,
+                (a, b) => a.and(b).map(|_| 1.0)?,
+            },
+            Expr::Or(a, b) => match (self.value(a), self.value(b)) {
+                (Some(a), Some(b)) => truth(a != 0.0 || b != 0.0),
+                (a, b) => a.or(b).filter(|value| *value != 0.0)?,
+            },
+            Expr::Arithmetic(op, a, b) => arithmetic(op, self.value(a)?, self.value(b)?),
+            Expr::Compare(op, a, b) => truth(compare(op, self.value(a)?, self.value(b)?)),
+            Expr::Call(function, [a, b, c]) => call(function, [self.value(a)?, self.value(b)?, self.value(c)?]),
+            _ => self.constant(id)?,
+        };
+        value.is_finite().then_some(value)
+    }
+
+    fn constant(&self, id: ExprId) -> Option<f64> {
+        self.program.constant(id, &self.slot.params, self.world.step)
+    }
+
+    /// Whether a mode is active at first.
+    fn is_in(&self, mode: ModeId) -> bool {
+        let entity = &self.program.entities[self.slot.entity];
+        let group = &entity.groups[entity.modes[mode].group];
+        let chosen = |choices: &[Choice], otherwise: Option<ModeId>| {
+            let choice = choices.iter().find(|c| self.constant(c.guard).is_some_and(|value| value != 0.0));
+            choice.map(|c| c.mode).or(otherwise)
+        };
+        let mut active = chosen(&group.choices, Some(group.first));
+        while let Some(outer) = active {
+            if (mode.index()..entity.modes[mode].end.index()).contains(&outer.index()) {
+                return true;
+            }
+            active = chosen(&entity.modes[outer].choices, entity.modes[outer].inner);
+        }
+        false
+    }
+}

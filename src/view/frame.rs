@@ -1,0 +1,101 @@
+//! Where things of the game are in the picture: a rectangle of a space, scaled and turned upside down, since y points up
+//! in the game and down in SVG.
+
+use crate::ir::Bounds;
+
+/// A rectangle of the picture, from its upper left corner.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Rect {
+    pub x: f64,
+    pub y: f64,
+    pub width: f64,
+    pub height: f64,
+}
+
+impl Rect {
+    /// Whether two rectangles share more than an edge.
+    pub fn overlaps(&self, other: &Rect) -> bool {
+        self.x < other.x + other.width
+            && other.x < self.x + self.width
+            && self.y < other.y + other.height
+            && other.y < self.y + self.height
+    }
+
+    /// The square around a point.
+    pub fn around([x, y]: [f64; 2], radius: f64) -> Rect {
+        Rect { x: x - radius, y: y - radius, width: 2.0 * radius, height: 2.0 * radius }
+    }
+}
+
+/// The part of a space that is shown, and how large.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Frame {
+    /// The part, px of the game.
+    pub view: Bounds,
+    /// The size of a px of the game in the picture.
+    pub scale: f64,
+}
+
+impl Frame {
+    /// The width in the picture.
+    pub fn width(&self) -> f64 {
+        (self.view.right - self.view.left) * self.scale
+    }
+
+    /// The height in the picture.
+    pub fn height(&self) -> f64 {
+        (self.view.top - self.view.bottom) * self.scale
+    }
+
+    /// A point in the picture.
+    pub fn point(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [(x - self.view.left) * self.scale, (self.view.top - y) * self.scale]
+    }
+
+    /// Whether a point is in the picture; what is no number is not.
+    pub fn holds(&self, [x, y]: [f64; 2]) -> bool {
+        (self.view.left..=self.view.right).contains(&x) && (self.view.bottom..=self.view.top).contains(&y)
+    }
+
+    /// The part of a rectangle that is in the picture, if any is.
+    pub fn cut(&self, b: Bounds) -> Option<Rect> {
+        let [left, top] = self.point([b.left.max(self.view.left), b.top.min(self.view.top)]);
+        let [right, bottom] = self.point([b.right.min(self.view.right), b.bottom.max(self.view.bottom)]);
+        (left < right && top < bottom).then_some(Rect { x: left, y: top, width: right - left, height: bottom - top })
+    }
+}
+
+/// The least rectangle around two.
+pub(super) fn joined(a: Bounds, b: Bounds) -> Bounds {
+    Bounds {
+        left: a.left.min(b.left),
+        right: a.right.max(b.right),
+        bottom: a.bottom.min(b.bottom),
+        top: a.top.max(b.top),
+    }
+}
+
+/// What two rectangles share; turned inside out where they share nothing.
+pub(super) fn shared(a: Bounds, b: Bounds) -> Bounds {
+    Bounds {
+        left: a.left.max(b.left),
+        right: a.right.min(b.right),
+        bottom: a.bottom.max(b.bottom),
+        top: a.top.min(b.top),
+    }
+}
+
+/// A rectangle with a margin.
+pub(super) fn grown(b: Bounds, by: f64) -> Bounds {
+    Bounds { left: b.left - by, right: b.right + by, bottom: b.bottom - by, top: b.top + by }
+}
+
+/// A rectangle moved.
+pub(super) fn moved(b: Bounds, [x, y]: [f64; 2]) -> Bounds {
+    Bounds { left: b.left + x, right: b.right + x, bottom: b.bottom + y, top: b.top + y }
+}
+
+/// Whether all four sides are numbers and the right way round.
+pub(super) fn is_proper(b: Bounds) -> bool {
+    [b.left, b.right, b.bottom, b.top].iter().all(|side| side.is_finite()) && b.left <= b.right && b.bottom <= b.top
+}

@@ -1,0 +1,73 @@
+//! Names beside what they name: each where it covers no other name and, if there is room, not the path.
+
+use super::frame::Rect;
+use super::svg::{Number, escaped, put, text_width};
+
+/// The size of a name's letters.
+pub(super) const SIZE: f64 = 11.0;
+const HEIGHT: f64 = 14.0;
+/// Between a name and what it names.
+const GAP: f64 = 3.0;
+
+/// The names of a panel.
+#[derive(Debug)]
+pub(super) struct Labels {
+    size: (f64, f64),
+    taken: Vec<Rect>,
+    /// What is better left uncovered.
+    points: Vec<[f64; 2]>,
+    out: String,
+}
+
+impl Labels {
+    /// For a panel of a width and a height.
+    pub fn new(size: (f64, f64), points: Vec<[f64; 2]>) -> Self {
+        Labels { size, taken: Vec::new(), points, out: String::new() }
+    }
+
+    /// Keeps a place free.
+    pub fn keep_free(&mut self, place: Rect) {
+        self.taken.push(place);
+    }
+
+    /// Writes a name beside a rectangle; where there is no room, not at all.
+    pub fn write(&mut self, class: &str, text: &str, beside: Rect) {
+        let width = text_width(text, SIZE);
+        let (middle, center) = (beside.x + beside.width / 2.0, beside.y + beside.height / 2.0);
+        let (over, under) = (beside.y - GAP - HEIGHT, beside.y + beside.height + GAP);
+        let (left, right) = (beside.x - GAP - width, beside.x + beside.width + GAP);
+        let row = middle - width / 2.0;
+        // A name over something at the edge moves inwards.
+        let inwards = row.clamp(0.0, (self.size.0 - width).max(0.0));
+        let corners = [
+            [row, over],
+            [row, under],
+            [right, center - HEIGHT / 2.0],
+            [left, center - HEIGHT / 2.0],
+            [inwards, over],
+            [inwards, under],
+            [right, over],
+            [left, over],
+            [right, under],
+            [left, under],
+            [inwards, over - HEIGHT],
+            [inwards, under + HEIGHT],
+        ];
+        let places = || corners.iter().map(|&[x, y]| Rect { x, y, width, height: HEIGHT }).filter(|r| self.is_free(r));
+        let open = |r: &Rect| !self.points.iter().any(|&point| r.overlaps(&Rect::around(point, 2.0)));
+        let Some(place) = places().find(open).or_else(|| places().next()) else { return };
+        let (x, y) = (Number(place.x), Number(place.y + HEIGHT - GAP));
+        put!(self.out, "<text class=\"{class}\" x=\"{x}\" y=\"{y}\">{}</text>\n", escaped(text));
+        self.taken.push(place);
+    }
+
+    fn is_free(&self, r: &Rect) -> bool {
+        let inside = r.x >= 0.0 && r.y >= 0.0 && r.x + r.width <= self.size.0 && r.y + r.height <= self.size.1;
+        inside && !self.taken.iter().any(|taken| taken.overlaps(r))
+    }
+
+    /// All names.
+    pub fn finish(self) -> String {
+        self.out
+    }
+}

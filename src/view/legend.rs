@@ -1,0 +1,136 @@
+//! The key below the panels: what is in the picture, and nothing else.
+
+use crate::ir::Origin;
+
+use super::heat::{self, LEVELS};
+use super::look::Role;
+use super::panel::Scene;
+use super::svg::{Number, escaped, put, shortened, text_width};
+
+const SIZE: f64 = 12.0;
+/// The height of a row.
+const ROW: f64 = 24.0;
+/// The width of what is explained.
+const SWATCH: f64 = 26.0;
+/// Between what is explained and its words, and between entries.
+const GAP: f64 = 7.0;
+const APART: f64 = 22.0;
+
+/// What stands before the words of an entry, drawn in a box of `SWATCH` by 14.
+enum Sign {
+    Box(String),
+    Goal,
+    Route,
+    Line(&'static str),
+    Dot(&'static str, f64),
+    Ghost,
+    Heat,
+}
+
+/// Draws the key, at most so wide; gives its height.
+pub(super) fn draw(out: &mut String, scene: &Scene<'_>, width: f64) -> f64 {
+    let (mut x, mut y) = (0.0, 0.0);
+    for (sign, words) in entries(scene) {
+        let swatch = match sign {
+            Sign::Heat => LEVELS as f64 * 14.0,
+            Sign::Route => 1.6 * SWATCH,
+            _ => SWATCH,
+        };
+        let words = shortened(&words, SIZE, width - swatch - GAP);
+        let whole = swatch + GAP + text_width(&words, SIZE);
+        if x > 0.0 && x + whole > width {
+            (x, y) = (0.0, y + ROW);
+        }
+        draw_sign(out, &sign, x, y + (ROW - 14.0) / 2.0);
+        let (left, line) = (Number(x + swatch + GAP), Number(y + ROW / 2.0 + 4.2));
+        put!(out, "<text x=\"{left}\" y=\"{line}\">{}</text>\n", escaped(&words));
+        x += whole + APART;
+    }
+    y + ROW
+}
+
+fn entries(scene: &Scene<'_>) -> Vec<(Sign, String)> {
+    let mut entries = Vec::new();
+    if !scene.search.path.is_empty() {
+        entries.push((Sign::Route, "path, from start to end".into()));
+        if scene.search.path.iter().any(|stop| stop.changes) {
+            entries.push((Sign::Dot("dot", 2.5), "inputs change".into()));
+        }
+        if scene.route.body.is_some() {
+            entries.push((Sign::Ghost, "player on its way".into()));
+        }
+        if scene.route.strands.len() > 1 {
+            entries.push((Sign::Dot("door", 7.0), "leaves and arrives, in order".into()));
+        }
+    }
+    if !scene.search.nodes.is_empty() {
+        entries.push((Sign::Heat, "where the player was: seldom to often".into()));
+        entries.push((Sign::Line("tree key"), "moves tried".into()));
+    }
+    if !scene.goal.areas.is_empty() {
+        entries.push((Sign::Goal, format!("goal {}", scene.search.goal)));
+    }
+    for look in &scene.looks.list {
+        let note = match look.role {
+            Role::OneWay => " (from above)",
+            Role::Scenery => " (no contact)",
+            Role::Sensed | Role::Solid => "",
+        };
+        entries.push((Sign::Box(format!("tile {}", look.class)), format!("{}{note}", look.name)));
+    }
+    if scene.world.spaces.iter().any(|space| !space.links.is_empty()) {
+        entries.push((Sign::Box("link".into()), "link to another place".into()));
+    }
+    if scene.bounded {
+        entries.push((Sign::Box("bounds".into()), "bounds".into()));
+    }
+    if scene.hero.is_some() {
+        entries.push((Sign::Box("hero".into()), "player at the start".into()));
+    }
+    let others = scene.world.slots.pairs().any(|(id, s)| Some(id) != scene.hero && s.origin != Origin::Free);
+    if others {
+        entries.push((Sign::Box("thing".into()), "other instances at the start".into()));
+    }
+    entries
+}
+
+fn draw_sign(out: &mut String, sign: &Sign, x: f64, y: f64) {
+    let (left, top, center) = (Number(x), Number(y), Number(y + 7.0));
+    match sign {
+        Sign::Box(class) => {
+            put!(out, "<rect class=\"{class}\" x=\"{left}\" y=\"{top}\" width=\"{SWATCH}\" height=\"14\"/>\n");
+            if class.ends_with("cloud") {
+                put!(out, "<rect class=\"tile lip\" x=\"{left}\" y=\"{top}\" width=\"{SWATCH}\" height=\"3\"/>\n");
+            }
+        }
+        Sign::Goal => {
+            for class in ["goal", "rim"] {
+                draw_sign(out, &Sign::Box(class.into()), x, y);
+            }
+        }
+        Sign::Route => {
+            let (left, right) = (Number(x + 7.0), Number(x + 1.6 * SWATCH - 7.0));
+            put!(out, "<path class=\"route\" d=\"M{left} {center}H{right}\"/>\n");
+            put!(out, "<circle class=\"start\" cx=\"{left}\" cy=\"{center}\" r=\"5\"/>\n");
+            put!(out, "<circle class=\"end\" cx=\"{right}\" cy=\"{center}\" r=\"6\"/>\n");
+        }
+        Sign::Line(class) => put!(out, "<path class=\"{class}\" d=\"M{left} {center}h{SWATCH}\"/>\n"),
+        Sign::Dot(class, radius) => {
+            let middle = Number(x + SWATCH / 2.0);
+            put!(out, "<circle class=\"{class}\" cx=\"{middle}\" cy=\"{center}\" r=\"{radius}\"/>\n");
+        }
+        Sign::Ghost => {
+            let middle = Number(x + (SWATCH - 12.0) / 2.0);
+            put!(out, "<rect class=\"ghost\" x=\"{middle}\" y=\"{top}\" width=\"12\" height=\"14\"/>\n");
+        }
+        Sign::Heat => {
+            for level in 0..LEVELS {
+                let (left, opacity) = (Number(x + 14.0 * level as f64), Number(heat::opacity(level)));
+                put!(
+                    out,
+                    "<rect class=\"heat\" fill-opacity=\"{opacity}\" x=\"{left}\" y=\"{top}\" width=\"14\" height=\"14\"/>\n"
+                );
+            }
+        }
+    }
+}

@@ -3,8 +3,10 @@
 //! coordinate of its own. Both are after Osborn, Lambrigger and Mateas, *HyPED: Modeling and Analyzing Action Games as Hybrid
 //! Systems*, AIIDE 2017.
 
+use std::collections::BTreeSet;
+
 use crate::analysis::{Configuration, Interval, SlotSpace, Values};
-use crate::ir::{Bounds, Entity, GroupId, Id, LeafId, Program, SlotId, VarId, World};
+use crate::ir::{Bounds, Entity, GroupId, Id, LeafId, Program, SlotId, SpaceId, VarId, World};
 
 use super::draw::{Combination, Draw, Leaf, SlotDraw};
 use super::metric::{Coordinate, Quantity, SlotPart};
@@ -44,11 +46,11 @@ pub(super) fn of_slot(
     let all = boxes(world, entity, slot);
     match sampling {
         Sampling::Reduced if !space.is_given_up => reduced(entity, slot, space, &all),
-        _ => naive(entity, slot, all),
+        _ => naive(world, entity, slot, all),
     }
 }
 
-fn naive(entity: &Entity, slot: SlotId, all: Vec<Coordinate>) -> (Vec<Coordinate>, SlotPart) {
+fn naive(world: &World, entity: &Entity, slot: SlotId, all: Vec<Coordinate>) -> (Vec<Coordinate>, SlotPart) {
     let groups: Vec<(GroupId, Leaf)> = entity
         .groups
         .pairs()
@@ -60,13 +62,18 @@ fn naive(entity: &Entity, slot: SlotId, all: Vec<Coordinate>) -> (Vec<Coordinate
         })
         .collect();
     let draw = |c: &Coordinate| Draw::of(c, &[Interval { low: c.low, high: c.high }], false);
-    let combination =
-        Combination { leaves: groups.iter().map(|(_, l)| *l).collect(), values: all.iter().map(draw).collect() };
+    let space = world.spaces.len() > 1 && !entity.follows.is_empty();
+    let spaces = space.then_some(Leaf::Any(0, world.spaces.len() as u32));
+    let combination = Combination {
+        leaves: groups.iter().map(|(_, l)| *l).chain(spaces).collect(),
+        values: all.iter().map(draw).collect(),
+    };
     let part = SlotPart {
         slot,
         reals: all.len(),
         groups: groups.into_iter().map(|(g, _)| g).collect(),
         presence: false,
+        space,
         draw: SlotDraw { combinations: vec![combination] },
     };
     (all, part)
@@ -100,7 +107,9 @@ fn reduced(entity: &Entity, slot: SlotId, space: &SlotSpace, all: &[Coordinate])
     let groups: Vec<GroupId> = entity.groups.ids().filter(differs).collect();
     let can_be_both = space.can_be_absent && !configurations.is_empty();
     let presence = can_be_both && groups.is_empty();
-    let combination = |at: &Configuration| {
+    let spaces: BTreeSet<SpaceId> = configurations.iter().flat_map(|at| at.spaces.iter().copied()).collect();
+    let has_spaces = spaces.len() > 1;
+    let combination = |(at, space): (&Configuration, SpaceId)| {
         let present = presence.then_some(Leaf::Fixed(0.0));
         let leaves = groups.iter().map(|g| Leaf::Fixed(leaf(at, *g).0 as f32));
         let draw = |c: &Coordinate| {
@@ -109,13 +118,21 @@ fn reduced(entity: &Entity, slot: SlotId, space: &SlotSpace, all: &[Coordinate])
             Draw::of(c, finite(&values(at, c.quantity), within).intervals(), whole)
         };
         let values = coordinates.iter().map(draw).collect();
-        Combination { leaves: present.into_iter().chain(leaves).collect(), values }
+        let space = has_spaces.then_some(Leaf::Fixed(space.0 as f32));
+        Combination { leaves: present.into_iter().chain(leaves).chain(space).collect(), values }
     };
-    let mut combinations: Vec<Combination> = configurations.iter().map(combination).collect();
+    // What can be in several spaces is a combination in each of them.
+    let spaces = |at: &Configuration| -> Vec<SpaceId> {
+        if has_spaces { at.spaces.iter().copied().collect() } else { vec![SpaceId(0)] }
+    };
+    let in_spaces = configurations.iter().flat_map(|at| spaces(at).into_iter().map(move |space| (at, space)));
+    let mut combinations: Vec<Combination> = in_spaces.map(combination).collect();
     if can_be_both {
-        combinations.push(Combination::absent(&coordinates, groups.len() + usize::from(presence)));
+        let leaves = groups.len() + usize::from(presence) + usize::from(has_spaces);
+        combinations.push(Combination::absent(&coordinates, leaves));
     }
-    let part = SlotPart { slot, reals: coordinates.len(), groups, presence, draw: SlotDraw { combinations } };
+    let reals = coordinates.len();
+    let part = SlotPart { slot, reals, groups, presence, space: has_spaces, draw: SlotDraw { combinations } };
     (coordinates, part)
 }
 

@@ -65,15 +65,23 @@ pub(super) struct SlotPart {
     pub groups: Vec<GroupId>,
     /// Whether it is compared that there is an instance; where leaves are, they tell.
     pub presence: bool,
+    /// Whether it is compared in which space it is.
+    pub space: bool,
     pub draw: SlotDraw,
 }
 
 impl SlotPart {
+    /// How many modes are compared.
+    fn modes(&self) -> usize {
+        self.groups.len() + usize::from(self.presence) + usize::from(self.space)
+    }
+
     /// Leaves out all modes and those coordinates that are not kept.
     fn keep(&mut self, kept: &[bool]) {
         self.reals = kept.iter().filter(|k| **k).count();
         self.groups.clear();
         self.presence = false;
+        self.space = false;
         self.draw.keep(kept);
     }
 }
@@ -137,7 +145,7 @@ impl Metric {
                 part.keep(&kept);
                 coordinates.retain(is_position);
             }
-            metric.modes += part.groups.len() + usize::from(part.presence);
+            metric.modes += part.modes();
             metric.reals.extend(coordinates);
             metric.slots.push(part);
         }
@@ -159,9 +167,9 @@ impl Metric {
         let mut before = 0;
         for part in &self.slots {
             if part.slot == slot {
-                return Some(before + part.groups.iter().position(|g| *g == group)?);
+                return Some(before + usize::from(part.presence) + part.groups.iter().position(|g| *g == group)?);
             }
-            before += part.groups.len() + usize::from(part.presence);
+            before += part.modes();
         }
         None
     }
@@ -184,8 +192,9 @@ impl Metric {
             (level, (cells * c.unit / width) as f32, c.scaled(c.low))
         };
         let modes = |part: &SlotPart| {
-            let count = part.groups.len() + usize::from(part.presence);
-            std::iter::repeat_n(if is_player(part.slot) { 1 } else { 2 }, count)
+            let others = part.modes() - usize::from(part.space);
+            let space = part.space.then_some(if is_player(part.slot) { 0 } else { 2 });
+            std::iter::repeat_n(if is_player(part.slot) { 1 } else { 2 }, others).chain(space)
         };
         (self.reals.iter().map(real).collect(), self.slots.iter().flat_map(modes).collect())
     }
@@ -205,7 +214,8 @@ impl Metric {
             }
             if !alive {
                 out.reals.extend(own.iter().map(Coordinate::nowhere));
-                out.modes.extend(part.groups.iter().map(|_| NO_LEAF));
+                let others = part.modes() - usize::from(part.presence);
+                out.modes.extend(std::iter::repeat_n(NO_LEAF, others));
                 continue;
             }
             for c in own {
@@ -217,6 +227,9 @@ impl Metric {
                 out.reals.push(c.scaled(value));
             }
             out.modes.extend(part.groups.iter().map(|g| layout.leaf(state, *g).0 as f32));
+            if part.space {
+                out.modes.push(layout.space(state).0 as f32);
+            }
         }
     }
 

@@ -23,7 +23,7 @@ mod tree;
 pub use bounds::Sampling;
 pub use controls::{ControlSets, MAX_CONTROLS};
 pub use metric::{Coordinate, Metric, Point, Quantity};
-pub use nearest::Linear;
+pub use nearest::{Index, Neighbour};
 pub use outcome::{Outcome, Plan, Statistics, Verdict};
 pub use problem::{Problem, Standing};
 pub use proof::{Part, Proof};

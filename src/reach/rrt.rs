@@ -7,26 +7,26 @@ use rand::RngExt;
 use rand_pcg::Pcg64;
 
 use super::metric::{MODE_PENALTY, Metric, Point};
-use super::nearest::Linear;
+use super::nearest::Index;
 use super::strategy::{Choice, Growth, Strategy};
 use super::tree::{NodeId, Tree};
 
 /// The plain RRT.
 #[derive(Debug)]
 pub struct Rrt {
-    open: Linear,
+    open: Index,
 }
 
 impl Rrt {
     /// A strategy for a space.
     pub fn new(metric: &Metric) -> Self {
-        Rrt { open: Linear::new(metric.coordinates().len(), metric.modes(), MODE_PENALTY) }
+        Rrt { open: Index::new(metric.coordinates().len(), metric.modes(), MODE_PENALTY) }
     }
 }
 
 impl Strategy for Rrt {
     fn choose(&mut self, tree: &mut Tree, toward: &Point, rng: &mut Pcg64) -> Option<Choice> {
-        let node = NodeId(self.open.nearest(&toward.reals, &toward.modes)? as u32);
+        let node = NodeId(self.open.nearest(&toward.reals, &toward.modes)?.index as u32);
         let untried = tree.untried(node);
         if untried == 0 {
             self.open.remove(node.0 as usize);

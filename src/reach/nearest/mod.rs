@@ -26,14 +26,14 @@ pub struct Neighbour {
 struct Thresholds {
     /// As many points as are scanned whatever their modes.
     scan: usize,
-    /// As many of them as get a partition if their modes are the same. What is left is scanned: a partition of fewer
-    /// points costs more to find and to bound than it saves.
+    /// As many of them as get a partition if their modes are the same. What is left is scanned: thousands of partitions
+    /// of a few points each take longer than a scan of all.
     partition: usize,
     /// As many points of a partition, in up to four coordinates, as get a tree.
     tree: usize,
 }
 
-const THRESHOLDS: Thresholds = Thresholds { scan: 2_000, partition: 250, tree: 1_000 };
+const THRESHOLDS: Thresholds = Thresholds { scan: 500, partition: 50, tree: 1_500 };
 
 /// Where a point is.
 #[derive(Debug, Clone, Copy)]

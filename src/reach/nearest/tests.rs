@@ -252,14 +252,15 @@ fn the_same_point_over_and_over() {
 /// Squares so small that they are no numbers any more, or nearly as large as numbers go.
 #[test]
 fn distances_of_any_size() {
-    for scale in [1e-24, 1e-20, 1e-3, 1e9] {
+    for scale in [1e-24, 1e-22, 1e-20, 1e-3, 1e9] {
         let mut rng = Pcg64::seed_from_u64(1);
         let mut twin = Twin::new(vec![Values::Any; 4], Vec::new(), EARLY, 1);
         for _ in 0..500 {
-            let mut draw = || ((0..4).map(|_| rng.random_range(0.0..scale)).collect::<Vec<f32>>(), Vec::new());
-            twin.push(draw());
-            let query = draw();
-            assert_eq!(twin.index.nearest(&query.0, &query.1), twin.brute(&query, |_| true));
+            let mut draw = || (0..4).map(|_| rng.random_range(0.0..scale)).collect::<Vec<f32>>();
+            let (mut point, query) = (draw(), draw());
+            point[3] = scale / 2.0;
+            twin.push((point, Vec::new()));
+            assert_eq!(twin.index.nearest(&query, &[]), twin.brute(&(query, Vec::new()), |_| true));
         }
     }
 }

@@ -125,17 +125,17 @@ struct Reach {
 
 impl Reach {
     fn new(tree: &Tree, query: &Query<'_>) -> Self {
-        let fixed = tree.fixed.iter().map(|&(row, value)| f64::from(value - query.reals[row]).powi(2));
+        let square = |d: f32| f64::from(d * d);
+        let fixed = tree.fixed.iter().map(|&(row, value)| square(value - query.reals[row]));
         let modes = query.differing as f64 * f64::from(query.penalty);
         let terms = (query.reals.len() + query.differing + 64) as f64;
         Reach { outside: fixed.sum::<f64>() + modes, slack: 2.0 * terms * f64::from(f32::EPSILON) }
     }
 
-    /// None if no point of the tree can be the nearest. Squares that are too small for a number are no larger than the
-    /// least one.
+    /// None if no point of the tree can be the nearest.
     fn radius(&self, best: &Best) -> Option<f32> {
         let within = f64::from(best.distance) * (1.0 + self.slack) - self.outside;
-        (within >= 0.0).then(|| ((within * (1.0 + self.slack)) as f32 + f32::MIN_POSITIVE).min(f32::MAX))
+        (within >= 0.0).then(|| ((within * (1.0 + self.slack)) as f32).min(f32::MAX))
     }
 }
 

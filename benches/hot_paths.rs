@@ -1,4 +1,4 @@
-//! The hot paths: a simulation step, a nearest-neighbour query, a whole search.
+//! The hot paths: a simulation step, a whole search.
 //! `cargo bench` prints the times; nothing is asserted about them.
 
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a bench fails by panicking")]
@@ -13,7 +13,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use hypedc::analysis::configuration_space;
 use hypedc::compile::compile;
 use hypedc::ir::{GoalId, WorldId};
-use hypedc::reach::{Limits, Linear, Problem, Settings, reach};
+use hypedc::reach::{Limits, Problem, Settings, reach};
 use hypedc::sim::{Simulator, parse_script};
 use hypedc::source::SourceMap;
 use hypedc::watch::Unwatched;
@@ -76,25 +76,6 @@ fn crowd(c: &mut Criterion) {
     }
 }
 
-/// A query among states that share many coordinates, as game states do.
-fn nearest(c: &mut Criterion) {
-    for points in [1_000, 10_000] {
-        let mut rng = Pcg64::seed_from_u64(1);
-        let mut linear = Linear::new(8, 3, 0.05);
-        for _ in 0..points {
-            let reals: Vec<f32> = (0..8).map(|_| rng.random_range(0..50) as f32 / 50.0).collect();
-            let modes: Vec<f32> = (0..3).map(|_| rng.random_range(0..3) as f32).collect();
-            linear.push(&reals, &modes);
-        }
-        c.bench_function(&format!("nearest/8 reals, 3 modes/{points} points"), |b| {
-            b.iter(|| {
-                let reals: [f32; 8] = std::array::from_fn(|_| rng.random_range(0.0..1.0));
-                black_box(linear.nearest(&reals, &[0.0, 1.0, 2.0]))
-            });
-        });
-    }
-}
-
 /// Ten searches, each to its goal.
 fn grow(c: &mut Criterion) {
     let program = program(compile(Path::new("examples/paper/test2.hyped"), &Disk));
@@ -114,6 +95,6 @@ fn grow(c: &mut Criterion) {
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(20);
-    targets = step, crowd, nearest, grow
+    targets = step, crowd, grow
 }
 criterion_main!(benches);

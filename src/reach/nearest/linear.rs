@@ -1,0 +1,232 @@
+//! Points with real coordinates and modes, and the nearest of them by a linear scan. Points stand in blocks of sixteen,
+//! one coordinate after the other, so that the compiler can use vector instructions. What a distance is, is defined
+//! here: one summation order, so that every way of searching comes to the same bits.
+
+use std::ops::Range;
+
+const LANES: usize = 16;
+/// After so many coordinates it is asked whether any point of a block can still be the nearest.
+const ROWS_AT_ONCE: usize = 8;
+/// Where a removed point is moved: farther than any point, as coordinates are finite.
+const REMOVED: f32 = f32::INFINITY;
+
+/// What the nearest point is asked for.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Query<'q> {
+    pub reals: &'q [f32],
+    pub modes: &'q [f32],
+    /// What a mode that differs adds to the squared distance.
+    pub penalty: f32,
+    /// How many modes differ that the points do not store.
+    pub differing: usize,
+}
+
+/// The nearest point so far: the least squared distance, then the lowest index.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Best {
+    pub distance: f32,
+    pub index: usize,
+    /// Among how many points it is the nearest.
+    pub searched: usize,
+}
+
+impl Best {
+    pub fn none() -> Self {
+        // A removed point is farther than this.
+        Best { distance: f32::MAX, index: usize::MAX, searched: 0 }
+    }
+
+    pub fn is_none(&self) -> bool {
+        self.index == usize::MAX
+    }
+
+    /// Whether a point would take its place.
+    pub fn yields_to(&self, distance: f32, index: usize) -> bool {
+        distance < self.distance || (distance == self.distance && index < self.index)
+    }
+}
+
+/// Points in slots; a later slot has a higher index.
+#[derive(Debug, Clone)]
+pub(super) struct Linear {
+    reals: usize,
+    modes: usize,
+    indices: Vec<u32>,
+    blocks: Vec<[f32; LANES]>,
+}
+
+impl Linear {
+    /// No points yet, of at least one coordinate: by the first one they are removed.
+    pub fn new(reals: usize, modes: usize) -> Self {
+        Linear { reals, modes, indices: Vec::new(), blocks: Vec::new() }
+    }
+
+    /// The memory that it takes, bytes.
+    pub fn bytes(&self) -> usize {
+        self.indices.capacity() * size_of::<u32>() + self.blocks.capacity() * size_of::<[f32; LANES]>()
+    }
+
+    fn rows(&self) -> usize {
+        self.reals + self.modes
+    }
+
+    /// The number of coordinates.
+    pub fn reals(&self) -> usize {
+        self.reals
+    }
+
+    /// The number of slots, those of removed points included.
+    pub fn len(&self) -> usize {
+        self.indices.len()
+    }
+
+    pub fn clear(&mut self) {
+        self.indices.clear();
+        self.blocks.clear();
+    }
+
+    /// Adds a point whose index is higher than those before it.
+    pub fn push(&mut self, reals: &[f32], modes: &[f32], index: u32) {
+        let (slot, rows) = (self.len(), self.rows());
+        if slot.is_multiple_of(LANES) {
+            let at = self.blocks.len();
+            self.blocks.resize(at + rows, [0.0; LANES]);
+            self.blocks[at] = [REMOVED; LANES];
+        }
+        let block = slot / LANES * rows;
+        for (row, value) in reals.iter().chain(modes).enumerate() {
+            self.blocks[block + row][slot % LANES] = *value;
+        }
+        self.indices.push(index);
+    }
+
+    /// Takes a point out; its slot stays until the points are compacted.
+    pub fn remove(&mut self, slot: usize) {
+        let block = slot / LANES * self.rows();
+        self.blocks[block][slot % LANES] = REMOVED;
+    }
+
+    /// The index of the point in a slot.
+    pub fn index(&self, slot: usize) -> usize {
+        self.indices[slot] as usize
+    }
+
+    pub fn is_live(&self, slot: usize) -> bool {
+        self.value(slot, 0) < REMOVED
+    }
+
+    /// A coordinate; behind the coordinates come the modes.
+    pub fn value(&self, slot: usize, row: usize) -> f32 {
+        self.blocks[slot / LANES * self.rows() + row][slot % LANES]
+    }
+
+    /// The modes of a point.
+    pub fn modes(&self, slot: usize) -> impl Iterator<Item = f32> {
+        (self.reals..self.rows()).map(move |row| self.value(slot, row))
+    }
+
+    /// The coordinates of a point.
+    pub fn coordinates(&self, slot: usize) -> impl Iterator<Item = f32> {
+        (0..self.reals).map(move |row| self.value(slot, row))
+    }
+
+    /// The squared distance of one point, to the bit as the scan has it.
+    pub fn distance(&self, slot: usize, query: &Query<'_>) -> f32 {
+        let mut sum = 0.0;
+        for (value, wanted) in self.coordinates(slot).zip(query.reals) {
+            let d = value - wanted;
+            sum += d * d;
+        }
+        for (mode, wanted) in self.modes(slot).zip(query.modes) {
+            sum += if mode == *wanted { 0.0 } else { query.penalty };
+        }
+        (0..query.differing).fold(sum, |sum, _| sum + query.penalty)
+    }
+
+    /// Drops the removed points from a slot on; those that stay keep their order.
+    pub fn compact(&mut self, from: usize) {
+        let rows = self.rows();
+        let mut to = from;
+        for slot in from..self.len() {
+            if !self.is_live(slot) {
+                continue;
+            }
+            if to < slot {
+                for row in 0..rows {
+                    self.blocks[to / LANES * rows + row][to % LANES] = self.value(slot, row);
+                }
+                self.indices[to] = self.indices[slot];
+            }
+            to += 1;
+        }
+        self.indices.truncate(to);
+        self.blocks.truncate(to.div_ceil(LANES) * rows);
+        if !to.is_multiple_of(LANES) {
+            self.blocks[to / LANES * rows][to % LANES..].fill(REMOVED);
+        }
+    }
+
+    /// Looks through a range of slots, and perhaps a few around it, for a nearer point that is accepted.
+    pub fn scan(
+        &self,
+        slots: Range<usize>,
+        query: &Query<'_>,
+        best: &mut Best,
+        accept: &mut impl FnMut(usize) -> bool,
+    ) {
+        let rows = self.rows();
+        let (first, end) = (slots.start / LANES, slots.end.div_ceil(LANES));
+        for (number, block) in self.blocks[first * rows..end * rows].chunks_exact(rows).enumerate() {
+            let Some(sums) = self.sums(block, query, best.distance) else {
+                continue;
+            };
+            let slot = (first + number) * LANES;
+            for (slot, sum) in (slot..self.len()).zip(sums) {
+                if sum <= best.distance {
+                    let index = self.index(slot);
+                    if best.yields_to(sum, index) && accept(index) {
+                        (best.distance, best.index) = (sum, index);
+                    }
+                }
+            }
+        }
+        best.searched += slots.len();
+    }
+
+    /// The squared distances of a block, if any of them is at most `most`.
+    fn sums(&self, block: &[[f32; LANES]], query: &Query<'_>, most: f32) -> Option<[f32; LANES]> {
+        let mut sums = [0.0f32; LANES];
+        let (reals, modes) = block.split_at(self.reals);
+        for (rows, values) in reals.chunks(ROWS_AT_ONCE).zip(query.reals.chunks(ROWS_AT_ONCE)) {
+            for (row, value) in rows.iter().zip(values) {
+                for lane in 0..LANES {
+                    let d = row[lane] - value;
+                    sums[lane] += d * d;
+                }
+            }
+            // Sums only grow.
+            if !any_at_most(&sums, most) {
+                return None;
+            }
+        }
+        if modes.is_empty() && query.differing == 0 {
+            return Some(sums);
+        }
+        for (row, value) in modes.iter().zip(query.modes) {
+            for lane in 0..LANES {
+                sums[lane] += if row[lane] == *value { 0.0 } else { query.penalty };
+            }
+        }
+        for _ in 0..query.differing {
+            for sum in &mut sums {
+                *sum += query.penalty;
+            }
+        }
+        any_at_most(&sums, most).then_some(sums)
+    }
+}
+
+/// Without a branch a lane, which would keep the compiler from vectors.
+fn any_at_most(sums: &[f32; LANES], most: f32) -> bool {
+    sums.iter().fold(false, |any, sum| any | (*sum <= most))
+}

@@ -203,7 +203,7 @@ fn settings(args: &ReachArgs, world: &World) -> io::Result<Option<Settings>> {
         seed: args.seed,
         planner,
         hold,
-        restart: args.restart.0,
+        restart: args.restart.unwrap_or_default(),
         sampling: match args.bounds {
             SampleBounds::Naive => Sampling::Naive,
             SampleBounds::Reduced => Sampling::Reduced,

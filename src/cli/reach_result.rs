@@ -7,7 +7,7 @@ use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use crate::ir::{NeverId, Program, World, WorldId};
-use crate::reach::{Argument, Count, End, Outcome, Settings, Target, Verdict};
+use crate::reach::{Argument, Count, End, Outcome, Restart, Settings, Target, Verdict};
 use crate::sim::Simulator;
 
 use super::args::{ReachArgs, SampleBounds};
@@ -31,7 +31,8 @@ pub(super) struct RunResult {
     bounds: &'static str,
     metric: &'static str,
     hold: Option<(u16, u16)>,
-    restart: Option<u64>,
+    /// A number of nodes, `never`, or null: as the planner does by itself.
+    restart: Option<String>,
     trees: usize,
     without: Option<String>,
     after: Vec<String>,
@@ -69,7 +70,11 @@ impl RunResult {
                 crate::reach::Measure::Positions => "xy",
             },
             hold: settings.hold,
-            restart: settings.restart,
+            restart: match settings.restart {
+                Restart::ByPlanner => None,
+                Restart::After(nodes) => Some(nodes.to_string()),
+                Restart::Never => Some("never".to_string()),
+            },
             trees: settings.trees,
             without: args.without.clone(),
             after: args.after.clone(),

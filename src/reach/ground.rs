@@ -127,10 +127,18 @@ impl<'a> Ground<'a> {
         root
     }
 
-    /// For how many steps the next input is held.
+    /// For how many steps the next input is held: each doubling of the least time is as likely as any other, so that
+    /// short and long times both come.
     pub fn draw_hold(&mut self) -> u16 {
         let (low, high) = self.hold;
-        if low < high { self.rng.random_range(low..=high) } else { low }
+        if low >= high {
+            return low;
+        }
+        let doublings = (high / low).ilog2();
+        let octave = if doublings > 0 { self.rng.random_range(0..=doublings) } else { 0 };
+        let least = low << octave;
+        let most = if octave == doublings { high } else { (low << (octave + 1)) - 1 };
+        self.rng.random_range(least..=most)
     }
 
     /// Any node of the tree.

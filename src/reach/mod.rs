@@ -37,7 +37,7 @@ pub use outcome::{Argument, End, Outcome, Plan, Statistics, Verdict};
 pub use planners::Planner;
 pub use problem::{BadStart, Death, Problem, Standing, Start, Target};
 pub use proof::{Part, Proof};
-pub use search::{Limits, Settings, search};
+pub use search::{Limits, Restart, Settings, search};
 pub use shorten::shorten;
 
 use crate::analysis::ConfigurationSpace;

@@ -32,8 +32,8 @@ pub struct Settings {
     pub hold: Option<(u16, u16)>,
     /// The share of samples that are drawn towards the goal.
     pub goal_bias: f64,
-    /// The number of nodes of the shortest tree before a restart; none: trees grow for ever.
-    pub restart: Option<u64>,
+    /// When a tree is given up for a new one.
+    pub restart: Restart,
     /// Where samples are drawn from.
     pub sampling: Sampling,
     /// What distances are measured in.
@@ -51,13 +51,25 @@ impl Default for Settings {
             planner: Planner::Auto,
             hold: None,
             goal_bias: 0.05,
-            restart: Some(2_000),
+            restart: Restart::ByPlanner,
             sampling: Sampling::Reduced,
             measure: Measure::Full,
             trees: 1,
             threads: 1,
         }
     }
+}
+
+/// When a tree is given up for a new one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Restart {
+    /// As the planner does by itself.
+    #[default]
+    ByPlanner,
+    /// After so many nodes, or a multiple of it.
+    After(u64),
+    /// Trees grow for ever.
+    Never,
 }
 
 /// What a search may cost.
@@ -145,8 +157,12 @@ impl<'a> Builder<'_, 'a> {
             Some(strategy) => {
                 starts.rotate_left(tree % self.starts.len().max(1));
                 let ground = Ground::new(self.problem, self.metric, ControlSets::default(), starts, hold, rng);
-                let settings = self.settings;
-                Box::new(Sampler::new(ground, strategy, planner.name(), settings.goal_bias, settings.restart))
+                let restart = match self.settings.restart {
+                    Restart::ByPlanner => Some(planner.restart()),
+                    Restart::After(nodes) => Some(nodes),
+                    Restart::Never => None,
+                };
+                Box::new(Sampler::new(ground, strategy, planner.name(), self.settings.goal_bias, restart))
             }
             None => {
                 let controls = ControlSets::complete();

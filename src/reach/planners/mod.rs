@@ -95,8 +95,17 @@ impl Planner {
     /// For how many steps it holds an input, if nothing else is asked for.
     pub fn hold(self) -> (u16, u16) {
         match self {
-            Planner::Coverage => (10, 60),
+            Planner::Coverage => (3, 60),
             _ => (10, 10),
+        }
+    }
+
+    /// The number of nodes of the shortest tree before it begins anew, if nothing else is asked for.
+    pub fn restart(self) -> u64 {
+        match self {
+            // It comes back to what it has passed by.
+            Planner::Coverage => 20_000,
+            _ => 2_000,
         }
     }
 

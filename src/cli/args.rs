@@ -229,6 +229,12 @@ pub(super) struct ReachArgs {
     /// Writes the inputs of a found path to a file; with several goals, the goal's name goes before the extension.
     #[arg(long, value_name = "PATH", help_heading = "The result")]
     pub save_inputs: Option<PathBuf>,
+    /// Draws the level, what was covered, the tree and the path to an SVG file; with several goals as above.
+    #[arg(long, value_name = "PATH", help_heading = "The result")]
+    pub svg: Option<PathBuf>,
+    /// Adds all nodes to the JSON result.
+    #[arg(long, help_heading = "The result")]
+    pub tree: bool,
 }
 
 /// Where a search draws its samples from.

@@ -174,8 +174,12 @@ pub(super) struct Answered {
     stopped: bool,
     out_of_memory: bool,
     inputs_left_out: bool,
+    /// The parent of each node, and where the first player is: space, x, y. Null if it was not asked for.
+    pub tree: Option<Vec<(u32, u32, f32, f32)>>,
     #[serde(skip)]
     pub saved: Option<PathBuf>,
+    #[serde(skip)]
+    pub drawn: Option<PathBuf>,
     #[serde(skip)]
     reasons: Vec<String>,
     #[serde(skip)]
@@ -236,13 +240,37 @@ impl Answered {
             stopped: outcome.end == End::Stopped,
             out_of_memory: outcome.end == End::Memory,
             inputs_left_out: outcome.truncated,
+            tree: None,
             saved: None,
+            drawn: None,
             reasons,
             is_as_wished: match kind {
                 "goal" => plan.is_some(),
                 _ => plan.is_none(),
             },
         }
+    }
+
+    /// In a word or two.
+    pub fn verdict(&self) -> &'static str {
+        self.verdict
+    }
+
+    /// The figures, as lines under a picture.
+    pub fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        if let (Some(steps), Some(seconds)) = (self.steps, self.seconds_of_play) {
+            notes.push(format!("path of {steps} steps, {seconds:.2} s of play"));
+        }
+        notes.extend(self.argument.clone());
+        if self.nodes > 0 {
+            let c = &self.coverage;
+            notes.push(format!(
+                "{} nodes, {} places of {} px, {} combinations of modes ({})",
+                self.nodes, c.places, c.place, c.mode_combinations, self.planner
+            ));
+        }
+        notes
     }
 
     /// As text.
@@ -266,6 +294,9 @@ impl Answered {
         }
         if let Some(path) = &self.saved {
             out.push_str(&format!("    saved   {}\n", path.display()));
+        }
+        if let Some(path) = &self.drawn {
+            out.push_str(&format!("    drawn   {}\n", path.display()));
         }
         if self.nodes == 0 {
             return out;

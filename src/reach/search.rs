@@ -42,6 +42,8 @@ pub struct Settings {
     pub trees: usize,
     /// How many threads let them grow; the result does not depend on it.
     pub threads: usize,
+    /// Whether all nodes are recorded, for pictures.
+    pub records: bool,
 }
 
 impl Default for Settings {
@@ -56,6 +58,7 @@ impl Default for Settings {
             measure: Measure::Full,
             trees: 1,
             threads: 1,
+            records: false,
         }
     }
 }
@@ -157,6 +160,7 @@ impl<'a> Builder<'_, 'a> {
             Some(strategy) => {
                 starts.rotate_left(tree % self.starts.len().max(1));
                 let ground = Ground::new(self.problem, self.metric, ControlSets::default(), starts, hold, rng);
+                let ground = ground.recording(self.settings.records);
                 let restart = match self.settings.restart {
                     Restart::ByPlanner => Some(planner.restart()),
                     Restart::After(nodes) => Some(nodes),
@@ -166,6 +170,7 @@ impl<'a> Builder<'_, 'a> {
             }
             None => {
                 let ground = Ground::new(self.problem, self.metric, ControlSets::complete(), starts, hold, rng);
+                let ground = ground.recording(self.settings.records);
                 Box::new(Exhaustive::new(ground, planner == Planner::BestFirst))
             }
         }
@@ -256,6 +261,7 @@ impl Forest<'_, '_> {
             statistics: notes.statistics,
             covered: notes.coverage.covered(),
             violations: notes.violations,
+            record: notes.record,
             truncated: notes.is_truncated,
             fault: notes.fault,
         }

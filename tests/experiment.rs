@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 use serde_json::Value;
 
@@ -168,8 +168,8 @@ fn any_programs_goals_can_be_compared_by_all_planners() {
 #[test]
 fn what_the_analysis_rules_out_is_not_searched() {
     let path = temporary("experiment_ruled_out.hyped");
-    let program = "entity Stone { button wait }\n\
-                   world W { space main { place stone: Stone at (0, 0) }\n player 1: stone\n goal away: stone.x > 10 }\n";
+    let program = "entity Stone { }\n\
+                   world W {\n space main { place stone: Stone at (0, 0) }\n goal away: stone.x > 10\n}\n";
     std::fs::write(&path, program).unwrap();
     let path = path.to_str().unwrap();
     let found = json(&[path]);
@@ -187,6 +187,34 @@ fn a_run_ends_with_its_budget_of_seconds() {
         assert!(run["nodes"].as_u64().unwrap() <= 64, "{run}");
     }
     assert_eq!(found["settings"]["nodes"], Value::Null);
+}
+
+#[test]
+#[cfg(unix)]
+fn ctrl_c_stops_and_reports_what_there_is() {
+    let csv = temporary("experiment_stopped.csv");
+    let _ = std::fs::remove_file(&csv);
+    let options = ["paper", "--tests", "2", "--goal", "configured", "--planners", "rrt", "--bounds", "reduced"];
+    // Each run takes next to nothing, all of them take for ever.
+    let many = ["--seeds", "10000000", "--csv", csv.to_str().unwrap()];
+    let child = Command::new(env!("CARGO_BIN_EXE_hypedc"))
+        .arg("experiment")
+        .args([&options[..], &many].concat())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    while std::fs::read_to_string(&csv).map_or(0, |text| text.lines().count()) < 3 {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    let (text, errors) = (String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap());
+    assert_eq!(output.status.code(), Some(1), "{errors}");
+    assert!(errors.starts_with("stopped after ") && errors.ends_with(" of 20000000 runs\n"), "{errors}");
+    let runs = std::fs::read_to_string(&csv).unwrap().lines().count() - 1;
+    assert!(errors.contains(&format!(" {runs} of ")) && text.contains(&format!("/{runs}*")), "{errors}{text}");
+    assert!(text.contains("* stopped before all of the 10000000 runs were done"), "{text}");
 }
 
 #[test]

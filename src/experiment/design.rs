@@ -102,7 +102,8 @@ impl Setup {
         self.restart.map_or("never".to_string(), |nodes| nodes.to_string())
     }
 
-    /// For how many steps inputs are held, such as `10` or `10..60`; `own` where several planners hold them each as it does.
+    /// For how many steps inputs are held, such as `10` or `10..60`; `own` for `auto`, whose
+    /// planners each hold them as they do.
     pub fn held(&self) -> String {
         match (self.hold, self.planner) {
             (None, Planner::Auto) => "own".to_string(),

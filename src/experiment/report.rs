@@ -1,10 +1,10 @@
 //! What came of an experiment: its rows, and readable tables of them with all that is needed to run it again.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::Value;
 
-use super::design::{Design, Question};
+use super::design::{Design, Question, Setup};
 use super::paper::{self, Published, Test, published};
 use super::row::{Row, Spread};
 use super::table::{Cell, Column, Table};
@@ -136,6 +136,16 @@ impl Report<'_> {
         }
     }
 
+    /// For how many steps inputs are held: said once if all planners do alike.
+    fn holds(&self) -> String {
+        let held: BTreeMap<&str, String> = self.design.setups.iter().map(|s| (s.planner.name(), s.held())).collect();
+        let different: BTreeSet<&String> = held.values().collect();
+        match different.first() {
+            Some(only) if different.len() == 1 => (*only).clone(),
+            _ => held.iter().map(|(planner, held)| format!("{planner} {held}")).collect::<Vec<_>>().join(", "),
+        }
+    }
+
     /// What all tables have in common.
     fn caption(&self) -> String {
         let Design { setups, seeds, seconds: budget, limits } = self.design;
@@ -145,14 +155,9 @@ impl Report<'_> {
             "hypedc {}; {seeds}; at most {budget} s of CPU time a run{nodes}; a run is one thread and ends at the goal.\n",
             env!("CARGO_PKG_VERSION")
         );
-        let all = |name: fn(&super::Setup) -> String| -> String {
-            setups.iter().map(name).collect::<BTreeSet<_>>().into_iter().collect::<Vec<_>>().join(", ")
-        };
-        out.push_str(&format!(
-            "Distance: {}. Inputs are held for {} steps.\n",
-            all(|s| s.metric().to_string()),
-            all(super::Setup::held)
-        ));
+        let metrics: BTreeSet<&str> = setups.iter().map(Setup::metric).collect();
+        let metrics = metrics.into_iter().collect::<Vec<_>>().join(", ");
+        out.push_str(&format!("Distance: {metrics}. Inputs are held for so many steps: {}.\n", self.holds()));
         out.push_str(
             "restarts: `never` is the planner as it was published, one tree; else the nodes of the shortest tree before it is \
              begun anew.\nall runs: mean; at the goal: of the runs that reached it.\n",

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use crate::reach::Planner;
+use crate::reach::{Planner, Restart};
 
 use super::experiment_args::ExperimentArgs;
 
@@ -202,9 +202,10 @@ pub(super) struct ReachArgs {
     /// them for 10, `coverage` for 10..60.
     #[arg(long, value_name = "N|A..B", value_parser = hold, help_heading = "The search")]
     pub hold: Option<(u16, u16)>,
-    /// The nodes of the shortest tree before a new one is begun, or `never`.
-    #[arg(long, value_name = "N|never", default_value = "2000", value_parser = Restart::read, help_heading = "The search")]
-    pub restart: Restart,
+    /// The nodes of the shortest tree before a new one is begun, or `never`. By itself, `coverage` takes 20000, others
+    /// 2000.
+    #[arg(long, value_name = "N|never", value_parser = restart, help_heading = "The search")]
+    pub restart: Option<Restart>,
     /// How many trees grow side by side, each from a seed of its own.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..), help_heading = "The search")]
     pub trees: u16,
@@ -232,6 +233,12 @@ pub(super) struct ReachArgs {
     /// Writes the inputs of a found path to a file; with several goals, the goal's name goes before the extension.
     #[arg(long, value_name = "PATH", help_heading = "The result")]
     pub save_inputs: Option<PathBuf>,
+    /// Draws the level, what was covered, the tree and the path to an SVG file; with several goals as above.
+    #[arg(long, value_name = "PATH", help_heading = "The result")]
+    pub svg: Option<PathBuf>,
+    /// Adds all nodes to the JSON result.
+    #[arg(long, help_heading = "The result")]
+    pub tree: bool,
 }
 
 /// Where a search draws its samples from.
@@ -275,17 +282,11 @@ impl Time {
     }
 }
 
-/// When a tree is given up for a new one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Restart(pub Option<u64>);
-
-impl Restart {
-    fn read(text: &str) -> Result<Restart, String> {
-        match (text, text.parse()) {
-            ("never", _) => Ok(Restart(None)),
-            (_, Ok(nodes)) if nodes > 1 => Ok(Restart(Some(nodes))),
-            _ => Err("a number of nodes above 1, or `never`".to_string()),
-        }
+fn restart(text: &str) -> Result<Restart, String> {
+    match (text, text.parse()) {
+        ("never", _) => Ok(Restart::Never),
+        (_, Ok(nodes)) if nodes > 1 => Ok(Restart::After(nodes)),
+        _ => Err("a number of nodes above 1, or `never`".to_string()),
     }
 }
 

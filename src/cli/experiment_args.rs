@@ -90,8 +90,8 @@ pub(super) struct ExperimentOptions {
     /// What distances are measured in.
     #[arg(long, value_enum, value_name = "METRIC", default_value = "full")]
     pub metric: MetricChoice,
-    /// For how many steps an input is held: `10`, or `10..60` to draw it for each extension. By itself, a planner holds
-    /// them for 10, `coverage` for 10..60.
+    /// For how many steps an input is held: `10`, or `10..60` to draw it for each extension. If none is given, as each
+    /// planner does by itself.
     #[arg(long, value_name = "N|A..B", value_parser = hold)]
     pub hold: Option<(u16, u16)>,
     /// The most seconds of CPU time that a run may take.

@@ -1,5 +1,6 @@
 //! `hypedc reach`: searches for inputs that bring about a world's goals, one verdict for each.
 
+use std::fs::write;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -10,9 +11,11 @@ use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::similar;
 use crate::ir::{GoalId, NeverId, World, WorldId};
 use crate::reach::{
-    BadStart, Death, Limits, Measure, Outcome, Planner, Problem, Sampling, Settings, Target, Verdict, reach, shorten,
+    BadStart, Death, Limits, Measure, Outcome, Planner, Problem, Sampling, Settings, Target, Verdict, Visited, reach,
+    shorten,
 };
 use crate::sim::{Script, Simulator, parse_script};
+use crate::view::{Node, Search, Stop, search_svg};
 
 use super::Answer;
 use super::args::{MetricName, ReachArgs, ResultFormat, SampleBounds, Time};
@@ -171,7 +174,52 @@ impl Run<'_> {
             }
             answered.saved = Some(path);
         }
+        if let Some(path) = &self.args.svg {
+            let path = save_path(path, name, self.targets);
+            if let Err(error) = write(&path, &self.picture(name, &answered, &outcome)) {
+                plain_error(&format!("cannot write `{}`: {error}", path.display()))?;
+                return Ok(None);
+            }
+            answered.drawn = Some(path);
+        }
+        if self.args.tree {
+            answered.tree = Some(outcome.record.iter().map(|v| (v.parent, v.space.0, v.at[0], v.at[1])).collect());
+        }
         Ok(Some((answered, watch.is_interrupted())))
+    }
+
+    /// What was found, as a picture.
+    fn picture(&self, goal: &str, answered: &Answered, outcome: &Outcome) -> String {
+        let node = |v: &Visited| Node { parent: v.parent, space: v.space, at: v.at };
+        let nodes: Vec<Node> = outcome.record.iter().map(node).collect();
+        let path = match &outcome.verdict {
+            Verdict::Reached(plan) => self.stops(&plan.script),
+            Verdict::NotFound | Verdict::Unreachable(_) => Vec::new(),
+        };
+        let notes = answered.notes();
+        let search = Search { goal, verdict: answered.verdict(), nodes: &nodes, path: &path, notes: &notes };
+        search_svg(&self.loaded.program, self.sim.world_id(), &search)
+    }
+
+    /// Where the first player is after each step of a script, and before the first.
+    fn stops(&self, script: &Script) -> Vec<Stop> {
+        let Some(player) = self.sim.world().players.iter().next().map(|p| p.slot) else { return Vec::new() };
+        let mut scratch = self.sim.scratch();
+        let Ok(mut state) = self.sim.initial(&mut scratch) else { return Vec::new() };
+        let stop = |state: &[u8], changes: bool| {
+            let (x, y) = self.sim.position(state, player);
+            Stop { space: self.sim.space(state, player), at: [x, y], changes }
+        };
+        let mut stops = vec![stop(&state, false)];
+        let mut last = None;
+        for input in script.inputs() {
+            if self.sim.step(&mut state, input, &mut scratch).is_err() {
+                break;
+            }
+            stops.push(stop(&state, last.is_some_and(|last| last != input)));
+            last = Some(input);
+        }
+        stops
     }
 
     fn least_hold(&self) -> Option<u16> {
@@ -203,7 +251,7 @@ fn settings(args: &ReachArgs, world: &World) -> io::Result<Option<Settings>> {
         seed: args.seed,
         planner,
         hold,
-        restart: args.restart.0,
+        restart: args.restart.unwrap_or_default(),
         sampling: match args.bounds {
             SampleBounds::Naive => Sampling::Naive,
             SampleBounds::Reduced => Sampling::Reduced,
@@ -214,6 +262,7 @@ fn settings(args: &ReachArgs, world: &World) -> io::Result<Option<Settings>> {
         },
         trees: usize::from(args.trees),
         threads: usize::from(args.threads),
+        records: args.svg.is_some() || args.tree,
         ..Settings::default()
     }))
 }

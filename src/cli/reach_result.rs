@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use crate::ir::{NeverId, Program, World, WorldId};
-use crate::reach::{Argument, Count, End, Outcome, Settings, Target, Verdict};
+use crate::reach::{Argument, Count, End, Outcome, Restart, Settings, Target, Verdict};
 use crate::sim::Simulator;
 
 use super::args::{ReachArgs, SampleBounds};
@@ -30,7 +30,8 @@ pub(super) struct RunResult {
     bounds: &'static str,
     metric: &'static str,
     hold: Option<(u16, u16)>,
-    restart: Option<u64>,
+    /// A number of nodes, `never`, or null: as the planner does by itself.
+    restart: Option<String>,
     trees: usize,
     without: Option<String>,
     after: Vec<String>,
@@ -66,7 +67,11 @@ impl RunResult {
                 crate::reach::Measure::Positions => "xy",
             },
             hold: settings.hold,
-            restart: settings.restart,
+            restart: match settings.restart {
+                Restart::ByPlanner => None,
+                Restart::After(nodes) => Some(nodes.to_string()),
+                Restart::Never => Some("never".to_string()),
+            },
             trees: settings.trees,
             without: args.without.clone(),
             after: args.after.clone(),
@@ -166,8 +171,12 @@ pub(super) struct Answered {
     stopped: bool,
     out_of_memory: bool,
     inputs_left_out: bool,
+    /// The parent of each node, and where the first player is: space, x, y. Null if it was not asked for.
+    pub tree: Option<Vec<(u32, u32, f32, f32)>>,
     #[serde(skip)]
     pub saved: Option<PathBuf>,
+    #[serde(skip)]
+    pub drawn: Option<PathBuf>,
     #[serde(skip)]
     reasons: Vec<String>,
     #[serde(skip)]
@@ -228,13 +237,37 @@ impl Answered {
             stopped: outcome.end == End::Stopped,
             out_of_memory: outcome.end == End::Memory,
             inputs_left_out: outcome.truncated,
+            tree: None,
             saved: None,
+            drawn: None,
             reasons,
             is_as_wished: match kind {
                 "goal" => plan.is_some(),
                 _ => plan.is_none(),
             },
         }
+    }
+
+    /// In a word or two.
+    pub fn verdict(&self) -> &'static str {
+        self.verdict
+    }
+
+    /// The figures, as lines under a picture.
+    pub fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        if let (Some(steps), Some(seconds)) = (self.steps, self.seconds_of_play) {
+            notes.push(format!("path of {steps} steps, {seconds:.2} s of play"));
+        }
+        notes.extend(self.argument.clone());
+        if self.nodes > 0 {
+            let c = &self.coverage;
+            notes.push(format!(
+                "{} nodes, {} places of {} px, {} combinations of modes ({})",
+                self.nodes, c.places, c.place, c.mode_combinations, self.planner
+            ));
+        }
+        notes
     }
 
     /// As text.
@@ -258,6 +291,9 @@ impl Answered {
         }
         if let Some(path) = &self.saved {
             out.push_str(&format!("    saved   {}\n", path.display()));
+        }
+        if let Some(path) = &self.drawn {
+            out.push_str(&format!("    drawn   {}\n", path.display()));
         }
         if self.nodes == 0 {
             return out;

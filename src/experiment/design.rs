@@ -2,7 +2,7 @@
 
 use crate::analysis::ConfigurationSpace;
 use crate::ir::GoalId;
-use crate::reach::{Limits, Measure, Planner, Problem, Sampling, Settings};
+use crate::reach::{Limits, Measure, Planner, Problem, Restart, Sampling, Settings};
 use crate::sim::Simulator;
 
 /// A goal of a world, with what is known of it before any search.
@@ -42,8 +42,8 @@ impl Question<'_> {
 pub struct Setup {
     /// Who searches.
     pub planner: Planner,
-    /// The nodes of the shortest tree before a restart; none: one tree grows for ever, as planners were published.
-    pub restart: Option<u64>,
+    /// When trees are begun anew; as planners were published, one tree grows for ever.
+    pub restart: Restart,
     /// Where samples are drawn from.
     pub sampling: Sampling,
     /// What distances are measured in.
@@ -61,12 +61,12 @@ impl Setup {
         measures: &[Measure],
         hold: Option<(u16, u16)>,
     ) -> Vec<Self> {
-        let restarts = [None, Settings::default().restart];
+        let restarts = [Restart::Never, Restart::ByPlanner];
         let mut setups = Vec::new();
         for &measure in measures {
             for &sampling in samplings {
                 for &planner in planners {
-                    let count = if planner == Planner::Exhaustive { 1 } else { restarts.len() };
+                    let count = if has_trees(planner) { restarts.len() } else { 1 };
                     let ways = restarts.iter().take(count);
                     setups.extend(ways.map(|&restart| Setup { planner, restart, sampling, measure, hold }));
                 }
@@ -97,12 +97,17 @@ impl Setup {
         }
     }
 
-    /// After how many nodes trees are begun anew, or `never`.
+    /// The nodes of the shortest tree before a restart, or `never`; `own` for `auto`, whose planners each do as they do.
     pub fn restarts(&self) -> String {
-        self.restart.map_or("never".to_string(), |nodes| nodes.to_string())
+        match (self.restart, self.planner) {
+            (Restart::Never, _) => "never".to_string(),
+            (Restart::After(nodes), _) => nodes.to_string(),
+            (Restart::ByPlanner, Planner::Auto) => "own".to_string(),
+            (Restart::ByPlanner, planner) => planner.restart().to_string(),
+        }
     }
 
-    /// For how many steps inputs are held, such as `10` or `10..60`; `own` for `auto`, whose
+    /// For how many steps inputs are held, such as `10` or `4..60`; `own` for `auto`, whose
     /// planners each hold them as they do.
     pub fn held(&self) -> String {
         match (self.hold, self.planner) {
@@ -113,6 +118,11 @@ impl Setup {
             },
         }
     }
+}
+
+/// Whether a planner grows trees from samples; the others visit each state once.
+fn has_trees(planner: Planner) -> bool {
+    !matches!(planner, Planner::Exhaustive | Planner::BestFirst)
 }
 
 /// An experiment: every setup with every seed on every question that the analysis leaves open.

@@ -19,10 +19,10 @@ const RESULT_VERSION: u32 = 1;
 /// | `test` | `test1` or `test2` of the paper, or a file and its world |
 /// | `goal` | the goal's name |
 /// | `planner` | who searched |
-/// | `restarts` | nodes of the shortest tree before a restart, or `never` |
+/// | `restarts` | nodes of the shortest tree before a restart, or `never`; `own` for `auto`, whose planners differ |
 /// | `bounds` | `naive` or `reduced` |
 /// | `metric` | `full` or `xy` |
-/// | `hold` | steps that an input is held, `10` or `10..60`; `own` for planners that each hold it as they do |
+/// | `hold` | steps that an input is held, `10` or `4..60`; `own` for `auto`, whose planners differ |
 /// | `seed` | of the generator |
 /// | `verdict` | `reached`, `not-found`, `out-of-memory`, `proven-unreachable` |
 /// | `nodes`, `trees`, `extensions`, `steps` | over the whole run; steps simulated |
@@ -86,7 +86,7 @@ struct Named<'a, T> {
     test: &'a str,
     goal: &'a str,
     planner: &'static str,
-    restart: Option<u64>,
+    restarts: String,
     bounds: &'static str,
     metric: &'static str,
     hold: String,
@@ -100,7 +100,7 @@ impl<'a, T> Named<'a, T> {
             test: &question.test,
             goal: question.goal_name(),
             planner: setup.planner.name(),
-            restart: setup.restart,
+            restarts: setup.restarts(),
             bounds: setup.bounds(),
             metric: setup.metric(),
             hold: setup.held(),

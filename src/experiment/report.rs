@@ -4,6 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::Value;
 
+use crate::reach::Restart;
+
 use super::design::{Design, Question, Setup};
 use super::paper::{self, Published, Test, published};
 use super::row::{Row, Spread};
@@ -33,7 +35,7 @@ impl Report<'_> {
     /// What the paper has for a row: only planners as they were published, without restarts.
     pub fn published(&self, row: &Row) -> Option<Published> {
         let setup = &self.design.setups[row.setup];
-        let test = self.questions[row.question].paper.filter(|_| setup.restart.is_none())?;
+        let test = self.questions[row.question].paper.filter(|_| setup.restart == Restart::Never)?;
         published(test, setup.sampling, setup.planner)
     }
 

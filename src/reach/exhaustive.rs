@@ -1,10 +1,12 @@
-//! Exhaustion: breadth first over all that can be done when inputs change every so many steps, each state once. Many
-//! worlds are finite under a fixed step; then "no" is proven for that granularity of inputs, and the first way that is
-//! found is a shortest one.
+//! Exhaustion: all that can be done when inputs change every so many steps, each state once. Many worlds are finite under
+//! a fixed step; then "no" is proven for that granularity of inputs. Breadth first, the first way that is found is a
+//! shortest one; best first, what is nearest to the goal goes on.
 //!
 //! States are the same if all their bytes are: everything that the next step reads is part of a state (`sim/state.rs`).
 //! Inputs are all that anything ever reads.
 
+use std::cmp::{Ordering, Reverse};
+use std::collections::BinaryHeap;
 use std::hash::Hasher;
 
 use hashbrown::HashTable;
@@ -13,45 +15,101 @@ use rustc_hash::FxHasher;
 use crate::watch::Watch;
 
 use super::ground::{Extension, Ground, Notes};
+use super::metric::Point;
+use super::outcome::Plan;
+use super::planners::Planner;
+use super::region::GoalRegion;
 use super::searcher::{Ending, Searcher};
 use super::strategy::Choice;
-use super::tree::{NodeId, Tree};
+use super::tree::NodeId;
 
 /// How often the watch is asked, in extensions.
 const WATCH_EVERY: u64 = 256;
 
-/// All states that were reached, in the order of the steps that they take.
+/// In which order states are extended.
+#[derive(Debug)]
+enum Order {
+    /// In that in which they were reached: by the number of inputs on the way. After the nodes of a layer, which ends
+    /// here, a way that was found is a shortest one.
+    Breadth { layer_end: usize },
+    /// Those nearest to the goal first.
+    Best(BinaryHeap<Reverse<Ranked>>),
+}
+
+/// A node and its squared distance to the goal.
+#[derive(Debug, PartialEq)]
+struct Ranked(f32, u32);
+
+impl Eq for Ranked {}
+
+impl Ord for Ranked {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.0.total_cmp(&other.0).then(self.1.cmp(&other.1))
+    }
+}
+
+impl PartialOrd for Ranked {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+/// All states that were reached.
 pub(super) struct Exhaustive<'a> {
     ground: Ground<'a>,
+    region: GoalRegion,
     known: HashTable<u32>,
-    /// The next node to extend, and its next input.
-    next: (usize, usize),
-    /// After the nodes of this layer a way that was found is a shortest one.
-    layer_end: usize,
+    order: Order,
+    /// The node to extend, and its next input.
+    next: (u32, usize),
     /// The shortest way in the layer that is looked at.
     found: Option<(Choice, u16)>,
     extensions: u64,
+    point: Point,
 }
 
 impl<'a> Exhaustive<'a> {
-    pub fn new(ground: Ground<'a>) -> Self {
-        Exhaustive { ground, known: HashTable::new(), next: (0, 0), layer_end: 0, found: None, extensions: 0 }
+    /// Breadth first, or the nearest to the goal first.
+    pub fn new(ground: Ground<'a>, best_first: bool) -> Self {
+        let order = if best_first { Order::Best(BinaryHeap::new()) } else { Order::Breadth { layer_end: 0 } };
+        Exhaustive {
+            region: GoalRegion::new(ground.problem, ground.metric),
+            ground,
+            known: HashTable::new(),
+            order,
+            next: (0, 0),
+            found: None,
+            extensions: 0,
+            point: Point::default(),
+        }
     }
 
     fn plant(&mut self) {
         self.ground.notes.statistics.trees += 1;
         for start in 0..self.ground.starts() {
             let root = self.ground.plant(start, false);
-            let tree = &self.ground.tree;
-            let hash = hashed(tree.state(root));
-            insert(&mut self.known, tree, hash, root);
+            self.note(root);
         }
-        self.layer_end = self.ground.tree.len();
+        match &mut self.order {
+            Order::Breadth { layer_end } => *layer_end = self.ground.tree.len(),
+            Order::Best(open) => self.next = (open.pop().map_or(0, |Reverse(best)| best.1), 0),
+        }
     }
 
-    /// Extends a node by its next input.
-    fn turn(&mut self) {
-        let node = NodeId(self.next.0 as u32);
+    /// Keeps a new node.
+    fn note(&mut self, node: NodeId) {
+        let tree = &self.ground.tree;
+        let hash = hashed(tree.state(node));
+        self.known.insert_unique(hash, node.0, |id| hashed(tree.state(NodeId(*id))));
+        if let Order::Best(open) = &mut self.order {
+            self.ground.point(node, &mut self.point);
+            open.push(Reverse(Ranked(self.region.distance(&self.point), node.0)));
+        }
+    }
+
+    /// Extends a node by its next input; gives whether nothing is left to extend.
+    fn turn(&mut self) -> bool {
+        let node = NodeId(self.next.0);
         let choice = Choice { node, input: self.next.1, hold: self.ground.hold.0 };
         match self.ground.extend(choice) {
             Extension::Dead => {}
@@ -62,19 +120,44 @@ impl<'a> Exhaustive<'a> {
             }
             Extension::Open => {
                 let state = self.ground.reached();
-                let hash = hashed(state);
                 let tree = &self.ground.tree;
-                let is_known = self.known.find(hash, |id| tree.state(NodeId(*id)) == state).is_some();
+                let is_known = self.known.find(hashed(state), |id| tree.state(NodeId(*id)) == state).is_some();
                 if !is_known {
                     let id = self.ground.add(choice, false);
-                    insert(&mut self.known, &self.ground.tree, hash, id);
+                    self.note(id);
                 }
             }
         }
         self.next.1 += 1;
-        if self.next.1 >= self.ground.inputs(node) {
-            self.next = (self.next.0 + 1, 0);
+        if self.next.1 < self.ground.inputs(node) {
+            return false;
         }
+        match &mut self.order {
+            Order::Breadth { .. } => {
+                self.next = (self.next.0 + 1, 0);
+                self.next.0 as usize == self.ground.tree.len()
+            }
+            Order::Best(open) => match open.pop() {
+                Some(Reverse(best)) => {
+                    self.next = (best.1, 0);
+                    false
+                }
+                None => true,
+            },
+        }
+    }
+
+    /// A way that was found, as soon as there can be no shorter one, or at once where that is not asked for.
+    fn found(&mut self) -> Option<Plan> {
+        if let Order::Breadth { layer_end } = &mut self.order {
+            if (self.next.0 as usize) < *layer_end {
+                return None;
+            }
+            *layer_end = self.ground.tree.len();
+        }
+        let is_shortest = matches!(self.order, Order::Breadth { .. });
+        let (choice, steps) = self.found.take()?;
+        self.ground.plan(choice, steps, is_shortest)
     }
 }
 
@@ -92,19 +175,15 @@ impl Searcher for Exhaustive<'_> {
             if self.extensions.is_multiple_of(WATCH_EVERY) && watch.stop() {
                 return Ending::Stopped;
             }
-            if self.next.0 >= self.layer_end {
-                if let Some(plan) = self.found.take().and_then(|(choice, steps)| self.ground.plan(choice, steps, true))
-                {
-                    return Ending::Reached(plan);
-                }
-                if self.layer_end == self.ground.tree.len() {
-                    let is_proof = !self.ground.controls.truncated && self.ground.notes.fault.is_none();
-                    let states = self.ground.tree.len() as u64;
-                    return if is_proof { Ending::Exhausted(states, self.ground.hold.0) } else { Ending::Spent };
-                }
-                self.layer_end = self.ground.tree.len();
+            let is_over = self.turn();
+            if let Some(plan) = self.found() {
+                return Ending::Reached(plan);
             }
-            self.turn();
+            if is_over {
+                let is_proof = !self.ground.controls.truncated && self.ground.notes.fault.is_none();
+                let states = self.ground.tree.len() as u64;
+                return if is_proof { Ending::Exhausted(states, self.ground.hold.0) } else { Ending::Spent };
+            }
         }
         Ending::Paused
     }
@@ -117,17 +196,20 @@ impl Searcher for Exhaustive<'_> {
         self.ground.report(notes);
     }
 
-    fn planner(&self) -> &'static str {
-        "exhaustive"
-    }
-
     fn bytes(&self) -> usize {
-        self.ground.bytes() + self.known.capacity() * 5
+        let open = match &self.order {
+            Order::Breadth { .. } => 0,
+            Order::Best(open) => open.capacity() * size_of::<Ranked>(),
+        };
+        self.ground.bytes() + self.known.capacity() * 5 + open
     }
-}
 
-fn insert(known: &mut HashTable<u32>, tree: &Tree, hash: u64, node: NodeId) {
-    known.insert_unique(hash, node.0, |id| hashed(tree.state(NodeId(*id))));
+    fn planner(&self) -> &'static str {
+        match self.order {
+            Order::Breadth { .. } => Planner::Exhaustive.name(),
+            Order::Best(_) => Planner::BestFirst.name(),
+        }
+    }
 }
 
 fn hashed(state: &[u8]) -> u64 {

@@ -10,7 +10,7 @@ use crate::sim::{Fault, Input, Scratch, Script};
 use super::controls::ControlSets;
 use super::coverage::Coverage;
 use super::metric::{Metric, Point};
-use super::outcome::{Plan, Statistics};
+use super::outcome::{Plan, Statistics, Visited};
 use super::problem::{Death, Problem, Standing, Start};
 use super::strategy::Choice;
 use super::tree::{NodeId, Tree};
@@ -37,6 +37,8 @@ pub(super) struct Notes {
     pub coverage: Coverage,
     /// Whether inputs were left out because there are too many.
     pub is_truncated: bool,
+    /// Every node, if nodes are recorded.
+    pub record: Vec<Visited>,
 }
 
 impl Notes {
@@ -52,6 +54,8 @@ impl Notes {
             self.fault = other.fault;
         }
         self.coverage.join(&other.coverage);
+        let before = self.record.len() as u32;
+        self.record.extend(other.record.iter().map(|v| Visited { parent: v.parent + before, ..*v }));
         self.is_truncated |= other.is_truncated;
     }
 }
@@ -76,6 +80,8 @@ pub struct Ground<'a> {
     scratch: Scratch,
     /// The state that the last simulation led to.
     work: Vec<u8>,
+    /// Where the tree's nodes begin in the record, if nodes are recorded.
+    recorded: Option<usize>,
 }
 
 impl<'a> Ground<'a> {
@@ -101,7 +107,24 @@ impl<'a> Ground<'a> {
             roots: Vec::new(),
             scratch: problem.sim.scratch(),
             work: vec![0; size],
+            recorded: None,
         }
+    }
+
+    /// Records all nodes from now on.
+    #[must_use]
+    pub(super) fn recording(mut self, records: bool) -> Self {
+        self.recorded = records.then_some(0);
+        self
+    }
+
+    fn record(&mut self, node: NodeId, parent: NodeId) {
+        let (Some(begin), Some(&player)) = (self.recorded, self.problem.players().first()) else { return };
+        let state = self.tree.state(node);
+        let (x, y) = self.problem.sim.position(state, player);
+        let parent = (begin + parent.index()) as u32;
+        let space = self.problem.sim.space(state, player);
+        self.notes.record.push(Visited { parent, space, at: [x as f32, y as f32] });
     }
 
     /// The number of states to begin in.
@@ -113,6 +136,9 @@ impl<'a> Ground<'a> {
     pub(super) fn clear(&mut self) {
         self.tree.clear();
         self.roots.clear();
+        if let Some(begin) = &mut self.recorded {
+            *begin = self.notes.record.len();
+        }
     }
 
     /// Begins a tree at a start.
@@ -124,13 +150,22 @@ impl<'a> Ground<'a> {
         self.roots.push((root, start));
         self.notes.statistics.nodes += 1;
         self.notes.coverage.visit(self.problem, state);
+        self.record(root, root);
         root
     }
 
-    /// For how many steps the next input is held.
+    /// For how many steps the next input is held: each doubling of the least time is as likely as any other, so that
+    /// short and long times both come.
     pub fn draw_hold(&mut self) -> u16 {
         let (low, high) = self.hold;
-        if low < high { self.rng.random_range(low..=high) } else { low }
+        if low >= high {
+            return low;
+        }
+        let doublings = (high / low).ilog2();
+        let octave = if doublings > 0 { self.rng.random_range(0..=doublings) } else { 0 };
+        let least = low << octave;
+        let most = if octave == doublings { high } else { (low << (octave + 1)) - 1 };
+        self.rng.random_range(least..=most)
     }
 
     /// Any node of the tree.
@@ -217,7 +252,9 @@ impl<'a> Ground<'a> {
         let inputs = if inputs_one_by_one { self.controls.inputs(set).len() } else { 0 };
         self.notes.statistics.nodes += 1;
         self.notes.coverage.visit(self.problem, &self.work);
-        self.tree.push(&self.work, choice.node, (choice.input as u16, choice.hold), set, inputs)
+        let node = self.tree.push(&self.work, choice.node, (choice.input as u16, choice.hold), set, inputs);
+        self.record(node, choice.node);
+        node
     }
 
     /// The state that the last simulation led to.
@@ -264,7 +301,7 @@ impl<'a> Ground<'a> {
 
     /// The memory that the tree takes, bytes.
     pub(super) fn bytes(&self) -> usize {
-        self.tree.bytes() + self.notes.coverage.bytes()
+        self.tree.bytes() + self.notes.coverage.bytes() + self.notes.record.capacity() * size_of::<Visited>()
     }
 }
 

@@ -174,29 +174,31 @@ impl Metric {
         None
     }
 
-    /// For planners that cover a projection: of each coordinate the level (0 to 2) at which it begins to tell, its cells
-    /// along a distance of 1, and where the first cell begins; and of each mode its level. Where players are tells first,
-    /// then their modes and speeds and what is counted, then all else.
-    pub(super) fn projection(&self) -> (Vec<(usize, f32, f32)>, Vec<usize>) {
+    /// For planners that cover a projection: of each coordinate and then of each mode the level (1 or 2) at which it
+    /// tells, its cells along a distance of 1 and where the first cell begins (of a mode each value is a cell), and whether
+    /// it can be something that is achieved: a mode, a count, whether there is an instance. Where players are is level 1.
+    pub(super) fn projection(&self) -> Vec<(usize, Option<(f32, f32)>, bool)> {
         let is_player = |slot: SlotId| self.players.contains(&slot);
         let real = |c: &Coordinate| {
             let width = (c.high - c.low).max(f64::MIN_POSITIVE);
-            let (level, cells) = match c.quantity {
-                Quantity::Var(slot, var, 0) if is_player(slot) && var.index() < 2 => (0, (width / PLACE).max(1.0)),
-                Quantity::Discrete(..) => (1, width + 1.0),
-                Quantity::Var(slot, _, 0) if !is_player(slot) => (2, 8.0),
-                Quantity::Var(slot, _, 1) if is_player(slot) => (2, 4.0),
-                Quantity::Timer(..) => (2, 4.0),
-                Quantity::Var(..) => (2, 2.0),
+            let (level, cells, counts) = match c.quantity {
+                Quantity::Var(slot, var, 0) if is_player(slot) && var.index() < 2 => {
+                    (1, (width / PLACE).max(1.0), false)
+                }
+                Quantity::Discrete(..) => (2, width + 1.0, true),
+                Quantity::Var(slot, _, 0) if !is_player(slot) => (2, 8.0, false),
+                Quantity::Var(slot, _, 1) if is_player(slot) => (2, 4.0, false),
+                Quantity::Timer(..) => (2, 4.0, false),
+                Quantity::Var(..) => (2, 2.0, false),
             };
-            (level, (cells * c.unit / width) as f32, c.scaled(c.low))
+            (level, Some(((cells * c.unit / width) as f32, c.scaled(c.low))), counts)
         };
         let modes = |part: &SlotPart| {
             let others = part.modes() - usize::from(part.space);
-            let space = part.space.then_some(if is_player(part.slot) { 0 } else { 2 });
-            std::iter::repeat_n(if is_player(part.slot) { 1 } else { 2 }, others).chain(space)
+            let space = part.space.then_some((if is_player(part.slot) { 1 } else { 2 }, None, false));
+            std::iter::repeat_n((2, None, true), others).chain(space)
         };
-        (self.reals.iter().map(real).collect(), self.slots.iter().flat_map(modes).collect())
+        self.reals.iter().map(real).chain(self.slots.iter().flat_map(modes)).collect()
     }
 
     /// A state as a point.

@@ -33,11 +33,11 @@ pub use controls::MAX_CONTROLS;
 pub use coverage::{Count, Covered, PLACE};
 pub use metric::{Coordinate, Measure, Metric, Point, Quantity};
 pub use nearest::{Index, Neighbour};
-pub use outcome::{Argument, End, Outcome, Plan, Statistics, Verdict};
+pub use outcome::{Argument, End, Outcome, Plan, Statistics, Verdict, Visited};
 pub use planners::Planner;
 pub use problem::{BadStart, Death, Problem, Standing, Start, Target};
 pub use proof::{Part, Proof};
-pub use search::{Limits, Settings, search};
+pub use search::{Limits, Restart, Settings, search};
 pub use shorten::shorten;
 
 use crate::analysis::ConfigurationSpace;

@@ -1,6 +1,6 @@
 //! How a search ends, and what it took.
 
-use crate::ir::NeverId;
+use crate::ir::{NeverId, SpaceId};
 use crate::sim::{Fault, Script};
 
 use super::coverage::Covered;
@@ -70,6 +70,17 @@ impl Statistics {
     }
 }
 
+/// A node of a tree, as far as pictures show it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Visited {
+    /// The place of its parent in the record; its own for a root.
+    pub parent: u32,
+    /// The space that the first player is in.
+    pub space: SpaceId,
+    /// The first player's position, px.
+    pub at: [f32; 2],
+}
+
 /// Why a search came to an end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End {
@@ -98,6 +109,8 @@ pub struct Outcome {
     pub covered: Covered,
     /// The first way found that broke each `never`.
     pub violations: Vec<(NeverId, Script)>,
+    /// All nodes of all trees, if they were to be recorded.
+    pub record: Vec<Visited>,
     /// Whether some combinations of inputs were left out because there are too many.
     pub truncated: bool,
     /// The first run-time error met, with the step of its path (from 1): a mistake of the program.
@@ -114,6 +127,7 @@ impl Outcome {
             statistics: Statistics::default(),
             covered: Covered::default(),
             violations: Vec::new(),
+            record: Vec::new(),
             truncated: false,
             fault: None,
         }

@@ -5,31 +5,41 @@ use crate::watch::Watch;
 use super::ground::Notes;
 use super::searcher::{Ending, Searcher};
 
-/// A turn of the first round, nodes; turns grow with what was spent, so that few are taken.
-const TURN: u64 = 128;
+/// A turn of the first round, nodes for each share; turns grow with what was spent, so that few are taken.
+const TURN: u64 = 64;
 /// A turn is at most this share of what its planner has grown.
 const SHARE: u64 = 8;
 
+/// A planner, and its share of the nodes.
+type Arm<'a> = (u64, Box<dyn Searcher + 'a>);
+
 /// Planners in turns.
 pub(super) struct Portfolio<'a> {
-    arms: Vec<Box<dyn Searcher + 'a>>,
+    arms: Vec<Arm<'a>>,
     /// What planners that gave up had noted.
     spent: Notes,
-    turn: usize,
     /// An arm that takes more memory than this gives up, bytes; the last one does not.
     memory: u64,
     planner: &'static str,
 }
 
 impl<'a> Portfolio<'a> {
-    /// Planners, those that come first having the first turn.
-    pub fn new(arms: Vec<Box<dyn Searcher + 'a>>, memory: u64) -> Self {
+    /// Planners with their shares of the nodes, those that come first having the first turn.
+    pub fn new(arms: Vec<Arm<'a>>, memory: u64) -> Self {
         let memory = memory / arms.len().max(1) as u64;
-        Portfolio { arms, spent: Notes::default(), turn: 0, memory, planner: "auto" }
+        Portfolio { arms, spent: Notes::default(), memory, planner: "auto" }
     }
 
     fn retire(&mut self, at: usize) {
-        self.arms.remove(at).report(&mut self.spent);
+        self.arms.remove(at).1.report(&mut self.spent);
+    }
+
+    /// The planner that is farthest behind its share.
+    fn turn(&self) -> Option<usize> {
+        (0..self.arms.len()).min_by_key(|at| {
+            let (share, arm) = &self.arms[*at];
+            arm.nodes() / share.max(&1)
+        })
     }
 }
 
@@ -37,24 +47,15 @@ impl Searcher for Portfolio<'_> {
     fn advance(&mut self, nodes: u64, watch: &dyn Watch) -> Ending {
         let until = self.nodes().saturating_add(nodes);
         while self.nodes() < until {
-            let count = self.arms.len();
-            if count == 0 {
-                return Ending::Spent;
-            }
-            let at = self.turn % count;
-            let arm = &mut self.arms[at];
-            let slice = (arm.nodes() / SHARE).max(TURN);
+            let Some(at) = self.turn() else { return Ending::Spent };
+            let is_last = self.arms.len() == 1;
+            let (share, arm) = &mut self.arms[at];
+            let slice = (arm.nodes() / SHARE).max(TURN * *share);
             let ending = arm.advance(slice, watch);
             self.planner = arm.planner();
             match ending {
-                Ending::Paused => {
-                    let is_large = arm.bytes() as u64 > self.memory;
-                    if is_large && count > 1 {
-                        self.retire(at);
-                    } else {
-                        self.turn = at + 1;
-                    }
-                }
+                Ending::Paused if !is_last && arm.bytes() as u64 > self.memory => self.retire(at),
+                Ending::Paused => {}
                 Ending::Spent => self.retire(at),
                 Ending::Stopped | Ending::Reached(_) | Ending::Exhausted(..) => return ending,
             }
@@ -63,16 +64,16 @@ impl Searcher for Portfolio<'_> {
     }
 
     fn nodes(&self) -> u64 {
-        self.spent.statistics.nodes + self.arms.iter().map(|arm| arm.nodes()).sum::<u64>()
+        self.spent.statistics.nodes + self.arms.iter().map(|(_, arm)| arm.nodes()).sum::<u64>()
     }
 
     fn report(&self, notes: &mut Notes) {
         notes.join(&self.spent);
-        self.arms.iter().for_each(|arm| arm.report(notes));
+        self.arms.iter().for_each(|(_, arm)| arm.report(notes));
     }
 
     fn bytes(&self) -> usize {
-        self.arms.iter().map(|arm| arm.bytes()).sum()
+        self.arms.iter().map(|(_, arm)| arm.bytes()).sum()
     }
 
     fn planner(&self) -> &'static str {

@@ -5,7 +5,7 @@ use rand::{Rng, RngExt};
 
 use crate::ir::{Bounds, CompareOp, Entity, Expr, ExprId, LeafId, SlotId, Subject, TagSet, TouchId, VarId};
 
-use super::metric::{Metric, Point, Quantity};
+use super::metric::{MODE_PENALTY, Metric, Point, Quantity};
 use super::problem::Problem;
 
 /// The most boxes a goal is cut into.
@@ -31,6 +31,19 @@ impl GoalRegion {
         let mut boxes = finder.boxes(problem.predicate());
         boxes.retain(|b| *b != Region::default());
         GoalRegion { boxes }
+    }
+
+    /// The squared distance of a point to the nearest box; 0 if there is none.
+    pub fn distance(&self, point: &Point) -> f32 {
+        let to = |region: &Region| {
+            let reals = region.reals.iter().map(|&(index, low, high)| {
+                let out = (low - point.reals[index]).max(point.reals[index] - high).max(0.0);
+                out * out
+            });
+            let modes = region.modes.iter().map(|&(i, mode)| if point.modes[i] == mode { 0.0 } else { MODE_PENALTY });
+            reals.chain(modes).sum::<f32>()
+        };
+        self.boxes.iter().map(to).reduce(f32::min).unwrap_or(0.0)
     }
 
     /// Moves a sample into a random box; leaves it as it is if there is none.

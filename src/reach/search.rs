@@ -32,8 +32,8 @@ pub struct Settings {
     pub hold: Option<(u16, u16)>,
     /// The share of samples that are drawn towards the goal.
     pub goal_bias: f64,
-    /// The number of nodes of the shortest tree before a restart; none: trees grow for ever.
-    pub restart: Option<u64>,
+    /// When a tree is given up for a new one.
+    pub restart: Restart,
     /// Where samples are drawn from.
     pub sampling: Sampling,
     /// What distances are measured in.
@@ -42,6 +42,8 @@ pub struct Settings {
     pub trees: usize,
     /// How many threads let them grow; the result does not depend on it.
     pub threads: usize,
+    /// Whether all nodes are recorded, for pictures.
+    pub records: bool,
 }
 
 impl Default for Settings {
@@ -51,13 +53,26 @@ impl Default for Settings {
             planner: Planner::Auto,
             hold: None,
             goal_bias: 0.05,
-            restart: Some(2_000),
+            restart: Restart::ByPlanner,
             sampling: Sampling::Reduced,
             measure: Measure::Full,
             trees: 1,
             threads: 1,
+            records: false,
         }
     }
+}
+
+/// When a tree is given up for a new one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Restart {
+    /// As the planner does by itself.
+    #[default]
+    ByPlanner,
+    /// After so many nodes, or a multiple of it.
+    After(u64),
+    /// Trees grow for ever.
+    Never,
 }
 
 /// What a search may cost.
@@ -127,8 +142,8 @@ impl<'a> Builder<'_, 'a> {
         match self.settings.planner {
             Planner::Auto => {
                 // An exhaustion is the same whatever its seed.
-                let arms = AUTO.iter().filter(|p| tree == 0 || **p != Planner::Exhaustive);
-                let arms = arms.map(|planner| self.one(*planner, tree)).collect();
+                let arms = AUTO.iter().filter(|(_, p)| tree == 0 || *p != Planner::BestFirst);
+                let arms = arms.map(|(share, planner)| (*share, self.one(*planner, tree))).collect();
                 Box::new(Portfolio::new(arms, self.limits.memory / self.settings.trees.max(1) as u64))
             }
             planner => self.one(planner, tree),
@@ -145,19 +160,26 @@ impl<'a> Builder<'_, 'a> {
             Some(strategy) => {
                 starts.rotate_left(tree % self.starts.len().max(1));
                 let ground = Ground::new(self.problem, self.metric, ControlSets::default(), starts, hold, rng);
-                let settings = self.settings;
-                Box::new(Sampler::new(ground, strategy, planner.name(), settings.goal_bias, settings.restart))
+                let ground = ground.recording(self.settings.records);
+                let restart = match self.settings.restart {
+                    Restart::ByPlanner => Some(planner.restart()),
+                    Restart::After(nodes) => Some(nodes),
+                    Restart::Never => None,
+                };
+                Box::new(Sampler::new(ground, strategy, planner.name(), self.settings.goal_bias, restart))
             }
             None => {
-                let controls = ControlSets::complete();
-                Box::new(Exhaustive::new(Ground::new(self.problem, self.metric, controls, starts, hold, rng)))
+                let ground = Ground::new(self.problem, self.metric, ControlSets::complete(), starts, hold, rng);
+                let ground = ground.recording(self.settings.records);
+                Box::new(Exhaustive::new(ground, planner == Planner::BestFirst))
             }
         }
     }
 }
 
-/// The planners that `auto` takes in turns.
-const AUTO: [Planner; 3] = [Planner::Rrt, Planner::Coverage, Planner::Exhaustive];
+/// The planners that `auto` takes in turns, with their shares of the nodes: by measurement, the first solves most worlds
+/// soonest, the second some that the first does not, the third proves.
+const AUTO: [(u64, Planner); 3] = [(4, Planner::Coverage), (1, Planner::Rrt), (1, Planner::BestFirst)];
 
 /// Searchers side by side.
 struct Forest<'f, 'a> {
@@ -239,6 +261,7 @@ impl Forest<'_, '_> {
             statistics: notes.statistics,
             covered: notes.coverage.covered(),
             violations: notes.violations,
+            record: notes.record,
             truncated: notes.is_truncated,
             fault: notes.fault,
         }

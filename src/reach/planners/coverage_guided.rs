@@ -2,10 +2,12 @@
 //!
 //! After KPIECE, Şucan and Kavraki, *Kinodynamic Motion Planning by Interior-Exterior Cell Exploration*, 2009, and EST, Hsu,
 //! Latombe and Motwani, *Path Planning in Expansive Configuration Spaces*, 1997. From KPIECE it has the levels of cells over
-//! a projection and the importance of a cell; from EST that a cell counts the less, the more it holds. The projections come
-//! from the analysis: the first is where the players are, the second adds their modes and what is counted, the third
-//! everything else that varies. Where KPIECE sorts its cells, a few are drawn here and the most important of them is taken;
-//! that needs no order to be kept.
+//! a projection and the importance of a cell; from EST that a cell counts the less, the more it holds. Where KPIECE sorts
+//! its cells, a few are drawn here and the most important of them is taken; that needs no order to be kept.
+//!
+//! The projections follow from the analysis and from what is seen. The first is what seldom changes: modes, spawned
+//! instances and counts that few extensions change are what has been achieved (a door is open, a key is held). The second
+//! is where the players are, the third everything else that varies.
 
 use hashbrown::HashTable;
 use rand::RngExt;
@@ -37,13 +39,40 @@ struct Cell {
     held: u32,
 }
 
+/// What seldom changes is changed by fewer than one extension in so many.
+const SELDOM: u64 = 40;
+/// The number of extensions after which it is first looked at what seldom changes; then at each doubling.
+const FIRST_LOOK: u64 = 256;
+
+/// A coordinate or a mode, and the cells that it makes.
+#[derive(Debug, Clone, Copy)]
+struct Axis {
+    level: usize,
+    /// Cells along a distance of 1, and where the first one begins; of a mode each value is a cell.
+    cells: Option<(f32, f32)>,
+    /// Whether it can be something that is achieved: the level it has if it seldom changes, and the other.
+    counts: bool,
+    otherwise: usize,
+    /// How many extensions changed it.
+    changes: u64,
+}
+
+impl Axis {
+    fn cell(&self, value: f32) -> u64 {
+        match self.cells {
+            Some((scale, offset)) => ((value - offset) * scale).floor() as i64 as u64,
+            None => u64::from(value.to_bits()),
+        }
+    }
+}
+
 /// Grows where little is covered.
 #[derive(Debug)]
 pub struct CoverageGuided {
-    /// Of each coordinate: the first level that tells it, and cells along its range.
-    reals: Vec<(usize, f32, f32)>,
-    /// Of each mode: the first level that tells it.
-    modes: Vec<usize>,
+    /// The coordinates, then the modes.
+    axes: Vec<Axis>,
+    extensions: u64,
+    next_look: u64,
     cells: Vec<Cell>,
     /// Cells by their keys.
     known: HashTable<u32>,
@@ -51,20 +80,69 @@ pub struct CoverageGuided {
     first: Vec<u32>,
     /// Of each node, its cell and its place in it.
     homes: Vec<(u32, u32)>,
+    before: Point,
 }
 
 impl CoverageGuided {
     /// A strategy for a space.
     pub fn new(metric: &Metric) -> Self {
-        let (reals, modes) = metric.projection();
+        let axis = |(level, cells, counts): (usize, Option<(f32, f32)>, bool)| Axis {
+            level: if counts { 0 } else { level },
+            cells,
+            counts,
+            otherwise: level,
+            changes: 0,
+        };
         CoverageGuided {
-            reals,
-            modes,
+            axes: metric.projection().into_iter().map(axis).collect(),
+            extensions: 0,
+            next_look: FIRST_LOOK,
             cells: Vec::new(),
             known: HashTable::new(),
             first: Vec::new(),
             homes: Vec::new(),
+            before: Point::default(),
         }
+    }
+
+    /// Notes what an extension changed.
+    fn compare(&mut self, ground: &Ground<'_>, from: NodeId, point: &Point) {
+        ground.point(from, &mut self.before);
+        let before = self.before.reals.iter().chain(&self.before.modes);
+        for ((axis, before), after) in self.axes.iter_mut().zip(before).zip(point.reals.iter().chain(&point.modes)) {
+            axis.changes += u64::from(axis.counts && before != after);
+        }
+        self.extensions += 1;
+    }
+
+    /// Tells anew what seldom changes, and sorts all nodes accordingly.
+    fn look(&mut self, ground: &Ground<'_>) {
+        self.next_look = self.extensions * 2;
+        let mut is_other = false;
+        for axis in &mut self.axes {
+            let seldom = axis.changes * SELDOM < self.extensions;
+            let level = if axis.counts && seldom { 0 } else { axis.otherwise };
+            is_other |= level != axis.level;
+            axis.level = level;
+        }
+        if !is_other {
+            return;
+        }
+        self.clear();
+        let mut point = Point::default();
+        for node in (0..ground.tree.len()).map(|n| NodeId(n as u32)) {
+            if ground.tree.untried(node) > 0 {
+                ground.point(node, &mut point);
+                self.add(node, &point);
+            }
+        }
+    }
+
+    fn clear(&mut self) {
+        self.cells.clear();
+        self.known.clear();
+        self.first.clear();
+        self.homes.clear();
     }
 
     fn keys(&self, point: &Point) -> [u64; LEVELS] {
@@ -72,14 +150,9 @@ impl CoverageGuided {
         let mut key = 0;
         for (level, out) in keys.iter_mut().enumerate() {
             key = mixed(key, level as u64);
-            for (value, (first, scale, offset)) in point.reals.iter().zip(&self.reals) {
-                if *first == level {
-                    key = mixed(key, ((value - offset) * scale).floor() as i64 as u64);
-                }
-            }
-            for (value, first) in point.modes.iter().zip(&self.modes) {
-                if *first == level {
-                    key = mixed(key, u64::from(value.to_bits()));
+            for (axis, value) in self.axes.iter().zip(point.reals.iter().chain(&point.modes)) {
+                if axis.level == level {
+                    key = mixed(key, axis.cell(*value));
                 }
             }
             *out = key;
@@ -183,17 +256,20 @@ impl Strategy for CoverageGuided {
         choice
     }
 
-    fn learn(&mut self, _ground: &mut Ground<'_>, _choice: Option<Choice>, growth: Growth<'_>) {
-        match growth {
-            Growth::Rooted(root, point) => {
-                self.cells.clear();
-                self.known.clear();
-                self.first.clear();
-                self.homes.clear();
+    fn learn(&mut self, ground: &mut Ground<'_>, choice: Option<Choice>, growth: Growth<'_>) {
+        match (growth, choice) {
+            (Growth::Rooted(root, point), _) => {
+                self.clear();
                 self.add(root, point);
             }
-            Growth::Added(node, point) => self.add(node, point),
-            Growth::Failed => {}
+            (Growth::Added(node, point), Some(choice)) => {
+                self.compare(ground, choice.node, point);
+                self.add(node, point);
+                if self.extensions >= self.next_look {
+                    self.look(ground);
+                }
+            }
+            _ => {}
         }
     }
 

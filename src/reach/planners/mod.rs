@@ -38,11 +38,13 @@ pub enum Planner {
     Coverage,
     /// Breadth first, each state once: shortest plans, and proofs.
     Exhaustive,
+    /// The nearest to the goal first, each state once: proofs.
+    BestFirst,
 }
 
 impl Planner {
     /// All of them.
-    pub const ALL: [Planner; 10] = [
+    pub const ALL: [Planner; 11] = [
         Planner::Auto,
         Planner::Rrt,
         Planner::RcRrt,
@@ -53,6 +55,7 @@ impl Planner {
         Planner::AstarRgRrt,
         Planner::Coverage,
         Planner::Exhaustive,
+        Planner::BestFirst,
     ];
 
     /// Its name.
@@ -68,6 +71,7 @@ impl Planner {
             Planner::AstarRgRrt => "astar-rg-rrt",
             Planner::Coverage => "coverage",
             Planner::Exhaustive => "exhaustive",
+            Planner::BestFirst => "best-first",
         }
     }
 
@@ -84,6 +88,7 @@ impl Planner {
             Planner::AstarRgRrt => "RG-RRT with the same",
             Planner::Coverage => "guided by what is covered, without neighbours (after KPIECE and EST)",
             Planner::Exhaustive => "breadth first, each state once: shortest plans, and proofs of no",
+            Planner::BestFirst => "the nearest to the goal first, each state once: proofs of no",
         }
     }
 
@@ -95,15 +100,24 @@ impl Planner {
     /// For how many steps it holds an input, if nothing else is asked for.
     pub fn hold(self) -> (u16, u16) {
         match self {
-            Planner::Coverage => (10, 60),
+            Planner::Coverage => (4, 60),
             _ => (10, 10),
+        }
+    }
+
+    /// The number of nodes of the shortest tree before it begins anew, if nothing else is asked for.
+    pub fn restart(self) -> u64 {
+        match self {
+            // It comes back to what it has passed by.
+            Planner::Coverage => 20_000,
+            _ => 2_000,
         }
     }
 
     /// Its strategy in the planning loop; none of those that do not sample.
     pub(super) fn strategy<'m>(self, metric: &'m Metric) -> Option<Box<dyn Strategy + Send + 'm>> {
         Some(match self {
-            Planner::Auto | Planner::Exhaustive => return None,
+            Planner::Auto | Planner::Exhaustive | Planner::BestFirst => return None,
             Planner::Rrt => Box::new(rrt::Rrt::new(metric)),
             Planner::RcRrt => Box::new(rc::Rc::new(metric)),
             Planner::RgRrt => Box::new(rg::Rg::new(metric)),

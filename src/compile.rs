@@ -53,7 +53,8 @@ pub fn compile_barred(root: &Path, map: Option<&Path>, barred: Option<Barred<'_>
     let mut sources = SourceMap::new();
     let (mut trees, mut diagnostics) = syntax::load(root, files, &mut sources);
     if let Some(barred) = barred {
-        let text = format!("world it {{ never {}: {} }}", barred.name, barred.predicate);
+        // The predicate has a line of its own, as findings show whole lines.
+        let text = format!("world it {{ never {}:\n{}\n}}", barred.name, barred.predicate);
         let file = sources.add(Path::new(barred.origin), text.clone());
         let (tree, found) = syntax::parse(file, &text);
         diagnostics.append(found);

@@ -7,6 +7,7 @@ use crate::ir::{
     VarId, World,
 };
 
+use super::barred::Barred;
 use super::evaluate::{Between, Configuration, Overall, Reader};
 use super::scene::{Scene, rounded_step};
 use super::step::{Landing, Outcome, Stepper};
@@ -56,6 +57,8 @@ pub(super) struct Analysis<'a> {
     first: IdVec<SlotId, SlotId>,
     /// What discrete variables can be at most, whatever the steps.
     limits: Limits,
+    /// What never holds.
+    barred: Barred<'a>,
     /// Whether some instance reads others.
     is_read: bool,
     /// Whether what is found is cut, so that nothing grows for ever.
@@ -67,7 +70,8 @@ pub(super) struct Analysis<'a> {
 }
 
 impl<'a> Analysis<'a> {
-    pub fn new(program: &'a Program, world: &'a World, limits: Limits, effort: usize) -> Self {
+    pub fn new(program: &'a Program, barred: Barred<'a>, limits: Limits, effort: usize) -> Self {
+        let world = barred.world;
         let slots: IdVec<SlotId, Slot> = world
             .slots
             .iter()
@@ -92,6 +96,7 @@ impl<'a> Analysis<'a> {
             first: first.collect(),
             scene: Scene::new(program, world),
             limits,
+            barred,
             surroundings: Surroundings::default(),
             effort,
             is_narrowing: false,
@@ -139,7 +144,7 @@ impl<'a> Analysis<'a> {
             return false;
         }
         cut(&mut found, &self.limits[slot]);
-        if found.is_impossible() {
+        if found.is_impossible() || !self.barred.cut(slot, &mut found) {
             return false;
         }
         if known.configurations.get(&found.leaves).is_some_and(|g| found.is_within(&g.at)) {
@@ -166,6 +171,7 @@ impl<'a> Analysis<'a> {
                 growing.patience.widen(&growing.at, &mut joined, &self.thresholds, is_own, others);
             }
             cut(&mut joined, &self.limits[slot]);
+            self.barred.cut(slot, &mut joined);
             joined.sharpen();
             growing.at = within_bounds(self.world, slot, joined);
             growing.is_new = true;

@@ -16,6 +16,7 @@
 //! What is lost: else variables are not related to each other, nor instances. An entity with more than a thousand
 //! combinations of leaves, or a world that takes too many steps to look at, is given up: everything is possible then.
 
+mod barred;
 mod birth;
 mod energy;
 mod evaluate;
@@ -37,6 +38,7 @@ pub use values::{Interval, Values};
 
 use crate::ir::{ExprId, GoalId, IdVec, Program, SlotId, World, WorldId};
 
+use barred::Barred;
 use evaluate::{Overall, Reader};
 use fixpoint::Analysis;
 use supply::Limits;
@@ -68,17 +70,30 @@ pub struct ConfigurationSpace {
 /// Finds what a world can be.
 pub fn configuration_space(program: &Program, world: WorldId) -> ConfigurationSpace {
     let limits = supply::limits(program, &program.worlds[world]);
-    within_limits(program, world, limits, &mut { MOST_EFFORT })
+    within_limits(program, world, &[], limits, &mut { MOST_EFFORT })
+}
+
+/// As [`configuration_space`], of all runs on which some predicates of the world never hold.
+pub fn configuration_space_without(program: &Program, world: WorldId, predicates: &[ExprId]) -> ConfigurationSpace {
+    let limits = supply::limits(program, &program.worlds[world]);
+    within_limits(program, world, predicates, limits, &mut { MOST_EFFORT })
 }
 
 /// As [`configuration_space`], but whatever the number of things that can be picked up: that is a matter of the level.
 /// Takes what it needs from an effort; a world that needs more than is left is given up.
 fn with_any_supply(program: &Program, world: WorldId, effort: &mut usize) -> ConfigurationSpace {
-    within_limits(program, world, supply::ranges(program, &program.worlds[world]), effort)
+    within_limits(program, world, &[], supply::ranges(program, &program.worlds[world]), effort)
 }
 
-fn within_limits(program: &Program, world: WorldId, limits: Limits, effort: &mut usize) -> ConfigurationSpace {
-    let mut analysis = Analysis::new(program, &program.worlds[world], limits, *effort);
+fn within_limits(
+    program: &Program,
+    world: WorldId,
+    predicates: &[ExprId],
+    limits: Limits,
+    effort: &mut usize,
+) -> ConfigurationSpace {
+    let barred = Barred { program, world: &program.worlds[world], predicates };
+    let mut analysis = Analysis::new(program, barred, limits, *effort);
     analysis.run();
     *effort = analysis.effort;
     analysis.finish()

@@ -5,11 +5,11 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use crate::analysis::{ConfigurationSpace, configuration_space};
+use crate::analysis::{ConfigurationSpace, configuration_space_without};
 use crate::compile::Barred;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::similar;
-use crate::ir::{GoalId, NeverId, World, WorldId};
+use crate::ir::{ExprId, GoalId, NeverId, World, WorldId};
 use crate::reach::{
     BadStart, Death, Limits, Measure, Outcome, Planner, Problem, Sampling, Settings, Target, Verdict, Visited, reach,
     shorten,
@@ -48,7 +48,10 @@ pub(super) fn run(args: &ReachArgs) -> io::Result<Answer> {
     };
     let sim = Simulator::new(&loaded.program, world);
     let started = Instant::now();
-    let space = configuration_space(&loaded.program, world);
+    // A run is over where a `never` holds.
+    let table = &loaded.program.worlds[world];
+    let nevers: Vec<ExprId> = table.nevers.iter().map(|never| never.holds).collect();
+    let space = configuration_space_without(&loaded.program, world, &nevers);
     let analysis_seconds = started.elapsed().as_secs_f64();
     let Some(settings) = settings(args, sim.world())? else {
         return Ok(Answer::Unasked);

@@ -18,6 +18,8 @@ pub(super) struct Portfolio<'a> {
     arms: Vec<Arm<'a>>,
     /// What planners that gave up had noted.
     spent: Notes,
+    /// Whose turn it is, and up to how many of its nodes.
+    turn: Option<(usize, u64)>,
     /// An arm that takes more memory than this gives up, bytes; the last one does not.
     memory: u64,
     planner: &'static str,
@@ -27,15 +29,16 @@ impl<'a> Portfolio<'a> {
     /// Planners with their shares of the nodes, those that come first having the first turn.
     pub fn new(arms: Vec<Arm<'a>>, memory: u64) -> Self {
         let memory = memory / arms.len().max(1) as u64;
-        Portfolio { arms, spent: Notes::default(), memory, planner: "auto" }
+        Portfolio { arms, spent: Notes::default(), turn: None, memory, planner: "auto" }
     }
 
     fn retire(&mut self, at: usize) {
+        self.turn = None;
         self.arms.remove(at).1.report(&mut self.spent);
     }
 
     /// The planner that is farthest behind its share.
-    fn turn(&self) -> Option<usize> {
+    fn next(&self) -> Option<usize> {
         (0..self.arms.len()).min_by_key(|at| {
             let (share, arm) = &self.arms[*at];
             arm.nodes() / share.max(&1)
@@ -46,12 +49,23 @@ impl<'a> Portfolio<'a> {
 impl Searcher for Portfolio<'_> {
     fn advance(&mut self, nodes: u64, watch: &dyn Watch) -> Ending {
         let until = self.nodes().saturating_add(nodes);
-        while self.nodes() < until {
-            let Some(at) = self.turn() else { return Ending::Spent };
+        loop {
+            let left = until.saturating_sub(self.nodes());
+            if left == 0 {
+                return Ending::Paused;
+            }
+            let (at, turn_ends) = match self.turn {
+                Some(turn) => turn,
+                None => {
+                    let Some(at) = self.next() else { return Ending::Spent };
+                    let (share, arm) = &self.arms[at];
+                    (at, arm.nodes() + (arm.nodes() / SHARE).max(TURN * share))
+                }
+            };
             let is_last = self.arms.len() == 1;
-            let (share, arm) = &mut self.arms[at];
-            let slice = (arm.nodes() / SHARE).max(TURN * *share);
-            let ending = arm.advance(slice, watch);
+            let (_, arm) = &mut self.arms[at];
+            let ending = arm.advance(turn_ends.saturating_sub(arm.nodes()).min(left), watch);
+            self.turn = (arm.nodes() < turn_ends).then_some((at, turn_ends));
             self.planner = arm.planner();
             match ending {
                 Ending::Paused if !is_last && arm.bytes() as u64 > self.memory => self.retire(at),
@@ -60,7 +74,6 @@ impl Searcher for Portfolio<'_> {
                 Ending::Stopped | Ending::Reached(_) | Ending::Exhausted(..) => return ending,
             }
         }
-        Ending::Paused
     }
 
     fn nodes(&self) -> u64 {

@@ -8,6 +8,9 @@ use super::ground::replays_to;
 use super::outcome::Plan;
 use super::problem::Problem;
 
+/// How many steps may be simulated, about.
+const MOST_STEPS: u64 = 10_000_000;
+
 /// Shortens a plan of a question until no change of one place makes it better, or the watch stops it. Better is: no more
 /// steps and no more changes of inputs, and fewer of one of them. What leads to where the search began stays. No input
 /// is held for less than `least` steps, but the last.
@@ -36,13 +39,16 @@ pub fn shorten(problem: &Problem<'_>, plan: &Plan, least: u32, watch: &dyn Watch
         new.0 <= old.0 && new.1 <= old.1 && new != old
     };
     let mut changed = true;
-    while std::mem::take(&mut changed) && !watch.stop() {
+    let mut left = MOST_STEPS;
+    while std::mem::take(&mut changed) && left > 0 {
         let mut at = 0;
-        while at < best.len() && !watch.stop() {
+        while at < best.len() && left > 0 {
             let found = variants(&best, at).into_iter().find_map(|steps| {
-                if !better(&steps, &best) {
+                if left == 0 || watch.stop() || !better(&steps, &best) {
+                    left = if watch.stop() { 0 } else { left };
                     return None;
                 }
+                left = left.saturating_sub(plan.steps);
                 attempt(&steps).filter(|steps| better(steps, &best))
             });
             match found {
@@ -88,6 +94,14 @@ fn variants(steps: &[ScriptStep], at: usize) -> Vec<Vec<ScriptStep>> {
         steps.iter().filter(|s| s.count > 0).for_each(|s| script.push(&s.input, s.count));
         script.steps
     };
+    // Detours are several steps long (as in delta debugging: Zeller and Hildebrandt, 2002).
+    let mut run = steps.len() / 2;
+    while run > 1 {
+        if at + run <= steps.len() {
+            out.push(with(&|s| drop(s.drain(at..at + run))));
+        }
+        run = if run > 8 { run / 2 } else { run - 1 };
+    }
     out.push(with(&|s| drop(s.remove(at))));
     for neighbour in [at.checked_sub(1), Some(at + 1)].into_iter().flatten().filter(|n| *n < steps.len()) {
         out.push(with(&|s| s[at].input = s[neighbour].input.clone()));

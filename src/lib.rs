@@ -28,6 +28,7 @@
 //! | [`reach`] | planners over the simulator |
 //! | [`graph`] | statecharts of entities as DOT, Mermaid and SVG |
 //! | [`view`] | pictures of what a search found |
+//! | [`experiment`] | planners run many times, and tables of what came of it |
 //! | [`cli`] | the subcommands |
 //!
 //! Time is in seconds (s), length in pixels (px), y points up.
@@ -38,6 +39,7 @@ pub mod analysis;
 pub mod cli;
 pub mod compile;
 pub mod diagnostic;
+pub mod experiment;
 pub mod format;
 pub mod graph;
 pub mod ir;

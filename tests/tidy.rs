@@ -26,7 +26,24 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("reach", &["watch", "ir", "analysis", "sim"]),
     ("graph", &["source", "ir"]),
     ("view", &["ir"]),
-    ("cli", &["source", "analysis", "watch", "diagnostic", "format", "ir", "compile", "sim", "reach", "graph", "view"]),
+    ("experiment", &["source", "watch", "ir", "analysis", "compile", "sim", "reach"]),
+    (
+        "cli",
+        &[
+            "source",
+            "analysis",
+            "watch",
+            "diagnostic",
+            "format",
+            "ir",
+            "compile",
+            "sim",
+            "reach",
+            "graph",
+            "view",
+            "experiment",
+        ],
+    ),
 ];
 
 /// The longest a source file may be before it is time to look for the seam.

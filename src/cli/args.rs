@@ -6,6 +6,8 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::reach::{Planner, Restart};
 
+use super::experiment_args::ExperimentArgs;
+
 /// Compiles, simulates and analyses action-game entities written as hybrid automata.
 #[derive(Debug, Parser)]
 #[command(version, about, propagate_version = true)]
@@ -26,6 +28,8 @@ pub(super) enum Command {
     Sim(SimArgs),
     /// Searches for inputs that bring about a world's goals.
     Reach(ReachArgs),
+    /// Runs planners many times over the same goals, and compares them in tables.
+    Experiment(ExperimentArgs),
     /// Explains the code of a finding, with a wrong and a right example.
     Explain(ExplainArgs),
     /// Tells what each part of a world can be.
@@ -292,7 +296,7 @@ fn planner() -> clap::builder::PossibleValuesParser {
     )
 }
 
-fn hold(text: &str) -> Result<(u16, u16), String> {
+pub(super) fn hold(text: &str) -> Result<(u16, u16), String> {
     let (low, high) = text.split_once("..").unwrap_or((text, text));
     match (low.parse(), high.parse()) {
         (Ok(low), Ok(high)) if 1 <= low && low <= high => Ok((low, high)),
@@ -352,7 +356,7 @@ pub(super) struct ManArgs {
     pub command: Option<String>,
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
         _ => Err("a number of seconds, such as 2.5".to_string()),

@@ -9,6 +9,8 @@ mod bounds;
 mod bounds_table;
 mod check;
 mod disk;
+mod experiment;
+mod experiment_args;
 mod explain;
 mod fix;
 mod fmt;
@@ -56,6 +58,7 @@ pub fn main() -> ExitCode {
         Command::Ir(args) => ir::run(&args),
         Command::Sim(args) => sim::run(&args),
         Command::Reach(args) => reach::run(&args),
+        Command::Experiment(args) => experiment::run(&args),
         Command::Explain(args) => explain::run(&args),
         Command::Bounds(args) => bounds::run(&args),
         Command::Graph(args) => graph::run(&args),

@@ -4,14 +4,13 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use serde::Serialize;
-use sha2::{Digest, Sha256};
 
 use crate::ir::{NeverId, Program, World, WorldId};
 use crate::reach::{Argument, Count, End, Outcome, Restart, Settings, Target, Verdict};
 use crate::sim::Simulator;
 
 use super::args::{ReachArgs, SampleBounds};
-use super::report::Loaded;
+use super::report::{Loaded, program_sha256};
 use super::values;
 
 /// The version of the JSON result.
@@ -51,13 +50,11 @@ impl RunResult {
         settings: &Settings,
         analysis_seconds: f64,
     ) -> Self {
-        let json = serde_json::to_vec(program).unwrap_or_default();
-        let digest = Sha256::digest(&json);
         RunResult {
             version: RESULT_VERSION,
             hypedc: env!("CARGO_PKG_VERSION"),
             file: args.file.display().to_string(),
-            program_sha256: digest.iter().map(|byte| format!("{byte:02x}")).collect(),
+            program_sha256: program_sha256(program),
             world: program.worlds[world].name.clone(),
             seed: args.seed,
             planner: settings.planner.name(),

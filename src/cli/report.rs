@@ -3,6 +3,8 @@
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 
+use sha2::{Digest, Sha256};
+
 use crate::compile::{Barred, Compilation, compile_barred};
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::{Diagnostics, Fact, render, similar};
@@ -38,6 +40,12 @@ pub(super) fn plain_error(message: &str) -> io::Result<()> {
 pub(super) struct Loaded {
     pub sources: SourceMap,
     pub program: Program,
+}
+
+/// What tells programs apart: of the flat IR, so that what else is compiled the same has the same; in hexadecimal digits.
+pub(super) fn program_sha256(program: &Program) -> String {
+    let json = serde_json::to_vec(program).unwrap_or_default();
+    Sha256::digest(&json).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Compiles a file, with a map for worlds that leave theirs open; shows what is wrong and gives nothing if it cannot be

@@ -11,7 +11,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use crate::watch::{Progress, Watch};
 
 /// Whether ctrl-C was pressed. The handler can be set only once in a process.
-fn interrupted() -> &'static Arc<AtomicBool> {
+pub(super) fn interrupted() -> &'static Arc<AtomicBool> {
     static INTERRUPTED: OnceLock<Arc<AtomicBool>> = OnceLock::new();
     INTERRUPTED.get_or_init(|| {
         let flag = Arc::new(AtomicBool::new(false));

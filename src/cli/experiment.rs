@@ -1,0 +1,299 @@
+//! `hypedc experiment`: runs planners many times over goals, and writes tables, CSV and JSON. Here are the clock, the
+//! programs and the files; what is run and how it is counted is [`crate::experiment`]'s.
+
+use std::fs::File;
+use std::io::{self, BufWriter, IsTerminal, Write};
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::atomic::Ordering;
+
+use cpu_time::ThreadTime;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use crate::analysis::{ConfigurationSpace, configuration_space};
+use crate::compile::Compilation;
+use crate::diagnostic::catalogue::run::NoQuestion;
+use crate::diagnostic::similar;
+use crate::experiment::paper::{PLANNERS, Test};
+use crate::experiment::{CSV_HEADER, Clock, Design, Question, Report, Run, Unasked, conduct, csv_line};
+use crate::ir::GoalId;
+use crate::reach::{Limits, Planner, Problem, Proof};
+use crate::sim::Simulator;
+
+use super::Answer;
+use super::experiment_args::{ExperimentArgs, ExperimentFormat, ExperimentOptions, FilesArgs, Known, PaperArgs};
+use super::report::{Loaded, has_maps, load, plain_error, program_sha256, show, show_fact};
+use super::watching::interrupted;
+
+/// The CPU time of the thread that asks: other programs on the machine do not count.
+struct ThreadClock;
+
+impl Clock for ThreadClock {
+    fn seconds(&self) -> f64 {
+        ThreadTime::try_now().map_or(0.0, |time| time.as_duration().as_secs_f64())
+    }
+}
+
+/// A program, and what results call it.
+struct Source {
+    name: String,
+    paper: Option<Test>,
+    loaded: Loaded,
+}
+
+/// A world of a program, analysed.
+struct Analysed<'s> {
+    source: &'s Source,
+    sim: Simulator<'s>,
+    space: ConfigurationSpace,
+    seconds: f64,
+}
+
+pub(super) fn run(args: &ExperimentArgs) -> io::Result<Answer> {
+    if let Err(error) = ThreadTime::try_now() {
+        plain_error(&format!("the system does not tell the CPU time of a thread: {error}"))?;
+        return Ok(Answer::Unasked);
+    }
+    match &args.known {
+        Some(Known::Paper(paper)) => run_paper(paper),
+        None => run_files(&args.files),
+    }
+}
+
+fn run_paper(args: &PaperArgs) -> io::Result<Answer> {
+    let mut sources = Vec::new();
+    for paper in Test::ALL.into_iter().filter(|test| args.tests.contains(&test.number())) {
+        let Compilation { sources: files, program, diagnostics } = paper.compile();
+        let Some(program) = program else {
+            show(&files, &diagnostics)?;
+            return Ok(Answer::Unasked);
+        };
+        let loaded = Loaded { sources: files, program };
+        sources.push(Source { name: paper.name().to_string(), paper: Some(paper), loaded });
+    }
+    let is_asked = |source: &Source, goal: &str| source.paper != Some(Test::Two) || goal == args.goal.name();
+    experiment(&sources, &is_asked, &PLANNERS, &args.options)
+}
+
+fn run_files(args: &FilesArgs) -> io::Result<Answer> {
+    let mut sources = Vec::new();
+    for file in &args.files {
+        let Some(loaded) = load(file, args.map.as_deref())? else { return Ok(Answer::Unasked) };
+        if !has_maps(&loaded, loaded.program.worlds.iter())? {
+            return Ok(Answer::Unasked);
+        }
+        sources.push(Source { name: file.display().to_string(), paper: None, loaded });
+    }
+    let worlds = sources.iter().flat_map(|s| s.loaded.program.worlds.iter());
+    let goals: Vec<&str> = worlds.flat_map(|w| w.goals.iter().map(|g| g.name.as_str())).collect();
+    if let Some(name) = args.goal.iter().find(|name| !goals.contains(&name.as_str())) {
+        let near = similar(name, goals.iter().copied());
+        return unasked(&sources, &format!("no goal `{name}` in these programs"), near);
+    }
+    if goals.is_empty() {
+        return unasked(&sources, "these programs have no goal", None);
+    }
+    let is_asked = |_: &Source, goal: &str| args.goal.is_empty() || args.goal.iter().any(|g| g == goal);
+    experiment(&sources, &is_asked, &Planner::ALL, &args.options)
+}
+
+/// Shows why there is nothing to run.
+fn unasked(sources: &[Source], why: &str, near: Option<String>) -> io::Result<Answer> {
+    if let Some(source) = sources.first() {
+        show_fact(&source.loaded.sources, NoQuestion { why: why.to_string(), near, help: None })?;
+    }
+    Ok(Answer::Unasked)
+}
+
+/// Runs an experiment on those goals of the programs that are asked for, and writes what came of it.
+fn experiment(
+    sources: &[Source],
+    is_asked: &dyn Fn(&Source, &str) -> bool,
+    planners: &[Planner],
+    options: &ExperimentOptions,
+) -> io::Result<Answer> {
+    let analysed = analysed(sources);
+    let questions = questions(&analysed, is_asked);
+    let design = Design {
+        setups: options.setups(planners),
+        seeds: options.seeds,
+        seconds: options.seconds,
+        limits: Limits { nodes: options.nodes.unwrap_or(u64::MAX), memory: options.memory << 20 },
+    };
+    // Files are opened first: nobody wants to learn of a misspelt folder after an hour.
+    let Some(mut csv) = opened(options.csv.as_deref())? else { return Ok(Answer::Unasked) };
+    let Some(mut json) = opened(options.json.as_deref())? else { return Ok(Answer::Unasked) };
+    let mut lines = Lines { design: &design, questions: &questions, file: csv.as_mut(), on_screen: None };
+    if options.format == ExperimentFormat::Csv {
+        lines.on_screen = Some(io::stdout());
+    }
+    if let Err(broken) = lines.write(&CSV_HEADER.join(",")) {
+        return broken.told(options);
+    }
+    let bar = bar(design.runs(&questions));
+    let flag = interrupted();
+    let stop = || flag.load(Ordering::SeqCst);
+    let mut broken = None;
+    let mut each = |run: &Run| {
+        bar.inc(1);
+        match lines.run(run) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(error) => {
+                broken = Some(error);
+                ControlFlow::Break(())
+            }
+        }
+    };
+    let threads = options.threads.map_or_else(cores, usize::from);
+    let runs = conduct(&design, &questions, threads, &ThreadClock, &stop, &mut each);
+    bar.finish_and_clear();
+    if let Some(broken) = broken {
+        return broken.told(options);
+    }
+    let runs = match runs {
+        Ok(runs) => runs,
+        Err(Unasked { question, fault }) => {
+            if let Some(at) = analysed.iter().find(|a| std::ptr::eq(&a.sim, questions[question].sim)) {
+                let program = &at.source.loaded.program;
+                show_fact(&at.source.loaded.sources, fault.fact(program, at.sim.world_id(), 0))?;
+            }
+            return Ok(Answer::Unasked);
+        }
+    };
+    let report = Report { design: &design, questions: &questions, runs: &runs };
+    if let Some(file) = &mut json
+        && let Err(error) = write_json(file, &report)
+    {
+        return Broken::Json(error).told(options);
+    }
+    let mut out = io::stdout().lock();
+    match options.format {
+        ExperimentFormat::Text => write!(out, "{}", report.text())?,
+        ExperimentFormat::Json => write_json(&mut out, &report)?,
+        ExperimentFormat::Csv => {}
+    }
+    if stop() {
+        writeln!(io::stderr(), "stopped after {} of {} runs", runs.len(), design.runs(&questions))?;
+        return Ok(Answer::No);
+    }
+    Ok(Answer::Yes)
+}
+
+/// All worlds that have goals, analysed.
+fn analysed(sources: &[Source]) -> Vec<Analysed<'_>> {
+    let mut all = Vec::new();
+    for source in sources {
+        let program = &source.loaded.program;
+        for (world, w) in program.worlds.pairs() {
+            if w.goals.is_empty() {
+                continue;
+            }
+            let began = ThreadClock.seconds();
+            let space = configuration_space(program, world);
+            let seconds = ThreadClock.seconds() - began;
+            all.push(Analysed { source, sim: Simulator::new(program, world), space, seconds });
+        }
+    }
+    all
+}
+
+fn questions<'a>(analysed: &'a [Analysed<'a>], is_asked: &dyn Fn(&Source, &str) -> bool) -> Vec<Question<'a>> {
+    let mut questions = Vec::new();
+    for Analysed { source, sim, space, seconds } in analysed {
+        let goals: Vec<GoalId> =
+            sim.world().goals.pairs().filter(|(_, g)| is_asked(source, &g.name)).map(|(id, _)| id).collect();
+        let program_sha256 = program_sha256(&source.loaded.program);
+        for goal in goals {
+            questions.push(Question {
+                test: match source.paper {
+                    Some(_) => source.name.clone(),
+                    None => format!("{}:{}", source.name, sim.world().name),
+                },
+                paper: source.paper,
+                sim,
+                space,
+                goal,
+                program_sha256: program_sha256.clone(),
+                analysis_seconds: *seconds,
+                is_ruled_out: Proof::of(&Problem::new(sim, goal), space).is_some(),
+            });
+        }
+    }
+    questions
+}
+
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// A line that tells how far it has come, on a terminal only.
+fn bar(runs: usize) -> ProgressBar {
+    let target = if io::stderr().is_terminal() { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+    let bar = ProgressBar::with_draw_target(Some(runs as u64), target);
+    let style = ProgressStyle::with_template("{spinner} {pos} of {len} runs  {elapsed}, about {eta} left");
+    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
+    bar
+}
+
+/// A file to write to, if one is wanted; shows why there is none.
+fn opened(path: Option<&Path>) -> io::Result<Option<Option<BufWriter<File>>>> {
+    let Some(path) = path else { return Ok(Some(None)) };
+    match File::create(path) {
+        Ok(file) => Ok(Some(Some(BufWriter::new(file)))),
+        Err(error) => {
+            plain_error(&format!("cannot write `{}`: {error}", path.display()))?;
+            Ok(None)
+        }
+    }
+}
+
+/// Why results could not be written.
+enum Broken {
+    Screen(io::Error),
+    Csv(io::Error),
+    Json(io::Error),
+}
+
+impl Broken {
+    /// Says so; of standard output, whoever called does.
+    fn told(self, options: &ExperimentOptions) -> io::Result<Answer> {
+        let (path, error) = match self {
+            Broken::Screen(error) => return Err(error),
+            Broken::Csv(error) => (&options.csv, error),
+            Broken::Json(error) => (&options.json, error),
+        };
+        let path = path.as_deref().unwrap_or(Path::new("")).display();
+        plain_error(&format!("cannot write `{path}`: {error}"))?;
+        Ok(Answer::Unasked)
+    }
+}
+
+/// Where the lines of the CSV go. Each is written out at once, so that none is lost with a long experiment.
+struct Lines<'l> {
+    design: &'l Design,
+    questions: &'l [Question<'l>],
+    file: Option<&'l mut BufWriter<File>>,
+    on_screen: Option<io::Stdout>,
+}
+
+impl Lines<'_> {
+    fn run(&mut self, run: &Run) -> Result<(), Broken> {
+        self.write(&csv_line(self.design, self.questions, run))
+    }
+
+    fn write(&mut self, line: &str) -> Result<(), Broken> {
+        if let Some(file) = &mut self.file {
+            writeln!(file, "{line}").and_then(|()| file.flush()).map_err(Broken::Csv)?;
+        }
+        if let Some(out) = &mut self.on_screen {
+            writeln!(out, "{line}").map_err(Broken::Screen)?;
+        }
+        Ok(())
+    }
+}
+
+fn write_json(out: &mut impl Write, report: &Report<'_>) -> io::Result<()> {
+    serde_json::to_writer_pretty(&mut *out, &report.json())?;
+    writeln!(out)?;
+    out.flush()
+}

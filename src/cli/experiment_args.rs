@@ -1,0 +1,178 @@
+//! The arguments of `hypedc experiment`, as data.
+
+use std::path::PathBuf;
+
+use clap::builder::{PossibleValue, PossibleValuesParser};
+use clap::{Args, Subcommand, ValueEnum};
+
+use crate::experiment::Setup;
+use crate::reach::{Measure, Planner, Sampling};
+
+use super::args::{hold, seconds};
+
+/// What `--planners` calls all of them.
+const ALL: &str = "all";
+
+#[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub(super) struct ExperimentArgs {
+    #[command(subcommand)]
+    pub known: Option<Known>,
+    #[command(flatten)]
+    pub files: FilesArgs,
+}
+
+/// An experiment that the binary carries with it.
+#[derive(Debug, Subcommand)]
+pub(super) enum Known {
+    /// Tables 1 and 2 of Osborn, Lambrigger and Mateas, HyPED, AIIDE 2017.
+    Paper(PaperArgs),
+}
+
+#[derive(Debug, Args)]
+pub(super) struct PaperArgs {
+    /// The tests to run.
+    #[arg(long, value_name = "1,2", default_value = "1,2", value_delimiter = ',', value_parser = clap::value_parser!(u8).range(1..=2))]
+    pub tests: Vec<u8>,
+    /// The goal of Test 2: as the paper draws it, or as its code has it.
+    #[arg(long, value_enum, value_name = "GOAL", default_value = "drawn")]
+    pub goal: PaperGoal,
+    #[command(flatten)]
+    pub options: ExperimentOptions,
+}
+
+/// A goal of the paper's Test 2.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum PaperGoal {
+    /// The tile on the upper left, as in the paper's Figure 3.
+    Drawn,
+    /// As in the paper's code: a jump on the spot reaches it.
+    Configured,
+}
+
+impl PaperGoal {
+    /// Its name in the program.
+    pub fn name(self) -> &'static str {
+        match self {
+            PaperGoal::Drawn => "drawn",
+            PaperGoal::Configured => "configured",
+        }
+    }
+}
+
+#[derive(Debug, Args)]
+pub(super) struct FilesArgs {
+    /// The programs, for all goals of all their worlds.
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// The level of worlds that leave their map open.
+    #[arg(long, value_name = "PATH")]
+    pub map: Option<PathBuf>,
+    /// Asks for goals of this name alone.
+    #[arg(long, value_name = "NAME")]
+    pub goal: Vec<String>,
+    #[command(flatten)]
+    pub options: ExperimentOptions,
+}
+
+/// What all experiments have.
+#[derive(Debug, Args)]
+pub(super) struct ExperimentOptions {
+    /// How often each planner is run: with the seeds 1 to N.
+    #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u32).range(1..))]
+    pub seeds: u32,
+    /// The planners, with commas between them; `all` for all. The paper's four for `paper`, else all.
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',', value_parser = planners())]
+    pub planners: Vec<String>,
+    /// Where samples are drawn from.
+    #[arg(long, value_enum, value_name = "BOUNDS", default_value = "both")]
+    pub bounds: BoundsChoice,
+    /// What distances are measured in.
+    #[arg(long, value_enum, value_name = "METRIC", default_value = "full")]
+    pub metric: MetricChoice,
+    /// For how many steps an input is held: `10`, or `10..60` to draw it for each extension. If none is given, as each
+    /// planner does by itself.
+    #[arg(long, value_name = "N|A..B", value_parser = hold)]
+    pub hold: Option<(u16, u16)>,
+    /// The most seconds of CPU time that a run may take.
+    #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = seconds, help_heading = "The budget")]
+    pub seconds: f64,
+    /// The most nodes that a run may grow; no limit by itself.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), help_heading = "The budget")]
+    pub nodes: Option<u64>,
+    /// The most memory that a run may take, MiB.
+    #[arg(long, value_name = "MIB", default_value_t = 2048, value_parser = clap::value_parser!(u64).range(1..=1 << 40), help_heading = "The budget")]
+    pub memory: u64,
+    /// How many runs go on at once, each on a thread of its own; as many as there are cores by itself.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = "The budget")]
+    pub threads: Option<u16>,
+    /// What goes to standard output.
+    #[arg(long, value_enum, default_value = "text", help_heading = "The result")]
+    pub format: ExperimentFormat,
+    /// Writes a line for each run to a file, as they come.
+    #[arg(long, value_name = "PATH", help_heading = "The result")]
+    pub csv: Option<PathBuf>,
+    /// Writes settings, runs and rows to a file.
+    #[arg(long, value_name = "PATH", help_heading = "The result")]
+    pub json: Option<PathBuf>,
+}
+
+impl ExperimentOptions {
+    /// The ways to search; `own` are the planners if none are named.
+    pub fn setups(&self, own: &[Planner]) -> Vec<Setup> {
+        let is_named = |p: &Planner| self.planners.iter().any(|n| n == ALL || n == p.name());
+        let planners = match self.planners.is_empty() {
+            true => own.to_vec(),
+            false => Planner::ALL.into_iter().filter(is_named).collect(),
+        };
+        let samplings: &[Sampling] = match self.bounds {
+            BoundsChoice::Naive => &[Sampling::Naive],
+            BoundsChoice::Reduced => &[Sampling::Reduced],
+            BoundsChoice::Both => &[Sampling::Naive, Sampling::Reduced],
+        };
+        let measures: &[Measure] = match self.metric {
+            MetricChoice::Full => &[Measure::Full],
+            MetricChoice::Xy => &[Measure::Positions],
+            MetricChoice::Both => &[Measure::Full, Measure::Positions],
+        };
+        Setup::all(&planners, samplings, measures, self.hold)
+    }
+}
+
+/// Where the searches of an experiment draw their samples from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum BoundsChoice {
+    /// A box for everything.
+    Naive,
+    /// What the analysis finds that can be.
+    Reduced,
+    /// Each in turn.
+    Both,
+}
+
+/// What the searches of an experiment measure distances in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum MetricChoice {
+    /// The whole state.
+    Full,
+    /// The players' positions.
+    Xy,
+    /// Each in turn.
+    Both,
+}
+
+/// How an experiment is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum ExperimentFormat {
+    /// A table for each goal.
+    Text,
+    /// A line for each run.
+    Csv,
+    /// Settings, runs and rows.
+    Json,
+}
+
+fn planners() -> PossibleValuesParser {
+    let each = Planner::ALL.map(|p| PossibleValue::new(p.name()).help(p.summary()));
+    PossibleValuesParser::new(each.into_iter().chain([PossibleValue::new(ALL).help("all of them")]))
+}

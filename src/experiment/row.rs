@@ -1,0 +1,145 @@
+//! A row of a table: what the runs of one setup on one question come to.
+
+use serde::Serialize;
+
+use super::{Finding, Run};
+
+/// The middle of some numbers, in two ways.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Spread {
+    /// Their sum by their count.
+    pub mean: f64,
+    /// Half of them are at most this; between the two in the middle where there are two.
+    pub median: f64,
+}
+
+impl Spread {
+    /// Of numbers in any order; none if there are none.
+    pub fn of(mut numbers: Vec<f64>) -> Option<Spread> {
+        numbers.sort_by(f64::total_cmp);
+        let half = numbers.len() / 2;
+        let upper = *numbers.get(half)?;
+        let median = if numbers.len() % 2 == 1 { upper } else { (numbers[half - 1] + upper) / 2.0 };
+        Some(Spread { mean: numbers.iter().sum::<f64>() / numbers.len() as f64, median })
+    }
+}
+
+/// What the runs of a setup on a question come to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Row {
+    /// Which of the questions.
+    pub question: usize,
+    /// Which of the setups.
+    pub setup: usize,
+    /// How many runs there are: fewer than seeds if the experiment was stopped.
+    pub runs: u32,
+    /// How many of them reached the goal.
+    pub successes: u32,
+    /// How many had too little memory for their budget.
+    pub out_of_memory: u32,
+    /// Nodes over all runs.
+    pub nodes: Option<Spread>,
+    /// Nodes of those that reached the goal.
+    pub goal_nodes: Option<Spread>,
+    /// Seconds of those that reached the goal.
+    pub goal_seconds: Option<Spread>,
+    /// Steps of the ways that were found.
+    pub path_steps: Option<Spread>,
+    /// Over all runs; none if the clock saw no time pass.
+    pub extensions_per_second: Option<f64>,
+}
+
+impl Row {
+    /// The row of a setup on a question; of the runs, those of others are left out.
+    pub fn of(question: usize, setup: usize, runs: &[Run]) -> Row {
+        let mine: Vec<&Run> = runs.iter().filter(|r| r.question == question && r.setup == setup).collect();
+        let reached: Vec<&Run> = mine.iter().copied().filter(|r| r.finding == Finding::Reached).collect();
+        let spread = |runs: &[&Run], number: fn(&Run) -> f64| Spread::of(runs.iter().map(|r| number(r)).collect());
+        let (extensions, seconds) =
+            mine.iter().fold((0, 0.0), |(extensions, seconds), r| (extensions + r.extensions, seconds + r.seconds));
+        Row {
+            question,
+            setup,
+            runs: mine.len() as u32,
+            successes: reached.len() as u32,
+            out_of_memory: mine.iter().filter(|r| r.finding == Finding::OutOfMemory).count() as u32,
+            nodes: spread(&mine, |r| r.nodes as f64),
+            goal_nodes: spread(&reached, |r| r.nodes as f64),
+            goal_seconds: spread(&reached, |r| r.seconds),
+            path_steps: spread(&reached, |r| r.path_steps.unwrap_or(0) as f64),
+            extensions_per_second: (seconds > 0.0).then(|| extensions as f64 / seconds),
+        }
+    }
+
+    /// Between which shares of successes the planner's own lies, with 95 % certainty: Wilson, *Probable Inference, the Law of
+    /// Succession, and Statistical Inference*, 1927.
+    pub fn success_rate_95(&self) -> Option<[f64; 2]> {
+        /// The 97.5 % quantile of the normal distribution.
+        const Z: f64 = 1.959_963_984_540_054;
+        if self.runs == 0 {
+            return None;
+        }
+        let (n, p) = (f64::from(self.runs), f64::from(self.successes) / f64::from(self.runs));
+        let square = Z * Z / n;
+        let half = Z * (p * (1.0 - p) / n + square / (4.0 * n)).sqrt();
+        let end = |sign: f64| ((p + square / 2.0 + sign * half) / (1.0 + square)).clamp(0.0, 1.0);
+        Some([end(-1.0), end(1.0)])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn run(setup: usize, finding: Finding, nodes: u64, seconds: f64) -> Run {
+        let path_steps = (finding == Finding::Reached).then_some(2 * nodes);
+        Run {
+            question: 0,
+            setup,
+            seed: 1,
+            finding,
+            nodes,
+            trees: 1,
+            extensions: 10 * nodes,
+            steps: 0,
+            seconds,
+            path_steps,
+        }
+    }
+
+    #[test]
+    fn the_median_is_in_the_middle_whatever_the_order() {
+        assert_eq!(Spread::of(vec![9.0, 1.0, 2.0]), Some(Spread { mean: 4.0, median: 2.0 }));
+        assert_eq!(Spread::of(vec![8.0, 1.0, 4.0, 3.0]), Some(Spread { mean: 4.0, median: 3.5 }));
+        assert_eq!(Spread::of(Vec::new()), None);
+    }
+
+    #[test]
+    fn only_runs_that_reached_the_goal_count_at_the_goal() {
+        let runs = [
+            run(0, Finding::Reached, 10, 0.5),
+            run(0, Finding::NotFound, 100, 1.0),
+            run(1, Finding::Reached, 1000, 7.0),
+            run(0, Finding::OutOfMemory, 40, 0.5),
+        ];
+        let row = Row::of(0, 0, &runs);
+        assert_eq!((row.runs, row.successes, row.out_of_memory), (3, 1, 1));
+        assert_eq!(row.nodes, Some(Spread { mean: 50.0, median: 40.0 }));
+        assert_eq!(row.goal_nodes, Some(Spread { mean: 10.0, median: 10.0 }));
+        assert_eq!(row.goal_seconds, Some(Spread { mean: 0.5, median: 0.5 }));
+        assert_eq!(row.path_steps, Some(Spread { mean: 20.0, median: 20.0 }));
+        assert_eq!(row.extensions_per_second, Some(1500.0 / 2.0));
+        assert_eq!(Row::of(1, 0, &runs).nodes, None);
+    }
+
+    #[test]
+    fn the_interval_is_wilsons() {
+        // 27 of 50, worked out by hand.
+        let row = Row { runs: 50, successes: 27, ..Row::of(0, 0, &[]) };
+        let [low, high] = row.success_rate_95().unwrap();
+        assert!((low - 0.4040).abs() < 1e-4 && (high - 0.6703).abs() < 1e-4, "{low} {high}");
+        let none = Row { successes: 0, ..row };
+        assert!(none.success_rate_95().unwrap()[0] < 1e-12);
+        assert_eq!(Row::of(0, 0, &[]).success_rate_95(), None);
+    }
+}

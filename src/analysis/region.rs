@@ -4,6 +4,10 @@
 //!
 //! A step moves it by at most so much, and a push may leave it inside of something by at most as much again. So free
 //! places hang together that are not further apart than four such steps; thicker walls are not passed.
+//!
+//! That fails where two things push against each other: of two pushes along an axis the deeper one wins, so that a body
+//! wriggles through a slit that is up to two steps too narrow for it. Where it could come to one, nothing is said; where
+//! one of the two is no part of the plane, it may be left inside of the other twice as deep.
 
 use crate::ir::{Bounds, Push, SpaceId, TagSet};
 
@@ -63,12 +67,35 @@ impl Scene<'_> {
         let bounds = self.world.spaces[space].bounds.filter(|_| players);
         let blocking = self.blocking(of, space);
         let plane = Plane::new(&blocking, bounds)?;
-        let apart = 4.0 * far + 4.0 * ROUNDING;
+        // What pushes and is no part of the plane pushes on, against what is.
+        let deep = if self.is_pushed_unseen(kind, space) { 2.0 * far } else { far };
+        let apart = 4.0 * deep + 4.0 * ROUNDING;
         let reached = plane.flood(seeds, apart);
+        if has_slit(&blocking, &reached, far, apart) {
+            return None;
+        }
         // A push can leave it a little inside of what blocks it.
-        let wide = |i: Interval| Interval { low: i.low - far - ROUNDING, high: i.high + far + ROUNDING };
+        let wide = |i: Interval| Interval { low: i.low - deep - ROUNDING, high: i.high + deep + ROUNDING };
         let strips: Vec<[Interval; 2]> = reached.into_iter().map(|strip| strip.map(wide)).collect();
         Region::new(strips)
+    }
+
+    /// Whether anything blocks that is not among [`Scene::blocking`]: an instance, a cloud, a collider that comes and goes.
+    fn is_pushed_unseen(&self, kind: usize, space: SpaceId) -> bool {
+        let tiles = Tiles::new(self.world, space);
+        let solids = self.world.spaces[space].solids.iter().map(|s| s.tags);
+        let tags: Vec<TagSet> = tiles.tags.iter().copied().chain(solids).collect();
+        let bodies = &self.kinds[kind].bodies;
+        let by_instances =
+            self.pairs[kind].iter().any(|p| p.meeting.response.push != Push::Sense && !bodies[p.mine].kinematic);
+        by_instances
+            || bodies.iter().filter(|b| !b.kinematic).any(|body| {
+                let meets = |push: &dyn Fn(Push) -> bool| {
+                    tags.iter().any(|t| self.world.meeting(body.tags, *t).is_some_and(|m| push(m.response.push)))
+                };
+                let is_seen = body.is_steady && body.extent.is_some();
+                meets(&|push| push == Push::FromAbove) || !is_seen && meets(&|push| push != Push::Sense)
+            })
     }
 
     /// The positions at which a collider that is always there lies inside of what blocks it and never moves.
@@ -86,6 +113,25 @@ impl Scene<'_> {
         out.retain(|[x, y]| x.low < x.high && y.low < y.high);
         out
     }
+}
+
+/// Whether two boxes that push against each other, overlapping by no more than two steps, lie near to what is reached.
+fn has_slit(blocking: &[[Interval; 2]], reached: &[[Interval; 2]], far: f64, apart: f64) -> bool {
+    let thickest = 2.0 * far + 4.0 * ROUNDING;
+    let near = |a: Interval, b: Interval| a.low - apart <= b.high && b.low - apart <= a.high;
+    let mut boxes = blocking.to_vec();
+    [0, 1].into_iter().any(|axis| {
+        boxes.sort_by(|a, b| a[axis].low.total_cmp(&b[axis].low));
+        boxes.iter().any(|a| {
+            let first = boxes.partition_point(|b| b[axis].low < a[axis].high - thickest);
+            let after = boxes.partition_point(|b| b[axis].low < a[axis].high);
+            boxes.get(first..after).unwrap_or_default().iter().any(|b| {
+                let slit = [0, 1].map(|i| a[i].and(b[i]));
+                let [Some(x), Some(y)] = slit else { return false };
+                a[axis].low < b[axis].low && reached.iter().any(|r| near(r[0], x) && near(r[1], y))
+            })
+        })
+    })
 }
 
 /// The positions at which a box lies inside of another.

@@ -1,0 +1,424 @@
+//! Verdicts are never wrong: worlds whose answers are known by construction (`tests/verdicts/*.hyped`) and all examples,
+//! searched by every planner. Every way that is reported is read back from its text and replayed by the bare simulator.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod support;
+
+use std::cell::Cell;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use hypedc::analysis::configuration_space;
+use hypedc::compile::{Barred, compile, compile_barred};
+use hypedc::ir::{GoalId, Program, WorldId};
+use hypedc::reach::{
+    Argument, Limits, Outcome, Plan, Planner, Problem, Proof, Sampling, Settings, Target, Verdict, reach,
+    search as grow, shorten,
+};
+use hypedc::sim::{Script, Simulator, parse_script};
+use hypedc::source::SourceMap;
+use hypedc::watch::{Unwatched, Watch};
+use support::{Disk, files, program};
+
+/// What is true of a goal. Each goal of a world in `tests/verdicts` has a comment line that begins with one of these in
+/// lower case, its name, and why. A script between backticks in that line reaches the goal.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Answer {
+    /// With inputs that are held for ten steps each.
+    Reachable,
+    /// Only with inputs that change more often.
+    Fine,
+    /// Only with an axis between its ends and its middle, which no search tries.
+    Steered,
+    Unreachable,
+}
+
+const ANSWERS: [(&str, Answer); 4] = [
+    ("reachable", Answer::Reachable),
+    ("fine", Answer::Fine),
+    ("steered", Answer::Steered),
+    ("unreachable", Answer::Unreachable),
+];
+
+/// A goal with its answer.
+struct Case {
+    file: String,
+    goal: String,
+    answer: Answer,
+    /// A way there, if the file tells one.
+    way: Option<String>,
+    program: Program,
+    world: WorldId,
+    id: GoalId,
+}
+
+/// All goals of all worlds of the folder.
+fn cases() -> Vec<Case> {
+    let is_world = |path: &PathBuf| path.parent() == Some(Path::new("tests/verdicts"));
+    files("tests/verdicts", "hyped").into_iter().filter(is_world).flat_map(|path| cases_of(&path)).collect()
+}
+
+fn cases_of(path: &Path) -> Vec<Case> {
+    let text = std::fs::read_to_string(path).unwrap();
+    let program = program(compile(path, &Disk));
+    let file = path.file_stem().unwrap().to_str().unwrap().to_string();
+    let lines = text.lines().map_while(|line| line.strip_prefix("// "));
+    let cases: Vec<Case> = lines
+        .map(|line| {
+            let (head, why) = line.split_once(": ").unwrap_or_else(|| panic!("{file}: no reason in `{line}`"));
+            let (answer, goal) = head.split_once(' ').unwrap_or_else(|| panic!("{file}: no goal in `{line}`"));
+            let (_, answer) = ANSWERS.iter().find(|(word, _)| *word == answer).unwrap_or_else(|| panic!("{line}"));
+            let (world, id) = program
+                .worlds
+                .pairs()
+                .flat_map(|(world, w)| w.goals.pairs().map(move |(id, g)| (world, id, &g.name)))
+                .find_map(|(world, id, name)| (name == goal).then_some((world, id)))
+                .unwrap_or_else(|| panic!("{file}: there is no goal {goal}"));
+            let way = why.split('`').nth(1).map(str::to_string);
+            Case { file: file.clone(), goal: goal.into(), answer: *answer, way, program: program.clone(), world, id }
+        })
+        .collect();
+    let goals: usize = program.worlds.iter().map(|w| w.goals.len()).sum();
+    assert_eq!(cases.len(), goals, "{file}: one line for each goal");
+    cases
+}
+
+/// What a way must do: from a question that need not know how it was found.
+struct Question<'a> {
+    what: &'a str,
+    program: &'a Program,
+    world: WorldId,
+    target: Target,
+}
+
+impl Question<'_> {
+    /// Writes the script as text, reads it back, runs it: what is asked for holds at its end, but not before (after the
+    /// steps that were given), no other `never` holds on the way, and every player stays in the bounds of its space.
+    fn replay(&self, plan: &Plan) {
+        let Question { what, program, world, .. } = *self;
+        let text = plan.script.text(program, world);
+        let script = read(program, world, &text);
+        assert_eq!(script, plan.script, "{what}: {text}");
+        assert_eq!(script.len(), plan.steps, "{what}: {text}");
+        self.run(&script, plan.after);
+    }
+
+    fn run(&self, script: &Script, after: u64) {
+        let what = format!("{}: {}", self.what, script.text(self.program, self.world));
+        let sim = Simulator::new(self.program, self.world);
+        let mut scratch = sim.scratch();
+        let mut state = sim.initial(&mut scratch).unwrap();
+        let mut inputs = script.inputs();
+        for step in 0.. {
+            let holds = match self.target {
+                Target::Goal(goal) => sim.goal(&state, goal).unwrap(),
+                Target::Never(never) => sim.holds(&state, sim.world().nevers[never].holds).unwrap(),
+            };
+            let input = inputs.next();
+            // A counterexample may break other rules in its last step.
+            if input.is_some() || matches!(self.target, Target::Goal(_)) {
+                assert_eq!(sim.violated(&state).unwrap(), None, "{what}: after {step}");
+                assert!(is_within(&sim, &state), "{what}: outside after {step}");
+            }
+            let Some(input) = input else {
+                assert!(holds, "{what}: it does not hold in the end");
+                break;
+            };
+            assert!(!holds || step < after, "{what}: it holds before the end, after {step}");
+            sim.step(&mut state, input, &mut scratch).unwrap();
+        }
+    }
+}
+
+/// Whether each player that lives is in its space.
+fn is_within(sim: &Simulator<'_>, state: &[u8]) -> bool {
+    let world = sim.world();
+    world.players.iter().filter(|p| world.layout.slots[p.slot].alive(state)).all(|player| {
+        let (x, y) = sim.position(state, player.slot);
+        let bounds = world.spaces[sim.space(state, player.slot)].bounds;
+        bounds.is_none_or(|b| b.left <= x && x <= b.right && b.bottom <= y)
+    })
+}
+
+fn read(program: &Program, world: WorldId, text: &str) -> Script {
+    let file = SourceMap::new().add("inputs", text.to_string());
+    let (script, found) = parse_script(program, world, file, text);
+    assert!(found.is_empty(), "{text}: {found:?}");
+    script
+}
+
+fn limits(nodes: u64) -> Limits {
+    Limits { nodes, ..Limits::default() }
+}
+
+/// The verdict is not against the answer, whatever the analysis would have said.
+fn agrees(case: &Case, outcome: &Outcome, how: &str) {
+    let what = format!("{} {}, {how}", case.file, case.goal);
+    match &outcome.verdict {
+        Verdict::NotFound => {}
+        Verdict::Reached(plan) => {
+            let target = Target::Goal(case.id);
+            Question { what: &what, program: &case.program, world: case.world, target }.replay(plan);
+            assert!(matches!(case.answer, Answer::Reachable | Answer::Fine), "{what}: reached");
+        }
+        Verdict::Unreachable(Argument::Analysis(_)) => assert_eq!(case.answer, Answer::Unreachable, "{what}"),
+        Verdict::Unreachable(Argument::Exhaustion { hold, .. }) => match case.answer {
+            Answer::Reachable => panic!("{what}: exhausted"),
+            Answer::Fine => assert!(*hold > 1, "{what}: exhausted by inputs of one step"),
+            Answer::Steered | Answer::Unreachable => {}
+        },
+    }
+}
+
+#[test]
+fn no_planner_contradicts_what_is_known() {
+    let cases = cases();
+    assert!(cases.iter().map(|c| &c.file).collect::<std::collections::BTreeSet<_>>().len() >= 36);
+    for case in &cases {
+        let sim = Simulator::new(&case.program, case.world);
+        let problem = Problem::new(&sim, case.id);
+        let space = configuration_space(&case.program, case.world);
+        let proof = Proof::of(&problem, &space);
+        assert!(proof.is_none() || case.answer == Answer::Unreachable, "{} {}: {proof:?}", case.file, case.goal);
+        for planner in Planner::ALL {
+            for (seed, sampling, hold) in [
+                (1, Sampling::Reduced, None),
+                (2, Sampling::Naive, Some((1, 1))),
+                (3, Sampling::Reduced, Some((1, 30))),
+            ] {
+                let settings = Settings { planner, seed, sampling, hold, ..Settings::default() };
+                let outcome = grow(&problem, &space, &settings, &limits(200), &Unwatched).unwrap();
+                agrees(case, &outcome, &format!("{settings:?}"));
+            }
+        }
+    }
+}
+
+#[test]
+fn exhaustion_of_inputs_of_one_step_finds_what_there_is() {
+    for case in &cases() {
+        let sim = Simulator::new(&case.program, case.world);
+        let space = configuration_space(&case.program, case.world);
+        let settings = Settings { planner: Planner::Exhaustive, hold: Some((1, 1)), ..Settings::default() };
+        let problem = Problem::new(&sim, case.id);
+        let outcome = grow(&problem, &space, &settings, &limits(15_000), &Unwatched).unwrap();
+        agrees(case, &outcome, "exhaustively, one step each");
+    }
+}
+
+#[test]
+fn ways_that_are_written_by_hand_lead_there() {
+    let mut ways = 0;
+    for case in &cases() {
+        let Some(way) = &case.way else {
+            assert_ne!(case.answer, Answer::Steered, "{}: a way to {}", case.file, case.goal);
+            continue;
+        };
+        assert_ne!(case.answer, Answer::Unreachable, "{} {}", case.file, case.goal);
+        let what = format!("{} {}", case.file, case.goal);
+        let target = Target::Goal(case.id);
+        let question = Question { what: &what, program: &case.program, world: case.world, target };
+        question.run(&read(&case.program, case.world, way), 0);
+        ways += 1;
+    }
+    assert!(ways >= 5, "{ways}");
+}
+
+/// What `auto` says of each goal; where inputs must change more often, with inputs of one step.
+#[test]
+fn auto_finds_what_there_is_and_proves_what_it_can() {
+    let mut lines = String::new();
+    for case in &cases() {
+        let sim = Simulator::new(&case.program, case.world);
+        let problem = Problem::new(&sim, case.id);
+        let space = configuration_space(&case.program, case.world);
+        let hold = (case.answer == Answer::Fine).then_some((1, 1));
+        let settings = Settings { hold, ..Settings::default() };
+        let outcome = reach(&problem, &space, &settings, &limits(40_000), &Unwatched).unwrap();
+        agrees(case, &outcome, "auto");
+        let is_reached = matches!(outcome.verdict, Verdict::Reached(_));
+        let can_be = matches!(case.answer, Answer::Reachable | Answer::Fine);
+        assert_eq!(is_reached, can_be, "{} {}: {:?}", case.file, case.goal, outcome.verdict);
+        let verdict = match outcome.verdict {
+            Verdict::Reached(_) => "reached".into(),
+            Verdict::NotFound => "not found".into(),
+            Verdict::Unreachable(Argument::Analysis(_)) => "unreachable, by the analysis".into(),
+            Verdict::Unreachable(Argument::Exhaustion { hold, .. }) => {
+                format!("unreachable, by exhaustion of inputs of {hold} steps")
+            }
+        };
+        let fine = if hold.is_some() { " (inputs of 1 step)" } else { "" };
+        writeln!(lines, "{} {}{fine}: {verdict}", case.file, case.goal).unwrap();
+    }
+    insta::assert_snapshot!(lines);
+}
+
+/// Stops after it was asked so often.
+struct Patience(Cell<u32>);
+
+impl Watch for Patience {
+    fn stop(&self) -> bool {
+        self.0.set(self.0.get().saturating_sub(1));
+        self.0.get() == 0
+    }
+}
+
+/// Shortens a way: what comes of it replays, is no worse in any respect, begins alike and holds inputs as long.
+fn shortens(question: &Question<'_>, problem: &Problem<'_>, plan: &Plan) {
+    let shortest = |plan: &Plan| {
+        let held = plan.script.steps.len().saturating_sub(1);
+        plan.script.steps[..held].iter().map(|s| s.count).min().unwrap_or(u32::MAX)
+    };
+    for least in [0, if plan.after == 0 { shortest(plan).min(10) } else { 0 }] {
+        let short = shorten(problem, plan, least, &Patience(Cell::new(12)));
+        question.replay(&short);
+        let what = question.what;
+        assert_eq!(short.after, plan.after, "{what}");
+        assert!(short.steps <= plan.steps && short.script.steps.len() <= plan.script.steps.len(), "{what}");
+        assert!(least == 0 || shortest(&short) >= least, "{what}: {least}");
+        let first = |plan: &Plan| plan.script.inputs().take(plan.after as usize).cloned().collect::<Vec<_>>();
+        assert_eq!(first(&short), first(plan), "{what}");
+    }
+}
+
+/// The examples with each of their worlds.
+fn examples() -> Vec<(PathBuf, Program)> {
+    let is_world = |(_, program): &(PathBuf, Program)| !program.worlds.is_empty();
+    let all = files("examples", "hyped").into_iter().map(|path| (path.clone(), program(compile(&path, &Disk))));
+    all.filter(is_world).collect()
+}
+
+/// Each goal and each `never` of each world of the examples.
+fn every_question(mut ask: impl FnMut(&Question<'_>)) {
+    for (path, program) in examples() {
+        for (world, table) in program.worlds.pairs() {
+            let goals = table.goals.pairs().map(|(id, g)| (Target::Goal(id), &g.name));
+            let nevers = table.nevers.pairs().map(|(id, n)| (Target::Never(id), &n.name));
+            for (target, name) in goals.chain(nevers) {
+                let what = format!("{} {} {name}", path.display(), table.name);
+                ask(&Question { what: &what, program: &program, world, target });
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_reported_of_the_examples_replays_and_repeats() {
+    let (mut reached, mut broken) = (0, 0);
+    every_question(|question| {
+        let sim = Simulator::new(question.program, question.world);
+        let space = configuration_space(question.program, question.world);
+        let problem = Problem::asking(&sim, question.target);
+        for (planner, seed) in Planner::ALL.into_iter().zip(1..) {
+            let sampling = if seed % 3 == 0 { Sampling::Naive } else { Sampling::Reduced };
+            let settings = Settings { planner, seed, sampling, ..Settings::default() };
+            let run = || reach(&problem, &space, &settings, &limits(1_000), &Unwatched).unwrap();
+            let outcome = run();
+            assert_eq!(outcome, run(), "{} {settings:?}", question.what);
+            for (never, script) in &outcome.violations {
+                Question { target: Target::Never(*never), ..*question }.run(script, 0);
+            }
+            if let Verdict::Reached(plan) = &outcome.verdict {
+                question.replay(plan);
+                shortens(question, &problem, plan);
+                reached += 1;
+                broken += usize::from(matches!(question.target, Target::Never(_)));
+            }
+        }
+    });
+    assert!(reached > 60 && broken > 12, "{reached} reached, {broken} of them broken");
+}
+
+/// Several trees give the same whoever lets them grow.
+#[test]
+fn threads_change_nothing() {
+    every_question(|question| {
+        let sim = Simulator::new(question.program, question.world);
+        let space = configuration_space(question.program, question.world);
+        let problem = Problem::asking(&sim, question.target);
+        for planner in [Planner::Auto, Planner::Rrt, Planner::Coverage] {
+            let with = |threads| {
+                let settings = Settings { planner, trees: 4, threads, seed: 7, ..Settings::default() };
+                reach(&problem, &space, &settings, &limits(1_500), &Unwatched).unwrap()
+            };
+            let alone = with(1);
+            for threads in [2, 3] {
+                assert_eq!(alone, with(threads), "{} {}", question.what, planner.name());
+            }
+            if let Verdict::Reached(plan) = &alone.verdict {
+                question.replay(plan);
+            }
+        }
+    });
+}
+
+/// A search goes on from where a part of a way leads, or from several such places.
+#[test]
+fn ways_go_on_from_where_a_script_leads() {
+    let mut found = 0;
+    every_question(|question| {
+        let sim = Simulator::new(question.program, question.world);
+        let space = configuration_space(question.program, question.world);
+        let problem = Problem::asking(&sim, question.target);
+        let settings = Settings::default();
+        let outcome = reach(&problem, &space, &settings, &limits(3_000), &Unwatched).unwrap();
+        let Verdict::Reached(whole) = outcome.verdict else { return };
+        let part = |length: u64| {
+            let mut script = Script::default();
+            whole.script.inputs().take(length as usize).for_each(|input| script.push(input, 1));
+            script
+        };
+        let (third, half) = (part(whole.steps / 3), part(whole.steps / 2));
+        let later = Problem::asking(&sim, question.target).after(third.clone()).unwrap();
+        let later = later.after(half.clone()).unwrap();
+        for (planner, seed) in [(Planner::Auto, 3), (Planner::Rrt, 4), (Planner::EgRrt, 5), (Planner::Exhaustive, 6)] {
+            for trees in [1, 2] {
+                let settings = Settings { planner, seed, trees, ..Settings::default() };
+                let outcome = reach(&later, &space, &settings, &limits(1_000), &Unwatched).unwrap();
+                let Verdict::Reached(plan) = &outcome.verdict else { continue };
+                question.replay(plan);
+                let start = [&third, &half].into_iter().find(|s| s.len() == plan.after).unwrap();
+                assert!(plan.script.inputs().zip(start.inputs()).all(|(a, b)| a == b), "{}", question.what);
+                shortens(question, &later, plan);
+                found += 1;
+            }
+        }
+    });
+    assert!(found > 50, "{found}");
+}
+
+/// A goal of a world, with one more `never`; how the analysis and all planners answer.
+fn without(file: &str, goal: &str, predicate: &str) -> Vec<Verdict> {
+    let path = Path::new("tests/verdicts").join(file).with_extension("hyped");
+    let barred = Barred { world: None, name: "without", predicate, origin: "test" };
+    let program = program(compile_barred(&path, None, Some(barred), &Disk));
+    let world = WorldId(0);
+    let id = program.worlds[world].goals.find(|g| g.name == goal).unwrap();
+    let sim = Simulator::new(&program, world);
+    let space = configuration_space(&program, world);
+    let problem = Problem::new(&sim, id);
+    let ask = |planner| {
+        let settings = Settings { planner, ..Settings::default() };
+        let verdict = reach(&problem, &space, &settings, &limits(20_000), &Unwatched).unwrap().verdict;
+        if let Verdict::Reached(plan) = &verdict {
+            let what = format!("{file} {goal} without {predicate}");
+            Question { what: &what, program: &program, world, target: Target::Goal(id) }.replay(plan);
+        }
+        verdict
+    };
+    [Planner::Auto, Planner::RgRrt, Planner::Exhaustive].map(ask).into()
+}
+
+#[test]
+fn what_is_needed_is_not_done_without() {
+    let is_reached = |verdicts: &[Verdict]| verdicts.iter().any(|v| matches!(v, Verdict::Reached(_)));
+    // The key is needed behind the door, but not before it.
+    let needed = without("key_before_door", "behind", "hero.keys > 0");
+    assert!(matches!(needed[0], Verdict::Unreachable(_)), "{needed:?}");
+    assert!(!is_reached(&needed), "{needed:?}");
+    assert!(is_reached(&without("key_before_door", "behind", "hero.x > 140")));
+    // Either door will do.
+    assert!(is_reached(&without("one_key_two_doors", "keyless", "two in open")));
+    assert!(!is_reached(&without("one_key_two_doors", "keyless", "one in open")));
+}

@@ -8,8 +8,8 @@ pub struct Progress {
     pub nodes: u64,
     /// The most nodes the budget allows.
     pub budget: u64,
-    /// Trees begun.
-    pub trees: u64,
+    /// Places covered so far.
+    pub places: u64,
 }
 
 /// Asked now and then between two units of work.

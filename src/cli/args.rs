@@ -215,9 +215,9 @@ pub(super) struct ReachArgs {
     /// The seed: the same seed gives the same search.
     #[arg(long, value_name = "N", default_value_t = 1, help_heading = "The search")]
     pub seed: u64,
-    /// The most nodes to grow for each goal.
-    #[arg(long, value_name = "N", default_value_t = 200_000, help_heading = "The budget")]
-    pub nodes: u64,
+    /// The most nodes to grow for each goal; by itself 200000, or with `--seconds` as many as come.
+    #[arg(long, value_name = "N", help_heading = "The budget")]
+    pub nodes: Option<u64>,
     /// The most seconds to take for each goal.
     #[arg(long, value_name = "S", value_parser = seconds, help_heading = "The budget")]
     pub seconds: Option<f64>,

@@ -142,7 +142,7 @@ impl Run<'_> {
             Target::Never(id) => &self.sim.world().nevers[id].name,
         };
         let watch = CommandWatch::new(name, self.args.seconds);
-        let limits = Limits { nodes: self.args.nodes, memory: self.args.memory << 20 };
+        let limits = Limits { nodes: nodes_limit(self.args), memory: self.args.memory << 20 };
         let outcome = reach(&problem, self.space, &self.settings, &limits, &watch);
         let mut outcome: Outcome = match outcome {
             Ok(outcome) => outcome,
@@ -179,7 +179,7 @@ impl Run<'_> {
         }
         if let Some(path) = &self.args.svg {
             let path = save_path(path, name, self.targets);
-            if let Err(error) = write(&path, &self.picture(name, &answered, &outcome)) {
+            if let Err(error) = write(&path, self.picture(name, &answered, &outcome)) {
                 plain_error(&format!("cannot write `{}`: {error}", path.display()))?;
                 return Ok(None);
             }
@@ -228,6 +228,11 @@ impl Run<'_> {
     fn least_hold(&self) -> Option<u16> {
         self.args.min_hold.map(|time| steps(time, self.sim.world()))
     }
+}
+
+/// How many nodes may grow.
+pub(super) fn nodes_limit(args: &ReachArgs) -> u64 {
+    args.nodes.unwrap_or(if args.seconds.is_some() { u64::MAX } else { Limits::default().nodes })
 }
 
 /// A time in steps of a world, at least one.

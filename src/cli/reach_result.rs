@@ -10,6 +10,7 @@ use crate::reach::{Argument, Count, End, Outcome, Restart, Settings, Target, Ver
 use crate::sim::Simulator;
 
 use super::args::{ReachArgs, SampleBounds};
+use super::reach::nodes_limit;
 use super::report::{Loaded, program_sha256};
 use super::values;
 
@@ -36,7 +37,7 @@ pub(super) struct RunResult {
     without: Option<String>,
     after: Vec<String>,
     analysis_seconds: f64,
-    nodes_limit: u64,
+    nodes_limit: Option<u64>,
     seconds_limit: Option<f64>,
     memory_limit: u64,
     goals: Vec<Answered>,
@@ -76,7 +77,7 @@ impl RunResult {
             without: args.without.clone(),
             after: args.after.clone(),
             analysis_seconds,
-            nodes_limit: args.nodes,
+            nodes_limit: args.nodes.or(args.seconds.is_none().then(|| nodes_limit(args))),
             seconds_limit: args.seconds,
             memory_limit: args.memory << 20,
             goals: Vec::new(),
@@ -152,11 +153,13 @@ pub(super) struct Answered {
     verdict: &'static str,
     /// Why it is proven unreachable.
     argument: Option<String>,
+    /// If it is proven by exhaustion: for how many steps inputs are held.
+    proven_by_hold: Option<u16>,
     /// Number of steps and length of the path; none if there is none.
     steps: Option<u64>,
     seconds_of_play: Option<f64>,
-    /// Whether no path of inputs held as long is shorter.
-    is_shortest: Option<bool>,
+    /// If no path of inputs held for so many steps each is shorter: for how many.
+    shortest_by: Option<u16>,
     pub inputs: Option<String>,
     /// Who had the answer.
     planner: &'static str,
@@ -170,6 +173,8 @@ pub(super) struct Answered {
     pub violations: Vec<Violation>,
     stopped: bool,
     out_of_memory: bool,
+    #[serde(skip)]
+    is_spent: bool,
     inputs_left_out: bool,
     /// The parent of each node, and where the first player is: space, x, y. Null if it was not asked for.
     pub tree: Option<Vec<(u32, u32, f32, f32)>>,
@@ -216,7 +221,12 @@ impl Answered {
             argument,
             steps: plan.map(|p| p.steps),
             seconds_of_play: plan.map(|p| p.steps as f64 * world.step.seconds()),
-            is_shortest: plan.map(|p| p.is_shortest),
+            shortest_by: plan.and_then(|p| p.shortest_by),
+            proven_by_hold: match outcome.verdict {
+                Verdict::Unreachable(Argument::Exhaustion { states: 1.., hold }) => Some(hold),
+                _ => None,
+            },
+            is_spent: outcome.end == End::Nodes,
             inputs: plan.map(|p| p.script.text(sim.program(), sim.world_id())),
             planner: outcome.planner,
             nodes: s.nodes,
@@ -277,13 +287,23 @@ impl Answered {
             ("proven-unreachable", _) if self.planner == "analysis" => {
                 format!("  {kind} {goal}: proven unreachable, in no state that the world can be in\n")
             }
-            ("proven-unreachable", _) => format!("  {kind} {goal}: proven unreachable\n"),
+            ("proven-unreachable", _) => match self.proven_by_hold {
+                Some(2..) => {
+                    let hold = self.proven_by_hold.unwrap_or(1);
+                    format!("  {kind} {goal}: proven unreachable by inputs that are held for {hold} steps each\n")
+                }
+                _ => format!("  {kind} {goal}: proven unreachable\n"),
+            },
             ("not found", Target::Never(_)) => format!("  {kind} {goal}: no way to break it was found\n"),
             (verdict, _) => format!("  {kind} {goal}: {verdict}\n"),
         };
         self.reasons.iter().for_each(|reason| out.push_str(&format!("    {reason}\n")));
         if let (Some(steps), Some(seconds)) = (self.steps, self.seconds_of_play) {
-            let shortest = if self.is_shortest == Some(true) && steps > 0 { ", as few as there can be" } else { "" };
+            let shortest = match self.shortest_by {
+                Some(1) => ", as few as there can be".to_string(),
+                Some(hold) => format!(", as few as inputs that are held for {hold} steps each can do"),
+                None => String::new(),
+            };
             out.push_str(&format!("    path    {steps} steps ({seconds:.2} s of play){shortest}\n"));
         }
         if let Some(inputs) = self.inputs.as_ref().filter(|i| !i.is_empty()) {
@@ -327,7 +347,8 @@ impl Answered {
             out.push_str("    some combinations of buttons were left out: there are too many\n");
         }
         if self.verdict == "not found" {
-            out.push_str("    this proves nothing: a longer search may find a way\n");
+            let longer = if self.is_spent { " (`--nodes N`, `--seconds S`)" } else { "" };
+            out.push_str(&format!("    this proves nothing: a longer search{longer} may find a way\n"));
         }
         out
     }

@@ -42,7 +42,7 @@ impl CommandWatch {
         let target =
             if io::stderr().is_terminal() { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
         let bar = ProgressBar::with_draw_target(None, target);
-        let style = ProgressStyle::with_template("{spinner} {prefix}  {pos} of {len} nodes  {msg}  {elapsed}");
+        let style = ProgressStyle::with_template("{spinner} {prefix}  {pos} nodes  {msg}");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
         bar.set_prefix(what.to_string());
         CommandWatch { interrupted: interrupted(), started: Instant::now(), seconds, bar, shown: Cell::new(None) }
@@ -78,10 +78,13 @@ impl Watch for CommandWatch {
             return;
         }
         self.shown.set(Some(now));
-        self.bar.set_length(progress.budget);
         self.bar.set_position(progress.nodes);
-        let speed = progress.nodes as f64 / self.seconds().max(1e-3);
-        let trees = if progress.trees == 1 { "tree" } else { "trees" };
-        self.bar.set_message(format!("{speed:.0}/s  {} {trees}", progress.trees));
+        let elapsed = self.seconds();
+        let speed = progress.nodes as f64 / elapsed.max(1e-3);
+        // Whichever budget ends first; one of nodes that cannot be spent is none.
+        let by_nodes = progress.budget.saturating_sub(progress.nodes) as f64 / speed.max(1e-3);
+        let left = self.seconds.map_or(by_nodes, |limit| by_nodes.min(limit - elapsed)).max(0.0);
+        self.bar
+            .set_message(format!("{speed:.0}/s  {} places  {elapsed:.0} s, at most {left:.0} s left", progress.places));
     }
 }

@@ -155,9 +155,10 @@ impl<'a> Exhaustive<'a> {
             }
             *layer_end = self.ground.tree.len();
         }
-        let is_shortest = matches!(self.order, Order::Breadth { .. });
+        // Starts that are not the initial state have had steps of different number.
+        let is_shortest = matches!(self.order, Order::Breadth { .. }) && self.ground.starts() == 1;
         let (choice, steps) = self.found.take()?;
-        self.ground.plan(choice, steps, is_shortest)
+        self.ground.plan(choice, steps, is_shortest.then_some(self.ground.hold.0))
     }
 }
 
@@ -190,6 +191,10 @@ impl Searcher for Exhaustive<'_> {
 
     fn nodes(&self) -> u64 {
         self.ground.notes.statistics.nodes
+    }
+
+    fn places(&self) -> u64 {
+        self.ground.notes.coverage.count().places
     }
 
     fn report(&self, notes: &mut Notes) {

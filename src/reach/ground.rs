@@ -285,12 +285,12 @@ impl<'a> Ground<'a> {
     }
 
     /// A way to what is asked for, which a choice brings about after so many steps; replayed.
-    pub(super) fn plan(&mut self, choice: Choice, steps: u16, is_shortest: bool) -> Option<Plan> {
+    pub(super) fn plan(&mut self, choice: Choice, steps: u16, shortest_by: Option<u16>) -> Option<Plan> {
         let after = self.start(choice.node).script.len();
         let script = self.script(choice, steps);
         let length = replays_to(self.problem, &script, after, &mut self.scratch);
         debug_assert_eq!(length, Some(script.len()), "a found path must replay");
-        (length == Some(script.len())).then_some(Plan { steps: script.len(), script, after, is_shortest })
+        (length == Some(script.len())).then_some(Plan { steps: script.len(), script, after, shortest_by })
     }
 
     /// Adds what was noted.

@@ -86,6 +86,10 @@ impl SlotPart {
     }
 }
 
+/// A coordinate or a mode in a projection: its level, its cells along a distance of 1 and where the first one begins (of
+/// a mode each value is a cell), and whether it can be something that is achieved.
+pub(super) type Projected = (usize, Option<(f32, f32)>, bool);
+
 /// What of a state distances are measured in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Measure {
@@ -177,7 +181,7 @@ impl Metric {
     /// For planners that cover a projection: of each coordinate and then of each mode the level (1 or 2) at which it
     /// tells, its cells along a distance of 1 and where the first cell begins (of a mode each value is a cell), and whether
     /// it can be something that is achieved: a mode, a count, whether there is an instance. Where players are is level 1.
-    pub(super) fn projection(&self) -> Vec<(usize, Option<(f32, f32)>, bool)> {
+    pub(super) fn projection(&self) -> Vec<Projected> {
         let is_player = |slot: SlotId| self.players.contains(&slot);
         let real = |c: &Coordinate| {
             let width = (c.high - c.low).max(f64::MIN_POSITIVE);

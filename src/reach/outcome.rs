@@ -22,7 +22,7 @@ pub enum Verdict {
 pub enum Argument {
     /// It holds in no state that the world can be in; nothing was searched.
     Analysis(Proof),
-    /// All that a player can do was tried, with inputs that change only every so many steps.
+    /// All that a player can do was tried with inputs that change only every so many steps, and axes at -1, 0 and 1.
     Exhaustion {
         /// How many different states there are.
         states: u64,
@@ -40,8 +40,8 @@ pub struct Plan {
     pub steps: u64,
     /// How many of the first steps lead to where the search began.
     pub after: u64,
-    /// Whether no other way of inputs held as long takes fewer steps.
-    pub is_shortest: bool,
+    /// If no way of inputs that are held for so many steps each takes fewer steps: for how many.
+    pub shortest_by: Option<u16>,
 }
 
 /// What a search did.

@@ -80,6 +80,10 @@ impl Searcher for Portfolio<'_> {
         self.spent.statistics.nodes + self.arms.iter().map(|(_, arm)| arm.nodes()).sum::<u64>()
     }
 
+    fn places(&self) -> u64 {
+        self.arms.iter().map(|(_, arm)| arm.places()).max().unwrap_or(0)
+    }
+
     fn report(&self, notes: &mut Notes) {
         notes.join(&self.spent);
         self.arms.iter().for_each(|(_, arm)| arm.report(notes));
@@ -91,5 +95,61 @@ impl Searcher for Portfolio<'_> {
 
     fn planner(&self) -> &'static str {
         self.planner
+    }
+}
+
+/// Searches one after the other, each of which can tell more than the one before: what the last one proves counts.
+pub(super) struct Refinement<'a> {
+    /// The last is the one at work.
+    stages: Vec<Box<dyn Searcher + 'a>>,
+    done: Notes,
+}
+
+impl<'a> Refinement<'a> {
+    /// Of at least one search, the coarsest first.
+    pub fn new(mut stages: Vec<Box<dyn Searcher + 'a>>) -> Self {
+        stages.reverse();
+        Refinement { stages, done: Notes::default() }
+    }
+}
+
+impl Searcher for Refinement<'_> {
+    fn advance(&mut self, nodes: u64, watch: &dyn Watch) -> Ending {
+        let Some(stage) = self.stages.last_mut() else { return Ending::Spent };
+        let ending = stage.advance(nodes, watch);
+        let is_last = self.stages.len() == 1;
+        match ending {
+            // By coarse inputs a "no" means little; the next one is finer.
+            Ending::Exhausted(..) | Ending::Spent if !is_last => {
+                if let Some(stage) = self.stages.pop() {
+                    stage.report(&mut self.done);
+                }
+                Ending::Paused
+            }
+            ending => ending,
+        }
+    }
+
+    fn nodes(&self) -> u64 {
+        self.done.statistics.nodes + self.stages.last().map_or(0, |stage| stage.nodes())
+    }
+
+    fn places(&self) -> u64 {
+        self.stages.last().map_or(0, |stage| stage.places())
+    }
+
+    fn report(&self, notes: &mut Notes) {
+        notes.join(&self.done);
+        if let Some(stage) = self.stages.last() {
+            stage.report(notes);
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        self.stages.last().map_or(0, |stage| stage.bytes())
+    }
+
+    fn planner(&self) -> &'static str {
+        self.stages.last().map_or("auto", |stage| stage.planner())
     }
 }

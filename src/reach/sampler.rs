@@ -112,7 +112,7 @@ impl<'a> Sampler<'a> {
             }
             Extension::Dead => self.strategy.learn(&mut self.ground, Some(choice), Growth::Failed),
             Extension::Goal(steps) => {
-                return self.ground.plan(choice, steps, false);
+                return self.ground.plan(choice, steps, None);
             }
         }
         None
@@ -138,6 +138,10 @@ impl Searcher for Sampler<'_> {
 
     fn nodes(&self) -> u64 {
         self.ground.notes.statistics.nodes
+    }
+
+    fn places(&self) -> u64 {
+        self.ground.notes.coverage.count().places
     }
 
     fn report(&self, notes: &mut Notes) {

@@ -16,7 +16,7 @@ use super::ground::{Ground, Notes};
 use super::metric::{Measure, Metric};
 use super::outcome::{Argument, End, Outcome, Plan, Verdict};
 use super::planners::Planner;
-use super::portfolio::Portfolio;
+use super::portfolio::{Portfolio, Refinement};
 use super::problem::{Problem, Standing, Start};
 use super::sampler::Sampler;
 use super::searcher::{Ending, Searcher};
@@ -111,7 +111,7 @@ pub fn search(
             Standing::Dead(_) => {}
             Standing::Goal => {
                 let steps = start.script.len();
-                let plan = Plan { steps, script: start.script, after: steps, is_shortest: true };
+                let plan = Plan { steps, script: start.script, after: steps, shortest_by: None };
                 return Ok(Outcome::of(Verdict::Reached(plan), settings.planner.name()));
             }
         }
@@ -142,16 +142,29 @@ impl<'a> Builder<'_, 'a> {
         match self.settings.planner {
             Planner::Auto => {
                 // An exhaustion is the same whatever its seed.
-                let arms = AUTO.iter().filter(|(_, p)| tree == 0 || *p != Planner::BestFirst);
-                let arms = arms.map(|(share, planner)| (*share, self.one(*planner, tree))).collect();
+                let sampling =
+                    AUTO.iter().map(|(share, planner)| (*share, self.one(*planner, tree, self.settings.hold)));
+                let mut arms: Vec<_> = sampling.collect();
+                if tree == 0 {
+                    arms.push((1, Box::new(self.refinement(tree))));
+                }
                 Box::new(Portfolio::new(arms, self.limits.memory / self.settings.trees.max(1) as u64))
             }
-            planner => self.one(planner, tree),
+            planner => self.one(planner, tree, self.settings.hold),
         }
     }
 
-    fn one(&self, planner: Planner, tree: usize) -> Box<dyn Searcher + 'a> {
-        let hold = self.settings.hold.unwrap_or(planner.hold());
+    /// Exhaustions by finer and finer inputs, down to those that are asked for.
+    fn refinement(&self, tree: usize) -> Refinement<'a> {
+        let finest = self.settings.hold.map_or(1, |hold| hold.0);
+        let mut holds: Vec<u16> = [10, 5, 2, 1].into_iter().filter(|hold| *hold > finest).collect();
+        holds.push(finest);
+        let stages = holds.into_iter().map(|hold| self.one(Planner::BestFirst, tree, Some((hold, hold))));
+        Refinement::new(stages.collect())
+    }
+
+    fn one(&self, planner: Planner, tree: usize, hold: Option<(u16, u16)>) -> Box<dyn Searcher + 'a> {
+        let hold = hold.unwrap_or(planner.hold());
         // Trees begin at different starts and with different seeds, of which the first is the one that is given.
         let mut starts = self.starts.to_vec();
         let seed = if tree == 0 { self.settings.seed } else { mixed(self.settings.seed, tree as u64) };
@@ -177,9 +190,9 @@ impl<'a> Builder<'_, 'a> {
     }
 }
 
-/// The planners that `auto` takes in turns, with their shares of the nodes: by measurement, the first solves most worlds
-/// soonest, the second some that the first does not, the third proves.
-const AUTO: [(u64, Planner); 3] = [(4, Planner::Coverage), (1, Planner::Rrt), (1, Planner::BestFirst)];
+/// The sampling planners that `auto` takes in turns, with their shares of the nodes: by measurement, the first solves most
+/// worlds soonest, the second some that the first does not. Beside them, an exhaustion with a share of 1 looks for proofs.
+const AUTO: [(u64, Planner); 2] = [(4, Planner::Coverage), (1, Planner::Rrt)];
 
 /// Searchers side by side.
 struct Forest<'f, 'a> {
@@ -203,7 +216,8 @@ impl Forest<'_, '_> {
             if bytes as u64 > self.limits.memory {
                 return self.outcome(Verdict::NotFound, End::Memory, 0);
             }
-            self.watch.progress(Progress { nodes, budget: self.limits.nodes, trees: self.trees.len() as u64 });
+            let places = self.trees.iter().map(|t| t.places()).max().unwrap_or(0);
+            self.watch.progress(Progress { nodes, budget: self.limits.nodes, places });
             let share = (left / self.trees.len() as u64).clamp(1, ROUND);
             let endings = self.round(share);
             let is_spent = endings.iter().all(|e| matches!(e, Ending::Spent));

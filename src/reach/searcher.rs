@@ -28,6 +28,9 @@ pub(super) trait Searcher: Send {
     /// The nodes grown so far.
     fn nodes(&self) -> u64;
 
+    /// How many places were covered so far, by whichever of its trees has covered the most.
+    fn places(&self) -> u64;
+
     /// Adds what it has noted so far.
     fn report(&self, notes: &mut Notes);
 

@@ -65,7 +65,7 @@ pub fn shorten(problem: &Problem<'_>, plan: &Plan, least: u32, watch: &dyn Watch
     if script == plan.script {
         return plan.clone();
     }
-    Plan { steps: script.len(), script, after: kept, is_shortest: false }
+    Plan { steps: script.len(), script, after: kept, shortest_by: None }
 }
 
 /// The first steps of a script, and what follows.

@@ -14,7 +14,7 @@ use rand::RngExt;
 
 use crate::reach::coverage::mixed;
 use crate::reach::ground::Ground;
-use crate::reach::metric::{Metric, Point};
+use crate::reach::metric::{Metric, Point, Projected};
 use crate::reach::strategy::{Choice, Growth, Strategy};
 use crate::reach::tree::NodeId;
 
@@ -86,7 +86,7 @@ pub struct CoverageGuided {
 impl CoverageGuided {
     /// A strategy for a space.
     pub fn new(metric: &Metric) -> Self {
-        let axis = |(level, cells, counts): (usize, Option<(f32, f32)>, bool)| Axis {
+        let axis = |(level, cells, counts): Projected| Axis {
             level: if counts { 0 } else { level },
             cells,
             counts,

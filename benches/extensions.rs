@@ -29,7 +29,7 @@ use yardstick::rrt::{Planned, Tree};
 use yardstick::{Test1, Test2};
 
 /// The sizes of trees at which rates are asked for, and how many seeds the median is over.
-const SIZES: [(u64, u64); 3] = [(1_000, 101), (10_000, 21), (100_000, 5)];
+const SIZES: [(u64, u64); 3] = [(1_000, 101), (10_000, 21), (100_000, 3)];
 /// The size at which memory is asked for.
 const LARGE: u64 = 100_000;
 

@@ -320,7 +320,7 @@ impl Random {
         x ^= x >> 27;
         self.0 = x;
         let drawn = x.wrapping_mul(0x2545_F491_4F6C_DD1D);
-        ((drawn >> 32) * u64::from(many) >> 32) as u32
+        (((drawn >> 32) * u64::from(many)) >> 32) as u32
     }
 
     /// A whole number from 0 on, the last included.

@@ -4,6 +4,10 @@
 //! bit. Positions are upper-left corners and y points up, as in `examples/paper`. There is nothing general in here, and
 //! that is the point.
 
+#![allow(dead_code, reason = "not every bench uses all of it")]
+
+pub mod rrt;
+
 /// The length of a step, s.
 const DT: f64 = 1.0 / 60.0;
 

@@ -9,7 +9,7 @@ use std::cell::Cell;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use hypedc::analysis::configuration_space;
+use hypedc::analysis::{configuration_space, configuration_space_without};
 use hypedc::compile::{Barred, compile, compile_barred};
 use hypedc::ir::{GoalId, Program, WorldId};
 use hypedc::reach::{
@@ -235,7 +235,7 @@ fn auto_finds_what_there_is_and_proves_what_it_can() {
         let space = configuration_space(&case.program, case.world);
         let hold = (case.answer == Answer::Fine).then_some((1, 1));
         let settings = Settings { hold, ..Settings::default() };
-        let outcome = reach(&problem, &space, &settings, &limits(40_000), &Unwatched).unwrap();
+        let outcome = reach(&problem, &space, &settings, &limits(60_000), &Unwatched).unwrap();
         agrees(case, &outcome, "auto");
         let is_reached = matches!(outcome.verdict, Verdict::Reached(_));
         let can_be = matches!(case.answer, Answer::Reachable | Answer::Fine);
@@ -396,7 +396,8 @@ fn without(file: &str, goal: &str, predicate: &str) -> Vec<Verdict> {
     let world = WorldId(0);
     let id = program.worlds[world].goals.find(|g| g.name == goal).unwrap();
     let sim = Simulator::new(&program, world);
-    let space = configuration_space(&program, world);
+    let nevers: Vec<_> = program.worlds[world].nevers.iter().map(|n| n.holds).collect();
+    let space = configuration_space_without(&program, world, &nevers);
     let problem = Problem::new(&sim, id);
     let ask = |planner| {
         let settings = Settings { planner, ..Settings::default() };
@@ -415,7 +416,7 @@ fn what_is_needed_is_not_done_without() {
     let is_reached = |verdicts: &[Verdict]| verdicts.iter().any(|v| matches!(v, Verdict::Reached(_)));
     // The key is needed behind the door, but not before it.
     let needed = without("key_before_door", "behind", "hero.keys > 0");
-    assert!(matches!(needed[0], Verdict::Unreachable(_)), "{needed:?}");
+    assert!(needed.iter().any(|v| matches!(v, Verdict::Unreachable(_))), "{needed:?}");
     assert!(!is_reached(&needed), "{needed:?}");
     assert!(is_reached(&without("key_before_door", "behind", "hero.x > 140")));
     // Either door will do.

@@ -169,6 +169,8 @@ pub(super) struct Answered {
     failures: u64,
     simulated_steps: u64,
     seconds: f64,
+    /// Where nothing was found: for how many steps inputs are held that are proven to lead nowhere, and to how many states.
+    exhausted: Option<(u16, u64)>,
     coverage: CoverageResult,
     pub violations: Vec<Violation>,
     stopped: bool,
@@ -235,6 +237,7 @@ impl Answered {
             failures: s.failures,
             simulated_steps: s.steps,
             seconds,
+            exhausted: outcome.exhausted,
             coverage: CoverageResult {
                 place: crate::reach::PLACE,
                 places: covered.all.places,
@@ -347,6 +350,11 @@ impl Answered {
             out.push_str("    some combinations of buttons were left out: there are too many\n");
         }
         if self.verdict == "not found" {
+            if let Some((hold, states)) = self.exhausted {
+                out.push_str(&format!(
+                    "    inputs that are held for {hold} steps each lead nowhere: all their {states} states were visited\n"
+                ));
+            }
             let longer = if self.is_spent { " (`--nodes N`, `--seconds S`)" } else { "" };
             out.push_str(&format!("    this proves nothing: a longer search{longer} may find a way\n"));
         }

@@ -39,6 +39,9 @@ pub(super) struct Notes {
     pub is_truncated: bool,
     /// Every node, if nodes are recorded.
     pub record: Vec<Visited>,
+    /// The finest inputs by which all states were visited without an answer: for how many steps they are held, and how
+    /// many states there are.
+    pub exhausted: Option<(u16, u64)>,
 }
 
 impl Notes {
@@ -57,6 +60,10 @@ impl Notes {
         let before = self.record.len() as u32;
         self.record.extend(other.record.iter().map(|v| Visited { parent: v.parent + before, ..*v }));
         self.is_truncated |= other.is_truncated;
+        self.exhausted = match (self.exhausted, other.exhausted) {
+            (Some(a), Some(b)) => Some(if b.0 < a.0 { b } else { a }),
+            (a, b) => a.or(b),
+        };
     }
 }
 

@@ -107,6 +107,9 @@ pub struct Outcome {
     pub statistics: Statistics,
     /// What was covered.
     pub covered: Covered,
+    /// Where nothing was found: the finest inputs of which at least it is proven, by exhaustion, that they lead nowhere;
+    /// for how many steps they are held, and how many states they lead to.
+    pub exhausted: Option<(u16, u64)>,
     /// The first way found that broke each `never`.
     pub violations: Vec<(NeverId, Script)>,
     /// All nodes of all trees, if they were to be recorded.
@@ -126,6 +129,7 @@ impl Outcome {
             planner,
             statistics: Statistics::default(),
             covered: Covered::default(),
+            exhausted: None,
             violations: Vec::new(),
             record: Vec::new(),
             truncated: false,

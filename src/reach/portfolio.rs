@@ -124,6 +124,9 @@ impl Searcher for Refinement<'_> {
                 if let Some(stage) = self.stages.pop() {
                     stage.report(&mut self.done);
                 }
+                if let Ending::Exhausted(states, hold) = ending {
+                    self.done.exhausted = Some((hold, states));
+                }
                 Ending::Paused
             }
             ending => ending,

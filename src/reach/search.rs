@@ -274,6 +274,7 @@ impl Forest<'_, '_> {
             planner,
             statistics: notes.statistics,
             covered: notes.coverage.covered(),
+            exhausted: notes.exhausted,
             violations: notes.violations,
             record: notes.record,
             truncated: notes.is_truncated,

@@ -3,8 +3,8 @@
 
 use crate::ir::{CompareOp, Expr, ExprId, IdVec, Program, SlotId, Subject, World};
 
-use super::evaluate::Configuration;
-use super::values::{Interval, Values};
+use super::evaluate::{Configuration, left_by};
+use super::values::Values;
 
 /// Predicates of a world that hold in no state.
 #[derive(Debug, Clone, Copy)]
@@ -59,26 +59,14 @@ impl Barred<'_> {
     /// Cuts the number on one side of a comparison, if it is the instance's and the other side a constant.
     fn compare(&self, slot: SlotId, at: &mut Configuration, id: ExprId, op: CompareOp, with: ExprId) -> bool {
         let Some(x) = self.program.constant(with, &IdVec::new(), self.world.step) else { return true };
-        let cut = |values: &Values| match op {
-            CompareOp::Equal => values.within(Interval::point(x)),
-            CompareOp::Unequal => values.without(x),
-            CompareOp::Less | CompareOp::AtMost => values.within(Interval { low: f64::NEG_INFINITY, high: x }),
-            CompareOp::Greater | CompareOp::AtLeast => values.within(Interval { low: x, high: f64::INFINITY }),
-        };
+        let cut = |values: &Values, whole: bool| left_by(values, op, &Values::point(x), whole);
         match self.program.exprs[id] {
             Expr::Var(Subject::Slot(of), var, degree) if of == slot => {
                 let degree = usize::from(degree);
-                at.set(var, degree, cut(&at.vars[var][degree]));
+                at.set(var, degree, cut(&at.vars[var][degree], false));
             }
             Expr::Discrete(Subject::Slot(of), discrete) if of == slot => {
-                let mut left = cut(&at.discretes[discrete]);
-                // Whole numbers end before an open end.
-                left = match op {
-                    CompareOp::Less => left.within(Interval { low: f64::NEG_INFINITY, high: x.ceil() - 1.0 }),
-                    CompareOp::Greater => left.within(Interval { low: x.floor() + 1.0, high: f64::INFINITY }),
-                    _ => left,
-                };
-                at.set_discrete(discrete, left);
+                at.set_discrete(discrete, cut(&at.discretes[discrete], true));
             }
             _ => {}
         }

@@ -409,23 +409,13 @@ impl<'a> Reader<'a> {
     /// Cuts a variable to what a comparison leaves.
     fn cut(&self, out: &mut Configuration, id: ExprId, op: CompareOp, with: &Values) {
         let Some(hull) = with.hull() else { return };
-        let whole = matches!(self.program.exprs[id], Expr::Discrete(..));
-        let less = if whole { hull.high.ceil() - 1.0 } else { hull.high };
-        let more = if whole { hull.low.floor() + 1.0 } else { hull.low };
-        let cut = |values: &Values| match op {
-            CompareOp::Equal => values.and(with),
-            CompareOp::Unequal => with.constant().map_or_else(|| *values, |x| values.without(x)),
-            CompareOp::Less => values.within(Interval { low: f64::NEG_INFINITY, high: less }),
-            CompareOp::AtMost => values.within(Interval { low: f64::NEG_INFINITY, high: hull.high }),
-            CompareOp::Greater => values.within(Interval { low: more, high: f64::INFINITY }),
-            CompareOp::AtLeast => values.within(Interval { low: hull.low, high: f64::INFINITY }),
-        };
+        let cut = |values: &Values, whole: bool| left_by(values, op, with, whole);
         match self.program.exprs[id] {
             Expr::Var(Subject::Me, var, degree) => {
-                out.set(var, usize::from(degree), cut(&out.vars[var][usize::from(degree)]));
+                out.set(var, usize::from(degree), cut(&out.vars[var][usize::from(degree)], false));
             }
             Expr::Discrete(Subject::Me, id) => {
-                out.set_discrete(id, cut(&out.discretes[id]));
+                out.set_discrete(id, cut(&out.discretes[id], true));
             }
             Expr::Timer(timer) => {
                 // Counts are cut a step too wide, as times are rounded.
@@ -556,6 +546,21 @@ impl Configuration {
             energy: self.energy.ids().map(energy).collect(),
         };
         Configuration { leaves: self.leaves.clone(), timers, spaces, numbers: Arc::new(numbers) }
+    }
+}
+
+/// What a comparison leaves of values; of whole numbers, which end before an open end, or of any.
+pub(super) fn left_by(values: &Values, op: CompareOp, with: &Values, whole: bool) -> Values {
+    let Some(hull) = with.hull() else { return *values };
+    let less = if whole { hull.high.ceil() - 1.0 } else { hull.high };
+    let more = if whole { hull.low.floor() + 1.0 } else { hull.low };
+    match op {
+        CompareOp::Equal => values.and(with),
+        CompareOp::Unequal => with.constant().map_or_else(|| *values, |x| values.without(x)),
+        CompareOp::Less => values.within(Interval { low: f64::NEG_INFINITY, high: less }),
+        CompareOp::AtMost => values.within(Interval { low: f64::NEG_INFINITY, high: hull.high }),
+        CompareOp::Greater => values.within(Interval { low: more, high: f64::INFINITY }),
+        CompareOp::AtLeast => values.within(Interval { low: hull.low, high: f64::INFINITY }),
     }
 }
 

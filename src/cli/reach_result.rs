@@ -9,7 +9,7 @@ use crate::ir::{NeverId, Program, World, WorldId};
 use crate::reach::{Argument, Count, End, Outcome, Restart, Settings, Target, Verdict};
 use crate::sim::Simulator;
 
-use super::args::{ReachArgs, SampleBounds};
+use super::args::ReachArgs;
 use super::reach::nodes_limit;
 use super::report::{Loaded, program_sha256};
 use super::values;
@@ -59,14 +59,8 @@ impl RunResult {
             world: program.worlds[world].name.clone(),
             seed: args.seed,
             planner: settings.planner.name(),
-            bounds: match args.bounds {
-                SampleBounds::Naive => "naive",
-                SampleBounds::Reduced => "reduced",
-            },
-            metric: match settings.measure {
-                crate::reach::Measure::Full => "full",
-                crate::reach::Measure::Positions => "xy",
-            },
+            bounds: settings.sampling.name(),
+            metric: settings.measure.name(),
             hold: settings.hold,
             restart: match settings.restart {
                 Restart::ByPlanner => None,
@@ -291,8 +285,7 @@ impl Answered {
                 format!("  {kind} {goal}: proven unreachable, in no state that the world can be in\n")
             }
             ("proven-unreachable", _) => match self.proven_by_hold {
-                Some(2..) => {
-                    let hold = self.proven_by_hold.unwrap_or(1);
+                Some(hold @ 2..) => {
                     format!("  {kind} {goal}: proven unreachable by inputs that are held for {hold} steps each\n")
                 }
                 _ => format!("  {kind} {goal}: proven unreachable\n"),

@@ -83,18 +83,12 @@ impl Setup {
 
     /// The bounds, as they are written in results.
     pub fn bounds(&self) -> &'static str {
-        match self.sampling {
-            Sampling::Naive => "naive",
-            Sampling::Reduced => "reduced",
-        }
+        self.sampling.name()
     }
 
     /// The distance, as it is written in results.
     pub fn metric(&self) -> &'static str {
-        match self.measure {
-            Measure::Full => "full",
-            Measure::Positions => "xy",
-        }
+        self.measure.name()
     }
 
     /// The nodes of the shortest tree before a restart, or `never`; `own` for `auto`, whose planners each do as they do.

@@ -34,6 +34,16 @@ pub enum Sampling {
     Reduced,
 }
 
+impl Sampling {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Sampling::Naive => "naive",
+            Sampling::Reduced => "reduced",
+        }
+    }
+}
+
 /// The coordinates of a slot, and how they are drawn.
 pub(super) fn of_slot(
     program: &Program,

@@ -88,7 +88,7 @@ impl<'a> Exhaustive<'a> {
         self.ground.notes.statistics.trees += 1;
         for start in 0..self.ground.starts() {
             let root = self.ground.plant(start, false);
-            self.note(root);
+            self.note(root, hashed(self.ground.tree.state(root)));
         }
         match &mut self.order {
             Order::Breadth { layer_end } => *layer_end = self.ground.tree.len(),
@@ -96,10 +96,9 @@ impl<'a> Exhaustive<'a> {
         }
     }
 
-    /// Keeps a new node.
-    fn note(&mut self, node: NodeId) {
+    /// Keeps a new node, whose state has this hash.
+    fn note(&mut self, node: NodeId, hash: u64) {
         let tree = &self.ground.tree;
-        let hash = hashed(tree.state(node));
         self.known.insert_unique(hash, node.0, |id| hashed(tree.state(NodeId(*id))));
         if let Order::Best(open) = &mut self.order {
             self.ground.point(node, &mut self.point);
@@ -121,10 +120,11 @@ impl<'a> Exhaustive<'a> {
             Extension::Open => {
                 let state = self.ground.reached();
                 let tree = &self.ground.tree;
-                let is_known = self.known.find(hashed(state), |id| tree.state(NodeId(*id)) == state).is_some();
+                let hash = hashed(state);
+                let is_known = self.known.find(hash, |id| tree.state(NodeId(*id)) == state).is_some();
                 if !is_known {
                     let id = self.ground.add(choice, false);
-                    self.note(id);
+                    self.note(id, hash);
                 }
             }
         }

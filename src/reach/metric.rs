@@ -100,6 +100,16 @@ pub enum Measure {
     Positions,
 }
 
+impl Measure {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Measure::Full => "full",
+            Measure::Positions => "xy",
+        }
+    }
+}
+
 /// The sampled space of a world.
 #[derive(Debug, Clone)]
 pub struct Metric {

@@ -141,10 +141,10 @@ impl<'a> Builder<'_, 'a> {
     fn searcher(&self, tree: usize) -> Box<dyn Searcher + 'a> {
         match self.settings.planner {
             Planner::Auto => {
-                // An exhaustion is the same whatever its seed.
                 let sampling =
                     AUTO.iter().map(|(share, planner)| (*share, self.one(*planner, tree, self.settings.hold)));
                 let mut arms: Vec<_> = sampling.collect();
+                // An exhaustion is the same whatever its seed.
                 if tree == 0 {
                     arms.push((1, Box::new(self.refinement(tree))));
                 }
@@ -169,23 +169,21 @@ impl<'a> Builder<'_, 'a> {
         let mut starts = self.starts.to_vec();
         let seed = if tree == 0 { self.settings.seed } else { mixed(self.settings.seed, tree as u64) };
         let rng = Pcg64::seed_from_u64(seed);
+        starts.rotate_left(tree % self.starts.len().max(1));
+        let ground = |controls| {
+            Ground::new(self.problem, self.metric, controls, starts, hold, rng).recording(self.settings.records)
+        };
         match planner.strategy(self.metric) {
             Some(strategy) => {
-                starts.rotate_left(tree % self.starts.len().max(1));
-                let ground = Ground::new(self.problem, self.metric, ControlSets::default(), starts, hold, rng);
-                let ground = ground.recording(self.settings.records);
                 let restart = match self.settings.restart {
                     Restart::ByPlanner => Some(planner.restart()),
                     Restart::After(nodes) => Some(nodes),
                     Restart::Never => None,
                 };
+                let ground = ground(ControlSets::default());
                 Box::new(Sampler::new(ground, strategy, planner.name(), self.settings.goal_bias, restart))
             }
-            None => {
-                let ground = Ground::new(self.problem, self.metric, ControlSets::complete(), starts, hold, rng);
-                let ground = ground.recording(self.settings.records);
-                Box::new(Exhaustive::new(ground, planner == Planner::BestFirst))
-            }
+            None => Box::new(Exhaustive::new(ground(ControlSets::complete()), planner == Planner::BestFirst)),
         }
     }
 }

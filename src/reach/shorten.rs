@@ -44,8 +44,10 @@ pub fn shorten(problem: &Problem<'_>, plan: &Plan, least: u32, watch: &dyn Watch
         let mut at = 0;
         while at < best.len() && left > 0 {
             let found = variants(&best, at).into_iter().find_map(|steps| {
-                if left == 0 || watch.stop() || !better(&steps, &best) {
-                    left = if watch.stop() { 0 } else { left };
+                if watch.stop() {
+                    left = 0;
+                }
+                if left == 0 || !better(&steps, &best) {
                     return None;
                 }
                 left = left.saturating_sub(plan.steps);

@@ -46,6 +46,12 @@ impl<T> TileMap<T> {
         self.cells.get(row * self.columns + column).map(|&k| usize::from(k))
     }
 
+    /// Where a tile is, by its index among the cells: its lower-left corner, its width and its height, px.
+    pub fn rectangle(&self, cell: usize) -> [f64; 4] {
+        let (column, row) = ((cell % self.columns) as f64, (cell / self.columns) as f64);
+        [column * self.tile.0, row * self.tile.1, self.tile.0, self.tile.1]
+    }
+
     /// Width and height of the whole map, px.
     pub fn size(&self) -> (f64, f64) {
         (self.columns as f64 * self.tile.0, self.rows as f64 * self.tile.1)

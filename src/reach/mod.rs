@@ -10,6 +10,7 @@
 mod bounds;
 mod controls;
 mod coverage;
+mod distance;
 mod draw;
 mod exhaustive;
 mod ground;
@@ -27,6 +28,7 @@ mod searcher;
 mod shorten;
 mod strategy;
 mod tree;
+mod whereabouts;
 
 pub use bounds::Sampling;
 pub use controls::MAX_CONTROLS;

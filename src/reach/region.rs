@@ -7,6 +7,7 @@ use crate::ir::{Bounds, CompareOp, Entity, Expr, ExprId, LeafId, SlotId, Subject
 
 use super::metric::{MODE_PENALTY, Metric, Point, Quantity};
 use super::problem::Problem;
+use super::whereabouts::extent;
 
 /// The most boxes a goal is cut into.
 const MAX_BOXES: usize = 256;
@@ -171,22 +172,14 @@ impl Finder<'_> {
             let kinds: Vec<bool> =
                 map.kinds.iter().map(|k| k.tags.iter().copied().collect::<TagSet>().meets(wanted)).collect();
             let hits = map.cells.iter().enumerate().filter(|(_, kind)| kinds[usize::from(**kind)]);
-            targets.extend(hits.take(MAX_BOXES).map(|(cell, _)| {
-                let (column, row) = ((cell % map.columns) as f64, (cell / map.columns) as f64);
-                Bounds::new([column * map.tile.0, row * map.tile.1, map.tile.0, map.tile.1])
-            }));
+            targets.extend(hits.take(MAX_BOXES).map(|(cell, _)| Bounds::new(map.rectangle(cell))));
         }
         let mut boxes = Vec::new();
         for collider in entity.colliders.iter().filter(|c| touch.mine.meets(c.tags)) {
-            let numbers = collider.shape.numbers().iter();
-            let numbers: Vec<f64> = numbers.filter_map(|&id| program.constant(id, &s.params, world.step)).collect();
-            let [x, y, width, height] = match numbers.as_slice() {
-                [x, y, width, height] => [*x, *y, *width, *height],
-                [x, y, radius] => [x - radius, y - radius, 2.0 * radius, 2.0 * radius],
-                _ => continue,
-            };
+            let Some(mine) = extent(self.problem, slot, collider) else { continue };
             boxes.extend(targets.iter().take(MAX_BOXES).map(|t| {
-                self.position_box(slot, (t.left - x - width, t.right - x), (t.bottom - y - height, t.top - y))
+                let (x, y) = ((t.left - mine.right, t.right - mine.left), (t.bottom - mine.top, t.top - mine.bottom));
+                self.position_box(slot, x, y)
             }));
         }
         boxes.truncate(MAX_BOXES);

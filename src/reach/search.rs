@@ -173,7 +173,7 @@ impl<'a> Builder<'_, 'a> {
         let ground = |controls| {
             Ground::new(self.problem, self.metric, controls, starts, hold, rng).recording(self.settings.records)
         };
-        match planner.strategy(self.metric) {
+        match planner.strategy(self.problem, self.metric) {
             Some(strategy) => {
                 let restart = match self.settings.restart {
                     Restart::ByPlanner => Some(planner.restart()),

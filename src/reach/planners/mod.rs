@@ -3,15 +3,18 @@
 
 mod adaptive;
 mod blame;
+mod cells;
 mod coverage_guided;
 mod eg;
 mod guided;
+mod lead;
 mod rc;
 mod reachable;
 mod rg;
 mod rrt;
 
 use super::metric::Metric;
+use super::problem::Problem;
 use super::strategy::Strategy;
 
 /// A planner.
@@ -36,6 +39,8 @@ pub enum Planner {
     AstarRgRrt,
     /// After KPIECE (Şucan and Kavraki 2009) and EST: guided by what is covered, without neighbours.
     Coverage,
+    /// After SyCLoP (Plaku, Kavraki and Vardi 2010): led by the distance to the goal through the level.
+    Lead,
     /// Breadth first, each state once: shortest plans, and proofs.
     Exhaustive,
     /// The nearest to the goal first, each state once: proofs.
@@ -44,7 +49,7 @@ pub enum Planner {
 
 impl Planner {
     /// All of them.
-    pub const ALL: [Planner; 11] = [
+    pub const ALL: [Planner; 12] = [
         Planner::Auto,
         Planner::Rrt,
         Planner::RcRrt,
@@ -54,6 +59,7 @@ impl Planner {
         Planner::AstarRrt,
         Planner::AstarRgRrt,
         Planner::Coverage,
+        Planner::Lead,
         Planner::Exhaustive,
         Planner::BestFirst,
     ];
@@ -70,6 +76,7 @@ impl Planner {
             Planner::AstarRrt => "astar-rrt",
             Planner::AstarRgRrt => "astar-rg-rrt",
             Planner::Coverage => "coverage",
+            Planner::Lead => "lead",
             Planner::Exhaustive => "exhaustive",
             Planner::BestFirst => "best-first",
         }
@@ -87,6 +94,7 @@ impl Planner {
             Planner::AstarRrt => "RRT with a bounded best-first search as local planner",
             Planner::AstarRgRrt => "RG-RRT with the same",
             Planner::Coverage => "guided by what is covered, without neighbours (after KPIECE and EST)",
+            Planner::Lead => "led by the distance to the goal through the level (after SyCLoP)",
             Planner::Exhaustive => "breadth first, each state once: shortest plans, and proofs of no",
             Planner::BestFirst => "the nearest to the goal first, each state once: proofs of no",
         }
@@ -100,7 +108,7 @@ impl Planner {
     /// For how many steps it holds an input, if nothing else is asked for.
     pub fn hold(self) -> (u16, u16) {
         match self {
-            Planner::Coverage => (4, 60),
+            Planner::Coverage | Planner::Lead => (4, 60),
             _ => (10, 10),
         }
     }
@@ -109,13 +117,17 @@ impl Planner {
     pub fn restart(self) -> u64 {
         match self {
             // It comes back to what it has passed by.
-            Planner::Coverage => 20_000,
+            Planner::Coverage | Planner::Lead => 20_000,
             _ => 2_000,
         }
     }
 
     /// Its strategy in the planning loop; none of those that do not sample.
-    pub(super) fn strategy<'m>(self, metric: &'m Metric) -> Option<Box<dyn Strategy + Send + 'm>> {
+    pub(super) fn strategy<'m>(
+        self,
+        problem: &Problem<'_>,
+        metric: &'m Metric,
+    ) -> Option<Box<dyn Strategy + Send + 'm>> {
         Some(match self {
             Planner::Auto | Planner::Exhaustive | Planner::BestFirst => return None,
             Planner::Rrt => Box::new(rrt::Rrt::new(metric)),
@@ -126,6 +138,7 @@ impl Planner {
             Planner::AstarRrt => Box::new(guided::Guided::new(rrt::Rrt::new(metric))),
             Planner::AstarRgRrt => Box::new(guided::Guided::new(rg::Rg::new(metric))),
             Planner::Coverage => Box::new(coverage_guided::CoverageGuided::new(metric)),
+            Planner::Lead => Box::new(lead::Lead::new(problem, metric)),
         })
     }
 }

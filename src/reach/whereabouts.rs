@@ -1,0 +1,188 @@
+//! Where a player has to be for a goal to hold, as far as its predicate says so: boxes of its position, space by space.
+//! What distances to the goal are measured to (`distance.rs`).
+
+use crate::ir::{
+    Arithmetic, Bounds, Collider, CompareOp, Expr, ExprId, Origin, SlotId, SpaceId, Subject, TagSet, TouchId, VarId,
+};
+
+use super::problem::Problem;
+
+/// The most boxes a goal is cut into.
+const MAX_BOXES: usize = 4096;
+
+/// Positions of a player, px.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Place {
+    /// In this space; none: in any.
+    pub space: Option<SpaceId>,
+    /// From the least to the greatest x.
+    pub x: (f64, f64),
+    /// From the least to the greatest y.
+    pub y: (f64, f64),
+}
+
+impl Place {
+    const ANYWHERE: Place =
+        Place { space: None, x: (f64::NEG_INFINITY, f64::INFINITY), y: (f64::NEG_INFINITY, f64::INFINITY) };
+
+    fn and(self, other: Place) -> Option<Place> {
+        let space = match (self.space, other.space) {
+            (Some(a), Some(b)) if a != b => return None,
+            (a, b) => a.or(b),
+        };
+        let both = |a: (f64, f64), b: (f64, f64)| (a.0.max(b.0), a.1.min(b.1));
+        let place = Place { space, x: both(self.x, other.x), y: both(self.y, other.y) };
+        (place.x.0 <= place.x.1 && place.y.0 <= place.y.1).then_some(place)
+    }
+}
+
+/// A player and the places where it has to be for the goal to hold, the first player for whom the goal says so.
+pub(super) fn wanted(problem: &Problem<'_>) -> Option<(SlotId, Vec<Place>)> {
+    problem.players().iter().find_map(|&player| {
+        let places = Finder { problem, player }.places(problem.predicate())?;
+        Some((player, places))
+    })
+}
+
+/// The box of a collider of a slot relative to its position; none if it is not fixed.
+pub(super) fn extent(problem: &Problem<'_>, slot: SlotId, collider: &Collider) -> Option<Bounds> {
+    let world = problem.sim.world();
+    let params = &world.slots[slot].params;
+    let numbers = collider.shape.numbers().iter();
+    let numbers: Vec<f64> =
+        numbers.map(|&id| problem.sim.program().constant(id, params, world.step)).collect::<Option<_>>()?;
+    match *numbers.as_slice() {
+        [x, y, width, height] => Some(Bounds::new([x, y, width, height])),
+        [x, y, radius] => Some(Bounds::new([x - radius, y - radius, 2.0 * radius, 2.0 * radius])),
+        _ => None,
+    }
+}
+
+struct Finder<'a> {
+    problem: &'a Problem<'a>,
+    player: SlotId,
+}
+
+impl Finder<'_> {
+    /// Places of which the player must be in one for an expression to hold; none if it may be anywhere.
+    fn places(&self, id: ExprId) -> Option<Vec<Place>> {
+        let is_mine = |of: Subject| of == Subject::Slot(self.player);
+        match self.problem.sim.program().exprs[id] {
+            Expr::Bool(false) => Some(Vec::new()),
+            Expr::And(a, b) => match (self.places(a), self.places(b)) {
+                (Some(a), Some(b)) => {
+                    let both = a.iter().flat_map(|a| b.iter().filter_map(|b| a.and(*b)));
+                    Some(both.take(MAX_BOXES).collect())
+                }
+                (a, b) => a.or(b),
+            },
+            Expr::Or(a, b) => {
+                let (mut either, b) = (self.places(a)?, self.places(b)?);
+                either.extend(b);
+                either.truncate(MAX_BOXES);
+                Some(either)
+            }
+            Expr::Near { of, x, y, radius } if is_mine(of) => {
+                let (x, y, r) = (self.value(x)?, self.value(y)?, self.value(radius)?.max(0.0));
+                Some(vec![Place { space: None, x: (x - r, x + r), y: (y - r, y + r) }])
+            }
+            Expr::Compare(op, a, b) => self.comparison(op, a, b).map(|place| vec![place]),
+            Expr::InSpace(of, space) if is_mine(of) => Some(vec![Place { space: Some(space), ..Place::ANYWHERE }]),
+            Expr::Touching(of, touch) if is_mine(of) => self.touching(touch),
+            _ => None,
+        }
+    }
+
+    /// An expression as `a·x + b·y + c` of the player's position; others are where they begin.
+    fn linear(&self, id: ExprId) -> Option<[f64; 3]> {
+        let (program, world) = (self.problem.sim.program(), self.problem.sim.world());
+        let constant = |c: f64| Some([0.0, 0.0, c]);
+        match program.exprs[id] {
+            Expr::Number(n) => constant(n),
+            Expr::Negate(a) => self.linear(a).map(|a| a.map(|a| -a)),
+            Expr::Var(Subject::Slot(slot), var, 0) if slot == self.player => match var {
+                VarId(0) => Some([1.0, 0.0, 0.0]),
+                VarId(1) => Some([0.0, 1.0, 0.0]),
+                _ => None,
+            },
+            Expr::Var(Subject::Slot(slot), var, 0) => constant(world.slots[slot].vars[var][0]),
+            Expr::Param(Subject::Slot(slot), param) => constant(world.slots[slot].params[param]),
+            Expr::Arithmetic(op, a, b) => {
+                let (a, b) = (self.linear(a)?, self.linear(b)?);
+                let is_constant = |v: [f64; 3]| v[0] == 0.0 && v[1] == 0.0;
+                match op {
+                    Arithmetic::Add => Some([a[0] + b[0], a[1] + b[1], a[2] + b[2]]),
+                    Arithmetic::Subtract => Some([a[0] - b[0], a[1] - b[1], a[2] - b[2]]),
+                    Arithmetic::Multiply if is_constant(b) => Some(a.map(|a| a * b[2])),
+                    Arithmetic::Multiply if is_constant(a) => Some(b.map(|b| b * a[2])),
+                    Arithmetic::Divide if is_constant(b) && b[2] != 0.0 => Some(a.map(|a| a / b[2])),
+                    _ => None,
+                }
+            }
+            _ => None,
+        }
+    }
+
+    fn value(&self, id: ExprId) -> Option<f64> {
+        let [a, b, c] = self.linear(id)?;
+        (a == 0.0 && b == 0.0 && c.is_finite()).then_some(c)
+    }
+
+    /// `a·x + c` against 0, or the same of y.
+    fn comparison(&self, op: CompareOp, left: ExprId, right: ExprId) -> Option<Place> {
+        let (l, r) = (self.linear(left)?, self.linear(right)?);
+        let [a, b, c] = [l[0] - r[0], l[1] - r[1], l[2] - r[2]];
+        let range = |factor: f64| {
+            let at = -c / factor;
+            let is_above = matches!(op, CompareOp::Greater | CompareOp::AtLeast) == (factor > 0.0);
+            match op {
+                CompareOp::Equal => Some((at, at)),
+                CompareOp::Unequal => None,
+                _ if is_above => Some((at, f64::INFINITY)),
+                _ => Some((f64::NEG_INFINITY, at)),
+            }
+        };
+        match (a != 0.0, b != 0.0) {
+            (true, false) => range(a).map(|x| Place { x, ..Place::ANYWHERE }),
+            (false, true) => range(b).map(|y| Place { y, ..Place::ANYWHERE }),
+            _ => None,
+        }
+    }
+
+    /// The positions at which a collider of the player lies over something with the tag: a tile, a rectangle, or an
+    /// instance where it begins.
+    fn touching(&self, touch: TouchId) -> Option<Vec<Place>> {
+        let (program, world) = (self.problem.sim.program(), self.problem.sim.world());
+        let entity = &program.entities[world.slots[self.player].entity];
+        let touch = entity.touches[touch];
+        let wanted = TagSet::of(touch.other);
+        let mut targets: Vec<(SpaceId, Bounds)> = Vec::new();
+        for (id, space) in world.spaces.pairs() {
+            targets.extend(space.solids.iter().filter(|s| s.tags.meets(wanted)).map(|s| (id, s.bounds)));
+            let Some(map) = &space.map else { continue };
+            let has: Vec<bool> =
+                map.kinds.iter().map(|k| k.tags.iter().copied().collect::<TagSet>().meets(wanted)).collect();
+            let hits = map.cells.iter().enumerate().filter(|(_, kind)| has[usize::from(**kind)]);
+            targets.extend(hits.take(MAX_BOXES).map(|(cell, _)| (id, Bounds::new(map.rectangle(cell)))));
+        }
+        for (id, slot) in world.slots.pairs().filter(|(_, s)| s.origin != Origin::Free) {
+            let (x, y) = (slot.vars[VarId(0)][0], slot.vars[VarId(1)][0]);
+            let colliders = program.entities[slot.entity].colliders.iter().filter(|c| c.tags.meets(wanted));
+            let boxes = colliders.filter_map(|c| extent(self.problem, id, c));
+            targets.extend(boxes.map(|b| {
+                (slot.space, Bounds { left: b.left + x, right: b.right + x, bottom: b.bottom + y, top: b.top + y })
+            }));
+        }
+        let mut places = Vec::new();
+        for collider in entity.colliders.iter().filter(|c| touch.mine.meets(c.tags)) {
+            let mine = extent(self.problem, self.player, collider)?;
+            places.extend(targets.iter().map(|(space, t)| Place {
+                space: Some(*space),
+                x: (t.left - mine.right, t.right - mine.left),
+                y: (t.bottom - mine.top, t.top - mine.bottom),
+            }));
+        }
+        places.truncate(MAX_BOXES);
+        (!places.is_empty()).then_some(places)
+    }
+}

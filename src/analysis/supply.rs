@@ -174,7 +174,7 @@ impl<'a> Supply<'a> {
         let entity = &self.program.entities[slot.entity];
         let none = IdVec::new();
         // The parameters of a slot that can be used again are not known.
-        let params = if slot.origin == Origin::Named { &slot.params } else { &none };
+        let params = if slot.is_fixed { &slot.params } else { &none };
         let mut first = f64::from(slot.discretes[id]);
         let spawns = self.program.entities.iter().flat_map(|e| e.spawns.iter());
         let mut spawns = spawns.filter(|s| s.entity == slot.entity).peekable();

@@ -5,7 +5,7 @@
 
 use serde::Serialize;
 
-use super::{Entity, EntityId, IdVec, Origin, PlayerId, Slot, SlotId};
+use super::{Entity, EntityId, IdVec, PlayerId, Slot, SlotId};
 
 /// Byte offsets within a state.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -65,7 +65,7 @@ impl Layout {
                 let e = &entities[slot.entity];
                 let start = take(0);
                 let vars = take(24 * e.vars.len());
-                let params = (slot.origin != Origin::Named).then(|| take(8 * e.params.len()));
+                let params = (!slot.is_fixed).then(|| take(8 * e.params.len()));
                 let (discretes, timers) = (take(4 * e.discretes.len()), take(4 * e.timers.len()));
                 let peaked = e.envelopes.iter().any(|v| v.peak.is_some());
                 let peaks = take(if peaked { 2 * e.envelopes.len() } else { 0 });

@@ -173,7 +173,19 @@ fn verify_world(program: &Program, world: &World) {
     assert_eq!(layout.slots.len(), slots.len(), "a layout for each slot");
     assert_eq!(layout.players.len(), players.len(), "a layout for each player");
     for slot in slots.iter() {
-        let Slot { name: _, origin: _, entity, space, player, params, vars, discretes, refs, timer_limits } = slot;
+        let Slot {
+            name: _,
+            origin: _,
+            entity,
+            space,
+            player,
+            params,
+            vars,
+            discretes,
+            refs,
+            timer_limits,
+            is_fixed: _,
+        } = slot;
         let entity = &program.entities[*entity];
         assert!(space.index() < spaces.len() && player.is_none_or(|p| p.index() < players.len()), "a slot's ids");
         assert_eq!(params.len(), entity.params.len(), "a value for each parameter");

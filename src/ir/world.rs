@@ -61,12 +61,19 @@ pub(super) fn lower(program: &mut Program, w: &checked::World, predicates: Predi
     let step = Step { numerator: w.step.0, denominator: w.step.1 };
     let players: IdVec<PlayerId, Player> =
         w.players.iter().map(|p| Player { number: p.number, slot: p.slot }).collect();
+    let spawned = |entity: EntityId| program.entities.iter().any(|e| e.spawns.iter().any(|s| s.entity == entity));
+    let is_fixed = |i: &checked::Instance| match i.origin {
+        Origin::Named => true,
+        Origin::Tile => !spawned(i.entity),
+        Origin::Free => false,
+    };
     let slots: IdVec<SlotId, Slot> = w
         .instances
         .pairs()
         .map(|(id, instance)| Slot {
             name: instance.name.text.clone(),
             origin: instance.origin,
+            is_fixed: is_fixed(instance),
             entity: instance.entity,
             space: instance.space,
             player: players.find(|p| p.slot == id),
@@ -77,7 +84,7 @@ pub(super) fn lower(program: &mut Program, w: &checked::World, predicates: Predi
             timer_limits: {
                 // A slot that can be used again has no parameters that are known now.
                 let none = IdVec::new();
-                let known = if instance.origin == Origin::Named { &instance.params } else { &none };
+                let known = if is_fixed(instance) { &instance.params } else { &none };
                 timer_limits(program, instance.entity, known, step)
             },
         })

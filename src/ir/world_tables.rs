@@ -119,6 +119,8 @@ pub struct Slot {
     pub name: String,
     /// How an instance comes to be there.
     pub origin: Origin,
+    /// Whether its parameters never change: it is placed, or nothing makes new instances of its entity.
+    pub is_fixed: bool,
     /// Its entity.
     pub entity: EntityId,
     /// The space it is in at first.

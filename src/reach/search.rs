@@ -20,6 +20,7 @@ use super::portfolio::{Portfolio, Refinement};
 use super::problem::{Problem, Standing, Start};
 use super::sampler::Sampler;
 use super::searcher::{Ending, Searcher};
+use super::whereabouts::wanted;
 
 /// How a search goes about it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -141,8 +142,10 @@ impl<'a> Builder<'_, 'a> {
     fn searcher(&self, tree: usize) -> Box<dyn Searcher + 'a> {
         match self.settings.planner {
             Planner::Auto => {
-                let sampling =
-                    AUTO.iter().map(|(share, planner)| (*share, self.one(*planner, tree, self.settings.hold)));
+                // Where the goal lies at no place, distances lead nowhere.
+                let is_led = wanted(self.problem).is_some();
+                let planners = AUTO.iter().filter(|(_, planner)| is_led || *planner != Planner::Lead);
+                let sampling = planners.map(|(share, planner)| (*share, self.one(*planner, tree, self.settings.hold)));
                 let mut arms: Vec<_> = sampling.collect();
                 // An exhaustion is the same whatever its seed.
                 if tree == 0 {
@@ -189,8 +192,9 @@ impl<'a> Builder<'_, 'a> {
 }
 
 /// The sampling planners that `auto` takes in turns, with their shares of the nodes: by measurement, the first solves most
-/// worlds soonest, the second some that the first does not. Beside them, an exhaustion with a share of 1 looks for proofs.
-const AUTO: [(u64, Planner); 2] = [(4, Planner::Coverage), (1, Planner::Rrt)];
+/// goals at a place soonest, the second most others, the third some that these do not. Beside them, an exhaustion with a
+/// share of 1 looks for proofs.
+const AUTO: [(u64, Planner); 3] = [(4, Planner::Lead), (4, Planner::Coverage), (1, Planner::Rrt)];
 
 /// Searchers side by side.
 struct Forest<'f, 'a> {

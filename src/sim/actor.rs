@@ -1,16 +1,19 @@
 //! What every step looks up of a slot, at hand: its entity, its place in a state, its code with its parameters put in.
 
 use std::collections::BTreeMap;
-use std::ops::Range;
+use std::ops;
 use std::sync::Arc;
 
 use crate::ir::{
-    Drive, EdgeId, Entity, EntityId, Expr, ExprId, Id, IdVec, LeafId, Origin, Program, Slot, SlotId, SlotLayout, Step,
-    Subject, TimerId, World,
+    Drive, EdgeId, Entity, EntityId, Expr, ExprId, Id, IdVec, LeafId, Program, Slot, SlotId, SlotLayout, Step, Subject,
+    TimerId, World,
 };
 
 /// What drives a variable in a step: the degree and the value.
 pub(super) type Flow = (u8, f64);
+
+/// From the least to the greatest value.
+pub(super) type Range = (f64, f64);
 
 /// The flow that stands for "no flow".
 pub(super) const COAST: Flow = (3, 0.0);
@@ -25,6 +28,8 @@ pub(super) struct Code {
     pub steady: Vec<Flow>,
     /// The other drives that no group has.
     pub free: Vec<Drive>,
+    /// Of each variable, the bounds of its value and of its velocity, if there are clamps and none of them ever changes.
+    pub limits: Option<Vec<[Range; 2]>>,
     /// Whether a group asks what another does in the same step.
     pub is_joint: bool,
     /// Whether there is one group, which alone drives what changes.
@@ -87,10 +92,29 @@ impl Code {
                 timers: entity.timers.pairs().filter(|(_, t)| leaf.path.contains(&t.mode)).map(|(id, _)| id).collect(),
             }
         };
+        let number = |id: ExprId| match exprs[(id.0 - base) as usize] {
+            Expr::Number(n) => Some(n),
+            _ => None,
+        };
+        let limits = (!entity.clamps.is_empty()).then(|| limits(entity, number)).flatten();
         let is_joint = exprs.iter().any(|e| matches!(e, Expr::Joint(..)));
         let plans = entity.leaves.iter().map(plan).collect();
-        Code { plans, steady: all_steady, free, is_joint, is_single, exprs }
+        Code { plans, steady: all_steady, free, limits, is_joint, is_single, exprs }
     }
+}
+
+/// The bounds that clamps give each variable and its velocity; none if one of them is no number.
+fn limits(entity: &Entity, number: impl Fn(ExprId) -> Option<f64>) -> Option<Vec<[Range; 2]>> {
+    let unbounded = (f64::NEG_INFINITY, f64::INFINITY);
+    let mut limits = vec![[unbounded; 2]; entity.vars.len()];
+    for clamp in &entity.clamps {
+        let low = clamp.low.map_or(Some(unbounded.0), &number)?;
+        let high = clamp.high.map_or(Some(unbounded.1), &number)?;
+        let limit = limits[clamp.var.index()].get_mut(usize::from(clamp.degree))?;
+        // What several clamps do one after the other, one does.
+        *limit = (limit.0.max(low).min(high), limit.1.max(low).min(high));
+    }
+    Some(limits)
 }
 
 /// A slot with what belongs to it.
@@ -105,13 +129,13 @@ pub(super) struct Actor<'p> {
     /// The number of the first expression in it.
     pub base: u32,
     /// The range of its groups among those of all slots; and so on.
-    pub groups: Range<usize>,
-    pub vars: Range<usize>,
-    pub clamps: Range<usize>,
-    pub envelopes: Range<usize>,
+    pub groups: ops::Range<usize>,
+    pub vars: ops::Range<usize>,
+    pub clamps: ops::Range<usize>,
+    pub envelopes: ops::Range<usize>,
     /// The number of the player who controls it.
     pub player: Option<usize>,
-    /// Whether it has clamps, or envelopes that keep whether their peak was reached.
+    /// Whether it has clamps whose bounds may change, or envelopes that keep whether their peak was reached.
     pub is_bounded: bool,
 }
 
@@ -128,11 +152,10 @@ pub(super) fn actors<'p>(program: &'p Program, world: &'p World) -> Vec<Actor<'p
     let mut out = Vec::with_capacity(world.slots.len());
     for (id, slot) in world.slots.pairs() {
         let entity = &program.entities[slot.entity];
-        // The parameters of a slot that can be used again are part of the state.
-        let fixed = slot.origin == Origin::Named;
-        let key = (slot.entity, fixed.then(|| slot.params.iter().map(|p| p.to_bits()).collect()));
+        // Parameters that can change are part of the state.
+        let key = (slot.entity, slot.is_fixed.then(|| slot.params.iter().map(|p| p.to_bits()).collect()));
         let none = IdVec::new();
-        let params = if fixed { &slot.params } else { &none };
+        let params = if slot.is_fixed { &slot.params } else { &none };
         let code = known.entry(key).or_insert_with(|| {
             let exprs = entity.code.0.0..entity.code.1.0;
             let exprs = exprs.map(|e| folded(program, ExprId(e), params, world.step)).collect();
@@ -140,7 +163,8 @@ pub(super) fn actors<'p>(program: &'p Program, world: &'p World) -> Vec<Actor<'p
         });
         let layout = world.layout.slots[id].clone();
         let (code, base) = (code.clone(), entity.code.0.0);
-        let is_bounded = !entity.clamps.is_empty() || entity.envelopes.iter().any(|e| e.peak.is_some());
+        let has_peaks = entity.envelopes.iter().any(|e| e.peak.is_some());
+        let is_bounded = has_peaks || !entity.clamps.is_empty() && code.limits.is_none();
         out.push(Actor {
             id,
             slot,

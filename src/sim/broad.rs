@@ -1,6 +1,9 @@
-//! The broad phase: which boxes may meet. A world of few pairs keeps them as a list; in others the boxes are swept in
-//! strips (after Baraff, *Dynamic Simulation of Non-Penetrating Rigid Bodies*, 1992, who sweeps them all at once), so
-//! that the cost grows with the boxes and their neighbours, not with their square.
+//! The broad phase: which boxes may meet. A world of few pairs keeps them as a list. In others the boxes that are there
+//! are compared kind by kind, as long as this makes few pairs; else they are swept in strips (after Baraff, *Dynamic
+//! Simulation of Non-Penetrating Rigid Bodies*, 1992, who sweeps them all at once), so that the cost grows with the boxes
+//! and their neighbours, not with their square.
+
+use crate::ir::SlotId;
 
 use super::contact::Rect;
 
@@ -12,25 +15,74 @@ const MAX_LISTED: usize = 64;
 pub(super) enum Broad {
     /// All of them.
     Listed(Vec<(u32, u32)>),
-    /// Found anew in every step.
-    Swept,
+    /// Found anew in every step, from the kinds that can meet; the first is not above the second.
+    Kinds(Kinds),
 }
 
+/// The kinds of bodies that can meet.
+#[derive(Debug)]
+pub(super) struct Kinds {
+    pairs: Vec<(usize, usize)>,
+    /// How many bodies there are of each kind.
+    counts: Vec<usize>,
+}
+
+/// Comparing two boxes costs so much less than sorting one.
+const PAIRS_PER_BOX: usize = 12;
+
 impl Broad {
-    /// Prepares so many bodies; `meet` tells whether two of them can.
-    pub fn new(bodies: usize, meet: impl Fn(usize, usize) -> bool) -> Self {
+    /// Prepares bodies, of each of which are given its kind, below `kinds`, and its slot; `meet` tells whether two kinds
+    /// can.
+    pub fn new(bodies: &[(usize, SlotId)], kinds: usize, meet: impl Fn(usize, usize) -> bool) -> Self {
         let mut listed = Vec::new();
-        for i in 0..bodies {
-            for j in i + 1..bodies {
-                if meet(i, j) {
+        for (i, a) in bodies.iter().enumerate() {
+            for (j, b) in bodies.iter().enumerate().skip(i + 1) {
+                if a.1 != b.1 && meet(a.0, b.0) {
                     listed.push((i as u32, j as u32));
-                    if listed.len() > MAX_LISTED {
-                        return Broad::Swept;
-                    }
+                }
+                if listed.len() > MAX_LISTED {
+                    let all = (0..kinds).flat_map(|a| (a..kinds).map(move |b| (a, b)));
+                    let pairs = all.filter(|(a, b)| meet(*a, *b)).collect();
+                    let count = |kind| bodies.iter().filter(|b| b.0 == kind).count();
+                    return Broad::Kinds(Kinds { pairs, counts: (0..kinds).map(count).collect() });
                 }
             }
         }
         Broad::Listed(listed)
+    }
+
+    /// Room for the bodies of each kind.
+    pub fn room(&self) -> Vec<Vec<u32>> {
+        match self {
+            Broad::Listed(_) => Vec::new(),
+            Broad::Kinds(kinds) => kinds.counts.iter().map(|count| Vec::with_capacity(*count)).collect(),
+        }
+    }
+}
+
+/// Whether there are so few pairs among the bodies of each kind that comparing them all costs less than sorting.
+pub(super) fn is_few(kinds: &Kinds, active: &[Vec<u32>]) -> bool {
+    let pairs = |&(a, b): &(usize, usize)| match a == b {
+        true => active[a].len() * active[a].len().saturating_sub(1) / 2,
+        false => active[a].len() * active[b].len(),
+    };
+    let boxes = active.iter().map(Vec::len).sum::<usize>();
+    kinds.pairs.iter().map(pairs).sum::<usize>() <= boxes * PAIRS_PER_BOX
+}
+
+/// Calls `visit` with every pair of active boxes of one space and of kinds that can meet that overlap or touch, the lower
+/// index first.
+pub(super) fn each(kinds: &Kinds, active: &[Vec<u32>], boxes: &[Rect], visit: &mut impl FnMut(usize, usize)) {
+    for &(a, b) in &kinds.pairs {
+        for (nth, &i) in active[a].iter().enumerate() {
+            let others = if a == b { &active[b][nth + 1..] } else { &active[b][..] };
+            let rect = &boxes[i as usize];
+            for &j in others {
+                if rect.is_near(&boxes[j as usize]) {
+                    visit(i.min(j) as usize, i.max(j) as usize);
+                }
+            }
+        }
     }
 }
 
@@ -132,6 +184,31 @@ mod tests {
             let room = sweep.entries.capacity();
             sweep.pairs(&boxes, |i, j| found.push((i, j)));
             prop_assert_eq!(sweep.entries.capacity(), room);
+            found.sort_unstable();
+            expected.sort_unstable();
+            prop_assert_eq!(found, expected);
+        }
+
+        #[test]
+        fn kind_by_kind_each_near_pair_that_can_meet_is_found_once(
+            boxes in rects(),
+            kinds in prop::collection::vec(0..3usize, 40),
+            meets in prop::collection::vec(any::<bool>(), 9),
+        ) {
+            let meet = |a: usize, b: usize| meets[a.min(b) * 3 + a.max(b)];
+            let mut active = vec![Vec::new(); 3];
+            let mut expected = Vec::new();
+            for j in (0..boxes.len()).filter(|j| boxes[*j].active) {
+                active[kinds[j]].push(j as u32);
+                for i in (0..j).filter(|i| boxes[*i].active && boxes[*i].is_near(&boxes[j])) {
+                    if meet(kinds[i], kinds[j]) {
+                        expected.push((i, j));
+                    }
+                }
+            }
+            let pairs = (0..3).flat_map(|a| (a..3).map(move |b| (a, b))).filter(|(a, b)| meet(*a, *b)).collect();
+            let mut found = Vec::new();
+            each(&Kinds { pairs, counts: vec![40; 3] }, &active, &boxes, &mut |i, j| found.push((i, j)));
             found.sort_unstable();
             expected.sort_unstable();
             prop_assert_eq!(found, expected);

@@ -5,18 +5,19 @@
 
 use std::cell::Cell;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use crate::ir::{
-    Bounds, ColliderId, Entity, EntityId, ExprId, Id, IdVec, Meeting, Origin, Program, Push, Shape, Side, SlotId,
-    SlotLayout, SpaceId, TagSet, VarId, World,
+    Bounds, ColliderId, Entity, EntityId, Expr, ExprId, GroupId, Id, IdVec, Meeting, Program, Push, Shape, Side,
+    SlotId, SlotLayout, SpaceId, Subject, TagSet, VarId, World,
 };
 
 use super::actor::Actor;
-use super::broad::{Broad, Sweep};
+use super::broad::{Broad, Sweep, each, is_few};
 use super::contact::{Contact, Displacement, Rect, meet, opposite};
 use super::fault::Fault;
 use super::simulator::{Scratch as StepScratch, Simulator};
-use super::state::{Whereabouts, set_triple, triple};
+use super::state::{Whereabouts, leaf_at, set_triple, triple};
 
 /// What is known of a world's colliders before it runs.
 #[derive(Debug)]
@@ -46,8 +47,10 @@ pub(super) struct Body {
     meets: bool,
     /// The box, where it never changes: x and y of the lower-left corner, width, height.
     fixed: Option<[f64; 4]>,
-    /// Whether it is a rectangle that never changes, is never empty and is always there.
+    /// Whether it is a rectangle that never changes, is never empty and has nothing to read for it to be there.
     is_plain: bool,
+    /// Where a leaf stands in a state on which alone it depends whether it is there, and while which leaves it is.
+    by_leaf: Option<(usize, Arc<[bool]>)>,
 }
 
 /// What the bodies of one collider of one entity have in common.
@@ -106,6 +109,8 @@ impl Encounter {
 pub(super) struct Scratch {
     boxes: Vec<Rect>,
     sweep: Sweep,
+    /// Of each kind, the bodies that are there.
+    active: Vec<Vec<u32>>,
     /// For each slot: where it is pushed.
     displacements: Vec<Displacement>,
 }
@@ -130,7 +135,11 @@ impl Collision {
             for (collider, c) in colliders.pairs() {
                 let kind = first + collider.index();
                 let fixed = fixed_box(program, world, slot, &c.shape);
-                let is_plain = c.guard.is_none() && matches!(c.shape, Shape::Rect(_));
+                let by_leaf = c.guard.and_then(|guard| {
+                    let (group, leaves) = leaves(program, &program.entities[s.entity], guard)?;
+                    Some((world.layout.slots[slot].leaf_offset(group), leaves.into()))
+                });
+                let is_plain = (c.guard.is_none() || by_leaf.is_some()) && matches!(c.shape, Shape::Rect(_));
                 let is_there = fixed.is_some_and(|[.., width, height]| width > 0.0 && height > 0.0);
                 let is_plain = is_plain && is_there;
                 let layout = Whereabouts::of(&world.layout.slots[slot]);
@@ -143,6 +152,7 @@ impl Collision {
                     meets: false,
                     fixed,
                     is_plain,
+                    by_leaf,
                 });
             }
         }
@@ -167,10 +177,8 @@ impl Collision {
             let Kind { meets_tiles, meets_solids, .. } = &kinds[body.kind];
             body.meets = meets_tiles.iter().chain(meets_solids).any(|&meets| meets);
         }
-        let broad = Broad::new(bodies.len(), |i, j| {
-            let (a, b): (&Body, &Body) = (&bodies[i], &bodies[j]);
-            a.slot != b.slot && kinds[a.kind].kinds[b.kind].is_some()
-        });
+        let ids: Vec<(usize, SlotId)> = bodies.iter().map(|b: &Body| (b.kind, b.slot)).collect();
+        let broad = Broad::new(&ids, kinds.len(), |a, b| kinds[a].kinds[b].is_some());
         let carries = world.collide.iter().any(|c| c.response.carry);
         let of = |slot: SlotId| &program.entities[world.slots[slot].entity];
         let slots_with = |has: &dyn Fn(&Entity) -> bool| {
@@ -185,7 +193,8 @@ impl Collision {
     pub fn scratch(&self, world: &World) -> Scratch {
         Scratch {
             boxes: vec![Rect::default(); self.bodies.len()],
-            sweep: Sweep::with_room(if matches!(self.broad, Broad::Swept) { self.bodies.len() } else { 0 }),
+            sweep: Sweep::with_room(if matches!(self.broad, Broad::Kinds(_)) { self.bodies.len() } else { 0 }),
+            active: self.broad.room(),
             displacements: vec![Displacement::default(); world.slots.len()],
         }
     }
@@ -195,8 +204,28 @@ impl Collision {
 fn fixed_box(program: &Program, world: &World, slot: SlotId, shape: &Shape) -> Option<[f64; 4]> {
     let slot = &world.slots[slot];
     let none = IdVec::new();
-    let params = if slot.origin == Origin::Named { &slot.params } else { &none };
+    let params = if slot.is_fixed { &slot.params } else { &none };
     box_of(shape, |id| program.constant(id, params, world.step))
+}
+
+/// The leaves while which a guard holds, if it asks for nothing but modes of one group of the entity's own.
+fn leaves(program: &Program, entity: &Entity, guard: ExprId) -> Option<(GroupId, Vec<bool>)> {
+    let both = |a: ExprId, b: ExprId, join: &dyn Fn(bool, bool) -> bool| {
+        let ((group, a), (other, b)) = (leaves(program, entity, a)?, leaves(program, entity, b)?);
+        let joined = a.iter().zip(&b).map(|(a, b)| join(*a, *b)).collect();
+        (group == other).then_some((group, joined))
+    };
+    match program.exprs[guard] {
+        Expr::InMode(Subject::Me, mode) => {
+            let mode = &entity.modes[mode];
+            let (first, after) = mode.leaves;
+            Some((mode.group, entity.leaves.ids().map(|leaf| first <= leaf && leaf < after).collect()))
+        }
+        Expr::Not(a) => leaves(program, entity, a).map(|(group, held)| (group, held.iter().map(|h| !h).collect())),
+        Expr::And(a, b) => both(a, b, &|a, b| a && b),
+        Expr::Or(a, b) => both(a, b, &|a, b| a || b),
+        _ => None,
+    }
 }
 
 /// A shape's box: x and y of the lower-left corner, width, height.
@@ -217,7 +246,7 @@ impl Simulator<'_> {
             self.carry(state, &scratch.start);
         }
         self.place_boxes(state, scratch)?;
-        let Scratch { boxes, sweep, displacements } = &mut scratch.collision;
+        let Scratch { boxes, sweep, active, displacements } = &mut scratch.collision;
         for &slot in &self.collision.askers {
             let Actor { entity, layout, .. } = &self.actors[slot];
             layout.clear_touches(state, entity.touches.len(), entity.bound);
@@ -235,11 +264,22 @@ impl Simulator<'_> {
                     }
                 }
             }
-            Broad::Swept => sweep.pairs(boxes, |i, j| {
-                if bodies[i].slot != bodies[j].slot {
-                    self.pair(state, (i, j), boxes, displacements);
+            Broad::Kinds(pairs) => {
+                active.iter_mut().for_each(Vec::clear);
+                for (body, at) in bodies.iter().zip(0..).filter(|(_, at)| boxes[*at as usize].active) {
+                    active[body.kind].push(at);
                 }
-            }),
+                let mut visit = |i: usize, j: usize| {
+                    if bodies[i].slot != bodies[j].slot {
+                        self.pair(state, (i, j), boxes, displacements);
+                    }
+                };
+                if is_few(pairs, active) {
+                    each(pairs, active, boxes, &mut visit);
+                } else {
+                    sweep.pairs(boxes, visit);
+                }
+            }
         }
         for (body, rect) in bodies.iter().zip(boxes.iter()) {
             if body.meets && rect.active {
@@ -285,7 +325,8 @@ impl Simulator<'_> {
         let fault = Cell::new(None);
         for (body, rect) in self.collision.bodies.iter().zip(collision.boxes.iter_mut()) {
             let layout = body.layout;
-            rect.active = layout.acts(state);
+            let is_there = |(at, leaves): &(usize, Arc<[bool]>)| leaves[leaf_at(state, *at).index()];
+            rect.active = layout.acts(state) && body.by_leaf.as_ref().is_none_or(is_there);
             if !rect.active {
                 continue;
             }
@@ -295,7 +336,7 @@ impl Simulator<'_> {
                     let actor = &self.actors[body.slot.index()];
                     let collider = &actor.entity.colliders[body.collider];
                     let reader = self.reader(actor, state, frames, &[], &fault);
-                    if !collider.guard.is_none_or(|guard| reader.truth(guard)) {
+                    if body.by_leaf.is_none() && !collider.guard.is_none_or(|guard| reader.truth(guard)) {
                         rect.active = false;
                         continue;
                     }

@@ -122,6 +122,16 @@ impl Simulator<'_> {
                 is_finite &= moved[0].is_finite();
                 set_triple(values, moved);
             }
+        } else if let Some(limits) = &actor.code.limits {
+            for ((values, &flow), limits) in values.iter_mut().zip(flows).zip(limits) {
+                let within = |v: f64, degree: u8| {
+                    let (low, high) = limits[usize::from(degree)];
+                    v.max(low).min(high)
+                };
+                let moved = moved(triple(values), flow, self.step, within);
+                is_finite &= moved[0].is_finite();
+                set_triple(values, moved);
+            }
         } else {
             for (values, &flow) in values.iter_mut().zip(flows) {
                 let moved = moved(triple(values), flow, self.step, |v, _| v);

@@ -106,6 +106,12 @@ impl Whereabouts {
     }
 }
 
+/// A leaf, by where it stands.
+#[inline]
+pub(super) fn leaf_at(state: &[u8], at: usize) -> LeafId {
+    LeafId(u32::from(short(state, at)))
+}
+
 impl SlotLayout {
     /// The offset of a continuous variable (degree 0) or one of its derivatives.
     pub fn var_offset(&self, var: VarId, degree: u8) -> usize {
@@ -150,7 +156,12 @@ impl SlotLayout {
 
     /// The active leaf of a group.
     pub fn leaf(&self, state: &[u8], group: GroupId) -> LeafId {
-        LeafId(u32::from(short(state, self.leaves + 2 * group.index())))
+        leaf_at(state, self.leaf_offset(group))
+    }
+
+    /// Where a group's leaf stands.
+    pub(super) fn leaf_offset(&self, group: GroupId) -> usize {
+        self.leaves + 2 * group.index()
     }
 
     /// Makes a leaf of a group the active one.

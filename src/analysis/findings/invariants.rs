@@ -76,7 +76,7 @@ fn beginning(program: &Program, world: &World, slot: SlotId) -> Option<Configura
         return None;
     }
     let none = IdVec::<ParamId, f64>::new();
-    let params = if s.origin == Origin::Named { &s.params } else { &none };
+    let params = if s.is_fixed { &s.params } else { &none };
     let mut leaves: Vec<LeafId> = Vec::new();
     for group in entity.groups.iter() {
         let mut choices = &group.choices;

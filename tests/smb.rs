@@ -1,0 +1,181 @@
+//! Super Mario Bros.: that he moves as in the game, and what a search says of real levels of the Video Game Level Corpus
+//! (see `examples/smb/LICENSE-VGLC.md`).
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod support;
+
+use std::path::{Path, PathBuf};
+
+use hypedc::analysis::configuration_space;
+use hypedc::compile::compile_with;
+use hypedc::ir::{GoalId, Id, Origin, Program, SlotId, VarId, WorldId};
+use hypedc::reach::{Limits, Plan, Problem, Settings, Verdict, reach};
+use hypedc::sim::{Simulator, parse_script};
+use hypedc::source::{Files, ReadError, SourceMap};
+use hypedc::watch::Unwatched;
+use support::{Disk, program};
+
+const WORLD: WorldId = WorldId(0);
+const ROOT: &str = "examples/smb/smb.hyped";
+const LEVEL: &str = "level.txt";
+
+/// The disk, and one level beside it.
+struct WithLevel<'a>(&'a str);
+
+impl Files for WithLevel<'_> {
+    fn read(&self, path: &Path) -> Result<String, ReadError> {
+        if path == Path::new(LEVEL) { Ok(self.0.to_string()) } else { Disk.read(path) }
+    }
+
+    fn identity(&self, path: &Path) -> PathBuf {
+        Disk.identity(path)
+    }
+}
+
+fn level(text: &str) -> Program {
+    program(compile_with(Path::new(ROOT), Some(Path::new(LEVEL)), &WithLevel(text)))
+}
+
+fn corpus(name: &str) -> String {
+    std::fs::read_to_string(format!("examples/smb/mario-{name}.txt")).unwrap()
+}
+
+/// Open ground, 200 tiles long, with something in its rows: the row from below, the column, and the tile.
+fn ground(tiles: &[(usize, usize, char)]) -> Program {
+    let mut rows = vec![vec!['-'; 200]; 14];
+    rows[13].fill('X');
+    for &(row, column, tile) in tiles {
+        rows[13 - row][column] = tile;
+    }
+    let text: Vec<String> = rows.iter().map(|r| r.iter().collect()).collect();
+    level(&text.join("\n"))
+}
+
+fn hero(program: &Program) -> SlotId {
+    program.worlds[WORLD].slots.find(|s| s.name == "hero").unwrap()
+}
+
+/// After each step of a script: where the hero is and how fast, and how many enemies are left.
+fn run(program: &Program, inputs: &str) -> Vec<([f64; 2], [f64; 2], usize, bool)> {
+    let sim = Simulator::new(program, WORLD);
+    let file = SourceMap::new().add("inputs", inputs.to_string());
+    let (script, found) = parse_script(program, WORLD, file, inputs);
+    assert!(found.is_empty(), "{inputs}");
+    let mut scratch = sim.scratch();
+    let mut state = sim.initial(&mut scratch).unwrap();
+    let (world, hero) = (sim.world(), hero(program));
+    let mut out = Vec::new();
+    for input in script.inputs() {
+        sim.step(&mut state, input, &mut scratch).unwrap();
+        let of = |degree: u8| [VarId(0), VarId(1)].map(|var| world.layout.slots[hero].var(&state, var, degree));
+        let enemies =
+            world.slots.pairs().filter(|(id, s)| s.origin == Origin::Tile && world.layout.slots[*id].alive(&state));
+        out.push((of(0), of(1), enemies.count(), sim.violated(&state).unwrap().is_some()));
+    }
+    out
+}
+
+#[test]
+fn he_moves_as_fast_and_jumps_as_high_as_in_the_game() {
+    let program = ground(&[]);
+    let fastest = |inputs: &str| run(&program, inputs).iter().map(|(_, v, ..)| v[0]).fold(0.0, f64::max);
+    assert_eq!((fastest("-*9 right*240"), fastest("-*9 right+run*240")), (90.0, 150.0));
+    let rise = |inputs: &str| run(&program, inputs).iter().map(|(p, ..)| p[1]).fold(0.0, f64::max) - 16.0;
+    for (inputs, height) in
+        [("-*9 jump*60", 64.0), ("-*9 right*60 right+jump*60", 68.0), ("-*9 right+run*80 right+run+jump*60", 80.0)]
+    {
+        assert!((rise(inputs) - height).abs() <= 3.0, "{inputs}: {} px", rise(inputs));
+    }
+    // Letting go early makes it lower; nobody falls faster than 240.
+    assert!(rise("-*9 jump*8 -*60") < 45.0);
+    let slowest = run(&program, "-*9 jump*90").iter().map(|(_, v, ..)| v[1]).fold(0.0, f64::min);
+    assert!((-240.0..-200.0).contains(&slowest), "{slowest}");
+}
+
+#[test]
+fn enemies_hurt_from_the_side_and_die_under_his_feet() {
+    let program = ground(&[(1, 12, 'E')]);
+    let walked = run(&program, "-*9 right*200");
+    assert!(walked.iter().any(|(.., over)| *over), "he walks into it");
+    let waited = run(&program, "-*400");
+    assert!(waited.iter().any(|(.., over)| *over), "it walks into him");
+    // At the right moment he lands on it, and bounces.
+    let lands = (200..330).any(|wait| {
+        let seen = run(&program, &format!("-*{wait} jump*20 -*90"));
+        let squashed = seen.iter().position(|(.., enemies, _)| *enemies == 0);
+        squashed.is_some() && seen.iter().all(|(.., over)| !over)
+    });
+    assert!(lands);
+}
+
+#[test]
+fn enemies_sleep_until_they_are_seen_and_turn_at_walls() {
+    let program = ground(&[(1, 150, 'E'), (1, 10, 'E'), (1, 14, 'X'), (1, 5, 'X')]);
+    let sim = Simulator::new(&program, WORLD);
+    let at = |id: SlotId, state: &[u8]| sim.position(state, id).0;
+    let mut scratch = sim.scratch();
+    let mut state = sim.initial(&mut scratch).unwrap();
+    let enemies: Vec<SlotId> =
+        sim.world().slots.ids().filter(|s| sim.world().slots[*s].origin == Origin::Tile).collect();
+    let (near, far) = match at(enemies[0], &state) < 300.0 {
+        true => (enemies[0], enemies[1]),
+        false => (enemies[1], enemies[0]),
+    };
+    let nothing = hypedc::sim::Input::nothing(1);
+    let (mut least, mut most) = (f64::INFINITY, 0.0f64);
+    for _ in 0..900 {
+        sim.step(&mut state, &nothing, &mut scratch).unwrap();
+        (least, most) = (least.min(at(near, &state)), most.max(at(near, &state)));
+    }
+    assert_eq!(at(far, &state), 150.0 * 16.0);
+    // Between the walls, whose inner sides are at 96 and 224 px.
+    assert!((94.0..97.0).contains(&least) && (209.0..212.0).contains(&most), "{least}..{most}");
+}
+
+fn search(program: &Program, seed: u64, nodes: u64) -> Verdict {
+    let sim = Simulator::new(program, WORLD);
+    let problem = Problem::new(&sim, GoalId::from_index(0));
+    let space = configuration_space(program, WORLD);
+    let settings = Settings { seed, ..Settings::default() };
+    reach(&problem, &space, &settings, &Limits { nodes, ..Limits::default() }, &Unwatched).unwrap().verdict
+}
+
+fn replay(program: &Program, plan: &Plan) {
+    let sim = Simulator::new(program, WORLD);
+    let mut scratch = sim.scratch();
+    let mut state = sim.initial(&mut scratch).unwrap();
+    for input in plan.script.inputs() {
+        sim.step(&mut state, input, &mut scratch).unwrap();
+        assert_eq!(sim.violated(&state).unwrap(), None);
+    }
+    assert!(sim.goal(&state, GoalId::from_index(0)).unwrap());
+}
+
+#[test]
+fn real_levels_have_a_way_to_the_right_end() {
+    for name in ["1-1", "1-2", "8-1"] {
+        let program = level(&corpus(name));
+        for seed in [1, 2] {
+            match search(&program, seed, 100_000) {
+                Verdict::Reached(plan) => replay(&program, &plan),
+                other => panic!("{name}, seed {seed}: {other:?}"),
+            }
+        }
+    }
+}
+
+#[test]
+fn a_gap_of_twenty_tiles_is_never_jumped() {
+    // The first gap of the level, wider: from its left edge on, twenty columns have no ground and nothing above it.
+    let text = corpus("1-1");
+    let mut rows: Vec<Vec<char>> = text.lines().map(|row| row.trim().chars().collect()).collect();
+    let gap = rows[13].iter().position(|c| *c == '-').unwrap();
+    for row in &mut rows {
+        row[gap..gap + 20].fill('-');
+    }
+    let text: Vec<String> = rows.iter().map(|r| r.iter().collect()).collect();
+    let program = level(&text.join("\r\n"));
+    let verdict = search(&program, 1, 40_000);
+    assert!(!matches!(verdict, Verdict::Reached(_)), "{verdict:?}");
+}

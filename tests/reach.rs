@@ -403,6 +403,39 @@ fn chamber(gap: f64, goal: &str) -> Program {
 }
 
 #[test]
+fn walls_beyond_the_bounds_are_no_trouble() {
+    let walls = [(-400, 0), (400, 0), (0, -400), (0, 400), (400, 400)];
+    for (x, y) in walls {
+        let text = format!(
+            "entity Hero {{
+                param speed = 60
+                axis horizontal
+                collider body: rect(0, 0, 16, 16)
+                x' = speed * horizontal
+            }}
+            world Room {{
+                collide body with wall: block
+                space main {{
+                    bounds rect(0, 0, 160, 160)
+                    rect wall (64, 0, 16, 160)
+                    rect wall ({x}, {y}, 16, 16)
+                    place hero: Hero at (16, 16)
+                }}
+                player 1: hero
+                goal far: hero.x > 100
+            }}"
+        );
+        let program = program(compile_text(&text));
+        let outcome = search(&program, 0, 1, 100);
+        assert!(
+            matches!(outcome.verdict, Verdict::Unreachable(Argument::Analysis(_))),
+            "{x}, {y}: {:?}",
+            outcome.verdict
+        );
+    }
+}
+
+#[test]
 fn what_is_walled_off_is_proven_unreachable() {
     for goal in ["hero touching gold", "near(hero, (98, 46), 6)", "95 < hero.x < 105 and 40 < hero.y < 50"] {
         let program = chamber(0.0, goal);

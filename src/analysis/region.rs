@@ -173,7 +173,9 @@ impl Plane {
             let range = |axis: usize| {
                 let first = lines[axis].partition_point(|x| *x < b[axis].low);
                 let after = lines[axis].partition_point(|x| *x < b[axis].high);
-                first..after.min(count(axis))
+                // What blocks may lie beyond the bounds.
+                let after = after.min(count(axis));
+                first.min(after)..after
             };
             for row in range(1) {
                 is_blocked[row * count(0)..][range(0)].fill(true);

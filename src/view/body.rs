@@ -1,8 +1,8 @@
 //! What an instance looks like as it starts: its colliders, as far as modes, parameters and its own first values tell.
 
 use crate::ir::{
-    Bounds, Choice, Expr, ExprId, Id, ModeId, Program, Shape, Slot, SlotId, Subject, TagSet, World, arithmetic, call,
-    compare,
+    Bounds, Choice, Expr, ExprId, Id, ModeId, Program, Push, Shape, Slot, SlotId, Subject, TagSet, World, arithmetic,
+    call, compare,
 };
 
 use super::frame::moved;
@@ -20,7 +20,8 @@ pub(super) struct Part {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Body {
     pub parts: Vec<Part>,
-    /// The largest of them whose shape never changes, or of all such where none is known to be there.
+    /// The largest that is solid, of those whose shape never changes: of them, if it is known to be there; if none is solid,
+    /// the largest of all.
     main: Option<Part>,
 }
 
@@ -53,7 +54,14 @@ impl Body {
                 (false, _) => {}
             }
         }
-        let main = largest(&steady).or(largest(&others));
+        let pushes = |part: &Part| pushes(world, part.tags);
+        let pushing = |parts: &[Part]| largest(parts.iter().filter(|p| pushes(p)));
+        let solid = pushing(&steady).or(pushing(&others));
+        if let Some(solid) = &solid {
+            // What only senses and is larger than what is solid is a field of view.
+            parts.retain(|part| pushes(part) || area(part) <= area(solid));
+        }
+        let main = solid.or(largest(steady.iter())).or(largest(others.iter()));
         Body { parts, main }
     }
 
@@ -68,9 +76,18 @@ impl Body {
     }
 }
 
-fn largest(parts: &[Part]) -> Option<Part> {
-    let area = |p: &Part| (p.bounds.right - p.bounds.left) * (p.bounds.top - p.bounds.bottom);
-    parts.iter().copied().reduce(|best, next| if area(&next) > area(&best) { next } else { best })
+fn area(part: &Part) -> f64 {
+    (part.bounds.right - part.bounds.left) * (part.bounds.top - part.bounds.bottom)
+}
+
+fn largest<'p>(parts: impl Iterator<Item = &'p Part>) -> Option<Part> {
+    parts.copied().reduce(|best, next| if area(&next) > area(&best) { next } else { best })
+}
+
+/// Whether something with these tags pushes anything, or is pushed.
+fn pushes(world: &World, tags: TagSet) -> bool {
+    let pushing = world.collide.iter().filter(|line| line.response.push != Push::Sense);
+    pushing.into_iter().any(|line| line.left.meets(tags) || line.right.meets(tags))
 }
 
 /// Where the position of a slot is at first, px.

@@ -18,6 +18,7 @@
 //! | [`diagnostic`] | what is wrong with a program: facts, wording, pages that explain it, renderers |
 //! | [`syntax`] | the grammar's pairs as an abstract syntax tree, with recovery |
 //! | [`format`] | the canonical layout of a text, comments kept |
+//! | [`import`] | what other systems describe, as text |
 //! | [`level`] | tile maps: inline, from text files, from levels and legends of the VGLC |
 //! | [`sema`] | names, types, structure: a program in which every name is an id |
 //! | [`lint`] | warnings: what has a meaning, but hardly the one that was meant |
@@ -42,6 +43,7 @@ pub mod diagnostic;
 pub mod experiment;
 pub mod format;
 pub mod graph;
+pub mod import;
 pub mod ir;
 pub mod level;
 pub mod lint;

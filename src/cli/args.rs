@@ -22,6 +22,9 @@ pub(super) enum Command {
     Check(CheckArgs),
     /// Puts programs into their canonical layout.
     Fmt(FmtArgs),
+    /// Makes programs of what other systems describe.
+    #[command(subcommand)]
+    Import(ImportCommand),
     /// Prints the flat intermediate representation of a program.
     Ir(IrArgs),
     /// Runs a world with given inputs.
@@ -100,6 +103,29 @@ pub(super) struct FmtArgs {
     /// Changes nothing; says which programs would change.
     #[arg(long)]
     pub check: bool,
+}
+
+/// The formats that are imported.
+#[derive(Debug, Subcommand)]
+pub(super) enum ImportCommand {
+    /// Entity definitions of the 2017 HyPED system, `NAME.char.xml`.
+    Xml(ImportXmlArgs),
+}
+
+#[derive(Debug, Args)]
+pub(super) struct ImportXmlArgs {
+    /// The files to import.
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Writes `NAME.hyped` for each file into this folder; by itself all go to standard output.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Replaces files that are there already.
+    #[arg(long, requires = "output")]
+    pub force: bool,
+    /// How findings are shown, on standard error.
+    #[arg(long, value_enum, default_value = "human")]
+    pub format: FindingFormat,
 }
 
 #[derive(Debug, Args)]

@@ -15,6 +15,7 @@ mod explain;
 mod fix;
 mod fmt;
 mod graph;
+mod import;
 mod ir;
 mod new;
 mod reach;
@@ -55,6 +56,7 @@ pub fn main() -> ExitCode {
     let answer = match arguments.command {
         Command::Check(args) => check::run(&args),
         Command::Fmt(args) => fmt::run(&args),
+        Command::Import(command) => import::run(&command),
         Command::Ir(args) => ir::run(&args),
         Command::Sim(args) => sim::run(&args),
         Command::Reach(args) => reach::run(&args),

@@ -1,5 +1,5 @@
 //! The closed list of diagnostic codes. The first digit after the letter is the family: files and limits,
-//! syntax, names, types, structure, worlds, questions and runs, what values tell.
+//! syntax, names, types, structure, worlds, questions and runs, what values tell, imports.
 
 use std::fmt;
 
@@ -89,6 +89,10 @@ codes! {
 
     BrokenAtStart Error "E0701" "an invariant does not hold at the start"
 
+    NotWellFormed Error "E0801" "a file to import is not well-formed"
+    BadForm Error "E0802" "a file to import does not follow its form"
+    NotCarriedOver Error "E0803" "something has no counterpart and is not imported"
+
     Unused Warning "W0201" "nothing uses a declaration"
     MayLeaveRange Warning "W0301" "a discrete variable may leave its range"
     IdleEdge Warning "W0401" "an edge does nothing"
@@ -107,6 +111,9 @@ codes! {
     UnprovenInvariant Warning "W0703" "an invariant is not proven"
     LeavesRange Warning "W0704" "by the values, a discrete variable may leave its range"
     Tunnels Warning "W0705" "a body may pass through what blocks it"
+    Renamed Warning "W0801" "an imported name is changed"
+    LeftOut Warning "W0802" "something without effect is not imported"
+    Bounded Warning "W0803" "an imported number is given bounds"
 }
 
 impl Code {

@@ -6,7 +6,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use hypedc::ir::{
-    ColliderId, DiscreteId, Entity, GroupId, Id, LeafId, Program, Side, SlotId, SpaceId, TagSet, TimerId, WorldId,
+    ColliderId, DiscreteId, Entity, GroupId, Id, LeafId, ModeId, Program, Side, SlotId, SpaceId, TagSet, TimerId,
+    WorldId,
 };
 use hypedc::sim::state::set_buttons;
 use hypedc::sim::{Input, Scratch, Simulator, parse_script};
@@ -117,6 +118,13 @@ pub fn our_path(recorded: &str) -> String {
     recorded.split('.').skip(1).step_by(2).collect::<Vec<_>>().join(".")
 }
 
+/// The path of a mode without the name of its group, which nothing is told apart by.
+pub fn path(entity: &Entity, mode: ModeId) -> &str {
+    let (mode, group) = (&entity.modes[mode], &entity.groups[entity.modes[mode].group]);
+    let inside = group.name.as_ref().and_then(|name| mode.path.strip_prefix(name)?.strip_prefix('.'));
+    inside.unwrap_or(&mode.path)
+}
+
 /// Reads a recorded run.
 pub fn read(path: &Path) -> Trace {
     let text = std::fs::read_to_string(path).unwrap();
@@ -149,7 +157,9 @@ fn leaf(entity: &Entity, recorded: &Recorded) -> (GroupId, LeafId) {
     let (id, leaf) = entity
         .leaves
         .pairs()
-        .find(|(_, l)| l.path.len() == paths.len() && l.path.iter().all(|&m| paths.contains(&entity.modes[m].path)))
+        .find(|(_, l)| {
+            l.path.len() == paths.len() && l.path.iter().all(|&m| paths.iter().any(|p| p == path(entity, m)))
+        })
         .unwrap_or_else(|| panic!("{} has no leaf {paths:?}", entity.name));
     (entity.modes[leaf.mode].group, id)
 }
@@ -165,7 +175,7 @@ pub fn timer(sim: &Simulator<'_>, slot: SlotId, recorded: &Recorded, mode: &str)
     let s = &sim.world().slots[slot];
     let entity = &sim.program().entities[s.entity];
     let path = our_path(mode);
-    let timer = entity.timers.find(|t| entity.modes[t.mode].path == path);
+    let timer = entity.timers.find(|t| self::path(entity, t.mode) == path);
     let timer = timer.unwrap_or_else(|| panic!("{} has no timer of {path}", s.name));
     let steps = (recorded.timers[mode] / sim.world().step.seconds()).round() as u32;
     (timer, steps.min(s.timer_limits[timer]))

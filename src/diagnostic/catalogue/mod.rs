@@ -12,6 +12,7 @@
 //! 4. the row of the table "All codes" in `grammar/README.md`, and a program in `tests/ui` in which it is found.
 
 pub mod file;
+pub mod import;
 pub mod lint;
 pub mod names;
 pub mod run;

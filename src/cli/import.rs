@@ -1,0 +1,104 @@
+//! `hypedc import`: what other systems describe, as `.hyped` text. The text goes to standard output or into files of a
+//! folder, findings go to standard error.
+
+use std::fs::{self, File};
+use std::io::{self, IsTerminal, Write};
+use std::path::{Path, PathBuf};
+
+use crate::diagnostic::Diagnostics;
+use crate::diagnostic::catalogue::file::Unreadable;
+use crate::diagnostic::render::{self, Found};
+use crate::import::{Import, xml};
+use crate::source::{Files, SourceMap};
+
+use super::Answer;
+use super::args::{FindingFormat, ImportCommand, ImportXmlArgs};
+use super::disk::{Disk, replace};
+use super::report::{colored, plain_error};
+
+pub(super) fn run(command: &ImportCommand) -> io::Result<Answer> {
+    match command {
+        ImportCommand::Xml(args) => import_xml(args),
+    }
+}
+
+/// A file, and what came of it.
+struct Done<'a> {
+    path: &'a Path,
+    sources: SourceMap,
+    diagnostics: Diagnostics,
+}
+
+fn import_xml(args: &ImportXmlArgs) -> io::Result<Answer> {
+    let mut answer = Answer::Yes;
+    let mut beside = xml::Entities::default();
+    let mut texts: Vec<String> = Vec::new();
+    let mut done: Vec<Done<'_>> = Vec::new();
+    for path in &args.files {
+        let mut sources = SourceMap::new();
+        let Import { text, diagnostics } = match Disk.read(path) {
+            Ok(text) => {
+                let file = sources.add(path, text);
+                xml::import(file, sources.file(file).text(), &mut beside)
+            }
+            Err(error) => {
+                answer = Answer::Unasked;
+                let mut diagnostics = Diagnostics::new();
+                diagnostics.report(Unreadable { path: path.clone(), import: None, error });
+                Import { text: None, diagnostics }
+            }
+        };
+        if diagnostics.has_errors() {
+            answer = answer.max(Answer::No);
+        }
+        if let Some((text, folder)) = text.as_ref().zip(args.output.as_ref()) {
+            // Each file is a program of its own, in which no other entity stands.
+            beside = xml::Entities::default();
+            let target = folder.join(program_name(path));
+            if let Err(why) = write(folder, &target, text, args.force) {
+                plain_error(&format!("cannot write `{}`: {why}", target.display()))?;
+                answer = Answer::Unasked;
+            }
+        } else {
+            texts.extend(text);
+        }
+        done.push(Done { path, sources, diagnostics });
+    }
+    write!(io::stdout(), "{}", texts.join("\n"))?;
+    show(args.format, &done)?;
+    Ok(answer)
+}
+
+/// What the program of a file is called: `mario.hyped` for `mario.char.xml`.
+fn program_name(path: &Path) -> PathBuf {
+    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let stem = name.strip_suffix(".xml").unwrap_or(&name);
+    PathBuf::from(format!("{}.hyped", stem.strip_suffix(".char").unwrap_or(stem)))
+}
+
+/// Writes a file of a folder, which is made if there is none.
+fn write(folder: &Path, target: &Path, text: &str, force: bool) -> Result<(), String> {
+    fs::create_dir_all(folder).map_err(|e| e.to_string())?;
+    if force && target.exists() {
+        return replace(target, text);
+    }
+    let mut file = File::options().write(true).create_new(true).open(target).map_err(|e| match e.kind() {
+        io::ErrorKind::AlreadyExists => "it is there already; `--force` replaces it".to_string(),
+        _ => e.to_string(),
+    })?;
+    file.write_all(text.as_bytes()).map_err(|e| e.to_string())
+}
+
+fn show(format: FindingFormat, done: &[Done<'_>]) -> io::Result<()> {
+    let color = colored(io::stderr().is_terminal());
+    let run: Vec<Found<'_>> =
+        done.iter().map(|Done { path, sources, diagnostics }| Found { path, sources, diagnostics }).collect();
+    let each = |shown: &dyn Fn(&Done<'_>) -> String| done.iter().map(shown).collect::<String>();
+    let text = match format {
+        FindingFormat::Human => each(&|d| render::human(&d.sources, d.diagnostics.iter(), color)),
+        FindingFormat::Short => each(&|d| render::short(&d.sources, d.diagnostics.iter())),
+        FindingFormat::Json => render::json(&run)?,
+        FindingFormat::Sarif => render::sarif(&run, &std::env::current_dir()?)?,
+    };
+    write!(io::stderr(), "{text}")
+}

@@ -1,0 +1,137 @@
+//! Names: what there may be any text is here a name of the language, and no two things of a kind have the same one.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use pest::unicode::{XID_CONTINUE, XID_START};
+
+use crate::diagnostic::Diagnostics;
+use crate::diagnostic::catalogue::import::Renamed;
+use crate::source::{FileId, Span};
+use crate::syntax::{self, MAX_WORD};
+
+/// Whether a text can be a name as it stands.
+pub(super) fn is_name(text: &str) -> bool {
+    is_word(text) && !is_reserved(text)
+}
+
+fn is_word(text: &str) -> bool {
+    let mut characters = text.chars();
+    text.len() <= MAX_WORD
+        && characters.next().is_some_and(|c| XID_START(c) || c == '_')
+        && characters.all(XID_CONTINUE)
+}
+
+/// Whether the grammar keeps a word for itself.
+fn is_reserved(word: &str) -> bool {
+    syntax::parse(FileId(0), &format!("const {word} = 0\n")).1.has_errors()
+}
+
+/// A name that is as near to a text as a name can be.
+fn near(text: &str) -> String {
+    let mut name: String = text.chars().map(|c| if XID_CONTINUE(c) { c } else { '_' }).collect();
+    if !name.starts_with(|c| XID_START(c) || c == '_') {
+        name.insert(0, '_');
+    }
+    while name.len() > MAX_WORD / 2 {
+        name.pop();
+    }
+    if is_reserved(&name) {
+        name.push('_');
+    }
+    name
+}
+
+/// Names of one kind that are given out, each once.
+#[derive(Default)]
+pub(super) struct Names {
+    taken: BTreeSet<String>,
+    /// The number that was last put to a name.
+    numbers: BTreeMap<String, usize>,
+}
+
+impl Names {
+    /// Names of which some are not to be given out.
+    pub fn without(taken: &[&str]) -> Self {
+        Names { taken: taken.iter().map(|name| (*name).to_string()).collect(), numbers: BTreeMap::new() }
+    }
+
+    /// The name for what is called `text` there and declared at `at`; tells of it if it is another one.
+    pub fn give(&mut self, kind: &'static str, text: &str, at: Span, diagnostics: &mut Diagnostics) -> String {
+        let name = self.unused(near(text));
+        if name != text {
+            let why = if is_name(text) {
+                "the name is taken"
+            } else if is_word(text) {
+                "a word of the language"
+            } else {
+                "not a name in the language"
+            };
+            diagnostics.report(Renamed { kind, from: text.to_string(), to: name.clone(), why, at });
+        }
+        name
+    }
+
+    /// A name, with a number if it is taken; it then is.
+    fn unused(&mut self, name: String) -> String {
+        if self.taken.insert(name.clone()) {
+            return name;
+        }
+        let number = self.numbers.entry(name.clone()).or_insert(1);
+        loop {
+            *number += 1;
+            let numbered = format!("{name}{number}");
+            if self.taken.insert(numbered.clone()) {
+                return numbered;
+            }
+        }
+    }
+}
+
+/// The name of an entity: the words of its name there with capitals, `plat_h` as `PlatH`.
+pub(super) fn entity(text: &str, at: Span, taken: &mut Names, diagnostics: &mut Diagnostics) -> String {
+    let words = text.split(|c: char| c == '_' || !XID_CONTINUE(c)).filter(|word| !word.is_empty());
+    let capital = |word: &str| {
+        let mut rest = word.chars();
+        rest.next().into_iter().flat_map(char::to_uppercase).chain(rest).collect::<String>()
+    };
+    let name = near(&words.map(capital).collect::<String>());
+    let given = taken.unused(name.clone());
+    if given != name || !is_word(text) {
+        let why = if given == name { "not a name in the language" } else { "the name is taken" };
+        diagnostics.report(Renamed { kind: "entity", from: text.to_string(), to: given.clone(), why, at });
+    }
+    given
+}
+
+/// A tag as it is written: in quotes if it is no name; none if it cannot be written at all.
+pub(super) fn tag(text: &str) -> Option<String> {
+    if is_name(text) {
+        return Some(text.to_string());
+    }
+    let writable = !text.is_empty() && text.len() <= MAX_WORD && !text.contains(['"', '\n', '\r']);
+    writable.then(|| format!("\"{text}\""))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_made_of_any_text() {
+        for (text, name) in
+            [("walk", "walk"), ("mode", "mode_"), ("a-b c", "a_b_c"), ("2d", "_2d"), ("", "_"), ("größe", "größe")]
+        {
+            assert_eq!(near(text), name);
+            assert!(is_name(&near(text)), "{text}");
+        }
+        assert!(is_name(&near(&"ä".repeat(1_000))));
+    }
+
+    #[test]
+    fn tags_that_are_no_names_stand_in_quotes() {
+        assert_eq!(tag("wall").as_deref(), Some("wall"));
+        assert_eq!(tag("question block").as_deref(), Some("\"question block\""));
+        assert_eq!(tag("mode").as_deref(), Some("\"mode\""));
+        assert_eq!(["", "a\"b", "a\nb"].map(tag), [const { None }; 3]);
+    }
+}

@@ -1,0 +1,76 @@
+//! Comments, and what each of them stands at: on the line of a tag, it is about that; deeper than the element before it,
+//! about that one; else about the element after it.
+
+use roxmltree::Node;
+
+use super::read::Element;
+
+/// The elements in another one, with their comments.
+pub(super) struct Notes<'a, 't> {
+    /// On the line on which the element opens.
+    pub opening: Vec<String>,
+    pub children: Vec<Noted<'a, 't>>,
+    /// After the last element.
+    pub closing: Vec<String>,
+}
+
+/// An element with its comments.
+pub(super) struct Noted<'a, 't> {
+    pub element: Element<'a, 't>,
+    /// Those before it.
+    pub above: Vec<String>,
+    /// Those on its last line.
+    pub beside: Vec<String>,
+}
+
+/// The elements in another one, with their comments.
+pub(super) fn notes<'a, 't>(e: Element<'a, 't>) -> Notes<'a, 't> {
+    let text = e.node.document().input_text();
+    let mut notes = Notes { opening: Vec::new(), children: Vec::new(), closing: Vec::new() };
+    // Whether a line ended since the last element, or since the tag that opens.
+    let mut same_line = true;
+    let mut waiting: Vec<String> = Vec::new();
+    for node in e.node.children() {
+        if node.is_element() {
+            let above = std::mem::take(&mut waiting);
+            notes.children.push(Noted { element: e.at(node), above, beside: Vec::new() });
+            same_line = true;
+        } else if node.is_comment() {
+            let lines = lines(node);
+            match notes.children.last_mut() {
+                Some(last) if same_line || indent(text, node) > indent(text, last.element.node) => {
+                    last.beside.extend(lines);
+                }
+                None if same_line => notes.opening.extend(lines),
+                _ => waiting.extend(lines),
+            }
+        } else if text.get(node.range()).is_some_and(|t| t.contains('\n')) {
+            same_line = false;
+        }
+    }
+    notes.closing = waiting;
+    notes
+}
+
+/// The comments anywhere inside of an element.
+pub(super) fn inside(e: Element<'_, '_>) -> Vec<String> {
+    e.node.descendants().filter(Node::is_comment).flat_map(lines).collect()
+}
+
+/// How far a node is indented; none if something stands before it on its line.
+fn indent(text: &str, node: Node<'_, '_>) -> Option<usize> {
+    let before = text.get(..node.range().start)?;
+    let line = &before[before.rfind('\n').map_or(0, |at| at + 1)..];
+    line.trim().is_empty().then(|| line.chars().count())
+}
+
+/// The lines of a comment, without marks of other languages at its beginning. Markup that was commented out has none.
+fn lines(node: Node<'_, '_>) -> Vec<String> {
+    let text = node.text().unwrap_or_default().trim();
+    if text.starts_with('<') && text.ends_with('>') {
+        return Vec::new();
+    }
+    let lines = text.lines().flat_map(|line| line.split('\r'));
+    let words = lines.map(|line| line.trim_start_matches(['#', '/', ' ', '\t']).split_whitespace());
+    words.map(|words| words.collect::<Vec<_>>().join(" ")).filter(|line| !line.is_empty()).collect()
+}

@@ -1,0 +1,202 @@
+//! What names stand for while an entity is carried over: its values, inputs and modes, and which of them are used.
+
+use std::collections::BTreeMap;
+
+use super::expression::{self, Expr, Unread};
+use super::guard::Asker;
+use super::modes::Modes;
+use super::names::Names;
+use super::read::{Element, Value};
+use crate::diagnostic::catalogue::import::{BadForm, LeftOut, Misfit, NotCarriedOver};
+use crate::diagnostic::{Diagnostics, similar};
+use crate::source::Span;
+
+/// What a value is with us.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Kind {
+    Param,
+    Continuous,
+    /// A whole number in a range.
+    Discrete {
+        low: i64,
+        high: i64,
+    },
+}
+
+/// A parameter or variable.
+pub(super) struct Named {
+    pub kind: Kind,
+    /// Its name with us, once it is used.
+    pub here: Option<String>,
+    /// Where it is declared.
+    pub at: Span,
+}
+
+/// The names of an entity.
+pub(super) struct Scope<'a, 't, 'd> {
+    pub diagnostics: &'d mut Diagnostics,
+    pub modes: Modes<'a, 't>,
+    /// By their names there.
+    pub values: BTreeMap<&'a str, Named>,
+    value_names: Names,
+    /// The buttons in the order in which they are first asked: the name there, and here.
+    pub buttons: Vec<(String, String)>,
+    button_names: Names,
+    /// Whether `x` and `y` are read as axes.
+    pub axes: [bool; 2],
+    /// Whether a second player was told of.
+    players_told: bool,
+    /// Whether the last statement that was looked at has no effect there.
+    pub idle: bool,
+}
+
+/// The axes with us.
+pub(super) const AXES: [&str; 2] = ["horizontal", "vertical"];
+
+impl<'a, 't, 'd> Scope<'a, 't, 'd> {
+    /// The scope of an entity in which no value is known but its position.
+    pub fn new(automaton: Element<'a, 't>, diagnostics: &'d mut Diagnostics) -> Self {
+        let modes = Modes::of(automaton, diagnostics);
+        let axis = |name: &str| {
+            let mut axes = automaton.node.descendants().filter(|n| n.has_tag_name("axis"));
+            axes.any(|n| n.attribute("name").is_some_and(|found| found.trim() == name))
+        };
+        let axes = [axis("x"), axis("y")];
+        let position = |name: &str| Named { kind: Kind::Continuous, here: Some(name.into()), at: automaton.tag() };
+        Scope {
+            diagnostics,
+            modes,
+            values: BTreeMap::from([("x", position("x")), ("y", position("y"))]),
+            value_names: Names::without(&["x", "y", AXES[0], AXES[1]]),
+            buttons: Vec::new(),
+            button_names: Names::without(&AXES),
+            axes,
+            players_told: false,
+            idle: false,
+        }
+    }
+
+    /// Tells of something that has no counterpart.
+    pub fn cannot(&mut self, what: String, why: &str, at: Span, help: &str) {
+        self.diagnostics.report(NotCarriedOver { what, why: why.into(), at, help: help.into() });
+    }
+
+    /// Tells of something that has no effect there.
+    pub fn left_out(&mut self, what: impl Into<String>, why: &str, at: Span) {
+        self.diagnostics.report(LeftOut { what: what.into(), why: why.into(), at });
+    }
+
+    /// Tells of a statement that has no effect there as a whole.
+    pub fn idle(&mut self, what: impl Into<String>, why: &str, at: Span) {
+        self.left_out(what, why, at);
+        self.idle = true;
+    }
+
+    /// Whether what asks may know something that changes while a step runs; tells of it if not.
+    pub fn known_to(&mut self, asker: Asker, e: Element<'_, '_>, what: &str) -> Option<()> {
+        if asker != Asker::Collider {
+            return Some(());
+        }
+        let help = "let an edge ask, and ask for its mode here";
+        self.cannot(format!("{what} in the guard of a collider"), "not known before colliders are", e.tag(), help);
+        None
+    }
+
+    /// Tells of players there: an entity reads one player's inputs, and a world says whose.
+    pub fn player(&mut self, e: Element<'_, '_>) {
+        let Some(player) = e.value("player").filter(|p| !matches!(p.text, "p1" | "player1")) else { return };
+        if !std::mem::replace(&mut self.players_told, true) {
+            self.left_out(
+                "the player of an input",
+                "not looked at there; here a world says whose an entity is",
+                player.at,
+            );
+        }
+    }
+
+    /// The axis, and the comparison with 0, that stand for a button that is an end of an axis of this entity.
+    pub fn end_of_axis(&self, button: &str) -> Option<(&'static str, &'static str)> {
+        let (axis, sign) = match button {
+            "left" => (0, "<"),
+            "right" => (0, ">"),
+            "down" => (1, "<"),
+            "up" => (1, ">"),
+            _ => return None,
+        };
+        self.axes.get(axis).copied().unwrap_or_default().then(|| (AXES[axis], sign))
+    }
+
+    /// A button's name with us.
+    pub fn button(&mut self, name: Value<'_>) -> String {
+        if let Some((_, here)) = self.buttons.iter().find(|(there, _)| there == name.text) {
+            return here.clone();
+        }
+        let here = self.button_names.give("button", name.text, name.at, self.diagnostics);
+        self.buttons.push((name.text.to_string(), here.clone()));
+        here
+    }
+
+    /// A tag as it is written; tells of one that cannot be.
+    pub fn tag(&mut self, value: Value<'_>, written: Option<String>) -> Option<String> {
+        if written.is_none() {
+            self.cannot("a type of this name".into(), "not a tag", value.at, "give it a name without quotes in it");
+        }
+        written
+    }
+
+    /// A value's name with us, with as many primes as it has there; none if there is no such value.
+    pub fn name(&mut self, text: &str) -> Option<String> {
+        let base = text.trim_end_matches('\'');
+        let primes = text.len() - base.len();
+        let (name, named) = self.values.iter_mut().find(|(name, _)| **name == base)?;
+        if primes > 2 || (primes > 0 && named.kind != Kind::Continuous) {
+            return None;
+        }
+        let kind = if named.kind == Kind::Param { "parameter" } else { "variable" };
+        let here = match &named.here {
+            Some(here) => here.clone(),
+            None => self.value_names.give(kind, name, named.at, self.diagnostics),
+        };
+        named.here = Some(here.clone());
+        Some(here + &"'".repeat(primes))
+    }
+
+    /// What a value of an attribute says, with our names; tells of what cannot be read.
+    pub fn expression(&mut self, value: Value<'_>) -> Option<Expr> {
+        let known = |text: &str| self.values.contains_key(text.trim_end_matches('\''));
+        let misfit = match expression::read(value.text, known) {
+            Ok(read) => match read.renamed(&mut |name| self.name(&name).ok_or(name)) {
+                Ok(expression) => return Some(expression),
+                Err(name) => {
+                    let near = similar(name.trim_end_matches('\''), self.values.keys().copied());
+                    Misfit::Unknown { kind: "value", name, near }
+                }
+            },
+            Err(Unread::Foreign(what)) => {
+                self.cannot(what, "nothing like it is in the language", value.at, "work it out beforehand");
+                return None;
+            }
+            Err(Unread::Bad(why)) => Misfit::Expression { why },
+        };
+        self.diagnostics.report(BadForm { misfit, at: value.at });
+        None
+    }
+
+    /// A variable to be driven or updated, or a derivative of one; tells of what is none.
+    pub fn variable(&mut self, value: Value<'_>, continuous: bool) -> Option<String> {
+        let kind = self.values.get(value.text.trim_end_matches('\'')).map(|v| v.kind);
+        if continuous && matches!(kind, Some(Kind::Discrete { .. })) {
+            let help = "let edges update it, or make it a `<variable>`";
+            self.cannot("a discrete variable that flows".into(), "only updates change it", value.at, help);
+            return None;
+        }
+        let found = if kind == Some(Kind::Param) { None } else { self.name(value.text) };
+        if found.is_none() {
+            let variables = self.values.iter().filter(|(_, v)| v.kind != Kind::Param).map(|(name, _)| *name);
+            let near = similar(value.text, variables);
+            let misfit = Misfit::Unknown { kind: "variable", name: value.text.to_string(), near };
+            self.diagnostics.report(BadForm { misfit, at: value.at });
+        }
+        found
+    }
+}

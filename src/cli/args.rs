@@ -110,13 +110,25 @@ pub(super) struct FmtArgs {
 pub(super) enum ImportCommand {
     /// Entity definitions of the 2017 HyPED system, `NAME.char.xml`.
     Xml(ImportXmlArgs),
+    /// A dungeon of The Legend of Zelda from the Video Game Level Corpus: a world of rooms, doors and monsters.
+    ZeldaDungeon(ImportZeldaArgs),
 }
 
 #[derive(Debug, Args)]
-pub(super) struct ImportXmlArgs {
-    /// The files to import.
+pub(super) struct ImportZeldaArgs {
+    /// The dungeons, such as `tloz1_1.txt`.
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
+    /// The program that has the entities `Link` and `Monster`, as the worlds import it.
+    #[arg(long, value_name = "PATH", default_value = "link.hyped")]
+    pub entities: String,
+    #[command(flatten)]
+    pub into: ImportInto,
+}
+
+/// Where imported text goes, and findings.
+#[derive(Debug, Args)]
+pub(super) struct ImportInto {
     /// Writes `NAME.hyped` for each file into this folder; by itself all go to standard output.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
@@ -126,6 +138,15 @@ pub(super) struct ImportXmlArgs {
     /// How findings are shown, on standard error.
     #[arg(long, value_enum, default_value = "human")]
     pub format: FindingFormat,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct ImportXmlArgs {
+    /// The files to import.
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    #[command(flatten)]
+    pub into: ImportInto,
 }
 
 #[derive(Debug, Args)]

@@ -8,17 +8,29 @@ use std::path::{Path, PathBuf};
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::file::Unreadable;
 use crate::diagnostic::render::{self, Found};
-use crate::import::{Import, xml};
-use crate::source::{Files, SourceMap};
+use crate::import::{Import, xml, zelda};
+use crate::source::{FileId, Files, SourceMap};
 
 use super::Answer;
-use super::args::{FindingFormat, ImportCommand, ImportXmlArgs};
+use super::args::{FindingFormat, ImportCommand, ImportInto};
 use super::disk::{Disk, replace};
 use super::report::{colored, plain_error};
 
 pub(super) fn run(command: &ImportCommand) -> io::Result<Answer> {
     match command {
-        ImportCommand::Xml(args) => import_xml(args),
+        ImportCommand::Xml(args) => {
+            let mut beside = xml::Entities::default();
+            import(&args.files, &args.into, |_, file, text, is_beside| {
+                if !is_beside {
+                    // Each file is a program of its own, in which no other entity stands.
+                    beside = xml::Entities::default();
+                }
+                xml::import(file, text, &mut beside)
+            })
+        }
+        ImportCommand::ZeldaDungeon(args) => import(&args.files, &args.into, |path, file, text, _| {
+            zelda::import(file, text, &world_name(path), &args.entities)
+        }),
     }
 }
 
@@ -29,17 +41,21 @@ struct Done<'a> {
     diagnostics: Diagnostics,
 }
 
-fn import_xml(args: &ImportXmlArgs) -> io::Result<Answer> {
+/// Imports files, each by `read`, which is told whether the text stands beside those before it.
+fn import(
+    files: &[PathBuf],
+    into: &ImportInto,
+    mut read: impl FnMut(&Path, FileId, &str, bool) -> Import,
+) -> io::Result<Answer> {
     let mut answer = Answer::Yes;
-    let mut beside = xml::Entities::default();
     let mut texts: Vec<String> = Vec::new();
     let mut done: Vec<Done<'_>> = Vec::new();
-    for path in &args.files {
+    for path in files {
         let mut sources = SourceMap::new();
         let Import { text, diagnostics } = match Disk.read(path) {
             Ok(text) => {
                 let file = sources.add(path, text);
-                xml::import(file, sources.file(file).text(), &mut beside)
+                read(path, file, sources.file(file).text(), into.output.is_none())
             }
             Err(error) => {
                 answer = Answer::Unasked;
@@ -51,11 +67,9 @@ fn import_xml(args: &ImportXmlArgs) -> io::Result<Answer> {
         if diagnostics.has_errors() {
             answer = answer.max(Answer::No);
         }
-        if let Some((text, folder)) = text.as_ref().zip(args.output.as_ref()) {
-            // Each file is a program of its own, in which no other entity stands.
-            beside = xml::Entities::default();
+        if let Some((text, folder)) = text.as_ref().zip(into.output.as_ref()) {
             let target = folder.join(program_name(path));
-            if let Err(why) = write(folder, &target, text, args.force) {
+            if let Err(why) = write(folder, &target, text, into.force) {
                 plain_error(&format!("cannot write `{}`: {why}", target.display()))?;
                 answer = Answer::Unasked;
             }
@@ -65,15 +79,25 @@ fn import_xml(args: &ImportXmlArgs) -> io::Result<Answer> {
         done.push(Done { path, sources, diagnostics });
     }
     write!(io::stdout(), "{}", texts.join("\n"))?;
-    show(args.format, &done)?;
+    show(into.format, &done)?;
     Ok(answer)
 }
 
 /// What the program of a file is called: `mario.hyped` for `mario.char.xml`.
 fn program_name(path: &Path) -> PathBuf {
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-    let stem = name.strip_suffix(".xml").unwrap_or(&name);
-    PathBuf::from(format!("{}.hyped", stem.strip_suffix(".char").unwrap_or(stem)))
+    let stem = Path::new(&name).file_stem().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    PathBuf::from(format!("{}.hyped", stem.strip_suffix(".char").unwrap_or(&stem)))
+}
+
+/// What the world of a file is called: `Tloz1_1` for `tloz1_1.txt`.
+fn world_name(path: &Path) -> String {
+    let stem = path.file_stem().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let word: String = stem.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+    match word.chars().next() {
+        Some(first) if first.is_ascii_alphabetic() => format!("{}{}", first.to_ascii_uppercase(), &word[1..]),
+        _ => format!("Dungeon{word}"),
+    }
 }
 
 /// Writes a file of a folder, which is made if there is none.

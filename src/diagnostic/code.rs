@@ -114,6 +114,7 @@ codes! {
     Renamed Warning "W0801" "an imported name is changed"
     LeftOut Warning "W0802" "something without effect is not imported"
     Bounded Warning "W0803" "an imported number is given bounds"
+    Assumed Warning "W0804" "an import rests on an assumption"
 }
 
 impl Code {

@@ -2,6 +2,7 @@
 //! an [`Import`]. What cannot be carried over is told of, with its place in the imported file.
 
 pub mod xml;
+pub mod zelda;
 
 use crate::diagnostic::Diagnostics;
 

@@ -231,6 +231,22 @@ impl Fact for LeftOut {
     }
 }
 
+/// Something that a file does not say, and that is taken for likely.
+pub struct Assumed {
+    /// What is assumed.
+    pub what: String,
+    /// Where it is not said.
+    pub at: Span,
+    /// What to do if it is not so.
+    pub help: String,
+}
+
+impl Fact for Assumed {
+    fn word(self) -> Diagnostic {
+        Diagnostic::new(Code::Assumed, self.what).at(self.at, "here").help(self.help)
+    }
+}
+
 /// A whole number that has no bounds there.
 pub struct Bounded {
     /// Its name.

@@ -158,7 +158,7 @@ fn rooms(file: FileId, text: &str) -> Result<BTreeMap<Place, Room>, NotWellForme
     known.sort();
     for (number, line) in (1..).zip(&lines) {
         if let Some((c, at)) = line.iter().find(|(c, _)| TILES.iter().all(|(known, _)| known != c)) {
-            let what = format!("`{}` in line {number} is no tile of a dungeon", c.escape_default());
+            let what = format!("`{}` in line {number} is no tile of a dungeon", c.escape_debug());
             return Err(wrong(what, *at, &format!("the tiles are {}", known.join(", "))));
         }
         if line.len() != width {

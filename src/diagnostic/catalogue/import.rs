@@ -146,8 +146,8 @@ impl Fact for BadForm {
                 .at(at, "without it, this is left out")
                 .help(format!("add a `<{name}>`")),
             Misfit::Twice { name, owner } => form(format!("a second `<{name}>` in one `<{owner}>`"))
-                .at(at, "left out: the first one counts")
-                .help("put all in one, or take one out"),
+                .at(at, "only one can stand there: all of it is left out")
+                .help("put both in one, or take one out"),
             Misfit::Text { owner } => form(format!("text stands in `<{owner}>`"))
                 .at(at, "left out")
                 .help("make a comment of it: `<!-- … -->`"),
@@ -168,7 +168,7 @@ impl Fact for BadForm {
             }
             Misfit::Declared { kind, name } => form(format!("a second {kind} named `{name}`"))
                 .at(at, "left out: the first one counts")
-                .help("give it another name"),
+                .help(if matches!(kind, "flow" | "update") { "keep one of them" } else { "give it another name" }),
             Misfit::Expression { why } => form(format!("this expression cannot be read: {why}")).at(at, "here"),
         }
     }

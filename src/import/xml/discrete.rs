@@ -15,7 +15,7 @@ pub(super) fn kind(automaton: Element<'_, '_>, declared: Element<'_, '_>) -> Kin
         let text = e.value(attribute)?.text;
         expression::read(text, |t| whole.contains(&t)).ok()
     };
-    let Some(first) = read(declared, "value").and_then(|e| e.constant()) else { return Kind::Continuous };
+    let Some(first) = read(declared, "value").and_then(|e| e.constant()) else { return Kind::Undriven };
     let mut written = vec![first];
     let (mut falls, mut is_whole) = (false, true);
     for node in automaton.node.descendants().filter(|n| n.is_element()) {
@@ -42,7 +42,7 @@ pub(super) fn kind(automaton: Element<'_, '_>, declared: Element<'_, '_>) -> Kin
     }
     is_whole &= written.iter().all(|n| n.fract() == 0.0 && n.abs() < 1e9);
     if !is_whole {
-        return Kind::Continuous;
+        return Kind::Undriven;
     }
     let greatest = written.iter().fold(0.0, |most: f64, n| most.max(n.abs()));
     let mut high = 99;

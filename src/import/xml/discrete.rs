@@ -65,8 +65,7 @@ fn stays(automaton: Element<'_, '_>, name: &str) -> bool {
         let guard = node.parent().map(|edge| automaton.at(edge)).and_then(|edge| edge.first("guard"));
         match expression::read(value.text, |_| false) {
             Ok(Expr::Binary('-', left, amount)) if *left == Expr::Name(name.into()) => {
-                let compares = guard.into_iter().flat_map(|g| g.all("compare"));
-                let least = compares.filter_map(|c| {
+                let least = guard.map(required).unwrap_or_default().into_iter().filter_map(|c| {
                     let limit = expression::read(c.value("right")?.text, |_| false).ok()?.constant()?;
                     match (c.value("left")?.text == name, c.value("op")?.text) {
                         (true, ">") => Some(limit.floor() + 1.0),
@@ -84,6 +83,12 @@ fn stays(automaton: Element<'_, '_>, name: &str) -> bool {
             Err(_) => true,
         }
     })
+}
+
+/// The comparisons that all must hold in a condition.
+fn required<'a, 't>(condition: Element<'a, 't>) -> Vec<Element<'a, 't>> {
+    let inner = condition.all("and").flat_map(required);
+    condition.all("compare").chain(inner).collect()
 }
 
 /// The text of what a discrete variable becomes, kept in its range where the guard does not do so.

@@ -9,7 +9,7 @@ use crate::source::{FileId, Span};
 /// The largest text that is read, in bytes; entity definitions have a few thousand.
 const MAX_BYTES: usize = 1 << 20;
 /// How many elements, comments and texts between them are read.
-const MAX_NODES: u32 = 20_000;
+const MAX_NODES: u32 = 10_000;
 /// How deep elements may nest.
 const MAX_DEPTH: u32 = 64;
 /// How many attributes a tag may have: the parser compares each with each.

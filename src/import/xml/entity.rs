@@ -149,7 +149,7 @@ fn gap(e: Element<'_, '_>) -> Statement {
     let named = |what: &str, attribute: &str| match e.value(attribute) {
         // A value may hold line breaks.
         Some(value) => format!("{what} `{}`", value.text.split_whitespace().collect::<Vec<_>>().join(" ")),
-        None => what.to_string(),
+        None => what.split(" to").next().unwrap_or(what).trim_end_matches(" of").to_string(),
     };
     let what = match e.name() {
         "param" => named("the parameter", "name"),

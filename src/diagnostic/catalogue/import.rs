@@ -4,6 +4,18 @@ use super::{did_you_mean, list};
 use crate::diagnostic::{Code, Diagnostic, Fact};
 use crate::source::Span;
 
+/// So many characters of a text of the file are shown.
+const SHOWN: usize = 120;
+
+/// A text of the file for a message: on one line, and not longer than can be read.
+fn shown(text: &str) -> String {
+    let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    match words.char_indices().nth(SHOWN) {
+        Some((at, _)) => format!("{}…", &words[..at]),
+        None => words,
+    }
+}
+
 /// A file that cannot be taken apart.
 pub struct NotWellFormed {
     /// What is wrong with it.
@@ -16,7 +28,7 @@ pub struct NotWellFormed {
 
 impl Fact for NotWellFormed {
     fn word(self) -> Diagnostic {
-        let d = Diagnostic::new(Code::NotWellFormed, self.what).at(self.at, "here");
+        let d = Diagnostic::new(Code::NotWellFormed, shown(&self.what)).at(self.at, "here");
         self.help.into_iter().fold(d, Diagnostic::help)
     }
 }
@@ -123,22 +135,24 @@ impl Fact for BadForm {
     fn word(self) -> Diagnostic {
         let form = |message: String| Diagnostic::new(Code::BadForm, message);
         let at = self.at;
-        match self.misfit {
-            Misfit::Root { name } => form(format!("an entity is an `<automaton>`, not a `<{name}>`"))
+        let name = |text: &String| shown(text);
+        match &self.misfit {
+            Misfit::Root { name: found } => form(format!("an entity is an `<automaton>`, not a `<{}>`", name(found)))
                 .at(at, "the outermost element")
                 .help("import the files that are called `NAME.char.xml`"),
-            Misfit::Attribute { name, owner, near } => {
+            Misfit::Attribute { name: found, owner, near } => {
                 let hint = did_you_mean(near.as_ref());
-                form(format!("`<{owner}>` has no attribute `{name}`{hint}")).at(at, "it is not looked at")
+                form(format!("`<{owner}>` has no attribute `{}`{hint}", name(found))).at(at, "it is not looked at")
             }
             Misfit::NoAttribute { name, owner } => form(format!("`<{owner}>` has no `{name}`"))
                 .at(at, "without it, this is left out")
                 .help(format!("add `{name}=\"…\"`")),
-            Misfit::Element { name, owner, near, elsewhere } => {
-                let message = if elsewhere {
-                    format!("`<{name}>` cannot stand in `<{owner}>`")
+            Misfit::Element { name: found, owner, near, elsewhere } => {
+                let found = name(found);
+                let message = if *elsewhere {
+                    format!("`<{found}>` cannot stand in `<{owner}>`")
                 } else {
-                    format!("there is no `<{name}>` in the form of entities{}", did_you_mean(near.as_ref()))
+                    format!("there is no `<{found}>` in the form of entities{}", did_you_mean(near.as_ref()))
                 };
                 form(message).at(at, "left out")
             }
@@ -146,29 +160,29 @@ impl Fact for BadForm {
                 .at(at, "without it, this is left out")
                 .help(format!("add a `<{name}>`")),
             Misfit::Twice { name, owner } => form(format!("a second `<{name}>` in one `<{owner}>`"))
-                .at(at, "left out: the first one counts")
-                .help("put all in one, or take one out"),
+                .at(at, "only one can stand there: all of it is left out")
+                .help("put both in one, or take one out"),
             Misfit::Text { owner } => form(format!("text stands in `<{owner}>`"))
                 .at(at, "left out")
                 .help("make a comment of it: `<!-- … -->`"),
             Misfit::Word { found, known } => {
                 let words: Vec<String> = known.iter().map(|w| format!("`{w}`")).collect();
-                form(format!("`{found}` is none of the words that can stand here"))
+                form(format!("`{}` is none of the words that can stand here", name(found)))
                     .at(at, "not known")
                     .help(format!("write {}", list(&words, "or")))
             }
-            Misfit::Unknown { kind, name, near } => {
-                form(format!("no {kind} named `{name}`{}", did_you_mean(near.as_ref()))).at(at, "not declared")
+            Misfit::Unknown { kind, name: found, near } => {
+                form(format!("no {kind} named `{}`{}", name(found), did_you_mean(near.as_ref()))).at(at, "not declared")
             }
-            Misfit::Ambiguous { name, paths } => {
-                let paths: Vec<String> = paths.iter().map(|p| format!("`{p}`")).collect();
-                form(format!("`{name}` can be several modes"))
+            Misfit::Ambiguous { name: found, paths } => {
+                let paths: Vec<String> = paths.iter().map(|p| format!("`{}`", name(p))).collect();
+                form(format!("`{}` can be several modes", name(found)))
                     .at(at, "which one?")
                     .help(format!("write {}", list(&paths, "or")))
             }
-            Misfit::Declared { kind, name } => form(format!("a second {kind} named `{name}`"))
+            Misfit::Declared { kind, name: found } => form(format!("a second {kind} named `{}`", name(found)))
                 .at(at, "left out: the first one counts")
-                .help("give it another name"),
+                .help(if matches!(*kind, "flow" | "update") { "keep one of them" } else { "give it another name" }),
             Misfit::Expression { why } => form(format!("this expression cannot be read: {why}")).at(at, "here"),
         }
     }
@@ -188,7 +202,7 @@ pub struct NotCarriedOver {
 
 impl Fact for NotCarriedOver {
     fn word(self) -> Diagnostic {
-        Diagnostic::new(Code::NotCarriedOver, format!("{} cannot be carried over", self.what))
+        Diagnostic::new(Code::NotCarriedOver, format!("{} cannot be carried over", shown(&self.what)))
             .at(self.at, self.why)
             .help(self.help)
     }
@@ -211,7 +225,7 @@ pub struct Renamed {
 impl Fact for Renamed {
     fn word(self) -> Diagnostic {
         let Renamed { kind, from, to, why, at } = self;
-        Diagnostic::new(Code::Renamed, format!("the {kind} `{from}` is called `{to}`")).at(at, why)
+        Diagnostic::new(Code::Renamed, format!("the {kind} `{}` is called `{}`", shown(&from), shown(&to))).at(at, why)
     }
 }
 
@@ -227,7 +241,7 @@ pub struct LeftOut {
 
 impl Fact for LeftOut {
     fn word(self) -> Diagnostic {
-        Diagnostic::new(Code::LeftOut, format!("{} is left out", self.what)).at(self.at, self.why)
+        Diagnostic::new(Code::LeftOut, format!("{} is left out", shown(&self.what))).at(self.at, self.why)
     }
 }
 
@@ -260,7 +274,7 @@ pub struct Bounded {
 impl Fact for Bounded {
     fn word(self) -> Diagnostic {
         let (low, high) = self.range;
-        Diagnostic::new(Code::Bounded, format!("`{}` is given the range {low}..{high}", self.name))
+        Diagnostic::new(Code::Bounded, format!("`{}` is given the range {low}..{high}", shown(&self.name)))
             .at(self.at, "a number without bounds")
             .note("its updates are kept in the range")
             .help("narrow it to what the game needs: searches then have less to cover")

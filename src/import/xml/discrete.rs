@@ -15,7 +15,7 @@ pub(super) fn kind(automaton: Element<'_, '_>, declared: Element<'_, '_>) -> Kin
         let text = e.value(attribute)?.text;
         expression::read(text, |t| whole.contains(&t)).ok()
     };
-    let Some(first) = read(declared, "value").and_then(|e| e.constant()) else { return Kind::Continuous };
+    let Some(first) = read(declared, "value").and_then(|e| e.constant()) else { return Kind::Undriven };
     let mut written = vec![first];
     let (mut falls, mut is_whole) = (false, true);
     for node in automaton.node.descendants().filter(|n| n.is_element()) {
@@ -42,7 +42,7 @@ pub(super) fn kind(automaton: Element<'_, '_>, declared: Element<'_, '_>) -> Kin
     }
     is_whole &= written.iter().all(|n| n.fract() == 0.0 && n.abs() < 1e9);
     if !is_whole {
-        return Kind::Continuous;
+        return Kind::Undriven;
     }
     let greatest = written.iter().fold(0.0, |most: f64, n| most.max(n.abs()));
     let mut high = 99;
@@ -65,8 +65,7 @@ fn stays(automaton: Element<'_, '_>, name: &str) -> bool {
         let guard = node.parent().map(|edge| automaton.at(edge)).and_then(|edge| edge.first("guard"));
         match expression::read(value.text, |_| false) {
             Ok(Expr::Binary('-', left, amount)) if *left == Expr::Name(name.into()) => {
-                let compares = guard.into_iter().flat_map(|g| g.all("compare"));
-                let least = compares.filter_map(|c| {
+                let least = guard.map(required).unwrap_or_default().into_iter().filter_map(|c| {
                     let limit = expression::read(c.value("right")?.text, |_| false).ok()?.constant()?;
                     match (c.value("left")?.text == name, c.value("op")?.text) {
                         (true, ">") => Some(limit.floor() + 1.0),
@@ -84,6 +83,12 @@ fn stays(automaton: Element<'_, '_>, name: &str) -> bool {
             Err(_) => true,
         }
     })
+}
+
+/// The comparisons that all must hold in a condition.
+fn required<'a, 't>(condition: Element<'a, 't>) -> Vec<Element<'a, 't>> {
+    let inner = condition.all("and").flat_map(required);
+    condition.all("compare").chain(inner).collect()
 }
 
 /// The text of what a discrete variable becomes, kept in its range where the guard does not do so.

@@ -1,6 +1,7 @@
 //! An automaton as an entity: its declarations in the usual order, then its modes.
 
 use super::discrete;
+use super::form::fits;
 use super::guard::{self, Asker};
 use super::motion::{edge, envelope, flow, follow};
 use super::names::{self, Names, tag};
@@ -110,24 +111,27 @@ fn used(e: Element<'_, '_>, what: &str, scope: &mut Scope<'_, '_, '_>) -> Option
 }
 
 fn param(noted: &Noted<'_, '_>, scope: &mut Scope<'_, '_, '_>) -> Option<Statement> {
-    let name = used(noted.element, "parameter", scope)?;
-    let value = scope.expression(noted.element.value("value")?)?;
-    Some(Statement::new(format!("param {name} = {}", value.text())).with(noted.above.clone(), noted.beside.clone()))
+    let (e, at) = (noted.element, noted.element.value("name")?.at);
+    let name = used(e, "parameter", scope)?;
+    let value = scope.first_value(e.value("value")?, at).filter(|_| fits(e));
+    let made = value.map(|value| Statement::new(format!("param {name} = {}", value.text())));
+    Some(made.unwrap_or_else(|| gap(e)).with(noted.above.clone(), noted.beside.clone()))
 }
 
 fn variable(noted: &Noted<'_, '_>, scope: &mut Scope<'_, '_, '_>) -> Option<Statement> {
     let e = noted.element;
-    let name = used(e, "variable", scope)?;
-    let value = scope.expression(e.value("value")?)?.text();
     let there = e.value("name")?;
-    let text = match scope.values.get(there.text)?.kind {
-        Kind::Discrete { low, high } => {
+    let name = used(e, "variable", scope)?;
+    let value = scope.first_value(e.value("value")?, there.at).filter(|_| fits(e)).map(|value| value.text());
+    let made = match (value, scope.values.get(there.text)?.kind) {
+        (Some(value), Kind::Discrete { low, high }) => {
             scope.diagnostics.report(Bounded { name: name.clone(), range: (low, high), at: there.at });
-            format!("discrete {name}: int {low}..{high} = {value}")
+            Statement::new(format!("discrete {name}: int {low}..{high} = {value}"))
         }
-        _ => format!("continuous {name} = {value}"),
+        (Some(value), _) => Statement::new(format!("continuous {name} = {value}")),
+        (None, _) => gap(e),
     };
-    Some(Statement::new(text).with(noted.above.clone(), noted.beside.clone()))
+    Some(made.with(noted.above.clone(), noted.beside.clone()))
 }
 
 /// The buttons and axes that are read.
@@ -140,9 +144,24 @@ fn inputs(scope: &Scope<'_, '_, '_>) -> Vec<Statement> {
     lines.into_iter().filter_map(line).collect()
 }
 
-/// A comment that stands for what is left out.
-fn gap(what: &str, above: &[String]) -> Statement {
-    Statement::comment(format!("Left out by the import: {what}.")).with(above.to_vec(), Vec::new())
+/// A comment that stands for something that is left out.
+fn gap(e: Element<'_, '_>) -> Statement {
+    let named = |what: &str, attribute: &str| match e.value(attribute) {
+        // A value may hold line breaks.
+        Some(value) => format!("{what} `{}`", value.text.split_whitespace().collect::<Vec<_>>().join(" ")),
+        None => what.split(" to").next().unwrap_or(what).trim_end_matches(" of").to_string(),
+    };
+    let what = match e.name() {
+        "param" => named("the parameter", "name"),
+        "variable" | "dvariable" => named("the variable", "name"),
+        "flow" => named("the flow of", "var"),
+        "edge" => named("an edge to", "target"),
+        "follow_link" => "`follow links`".to_string(),
+        "group" => named("the group", "name"),
+        "envelope" => "an envelope".to_string(),
+        _ => "a collider".to_string(),
+    };
+    Statement::comment(format!("Left out by the import: {what}."))
 }
 
 fn collider(
@@ -152,9 +171,8 @@ fn collider(
     beside: Vec<String>,
 ) -> Vec<Statement> {
     above.extend(notes::inside(e));
-    let statement = shape(e, scope);
-    let all = statement.unwrap_or_else(|| gap("a collider", &[]));
-    vec![all.with(above, beside)]
+    let statement = shape(e, scope).filter(|_| fits(e)).unwrap_or_else(|| gap(e));
+    vec![statement.with(above, beside)]
 }
 
 fn shape(e: Element<'_, '_>, scope: &mut Scope<'_, '_, '_>) -> Option<Statement> {
@@ -245,11 +263,11 @@ fn mode(id: usize, scope: &mut Scope<'_, '_, '_>) -> Statement {
         (Vec::new(), Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for Noted { element: e, mut above, beside } in children {
         scope.idle = false;
-        let (list, made, what) = match e.name() {
-            "flow" => (&mut flows, flow(e, element, scope), "a flow"),
-            "follow_link" => (&mut links, follow(e, id, scope), "`follow links`"),
-            "envelope" => (&mut envelopes, envelope(e, (element, id), scope), "an envelope"),
-            "edge" => (&mut edges, edge(e, id, scope), "an edge"),
+        let (list, made) = match e.name() {
+            "flow" => (&mut flows, flow(e, element, scope)),
+            "follow_link" => (&mut links, follow(e, id, scope)),
+            "envelope" => (&mut envelopes, envelope(e, (element, id), scope)),
+            "edge" => (&mut edges, edge(e, id, scope)),
             "group" => {
                 if let Some((group, ids)) = inner.as_ref().filter(|(group, _)| group.node == e.node) {
                     let mut inside = modes(*group, ids, scope);
@@ -260,17 +278,17 @@ fn mode(id: usize, scope: &mut Scope<'_, '_, '_>) -> Statement {
                     }
                     nested.extend(inside);
                 } else {
-                    nested.push(gap("a second group of modes", &above));
+                    nested.push(gap(e).with(above, beside));
                 }
                 continue;
             }
             _ => continue,
         };
         above.extend(notes::inside(e));
-        match made {
+        match made.filter(|_| fits(e)) {
             Some(statement) => list.push(statement.with(above, beside)),
             // What has no effect leaves no gap.
-            None if !scope.idle => list.push(gap(what, &above)),
+            None if !scope.idle => list.push(gap(e).with(above, beside)),
             None => {}
         }
     }

@@ -94,6 +94,16 @@ pub(super) fn check(root: Element<'_, '_>, diagnostics: &mut Diagnostics) -> boo
     root.value("name").is_some()
 }
 
+/// Whether all that makes up a statement is there, and nothing else: nothing of it counts if a part of it is not known.
+pub(super) fn fits(e: Element<'_, '_>) -> bool {
+    let Some(form) = FORMS.iter().find(|f| f.name == e.name()) else { return false };
+    let known = |name: &str| form.many.iter().chain(form.once).any(|k| *k == name);
+    form.required.iter().all(|name| e.value(name).is_some())
+        && form.needed.iter().all(|name| e.first(name).is_some())
+        && form.once.iter().all(|name| e.all(name).count() <= 1)
+        && e.children().all(|child| known(child.name()) && fits(child))
+}
+
 fn element(e: Element<'_, '_>, diagnostics: &mut Diagnostics) {
     let Some(form) = FORMS.iter().find(|f| f.name == e.name()) else { return };
     let mut report = |misfit: Misfit, at| diagnostics.report(BadForm { misfit, at });

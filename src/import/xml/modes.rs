@@ -127,6 +127,9 @@ impl<'a, 't> Modes<'a, 't> {
     pub fn find(&self, reference: Value<'_>, from: Option<usize>, diagnostics: &mut Diagnostics) -> Option<usize> {
         let words: Vec<&str> = reference.text.split('.').collect();
         let fits = |mode: &Mode<'_, '_>| {
+            if mode.there.last() != words.last() {
+                return false;
+            }
             let alone: Vec<&str> = mode.there.iter().skip(1).step_by(2).copied().collect();
             mode.there.ends_with(&words) || alone.ends_with(&words)
         };

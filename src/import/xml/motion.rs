@@ -63,7 +63,7 @@ pub(super) fn envelope(
         Ok(3..=64) => 2,
         Ok(_) => {
             let help = "an envelope has two ways, or from three to 64";
-            scope.cannot("an envelope of so many ways".into(), "not possible here", ways.at, help);
+            scope.cannot(format!("an envelope with `ways=\"{}\"`", ways.text), "not possible here", ways.at, help);
             return None;
         }
         Err(_) => {

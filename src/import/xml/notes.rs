@@ -1,5 +1,5 @@
 //! Comments, and what each of them stands at: on the line of a tag, it is about that; deeper than the element before it,
-//! about that one; else about the element after it.
+//! about that one; before all elements, with a blank line after it, about what holds them; else about the element after it.
 
 use roxmltree::Node;
 
@@ -7,7 +7,7 @@ use super::read::Element;
 
 /// The elements in another one, with their comments.
 pub(super) struct Notes<'a, 't> {
-    /// On the line on which the element opens.
+    /// On the line on which the element opens, or apart at its beginning.
     pub opening: Vec<String>,
     pub children: Vec<Noted<'a, 't>>,
     /// After the last element.
@@ -44,8 +44,13 @@ pub(super) fn notes<'a, 't>(e: Element<'a, 't>) -> Notes<'a, 't> {
                 None if same_line => notes.opening.extend(lines),
                 _ => waiting.extend(lines),
             }
-        } else if text.get(node.range()).is_some_and(|t| t.contains('\n')) {
-            same_line = false;
+        } else {
+            let breaks = text.get(node.range()).map_or(0, |t| t.matches('\n').count());
+            same_line &= breaks == 0;
+            // What stands apart from all that follows is about the whole.
+            if breaks > 1 && notes.children.is_empty() {
+                notes.opening.append(&mut waiting);
+            }
         }
     }
     notes.closing = waiting;

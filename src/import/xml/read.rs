@@ -9,7 +9,7 @@ use crate::source::{FileId, Span};
 /// The largest text that is read, in bytes; entity definitions have a few thousand.
 const MAX_BYTES: usize = 1 << 20;
 /// How many elements, comments and texts between them are read.
-const MAX_NODES: u32 = 20_000;
+const MAX_NODES: u32 = 10_000;
 /// How deep elements may nest.
 const MAX_DEPTH: u32 = 64;
 /// How many attributes a tag may have: the parser compares each with each.
@@ -129,11 +129,29 @@ fn not_well_formed(file: FileId, text: &str, error: &Error) -> NotWellFormed {
         Error::InvalidComment(_) => {
             (None, "a comment holds `--`".into(), Some("only its end, `-->`, may have these signs".into()))
         }
+        Error::InvalidChar(b'"' | b'\'', b'<', _) => {
+            (None, "`<` stands in a value".into(), Some("write `&lt;` for `<` itself".into()))
+        }
+        Error::InvalidChar(needed, found, _) => {
+            (None, format!("`{}` is needed here, not `{}`", char::from(*needed), char::from(*found)), None)
+        }
+        Error::InvalidChar2(needed, found, _) => {
+            (None, format!("{needed} is needed here, not `{}`", char::from(*found)), None)
+        }
+        Error::InvalidString(needed, _) => (None, format!("`{needed}` is needed here"), None),
+        Error::InvalidName(_) => (None, "a name is needed here".into(), None),
+        Error::UnknownNamespace(prefix, _) => {
+            (None, format!("the prefix `{prefix}:` is declared nowhere"), Some("entities need none".into()))
+        }
+        Error::UnknownToken(_) => (
+            None,
+            "this can stand neither before nor after the outermost element".into(),
+            Some("a file holds one `<automaton>`".into()),
+        ),
         other => {
             // It says the place by numbers, too; ours is shown.
             let said = other.to_string();
-            let cut = said.rfind(" at ").filter(|_| other.pos() != roxmltree::TextPos::new(1, 1));
-            (None, cut.map_or(said.as_str(), |at| &said[..at]).to_string(), None)
+            (None, said.strip_suffix(&format!(" at {}", other.pos())).unwrap_or(&said).to_string(), None)
         }
     };
     let start = start.unwrap_or_else(|| byte_at(text, error.pos().row, error.pos().col));

@@ -16,6 +16,8 @@ use crate::source::Span;
 pub(super) enum Kind {
     Param,
     Continuous,
+    /// A discrete variable that is not always whole: a continuous one that nothing drives.
+    Undriven,
     /// A whole number in a range.
     Discrete {
         low: i64,
@@ -182,10 +184,29 @@ impl<'a, 't, 'd> Scope<'a, 't, 'd> {
         None
     }
 
+    /// The value that something declared at a place begins with: made of numbers and of parameters declared before it.
+    pub fn first_value(&mut self, value: Value<'_>, declared: Span) -> Option<Expr> {
+        let mut unknown = None;
+        if let Ok(read) = expression::read(value.text, |text| self.values.contains_key(text)) {
+            read.visit(&mut |part| {
+                if let Expr::Name(name) = part {
+                    let before = |v: &Named| v.kind == Kind::Param && v.at.start < declared.start;
+                    if !self.values.get(name.as_str()).is_some_and(before) {
+                        unknown = Some(name.clone());
+                    }
+                }
+            });
+        }
+        let Some(name) = unknown else { return self.expression(value) };
+        let misfit = Misfit::Unknown { kind: "parameter above this", name, near: None };
+        self.diagnostics.report(BadForm { misfit, at: value.at });
+        None
+    }
+
     /// A variable to be driven or updated, or a derivative of one; tells of what is none.
     pub fn variable(&mut self, value: Value<'_>, continuous: bool) -> Option<String> {
         let kind = self.values.get(value.text.trim_end_matches('\'')).map(|v| v.kind);
-        if continuous && matches!(kind, Some(Kind::Discrete { .. })) {
+        if continuous && matches!(kind, Some(Kind::Discrete { .. } | Kind::Undriven)) {
             let help = "let edges update it, or make it a `<variable>`";
             self.cannot("a discrete variable that flows".into(), "only updates change it", value.at, help);
             return None;

@@ -9,7 +9,7 @@ use crate::diagnostic::catalogue::file::Unreadable;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::ir::{self, Program};
 use crate::lint;
-use crate::sema;
+use crate::sema::{self, Level};
 use crate::source::{FileId, Files, SourceMap};
 use crate::syntax;
 
@@ -37,19 +37,44 @@ pub struct Barred<'a> {
     pub origin: &'a str,
 }
 
+/// What the command line says of the map of worlds that leave theirs open.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct LevelFile<'a> {
+    /// The level; without one, worlds stay open.
+    pub map: Option<&'a Path>,
+    /// A legend for what the program does not say itself of the level's characters.
+    pub legend: Option<&'a Path>,
+    /// Width and height of a tile, px, instead of what the program says.
+    pub tile: Option<(f64, f64)>,
+}
+
+impl<'a> LevelFile<'a> {
+    /// A level that is read as the program says.
+    pub fn new(map: &'a Path) -> Self {
+        LevelFile { map: Some(map), ..LevelFile::default() }
+    }
+
+    /// The options that are given, as one writes them.
+    fn options(&self) -> impl Iterator<Item = &'static str> {
+        let given =
+            [(self.map.is_some(), "--map"), (self.legend.is_some(), "--legend"), (self.tile.is_some(), "--tile")];
+        given.into_iter().filter(|(is_given, _)| *is_given).map(|(_, option)| option)
+    }
+}
+
 /// Compiles a file and what it imports. Worlds that leave their map open stay open.
 pub fn compile(root: &Path, files: &dyn Files) -> Compilation {
-    compile_with(root, None, files)
+    compile_with(root, LevelFile::default(), files)
 }
 
 /// Compiles a file and what it imports; worlds that leave their map open get this one.
-pub fn compile_with(root: &Path, map: Option<&Path>, files: &dyn Files) -> Compilation {
-    compile_barred(root, map, None, files)
+pub fn compile_with(root: &Path, level: LevelFile<'_>, files: &dyn Files) -> Compilation {
+    compile_barred(root, level, None, files)
 }
 
 /// As [`compile_with`], with one more `never` in each world of the file that is named, or in all: a predicate that comes
 /// from the command line. It is the last one of its world.
-pub fn compile_barred(root: &Path, map: Option<&Path>, barred: Option<Barred<'_>>, files: &dyn Files) -> Compilation {
+pub fn compile_barred(root: &Path, level: LevelFile<'_>, barred: Option<Barred<'_>>, files: &dyn Files) -> Compilation {
     let mut sources = SourceMap::new();
     let (mut trees, mut diagnostics) = syntax::load(root, files, &mut sources);
     if let Some(barred) = barred {
@@ -63,21 +88,24 @@ pub fn compile_barred(root: &Path, map: Option<&Path>, barred: Option<Barred<'_>
         }
     }
     diagnostics.append(syntax::expand(&mut trees, &mut sources));
-    let level = map.and_then(|path| match files.read(path) {
+    let mut read = |path: &Path| match files.read(path) {
         Ok(text) => Some(sources.add(path, text)),
         Err(error) => {
             diagnostics.report(Unreadable { path: path.to_path_buf(), import: None, error });
             None
         }
-    });
-    let (checked, found) = sema::check(&trees, &sources, level);
+    };
+    let given =
+        Level { map: level.map.and_then(&mut read), legend: level.legend.and_then(&mut read), tile: level.tile };
+    let (checked, found) = sema::check(&trees, &sources, given);
     diagnostics.append(found);
     if let (false, Some(root)) = (diagnostics.has_errors(), trees.first()) {
         diagnostics.append(lint::lint(&checked, root.id));
     }
-    if map.is_some() && !checked.has_open_map && !diagnostics.has_errors() {
-        let why = format!("no world of `{}` leaves its map to the command line", root.display());
-        let help = Some("write `map level TILES` or `map level legend \"FILE\" tile 16 x 16` in a space".into());
+    if let (Some(option), false, false) = (level.options().next(), checked.has_open_map, diagnostics.has_errors()) {
+        let why = format!("`{option}` is for worlds with an open map, and `{}` has none", root.display());
+        let help =
+            Some("write `map level`, `map level TILES` or `map level legend \"FILE\" tile 16 x 16` in a space".into());
         diagnostics.report(NoQuestion { why, near: None, help });
     }
     diagnostics.trace(&sources);
@@ -87,8 +115,8 @@ pub fn compile_barred(root: &Path, map: Option<&Path>, barred: Option<Barred<'_>
 }
 
 /// As [`compile_with`], and looks at what values can be while the worlds run.
-pub fn check_with(root: &Path, map: Option<&Path>, files: &dyn Files) -> Compilation {
-    let mut compilation = compile_with(root, map, files);
+pub fn check_with(root: &Path, level: LevelFile<'_>, files: &dyn Files) -> Compilation {
+    let mut compilation = compile_with(root, level, files);
     let Compilation { sources, program: Some(program), diagnostics } = &mut compilation else { return compilation };
     // The root is the first file that is read.
     diagnostics.append(analysis::findings(program, sources, FileId(0), diagnostics));

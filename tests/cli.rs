@@ -336,7 +336,7 @@ fn a_level_is_given_on_the_command_line() {
     let output = hypedc(&["check", "--format", "short", open, "--map", &wrong]);
     let found = String::from_utf8_lossy(&output.stdout).into_owned();
     assert_eq!(output.status.code(), Some(1));
-    assert!(found.contains("wrong_level.txt:2:1: error[E0501]: a row has 2 tiles, others have 3"), "{found}");
+    assert!(found.contains("wrong_level.txt:2:1: error[E0501]: row 2 has 2 tiles, others have 3"), "{found}");
     assert!(found.contains("wrong_level.txt:2:2: error[E0501]: no tile `%`"), "{found}");
 }
 

@@ -6,7 +6,7 @@ mod outside;
 use std::path::Path;
 
 use hypedc::analysis::configuration_space;
-use hypedc::compile::{Compilation, check_with, compile};
+use hypedc::compile::{Compilation, LevelFile, check_with, compile};
 use hypedc::diagnostic::render::{self, Found};
 use hypedc::diagnostic::fix;
 use hypedc::format::format;
@@ -45,7 +45,7 @@ const IMPORTED: &[(&str, &[u8])] = &[
 /// A program: all that can be asked of it is answered.
 pub fn check(bytes: &[u8]) {
     let files: Vec<(&str, &[u8])> = [(ROOT, bytes)].into_iter().chain(IMPORTED.iter().copied()).collect();
-    let compiled = check_with(Path::new(ROOT), None, &Memory(&files));
+    let compiled = check_with(Path::new(ROOT), LevelFile::default(), &Memory(&files));
     shown(&compiled);
     mended(&compiled);
     if let Some(program) = &compiled.program {

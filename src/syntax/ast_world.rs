@@ -216,6 +216,8 @@ pub enum MapSource {
     Open(Name),
     /// `map level legend …`: the command line names the file.
     OpenLegend(Legend),
+    /// `map level { 'c': … }`: the command line names the file, and says how it is read.
+    OpenAll(Vec<Tile>),
 }
 
 /// `legend "file" tile w x h { 'c': … }`

@@ -121,7 +121,9 @@ impl Builder<'_> {
     fn map(&mut self, pair: &Pair<'_, Rule>) -> Option<Map> {
         let map = parts(pair).into_iter().next()?;
         let inner = parts(&map);
-        let first = inner.first()?;
+        let Some(first) = inner.first() else {
+            return Some(Map { source: MapSource::OpenAll(Vec::new()), span: self.span_of(pair) });
+        };
         let source = match map.as_rule() {
             Rule::map_inline => {
                 let rows = parts(inner.get(1)?)
@@ -135,6 +137,7 @@ impl Builder<'_> {
             Rule::map_from => MapSource::Text(self.name(first), self.name(inner.get(1)?)),
             Rule::map_vglc => MapSource::Vglc(self.name(first), self.legend(inner.get(1)?, inner.get(2))?),
             _ if first.as_rule() == Rule::legend => MapSource::OpenLegend(self.legend(first, inner.get(1))?),
+            _ if first.as_rule() == Rule::tile_block => MapSource::OpenAll(self.tiles(first)),
             _ => MapSource::Open(self.name(first)),
         };
         Some(Map { source, span: self.span_of(pair) })

@@ -73,7 +73,7 @@ fn texts(
     let spaces = worlds.flat_map(|w| &w.items).filter_map(|i| if let WorldItem::Space(s) = i { Some(s) } else { None });
     let maps = spaces.flat_map(|s| &s.items).filter_map(|i| if let SpaceItem::Map(map) = i { Some(map) } else { None });
     let named = maps.flat_map(|map| match &map.source {
-        MapSource::Inline(..) | MapSource::Open(_) => vec![],
+        MapSource::Inline(..) | MapSource::Open(_) | MapSource::OpenAll(_) => vec![],
         MapSource::Text(_, path) => vec![path],
         MapSource::Vglc(path, legend) => vec![path, &legend.path],
         MapSource::OpenLegend(legend) => vec![&legend.path],

@@ -7,6 +7,8 @@ use crate::source::Span;
 pub struct RowLength {
     /// The row.
     pub at: Span,
+    /// Which it is, counted from 1 at the top.
+    pub row: usize,
     /// How many tiles it has.
     pub length: usize,
     /// How many most rows have.
@@ -19,7 +21,7 @@ impl Fact for RowLength {
     fn word(self) -> Diagnostic {
         let tiles = |count: usize| format!("{count} tile{}", if count == 1 { "" } else { "s" });
         let length = tiles(self.length);
-        Diagnostic::new(Code::BadMap, format!("a row has {length}, others have {}", self.expected))
+        Diagnostic::new(Code::BadMap, format!("row {} has {length}, others have {}", self.row, self.expected))
             .at(self.at, length)
             .and(self.model, tiles(self.expected))
     }
@@ -37,19 +39,58 @@ pub struct UnknownTile {
     pub tiles: String,
     /// Where the tile set stands.
     pub declared: Span,
+    /// The characters that it has.
+    pub known: Vec<char>,
+}
+
+/// So many characters of a tile set are told.
+const MOST_TOLD: usize = 20;
+
+/// The characters of a tile set, those first that one may have meant: the other case of a letter.
+fn told(mut known: Vec<char>, symbol: char) -> Option<String> {
+    let is_case = |c: &char| c.to_lowercase().eq(symbol.to_lowercase());
+    known.sort_unstable_by_key(|c| (!is_case(c), *c));
+    let shown: Vec<String> = known.iter().take(MOST_TOLD).map(|c| format!("`{c}`")).collect();
+    let more = known.len().saturating_sub(MOST_TOLD);
+    match (shown.is_empty(), more) {
+        (true, _) => None,
+        (false, 0) => Some(format!("it has {}", shown.join(" "))),
+        (false, _) => Some(format!("it has {} and {more} more", shown.join(" "))),
+    }
 }
 
 impl Fact for UnknownTile {
     fn word(self) -> Diagnostic {
         let times = if self.count == 1 { String::new() } else { format!(" ({} times)", self.count) };
-        Diagnostic::new(Code::BadMap, format!("no tile `{}` in `{}`{times}", self.symbol, self.tiles))
+        let d = Diagnostic::new(Code::BadMap, format!("no tile `{}` in `{}`{times}", self.symbol, self.tiles))
             .at(self.at, "no tile has this character")
-            .and(self.declared, "the tile set")
-            .help(if self.symbol.is_whitespace() || self.symbol == '"' {
-                "a tile is never white space or `\"`: use another character".into()
-            } else {
-                format!("add `'{}': empty`, or tags instead of `empty`", self.symbol)
-            })
+            .and(self.declared, told(self.known, self.symbol).unwrap_or_else(|| "has no characters".into()));
+        d.help(if self.symbol.is_whitespace() || self.symbol == '"' {
+            "a tile is never white space or `\"`: use another character".into()
+        } else {
+            format!("add `'{}': empty`, or tags instead of `empty`", self.symbol)
+        })
+    }
+}
+
+/// A file that a map takes for rows of characters, but is something else.
+pub struct NotRows {
+    /// Its beginning, or the first character that no text has.
+    pub at: Span,
+    /// What it is.
+    pub what: &'static str,
+    /// How it is read instead.
+    pub help: Option<&'static str>,
+}
+
+impl Fact for NotRows {
+    fn word(self) -> Diagnostic {
+        let d = Diagnostic::new(Code::BadMap, format!("this level is {}, not rows of tiles", self.what));
+        let d = d.at(self.at, "here");
+        match self.help {
+            Some(help) => d.help(help),
+            None => d,
+        }
     }
 }
 
@@ -198,5 +239,55 @@ impl Fact for BadLegend {
         Diagnostic::new(Code::BadMap, format!("this is no legend: {}", self.why))
             .at(self.at, "here")
             .help("a legend is JSON: `{ \"tiles\": { \"X\": [\"solid\", \"ground\"], … } }`")
+    }
+}
+
+/// A level of the command line for a world that leaves to the command line how it is read.
+pub struct UnreadLevel {
+    /// The map.
+    pub at: Span,
+    /// The level's file.
+    pub path: String,
+    /// Whether a legend is missing.
+    pub legend: bool,
+    /// Whether the size of tiles is missing.
+    pub tile: bool,
+}
+
+impl Fact for UnreadLevel {
+    fn word(self) -> Diagnostic {
+        let missing: &[&str] = match (self.legend, self.tile) {
+            (true, true) => &["--legend LEGEND.json", "--tile 16x16"],
+            (true, false) => &["--legend LEGEND.json"],
+            _ => &["--tile 16x16"],
+        };
+        let what = match (self.legend, self.tile) {
+            (true, true) => "what its characters stand for and how large its tiles are",
+            (true, false) => "what its characters stand for",
+            _ => "how large its tiles are",
+        };
+        Diagnostic::new(Code::NoQuestion, format!("nothing says how to read `{}`: {what}", self.path))
+            .at(self.at, "leaves it to the command line")
+            .help(format!("add `{}`", missing.join(" ")))
+    }
+}
+
+/// A legend of the command line that cannot say anything.
+pub struct RedundantLegend {
+    /// Its path.
+    pub legend: String,
+    /// The tile set's name.
+    pub tiles: String,
+    /// Where the tile set is declared.
+    pub at: Span,
+}
+
+impl Fact for RedundantLegend {
+    fn word(self) -> Diagnostic {
+        let RedundantLegend { legend, tiles, at } = self;
+        let message = format!("`tiles {tiles}` has all characters of `{legend}`: the legend says nothing");
+        Diagnostic::new(Code::NoQuestion, message)
+            .at(at, "goes before the legend")
+            .help("leave out `--legend`, or write `map level` without a tile set")
     }
 }

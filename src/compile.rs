@@ -8,10 +8,12 @@ use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::file::Unreadable;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::ir::{self, Program};
+use crate::level::{Format, read_beside};
 use crate::lint;
 use crate::sema::{self, Level};
 use crate::source::{FileId, Files, SourceMap};
 use crate::syntax;
+use crate::syntax::ast::MapSource;
 
 /// What came of compiling a file and all that it imports.
 #[derive(Debug, Clone)]
@@ -40,7 +42,7 @@ pub struct Barred<'a> {
 /// What the command line says of the map of worlds that leave theirs open.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct LevelFile<'a> {
-    /// The level; without one, worlds stay open.
+    /// The level; without one, worlds stay open. Of a project of LDtk, `world.ldtk#Level_0` is one level.
     pub map: Option<&'a Path>,
     /// A legend for what the program does not say itself of the level's characters.
     pub legend: Option<&'a Path>,
@@ -88,6 +90,19 @@ pub fn compile_barred(root: &Path, level: LevelFile<'_>, barred: Option<Barred<'
         }
     }
     diagnostics.append(syntax::expand(&mut trees, &mut sources));
+    for tree in &trees {
+        for map in tree.maps() {
+            let (format, path, part) = match &map.source {
+                MapSource::Tiled(path, _) => (Format::Tiled, path, None),
+                MapSource::Ldtk(path, part, _) => (Format::Ldtk, path, part.as_ref().map(|part| part.text.as_str())),
+                _ => continue,
+            };
+            if let Some((_, file)) = tree.texts.iter().find(|(at, _)| *at == path.span) {
+                read_beside(format, *file, part, &mut sources, files, &mut diagnostics);
+            }
+        }
+    }
+    let (path, part) = level.map.map_or((None, None), |path| parted(path).unwrap_or((Some(path), None)));
     let mut read = |path: &Path| match files.read(path) {
         Ok(text) => Some(sources.add(path, text)),
         Err(error) => {
@@ -95,8 +110,11 @@ pub fn compile_barred(root: &Path, level: LevelFile<'_>, barred: Option<Barred<'
             None
         }
     };
-    let given =
-        Level { map: level.map.and_then(&mut read), legend: level.legend.and_then(&mut read), tile: level.tile };
+    let (map, legend) = (path.and_then(&mut read), level.legend.and_then(&mut read));
+    if let (Some(format), Some(file)) = (path.and_then(Format::of), map) {
+        read_beside(format, file, part, &mut sources, files, &mut diagnostics);
+    }
+    let given = Level { map, part: part.map(str::to_string), legend, tile: level.tile };
     let (checked, found) = sema::check(&trees, &sources, given);
     diagnostics.append(found);
     if let (false, Some(root)) = (diagnostics.has_errors(), trees.first()) {
@@ -112,6 +130,13 @@ pub fn compile_barred(root: &Path, level: LevelFile<'_>, barred: Option<Barred<'
     diagnostics.sort();
     let program = (!diagnostics.has_errors()).then(|| ir::lower(&checked));
     Compilation { sources, program, diagnostics }
+}
+
+/// The file and the level of `world.ldtk#Level_0`.
+fn parted(path: &Path) -> Option<(Option<&Path>, Option<&str>)> {
+    let (file, part) = path.to_str()?.rsplit_once('#')?;
+    let file = Path::new(file);
+    (Format::of(file) == Some(Format::Ldtk)).then_some((Some(file), Some(part)))
 }
 
 /// As [`compile_with`], and looks at what values can be while the worlds run.

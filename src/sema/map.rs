@@ -1,10 +1,11 @@
 //! Maps of spaces: inline, from text files, from levels of the Video Game Level Corpus, or given on the command line.
+//! Those of level editors go on in `drawn`.
 
 use std::collections::BTreeSet;
 
 use crate::diagnostic::catalogue::names::DuplicateName;
-use crate::diagnostic::catalogue::world::{RedundantLegend, UnreadLevel};
-use crate::level::{InlineTile, inline_map, legend, text_rows};
+use crate::diagnostic::catalogue::world::{KnownReading, NoCharacters, RedundantLegend, UnreadLevel};
+use crate::level::{Format, InlineTile, inline_map, legend, text_rows};
 use crate::source::{FileId, Span};
 use crate::syntax::ast::{self, MapSource, Name};
 
@@ -71,15 +72,29 @@ impl<'a> Checker<'a> {
             }
             MapSource::Open(tiles) => {
                 let reading = self.own_set(tiles, sets, map.span);
-                self.open(reading, (id, world), population);
+                self.open(reading, &[], (id, world), population);
             }
             MapSource::OpenLegend(legend) => {
                 let reading = self.with_legend(legend, map.span, world);
-                self.open(Some(reading), (id, world), population);
+                self.open(Some(reading), &[], (id, world), population);
             }
-            MapSource::OpenAll(tiles) => {
-                let reading = Reading { own: Own::Block(tiles), legend: None, tile: None, at: map.span };
-                self.open(Some(reading), (id, world), population);
+            MapSource::Tiled(path, kinds) => {
+                let file = self.text(path).map(|file| (Format::Tiled, file, None));
+                self.no_characters(kinds);
+                self.drawn_map(file, &kinds.kinds, path.span, (id, world), population);
+            }
+            MapSource::Ldtk(path, part, kinds) => {
+                let part = part.as_ref().map(|part| part.text.as_str());
+                let file = self.text(path).map(|file| (Format::Ldtk, file, part));
+                self.no_characters(kinds);
+                self.drawn_map(file, &kinds.kinds, path.span, (id, world), population);
+            }
+            MapSource::OpenAll(kinds) => {
+                let reading = Reading { own: Own::Block(&kinds.tiles), legend: None, tile: None, at: map.span };
+                self.open(Some(reading), &kinds.kinds, (id, world), population);
+                if self.level.map.is_none() {
+                    self.drawn_map(None, &kinds.kinds, map.span, (id, world), population);
+                }
             }
         }
     }
@@ -93,6 +108,13 @@ impl<'a> Checker<'a> {
     fn rows(&mut self, file: FileId) -> Rows<'a> {
         let sources = self.sources;
         text_rows(sources.file(file).text(), file, &mut self.diagnostics)
+    }
+
+    /// Reports characters where tiles have names.
+    fn no_characters(&mut self, kinds: &ast::Kinds) {
+        for tile in &kinds.tiles {
+            self.diagnostics.report(NoCharacters { at: tile.symbol_span });
+        }
     }
 
     /// As a tile set of the program says, if there is one of this name.
@@ -115,12 +137,27 @@ impl<'a> Checker<'a> {
 
     /// A map that the command line gives, or is still to give. What it says of legend and tiles goes before what the
     /// world says.
-    fn open(&mut self, reading: Option<Reading<'_, '_>>, (id, world): (SpaceId, &mut World), to: &mut Population) {
+    fn open(
+        &mut self,
+        reading: Option<Reading<'_, '_>>,
+        kinds: &[ast::Kind],
+        (id, world): (SpaceId, &mut World),
+        to: &mut Population,
+    ) {
         self.checked.has_open_map = true;
         if self.level.map.is_none() {
             world.open = Some(id);
         }
         let Some(mut reading) = reading else { return };
+        if let Some((file, format)) = self.level.map.and_then(|f| Some((f, Format::of(&self.sources.file(f).path)?))) {
+            let part = self.level.part.clone();
+            let given = [(self.level.legend.is_some(), "--legend"), (self.level.tile.is_some(), "--tile")];
+            for (_, option) in given.into_iter().filter(|(is_given, _)| *is_given) {
+                let path = self.sources.file(file).path.display().to_string();
+                self.diagnostics.report(KnownReading { at: reading.at, option, path });
+            }
+            return self.drawn_map(Some((format, file, part.as_deref())), kinds, reading.at, (id, world), to);
+        }
         if let Some(file) = self.level.legend {
             let text = self.sources.file(file).path.display().to_string();
             reading.legend = Some((Name { text, span: Span::new(file, 0, 0) }, Some(file)));

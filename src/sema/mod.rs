@@ -9,6 +9,7 @@ mod checked_world;
 mod conflict;
 mod constant;
 pub mod dimension;
+mod drawn;
 mod entity;
 mod envelope;
 mod expression;
@@ -57,6 +58,8 @@ pub const MAX_TILE_KINDS: usize = 4_096;
 pub struct Level {
     /// The file.
     pub map: Option<FileId>,
+    /// The level of a project of LDtk.
+    pub part: Option<String>,
     /// A legend for what the program does not say itself.
     pub legend: Option<FileId>,
     /// Width and height of a tile, px, instead of what the program says.

@@ -1,5 +1,6 @@
 //! Facts about worlds.
 
+use super::did_you_mean;
 use crate::diagnostic::{Code, Diagnostic, Fact};
 use crate::source::Span;
 
@@ -206,8 +207,8 @@ pub struct TileInstances {
     pub at: Span,
     /// The name.
     pub name: String,
-    /// The tile.
-    pub symbol: char,
+    /// The tile: its character, or its name.
+    pub tile: String,
     /// How often it stands in the map.
     pub count: u64,
     /// The map.
@@ -216,13 +217,13 @@ pub struct TileInstances {
 
 impl Fact for TileInstances {
     fn word(self) -> Diagnostic {
-        let TileInstances { at, name, symbol, count, map } = self;
+        let TileInstances { at, name, tile, count, map } = self;
         let message =
-            format!("the tile `{symbol}` stands {count} times in the map, so `{name}` names no single instance");
+            format!("the tile `{tile}` stands {count} times in the map, so `{name}` names no single instance");
         Diagnostic::new(Code::TileInstances, message)
             .at(at, "needs exactly one such tile")
             .and(map, format!("{count} times here"))
-            .help("leave out `as`, or use a character of its own")
+            .help("leave out `as`, or use a tile of its own")
     }
 }
 
@@ -289,5 +290,108 @@ impl Fact for RedundantLegend {
         Diagnostic::new(Code::NoQuestion, message)
             .at(at, "goes before the legend")
             .help("leave out `--legend`, or write `map level` without a tile set")
+    }
+}
+
+/// A level of an editor that cannot be read.
+pub struct BadLevel {
+    /// Where in its files.
+    pub at: Span,
+    /// Why.
+    pub why: String,
+}
+
+impl Fact for BadLevel {
+    fn word(self) -> Diagnostic {
+        Diagnostic::new(Code::BadLevel, self.why).at(self.at, "here")
+    }
+}
+
+/// A thing of a level that the program has no entity for.
+pub struct UnknownThing {
+    /// Where it stands in the level.
+    pub at: Span,
+    /// Its class.
+    pub class: String,
+    /// How many there are.
+    pub count: usize,
+    /// The nearest entity.
+    pub near: Option<String>,
+    /// The map.
+    pub map: Span,
+}
+
+impl Fact for UnknownThing {
+    fn word(self) -> Diagnostic {
+        let UnknownThing { at, class, count, near, map } = self;
+        let times = if count == 1 { String::new() } else { format!(" ({count} of them)") };
+        let message =
+            format!("the level has a `{class}`{times}, the program has no such entity{}", did_you_mean(near.as_ref()));
+        let entity = near.unwrap_or_else(|| "ENTITY".into());
+        let name = if class.chars().all(|c| c.is_alphanumeric() || c == '_') { class } else { format!("\"{class}\"") };
+        Diagnostic::new(Code::BadLevel, message)
+            .at(at, "what is this?")
+            .and(map, "in this map")
+            .help(format!("add `{name}: spawn {entity}` to the map's block, or `{name}: empty` to leave it out"))
+    }
+}
+
+/// A property of a level that its entity does not have.
+pub struct UnknownSetting {
+    /// The property.
+    pub at: Span,
+    /// What it is called.
+    pub name: String,
+    /// The entity.
+    pub entity: String,
+    /// How many instances have it.
+    pub count: usize,
+    /// The nearest name that the entity has.
+    pub near: Option<String>,
+}
+
+impl Fact for UnknownSetting {
+    fn word(self) -> Diagnostic {
+        let UnknownSetting { at, name, entity, count, near } = self;
+        let times = if count == 1 { String::new() } else { format!(" ({count} times)") };
+        let message =
+            format!("the level sets `{name}`{times}, which `{entity}` does not have{}", did_you_mean(near.as_ref()));
+        Diagnostic::new(Code::UnknownSetting, message)
+            .at(at, "has no effect")
+            .help(format!("declare it in `{entity}`, such as `param {name} = 0`, or take it out of the level"))
+    }
+}
+
+/// A character in the block of a map whose tiles have names.
+pub struct NoCharacters {
+    /// The character.
+    pub at: Span,
+}
+
+impl Fact for NoCharacters {
+    fn word(self) -> Diagnostic {
+        Diagnostic::new(Code::BadMap, "the tiles of a level editor have names, not characters")
+            .at(self.at, "never in the level")
+            .help(
+                "write the class of a tile or an object, or the identifier of a value or an entity: `Coin: spawn Coin`",
+            )
+    }
+}
+
+/// Options that say how a level is read which says so itself.
+pub struct KnownReading {
+    /// The map.
+    pub at: Span,
+    /// The option.
+    pub option: &'static str,
+    /// The level's file.
+    pub path: String,
+}
+
+impl Fact for KnownReading {
+    fn word(self) -> Diagnostic {
+        let message =
+            format!("`{}` is for levels of characters: `{}` says itself how it is read", self.option, self.path);
+        Diagnostic::new(Code::NoQuestion, message).at(self.at, "this map").help(format!("leave out `{}`", self.option))
     }
 }

@@ -200,17 +200,19 @@ fn layers_are_united_and_rectangles_become_static_geometry() {
     let layers = "<group name=\"all\"><layer name=\"back ground\" width=\"3\" height=\"2\"><data encoding=\"csv\">\
                   1,0,0,\n1,2,536870914</data></layer></group>\n\
                   <layer name=\"ice\" width=\"3\" height=\"2\"><data encoding=\"csv\">0,1,0,1,0,0</data></layer>\n\
+                  <layer name=\"back\" width=\"3\" height=\"2\" offsetx=\"3\"><data encoding=\"csv\">0,2</data></layer>\n\
                   <objectgroup name=\"walls\" offsetx=\"2\"><object id=\"1\" x=\"4\" y=\"1\" width=\"10\" height=\"3\"/>\
                   <object id=\"2\" class=\"lava\" x=\"0\" y=\"6\" width=\"8\" height=\"2\"/>\
                   <object id=\"3\" x=\"0\" y=\"6\"><point/></object><object id=\"4\" x=\"0\" y=\"6\"><ellipse/></object>\
                   <object id=\"5\" class=\"Coin\" x=\"8\" y=\"4\" width=\"4\" height=\"4\"/>\
                   <object id=\"6\" gid=\"2\" class=\"Coin\" x=\"16\" y=\"4\" width=\"8\" height=\"8\"/></objectgroup>";
-    let found = program(of_level("ice: slippery, cold; \"back ground\": empty", &tmx("", layers)));
+    let found = program(of_level("ice: slippery, cold; \"back ground\": far; back: empty", &tmx("", layers)));
     let (columns, tile, cells) = tiles(&found);
     assert_eq!((columns, tile), (3, (8.0, 4.0)));
     let spike = vec!["deadly".to_string(), "sharp".into(), "spike".into()];
     let ice = vec!["cold".to_string(), "slippery".into()];
-    assert_eq!(cells, [ice.clone(), spike.clone(), spike, vec![], ice, vec![]]);
+    let both = vec!["cold".to_string(), "far".into(), "slippery".into()];
+    assert_eq!(cells, [both, spike.clone(), spike, vec!["far".to_string()], ice, vec![]]);
     let world = &found.worlds[WorldId(0)];
     let solids = world.spaces[SpaceId(0)].solids.iter().map(|s| s.bounds);
     let solids: Vec<[f64; 4]> = solids.map(|b| [b.left, b.bottom, b.right, b.top]).collect();
@@ -249,7 +251,7 @@ fn findings_point_at_the_place_in_the_level() {
             "",
             &(empty.clone() + &objects("<object id=\"1\" class=\"Coi\" x=\"0\" y=\"0\"><point/></object>"))
         )),
-        "a.tmx:3:109: error[E0507]: the level has a `Coi`, the program has no such entity; did you mean `Coin`?"
+        "a.tmx:3:109: error[E0507]: `Coi` of the level is no entity of the program; did you mean `Coin`?"
     );
     let coin = "<object id=\"1\" class=\"Coin\" x=\"0\" y=\"0\"><properties><property name=\"wort\" type=\"int\" \
                 value=\"3\"/></properties></object>";

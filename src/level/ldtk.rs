@@ -79,7 +79,9 @@ struct Reader<'a, 't> {
 
 impl Reader<'_, '_> {
     fn level(&self, level: &Node<'_>) -> Result<Drawn, Trouble> {
-        let layers: Vec<&Node<'_>> = level.children(&["layerInstances"]).collect();
+        let layers = level.children(&["layerInstances"]);
+        let is_read = |layer: &&Node<'_>| (self.meaning)(layer.text_of("__identifier")) != Meaning::Nothing;
+        let layers: Vec<&Node<'_>> = layers.filter(is_read).collect();
         let grids = || layers.iter().filter(|layer| self.values(layer).is_some());
         // A level without a grid is empty space of its size.
         let model = grids().chain(layers.iter()).next().copied();

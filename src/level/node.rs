@@ -122,7 +122,9 @@ impl<'t> Node<'t> {
 // ---- XML ------------------------------------------------------------------------------------------------------------
 
 fn xml(text: &str) -> Result<Node<'_>, Trouble> {
-    let options = roxmltree::ParsingOptions { nodes_limit: MAX_NODES as u32, ..Default::default() };
+    // Old maps name their document type. Entities of one's own could make a small file endless.
+    let allow_dtd = !text.contains("<!ENTITY");
+    let options = roxmltree::ParsingOptions { nodes_limit: MAX_NODES as u32, allow_dtd, ..Default::default() };
     let document = roxmltree::Document::parse_with_options(text, options).map_err(|error| {
         let place = error.pos();
         let line: usize = text.split_inclusive('\n').take(place.row.saturating_sub(1) as usize).map(str::len).sum();

@@ -98,7 +98,7 @@ impl Reader<'_> {
             return Ok(());
         }
         if let Shape::Other(what) = shape {
-            let why = format!("a {what} cannot be `{}`: only rectangles can have tags", all.join("`, `"));
+            let why = format!("this {what} cannot be `{}`: only rectangles can have tags", all.join("`, `"));
             return Err(Trouble::new(at, why));
         }
         if object.number("rotation")?.unwrap_or(0.0) != 0.0 {

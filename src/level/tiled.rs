@@ -240,6 +240,9 @@ impl Reader<'_> {
     /// The columns and rows from which to which the layers of an infinite map have tiles: left, top, right, bottom.
     fn bounds(&mut self, node: &Node<'_>, bounds: &mut Option<(i64, i64, i64, i64)>) -> Result<(), Trouble> {
         for (kind, layer) in layers(node) {
+            if (self.meaning)(layer.text_of("name")) == Meaning::Nothing {
+                continue;
+            }
             match kind {
                 "group" => self.bounds(layer, bounds)?,
                 "tiles" => {
@@ -274,6 +277,9 @@ impl Reader<'_> {
         for (kind, layer) in layers(node) {
             let (x, y) = (layer.number("offsetx")?.unwrap_or(0.0), layer.number("offsety")?.unwrap_or(0.0));
             let moved = (moved.0 + x, moved.1 + y);
+            if (self.meaning)(layer.text_of("name")) == Meaning::Nothing {
+                continue;
+            }
             match kind {
                 "group" => self.layers(layer, moved, grid)?,
                 "tiles" if moved != (0.0, 0.0) => {

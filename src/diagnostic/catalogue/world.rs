@@ -326,7 +326,7 @@ impl Fact for UnknownThing {
         let UnknownThing { at, class, count, near, map } = self;
         let times = if count == 1 { String::new() } else { format!(" ({count} of them)") };
         let message =
-            format!("the level has a `{class}`{times}, the program has no such entity{}", did_you_mean(near.as_ref()));
+            format!("`{class}`{times} of the level is no entity of the program{}", did_you_mean(near.as_ref()));
         let entity = near.unwrap_or_else(|| "ENTITY".into());
         let name = if class.chars().all(|c| c.is_alphanumeric() || c == '_') { class } else { format!("\"{class}\"") };
         Diagnostic::new(Code::BadLevel, message)

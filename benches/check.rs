@@ -11,7 +11,7 @@ use std::hint::black_box;
 use std::path::Path;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use hypedc::compile::check_with;
+use hypedc::compile::{LevelFile, check_with};
 use support::{Text, compile_text};
 
 fn lines(c: &mut Criterion) {
@@ -20,7 +20,7 @@ fn lines(c: &mut Criterion) {
     for lines in [1_000, 10_000, 100_000] {
         let text = large::realistic(lines);
         group.throughput(Throughput::Elements(text.lines().count() as u64));
-        let check = || check_with(Path::new("test.hyped"), None, &Text(&text));
+        let check = || check_with(Path::new("test.hyped"), LevelFile::default(), &Text(&text));
         group.bench_function(format!("{lines} lines"), |b| b.iter(|| black_box(check())));
     }
     group.finish();

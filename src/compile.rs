@@ -8,10 +8,12 @@ use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::file::Unreadable;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::ir::{self, Program};
+use crate::level::{Format, read_beside};
 use crate::lint;
-use crate::sema;
+use crate::sema::{self, Level};
 use crate::source::{FileId, Files, SourceMap};
 use crate::syntax;
+use crate::syntax::ast::MapSource;
 
 /// What came of compiling a file and all that it imports.
 #[derive(Debug, Clone)]
@@ -37,19 +39,44 @@ pub struct Barred<'a> {
     pub origin: &'a str,
 }
 
+/// What the command line says of the map of worlds that leave theirs open.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct LevelFile<'a> {
+    /// The level; without one, worlds stay open. Of a project of LDtk, `world.ldtk#Level_0` is one level.
+    pub map: Option<&'a Path>,
+    /// A legend for what the program does not say itself of the level's characters.
+    pub legend: Option<&'a Path>,
+    /// Width and height of a tile, px, instead of what the program says.
+    pub tile: Option<(f64, f64)>,
+}
+
+impl<'a> LevelFile<'a> {
+    /// A level that is read as the program says.
+    pub fn new(map: &'a Path) -> Self {
+        LevelFile { map: Some(map), ..LevelFile::default() }
+    }
+
+    /// The options that are given, as one writes them.
+    fn options(&self) -> impl Iterator<Item = &'static str> {
+        let given =
+            [(self.map.is_some(), "--map"), (self.legend.is_some(), "--legend"), (self.tile.is_some(), "--tile")];
+        given.into_iter().filter(|(is_given, _)| *is_given).map(|(_, option)| option)
+    }
+}
+
 /// Compiles a file and what it imports. Worlds that leave their map open stay open.
 pub fn compile(root: &Path, files: &dyn Files) -> Compilation {
-    compile_with(root, None, files)
+    compile_with(root, LevelFile::default(), files)
 }
 
 /// Compiles a file and what it imports; worlds that leave their map open get this one.
-pub fn compile_with(root: &Path, map: Option<&Path>, files: &dyn Files) -> Compilation {
-    compile_barred(root, map, None, files)
+pub fn compile_with(root: &Path, level: LevelFile<'_>, files: &dyn Files) -> Compilation {
+    compile_barred(root, level, None, files)
 }
 
 /// As [`compile_with`], with one more `never` in each world of the file that is named, or in all: a predicate that comes
 /// from the command line. It is the last one of its world.
-pub fn compile_barred(root: &Path, map: Option<&Path>, barred: Option<Barred<'_>>, files: &dyn Files) -> Compilation {
+pub fn compile_barred(root: &Path, level: LevelFile<'_>, barred: Option<Barred<'_>>, files: &dyn Files) -> Compilation {
     let mut sources = SourceMap::new();
     let (mut trees, mut diagnostics) = syntax::load(root, files, &mut sources);
     if let Some(barred) = barred {
@@ -63,21 +90,40 @@ pub fn compile_barred(root: &Path, map: Option<&Path>, barred: Option<Barred<'_>
         }
     }
     diagnostics.append(syntax::expand(&mut trees, &mut sources));
-    let level = map.and_then(|path| match files.read(path) {
+    for tree in &trees {
+        for map in tree.maps() {
+            let (format, path, part) = match &map.source {
+                MapSource::Tiled(path, _) => (Format::Tiled, path, None),
+                MapSource::Ldtk(path, part, _) => (Format::Ldtk, path, part.as_ref().map(|part| part.text.as_str())),
+                _ => continue,
+            };
+            if let Some((_, file)) = tree.texts.iter().find(|(at, _)| *at == path.span) {
+                read_beside(format, *file, part, &mut sources, files, &mut diagnostics);
+            }
+        }
+    }
+    let (path, part) = level.map.map_or((None, None), |path| parted(path).unwrap_or((Some(path), None)));
+    let mut read = |path: &Path| match files.read(path) {
         Ok(text) => Some(sources.add(path, text)),
         Err(error) => {
             diagnostics.report(Unreadable { path: path.to_path_buf(), import: None, error });
             None
         }
-    });
-    let (checked, found) = sema::check(&trees, &sources, level);
+    };
+    let (map, legend) = (path.and_then(&mut read), level.legend.and_then(&mut read));
+    if let (Some(format), Some(file)) = (path.and_then(Format::of), map) {
+        read_beside(format, file, part, &mut sources, files, &mut diagnostics);
+    }
+    let given = Level { map, part: part.map(str::to_string), legend, tile: level.tile };
+    let (checked, found) = sema::check(&trees, &sources, given);
     diagnostics.append(found);
     if let (false, Some(root)) = (diagnostics.has_errors(), trees.first()) {
         diagnostics.append(lint::lint(&checked, root.id));
     }
-    if map.is_some() && !checked.has_open_map && !diagnostics.has_errors() {
-        let why = format!("no world of `{}` leaves its map to the command line", root.display());
-        let help = Some("write `map level TILES` or `map level legend \"FILE\" tile 16 x 16` in a space".into());
+    if let (Some(option), false, false) = (level.options().next(), checked.has_open_map, diagnostics.has_errors()) {
+        let why = format!("`{option}` is for worlds with an open map, and `{}` has none", root.display());
+        let help =
+            Some("write `map level`, `map level TILES` or `map level legend \"FILE\" tile 16 x 16` in a space".into());
         diagnostics.report(NoQuestion { why, near: None, help });
     }
     diagnostics.trace(&sources);
@@ -86,9 +132,16 @@ pub fn compile_barred(root: &Path, map: Option<&Path>, barred: Option<Barred<'_>
     Compilation { sources, program, diagnostics }
 }
 
+/// The file and the level of `world.ldtk#Level_0`.
+fn parted(path: &Path) -> Option<(Option<&Path>, Option<&str>)> {
+    let (file, part) = path.to_str()?.rsplit_once('#')?;
+    let file = Path::new(file);
+    (Format::of(file) == Some(Format::Ldtk)).then_some((Some(file), Some(part)))
+}
+
 /// As [`compile_with`], and looks at what values can be while the worlds run.
-pub fn check_with(root: &Path, map: Option<&Path>, files: &dyn Files) -> Compilation {
-    let mut compilation = compile_with(root, map, files);
+pub fn check_with(root: &Path, level: LevelFile<'_>, files: &dyn Files) -> Compilation {
+    let mut compilation = compile_with(root, level, files);
     let Compilation { sources, program: Some(program), diagnostics } = &mut compilation else { return compilation };
     // The root is the first file that is read.
     diagnostics.append(analysis::findings(program, sources, FileId(0), diagnostics));

@@ -19,7 +19,7 @@
 //! | [`syntax`] | the grammar's pairs as an abstract syntax tree, with recovery |
 //! | [`format`] | the canonical layout of a text, comments kept |
 //! | [`import`] | what other systems describe, as text |
-//! | [`level`] | tile maps: inline, from text files, from levels and legends of the VGLC |
+//! | [`level`] | tile maps: inline, from text files, from levels and legends of the VGLC, from Tiled and LDtk |
 //! | [`sema`] | names, types, structure: a program in which every name is an id |
 //! | [`lint`] | warnings: what has a meaning, but hardly the one that was meant |
 //! | [`ir`] | the flat tables that all consumers share, and the layout of a state |

@@ -168,6 +168,11 @@ impl SourceMap {
         &self.files[self.original(id).0 as usize]
     }
 
+    /// The file of a path, if it was read.
+    pub fn find(&self, path: &Path) -> Option<FileId> {
+        self.files.iter().position(|file| file.path == path).map(|index| FileId(index as u32))
+    }
+
     /// An id for a copy of what a file holds, put in place elsewhere.
     pub fn copy(&mut self, of: FileId, put_at: Span) -> FileId {
         let of = self.original(of);

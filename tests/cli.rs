@@ -330,13 +330,23 @@ fn a_level_is_given_on_the_command_line() {
     }
     assert_eq!(code(&["check", open]), 0);
     assert_eq!(code(&["check", open, "--map", level]), 0);
+    let all = written("all_open.hyped", "world Any { space main { map level } }\n");
+    let (legend, small) = ("tests/maps/smb.json", "tests/maps/editors/valley.tmj");
+    let runs: [&[&str]; 4] = [&["check"], &["ir"], &["sim", "--frames", "3"], &["bounds"]];
+    for run in runs {
+        let asked = |options: &[&str]| code(&[run, &[all.as_str(), "--map", level], options].concat());
+        assert_eq!(asked(&["--legend", legend, "--tile", "16x16"]), 0, "{run:?}");
+        assert_eq!(asked(&["--legend", legend]), if run == ["check"] { 1 } else { 2 }, "{run:?}");
+        assert_eq!(asked(&["--legend", legend, "--tile", "0x16"]), 2, "{run:?}");
+        assert_ne!(code(&[run, &[all.as_str(), "--map", small, "--tile", "8"]].concat()), 0, "{run:?}");
+    }
     assert_eq!(code(&["check", closed, "--map", level]), 2);
     assert_eq!(code(&["check", open, "--map", "no/such/level.txt"]), 2);
     let wrong = written("wrong_level.txt", "---\n-%\n");
     let output = hypedc(&["check", "--format", "short", open, "--map", &wrong]);
     let found = String::from_utf8_lossy(&output.stdout).into_owned();
     assert_eq!(output.status.code(), Some(1));
-    assert!(found.contains("wrong_level.txt:2:1: error[E0501]: a row has 2 tiles, others have 3"), "{found}");
+    assert!(found.contains("wrong_level.txt:2:1: error[E0501]: row 2 has 2 tiles, others have 3"), "{found}");
     assert!(found.contains("wrong_level.txt:2:2: error[E0501]: no tile `%`"), "{found}");
 }
 

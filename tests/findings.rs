@@ -8,7 +8,7 @@ mod support;
 use std::path::{Path, PathBuf};
 
 use hypedc::analysis::{InvariantVerdict, configuration_space, invariants};
-use hypedc::compile::{Compilation, check_with, compile};
+use hypedc::compile::{Compilation, LevelFile, check_with, compile};
 use hypedc::diagnostic::{Code, Diagnostic};
 use hypedc::ir::{
     EntityId, Expr, ExprId, Function, Origin, Program, SlotId, Subject, VarId, WorldId, arithmetic, call, compare,
@@ -246,7 +246,7 @@ fn contradicted(
 
 /// Runs all worlds of a program; gives what was found of it, and what the runs did not bear out.
 fn tried(path: &Path, text: &str) -> (Vec<Code>, Vec<String>) {
-    let compilation = check_with(path, None, &Changed(path, text));
+    let compilation = check_with(path, LevelFile::default(), &Changed(path, text));
     let Some(program) = &compilation.program else { return Default::default() };
     let said: Vec<&Diagnostic> = compilation.diagnostics.iter().collect();
     let mut wrong = Vec::new();
@@ -328,7 +328,7 @@ fn what_is_proven_is_so_in_runs() {
 /// that is foreseen.
 fn shot(text: &str) -> (bool, bool) {
     let path = Path::new("shot.hyped");
-    let compilation = check_with(path, None, &Changed(path, text));
+    let compilation = check_with(path, LevelFile::default(), &Changed(path, text));
     let program = compilation.program.as_ref().unwrap();
     let sim = Simulator::new(program, WorldId(0));
     let mut scratch = sim.scratch();
@@ -390,7 +390,7 @@ fn codes(files: &[(&str, &str)]) -> Vec<&'static str> {
             path.to_path_buf()
         }
     }
-    let compilation = check_with(Path::new(files[0].0), None, &Given(files));
+    let compilation = check_with(Path::new(files[0].0), LevelFile::default(), &Given(files));
     compilation.diagnostics.iter().map(|d| d.code.text()).collect()
 }
 

@@ -7,7 +7,7 @@
 //! - `file="a.hyped"`: the block is a file that other examples can read, as is a block of any other language;
 //! - `inputs="right*40"`: what the player does, else nothing for 120 steps; `ends="hero.x > 10"`: what holds then;
 //!   `stops="E0603"`: the run ends early with this error;
-//! - `map="a.txt"`: the level that the command line would give.
+//! - `map="a.txt"`: the level that the command line would give, `legend="a.json"` and `tile="16x16"` how it is read.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -16,7 +16,7 @@ mod support;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use hypedc::compile::{Compilation, check_with};
+use hypedc::compile::{Compilation, LevelFile, check_with};
 use hypedc::diagnostic::{Code, render};
 use hypedc::ir::{Program, WorldId};
 use hypedc::sim::{Simulator, parse_script};
@@ -211,9 +211,13 @@ impl Files for PageFiles<'_> {
     }
 }
 
-fn compiled(text: &str, map: Option<&str>, all: &[Block]) -> Compilation {
+fn compiled(text: &str, block: &Block, all: &[Block]) -> Compilation {
     let others = all.iter().filter_map(|b| Some((PathBuf::from(b.setting("file")?), b.text.as_str()))).collect();
-    check_with(Path::new("example.hyped"), map.map(Path::new), &PageFiles { main: text, others })
+    let side = |text: &str| text.parse::<f64>().unwrap();
+    let tile = block.setting("tile").and_then(|t| t.split_once('x')).map(|(w, h)| (side(w), side(h)));
+    let file = |key: &str| block.setting(key).map(Path::new);
+    let level = LevelFile { map: file("map"), legend: file("legend"), tile };
+    check_with(Path::new("example.hyped"), level, &PageFiles { main: text, others })
 }
 
 /// Runs a world; gives the code of the error that ended it early, if one did, and the claims that do not hold then.
@@ -238,7 +242,7 @@ fn run(program: &Program, world: WorldId, inputs: Option<&str>) -> (Option<Code>
 /// What is wrong with an example, if anything is.
 fn trouble(block: &Block, all: &[Block]) -> Option<String> {
     let text = whole(block, all);
-    let compilation = compiled(&text, block.setting("map"), all);
+    let compilation = compiled(&text, block, all);
     let found: Vec<Code> = compilation.diagnostics.iter().map(|d| d.code).collect();
     let mut expected: Vec<&str> = Vec::new();
     let mut words = block.words.iter();

@@ -8,7 +8,7 @@ mod support;
 use std::path::{Path, PathBuf};
 
 use hypedc::analysis::configuration_space;
-use hypedc::compile::compile_with;
+use hypedc::compile::{LevelFile, compile_with};
 use hypedc::ir::{GoalId, Id, Origin, Program, SlotId, VarId, WorldId};
 use hypedc::reach::{Limits, Plan, Problem, Settings, Verdict, reach};
 use hypedc::sim::{Simulator, parse_script};
@@ -34,7 +34,11 @@ impl Files for WithLevel<'_> {
 }
 
 fn level(text: &str) -> Program {
-    program(compile_with(Path::new(ROOT), Some(Path::new(LEVEL)), &WithLevel(text)))
+    program(compile_with(
+        Path::new(ROOT),
+        LevelFile { map: Some(Path::new(LEVEL)), ..LevelFile::default() },
+        &WithLevel(text),
+    ))
 }
 
 fn corpus(name: &str) -> String {

@@ -8,7 +8,7 @@ mod support;
 use std::path::Path;
 
 use hypedc::analysis::{ConfigurationSpace, configuration_space};
-use hypedc::compile::{check_with, compile};
+use hypedc::compile::{LevelFile, check_with, compile};
 use hypedc::ir::{GoalId, Id, Program, WorldId};
 use hypedc::sim::{Input, PlayerInput, Simulator};
 use rand::{RngExt, SeedableRng};
@@ -374,7 +374,7 @@ fn check_leaves_the_number_of_things_to_the_level() {
              mode rich {{ when timer > 1s -> poor }}"
         );
         let text = world(COIN, "", &hero, THREE);
-        let found = check_with(Path::new("test.hyped"), None, &Text(&text)).diagnostics;
+        let found = check_with(Path::new("test.hyped"), LevelFile::default(), &Text(&text)).diagnostics;
         found.iter().map(|d| d.code.text()).filter(|code| code.starts_with("W07")).collect::<Vec<_>>()
     };
     assert_eq!(told(10), [""; 0]);

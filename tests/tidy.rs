@@ -22,7 +22,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("lint", &["source", "diagnostic", "sema"]),
     ("ir", &["source", "level", "sema"]),
     ("analysis", &["source", "diagnostic", "level", "ir"]),
-    ("compile", &["source", "diagnostic", "syntax", "sema", "lint", "ir", "analysis"]),
+    ("compile", &["source", "diagnostic", "syntax", "level", "sema", "lint", "ir", "analysis"]),
     ("sim", &["source", "diagnostic", "ir"]),
     ("reach", &["watch", "ir", "analysis", "sim"]),
     ("graph", &["source", "ir"]),

@@ -7,7 +7,7 @@ mod support;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use hypedc::compile::check_with;
+use hypedc::compile::{LevelFile, check_with};
 use hypedc::diagnostic::{Code, render};
 use support::Disk;
 
@@ -18,7 +18,7 @@ fn programs() -> Vec<PathBuf> {
 #[test]
 fn findings_look_like_this() {
     for path in programs() {
-        let compiled = check_with(&path, None, &Disk);
+        let compiled = check_with(&path, LevelFile::default(), &Disk);
         let found = &compiled.diagnostics;
         assert!(!found.is_empty(), "{}: nothing is found", path.display());
         let human = render::human(&compiled.sources, found.iter(), false);
@@ -36,7 +36,7 @@ fn findings_look_like_this() {
 fn every_code_of_the_checker_is_shown() {
     let mut seen = BTreeSet::new();
     for path in programs() {
-        seen.extend(check_with(&path, None, &Disk).diagnostics.iter().map(|d| d.code));
+        seen.extend(check_with(&path, LevelFile::default(), &Disk).diagnostics.iter().map(|d| d.code));
     }
     // These need a file that is no text, or a running world; the tests of the command line show them.
     let elsewhere =

@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use hypedc::analysis::{configuration_space, configuration_space_without};
-use hypedc::compile::{Barred, compile, compile_barred};
+use hypedc::compile::{Barred, LevelFile, compile, compile_barred};
 use hypedc::ir::{GoalId, Program, WorldId};
 use hypedc::reach::{
     Argument, Limits, Outcome, Plan, Planner, Problem, Proof, Sampling, Settings, Target, Verdict, reach,
@@ -392,7 +392,7 @@ fn ways_go_on_from_where_a_script_leads() {
 fn without(file: &str, goal: &str, predicate: &str) -> Vec<Verdict> {
     let path = Path::new("tests/verdicts").join(file).with_extension("hyped");
     let barred = Barred { world: None, name: "without", predicate, origin: "test" };
-    let program = program(compile_barred(&path, None, Some(barred), &Disk));
+    let program = program(compile_barred(&path, LevelFile::default(), Some(barred), &Disk));
     let world = WorldId(0);
     let id = program.worlds[world].goals.find(|g| g.name == goal).unwrap();
     let sim = Simulator::new(&program, world);

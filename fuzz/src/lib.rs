@@ -6,7 +6,7 @@ mod outside;
 use std::path::Path;
 
 use hypedc::analysis::configuration_space;
-use hypedc::compile::{Compilation, check_with, compile};
+use hypedc::compile::{Compilation, LevelFile, check_with, compile};
 use hypedc::diagnostic::render::{self, Found};
 use hypedc::diagnostic::fix;
 use hypedc::format::format;
@@ -45,7 +45,7 @@ const IMPORTED: &[(&str, &[u8])] = &[
 /// A program: all that can be asked of it is answered.
 pub fn check(bytes: &[u8]) {
     let files: Vec<(&str, &[u8])> = [(ROOT, bytes)].into_iter().chain(IMPORTED.iter().copied()).collect();
-    let compiled = check_with(Path::new(ROOT), None, &Memory(&files));
+    let compiled = check_with(Path::new(ROOT), LevelFile::default(), &Memory(&files));
     shown(&compiled);
     mended(&compiled);
     if let Some(program) = &compiled.program {
@@ -54,7 +54,7 @@ pub fn check(bytes: &[u8]) {
     }
 }
 
-/// A legend, a line `====`, a map: in a program that reads the map in every way there is.
+/// A legend, a line `====`, a map: in programs that read the map in every way there is.
 pub fn levels(bytes: &[u8]) {
     const LINE: &[u8] = b"\n====\n";
     let cut = bytes.windows(LINE.len()).position(|part| part == LINE);
@@ -86,10 +86,23 @@ pub fn levels(bytes: &[u8]) {
         }}\n",
         String::from_utf8_lossy(map)
     );
-    let compiled = compile(
-        Path::new(ROOT),
-        &Memory(&[(ROOT, root.as_bytes()), ("map.txt", map), ("legend.json", legend)]),
-    );
+    compiled(&[(ROOT, root.as_bytes()), ("map.txt", map), ("legend.json", legend)]);
+    // The same bytes as levels of editors; what is before the line is the file that they name.
+    for map_line in ["map tiled \"map.txt\"", "map ldtk \"map.txt\""] {
+        let root = format!(
+            "entity A {{ param speed = 1; collider body: rect(0, 0, 8, 8); x' = speed }}
+            world Editor {{
+                collide body with solid: block
+                space main {{ {map_line} {{ solid: solid; foe: spawn A }} }}
+            }}\n"
+        );
+        compiled(&[(ROOT, root.as_bytes()), ("map.txt", map), ("beside", legend)]);
+    }
+}
+
+/// Files compiled and shown, and their worlds run.
+fn compiled(files: &[(&str, &[u8])]) {
+    let compiled = compile(Path::new(ROOT), &Memory(files));
     shown(&compiled);
     if let Some(program) = &compiled.program {
         program.worlds.ids().for_each(|world| run(program, world));

@@ -1,9 +1,10 @@
 //! The arguments, as data.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::compile::LevelFile;
 use crate::reach::{Planner, Restart};
 
 use super::experiment_args::ExperimentArgs;
@@ -47,6 +48,42 @@ pub(super) enum Command {
     Man(ManArgs),
 }
 
+/// The level of worlds that leave their map open, and how it is read.
+#[derive(Debug, Args)]
+pub(super) struct LevelArgs {
+    /// The level of worlds that leave their map open.
+    #[arg(long, value_name = "PATH")]
+    pub map: Option<PathBuf>,
+    #[command(flatten)]
+    pub reading: ReadingArgs,
+}
+
+impl LevelArgs {
+    /// As the compiler takes it.
+    pub fn file(&self) -> LevelFile<'_> {
+        self.reading.of(self.map.as_deref())
+    }
+}
+
+/// How the level of worlds that leave their map open is read.
+#[derive(Debug, Args)]
+pub(super) struct ReadingArgs {
+    /// What the characters of the level stand for: a legend of the VGLC. What the program itself says of a character
+    /// goes before.
+    #[arg(long, value_name = "PATH")]
+    pub legend: Option<PathBuf>,
+    /// Width and height of a tile of the level, px.
+    #[arg(long, value_name = "WxH", value_parser = tile)]
+    pub tile: Option<(f64, f64)>,
+}
+
+impl ReadingArgs {
+    /// As the compiler takes it, with a level.
+    pub fn of<'a>(&'a self, map: Option<&'a Path>) -> LevelFile<'a> {
+        LevelFile { map, legend: self.legend.as_deref(), tile: self.tile }
+    }
+}
+
 /// How findings are shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum FindingFormat {
@@ -74,9 +111,8 @@ pub(super) struct CheckArgs {
     /// The programs to check.
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
-    /// The level of worlds that leave their map open.
-    #[arg(long, value_name = "PATH")]
-    pub map: Option<PathBuf>,
+    #[command(flatten)]
+    pub level: LevelArgs,
     /// How findings are shown.
     #[arg(long, value_enum, default_value = "human")]
     pub format: FindingFormat,
@@ -154,9 +190,8 @@ pub(super) struct BoundsArgs {
     /// The program.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// The level of worlds that leave their map open.
-    #[arg(long, value_name = "PATH")]
-    pub map: Option<PathBuf>,
+    #[command(flatten)]
+    pub level: LevelArgs,
     /// The world, where the program has several.
     #[arg(long, value_name = "NAME")]
     pub world: Option<String>,
@@ -170,9 +205,8 @@ pub(super) struct IrArgs {
     /// The program.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// The level of worlds that leave their map open.
-    #[arg(long, value_name = "PATH")]
-    pub map: Option<PathBuf>,
+    #[command(flatten)]
+    pub level: LevelArgs,
     /// As text for people, or as JSON.
     #[arg(long, value_enum, default_value = "human")]
     pub format: ResultFormat,
@@ -188,9 +222,8 @@ pub(super) struct SimArgs {
     /// The program.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// The level of worlds that leave their map open.
-    #[arg(long, value_name = "PATH")]
-    pub map: Option<PathBuf>,
+    #[command(flatten)]
+    pub level: LevelArgs,
     /// The world, where the program has several.
     #[arg(long, value_name = "NAME")]
     pub world: Option<String>,
@@ -218,6 +251,8 @@ pub(super) struct ReachArgs {
     /// The level of worlds that leave their map open.
     #[arg(long, value_name = "PATH")]
     pub map: Option<PathBuf>,
+    #[command(flatten)]
+    pub reading: ReadingArgs,
     /// The world, where the program has several.
     #[arg(long, value_name = "NAME")]
     pub world: Option<String>,
@@ -327,6 +362,13 @@ impl Time {
         };
         found.ok_or_else(|| "a time such as `12frames`, `0.2s` or `200ms`".to_string())
     }
+}
+
+/// `16x16`, or `16` for both sides.
+fn tile(text: &str) -> Result<(f64, f64), String> {
+    let side = |text: &str| text.trim().parse::<f64>().ok().filter(|side| side.is_finite() && *side > 0.0);
+    let (width, height) = text.split_once('x').unwrap_or((text, text));
+    side(width).zip(side(height)).ok_or_else(|| "two lengths in px above 0, such as `16x16`".to_string())
 }
 
 fn restart(text: &str) -> Result<Restart, String> {

@@ -94,7 +94,7 @@ impl<'a> Asked<'a> {
 }
 
 pub(super) fn run(args: &BoundsArgs) -> io::Result<Answer> {
-    let Some(loaded) = load(&args.file, args.map.as_deref())? else { return Ok(Answer::Unasked) };
+    let Some(loaded) = load(&args.file, args.level.file())? else { return Ok(Answer::Unasked) };
     let Some(id) = choose_world(&loaded, &args.file, args.world.as_deref())? else { return Ok(Answer::Unasked) };
     let space = configuration_space(&loaded.program, id);
     let asked = Asked { program: &loaded.program, world: &loaded.program.worlds[id], space: &space };

@@ -22,10 +22,10 @@ pub(super) fn run(args: &CheckArgs) -> io::Result<Answer> {
     let mut first: Option<(Severity, Code)> = None;
     let mut kept: Vec<(&Path, Compilation)> = Vec::new();
     for path in &args.files {
-        if args.fix && !mend(path, args.map.as_deref())? {
+        if args.fix && !mend(path, args.level.file())? {
             answer = Answer::Unasked;
         }
-        let compilation = check_with(path, args.map.as_deref(), &Disk);
+        let compilation = check_with(path, args.level.file(), &Disk);
         let found = &compilation.diagnostics;
         answer = answer.max(judged(found, args.deny.is_some()));
         // The first error, or the first warning where there is no error.

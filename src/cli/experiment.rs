@@ -78,7 +78,7 @@ fn run_paper(args: &PaperArgs) -> io::Result<Answer> {
 fn run_files(args: &FilesArgs) -> io::Result<Answer> {
     let mut sources = Vec::new();
     for file in &args.files {
-        let Some(loaded) = load(file, args.map.as_deref())? else { return Ok(Answer::Unasked) };
+        let Some(loaded) = load(file, args.level.file())? else { return Ok(Answer::Unasked) };
         if !has_maps(&loaded, loaded.program.worlds.iter())? {
             return Ok(Answer::Unasked);
         }

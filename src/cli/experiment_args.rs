@@ -8,7 +8,7 @@ use clap::{Args, Subcommand, ValueEnum};
 use crate::experiment::Setup;
 use crate::reach::{Measure, Planner, Sampling};
 
-use super::args::{hold, seconds};
+use super::args::{LevelArgs, hold, seconds};
 
 /// What `--planners` calls all of them.
 const ALL: &str = "all";
@@ -65,9 +65,8 @@ pub(super) struct FilesArgs {
     /// The programs, for all goals of all their worlds.
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
-    /// The level of worlds that leave their map open.
-    #[arg(long, value_name = "PATH")]
-    pub map: Option<PathBuf>,
+    #[command(flatten)]
+    pub level: LevelArgs,
     /// Asks for goals of this name alone.
     #[arg(long, value_name = "NAME")]
     pub goal: Vec<String>,

@@ -4,7 +4,7 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use crate::compile::{Compilation, compile_with};
+use crate::compile::{Compilation, LevelFile, compile_with};
 use crate::diagnostic::fix::{by_file, mended, together};
 use crate::source::{FileId, SourceMap, Span, decode};
 
@@ -18,9 +18,9 @@ const MAX_ROUNDS: usize = 16;
 const MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// Mends a program until there is nothing certain left. Gives false if a file could not be written.
-pub(super) fn mend(root: &Path, map: Option<&Path>) -> io::Result<bool> {
+pub(super) fn mend(root: &Path, level: LevelFile<'_>) -> io::Result<bool> {
     for _ in 0..MAX_ROUNDS {
-        let Compilation { sources, diagnostics, .. } = compile_with(root, map, &Disk);
+        let Compilation { sources, diagnostics, .. } = compile_with(root, level, &Disk);
         let may = |file: FileId| is_ours(root, &sources.file(file).path);
         let chosen = together(diagnostics.iter(), |fix| fix.edits.iter().all(|(span, _)| may(span.file)));
         if chosen.is_empty() {

@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use crate::compile::LevelFile;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::similar;
 use crate::graph::{Chart, chart, dot, mermaid, svg};
@@ -12,7 +13,7 @@ use super::args::{GraphArgs, GraphFormat};
 use super::report::{Loaded, load, show_fact};
 
 pub(super) fn run(args: &GraphArgs) -> io::Result<Answer> {
-    let Some(loaded) = load(&args.file, None)? else {
+    let Some(loaded) = load(&args.file, LevelFile::default())? else {
         return Ok(Answer::Unasked);
     };
     let Some(entities) = choose(&loaded, args)? else {

@@ -9,7 +9,7 @@ use super::args::{IrArgs, ResultFormat};
 use super::report::{has_maps, load};
 
 pub(super) fn run(args: &IrArgs) -> io::Result<Answer> {
-    let Some(loaded) = load(&args.file, args.map.as_deref())? else {
+    let Some(loaded) = load(&args.file, args.level.file())? else {
         return Ok(Answer::Unasked);
     };
     if !has_maps(&loaded, loaded.program.worlds.iter())? {

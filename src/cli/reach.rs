@@ -34,7 +34,7 @@ pub(super) fn run(args: &ReachArgs) -> io::Result<Answer> {
         predicate,
         origin: "--without",
     });
-    let Some(mut loaded) = load_barred(&args.file, args.map.as_deref(), barred)? else {
+    let Some(mut loaded) = load_barred(&args.file, args.reading.of(args.map.as_deref()), barred)? else {
         return Ok(Answer::Unasked);
     };
     let Some(world) = choose_world(&loaded, &args.file, args.world.as_deref())? else {

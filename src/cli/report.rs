@@ -5,7 +5,7 @@ use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
-use crate::compile::{Barred, Compilation, compile_barred};
+use crate::compile::{Barred, Compilation, LevelFile, compile_barred};
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::{Diagnostics, Fact, render, similar};
 use crate::ir::{Program, World, WorldId};
@@ -48,15 +48,15 @@ pub(super) fn program_sha256(program: &Program) -> String {
     Sha256::digest(&json).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Compiles a file, with a map for worlds that leave theirs open; shows what is wrong and gives nothing if it cannot be
-/// run.
-pub(super) fn load(path: &Path, map: Option<&Path>) -> io::Result<Option<Loaded>> {
-    load_barred(path, map, None)
+/// Compiles a file, with a level for worlds that leave their map open; shows what is wrong and gives nothing if it
+/// cannot be run.
+pub(super) fn load(path: &Path, level: LevelFile<'_>) -> io::Result<Option<Loaded>> {
+    load_barred(path, level, None)
 }
 
 /// As [`load`], with a predicate that may never hold.
-pub(super) fn load_barred(path: &Path, map: Option<&Path>, barred: Option<Barred<'_>>) -> io::Result<Option<Loaded>> {
-    let Compilation { sources, program, diagnostics } = compile_barred(path, map, barred, &Disk);
+pub(super) fn load_barred(path: &Path, level: LevelFile<'_>, barred: Option<Barred<'_>>) -> io::Result<Option<Loaded>> {
+    let Compilation { sources, program, diagnostics } = compile_barred(path, level, barred, &Disk);
     match diagnostics.counts() {
         (0, 0) => {}
         // Whoever runs a program a thousand times knows them.

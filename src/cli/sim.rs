@@ -16,7 +16,7 @@ use super::disk::Disk;
 use super::report::{Loaded, choose_world, load, plain_error, show, show_fact};
 
 pub(super) fn run(args: &SimArgs) -> io::Result<Answer> {
-    let Some(mut loaded) = load(&args.file, args.map.as_deref())? else {
+    let Some(mut loaded) = load(&args.file, args.level.file())? else {
         return Ok(Answer::Unasked);
     };
     let Some(world) = choose_world(&loaded, &args.file, args.world.as_deref())? else {

@@ -81,6 +81,7 @@ codes! {
     TileInstances Error "E0505" "a named tile instance does not stand exactly once"
 
     LinkNowhere Error "E0506" "a link leads to nowhere"
+    BadLevel Error "E0507" "a level of an editor cannot be read"
 
     BadInput Error "E0601" "an input script cannot be read"
     NoQuestion Error "E0602" "there is nothing to run or to ask"
@@ -105,6 +106,7 @@ codes! {
     UnpairedTouch Warning "W0502" "no `collide` line lets a contact happen"
     NoPlayer Warning "W0503" "no player gives the inputs of an entity"
     PlacedInside Warning "W0504" "an instance begins inside of what blocks it"
+    UnknownSetting Warning "W0505" "a level sets what an entity does not have"
     SpawnRefused Warning "W0601" "a spawn found no free slot"
     GuardByValue Warning "W0701" "by its values, a guard never or always holds"
     ModeByValue Warning "W0702" "by the values, a mode is never entered"

@@ -14,7 +14,7 @@ mod similar;
 pub use code::Code;
 pub use similar::{MAX_CANDIDATES, only_similar, similar};
 
-use crate::source::{SourceMap, Span};
+use crate::source::{FileId, SourceMap, Span};
 
 /// How bad it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -209,6 +209,13 @@ impl Diagnostics {
     /// Points at the text itself where code was put in place by `use`, and at the `use`.
     pub fn trace(&mut self, sources: &SourceMap) {
         self.list = std::mem::take(&mut self.list).into_iter().map(|d| d.traced(sources)).collect();
+    }
+
+    /// Takes away what would change files of some kind: fixes are for programs.
+    pub fn unfix(&mut self, is_kept_out: impl Fn(FileId) -> bool) {
+        for d in &mut self.list {
+            d.fix = d.fix.take().filter(|fix| !fix.edits.iter().any(|(span, _)| is_kept_out(span.file)));
+        }
     }
 
     /// Sorts by file and place, those without a place first; equal findings become one. What is too much is left out.

@@ -110,6 +110,7 @@ fn is_bad(rule: Rule) -> bool {
             | Rule::bad_ramp
             | Rule::bad_world_item
             | Rule::bad_tile
+            | Rule::bad_kind
             | Rule::bad_space_item
             | Rule::bad_setting
     )
@@ -140,6 +141,7 @@ fn is_block(rule: Rule) -> bool {
             | Rule::ramps
             | Rule::world_block
             | Rule::tile_block
+            | Rule::kind_block
             | Rule::space_block
             | Rule::settings
     )

@@ -2,9 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use serde::de::IgnoredAny;
+
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::file::TooMany;
-use crate::diagnostic::catalogue::world::{EmptyMap, RowLength, UnknownTile};
+use crate::diagnostic::catalogue::world::{EmptyMap, NotRows, RowLength, UnknownTile};
 use crate::source::{FileId, Span};
 
 use super::{MAX_TILES, TileKind, TileMap};
@@ -17,8 +19,14 @@ pub struct InlineTile<T> {
     pub tags: Vec<T>,
 }
 
-/// The rows of a text file: its lines, trimmed at both ends, without empty ones at the end.
-pub fn text_rows(text: &str, file: FileId) -> Vec<(&str, Span)> {
+/// The rows of a text file: its lines, trimmed at both ends, without empty ones at the end. Gives none for a file that
+/// is no text, or of another format; the finding says of which.
+pub fn text_rows<'t>(text: &'t str, file: FileId, diagnostics: &mut Diagnostics) -> Option<Vec<(&'t str, Span)>> {
+    if let Some((at, what, help)) = other_format(text) {
+        let length = text.get(at..).and_then(|rest| rest.chars().next()).map_or(0, char::len_utf8);
+        diagnostics.report(NotRows { at: Span::new(file, at, at + length), what, help });
+        return None;
+    }
     let mut rows = Vec::new();
     let mut start = 0;
     for line in text.split_inclusive('\n') {
@@ -30,7 +38,25 @@ pub fn text_rows(text: &str, file: FileId) -> Vec<(&str, Span)> {
     while rows.last().is_some_and(|(row, _)| row.is_empty()) {
         rows.pop();
     }
-    rows
+    Some(rows)
+}
+
+/// Where a text shows that it is no rows of characters, what it is, and how it is read instead.
+fn other_format(text: &str) -> Option<(usize, &'static str, Option<&'static str>)> {
+    if let Some(at) = text.find(|c: char| c.is_control() && !c.is_whitespace()) {
+        return Some((at, "binary data", None));
+    }
+    let trimmed = text.trim_start();
+    let start = text.len() - trimmed.len();
+    if trimmed.starts_with("<?xml") {
+        return Some((start, "XML", None));
+    }
+    let is_json = trimmed.starts_with(['{', '[']) && serde_json::from_str::<IgnoredAny>(trimmed).is_ok();
+    is_json.then_some((
+        start,
+        "JSON",
+        Some("a legend is named after its level: `map vglc \"LEVEL\" legend \"LEGEND\" …`"),
+    ))
 }
 
 /// Reads the rows of a map, top row first, each with its span. `set` is what the tiles are called and its place; there
@@ -71,7 +97,7 @@ pub fn inline_map<T: Clone>(
         let length = row.chars().count();
         if length != columns {
             fits = false;
-            diagnostics.report(RowLength { at: *span, length, expected: columns, model });
+            diagnostics.report(RowLength { at: *span, row: index + 1, length, expected: columns, model });
         }
         let base = (rows.len() - 1 - index) * columns;
         for (column, (byte, symbol)) in row.char_indices().enumerate() {
@@ -88,7 +114,8 @@ pub fn inline_map<T: Clone>(
     }
     for (symbol, (at, count)) in unknown {
         fits = false;
-        diagnostics.report(UnknownTile { symbol, at, count, tiles: set.0.to_string(), declared: set.1 });
+        let known = known.keys().copied().collect();
+        diagnostics.report(UnknownTile { symbol, at, count, tiles: set.0.to_string(), declared: set.1, known });
     }
     let kinds = tiles.iter().map(|t| TileKind { symbol: t.symbol, tags: t.tags.clone() }).collect();
     fits.then_some(TileMap { columns, rows: rows.len(), tile, kinds, cells })

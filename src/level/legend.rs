@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::world::BadLegend;
@@ -31,6 +32,9 @@ impl TryFrom<String> for Symbol {
     }
 }
 
+/// So many keys are told of what is no legend.
+const MOST_KEYS: usize = 6;
+
 /// The tags of each character, in the order of the characters; none if the text is no legend.
 pub fn legend(file: &SourceFile, id: FileId, diagnostics: &mut Diagnostics) -> Option<Vec<(char, Vec<String>)>> {
     let text = file.text();
@@ -39,7 +43,16 @@ pub fn legend(file: &SourceFile, id: FileId, diagnostics: &mut Diagnostics) -> O
         Err(error) => {
             let (start, end) = place(file, &error);
             let why = error.to_string();
-            let why = why.split(" at line ").next().unwrap_or("").to_string();
+            let mut why = why.split(" at line ").next().unwrap_or("").to_string();
+            if let Ok(keys) = serde_json::from_str::<BTreeMap<String, IgnoredAny>>(text)
+                && !keys.contains_key("tiles")
+            {
+                let keys: Vec<String> = keys.keys().take(MOST_KEYS).map(|key| format!("`{key}`")).collect();
+                why = match keys.as_slice() {
+                    [] => "it is empty".to_string(),
+                    _ => format!("it has no `tiles`, but {}", keys.join(", ")),
+                };
+            }
             diagnostics.report(BadLegend { at: Span::new(id, start, end), why });
             None
         }

@@ -1,9 +1,11 @@
 //! Maps of spaces: inline, from text files, from levels of the Video Game Level Corpus, or given on the command line.
+//! Those of level editors go on in `drawn`.
 
 use std::collections::BTreeSet;
 
 use crate::diagnostic::catalogue::names::DuplicateName;
-use crate::level::{InlineTile, inline_map, legend, text_rows};
+use crate::diagnostic::catalogue::world::{KnownReading, NoCharacters, RedundantLegend, UnreadLevel};
+use crate::level::{Format, InlineTile, inline_map, legend, text_rows};
 use crate::source::{FileId, Span};
 use crate::syntax::ast::{self, MapSource, Name};
 
@@ -14,12 +16,34 @@ use super::population::Population;
 use super::world::TileSet;
 use super::{Checker, MAX_TILE_KINDS};
 
-impl Checker<'_> {
+/// The rows of a map, top row first; none where they are not known.
+type Rows<'r> = Option<Vec<(&'r str, Span)>>;
+
+/// What a program says itself of a map's characters.
+enum Own<'s, 't> {
+    /// A tile set.
+    Set(&'s TileSet<'t>),
+    /// A block of the map's own.
+    Block(&'t [ast::Tile]),
+}
+
+/// What the characters of a map stand for.
+struct Reading<'s, 't> {
+    own: Own<'s, 't>,
+    /// A legend for all others, as the program names it, and the file if it could be read.
+    legend: Option<(Name, Option<FileId>)>,
+    /// Width and height of a tile, px; none if they are wrong or not known.
+    tile: Option<(f64, f64)>,
+    /// What findings of the whole map point at.
+    at: Span,
+}
+
+impl<'a> Checker<'a> {
     /// Reads a map into its space, and makes the instances of its tiles.
-    pub(super) fn map(
+    pub(super) fn map<'t>(
         &mut self,
-        map: &ast::Map,
-        sets: &Table<TileSet<'_>>,
+        map: &'t ast::Map,
+        sets: &Table<TileSet<'t>>,
         first: &mut Option<Span>,
         (id, world): (SpaceId, &mut World),
         population: &mut Population,
@@ -30,28 +54,47 @@ impl Checker<'_> {
             return;
         }
         *first = Some(map.span);
-        let sources = self.sources;
-        let level = |file: FileId| text_rows(sources.file(file).text(), file);
         match &map.source {
             MapSource::Inline(tiles, rows) => {
                 let rows: Vec<(&str, Span)> = rows.iter().map(|r| (r.text.as_str(), r.span)).collect();
-                self.own_tiles(Some(rows), tiles, tiles.span, sets, (id, world), population);
+                let reading = self.own_set(tiles, sets, tiles.span);
+                self.text_map(Some(rows), reading, (id, world), population);
             }
             MapSource::Text(tiles, path) => {
-                let rows = self.text(path).map(level);
-                self.own_tiles(rows, tiles, path.span, sets, (id, world), population);
+                let rows = self.text(path).and_then(|file| self.rows(file));
+                let reading = self.own_set(tiles, sets, path.span);
+                self.text_map(rows, reading, (id, world), population);
             }
             MapSource::Vglc(path, legend) => {
-                let rows = self.text(path).map(level);
-                self.legend_tiles(rows, legend, path.span, (id, world), population);
+                let rows = self.text(path).and_then(|file| self.rows(file));
+                let reading = self.with_legend(legend, path.span, world);
+                self.text_map(rows, Some(reading), (id, world), population);
             }
             MapSource::Open(tiles) => {
-                self.open(id, world);
-                self.own_tiles(self.level.map(level), tiles, map.span, sets, (id, world), population);
+                let reading = self.own_set(tiles, sets, map.span);
+                self.open(reading, &[], (id, world), population);
             }
             MapSource::OpenLegend(legend) => {
-                self.open(id, world);
-                self.legend_tiles(self.level.map(level), legend, map.span, (id, world), population);
+                let reading = self.with_legend(legend, map.span, world);
+                self.open(Some(reading), &[], (id, world), population);
+            }
+            MapSource::Tiled(path, kinds) => {
+                let file = self.text(path).map(|file| (Format::Tiled, file, None));
+                self.no_characters(kinds);
+                self.drawn_map(file, &kinds.kinds, path.span, (id, world), population);
+            }
+            MapSource::Ldtk(path, part, kinds) => {
+                let part = part.as_ref().map(|part| part.text.as_str());
+                let file = self.text(path).map(|file| (Format::Ldtk, file, part));
+                self.no_characters(kinds);
+                self.drawn_map(file, &kinds.kinds, path.span, (id, world), population);
+            }
+            MapSource::OpenAll(kinds) => {
+                let reading = Reading { own: Own::Block(&kinds.tiles), legend: None, tile: None, at: map.span };
+                self.open(Some(reading), &kinds.kinds, (id, world), population);
+                if self.level.map.is_none() {
+                    self.drawn_map(None, &kinds.kinds, map.span, (id, world), population);
+                }
             }
         }
     }
@@ -61,82 +104,157 @@ impl Checker<'_> {
         self.texts.get(&path.span).copied()
     }
 
-    /// Notes that the world's map is to be given on the command line.
-    fn open(&mut self, id: SpaceId, world: &mut World) {
-        self.checked.has_open_map = true;
-        if self.level.is_none() {
-            world.open = Some(id);
+    /// The rows of a level, if that is what the file holds.
+    fn rows(&mut self, file: FileId) -> Rows<'a> {
+        let sources = self.sources;
+        text_rows(sources.file(file).text(), file, &mut self.diagnostics)
+    }
+
+    /// Reports characters where tiles have names.
+    fn no_characters(&mut self, kinds: &ast::Kinds) {
+        for tile in &kinds.tiles {
+            self.diagnostics.report(NoCharacters { at: tile.symbol_span });
         }
     }
 
-    /// A map with a tile set of the program; without rows only the set is checked.
-    fn own_tiles(
-        &mut self,
-        rows: Option<Vec<(&str, Span)>>,
-        tiles: &Name,
-        at: Span,
-        sets: &Table<TileSet<'_>>,
-        (id, world): (SpaceId, &mut World),
-        population: &mut Population,
-    ) {
-        let Some(set) = sets.get(&tiles.text) else {
-            let fact = unknown("tile set", &tiles.text, tiles.span, sets.names());
+    /// As a tile set of the program says, if there is one of this name.
+    fn own_set<'s, 't>(&mut self, name: &Name, sets: &'s Table<TileSet<'t>>, at: Span) -> Option<Reading<'s, 't>> {
+        let Some(set) = sets.get(&name.text) else {
+            let fact = unknown("tile set", &name.text, name.span, sets.names());
             self.report_unknown(fact);
-            return;
+            return None;
         };
-        let called = format!("tiles {}", set.name.text);
-        let declared = (called.as_str(), set.name.span);
-        world.spaces[id].map =
-            rows.and_then(|rows| inline_map(&rows, at, declared, set.tile, &set.tiles, &mut self.diagnostics));
-        self.tile_instances(world, id, set, at, population);
+        Some(Reading { own: Own::Set(set), legend: None, tile: Some(set.tile), at })
     }
 
-    /// A map whose tiles a legend describes, but for those that the program gives itself; without rows only these are
-    /// checked, and the legend.
-    fn legend_tiles(
+    /// As a legend says, but for the tiles that the program gives itself.
+    fn with_legend<'s, 't>(&mut self, syntax: &'t ast::Legend, at: Span, world: &mut World) -> Reading<'s, 't> {
+        let lengths = &mut world.lengths;
+        let (width, height) = (self.tile_side(&syntax.width, lengths), self.tile_side(&syntax.height, lengths));
+        let legend = Some((syntax.path.clone(), self.text(&syntax.path)));
+        Reading { own: Own::Block(&syntax.tiles), legend, tile: width.zip(height), at }
+    }
+
+    /// A map that the command line gives, or is still to give. What it says of legend and tiles goes before what the
+    /// world says.
+    fn open(
         &mut self,
-        rows: Option<Vec<(&str, Span)>>,
-        syntax: &ast::Legend,
-        at: Span,
+        reading: Option<Reading<'_, '_>>,
+        kinds: &[ast::Kind],
+        (id, world): (SpaceId, &mut World),
+        to: &mut Population,
+    ) {
+        self.checked.has_open_map = true;
+        if self.level.map.is_none() {
+            world.open = Some(id);
+        }
+        let Some(mut reading) = reading else { return };
+        if let Some((file, format)) = self.level.map.and_then(|f| Some((f, Format::of(&self.sources.file(f).path)?))) {
+            let part = self.level.part.clone();
+            let given = [(self.level.legend.is_some(), "--legend"), (self.level.tile.is_some(), "--tile")];
+            for (_, option) in given.into_iter().filter(|(is_given, _)| *is_given) {
+                let path = self.sources.file(file).path.display().to_string();
+                self.diagnostics.report(KnownReading { at: reading.at, option, path });
+            }
+            return self.drawn_map(Some((format, file, part.as_deref())), kinds, reading.at, (id, world), to);
+        }
+        if let Some(file) = self.level.legend {
+            let text = self.sources.file(file).path.display().to_string();
+            reading.legend = Some((Name { text, span: Span::new(file, 0, 0) }, Some(file)));
+        }
+        reading.tile = self.level.tile.or(reading.tile);
+        let empty = matches!(reading.own, Own::Block([]));
+        let missing = (empty && reading.legend.is_none(), reading.tile.is_none());
+        if let (Some(file), true) = (self.level.map, missing.0 || missing.1) {
+            let path = self.sources.file(file).path.display().to_string();
+            self.diagnostics.report(UnreadLevel { at: reading.at, path, legend: missing.0, tile: missing.1 });
+            return self.text_map(None, Some(reading), (id, world), to);
+        }
+        let rows = self.level.map.and_then(|file| self.rows(file));
+        self.text_map(rows, Some(reading), (id, world), to);
+    }
+
+    /// A map from rows of characters. Without rows, or with what cannot be read, only what the program says itself is
+    /// checked, and the legend.
+    fn text_map(
+        &mut self,
+        mut rows: Rows<'_>,
+        reading: Option<Reading<'_, '_>>,
         (id, world): (SpaceId, &mut World),
         population: &mut Population,
     ) {
-        let lengths = &mut world.lengths;
-        let (width, height) = (self.tile_side(&syntax.width, lengths), self.tile_side(&syntax.height, lengths));
-        let known = self.text(&syntax.path);
-        let known = known.and_then(|file| legend(self.sources.file(file), file, &mut self.diagnostics));
-        let mut set = TileSet { name: syntax.path.clone(), tile: (1.0, 1.0), tiles: Vec::new(), spawns: Vec::new() };
-        // What is wrong with the legend or with a side is said already.
-        let mut rows = rows.filter(|_| known.is_some());
-        match width.zip(height) {
-            Some(tile) => set.tile = tile,
-            None => rows = None,
+        let Some(Reading { own, legend, tile, at }) = reading else { return };
+        let called = match &own {
+            Own::Set(set) => Name { text: format!("tiles {}", set.name.text), span: set.name.span },
+            Own::Block(_) => {
+                legend.as_ref().map_or(Name { text: "map level".into(), span: at }, |(name, _)| name.clone())
+            }
+        };
+        let mut set =
+            TileSet { name: called.clone(), tile: tile.unwrap_or((1.0, 1.0)), tiles: Vec::new(), spawns: Vec::new() };
+        if let Some((name, file)) = legend {
+            self.legend_tiles(&name, file, &own, &mut rows, &mut set);
+        }
+        match own {
+            Own::Set(own) => {
+                set.tiles.extend(own.tiles.iter().map(|t| InlineTile { symbol: t.symbol, tags: t.tags.clone() }));
+                set.spawns.extend(own.spawns.iter().copied());
+            }
+            Own::Block(tiles) => self.tile_kinds(tiles, &mut set),
+        }
+        // What is wrong with a side is said already.
+        let rows = rows.filter(|_| tile.is_some());
+        let declared = (called.text.as_str(), called.span);
+        world.spaces[id].map =
+            rows.and_then(|rows| inline_map(&rows, at, declared, set.tile, &set.tiles, &mut self.diagnostics));
+        self.tile_instances(world, id, &set, at, population);
+    }
+
+    /// Adds the tiles of a legend that the level has and the program does not describe itself; takes the rows away if
+    /// the legend cannot be read.
+    fn legend_tiles(
+        &mut self,
+        name: &Name,
+        file: Option<FileId>,
+        own: &Own<'_, '_>,
+        rows: &mut Rows<'_>,
+        set: &mut TileSet<'_>,
+    ) {
+        let known = file.and_then(|file| legend(self.sources.file(file), file, &mut self.diagnostics));
+        let Some(known) = known else {
+            *rows = None;
+            return;
+        };
+        let owned: BTreeSet<char> = match own {
+            Own::Set(set) => set.tiles.iter().map(|t| t.symbol).collect(),
+            Own::Block(tiles) => tiles.iter().map(|t| t.symbol).collect(),
+        };
+        if let Own::Set(own) = own
+            && known.iter().all(|(symbol, _)| owned.contains(symbol))
+        {
+            self.diagnostics.report(RedundantLegend {
+                legend: name.text.clone(),
+                tiles: own.name.text.clone(),
+                at: own.name.span,
+            });
         }
         // Tiles that the level does not have would only use up the numbers of tags and kinds.
         let cells = rows.iter().flatten().flat_map(|(row, _)| row.chars());
-        let mut needed: BTreeSet<char> = cells.collect();
-        for own in &syntax.tiles {
-            needed.remove(&own.symbol);
-        }
-        for (symbol, tags) in known.into_iter().flatten() {
+        let needed: BTreeSet<char> = cells.filter(|symbol| !owned.contains(symbol)).collect();
+        for (symbol, tags) in known {
             if !needed.contains(&symbol) {
                 self.checked.other_tags.extend(tags);
                 continue;
             }
             if set.tiles.len() >= MAX_TILE_KINDS {
-                self.too_many("kinds of tiles", MAX_TILE_KINDS, syntax.path.span);
-                rows = None;
+                self.too_many("kinds of tiles", MAX_TILE_KINDS, name.span);
+                *rows = None;
                 break;
             }
             let tags = tags.into_iter().filter(|tag| tag != "empty");
-            let tags = tags.map(|text| self.tag(&Name { text, span: syntax.path.span })).collect();
+            let tags = tags.map(|text| self.tag(&Name { text, span: name.span })).collect();
             set.tiles.push(InlineTile { symbol, tags });
             set.spawns.push(None);
         }
-        self.tile_kinds(&syntax.tiles, &mut set);
-        let declared = (syntax.path.text.as_str(), syntax.path.span);
-        world.spaces[id].map =
-            rows.and_then(|rows| inline_map(&rows, at, declared, set.tile, &set.tiles, &mut self.diagnostics));
-        self.tile_instances(world, id, &set, at, population);
     }
 }

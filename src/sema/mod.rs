@@ -9,6 +9,7 @@ mod checked_world;
 mod conflict;
 mod constant;
 pub mod dimension;
+mod drawn;
 mod entity;
 mod envelope;
 mod expression;
@@ -52,9 +53,22 @@ pub const MAX_INSTANCES: usize = 10_000;
 /// The most kinds of tiles one set may have.
 pub const MAX_TILE_KINDS: usize = 4_096;
 
+/// The map of worlds that leave theirs open, as far as it is given.
+#[derive(Debug, Clone, Default)]
+pub struct Level {
+    /// The file.
+    pub map: Option<FileId>,
+    /// The level of a project of LDtk.
+    pub part: Option<String>,
+    /// A legend for what the program does not say itself.
+    pub legend: Option<FileId>,
+    /// Width and height of a tile, px, instead of what the program says.
+    pub tile: Option<(f64, f64)>,
+}
+
 /// Checks a program: the root file first, then what it imports. `level` is the map of worlds that leave theirs open.
 /// The result is complete only if the diagnostics hold no error.
-pub fn check(files: &[ast::File], sources: &SourceMap, level: Option<FileId>) -> (Checked, Diagnostics) {
+pub fn check(files: &[ast::File], sources: &SourceMap, level: Level) -> (Checked, Diagnostics) {
     let mut checker = Checker::new(files, sources, level);
     checker.declare(files);
     for (index, (entity, skeleton)) in std::mem::take(&mut checker.skeletons).into_iter().enumerate() {
@@ -79,7 +93,7 @@ pub fn check(files: &[ast::File], sources: &SourceMap, level: Option<FileId>) ->
 struct Checker<'a> {
     sources: &'a SourceMap,
     /// The map of worlds that leave theirs open.
-    level: Option<FileId>,
+    level: Level,
     /// The files that maps name, by where they are named.
     texts: std::collections::BTreeMap<Span, FileId>,
     checked: Checked,
@@ -101,7 +115,7 @@ struct Checker<'a> {
 }
 
 impl<'a> Checker<'a> {
-    fn new(files: &[ast::File], sources: &'a SourceMap, level: Option<FileId>) -> Self {
+    fn new(files: &[ast::File], sources: &'a SourceMap, level: Level) -> Self {
         Checker {
             sources,
             level,

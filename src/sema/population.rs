@@ -23,7 +23,7 @@ pub(super) struct Population {
     pub instances: IdVec<SlotId, Instance>,
     /// The world's step, s.
     pub step: f64,
-    names: Table<()>,
+    pub names: Table<()>,
     /// What references of placed instances refer to, by name.
     pub references: Vec<(SlotId, RefId, Name)>,
     /// Of each entity, how many unnamed slots it has.
@@ -45,7 +45,7 @@ impl Population {
 }
 
 impl Checker<'_> {
-    fn populate(&mut self, population: &mut Population, instance: Instance) -> Option<SlotId> {
+    pub(super) fn populate(&mut self, population: &mut Population, instance: Instance) -> Option<SlotId> {
         if population.instances.is_full(MAX_INSTANCES) {
             if !std::mem::replace(&mut population.full, true) {
                 self.too_many("instances", MAX_INSTANCES, instance.span);
@@ -56,7 +56,7 @@ impl Checker<'_> {
     }
 
     /// The name of the next instance that nobody named.
-    fn unnamed(&self, population: &mut Population, entity: EntityId, span: Span) -> Name {
+    pub(super) fn unnamed(&self, population: &mut Population, entity: EntityId, span: Span) -> Name {
         let number = population.unnamed.entry(entity).or_insert(0);
         *number += 1;
         Name { text: format!("{}#{number}", self.checked.entities[entity].name.text), span }
@@ -148,7 +148,7 @@ impl Checker<'_> {
                 self.diagnostics.report(TileInstances {
                     at: name.span,
                     name: name.text.clone(),
-                    symbol: set.tiles[kind].symbol,
+                    tile: set.tiles[kind].symbol.to_string(),
                     count: counts[kind],
                     map: at,
                 });
@@ -275,7 +275,7 @@ impl Checker<'_> {
 
     /// An instance with nothing set but its position.
     #[allow(clippy::too_many_arguments, reason = "an instance is all of these")]
-    fn default_instance(
+    pub(super) fn default_instance(
         &mut self,
         entity: EntityId,
         name: Name,

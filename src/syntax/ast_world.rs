@@ -39,6 +39,14 @@ pub enum WorldItem {
 }
 
 impl File {
+    /// The maps of all worlds.
+    pub fn maps(&self) -> impl Iterator<Item = &Map> {
+        let worlds = self.items.iter().filter_map(|i| if let Item::World(world) = i { Some(world) } else { None });
+        let items = worlds.flat_map(|w| &w.items);
+        let spaces = items.filter_map(|i| if let WorldItem::Space(space) = i { Some(space) } else { None });
+        spaces.flat_map(|s| &s.items).filter_map(|i| if let SpaceItem::Map(map) = i { Some(&**map) } else { None })
+    }
+
     /// Adds what another text says that may never happen to a world of this file, or to all of them.
     pub(crate) fn bar(&mut self, with: &File, world: Option<&str>) {
         let worlds = |item: &Item| match item {
@@ -216,6 +224,32 @@ pub enum MapSource {
     Open(Name),
     /// `map level legend …`: the command line names the file.
     OpenLegend(Legend),
+    /// `map tiled "file" { … }`
+    Tiled(Name, Kinds),
+    /// `map ldtk "file" level "name" { … }`
+    Ldtk(Name, Option<Name>, Kinds),
+    /// `map level { … }`: the command line names the file, and says how it is read.
+    OpenAll(Kinds),
+}
+
+/// What characters of a level, or names of a level editor, stand for.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Kinds {
+    /// `'c': tags`
+    pub tiles: Vec<Tile>,
+    /// `name: tags`
+    pub kinds: Vec<Kind>,
+}
+
+/// `name: tags`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Kind {
+    /// The name in the level.
+    pub name: Name,
+    /// Its tags; `empty` stands for none.
+    pub tags: Vec<Name>,
+    /// What stands there at first.
+    pub spawn: Option<TileSpawn>,
 }
 
 /// `legend "file" tile w x h { 'c': … }`

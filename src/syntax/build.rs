@@ -109,6 +109,8 @@ fn is_punctuation(rule: Rule) -> bool {
             | R::word_link
             | R::word_vglc
             | R::word_level
+            | R::word_tiled
+            | R::word_ldtk
             | R::word_legend
             | R::word_tile
             | R::word_from

@@ -4,8 +4,8 @@ use pest::iterators::Pair;
 
 use super::Rule;
 use super::ast::{
-    Collide, Expr, Legend, Limit, Link, Map, MapSource, Place, Player, Question, Rectangle, Response, Solid, Space,
-    SpaceItem, Tile, TileSpawn, Tiles, World, WorldItem,
+    Collide, Expr, Kind, Kinds, Legend, Limit, Link, Map, MapSource, Name, Place, Player, Question, Rectangle,
+    Response, Solid, Space, SpaceItem, Tile, TileSpawn, Tiles, World, WorldItem,
 };
 use super::build::{Builder, parts};
 
@@ -106,22 +106,44 @@ impl Builder<'_> {
         let inner = parts(pair);
         let symbol = inner.first()?;
         let character = symbol.clone().into_inner().next()?.as_str().chars().next()?;
-        let what = inner.get(1)?;
-        let (mut tags, mut spawn) = (Vec::new(), None);
-        if what.as_rule() == Rule::tile_spawn {
-            let names = self.names(what);
-            let mut names = names.into_iter();
-            spawn = Some(TileSpawn { entity: names.next()?, name: names.next(), span: self.span_of(what) });
-        } else {
-            tags = self.names(what);
-        }
+        let (tags, spawn) = self.meaning(inner.get(1)?)?;
         Some(Tile { symbol: character, symbol_span: self.span_of(symbol), tags, spawn })
+    }
+
+    /// What a tile stands for: tags, or what stands there.
+    fn meaning(&self, what: &Pair<'_, Rule>) -> Option<(Vec<Name>, Option<TileSpawn>)> {
+        let mut names = self.names(what);
+        if what.as_rule() != Rule::tile_spawn {
+            return Some((names, None));
+        }
+        let name = (names.len() > 1).then(|| names.swap_remove(1));
+        let entity = names.into_iter().next()?;
+        Some((Vec::new(), Some(TileSpawn { entity, name, span: self.span_of(what) })))
+    }
+
+    fn kinds(&mut self, block: Option<&Pair<'_, Rule>>) -> Kinds {
+        let mut found = Kinds::default();
+        for item in block.map(parts).unwrap_or_default() {
+            match item.as_rule() {
+                Rule::bad_kind => self.bad(Rule::only_kind, &item),
+                Rule::tile => found.tiles.extend(self.tile(&item)),
+                _ => {
+                    let inner = parts(&item);
+                    let Some((name, what)) = inner.first().zip(inner.get(1)) else { continue };
+                    let Some((tags, spawn)) = self.meaning(what) else { continue };
+                    found.kinds.push(Kind { name: self.name(name), tags, spawn });
+                }
+            }
+        }
+        found
     }
 
     fn map(&mut self, pair: &Pair<'_, Rule>) -> Option<Map> {
         let map = parts(pair).into_iter().next()?;
         let inner = parts(&map);
-        let first = inner.first()?;
+        let Some(first) = inner.first() else {
+            return Some(Map { source: MapSource::OpenAll(Kinds::default()), span: self.span_of(pair) });
+        };
         let source = match map.as_rule() {
             Rule::map_inline => {
                 let rows = parts(inner.get(1)?)
@@ -135,6 +157,13 @@ impl Builder<'_> {
             Rule::map_from => MapSource::Text(self.name(first), self.name(inner.get(1)?)),
             Rule::map_vglc => MapSource::Vglc(self.name(first), self.legend(inner.get(1)?, inner.get(2))?),
             _ if first.as_rule() == Rule::legend => MapSource::OpenLegend(self.legend(first, inner.get(1))?),
+            Rule::map_tiled => MapSource::Tiled(self.name(first), self.kinds(inner.get(1))),
+            Rule::map_ldtk => {
+                let level = inner.get(1).filter(|p| p.as_rule() == Rule::text).map(|p| self.name(p));
+                let block = inner.iter().find(|p| p.as_rule() == Rule::kind_block);
+                MapSource::Ldtk(self.name(first), level, self.kinds(block))
+            }
+            _ if first.as_rule() == Rule::kind_block => MapSource::OpenAll(self.kinds(Some(first))),
             _ => MapSource::Open(self.name(first)),
         };
         Some(Map { source, span: self.span_of(pair) })

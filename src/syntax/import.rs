@@ -8,7 +8,7 @@ use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::file::{ImportCycle, TooMany, Unreadable};
 use crate::source::{FileId, Files, ReadError, SourceMap, Span};
 
-use super::ast::{Broken, File, Item, MapSource, SpaceItem, WorldItem};
+use super::ast::{Broken, File, Item, MapSource};
 
 /// The most files that one program may be made of.
 pub const MAX_FILES: usize = 10_000;
@@ -69,12 +69,9 @@ fn texts(
     sources: &mut SourceMap,
     diagnostics: &mut Diagnostics,
 ) -> Vec<(Span, FileId)> {
-    let worlds = file.items.iter().filter_map(|i| if let Item::World(world) = i { Some(world) } else { None });
-    let spaces = worlds.flat_map(|w| &w.items).filter_map(|i| if let WorldItem::Space(s) = i { Some(s) } else { None });
-    let maps = spaces.flat_map(|s| &s.items).filter_map(|i| if let SpaceItem::Map(map) = i { Some(map) } else { None });
-    let named = maps.flat_map(|map| match &map.source {
-        MapSource::Inline(..) | MapSource::Open(_) => vec![],
-        MapSource::Text(_, path) => vec![path],
+    let named = file.maps().flat_map(|map| match &map.source {
+        MapSource::Inline(..) | MapSource::Open(_) | MapSource::OpenAll(_) => vec![],
+        MapSource::Text(_, path) | MapSource::Tiled(path, _) | MapSource::Ldtk(path, ..) => vec![path],
         MapSource::Vglc(path, legend) => vec![path, &legend.path],
         MapSource::OpenLegend(legend) => vec![&legend.path],
     });

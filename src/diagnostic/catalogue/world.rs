@@ -1,5 +1,6 @@
 //! Facts about worlds.
 
+use super::did_you_mean;
 use crate::diagnostic::{Code, Diagnostic, Fact};
 use crate::source::Span;
 
@@ -7,6 +8,8 @@ use crate::source::Span;
 pub struct RowLength {
     /// The row.
     pub at: Span,
+    /// Which it is, counted from 1 at the top.
+    pub row: usize,
     /// How many tiles it has.
     pub length: usize,
     /// How many most rows have.
@@ -19,7 +22,7 @@ impl Fact for RowLength {
     fn word(self) -> Diagnostic {
         let tiles = |count: usize| format!("{count} tile{}", if count == 1 { "" } else { "s" });
         let length = tiles(self.length);
-        Diagnostic::new(Code::BadMap, format!("a row has {length}, others have {}", self.expected))
+        Diagnostic::new(Code::BadMap, format!("row {} has {length}, others have {}", self.row, self.expected))
             .at(self.at, length)
             .and(self.model, tiles(self.expected))
     }
@@ -37,19 +40,58 @@ pub struct UnknownTile {
     pub tiles: String,
     /// Where the tile set stands.
     pub declared: Span,
+    /// The characters that it has.
+    pub known: Vec<char>,
+}
+
+/// So many characters of a tile set are told.
+const MOST_TOLD: usize = 20;
+
+/// The characters of a tile set, those first that one may have meant: the other case of a letter.
+fn told(mut known: Vec<char>, symbol: char) -> Option<String> {
+    let is_case = |c: &char| c.to_lowercase().eq(symbol.to_lowercase());
+    known.sort_unstable_by_key(|c| (!is_case(c), *c));
+    let shown: Vec<String> = known.iter().take(MOST_TOLD).map(|c| format!("`{c}`")).collect();
+    let more = known.len().saturating_sub(MOST_TOLD);
+    match (shown.is_empty(), more) {
+        (true, _) => None,
+        (false, 0) => Some(format!("it has {}", shown.join(" "))),
+        (false, _) => Some(format!("it has {} and {more} more", shown.join(" "))),
+    }
 }
 
 impl Fact for UnknownTile {
     fn word(self) -> Diagnostic {
         let times = if self.count == 1 { String::new() } else { format!(" ({} times)", self.count) };
-        Diagnostic::new(Code::BadMap, format!("no tile `{}` in `{}`{times}", self.symbol, self.tiles))
+        let d = Diagnostic::new(Code::BadMap, format!("no tile `{}` in `{}`{times}", self.symbol, self.tiles))
             .at(self.at, "no tile has this character")
-            .and(self.declared, "the tile set")
-            .help(if self.symbol.is_whitespace() || self.symbol == '"' {
-                "a tile is never white space or `\"`: use another character".into()
-            } else {
-                format!("add `'{}': empty`, or tags instead of `empty`", self.symbol)
-            })
+            .and(self.declared, told(self.known, self.symbol).unwrap_or_else(|| "has no characters".into()));
+        d.help(if self.symbol.is_whitespace() || self.symbol == '"' {
+            "a tile is never white space or `\"`: use another character".into()
+        } else {
+            format!("add `'{}': empty`, or tags instead of `empty`", self.symbol)
+        })
+    }
+}
+
+/// A file that a map takes for rows of characters, but is something else.
+pub struct NotRows {
+    /// Its beginning, or the first character that no text has.
+    pub at: Span,
+    /// What it is.
+    pub what: &'static str,
+    /// How it is read instead.
+    pub help: Option<&'static str>,
+}
+
+impl Fact for NotRows {
+    fn word(self) -> Diagnostic {
+        let d = Diagnostic::new(Code::BadMap, format!("this level is {}, not rows of tiles", self.what));
+        let d = d.at(self.at, "here");
+        match self.help {
+            Some(help) => d.help(help),
+            None => d,
+        }
     }
 }
 
@@ -165,8 +207,8 @@ pub struct TileInstances {
     pub at: Span,
     /// The name.
     pub name: String,
-    /// The tile.
-    pub symbol: char,
+    /// The tile: its character, or its name.
+    pub tile: String,
     /// How often it stands in the map.
     pub count: u64,
     /// The map.
@@ -175,13 +217,13 @@ pub struct TileInstances {
 
 impl Fact for TileInstances {
     fn word(self) -> Diagnostic {
-        let TileInstances { at, name, symbol, count, map } = self;
+        let TileInstances { at, name, tile, count, map } = self;
         let message =
-            format!("the tile `{symbol}` stands {count} times in the map, so `{name}` names no single instance");
+            format!("the tile `{tile}` stands {count} times in the map, so `{name}` names no single instance");
         Diagnostic::new(Code::TileInstances, message)
             .at(at, "needs exactly one such tile")
             .and(map, format!("{count} times here"))
-            .help("leave out `as`, or use a character of its own")
+            .help("leave out `as`, or use a tile of its own")
     }
 }
 
@@ -198,5 +240,158 @@ impl Fact for BadLegend {
         Diagnostic::new(Code::BadMap, format!("this is no legend: {}", self.why))
             .at(self.at, "here")
             .help("a legend is JSON: `{ \"tiles\": { \"X\": [\"solid\", \"ground\"], … } }`")
+    }
+}
+
+/// A level of the command line for a world that leaves to the command line how it is read.
+pub struct UnreadLevel {
+    /// The map.
+    pub at: Span,
+    /// The level's file.
+    pub path: String,
+    /// Whether a legend is missing.
+    pub legend: bool,
+    /// Whether the size of tiles is missing.
+    pub tile: bool,
+}
+
+impl Fact for UnreadLevel {
+    fn word(self) -> Diagnostic {
+        let missing: &[&str] = match (self.legend, self.tile) {
+            (true, true) => &["--legend LEGEND.json", "--tile 16x16"],
+            (true, false) => &["--legend LEGEND.json"],
+            _ => &["--tile 16x16"],
+        };
+        let what = match (self.legend, self.tile) {
+            (true, true) => "what its characters stand for and how large its tiles are",
+            (true, false) => "what its characters stand for",
+            _ => "how large its tiles are",
+        };
+        Diagnostic::new(Code::NoQuestion, format!("nothing says how to read `{}`: {what}", self.path))
+            .at(self.at, "leaves it to the command line")
+            .help(format!("add `{}`", missing.join(" ")))
+    }
+}
+
+/// A legend of the command line that cannot say anything.
+pub struct RedundantLegend {
+    /// Its path.
+    pub legend: String,
+    /// The tile set's name.
+    pub tiles: String,
+    /// Where the tile set is declared.
+    pub at: Span,
+}
+
+impl Fact for RedundantLegend {
+    fn word(self) -> Diagnostic {
+        let RedundantLegend { legend, tiles, at } = self;
+        let message = format!("`tiles {tiles}` has all characters of `{legend}`: the legend says nothing");
+        Diagnostic::new(Code::NoQuestion, message)
+            .at(at, "goes before the legend")
+            .help("leave out `--legend`, or write `map level` without a tile set")
+    }
+}
+
+/// A level of an editor that cannot be read.
+pub struct BadLevel {
+    /// Where in its files.
+    pub at: Span,
+    /// Why.
+    pub why: String,
+}
+
+impl Fact for BadLevel {
+    fn word(self) -> Diagnostic {
+        Diagnostic::new(Code::BadLevel, self.why).at(self.at, "here")
+    }
+}
+
+/// A thing of a level that the program has no entity for.
+pub struct UnknownThing {
+    /// Where it stands in the level.
+    pub at: Span,
+    /// Its class.
+    pub class: String,
+    /// How many there are.
+    pub count: usize,
+    /// The nearest entity.
+    pub near: Option<String>,
+    /// The map.
+    pub map: Span,
+}
+
+impl Fact for UnknownThing {
+    fn word(self) -> Diagnostic {
+        let UnknownThing { at, class, count, near, map } = self;
+        let times = if count == 1 { String::new() } else { format!(" ({count} of them)") };
+        let message =
+            format!("`{class}`{times} of the level is no entity of the program{}", did_you_mean(near.as_ref()));
+        let entity = near.unwrap_or_else(|| "ENTITY".into());
+        let name = if class.chars().all(|c| c.is_alphanumeric() || c == '_') { class } else { format!("\"{class}\"") };
+        Diagnostic::new(Code::BadLevel, message)
+            .at(at, "what is this?")
+            .and(map, "in this map")
+            .help(format!("add `{name}: spawn {entity}` to the map's block, or `{name}: empty` to leave it out"))
+    }
+}
+
+/// A property of a level that its entity does not have.
+pub struct UnknownSetting {
+    /// The property.
+    pub at: Span,
+    /// What it is called.
+    pub name: String,
+    /// The entity.
+    pub entity: String,
+    /// How many instances have it.
+    pub count: usize,
+    /// The nearest name that the entity has.
+    pub near: Option<String>,
+}
+
+impl Fact for UnknownSetting {
+    fn word(self) -> Diagnostic {
+        let UnknownSetting { at, name, entity, count, near } = self;
+        let times = if count == 1 { String::new() } else { format!(" ({count} times)") };
+        let message =
+            format!("the level sets `{name}`{times}, which `{entity}` does not have{}", did_you_mean(near.as_ref()));
+        Diagnostic::new(Code::UnknownSetting, message)
+            .at(at, "has no effect")
+            .help(format!("declare it in `{entity}`, such as `param {name} = 0`, or take it out of the level"))
+    }
+}
+
+/// A character in the block of a map whose tiles have names.
+pub struct NoCharacters {
+    /// The character.
+    pub at: Span,
+}
+
+impl Fact for NoCharacters {
+    fn word(self) -> Diagnostic {
+        Diagnostic::new(Code::BadMap, "the tiles of a level editor have names, not characters")
+            .at(self.at, "never in the level")
+            .help(
+                "write the class of a tile or an object, or the identifier of a value or an entity: `Coin: spawn Coin`",
+            )
+    }
+}
+
+/// Options that say how a level is read which says so itself.
+pub struct KnownReading {
+    /// The map.
+    pub at: Span,
+    /// The option.
+    pub option: &'static str,
+    /// The level's file.
+    pub path: String,
+}
+
+impl Fact for KnownReading {
+    fn word(self) -> Diagnostic {
+        let message =
+            format!("`{}` is for levels of characters: `{}` says itself how it is read", self.option, self.path);
+        Diagnostic::new(Code::NoQuestion, message).at(self.at, "this map").help(format!("leave out `{}`", self.option))
     }
 }

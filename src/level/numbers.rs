@@ -1,0 +1,92 @@
+//! The numbers of a layer's tiles: a list with commas, or base64 of little-endian words, compressed or not.
+
+use std::io::Read;
+use std::ops::Range;
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+
+use super::node::Trouble;
+
+/// The numbers of a list, each with the bytes where it stands; brackets and white space do not count.
+pub(super) fn listed(text: &str, text_at: usize) -> impl Iterator<Item = (&str, Range<usize>)> {
+    let mut start = 0;
+    let parts = text.split(',').map(move |part| {
+        let begin = start;
+        start += part.len() + 1;
+        let cut = part.trim_start_matches(|c: char| c.is_whitespace() || c == '[');
+        let begin = begin + (part.len() - cut.len());
+        let cut = cut.trim_end_matches(|c: char| c.is_whitespace() || c == ']');
+        (cut, text_at + begin..text_at + begin + cut.len())
+    });
+    parts.filter(|(part, _)| !part.is_empty())
+}
+
+/// How the numbers of a layer are written.
+pub(super) struct Data<'t> {
+    /// As written.
+    pub text: &'t str,
+    /// Where it begins.
+    pub text_at: usize,
+    /// `csv`, `base64`; nothing: a list.
+    pub encoding: &'t str,
+    /// `zlib`, `gzip`; nothing: none.
+    pub compression: &'t str,
+    /// What a finding of the whole points at.
+    pub at: Range<usize>,
+}
+
+impl Data<'_> {
+    /// The numbers, which must be so many. Never more than that are unpacked.
+    pub fn numbers(&self, count: usize) -> Result<Vec<u32>, Trouble> {
+        let wrong = |why: String| Trouble::new(self.at.clone(), why);
+        let mut numbers = Vec::new();
+        match (self.encoding, self.compression) {
+            ("csv" | "", "") => {
+                for (part, at) in listed(self.text, self.text_at) {
+                    let number = part.parse::<u32>();
+                    numbers.push(number.map_err(|_| Trouble::new(at, format!("`{part}` is no number of a tile")))?);
+                    if numbers.len() > count {
+                        break;
+                    }
+                }
+            }
+            ("base64", compression) => {
+                let packed = STANDARD.decode(self.text.trim()).map_err(|error| wrong(format!("no base64: {error}")))?;
+                // One word more than there may be shows that there are too many.
+                let most = 4 * (count as u64 + 1);
+                let mut bytes = Vec::new();
+                let unpacked = match compression {
+                    "" => packed.as_slice().take(most).read_to_end(&mut bytes),
+                    "zlib" => flate2::read::ZlibDecoder::new(packed.as_slice()).take(most).read_to_end(&mut bytes),
+                    "gzip" => flate2::read::GzDecoder::new(packed.as_slice()).take(most).read_to_end(&mut bytes),
+                    other => {
+                        let why =
+                            format!("the compression `{other}` is not read: choose zlib, gzip or none in the editor");
+                        return Err(wrong(why));
+                    }
+                };
+                unpacked.map_err(|error| wrong(format!("cannot be unpacked: {error}")))?;
+                numbers.extend(
+                    bytes
+                        .chunks(4)
+                        .map(|word| word.iter().rev().fold(0u32, |number, byte| number << 8 | u32::from(*byte))),
+                );
+            }
+            (other, _) => return Err(wrong(format!("the encoding `{other}` is not read"))),
+        }
+        match numbers.len() {
+            found if found == count => Ok(numbers),
+            found if found > count => Err(wrong(format!("there are more numbers of tiles than {count}"))),
+            found => Err(wrong(format!("there are {found} numbers of tiles, {count} are needed"))),
+        }
+    }
+
+    /// Where a number stands, as far as that is known.
+    pub fn place(&self, index: usize) -> Range<usize> {
+        match self.encoding {
+            "csv" | "" => listed(self.text, self.text_at).nth(index).map_or(self.at.clone(), |(_, at)| at),
+            _ => self.at.clone(),
+        }
+    }
+}

@@ -1,0 +1,257 @@
+//! Maps from files of level editors: what the names in a level stand for, its rectangles as `rect`s, its things as
+//! instances, as if the program placed them.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::diagnostic::catalogue::world::{BadLevel, TileInstances, UnknownSetting, UnknownThing};
+use crate::diagnostic::similar;
+use crate::level::{Drawn, Format, Meaning, Thing, TileKind, TileMap, Value, drawn};
+use crate::source::{FileId, Span};
+use crate::syntax::ast::{self, Expr, ExprKind, Name};
+
+use super::Checker;
+use super::checked::{Given, Instance, Origin, Solid, World};
+use super::ids::{EntityId, Id, SlotId, SpaceId, TagId};
+use super::names::{Table, unknown};
+use super::population::Population;
+
+/// What a map's block says of names, by name.
+type Kinds<'k> = BTreeMap<&'k str, &'k ast::Kind>;
+
+impl Checker<'_> {
+    /// Reads a level into its space, and makes its instances. Without a file only the block is checked; its named
+    /// instances are made once if the map is still to be given.
+    pub(super) fn drawn_map(
+        &mut self,
+        file: Option<(Format, FileId, Option<&str>)>,
+        block: &[ast::Kind],
+        at: Span,
+        (id, world): (SpaceId, &mut World),
+        population: &mut Population,
+    ) {
+        let mut kinds: Kinds<'_> = BTreeMap::new();
+        let mut declared: Table<()> = Table::new("name of the level");
+        for kind in block {
+            self.checked.other_tags.extend(kind.tags.iter().map(|tag| tag.text.clone()));
+            if declared.declare(&kind.name, (), &mut self.diagnostics) && self.is_entity(kind) {
+                kinds.insert(&kind.name.text, kind);
+            }
+        }
+        let sources = self.sources;
+        let level = file.and_then(|(format, file, part)| {
+            let meaning = |name: &str| meaning(&kinds, &self.entities, name);
+            drawn(format, file, part, sources, &meaning, &mut self.diagnostics)
+        });
+        let Some(level) = level else {
+            if file.is_some() || world.open != Some(id) {
+                // Whatever stands in it is not known, and that is explained already.
+                self.suspects.insert("*".into());
+            }
+            let named = kinds.values().filter_map(|kind| kind.spawn.as_ref()?.name.as_ref().map(|name| (*kind, name)));
+            for (kind, name) in named.filter(|_| world.open == Some(id)) {
+                let Some(entity) = self.entity_of(&kinds, &kind.name.text) else { continue };
+                population.names.declare(name, (), &mut self.diagnostics);
+                let (step, origin) = (population.step, (0.0, 0.0));
+                let made = self.default_instance(entity, name.clone(), Origin::Named, id, origin, step, name.span);
+                made.and_then(|instance| self.populate(population, instance));
+            }
+            return;
+        };
+        let Drawn { columns, rows, tile, kinds: names, cells, rectangles, things } = level;
+        let tags = |of: &mut Self, names: &[String]| of.tags_of(&kinds, names, at);
+        let symbols = ['.', '#'].into_iter().chain('a'..='z').chain('A'..='Z').chain('\u{100}'..);
+        let tile_kinds = names.iter().zip(symbols);
+        let tile_kinds = tile_kinds.map(|(names, symbol)| TileKind { symbol, tags: tags(self, names) }).collect();
+        world.spaces[id].map = Some(TileMap { columns, rows, tile, kinds: tile_kinds, cells });
+        for (names, rect, span) in rectangles {
+            let tags = tags(self, &names);
+            world.spaces[id].solids.push(Solid { tags, rect, span });
+        }
+        self.things(&things, &kinds, at, id, population);
+        let read: BTreeSet<FileId> = things.iter().map(|t| t.at.file).chain(file.map(|(_, file, _)| file)).collect();
+        self.diagnostics.unfix(|file| read.contains(&file));
+    }
+
+    /// Whether a name stands for tags, or for an entity that the program has; says that it has not.
+    fn is_entity(&mut self, kind: &ast::Kind) -> bool {
+        let Some(spawn) = &kind.spawn else { return true };
+        if self.entities.get(&spawn.entity.text).is_some() {
+            return true;
+        }
+        let fact = unknown("entity", &spawn.entity.text, spawn.entity.span, self.entities.names());
+        self.report_unknown(fact);
+        false
+    }
+
+    /// The entity that a name of the level stands for.
+    fn entity_of(&self, kinds: &Kinds<'_>, name: &str) -> Option<EntityId> {
+        let name = match kinds.get(name) {
+            Some(kind) => &kind.spawn.as_ref()?.entity.text,
+            None => name,
+        };
+        self.entities.get(name).copied()
+    }
+
+    fn tags_of(&mut self, kinds: &Kinds<'_>, names: &[String], at: Span) -> Vec<TagId> {
+        let mut tags = Vec::new();
+        for name in names {
+            match kinds.get(name.as_str()) {
+                Some(kind) => {
+                    for tag in kind.tags.iter().filter(|tag| tag.text != "empty") {
+                        tags.push(self.tag(tag));
+                    }
+                }
+                None => tags.push(self.tag(&Name { text: name.clone(), span: at })),
+            }
+        }
+        tags.sort_unstable();
+        tags.dedup();
+        tags
+    }
+
+    /// Makes the instances of a level.
+    fn things(&mut self, things: &[Thing], kinds: &Kinds<'_>, at: Span, id: SpaceId, population: &mut Population) {
+        let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+        let mut called: BTreeMap<&str, usize> = BTreeMap::new();
+        let mut unknown: BTreeMap<&str, (Span, usize)> = BTreeMap::new();
+        let mut targets: BTreeSet<&str> = BTreeSet::new();
+        for thing in things {
+            if self.entity_of(kinds, &thing.class).is_none() {
+                unknown.entry(&thing.class).or_insert((thing.at, 0)).1 += 1;
+                continue;
+            }
+            *counts.entry(&thing.class).or_insert(0) += 1;
+            *called.entry(&thing.name).or_insert(0) += 1;
+            let values = thing.settings.iter().map(|setting| &setting.value);
+            targets.extend(values.filter_map(|v| if let Value::Thing(id) = v { Some(id.as_str()) } else { None }));
+        }
+        for (class, (span, count)) in unknown {
+            let near = similar(class, self.entities.names().map(|known| known.text));
+            let class = class.to_string();
+            self.diagnostics.report(UnknownThing { at: span, class, count, near, map: at });
+        }
+        for (name, kind) in kinds {
+            let Some(spawned) = kind.spawn.as_ref().and_then(|spawn| spawn.name.as_ref()) else { continue };
+            let count = counts.get(name).copied().unwrap_or(0);
+            if count != 1 {
+                let (tile, name, count) = ((*name).to_string(), spawned.text.clone(), count as u64);
+                self.diagnostics.report(TileInstances { at: spawned.span, name, tile, count, map: at });
+                self.suspects.insert(spawned.text.clone());
+            }
+        }
+        // What a thing is called must be known before another one refers to it.
+        let mut made: Vec<(EntityId, Name, Origin)> = Vec::new();
+        let mut ids: BTreeMap<&str, String> = BTreeMap::new();
+        let known = || things.iter().filter(|thing| self.entity_of(kinds, &thing.class).is_some());
+        let known: Vec<&Thing> = known().collect();
+        for thing in &known {
+            let Some(entity) = self.entity_of(kinds, &thing.class) else { continue };
+            let spawned = kinds.get(thing.class.as_str()).and_then(|kind| kind.spawn.as_ref()?.name.clone());
+            let spawned = spawned.filter(|_| counts.get(thing.class.as_str()) == Some(&1));
+            let own = Some(&thing.name).filter(|name| !name.is_empty() && called.get(name.as_str()) == Some(&1));
+            let own = own.map(|name| Name { text: name.clone(), span: thing.at });
+            let is_target = !thing.id.is_empty() && targets.contains(thing.id.as_str());
+            let (name, origin) = match spawned.or(own) {
+                Some(name) => (name, Origin::Named),
+                None if is_target => (self.unnamed(population, entity, thing.at), Origin::Named),
+                None => (self.unnamed(population, entity, thing.at), Origin::Tile),
+            };
+            ids.insert(&thing.id, name.text.clone());
+            made.push((entity, name, origin));
+        }
+        let mut unset: BTreeMap<(EntityId, &str), (Span, usize)> = BTreeMap::new();
+        for (thing, (entity, name, origin)) in known.iter().zip(made) {
+            let mut settings = Vec::new();
+            for setting in &thing.settings {
+                let bare = setting.name.trim_end_matches('\'');
+                let Some(what) = self.value_named(entity, bare) else {
+                    unset.entry((entity, &setting.name)).or_insert((setting.at, 0)).1 += 1;
+                    continue;
+                };
+                let is_reference = matches!(what, Given::Ref(_));
+                match value(&setting.value, is_reference, &ids) {
+                    Ok(None) => {}
+                    Ok(Some(kind)) => settings.push(ast::Assignment {
+                        variable: ast::Variable {
+                            name: Name { text: bare.to_string(), span: setting.at },
+                            primes: setting.name.len() - bare.len(),
+                            span: setting.at,
+                        },
+                        value: named(kind, setting.at),
+                        span: setting.at,
+                    }),
+                    Err(why) => {
+                        self.diagnostics.report(BadLevel { at: setting.at, why: format!("`{}` {why}", setting.name) });
+                    }
+                }
+            }
+            if origin == Origin::Named {
+                population.names.declare(&name, (), &mut self.diagnostics);
+            }
+            let number = |value: f64| Expr { kind: ExprKind::Number(value, None), span: thing.at };
+            let place = ast::Place {
+                name: name.clone(),
+                entity: self.checked.entities[entity].name.clone(),
+                x: number(thing.position.0),
+                y: number(thing.position.1),
+                settings,
+                span: thing.at,
+            };
+            let slot = SlotId::from_index(population.instances.len());
+            match self.place(&place, id, population.step, slot, &mut population.references) {
+                Some(instance) => drop(self.populate(population, Instance { origin, ..instance })),
+                None => drop(self.suspects.insert(name.text)),
+            }
+        }
+        for ((entity, name), (span, count)) in unset {
+            let e = self.checked.entities[entity].clone();
+            let known = e.params.iter().map(|p| &p.name).chain(e.discretes.iter().map(|d| &d.name));
+            let known = known.chain(e.refs.iter().map(|r| &r.name)).chain(e.vars.iter().map(|v| &v.name));
+            let near = similar(name, known.map(|name| name.text.as_str()));
+            let (name, entity) = (name.to_string(), e.name.text.clone());
+            self.diagnostics.report(UnknownSetting { at: span, name, entity, count, near });
+        }
+    }
+}
+
+/// What a name of the level stands for.
+fn meaning(kinds: &Kinds<'_>, entities: &Table<EntityId>, name: &str) -> Meaning {
+    match kinds.get(name) {
+        Some(kind) if kind.spawn.is_some() => Meaning::Entity,
+        Some(kind) if kind.tags.iter().all(|tag| tag.text == "empty") => Meaning::Nothing,
+        Some(_) => Meaning::Tags,
+        None if entities.get(name).is_some() => Meaning::Entity,
+        None if name == "empty" => Meaning::Nothing,
+        None => Meaning::Tags,
+    }
+}
+
+/// A property's value as an expression; none if it sets nothing, an error if no entity can have such a value.
+fn value(value: &Value, is_reference: bool, ids: &BTreeMap<&str, String>) -> Result<Option<ExprKind>, &'static str> {
+    let path = |text: &str| {
+        let segments = vec![Name { text: text.to_string(), span: Span::new(FileId(0), 0, 0) }];
+        ExprKind::Path(ast::Path { segments, primes: 0, span: Span::new(FileId(0), 0, 0) })
+    };
+    match value {
+        Value::Number(number) if !is_reference => Ok(Some(ExprKind::Number(*number, None))),
+        Value::Truth(truth) if !is_reference => Ok(Some(ExprKind::Bool(*truth))),
+        Value::Text(text) if text.is_empty() => Ok(None),
+        Value::Text(text) => Ok(Some(path(text))),
+        Value::Thing(id) if is_reference => match ids.get(id.as_str()) {
+            Some(name) => Ok(Some(path(name))),
+            None => Err("refers to what is no instance of this level"),
+        },
+        Value::Thing(_) => Err("is no reference of the entity"),
+        Value::Number(_) | Value::Truth(_) => Err("is a reference: its value must be an object"),
+        Value::Other => Err("has a value that no entity can have: a list, a colour, a point"),
+    }
+}
+
+/// An expression that stands at a place, and its name, if it is one, too.
+fn named(mut kind: ExprKind, at: Span) -> Expr {
+    if let ExprKind::Path(path) = &mut kind {
+        path.span = at;
+        path.segments.iter_mut().for_each(|name| name.span = at);
+    }
+    Expr { kind, span: at }
+}

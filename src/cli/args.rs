@@ -1,11 +1,13 @@
 //! The arguments, as data.
 
+use std::fmt;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::reach::{Planner, Restart};
 
+use super::corpus_args::CorpusArgs;
 use super::experiment_args::ExperimentArgs;
 
 /// Compiles, simulates and analyses action-game entities written as hybrid automata.
@@ -168,9 +170,10 @@ pub(super) struct ReachArgs {
     /// The program.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// The level of worlds that leave their map open.
-    #[arg(long, value_name = "PATH")]
-    pub map: Option<PathBuf>,
+    /// The level of worlds that leave their map open. Several are searched one by one; a folder stands for the `.txt` files
+    /// in it.
+    #[arg(long, value_name = "PATH", num_args(1..))]
+    pub map: Vec<PathBuf>,
     /// The world, where the program has several.
     #[arg(long, value_name = "NAME")]
     pub world: Option<String>,
@@ -209,7 +212,8 @@ pub(super) struct ReachArgs {
     /// How many trees grow side by side, each from a seed of its own.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..), help_heading = "The search")]
     pub trees: u16,
-    /// How many threads let them grow; the result is the same for any number.
+    /// How many threads let them grow, or how many of several levels are searched side by side; the result is the same
+    /// for any number.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..), help_heading = "The search")]
     pub threads: u16,
     /// The seed: the same seed gives the same search.
@@ -239,6 +243,8 @@ pub(super) struct ReachArgs {
     /// Adds all nodes to the JSON result.
     #[arg(long, help_heading = "The result")]
     pub tree: bool,
+    #[command(flatten)]
+    pub corpus: CorpusArgs,
 }
 
 /// Where a search draws its samples from.
@@ -266,6 +272,15 @@ pub(super) enum Time {
     Steps(u16),
     /// `0.2s`, `200ms`
     Seconds(f64),
+}
+
+impl fmt::Display for Time {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Time::Steps(steps) => write!(f, "{steps}frames"),
+            Time::Seconds(seconds) => write!(f, "{seconds}s"),
+        }
+    }
 }
 
 impl Time {

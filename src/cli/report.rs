@@ -45,7 +45,12 @@ pub(super) struct Loaded {
 /// What tells programs apart: of the flat IR, so that what else is compiled the same has the same; in hexadecimal digits.
 pub(super) fn program_sha256(program: &Program) -> String {
     let json = serde_json::to_vec(program).unwrap_or_default();
-    Sha256::digest(&json).iter().map(|byte| format!("{byte:02x}")).collect()
+    sha256(&json)
+}
+
+/// The SHA-256 of some bytes, in hexadecimal digits.
+pub(super) fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Compiles a file, with a map for worlds that leave theirs open; shows what is wrong and gives nothing if it cannot be
@@ -80,19 +85,27 @@ pub(super) fn has_maps<'w>(loaded: &Loaded, worlds: impl IntoIterator<Item = &'w
     Ok(false)
 }
 
-/// The world of a name, or the only one; shows why if there is none.
+/// The world of a name, or the only one, with all its maps; shows why if there is none.
 pub(super) fn choose_world(loaded: &Loaded, path: &Path, name: Option<&str>) -> io::Result<Option<WorldId>> {
-    let worlds = &loaded.program.worlds;
+    match find_world(&loaded.program, path, name) {
+        Ok(world) => Ok(has_maps(loaded, [&loaded.program.worlds[world]])?.then_some(world)),
+        Err(fact) => {
+            show_fact(&loaded.sources, fact)?;
+            Ok(None)
+        }
+    }
+}
+
+/// The world of a name, or the only one.
+pub(super) fn find_world(program: &Program, path: &Path, name: Option<&str>) -> Result<WorldId, NoQuestion> {
+    let worlds = &program.worlds;
     let names: Vec<&str> = worlds.iter().map(|w| w.name.as_str()).collect();
     let list = || format!("there is {}", names.iter().map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", "));
     let found = match name {
         Some(name) => worlds.find(|w| w.name == name),
         None => worlds.ids().next().filter(|_| worlds.len() == 1),
     };
-    if let Some(world) = found {
-        return Ok(has_maps(loaded, [&worlds[world]])?.then_some(world));
-    }
-    let fact = match name {
+    found.ok_or_else(|| match name {
         Some(name) => NoQuestion {
             why: format!("no world `{name}` in `{}`", path.display()),
             near: similar(name, names.iter().copied()),
@@ -108,7 +121,5 @@ pub(super) fn choose_world(loaded: &Loaded, path: &Path, name: Option<&str>) -> 
             near: None,
             help: Some(format!("choose one with `--world NAME`; {}", list())),
         },
-    };
-    show_fact(&loaded.sources, fact)?;
-    Ok(None)
+    })
 }

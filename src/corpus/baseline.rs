@@ -3,10 +3,13 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
+use serde::Serialize;
+
 use super::row::{Key, Row, Verdict};
 
 /// Whether a change is for the better.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Change {
     /// It is as wished now, and was not.
     Better,
@@ -17,9 +20,10 @@ pub enum Change {
 }
 
 /// A verdict that is another one.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Flip {
     /// What it is about.
+    #[serde(flatten)]
     pub key: Key,
     /// What it was.
     pub from: Verdict,
@@ -30,9 +34,10 @@ pub struct Flip {
 }
 
 /// A path whose length is another one.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Lengthened {
     /// What it is about.
+    #[serde(flatten)]
     pub key: Key,
     /// How many steps it took.
     pub from: u64,
@@ -40,15 +45,33 @@ pub struct Lengthened {
     pub to: u64,
 }
 
+/// A question that only one of the two runs asked.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Lone {
+    /// What it is about.
+    #[serde(flatten)]
+    pub key: Key,
+    /// What it came to.
+    pub verdict: Verdict,
+    /// Whether that is as wished.
+    pub is_as_wished: bool,
+}
+
+impl Lone {
+    fn of(row: &Row) -> Lone {
+        Lone { key: row.key(), verdict: row.verdict, is_as_wished: row.is_as_wished }
+    }
+}
+
 /// What changed since an older run.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct Comparison {
     /// Verdicts that are others, in the order of the new rows.
     pub flips: Vec<Flip>,
-    /// What the older run did not ask, with the verdict and whether it is as wished.
-    pub added: Vec<(Key, Verdict, bool)>,
-    /// What was not asked any more, with what the verdict was, by name.
-    pub vanished: Vec<(Key, Verdict)>,
+    /// What the older run did not ask.
+    pub added: Vec<Lone>,
+    /// What was not asked any more, by name.
+    pub vanished: Vec<Lone>,
     /// Paths that differ by more than the tolerance.
     pub lengths: Vec<Lengthened>,
     /// How many have the same verdict.
@@ -67,7 +90,7 @@ impl Comparison {
         for row in new {
             let key = row.key();
             let Some(before) = old.remove(&key) else {
-                found.added.push((key, row.verdict, row.is_as_wished));
+                found.added.push(Lone::of(row));
                 continue;
             };
             if before.verdict == row.verdict {
@@ -86,13 +109,13 @@ impl Comparison {
                 found.lengths.push(Lengthened { key, from, to });
             }
         }
-        found.vanished = old.into_iter().map(|(key, row)| (key, row.verdict)).collect();
+        found.vanished = old.into_values().map(Lone::of).collect();
         found
     }
 
     /// Whether something that was as wished is not any more, or something new is not as wished.
     pub fn is_worse(&self) -> bool {
-        self.flips.iter().any(|flip| flip.change == Change::Worse) || self.added.iter().any(|(.., wished)| !wished)
+        self.flips.iter().any(|flip| flip.change == Change::Worse) || self.added.iter().any(|lone| !lone.is_as_wished)
     }
 
     /// As text, a line each.
@@ -111,10 +134,10 @@ impl Comparison {
             };
             line(mark, key, format!("{} → {}", from.name(), to.name()));
         }
-        for (key, verdict, _) in &self.added {
+        for Lone { key, verdict, .. } in &self.added {
             line("new", key, verdict.name().to_string());
         }
-        for (key, verdict) in &self.vanished {
+        for Lone { key, verdict, .. } in &self.vanished {
             line("gone", key, format!("was {}", verdict.name()));
         }
         for Lengthened { key, from, to } in &self.lengths {

@@ -8,7 +8,7 @@ mod junit;
 mod record;
 mod row;
 
-pub use baseline::{Change, Comparison, Flip, Lengthened};
+pub use baseline::{Change, Comparison, Flip, Lengthened, Lone};
 pub use formats::{CSV_HEADER, csv_line, summary, table};
 pub use junit::junit;
 pub use record::{BadRecord, Kept, Record};

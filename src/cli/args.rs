@@ -140,9 +140,9 @@ right and jump for 12, nothing for 10. `steer=-1` sets an axis; `left right down
 `vertical`; `2:jump` is player 2's."
 )]
 pub(super) struct SimArgs {
-    /// The program.
-    #[arg(value_name = "FILE")]
-    pub file: PathBuf,
+    /// The program; with `--replay`, another one than that of the trace.
+    #[arg(value_name = "FILE", required_unless_present = "replay")]
+    pub file: Option<PathBuf>,
     /// The level of worlds that leave their map open.
     #[arg(long, value_name = "PATH")]
     pub map: Option<PathBuf>,
@@ -158,9 +158,34 @@ pub(super) struct SimArgs {
     /// How many steps to run; the script is cut, or followed by no input.
     #[arg(long, value_name = "N")]
     pub frames: Option<u64>,
-    /// Writes every state to a file as JSON lines; `-` for standard output.
+    /// Writes every state to a file; `-` for standard output.
     #[arg(long, value_name = "PATH")]
     pub trace: Option<PathBuf>,
+    /// How states are written; by itself as CSV if the file's name ends in `.csv`, else as JSON lines.
+    #[arg(long, value_enum, value_name = "FORMAT", requires = "trace")]
+    pub trace_format: Option<TraceFormatName>,
+    /// A goal that must have held by the end of the run, or the answer is no.
+    #[arg(long, value_name = "GOAL")]
+    pub expect: Vec<String>,
+    /// A goal or a `never` that must not have held at any step, or the answer is no.
+    #[arg(long, value_name = "NAME")]
+    pub expect_not: Vec<String>,
+    /// Runs a trace again by what its header says, and compares each line.
+    #[arg(
+        long,
+        value_name = "TRACE",
+        conflicts_with_all = ["world", "inputs", "inputs_file", "frames", "trace", "expect", "expect_not"]
+    )]
+    pub replay: Option<PathBuf>,
+}
+
+/// How traces are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum TraceFormatName {
+    /// A row a line, under a header in a comment and the names of the columns.
+    Csv,
+    /// A JSON object a line, the header first.
+    Jsonl,
 }
 
 #[derive(Debug, Args)]

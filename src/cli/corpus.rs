@@ -1,7 +1,8 @@
 //! `hypedc reach` about many levels: which they are, the threads, the files, what is shown at the end. A level is
 //! [`super::corpus_level`]'s; what rows are and mean is [`crate::corpus`]'s.
 
-use std::fs::{read, read_dir, write};
+use std::collections::BTreeSet;
+use std::fs::{File, read, read_dir, write};
 use std::io::{self, IsTerminal, Write};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -11,7 +12,7 @@ use std::time::Instant;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 
-use crate::corpus::{Comparison, Kept, Kind, Record, Row, junit, summary, table};
+use crate::corpus::{Comparison, Kept, Key, Kind, Record, Row, junit, summary, table};
 use crate::crew::{self, Desk};
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::reach::Target;
@@ -94,7 +95,8 @@ impl Files {
         let baseline = of.baseline.as_deref().map(baseline).transpose()?;
         let record = of.results.as_deref().map(RecordFile::open).transpose()?;
         if let Some(path) = &of.junit {
-            write(path, "").map_err(|error| format!("cannot write `{}`: {error}", path.display()))?;
+            let opened = File::options().create(true).append(true).open(path);
+            opened.map_err(|error| format!("cannot write `{}`: {error}", path.display()))?;
         }
         let csv = of.csv.as_deref().map(CsvFile::create).transpose()?;
         Ok(Files { record, csv, baseline })
@@ -136,7 +138,7 @@ impl Run<'_> {
                 Done::Broken(why) => Err(why),
                 Done::Kept(target, row) => {
                     kept += 1;
-                    files.csv.as_mut().map_or(Ok(()), |csv| csv.add(&row.row)).map(|()| (target, row))
+                    files.csv.as_mut().map_or(Ok(()), |csv| csv.add(&row.row)).map(|()| (target, *row))
                 }
                 Done::New(target, row) => files.add(*row).map(|row| (target, row)),
             };
@@ -160,9 +162,10 @@ impl Run<'_> {
         let all = rows.len();
         let rows: Vec<&Kept> = rows.iter().flatten().collect();
         let comparison = self.files.baseline.as_ref().map(|record| {
-            let old = record.rows.values().map(|kept| &kept.row);
+            let done: BTreeSet<Key> = rows.iter().map(|kept| kept.row.key()).collect();
             // What was not done is not gone.
-            let old = old.filter(|row| !is_stopped || rows.iter().any(|kept| kept.row.key() == row.key()));
+            let old =
+                record.rows.iter().filter(|(key, _)| !is_stopped || done.contains(key)).map(|(_, kept)| &kept.row);
             Comparison::of(old, rows.iter().map(|kept| &kept.row), args.corpus.tolerance / 100.0)
         });
         let seconds = self.started.elapsed().as_secs_f64();
@@ -277,8 +280,8 @@ impl Told<'_> {
 
 /// The levels that are meant, each once.
 fn levels(args: &ReachArgs, is_open: bool) -> Result<Vec<Level>, Refusal> {
-    if args.tree && args.map.len() > 1 {
-        return Err(Refusal::Plain("`--tree` is for one level: rows have no trees".to_string()));
+    if args.tree {
+        return Err(Refusal::Plain("`--tree` is for a single level: rows have no trees".to_string()));
     }
     if args.map.is_empty() {
         return Ok(vec![Level { path: None, name: None }]);

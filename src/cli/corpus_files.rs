@@ -1,11 +1,12 @@
 //! The files that a run over many levels writes while it goes on: the record of rows, from which a later run resumes, and
 //! the CSV.
 
+use std::collections::BTreeSet;
 use std::fs::{File, TryLockError};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use crate::corpus::{CSV_HEADER, Kept, Record, Row, csv_line};
+use crate::corpus::{CSV_HEADER, Kept, Key, Record, Row, csv_line};
 use crate::tabular::csv;
 
 use super::disk::replace;
@@ -42,7 +43,7 @@ impl RecordFile {
         file.read_to_end(&mut text).map_err(|error| cannot("read", error))?;
         let found = Record::read(&text).map_err(|bad| format!("`{}` is left as it is; {bad}", path.display()))?;
         let was_cut = found.whole < text.len();
-        let mend = || -> io::Result<()> {
+        let mut mend = || -> io::Result<()> {
             if was_cut {
                 file.set_len(found.whole as u64)?;
             }
@@ -52,7 +53,6 @@ impl RecordFile {
             }
             file.sync_all()
         };
-        let mut mend = mend;
         mend().map_err(|error| cannot("write", error))?;
         Ok(RecordFile { path: path.to_path_buf(), file, found, was_cut })
     }
@@ -80,7 +80,8 @@ impl RecordFile {
         if old != text.as_bytes() {
             replace(&self.path, &text).map_err(cannot)?;
         }
-        Ok(self.found.rows.keys().filter(|key| !rows.iter().any(|kept| kept.row.key() == **key)).count())
+        let asked: BTreeSet<Key> = rows.iter().map(|kept| kept.row.key()).collect();
+        Ok(self.found.rows.keys().filter(|key| !asked.contains(key)).count())
     }
 }
 

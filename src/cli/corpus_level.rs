@@ -40,7 +40,7 @@ pub(super) struct Common<'c> {
 /// What comes of a question, with its number.
 pub(super) enum Done {
     /// As an earlier run found it.
-    Kept(usize, Kept),
+    Kept(usize, Box<Kept>),
     /// Now.
     New(usize, Box<Row>),
     /// Nothing more can be done, as files cannot be written.
@@ -107,7 +107,7 @@ impl Common<'_> {
         let mut open = Vec::new();
         for target in 0..self.targets.len() {
             match kept(target) {
-                Some(kept) => desk.hand_in(Done::Kept(target, kept.clone())),
+                Some(kept) => desk.hand_in(Done::Kept(target, Box::new(kept.clone()))),
                 None => open.push(target),
             }
         }

@@ -24,6 +24,7 @@ mod ir;
 mod new;
 mod reach;
 mod reach_result;
+mod replay;
 mod report;
 mod sim;
 mod values;

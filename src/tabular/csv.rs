@@ -23,7 +23,7 @@ pub fn line<S: AsRef<str>>(cells: impl IntoIterator<Item = S>) -> String {
     out
 }
 
-/// The cells of a line that [`line`] made.
+/// The cells of a line that [`line()`] made.
 pub fn cells(line: &str) -> Vec<String> {
     let mut cells = vec![String::new()];
     let mut is_quoted = false;

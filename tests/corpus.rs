@@ -231,6 +231,17 @@ fn a_run_that_is_interrupted_says_how_to_go_on() {
 }
 
 #[test]
+fn rows_are_in_order_whoever_reads_the_table() {
+    let place = Place::new("unread");
+    let of = "--map levels/c.txt levels/a.txt levels/d.txt levels/b.txt --goal out --nodes 3000 --threads 4";
+    let mut child = place.command(&format!("{of} --results rows.jsonl")).stdout(Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    child.wait().unwrap();
+    let levels: Vec<String> = verdicts(&place.rows("rows.jsonl")).into_iter().map(|(level, ..)| level).collect();
+    assert_eq!(levels, ["levels/c.txt", "levels/a.txt", "levels/d.txt", "levels/b.txt"]);
+}
+
+#[test]
 fn two_runs_do_not_write_to_one_file() {
     let place = Place::new("locked");
     let file = std::fs::File::create(place.0.join("rows.jsonl")).unwrap();

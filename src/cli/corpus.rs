@@ -176,12 +176,13 @@ impl Run<'_> {
                 args.corpus.results.as_deref().unwrap_or(Path::new("")).display()
             ),
         };
-        let told = Told { args, rows: &rows, comparison: comparison.as_ref(), is_stopped };
-        told.show(&self.common.world, &format!("{note}; {seconds:.1} s"))?;
+        // Before anything is shown: whoever reads it may be gone.
         if let Err(why) = self.files.finish(args, &rows, is_stopped) {
             plain_error(&why)?;
             return Ok(Answer::Unasked);
         }
+        let told = Told { args, rows: &rows, comparison: comparison.as_ref(), is_stopped };
+        told.show(&self.common.world, &format!("{note}; {seconds:.1} s"))?;
         if is_stopped {
             let on = match &args.corpus.results {
                 Some(path) => format!("they are in `{}`, and the same command goes on from there", path.display()),

@@ -132,6 +132,11 @@ pub fn compile_barred(root: &Path, level: LevelFile<'_>, barred: Option<Barred<'
     Compilation { sources, program, diagnostics }
 }
 
+/// The file that a level is in: `world.ldtk` of `world.ldtk#Level_0`.
+pub fn level_file(path: &Path) -> &Path {
+    parted(path).and_then(|(file, _)| file).unwrap_or(path)
+}
+
 /// The file and the level of `world.ldtk#Level_0`.
 fn parted(path: &Path) -> Option<(Option<&Path>, Option<&str>)> {
     let (file, part) = path.to_str()?.rsplit_once('#')?;

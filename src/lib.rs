@@ -15,6 +15,8 @@
 //! |---|---|
 //! | [`source`] | files, spans, line and column look-up |
 //! | [`watch`] | progress and interruption of long work |
+//! | [`crew`] | tasks done side by side |
+//! | [`tabular`] | tables in plain text and as CSV |
 //! | [`diagnostic`] | what is wrong with a program: facts, wording, pages that explain it, renderers |
 //! | [`syntax`] | the grammar's pairs as an abstract syntax tree, with recovery |
 //! | [`format`] | the canonical layout of a text, comments kept |
@@ -30,6 +32,7 @@
 //! | [`graph`] | statecharts of entities as DOT, Mermaid and SVG |
 //! | [`view`] | pictures of what a search found |
 //! | [`experiment`] | planners run many times, and tables of what came of it |
+//! | [`corpus`] | one question asked of many levels: rows that a later run resumes from, JUnit, what changed since |
 //! | [`cli`] | the subcommands |
 //!
 //! Time is in seconds (s), length in pixels (px), y points up.
@@ -39,6 +42,8 @@
 pub mod analysis;
 pub mod cli;
 pub mod compile;
+pub mod corpus;
+pub mod crew;
 pub mod diagnostic;
 pub mod experiment;
 pub mod format;
@@ -52,5 +57,6 @@ pub mod sema;
 pub mod sim;
 pub mod source;
 pub mod syntax;
+pub mod tabular;
 pub mod view;
 pub mod watch;

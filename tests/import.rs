@@ -14,7 +14,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use hypedc::compile::{check_with, compile};
+use hypedc::compile::{LevelFile, check_with, compile};
 use hypedc::diagnostic::{Code, render};
 use hypedc::format::format;
 use hypedc::import::{Import, xml};
@@ -47,7 +47,7 @@ fn definitions_become_programs_that_check() {
         assert!(!diagnostics.has_errors(), "{shown}");
         let text = text.unwrap();
         assert_eq!(format(SourceMap::new().add("test.hyped", ""), &text).unwrap(), text, "{}", path.display());
-        let checked = check_with(Path::new("test.hyped"), None, &Text(&text));
+        let checked = check_with(Path::new("test.hyped"), LevelFile::default(), &Text(&text));
         // Only what a world would say more of.
         let warnings: Vec<Code> = checked.diagnostics.iter().map(|d| d.code).collect();
         assert!(warnings.is_empty(), "{}", render::human(&checked.sources, checked.diagnostics.iter(), false));
@@ -122,7 +122,7 @@ fn what_cannot_be_carried_over_is_told_of() {
         let text = text.unwrap();
         let name = path.file_name().unwrap().to_string_lossy().replace(".char.xml", "");
         if ["names", "discrete"].contains(&name.as_str()) {
-            let checked = check_with(Path::new("test.hyped"), None, &Text(&text));
+            let checked = check_with(Path::new("test.hyped"), LevelFile::default(), &Text(&text));
             assert!(checked.diagnostics.is_empty(), "{}", render::short(&checked.sources, checked.diagnostics.iter()));
         }
         insta::assert_snapshot!(format!("findings_{name}"), format!("{text}\n{shown}"));

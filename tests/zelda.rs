@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use hypedc::analysis::configuration_space;
-use hypedc::compile::{check_with, compile};
+use hypedc::compile::{LevelFile, check_with, compile};
 use hypedc::diagnostic::render;
 use hypedc::format::format;
 use hypedc::import::{Import, zelda};
@@ -47,7 +47,7 @@ fn the_example_is_the_import_of_its_dungeon() {
     let text = text.unwrap();
     assert_eq!(text, std::fs::read_to_string("examples/zelda/tloz1_1.hyped").unwrap());
     assert_eq!(format(SourceMap::new().add("test.hyped", ""), &text).unwrap(), text);
-    let checked = check_with(Path::new("examples/zelda/tloz1_1.hyped"), None, &Disk);
+    let checked = check_with(Path::new("examples/zelda/tloz1_1.hyped"), LevelFile::default(), &Disk);
     let findings = render::human(&checked.sources, checked.diagnostics.iter(), false);
     assert!(findings.is_empty(), "{findings}");
     insta::assert_snapshot!("findings", shown);

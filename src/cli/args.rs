@@ -1,5 +1,6 @@
 //! The arguments, as data.
 
+use std::fmt;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -7,6 +8,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use crate::compile::LevelFile;
 use crate::reach::{Planner, Restart};
 
+use super::corpus_args::CorpusArgs;
 use super::experiment_args::ExperimentArgs;
 
 /// Compiles, simulates and analyses action-game entities written as hybrid automata.
@@ -219,9 +221,9 @@ right and jump for 12, nothing for 10. `steer=-1` sets an axis; `left right down
 `vertical`; `2:jump` is player 2's."
 )]
 pub(super) struct SimArgs {
-    /// The program.
-    #[arg(value_name = "FILE")]
-    pub file: PathBuf,
+    /// The program; with `--replay`, another one than that of the trace.
+    #[arg(value_name = "FILE", required_unless_present = "replay")]
+    pub file: Option<PathBuf>,
     #[command(flatten)]
     pub level: LevelArgs,
     /// The world, where the program has several.
@@ -236,9 +238,34 @@ pub(super) struct SimArgs {
     /// How many steps to run; the script is cut, or followed by no input.
     #[arg(long, value_name = "N")]
     pub frames: Option<u64>,
-    /// Writes every state to a file as JSON lines; `-` for standard output.
+    /// Writes every state to a file; `-` for standard output.
     #[arg(long, value_name = "PATH")]
     pub trace: Option<PathBuf>,
+    /// How states are written; by itself as CSV if the file's name ends in `.csv`, else as JSON lines.
+    #[arg(long, value_enum, value_name = "FORMAT", requires = "trace")]
+    pub trace_format: Option<TraceFormatName>,
+    /// A goal that must have held by the end of the run, or the answer is no.
+    #[arg(long, value_name = "GOAL")]
+    pub expect: Vec<String>,
+    /// A goal or a `never` that must not have held at any step, or the answer is no.
+    #[arg(long, value_name = "NAME")]
+    pub expect_not: Vec<String>,
+    /// Runs a trace again by what its header says, and compares each line.
+    #[arg(
+        long,
+        value_name = "TRACE",
+        conflicts_with_all = ["world", "inputs", "inputs_file", "frames", "trace", "expect", "expect_not"]
+    )]
+    pub replay: Option<PathBuf>,
+}
+
+/// How traces are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum TraceFormatName {
+    /// A row a line, under a header in a comment and the names of the columns.
+    Csv,
+    /// A JSON object a line, the header first.
+    Jsonl,
 }
 
 #[derive(Debug, Args)]
@@ -248,9 +275,10 @@ pub(super) struct ReachArgs {
     /// The program.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// The level of worlds that leave their map open.
-    #[arg(long, value_name = "PATH")]
-    pub map: Option<PathBuf>,
+    /// The level of worlds that leave their map open. Several are searched one by one; a folder stands for the levels in
+    /// it: `.txt`, `.tmx` and `.tmj` files.
+    #[arg(long, value_name = "PATH", num_args(1..))]
+    pub map: Vec<PathBuf>,
     #[command(flatten)]
     pub reading: ReadingArgs,
     /// The world, where the program has several.
@@ -291,7 +319,8 @@ pub(super) struct ReachArgs {
     /// How many trees grow side by side, each from a seed of its own.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..), help_heading = "The search")]
     pub trees: u16,
-    /// How many threads let them grow; the result is the same for any number.
+    /// How many threads let them grow, or how many of several levels are searched side by side; the result is the same
+    /// for any number.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..), help_heading = "The search")]
     pub threads: u16,
     /// The seed: the same seed gives the same search.
@@ -321,6 +350,8 @@ pub(super) struct ReachArgs {
     /// Adds all nodes to the JSON result.
     #[arg(long, help_heading = "The result")]
     pub tree: bool,
+    #[command(flatten)]
+    pub corpus: CorpusArgs,
 }
 
 /// Where a search draws its samples from.
@@ -348,6 +379,15 @@ pub(super) enum Time {
     Steps(u16),
     /// `0.2s`, `200ms`
     Seconds(f64),
+}
+
+impl fmt::Display for Time {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Time::Steps(steps) => write!(f, "{steps}frames"),
+            Time::Seconds(seconds) => write!(f, "{seconds}s"),
+        }
+    }
 }
 
 impl Time {

@@ -5,9 +5,14 @@
 
 mod about;
 mod args;
+mod asking;
 mod bounds;
 mod bounds_table;
 mod check;
+mod corpus;
+mod corpus_args;
+mod corpus_files;
+mod corpus_level;
 mod disk;
 mod experiment;
 mod experiment_args;
@@ -20,6 +25,7 @@ mod ir;
 mod new;
 mod reach;
 mod reach_result;
+mod replay;
 mod report;
 mod sim;
 mod values;

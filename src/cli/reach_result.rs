@@ -10,7 +10,8 @@ use crate::reach::{Argument, Count, End, Outcome, Restart, Settings, Target, Ver
 use crate::sim::Simulator;
 
 use super::args::ReachArgs;
-use super::reach::nodes_limit;
+use super::asking::nodes_limit;
+
 use super::report::{Loaded, program_sha256};
 use super::values;
 
@@ -62,11 +63,7 @@ impl RunResult {
             bounds: settings.sampling.name(),
             metric: settings.measure.name(),
             hold: settings.hold,
-            restart: match settings.restart {
-                Restart::ByPlanner => None,
-                Restart::After(nodes) => Some(nodes.to_string()),
-                Restart::Never => Some("never".to_string()),
-            },
+            restart: restart_text(settings.restart),
             trees: settings.trees,
             without: args.without.clone(),
             after: args.after.clone(),
@@ -110,12 +107,21 @@ impl RunResult {
     }
 }
 
+/// When trees are begun anew, as results have it; none: as the planner does by itself.
+pub(super) fn restart_text(restart: Restart) -> Option<String> {
+    match restart {
+        Restart::ByPlanner => None,
+        Restart::After(nodes) => Some(nodes.to_string()),
+        Restart::Never => Some("never".to_string()),
+    }
+}
+
 /// A `never` that was broken on the way, and how.
 #[derive(Serialize)]
 pub(super) struct Violation {
-    never: String,
-    steps: u64,
-    inputs: String,
+    pub never: String,
+    pub steps: u64,
+    pub inputs: String,
 }
 
 impl Violation {
@@ -126,52 +132,52 @@ impl Violation {
 
 /// How much a search covered.
 #[derive(Serialize)]
-struct CoverageResult {
+pub(super) struct CoverageResult {
     /// The side of a place, px.
-    place: f64,
-    places: u64,
-    mode_combinations: u64,
-    places_with_modes: u64,
+    pub place: f64,
+    pub places: u64,
+    pub mode_combinations: u64,
+    pub places_with_modes: u64,
     /// How it grew: nodes, places, combinations, both.
-    growth: Vec<[u64; 4]>,
+    pub growth: Vec<[u64; 4]>,
     #[serde(skip)]
-    half: Count,
+    pub half: Count,
 }
 
 /// The answer to one question.
 #[derive(Serialize)]
 pub(super) struct Answered {
     /// `goal` or `never`.
-    kind: &'static str,
-    goal: String,
-    verdict: &'static str,
+    pub kind: &'static str,
+    pub goal: String,
+    pub verdict: &'static str,
     /// Why it is proven unreachable.
-    argument: Option<String>,
+    pub argument: Option<String>,
     /// If it is proven by exhaustion: for how many steps inputs are held.
-    proven_by_hold: Option<u16>,
+    pub proven_by_hold: Option<u16>,
     /// Number of steps and length of the path; none if there is none.
-    steps: Option<u64>,
-    seconds_of_play: Option<f64>,
+    pub steps: Option<u64>,
+    pub seconds_of_play: Option<f64>,
     /// If no path of inputs held for so many steps each is shorter: for how many.
-    shortest_by: Option<u16>,
+    pub shortest_by: Option<u16>,
     pub inputs: Option<String>,
     /// Who had the answer.
-    planner: &'static str,
-    nodes: u64,
-    trees: u64,
-    extensions: u64,
-    failures: u64,
-    simulated_steps: u64,
-    seconds: f64,
+    pub planner: &'static str,
+    pub nodes: u64,
+    pub trees: u64,
+    pub extensions: u64,
+    pub failures: u64,
+    pub simulated_steps: u64,
+    pub seconds: f64,
     /// Where nothing was found: for how many steps inputs are held that are proven to lead nowhere, and to how many states.
-    exhausted: Option<(u16, u64)>,
-    coverage: CoverageResult,
+    pub exhausted: Option<(u16, u64)>,
+    pub coverage: CoverageResult,
     pub violations: Vec<Violation>,
-    stopped: bool,
-    out_of_memory: bool,
+    pub stopped: bool,
+    pub out_of_memory: bool,
     #[serde(skip)]
-    is_spent: bool,
-    inputs_left_out: bool,
+    pub is_spent: bool,
+    pub inputs_left_out: bool,
     /// The parent of each node, and where the first player is: space, x, y. Null if it was not asked for.
     pub tree: Option<Vec<(u32, u32, f32, f32)>>,
     #[serde(skip)]
@@ -179,7 +185,7 @@ pub(super) struct Answered {
     #[serde(skip)]
     pub drawn: Option<PathBuf>,
     #[serde(skip)]
-    reasons: Vec<String>,
+    pub reasons: Vec<String>,
     #[serde(skip)]
     pub is_as_wished: bool,
 }

@@ -5,13 +5,13 @@ use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
-use crate::compile::{Barred, Compilation, LevelFile, compile_barred};
+use crate::compile::{Barred, Compilation, LevelFile, compile_barred, level_file};
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::{Diagnostics, Fact, render, similar};
 use crate::ir::{Program, World, WorldId};
 use crate::source::SourceMap;
 
-use super::disk::Disk;
+use super::disk::{Disk, bytes};
 
 /// Whether to colour what goes to a stream: only on a terminal, and not where `NO_COLOR` is set.
 pub(super) fn colored(terminal: bool) -> bool {
@@ -45,7 +45,17 @@ pub(super) struct Loaded {
 /// What tells programs apart: of the flat IR, so that what else is compiled the same has the same; in hexadecimal digits.
 pub(super) fn program_sha256(program: &Program) -> String {
     let json = serde_json::to_vec(program).unwrap_or_default();
-    Sha256::digest(&json).iter().map(|byte| format!("{byte:02x}")).collect()
+    sha256(&json)
+}
+
+/// The SHA-256 of a level's file; none if it cannot be read.
+pub(super) fn level_sha256(path: &Path) -> Option<String> {
+    bytes(level_file(path)).ok().map(|bytes| sha256(&bytes))
+}
+
+/// The SHA-256 of some bytes, in hexadecimal digits.
+fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Compiles a file, with a level for worlds that leave their map open; shows what is wrong and gives nothing if it
@@ -80,19 +90,27 @@ pub(super) fn has_maps<'w>(loaded: &Loaded, worlds: impl IntoIterator<Item = &'w
     Ok(false)
 }
 
-/// The world of a name, or the only one; shows why if there is none.
+/// The world of a name, or the only one, with all its maps; shows why if there is none.
 pub(super) fn choose_world(loaded: &Loaded, path: &Path, name: Option<&str>) -> io::Result<Option<WorldId>> {
-    let worlds = &loaded.program.worlds;
+    match find_world(&loaded.program, path, name) {
+        Ok(world) => Ok(has_maps(loaded, [&loaded.program.worlds[world]])?.then_some(world)),
+        Err(fact) => {
+            show_fact(&loaded.sources, fact)?;
+            Ok(None)
+        }
+    }
+}
+
+/// The world of a name, or the only one.
+pub(super) fn find_world(program: &Program, path: &Path, name: Option<&str>) -> Result<WorldId, NoQuestion> {
+    let worlds = &program.worlds;
     let names: Vec<&str> = worlds.iter().map(|w| w.name.as_str()).collect();
     let list = || format!("there is {}", names.iter().map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", "));
     let found = match name {
         Some(name) => worlds.find(|w| w.name == name),
         None => worlds.ids().next().filter(|_| worlds.len() == 1),
     };
-    if let Some(world) = found {
-        return Ok(has_maps(loaded, [&worlds[world]])?.then_some(world));
-    }
-    let fact = match name {
+    found.ok_or_else(|| match name {
         Some(name) => NoQuestion {
             why: format!("no world `{name}` in `{}`", path.display()),
             near: similar(name, names.iter().copied()),
@@ -108,7 +126,5 @@ pub(super) fn choose_world(loaded: &Loaded, path: &Path, name: Option<&str>) -> 
             near: None,
             help: Some(format!("choose one with `--world NAME`; {}", list())),
         },
-    };
-    show_fact(&loaded.sources, fact)?;
-    Ok(None)
+    })
 }

@@ -2,31 +2,48 @@
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
+use std::path::Path;
 
-use crate::diagnostic::Diagnostics;
+use crate::compile::LevelFile;
 use crate::diagnostic::catalogue::file::Unreadable;
 use crate::diagnostic::catalogue::run::{BrokenInvariant, NoQuestion, RefusedSpawn};
-use crate::ir::{Domain, Origin, Program, SlotId, SpawnId, WorldId};
-use crate::sim::{Fault, Input, Scratch, Script, Simulator, TraceWriter, parse_script};
+use crate::diagnostic::{Diagnostics, similar};
+use crate::ir::{Domain, GoalId, Id, NeverId, Origin, Program, SlotId, SpawnId, World, WorldId};
+use crate::sim::{
+    Fault, Input, Scratch, Script, Simulator, TRACE_VERSION, TraceFormat, TraceHeader, TraceLines, TraceWriter,
+    parse_script,
+};
 use crate::source::Files;
 
 use super::Answer;
-use super::args::SimArgs;
+use super::args::{SimArgs, TraceFormatName};
 use super::disk::Disk;
-use super::report::{Loaded, choose_world, load, plain_error, show, show_fact};
+use super::replay;
+use super::report::{Loaded, choose_world, level_sha256, load, plain_error, program_sha256, show, show_fact};
 
 pub(super) fn run(args: &SimArgs) -> io::Result<Answer> {
-    let Some(mut loaded) = load(&args.file, args.level.file())? else {
+    if let Some(trace) = &args.replay {
+        return replay::run(trace, args);
+    }
+    // The arguments have a program where they have no trace to replay.
+    let file = args.file.as_deref().unwrap_or(Path::new(""));
+    let Some(mut loaded) = load(file, args.level.file())? else {
         return Ok(Answer::Unasked);
     };
-    let Some(world) = choose_world(&loaded, &args.file, args.world.as_deref())? else {
+    let Some(world) = choose_world(&loaded, file, args.world.as_deref())? else {
         return Ok(Answer::Unasked);
     };
     let Some(script) = script(args, &mut loaded, world)? else {
         return Ok(Answer::Unasked);
     };
+    let expected = match Expected::new(&loaded.program.worlds[world], args) {
+        Ok(expected) => expected,
+        Err(fact) => {
+            show_fact(&loaded.sources, fact)?;
+            return Ok(Answer::Unasked);
+        }
+    };
     let sim = Simulator::new(&loaded.program, world);
-    let text = script.text(&loaded.program, world);
     let frames = args.frames.unwrap_or(script.len());
     let mut trace = match &args.trace {
         Some(path) => {
@@ -41,7 +58,8 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Answer> {
                     }
                 }
             };
-            Some(TraceWriter::new(&sim, BufWriter::new(to), &args.file.display().to_string(), &text, frames)?)
+            let header = header(&sim, file, args.level.file(), &script, frames);
+            Some(TraceWriter::new(TraceLines::new(&sim, format(args, path)), BufWriter::new(to), &header)?)
         }
         None => None,
     };
@@ -56,14 +74,110 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Answer> {
     }
     let to_stdout = args.trace.as_ref().is_some_and(|p| p.as_os_str() == "-");
     if !to_stdout {
-        write!(io::stdout(), "{}", report.text(&args.file.display().to_string()))?;
+        write!(io::stdout(), "{}", report.text(&file.display().to_string()))?;
     }
     show(&loaded.sources, &report.findings(&loaded.program, world))?;
+    let missed = expected.missed(&report);
+    missed.iter().try_for_each(|why| plain_error(why))?;
     if let Err((fault, step)) = result {
         show_fact(&loaded.sources, fault.fact(&loaded.program, world, step))?;
         return Ok(Answer::No);
     }
-    Ok(if report.violated() { Answer::No } else { Answer::Yes })
+    Ok(if report.violated() || !missed.is_empty() { Answer::No } else { Answer::Yes })
+}
+
+/// All that a run depends on.
+pub(super) fn header(
+    sim: &Simulator<'_>,
+    file: &Path,
+    level: LevelFile<'_>,
+    script: &Script,
+    steps: u64,
+) -> TraceHeader {
+    let step = sim.world().step;
+    TraceHeader {
+        trace: TRACE_VERSION,
+        hypedc: env!("CARGO_PKG_VERSION").to_string(),
+        file: file.display().to_string(),
+        program_sha256: program_sha256(sim.program()),
+        level: level.map.map(|path| path.display().to_string()),
+        level_sha256: level.map.and_then(level_sha256),
+        legend: level.legend.map(|path| path.display().to_string()),
+        tile: level.tile,
+        world: sim.world().name.clone(),
+        step: format!("{}/{}", step.numerator, step.denominator),
+        inputs: script.text(sim.program(), sim.world_id()),
+        steps,
+    }
+}
+
+/// How a trace is written.
+fn format(args: &SimArgs, path: &Path) -> TraceFormat {
+    let is_csv = || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"));
+    match args.trace_format {
+        Some(TraceFormatName::Csv) => TraceFormat::Csv,
+        None if is_csv() => TraceFormat::Csv,
+        Some(TraceFormatName::Jsonl) | None => TraceFormat::Jsonl,
+    }
+}
+
+/// What a run is expected to bring about, and not to.
+struct Expected {
+    goals: Vec<GoalId>,
+    not_goals: Vec<GoalId>,
+    not_nevers: Vec<NeverId>,
+}
+
+impl Expected {
+    fn new(world: &World, args: &SimArgs) -> Result<Self, NoQuestion> {
+        let goals: Vec<&str> = world.goals.iter().map(|g| g.name.as_str()).collect();
+        let nevers: Vec<&str> = world.nevers.iter().map(|n| n.name.as_str()).collect();
+        let unknown = |kind: &str, name: &str, names: &[&str]| {
+            let list: Vec<String> = names.iter().map(|n| format!("`{n}`")).collect();
+            NoQuestion {
+                why: format!("no {kind} `{name}` in `{}`", world.name),
+                near: similar(name, names.iter().copied()),
+                help: (!list.is_empty()).then(|| format!("there is {}", list.join(", "))),
+            }
+        };
+        let mut expected = Expected { goals: Vec::new(), not_goals: Vec::new(), not_nevers: Vec::new() };
+        for name in &args.expect {
+            let id = world.goals.find(|g| g.name == *name).ok_or_else(|| unknown("goal", name, &goals))?;
+            expected.goals.push(id);
+        }
+        for name in &args.expect_not {
+            let (goal, never) = (world.goals.find(|g| g.name == *name), world.nevers.find(|n| n.name == *name));
+            if goal.is_none() && never.is_none() {
+                return Err(unknown("goal and no never", name, &[goals.as_slice(), nevers.as_slice()].concat()));
+            }
+            expected.not_goals.extend(goal);
+            expected.not_nevers.extend(never);
+        }
+        Ok(expected)
+    }
+
+    /// What came out otherwise.
+    fn missed(&self, report: &Report<'_>) -> Vec<String> {
+        let world = report.sim.world();
+        let held = |kind: &str, name: &str, step: u64| format!("`--expect-not {name}`: the {kind} held at step {step}");
+        let first = |of: &[Option<u64>], id: usize| of.get(id).copied().flatten();
+        let mut missed = Vec::new();
+        for &goal in &self.goals {
+            if first(&report.goals, goal.index()).is_none() {
+                let (name, steps) = (&world.goals[goal].name, report.steps);
+                missed.push(format!("`--expect {name}`: the goal was not reached in {steps} steps"));
+            }
+        }
+        for &goal in &self.not_goals {
+            let step = first(&report.goals, goal.index());
+            missed.extend(step.map(|step| held("goal", &world.goals[goal].name, step)));
+        }
+        for &never in &self.not_nevers {
+            let step = first(&report.nevers, never.index());
+            missed.extend(step.map(|step| held("never", &world.nevers[never].name, step)));
+        }
+        missed
+    }
 }
 
 /// The script that was asked for; shows why if there is none.
@@ -92,10 +206,15 @@ fn script(args: &SimArgs, loaded: &mut Loaded, world: WorldId) -> io::Result<Opt
 }
 
 /// Shown the number of a step, its input and the state after it.
-type See<'a> = dyn FnMut(u64, &Input, &[u8], &Scratch) -> io::Result<()> + 'a;
+pub(super) type See<'a> = dyn FnMut(u64, &Input, &[u8], &Scratch) -> io::Result<()> + 'a;
 
 /// Runs so many steps and shows every state, the initial one first. A fault comes with its step.
-fn drive(sim: &Simulator<'_>, script: &Script, frames: u64, see: &mut See<'_>) -> io::Result<Result<(), (Fault, u64)>> {
+pub(super) fn drive(
+    sim: &Simulator<'_>,
+    script: &Script,
+    frames: u64,
+    see: &mut See<'_>,
+) -> io::Result<Result<(), (Fault, u64)>> {
     let mut scratch = sim.scratch();
     let nothing = Input::nothing(sim.world().players.len());
     let mut state = match sim.initial(&mut scratch) {
@@ -254,6 +373,6 @@ impl<'s> Report<'s> {
 }
 
 /// Writes a script where a later run will find it.
-pub(super) fn save_script(path: &std::path::Path, text: &str) -> io::Result<()> {
+pub(super) fn save_script(path: &Path, text: &str) -> io::Result<()> {
     fs::write(path, format!("{text}\n"))
 }

@@ -3,9 +3,8 @@
 
 use std::cell::Cell;
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc::{self, Sender};
 
+use crate::crew::{self, Desk};
 use crate::reach::{End, Outcome, Verdict, search};
 use crate::sim::Fault;
 use crate::watch::Watch;
@@ -45,37 +44,37 @@ pub fn conduct(
     each: &mut dyn FnMut(&Run) -> ControlFlow<()>,
 ) -> Result<Vec<Run>, Unasked> {
     let tasks = tasks(design, questions);
-    let is_over = AtomicBool::new(false);
-    let stop = || is_over.load(Ordering::Relaxed) || stop();
-    let crew = Crew { design, questions, clock, stop: &stop, tasks: &tasks, next: AtomicUsize::new(0) };
-    std::thread::scope(|scope| {
-        let (sender, done) = mpsc::channel();
-        for _ in 0..threads.clamp(1, tasks.len().max(1)) {
-            let (crew, sender) = (&crew, sender.clone());
-            scope.spawn(move || crew.work(&sender));
+    let mut found: Vec<Option<Run>> = vec![None; tasks.len()];
+    let (mut told, mut is_broken_off, mut unasked) = (0, false, None);
+    let run = |at: usize, desk: &Desk<'_, Result<Run, Unasked>>| {
+        let task = tasks[at];
+        match run(design, questions, clock, task, desk) {
+            Ok(None) => {}
+            Ok(Some(run)) => desk.hand_in(Ok(run)),
+            Err(fault) => desk.hand_in(Err(Unasked { question: task.question, fault })),
         }
-        drop(sender);
-        let mut found: Vec<Option<Run>> = vec![None; tasks.len()];
-        let (mut told, mut is_broken_off) = (0, false);
-        while let Ok((task, result)) = done.recv() {
-            let run = result.inspect_err(|_| is_over.store(true, Ordering::Relaxed))?;
-            found[task] = Some(run);
-            while let (false, Some(Some(run))) = (is_broken_off, found.get(told)) {
-                told += 1;
-                if each(run).is_break() {
-                    is_broken_off = true;
-                    is_over.store(true, Ordering::Relaxed);
-                }
-            }
+    };
+    crew::work(tasks.len(), threads, stop, &run, &mut |task, result| {
+        match result {
+            Ok(run) => found[task] = Some(run),
+            Err(error) => unasked = unasked.or(Some(error)),
         }
-        // Where it was stopped, runs were lost, and there are some behind them.
-        for run in found.iter().skip(told).flatten() {
-            if is_broken_off || each(run).is_break() {
-                break;
-            }
+        while let (None, false, Some(Some(run))) = (unasked, is_broken_off, found.get(told)) {
+            told += 1;
+            is_broken_off = each(run).is_break();
         }
-        Ok(found.into_iter().flatten().collect())
-    })
+        if is_broken_off || unasked.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    if let Some(unasked) = unasked {
+        return Err(unasked);
+    }
+    // Where it was stopped, runs were lost, and there are some behind them.
+    for run in found.iter().skip(told).flatten() {
+        if is_broken_off || each(run).is_break() {
+            break;
+        }
+    }
+    Ok(found.into_iter().flatten().collect())
 }
 
 /// One search to be run.
@@ -99,61 +98,33 @@ fn tasks(design: &Design, questions: &[Question<'_>]) -> Vec<Task> {
     tasks
 }
 
-/// What the threads share.
-struct Crew<'c, 'q> {
-    design: &'c Design,
-    questions: &'c [Question<'q>],
-    clock: &'c dyn Clock,
-    stop: &'c (dyn Fn() -> bool + Sync),
-    tasks: &'c [Task],
-    /// The first task that nobody has begun.
-    next: AtomicUsize,
-}
-
-impl Crew<'_, '_> {
-    /// Runs tasks until there is none left.
-    fn work(&self, done: &Sender<(usize, Result<Run, Unasked>)>) {
-        while !(self.stop)() {
-            let at = self.next.fetch_add(1, Ordering::Relaxed);
-            let Some(&task) = self.tasks.get(at) else { return };
-            match self.run(task) {
-                Ok(None) => return,
-                Ok(Some(run)) => {
-                    if done.send((at, Ok(run))).is_err() {
-                        return;
-                    }
-                }
-                Err(fault) => {
-                    // Nobody listens any more where another thread has met the same.
-                    let _ = done.send((at, Err(Unasked { question: task.question, fault })));
-                    return;
-                }
-            }
-        }
+/// Runs one; gives nothing if it was stopped on the way.
+fn run(
+    design: &Design,
+    questions: &[Question<'_>],
+    clock: &dyn Clock,
+    task: Task,
+    desk: &Desk<'_, Result<Run, Unasked>>,
+) -> Result<Option<Run>, Fault> {
+    let Task { question, setup, seed } = task;
+    let q = &questions[question];
+    let began = clock.seconds();
+    let stop = || desk.is_over();
+    let watch = RunWatch { clock, until: began + design.seconds, stop: &stop, is_stopped: Cell::new(false) };
+    let settings = design.setups[setup].settings(seed);
+    let outcome = search(&q.problem(), q.space, &settings, &design.limits, &watch)?;
+    let seconds = clock.seconds() - began;
+    if watch.is_stopped.get() {
+        return Ok(None);
     }
-
-    /// Runs one; gives nothing if it was stopped on the way.
-    fn run(&self, task: Task) -> Result<Option<Run>, Fault> {
-        let Task { question, setup, seed } = task;
-        let q = &self.questions[question];
-        let began = self.clock.seconds();
-        let until = began + self.design.seconds;
-        let watch = RunWatch { clock: self.clock, until, stop: self.stop, is_stopped: Cell::new(false) };
-        let settings = self.design.setups[setup].settings(seed);
-        let outcome = search(&q.problem(), q.space, &settings, &self.design.limits, &watch)?;
-        let seconds = self.clock.seconds() - began;
-        if watch.is_stopped.get() {
-            return Ok(None);
-        }
-        let path_steps = match &outcome.verdict {
-            Verdict::Reached(plan) => Some(plan.steps),
-            _ => None,
-        };
-        let s = outcome.statistics;
-        let (nodes, trees, extensions, steps) = (s.nodes, s.trees, s.extensions, s.steps);
-        let finding = finding(&outcome);
-        Ok(Some(Run { question, setup, seed, finding, nodes, trees, extensions, steps, seconds, path_steps }))
-    }
+    let path_steps = match &outcome.verdict {
+        Verdict::Reached(plan) => Some(plan.steps),
+        _ => None,
+    };
+    let s = outcome.statistics;
+    let (nodes, trees, extensions, steps) = (s.nodes, s.trees, s.extensions, s.steps);
+    let finding = finding(&outcome);
+    Ok(Some(Run { question, setup, seed, finding, nodes, trees, extensions, steps, seconds, path_steps }))
 }
 
 fn finding(outcome: &Outcome) -> Finding {
@@ -169,7 +140,7 @@ fn finding(outcome: &Outcome) -> Finding {
 struct RunWatch<'w> {
     clock: &'w dyn Clock,
     until: f64,
-    stop: &'w (dyn Fn() -> bool + Sync),
+    stop: &'w dyn Fn() -> bool,
     is_stopped: Cell<bool>,
 }
 

@@ -8,6 +8,7 @@ use super::paper::Published;
 use super::report::Report;
 use super::row::Spread;
 use super::{Run, paper};
+use crate::tabular::csv::line;
 
 /// The version of the JSON result.
 const RESULT_VERSION: u32 = 1;
@@ -54,8 +55,8 @@ pub const CSV_HEADER: [&str; 17] = [
 pub fn csv_line(design: &Design, questions: &[Question<'_>], run: &Run) -> String {
     let (question, setup) = (&questions[run.question], &design.setups[run.setup]);
     let cells: [String; CSV_HEADER.len()] = [
-        quoted(&question.test),
-        quoted(question.goal_name()),
+        question.test.clone(),
+        question.goal_name().to_string(),
         setup.planner.name().to_string(),
         setup.restarts(),
         setup.bounds().to_string(),
@@ -72,12 +73,7 @@ pub fn csv_line(design: &Design, questions: &[Question<'_>], run: &Run) -> Strin
         question.program_sha256.clone(),
         env!("CARGO_PKG_VERSION").to_string(),
     ];
-    cells.join(",")
-}
-
-/// A cell in quotes where it holds what would end it.
-fn quoted(text: &str) -> String {
-    if text.contains(['"', ',', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_string() }
+    line(cells)
 }
 
 /// What runs and rows say of themselves.
@@ -195,16 +191,4 @@ pub(super) fn json(report: &Report<'_>) -> Value {
         "runs": runs.iter().map(run).collect::<Vec<_>>(),
         "rows": report.rows().iter().map(row).collect::<Vec<_>>(),
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::quoted;
-
-    #[test]
-    fn what_would_end_a_cell_is_quoted() {
-        assert_eq!(quoted("a b:W"), "a b:W");
-        assert_eq!(quoted("a,b"), "\"a,b\"");
-        assert_eq!(quoted("a\"b"), "\"a\"\"b\"");
-    }
 }

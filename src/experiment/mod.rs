@@ -11,7 +11,6 @@ mod formats;
 pub mod paper;
 mod report;
 mod row;
-mod table;
 
 pub use conduct::{Clock, Unasked, conduct};
 pub use design::{Design, Question, Setup};

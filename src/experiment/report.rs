@@ -9,8 +9,8 @@ use crate::reach::Restart;
 use super::design::{Design, Question, Setup};
 use super::paper::{self, Published, Test, published};
 use super::row::{Row, Spread};
-use super::table::{Cell, Column, Table};
 use super::{Run, formats};
+use crate::tabular::{Cell, Column, Table};
 
 /// An experiment and what came of it.
 #[derive(Clone, Copy)]

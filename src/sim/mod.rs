@@ -25,4 +25,4 @@ pub use fault::{Fault, FaultKind};
 pub use input::{Input, PlayerInput};
 pub use script::{Script, ScriptStep, parse_script};
 pub use simulator::{Scratch, Simulator};
-pub use trace::TraceWriter;
+pub use trace::{TRACE_VERSION, TraceFormat, TraceHeader, TraceLines, TraceWriter, first_difference};

@@ -1,33 +1,86 @@
-//! Traces: a header line, then one line of JSON for each step; step 0 is the initial state.
+//! Traces: a header that holds all that the run depends on, then a line for each step; step 0 is the initial state. As JSON
+//! lines, or as CSV (RFC 4180) with the header as a comment above the columns.
 
 use std::io::{self, Write};
 
+use serde::Deserialize;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use crate::ir::{Domain, SlotId};
+use crate::tabular::csv;
 
 use super::input::Input;
 use super::script::names;
 use super::simulator::Simulator;
 
 /// The version of the trace format.
-pub const TRACE_VERSION: u32 = 1;
+pub const TRACE_VERSION: u32 = 2;
 
-/// Writes the states of a run as JSON lines.
-pub struct TraceWriter<'s, W> {
-    sim: &'s Simulator<'s>,
-    out: W,
+/// What stands before the header in CSV.
+const COMMENT: &str = "# ";
+
+/// How the states of a run are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TraceFormat {
+    /// A JSON object a line.
+    Jsonl,
+    /// A row a line, with the same columns in all traces of a program.
+    Csv,
 }
 
-#[derive(serde::Serialize)]
-struct Header<'a> {
-    trace: u32,
-    hypedc: &'a str,
-    file: &'a str,
-    world: &'a str,
-    step: String,
-    inputs: &'a str,
-    steps: u64,
+/// What a run depends on: whoever has the files can run it again.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, Deserialize)]
+pub struct TraceHeader {
+    /// [`TRACE_VERSION`].
+    pub trace: u32,
+    /// The version of `hypedc`.
+    pub hypedc: String,
+    /// The path of the program as it was given.
+    pub file: String,
+    /// Of the flat program, in hexadecimal digits; with the level, if there is one.
+    pub program_sha256: String,
+    /// The path of the level as it was given; none if the program has its map in it.
+    pub level: Option<String>,
+    /// Of the level's bytes, in hexadecimal digits.
+    pub level_sha256: Option<String>,
+    /// The path of the legend that the level is read with, if it is not the program's.
+    pub legend: Option<String>,
+    /// Width and height of a tile of the level, px, if it is not the program's.
+    pub tile: Option<(f64, f64)>,
+    /// The world.
+    pub world: String,
+    /// How long a step is, as a fraction of a second.
+    pub step: String,
+    /// The script of the whole input.
+    pub inputs: String,
+    /// How many steps were run, with no input after the script's end.
+    pub steps: u64,
+}
+
+impl TraceHeader {
+    /// Reads the first line of a trace; tells how the others are written.
+    ///
+    /// # Errors
+    /// Why it is no header.
+    pub fn read(line: &str) -> Result<(TraceHeader, TraceFormat), String> {
+        let (json, format) = match line.strip_prefix(COMMENT) {
+            Some(json) => (json, TraceFormat::Csv),
+            None => (line, TraceFormat::Jsonl),
+        };
+        let version = serde_json::from_str::<serde_json::Value>(json).map_err(|error| error.to_string())?;
+        match version.get("trace").and_then(serde_json::Value::as_u64) {
+            Some(version) if version == u64::from(TRACE_VERSION) => {}
+            Some(version) => return Err(format!("a trace of version {version}, this `hypedc` has {TRACE_VERSION}")),
+            None => return Err("no header of a trace".to_string()),
+        }
+        serde_json::from_value(version).map(|header| (header, format)).map_err(|error| error.to_string())
+    }
+}
+
+/// Makes the lines of a trace.
+pub struct TraceLines<'s> {
+    sim: &'s Simulator<'s>,
+    format: TraceFormat,
 }
 
 #[derive(serde::Serialize)]
@@ -41,26 +94,121 @@ struct Line<'a> {
     never: Vec<&'a str>,
 }
 
+impl<'s> TraceLines<'s> {
+    /// For the runs of a world.
+    pub fn new(sim: &'s Simulator<'s>, format: TraceFormat) -> Self {
+        TraceLines { sim, format }
+    }
+
+    /// The lines above all states, each with its end: the header, and in CSV the names of the columns.
+    ///
+    /// # Errors
+    /// None that can happen: it writes to memory.
+    pub fn header(&self, header: &TraceHeader) -> io::Result<String> {
+        let json = serde_json::to_string(header)?;
+        Ok(match self.format {
+            TraceFormat::Jsonl => format!("{json}\n"),
+            TraceFormat::Csv => format!("{COMMENT}{json}\n{}\n", csv::line(self.columns())),
+        })
+    }
+
+    /// The line of a state, with its end.
+    ///
+    /// # Errors
+    /// None that can happen: it writes to memory.
+    pub fn state(&self, step: u64, input: &Input, state: &[u8]) -> io::Result<String> {
+        let inputs = names(self.sim.program(), self.sim.world_id(), input);
+        if self.format == TraceFormat::Csv {
+            return Ok(format!("{}\n", csv::line(self.cells(step, &inputs, state))));
+        }
+        let world = self.sim.world();
+        let holds = |expr| self.sim.holds(state, expr).unwrap_or(false);
+        let line = Line {
+            step,
+            inputs,
+            instances: Instances { sim: self.sim, state },
+            goals: world.goals.iter().filter(|g| holds(g.holds)).map(|g| g.name.as_str()).collect(),
+            never: world.nevers.iter().filter(|n| holds(n.holds)).map(|n| n.name.as_str()).collect(),
+        };
+        Ok(format!("{}\n", serde_json::to_string(&line)?))
+    }
+
+    /// The names of the columns: of the step and its inputs, of all instances that there can be, of goals and of what may
+    /// never hold.
+    pub fn columns(&self) -> Vec<String> {
+        let world = self.sim.world();
+        let mut columns = vec!["step".to_string(), "inputs".to_string()];
+        for (id, slot) in world.slots.pairs() {
+            let entity = self.sim.entity(id);
+            let mut add = |name: &str| columns.push(format!("{}.{name}", slot.name));
+            add("space");
+            for group in entity.groups.iter() {
+                add(&group.name.as_ref().map_or("mode".to_string(), |name| format!("mode.{name}")));
+            }
+            for name in entity.vars.iter() {
+                ["", "'", "''"].into_iter().for_each(|degree| add(&format!("{name}{degree}")));
+            }
+            entity.discretes.iter().for_each(|discrete| add(&discrete.name));
+            entity.refs.iter().for_each(|reference| add(&reference.name));
+            entity.timers.iter().for_each(|timer| add(&format!("timer.{}", entity.modes[timer.mode].path)));
+        }
+        columns.extend(world.goals.iter().map(|goal| format!("goal.{}", goal.name)));
+        columns.extend(world.nevers.iter().map(|never| format!("never.{}", never.name)));
+        columns
+    }
+
+    /// The cells of a state under [`TraceLines::columns`]; those of an instance that is not there are empty.
+    fn cells(&self, step: u64, inputs: &[String], state: &[u8]) -> Vec<String> {
+        let world = self.sim.world();
+        let mut cells = vec![step.to_string(), inputs.join("+")];
+        for id in world.slots.ids() {
+            let (entity, layout) = (self.sim.entity(id), &world.layout.slots[id]);
+            if !layout.alive(state) {
+                let numbers = entity.groups.len() + 3 * entity.vars.len() + entity.discretes.len();
+                let count = 1 + numbers + entity.refs.len() + entity.timers.len();
+                cells.extend(std::iter::repeat_n(String::new(), count));
+                continue;
+            }
+            cells.push(world.spaces[layout.space(state)].name.clone());
+            let path = |g| entity.modes[entity.leaves[layout.leaf(state, g)].mode].path.clone();
+            cells.extend(entity.groups.ids().map(path));
+            for var in entity.vars.ids() {
+                cells.extend([0, 1, 2].map(|degree| layout.var(state, var, degree).to_string()));
+            }
+            for (id, discrete) in entity.discretes.pairs() {
+                let value = layout.discrete(state, id);
+                cells.push(match &discrete.domain {
+                    Domain::Int => value.to_string(),
+                    Domain::Bool => (value != 0).to_string(),
+                    Domain::Set(names) => {
+                        usize::try_from(value).ok().and_then(|v| names.get(v)).cloned().unwrap_or_default()
+                    }
+                });
+            }
+            let target = |r| layout.reference(state, r).map_or(String::new(), |t| world.slots[t].name.clone());
+            cells.extend(entity.refs.ids().map(target));
+            cells.extend(entity.timers.ids().map(|t| world.step.times(layout.timer(state, t)).to_string()));
+        }
+        let predicates = world.goals.iter().chain(world.nevers.iter());
+        cells.extend(predicates.map(|p| self.sim.holds(state, p.holds).unwrap_or(false).to_string()));
+        cells
+    }
+}
+
+/// Writes the states of a run.
+pub struct TraceWriter<'s, W> {
+    lines: TraceLines<'s>,
+    out: W,
+}
+
 impl<'s, W: Write> TraceWriter<'s, W> {
-    /// Starts a trace with its header; `script` is the text of the whole input, of which `steps` steps are run (with no
-    /// input after its end).
+    /// Starts a trace with its header.
     ///
     /// # Errors
     /// What the writer says.
-    pub fn new(sim: &'s Simulator<'s>, mut out: W, file: &str, script: &str, steps: u64) -> io::Result<Self> {
-        let step = sim.world().step;
-        let header = Header {
-            trace: TRACE_VERSION,
-            hypedc: env!("CARGO_PKG_VERSION"),
-            file,
-            world: &sim.world().name,
-            step: format!("{}/{}", step.numerator, step.denominator),
-            inputs: script,
-            steps,
-        };
-        serde_json::to_writer(&mut out, &header)?;
-        out.write_all(b"\n")?;
-        Ok(TraceWriter { sim, out })
+    pub fn new(lines: TraceLines<'s>, mut out: W, header: &TraceHeader) -> io::Result<Self> {
+        out.write_all(lines.header(header)?.as_bytes())?;
+        Ok(TraceWriter { lines, out })
     }
 
     /// Writes one state.
@@ -68,17 +216,7 @@ impl<'s, W: Write> TraceWriter<'s, W> {
     /// # Errors
     /// What the writer says.
     pub fn state(&mut self, step: u64, input: &Input, state: &[u8]) -> io::Result<()> {
-        let world = self.sim.world();
-        let holds = |expr| self.sim.holds(state, expr).unwrap_or(false);
-        let line = Line {
-            step,
-            inputs: names(self.sim.program(), self.sim.world_id(), input),
-            instances: Instances { sim: self.sim, state },
-            goals: world.goals.iter().filter(|g| holds(g.holds)).map(|g| g.name.as_str()).collect(),
-            never: world.nevers.iter().filter(|n| holds(n.holds)).map(|n| n.name.as_str()).collect(),
-        };
-        serde_json::to_writer(&mut self.out, &line)?;
-        self.out.write_all(b"\n")
+        self.out.write_all(self.lines.state(step, input, state)?.as_bytes())
     }
 
     /// Flushes the trace.
@@ -88,6 +226,50 @@ impl<'s, W: Write> TraceWriter<'s, W> {
     pub fn finish(mut self) -> io::Result<()> {
         self.out.flush()
     }
+}
+
+/// Where two lines of traces differ first, and what stands there in each: the line itself if they are of no common form.
+pub fn first_difference(format: TraceFormat, columns: &[String], old: &str, new: &str) -> (String, String, String) {
+    let parsed = |text: &str| serde_json::from_str::<serde_json::Value>(text);
+    match (format, parsed(old), parsed(new)) {
+        (TraceFormat::Jsonl, Ok(old), Ok(new)) => {
+            let (path, old, new) = difference(String::new(), &old, &new);
+            (path.trim_start_matches('.').to_string(), old, new)
+        }
+        (TraceFormat::Csv, ..) => {
+            let (old, new) = (csv::cells(old), csv::cells(new));
+            let cell = |cells: &[String], at: usize| cells.get(at).cloned().unwrap_or_default();
+            let differs = (0..old.len().max(new.len())).find(|at| cell(&old, *at) != cell(&new, *at));
+            let at = differs.unwrap_or(old.len());
+            let column = columns.get(at).cloned().unwrap_or_else(|| format!("column {}", at + 1));
+            (column, cell(&old, at), cell(&new, at))
+        }
+        _ => ("the line".to_string(), old.to_string(), new.to_string()),
+    }
+}
+
+/// Where two values differ first.
+fn difference(path: String, old: &serde_json::Value, new: &serde_json::Value) -> (String, String, String) {
+    use serde_json::Value::{Array, Object};
+    let nothing = serde_json::Value::Null;
+    match (old, new) {
+        (Object(a), Object(b)) => {
+            let keys = a.keys().chain(b.keys().filter(|key| !a.contains_key(*key)));
+            let mut differing = keys.filter(|key| a.get(*key) != b.get(*key));
+            if let Some(key) = differing.next() {
+                let value = |map: &serde_json::Map<_, _>| map.get(key).cloned().unwrap_or(nothing.clone());
+                return difference(format!("{path}.{key}"), &value(a), &value(b));
+            }
+        }
+        (Array(a), Array(b)) => {
+            if let Some(at) = (0..a.len().max(b.len())).find(|at| a.get(*at) != b.get(*at)) {
+                let value = |list: &[serde_json::Value]| list.get(at).cloned().unwrap_or(nothing.clone());
+                return difference(format!("{path}[{at}]"), &value(a), &value(b));
+            }
+        }
+        _ => {}
+    }
+    (path, old.to_string(), new.to_string())
 }
 
 struct Instances<'a> {

@@ -5,7 +5,7 @@ const GAP: usize = 2;
 
 /// A column's heading.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Column {
+pub struct Column {
     /// What stands above it and the neighbours that say the same; empty for nothing.
     group: &'static str,
     name: &'static str,
@@ -26,7 +26,7 @@ impl Column {
 
 /// What stands in a row under a column.
 #[derive(Debug, Clone)]
-pub(super) struct Cell(String);
+pub struct Cell(String);
 
 impl Cell {
     /// Nothing: there is no such thing.
@@ -53,12 +53,13 @@ impl From<String> for Cell {
 }
 
 /// Rows under columns.
-pub(super) struct Table {
+pub struct Table {
     columns: Vec<Column>,
     rows: Vec<Vec<Cell>>,
 }
 
 impl Table {
+    /// One without rows.
     pub fn new(columns: Vec<Column>) -> Self {
         Table { columns, rows: Vec::new() }
     }

@@ -1,0 +1,353 @@
+//! `hypedc reach` about many levels: which they are, the threads, the files, what is shown at the end. A level is
+//! [`super::corpus_level`]'s; what rows are and mean is [`crate::corpus`]'s.
+
+use std::collections::BTreeSet;
+use std::fs::{File, read, read_dir, write};
+use std::io::{self, IsTerminal, Write};
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+use std::time::Instant;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde::Serialize;
+
+use crate::corpus::{Comparison, Kept, Key, Kind, Record, Row, junit, summary, table};
+use crate::crew::{self, Desk};
+use crate::diagnostic::catalogue::run::NoQuestion;
+use crate::reach::Target;
+
+use super::Answer;
+use super::args::{ReachArgs, ResultFormat};
+use super::asking::{Prepared, Refusal, barred, target_name};
+use super::corpus_files::{CsvFile, RecordFile};
+use super::corpus_level::{Common, Done, Level, row_settings};
+use super::report::{find_world, has_maps, load_barred, plain_error};
+use super::watching::interrupted;
+
+/// The version of the JSON result.
+const RESULT_VERSION: u32 = 1;
+
+/// What the file names of levels end with, where a folder is given.
+const EXTENSIONS: [&str; 3] = ["txt", "tmx", "tmj"];
+
+/// Whether the arguments ask about many levels, or for what only they have.
+pub(super) fn is_asked(args: &ReachArgs) -> bool {
+    let of = &args.corpus;
+    let wants = [&of.results, &of.csv, &of.junit, &of.baseline].iter().any(|path| path.is_some());
+    wants || args.map.len() > 1 || args.map.iter().any(|path| path.is_dir())
+}
+
+/// Asks the questions of each level.
+pub(super) fn run(args: &ReachArgs) -> io::Result<Answer> {
+    // What is asked wrongly is wrong for all levels, and told before any of them.
+    let Some(mut loaded) = load_barred(&args.file, args.reading.of(None), barred(args))? else {
+        return Ok(Answer::Unasked);
+    };
+    let prepared = find_world(&loaded.program, &args.file, args.world.as_deref()).map_err(Refusal::of);
+    let prepared = prepared.and_then(|world| {
+        let prepared = Prepared::new(args, &mut loaded, world)?;
+        Ok((world, prepared, levels(args, loaded.program.worlds[world].open.is_some())?))
+    });
+    let (world, prepared, levels) = match prepared {
+        Ok(prepared) => prepared,
+        Err(refusal) => {
+            refusal.show(&loaded.sources)?;
+            return Ok(Answer::Unasked);
+        }
+    };
+    let world = &loaded.program.worlds[world];
+    if args.map.is_empty() && !has_maps(&loaded, [world])? {
+        return Ok(Answer::Unasked);
+    }
+    let files = match Files::open(args) {
+        Ok(files) => files,
+        Err(why) => {
+            plain_error(&why)?;
+            return Ok(Answer::Unasked);
+        }
+    };
+    let none = Record::default();
+    let record = files.record.as_ref().map_or(&none, |file| &file.found).clone();
+    let targets = prepared.targets.iter().map(|target| {
+        let kind = if matches!(target, Target::Goal(_)) { Kind::Goal } else { Kind::Never };
+        (kind, target_name(world, *target).to_string())
+    });
+    let common = Common {
+        args,
+        world: world.name.clone(),
+        targets: targets.collect(),
+        settings: row_settings(args, &prepared.settings),
+        record: &record,
+    };
+    Run { common, levels, files, started: Instant::now() }.go()
+}
+
+/// The files of a run.
+struct Files {
+    record: Option<RecordFile>,
+    csv: Option<CsvFile>,
+    baseline: Option<Record>,
+}
+
+impl Files {
+    /// Opens what is to be read and written: nobody wants to learn of a misspelt folder after an hour.
+    fn open(args: &ReachArgs) -> Result<Self, String> {
+        let of = &args.corpus;
+        let baseline = of.baseline.as_deref().map(baseline).transpose()?;
+        let record = of.results.as_deref().map(RecordFile::open).transpose()?;
+        if let Some(path) = &of.junit {
+            let opened = File::options().create(true).append(true).open(path);
+            opened.map_err(|error| format!("cannot write `{}`: {error}", path.display()))?;
+        }
+        let csv = of.csv.as_deref().map(CsvFile::create).transpose()?;
+        Ok(Files { record, csv, baseline })
+    }
+}
+
+/// The rows of an older run.
+fn baseline(path: &Path) -> Result<Record, String> {
+    let text = read(path).map_err(|error| format!("cannot read `{}`: {error}", path.display()))?;
+    Record::read(&text).map_err(|bad| format!("`{}` is no baseline; {bad}", path.display()))
+}
+
+/// A run over all levels.
+struct Run<'r> {
+    common: Common<'r>,
+    levels: Vec<Level>,
+    files: Files,
+    started: Instant,
+}
+
+impl Run<'_> {
+    fn go(mut self) -> io::Result<Answer> {
+        let args = self.common.args;
+        let flag = interrupted();
+        let stop = || flag.load(Ordering::SeqCst);
+        let count = self.common.targets.len();
+        let mut rows: Vec<Option<Kept>> = vec![None; self.levels.len() * count];
+        let (mut kept, mut broken) = (0, None);
+        let bar = bar(rows.len());
+        if let (Some(path), true) = (&args.corpus.results, self.files.record.as_ref().is_some_and(|file| file.was_cut))
+        {
+            writeln!(io::stderr(), "the last row of `{}` was cut off, and is done anew", path.display())?;
+        }
+        let Run { common, levels, files, .. } = &mut self;
+        let task = |at: usize, desk: &Desk<'_, Done>| common.level(&levels[at], desk);
+        crew::work(levels.len(), usize::from(args.threads), &stop, &task, &mut |level, done| {
+            bar.inc(1);
+            let written = match done {
+                Done::Broken(why) => Err(why),
+                Done::Kept(target, row) => {
+                    kept += 1;
+                    files.csv.as_mut().map_or(Ok(()), |csv| csv.add(&row.row)).map(|()| (target, *row))
+                }
+                Done::New(target, row) => files.add(*row).map(|row| (target, row)),
+            };
+            match written {
+                Ok((target, row)) => {
+                    rows[level * count + target] = Some(row);
+                    ControlFlow::Continue(())
+                }
+                Err(why) => {
+                    broken = broken.take().or(Some(why));
+                    ControlFlow::Break(())
+                }
+            }
+        });
+        bar.finish_and_clear();
+        if let Some(why) = broken {
+            plain_error(&why)?;
+            return Ok(Answer::Unasked);
+        }
+        let is_stopped = rows.iter().any(Option::is_none);
+        let all = rows.len();
+        let rows: Vec<&Kept> = rows.iter().flatten().collect();
+        let comparison = self.files.baseline.as_ref().map(|record| {
+            let done: BTreeSet<Key> = rows.iter().map(|kept| kept.row.key()).collect();
+            // What was not done is not gone.
+            let old =
+                record.rows.iter().filter(|(key, _)| !is_stopped || done.contains(key)).map(|(_, kept)| &kept.row);
+            Comparison::of(old, rows.iter().map(|kept| &kept.row), args.corpus.tolerance / 100.0)
+        });
+        let seconds = self.started.elapsed().as_secs_f64();
+        let note = match kept {
+            0 => String::new(),
+            _ => format!(
+                ", {kept} of them kept from `{}`",
+                args.corpus.results.as_deref().unwrap_or(Path::new("")).display()
+            ),
+        };
+        // Before anything is shown: whoever reads it may be gone.
+        if let Err(why) = self.files.finish(args, &rows, is_stopped) {
+            plain_error(&why)?;
+            return Ok(Answer::Unasked);
+        }
+        let told = Told { args, rows: &rows, comparison: comparison.as_ref(), is_stopped };
+        told.show(&self.common.world, &format!("{note}; {seconds:.1} s"))?;
+        if is_stopped {
+            let on = match &args.corpus.results {
+                Some(path) => format!("they are in `{}`, and the same command goes on from there", path.display()),
+                None => "with `--results FILE` they are kept, and the same command goes on from there".to_string(),
+            };
+            writeln!(io::stderr(), "stopped when {} of {all} were done; {on}", rows.len())?;
+        }
+        let is_no = match &comparison {
+            Some(comparison) => comparison.is_worse(),
+            None => rows.iter().any(|kept| !kept.row.is_as_wished),
+        };
+        Ok(if is_no || is_stopped { Answer::No } else { Answer::Yes })
+    }
+}
+
+impl Files {
+    /// Keeps a row.
+    fn add(&mut self, row: Row) -> Result<Kept, String> {
+        let kept = Kept::new(row).map_err(|error| error.to_string())?;
+        if let Some(record) = &mut self.record {
+            record.add(&kept)?;
+        }
+        if let Some(csv) = &mut self.csv {
+            csv.add(&kept.row)?;
+        }
+        Ok(kept)
+    }
+
+    /// Puts everything in order, and writes what is written once.
+    fn finish(self, args: &ReachArgs, rows: &[&Kept], is_stopped: bool) -> Result<(), String> {
+        if let Some(csv) = self.csv {
+            csv.finish(rows)?;
+        }
+        // Rows of levels that were not reached stay for the next time.
+        if let (Some(record), false) = (self.record, is_stopped) {
+            let left_out = record.finish(rows)?;
+            if let (1.., Some(path)) = (left_out, &args.corpus.results) {
+                let rows = if left_out == 1 { "row was" } else { "rows were" };
+                let _ = writeln!(
+                    io::stderr(),
+                    "{left_out} {rows} taken out of `{}`: nobody asked for them any more",
+                    path.display()
+                );
+            }
+        }
+        if let Some(path) = &args.corpus.junit {
+            let rows: Vec<&Row> = rows.iter().map(|kept| &kept.row).collect();
+            let written = junit(&rows).and_then(|text| write(path, text));
+            written.map_err(|error| format!("cannot write `{}`: {error}", path.display()))?;
+        }
+        Ok(())
+    }
+}
+
+/// What is shown at the end.
+struct Told<'t> {
+    args: &'t ReachArgs,
+    rows: &'t [&'t Kept],
+    comparison: Option<&'t Comparison>,
+    is_stopped: bool,
+}
+
+#[derive(Serialize)]
+struct JsonResult<'t> {
+    version: u32,
+    hypedc: &'static str,
+    file: String,
+    world: &'t str,
+    stopped: bool,
+    rows: Vec<&'t Row>,
+    /// Null if there is no baseline.
+    changes: Option<&'t Comparison>,
+}
+
+impl Told<'_> {
+    fn show(&self, world: &str, note: &str) -> io::Result<()> {
+        let rows: Vec<&Row> = self.rows.iter().map(|kept| &kept.row).collect();
+        let file = self.args.file.display().to_string();
+        let mut out = io::stdout().lock();
+        if self.args.format == ResultFormat::Json {
+            let (is_stopped, changes) = (self.is_stopped, self.comparison);
+            let (version, hypedc) = (RESULT_VERSION, env!("CARGO_PKG_VERSION"));
+            let result = JsonResult { version, hypedc, file, world, stopped: is_stopped, rows, changes };
+            serde_json::to_writer_pretty(&mut out, &result)?;
+            return writeln!(out);
+        }
+        writeln!(out, "{file}, world {world}, seed {}", self.args.seed)?;
+        write!(out, "{}", table(&rows))?;
+        writeln!(out, "{}{note}", summary(&rows))?;
+        if let (Some(comparison), Some(path)) = (self.comparison, &self.args.corpus.baseline) {
+            write!(out, "{}", comparison.text(&path.display().to_string()))?;
+        }
+        Ok(())
+    }
+}
+
+/// The levels that are meant, each once.
+fn levels(args: &ReachArgs, is_open: bool) -> Result<Vec<Level>, Refusal> {
+    if args.tree {
+        return Err(Refusal::Plain("`--tree` is for a single level: rows have no trees".to_string()));
+    }
+    if args.map.is_empty() {
+        return Ok(vec![Level { path: None, name: None }]);
+    }
+    if !is_open {
+        let why = format!("the world has its map in `{}`, and takes none from the command line", args.file.display());
+        let help = Some("write `map level TILES` or `map level legend \"FILE\" tile 16 x 16` in a space".to_string());
+        return Err(Refusal::of(NoQuestion { why, near: None, help }));
+    }
+    let mut paths: Vec<PathBuf> = Vec::new();
+    for path in &args.map {
+        let found = if path.is_dir() { in_folder(path).map_err(Refusal::Plain)? } else { vec![path.clone()] };
+        for path in found {
+            if !paths.contains(&path) {
+                paths.push(path);
+            }
+        }
+    }
+    let names = names(&paths);
+    let is_one = paths.len() == 1;
+    Ok(paths
+        .into_iter()
+        .zip(names)
+        .map(|(path, name)| Level { path: Some(path), name: (!is_one).then_some(name) })
+        .collect())
+}
+
+/// The levels in a folder, by name.
+fn in_folder(folder: &Path) -> Result<Vec<PathBuf>, String> {
+    let cannot = |error: io::Error| format!("cannot read `{}`: {error}", folder.display());
+    let mut found = Vec::new();
+    for entry in read_dir(folder).map_err(cannot)? {
+        let path = entry.map_err(cannot)?.path();
+        if path.is_file() && path.extension().is_some_and(|e| EXTENSIONS.iter().any(|known| e == *known)) {
+            found.push(path);
+        }
+    }
+    if found.is_empty() {
+        let ends = EXTENSIONS.map(|e| format!("`.{e}`")).join(", ");
+        return Err(format!("`{}` holds no level: no file that ends in {ends}", folder.display()));
+    }
+    found.sort();
+    Ok(found)
+}
+
+/// What levels are called in the names of files: as their own are called without folder and extension, or where two are
+/// called the same, by their whole paths.
+fn names(paths: &[PathBuf]) -> Vec<String> {
+    let stem = |path: &PathBuf| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let long = |path: &PathBuf| {
+        let text = path.display().to_string();
+        text.trim_start_matches(['.', '/']).replace(['/', '\\', ':', '.'], "-")
+    };
+    let stems: Vec<String> = paths.iter().map(stem).collect();
+    let is_alone = |name: &String| stems.iter().filter(|other| *other == name).count() == 1;
+    stems.iter().zip(paths).map(|(name, path)| if is_alone(name) { name.clone() } else { long(path) }).collect()
+}
+
+/// A line that tells how far it has come, on a terminal only.
+fn bar(questions: usize) -> ProgressBar {
+    let target = if io::stderr().is_terminal() { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+    let bar = ProgressBar::with_draw_target(Some(questions as u64), target);
+    let style = ProgressStyle::with_template("{spinner} {pos} of {len} done  {elapsed}, about {eta} left");
+    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
+    bar
+}

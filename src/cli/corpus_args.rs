@@ -1,0 +1,33 @@
+//! The arguments of `hypedc reach` about many levels, as data.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Many levels")]
+pub(super) struct CorpusArgs {
+    /// Keeps a row for each level and goal in a file of JSON lines, each as soon as it is done; a later run with the same
+    /// file does only what is missing or has changed.
+    #[arg(long, value_name = "FILE.jsonl")]
+    pub results: Option<PathBuf>,
+    /// Writes the rows to a CSV file, too, as they come.
+    #[arg(long, value_name = "FILE.csv")]
+    pub csv: Option<PathBuf>,
+    /// Writes a JUnit report, with a case for each level and goal.
+    #[arg(long, value_name = "FILE.xml")]
+    pub junit: Option<PathBuf>,
+    /// Tells what changed since an older run, whose `--results` this is. The answer is no if it is worse.
+    #[arg(long, value_name = "FILE.jsonl")]
+    pub baseline: Option<PathBuf>,
+    /// By how many percent the length of a path may differ from the baseline before it is told.
+    #[arg(long, value_name = "PERCENT", default_value_t = 10.0, value_parser = percent, requires = "baseline")]
+    pub tolerance: f64,
+}
+
+fn percent(text: &str) -> Result<f64, String> {
+    match text.trim_end_matches('%').parse::<f64>() {
+        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
+        _ => Err("a number of percent, such as 10".to_string()),
+    }
+}

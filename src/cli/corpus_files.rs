@@ -1,0 +1,123 @@
+//! The files that a run over many levels writes while it goes on: the record of rows, from which a later run resumes, and
+//! the CSV.
+
+use std::collections::BTreeSet;
+use std::fs::{File, TryLockError};
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+use crate::corpus::{CSV_HEADER, Kept, Key, Record, Row, csv_line};
+use crate::tabular::csv;
+
+use super::disk::replace;
+
+/// The file of rows, open for more.
+pub(super) struct RecordFile {
+    path: PathBuf,
+    file: File,
+    /// What it held when it was opened.
+    pub found: Record,
+    /// Whether its last line was cut off.
+    pub was_cut: bool,
+}
+
+impl RecordFile {
+    /// Opens a file of rows or makes one. Takes away a last line that is cut off.
+    ///
+    /// # Errors
+    /// Why it cannot be added to: it is another file, or someone else is adding to it.
+    pub fn open(path: &Path) -> Result<Self, String> {
+        let cannot = |what: &str, error: io::Error| format!("cannot {what} `{}`: {error}", path.display());
+        let mut file = File::options()
+            .read(true)
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(path)
+            .map_err(|error| cannot("write", error))?;
+        // Where there are no locks, there is nobody to warn of.
+        if let Err(TryLockError::WouldBlock) = file.try_lock() {
+            return Err(format!("another `hypedc` is writing to `{}`", path.display()));
+        }
+        let mut text = Vec::new();
+        file.read_to_end(&mut text).map_err(|error| cannot("read", error))?;
+        let found = Record::read(&text).map_err(|bad| format!("`{}` is left as it is; {bad}", path.display()))?;
+        let was_cut = found.whole < text.len();
+        let mut mend = || -> io::Result<()> {
+            if was_cut {
+                file.set_len(found.whole as u64)?;
+            }
+            file.seek(SeekFrom::End(0))?;
+            if found.is_open {
+                file.write_all(b"\n")?;
+            }
+            file.sync_all()
+        };
+        mend().map_err(|error| cannot("write", error))?;
+        Ok(RecordFile { path: path.to_path_buf(), file, found, was_cut })
+    }
+
+    /// Adds a row; when this returns, it is on the disk.
+    ///
+    /// # Errors
+    /// Why it cannot be written.
+    pub fn add(&mut self, kept: &Kept) -> Result<(), String> {
+        let line = format!("{}\n", kept.line);
+        let written = self.file.write_all(line.as_bytes()).and_then(|()| self.file.sync_data());
+        written.map_err(|error| format!("cannot write `{}`: {error}", self.path.display()))
+    }
+
+    /// Puts just these rows into the file, in this order, in one go; gives how many others there were.
+    ///
+    /// # Errors
+    /// Why it cannot be written.
+    pub fn finish(mut self, rows: &[&Kept]) -> Result<usize, String> {
+        let cannot = |why: String| format!("cannot write `{}`: {why}", self.path.display());
+        let text: String = rows.iter().map(|kept| format!("{}\n", kept.line)).collect();
+        let mut old = Vec::new();
+        let read = self.file.rewind().and_then(|()| self.file.read_to_end(&mut old));
+        read.map_err(|error| cannot(error.to_string()))?;
+        if old != text.as_bytes() {
+            replace(&self.path, &text).map_err(cannot)?;
+        }
+        let asked: BTreeSet<Key> = rows.iter().map(|kept| kept.row.key()).collect();
+        Ok(self.found.rows.keys().filter(|key| !asked.contains(key)).count())
+    }
+}
+
+/// The CSV, open for more.
+pub(super) struct CsvFile {
+    path: PathBuf,
+    file: File,
+}
+
+impl CsvFile {
+    /// Makes the file, with its header.
+    ///
+    /// # Errors
+    /// Why it cannot be written.
+    pub fn create(path: &Path) -> Result<Self, String> {
+        let file = File::create(path).and_then(|mut file| writeln!(file, "{}", csv::line(CSV_HEADER)).map(|()| file));
+        let file = file.map_err(|error| format!("cannot write `{}`: {error}", path.display()))?;
+        Ok(CsvFile { path: path.to_path_buf(), file })
+    }
+
+    /// Adds a row.
+    ///
+    /// # Errors
+    /// Why it cannot be written.
+    pub fn add(&mut self, row: &Row) -> Result<(), String> {
+        let written = writeln!(self.file, "{}", csv_line(row));
+        written.map_err(|error| format!("cannot write `{}`: {error}", self.path.display()))
+    }
+
+    /// Puts the rows into this order, in one go.
+    ///
+    /// # Errors
+    /// Why it cannot be written.
+    pub fn finish(self, rows: &[&Kept]) -> Result<(), String> {
+        let mut text = format!("{}\n", csv::line(CSV_HEADER));
+        rows.iter().for_each(|kept| text.push_str(&format!("{}\n", csv_line(&kept.row))));
+        replace(&self.path, &text).map_err(|error| format!("cannot write `{}`: {error}", self.path.display()))
+    }
+}

@@ -1,0 +1,202 @@
+//! What changed since an older run: verdicts that are others, levels that came or went, paths that are longer or shorter.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use serde::Serialize;
+
+use super::row::{Key, Row, Verdict};
+
+/// Whether a change is for the better.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Change {
+    /// It is as wished now, and was not.
+    Better,
+    /// It was as wished, and is not any more.
+    Worse,
+    /// Another verdict, but as much as wished as before.
+    Other,
+}
+
+/// A verdict that is another one.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Flip {
+    /// What it is about.
+    #[serde(flatten)]
+    pub key: Key,
+    /// What it was.
+    pub from: Verdict,
+    /// What it is.
+    pub to: Verdict,
+    /// For the better?
+    pub change: Change,
+}
+
+/// A path whose length is another one.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Lengthened {
+    /// What it is about.
+    #[serde(flatten)]
+    pub key: Key,
+    /// How many steps it took.
+    pub from: u64,
+    /// How many it takes.
+    pub to: u64,
+}
+
+/// A question that only one of the two runs asked.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Lone {
+    /// What it is about.
+    #[serde(flatten)]
+    pub key: Key,
+    /// What it came to.
+    pub verdict: Verdict,
+    /// Whether that is as wished.
+    pub is_as_wished: bool,
+}
+
+impl Lone {
+    fn of(row: &Row) -> Lone {
+        Lone { key: row.key(), verdict: row.verdict, is_as_wished: row.is_as_wished }
+    }
+}
+
+/// What changed since an older run.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub struct Comparison {
+    /// Verdicts that are others, in the order of the new rows.
+    pub flips: Vec<Flip>,
+    /// What the older run did not ask.
+    pub added: Vec<Lone>,
+    /// What was not asked any more, by name.
+    pub vanished: Vec<Lone>,
+    /// Paths that differ by more than the tolerance.
+    pub lengths: Vec<Lengthened>,
+    /// How many have the same verdict.
+    pub unchanged: usize,
+}
+
+impl Comparison {
+    /// Compares; lengths are told of if they differ by more than this share of the older one (0.1 is a tenth).
+    pub fn of<'r>(
+        old: impl IntoIterator<Item = &'r Row>,
+        new: impl IntoIterator<Item = &'r Row>,
+        tolerance: f64,
+    ) -> Comparison {
+        let mut old: BTreeMap<Key, &Row> = old.into_iter().map(|row| (row.key(), row)).collect();
+        let mut found = Comparison::default();
+        for row in new {
+            let key = row.key();
+            let Some(before) = old.remove(&key) else {
+                found.added.push(Lone::of(row));
+                continue;
+            };
+            if before.verdict == row.verdict {
+                found.unchanged += 1;
+            } else {
+                let change = match (before.is_as_wished, row.is_as_wished) {
+                    (true, false) => Change::Worse,
+                    (false, true) => Change::Better,
+                    _ => Change::Other,
+                };
+                found.flips.push(Flip { key: key.clone(), from: before.verdict, to: row.verdict, change });
+            }
+            if let (Some(from), Some(to)) = (before.steps, row.steps)
+                && from.abs_diff(to) as f64 > tolerance * from as f64
+            {
+                found.lengths.push(Lengthened { key, from, to });
+            }
+        }
+        found.vanished = old.into_values().map(Lone::of).collect();
+        found
+    }
+
+    /// Whether something that was as wished is not any more, or something new is not as wished.
+    pub fn is_worse(&self) -> bool {
+        self.flips.iter().any(|flip| flip.change == Change::Worse) || self.added.iter().any(|lone| !lone.is_as_wished)
+    }
+
+    /// As text, a line each.
+    pub fn text(&self, baseline: &str) -> String {
+        let mut out = String::new();
+        let name = |key: &Key| format!("{}, {} {}", key.level_name(), key.kind.name(), key.goal);
+        let mut line = |mark: &str, key: &Key, what: String| {
+            // Writing to a string cannot fail.
+            let _ = writeln!(out, "  {mark:7} {}: {what}", name(key));
+        };
+        for Flip { key, from, to, change } in &self.flips {
+            let mark = match change {
+                Change::Better => "better",
+                Change::Worse => "worse",
+                Change::Other => "other",
+            };
+            line(mark, key, format!("{} → {}", from.name(), to.name()));
+        }
+        for Lone { key, verdict, .. } in &self.added {
+            line("new", key, verdict.name().to_string());
+        }
+        for Lone { key, verdict, .. } in &self.vanished {
+            line("gone", key, format!("was {}", verdict.name()));
+        }
+        for Lengthened { key, from, to } in &self.lengths {
+            let mark = if to > from { "longer" } else { "shorter" };
+            let share = (*to as f64 / (*from).max(1) as f64 - 1.0) * 100.0;
+            line(mark, key, format!("{from} → {to} steps ({share:+.0} %)"));
+        }
+        format!("since {baseline}: {} as before\n{out}", self.unchanged)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::corpus::row::Kind;
+    use crate::corpus::row::tests::row;
+
+    fn with(level: &str, verdict: Verdict, steps: Option<u64>) -> Row {
+        Row { verdict, is_as_wished: verdict == Verdict::Reached, steps, ..row(level) }
+    }
+
+    #[test]
+    fn flips_have_a_direction() {
+        use Verdict::{Error, NotFound, ProvenUnreachable, Reached};
+        let old = [with("a", Reached, Some(100)), with("b", NotFound, None), with("c", NotFound, None)];
+        let new = [with("a", NotFound, None), with("b", Reached, Some(9)), with("c", ProvenUnreachable, None)];
+        let found = Comparison::of(&old, &new, 0.1);
+        let changes: Vec<Change> = found.flips.iter().map(|f| f.change).collect();
+        assert_eq!(changes, [Change::Worse, Change::Better, Change::Other]);
+        assert!(found.is_worse() && found.unchanged == 0);
+        assert!(!Comparison::of(&old[1..], &new[1..], 0.1).is_worse());
+        assert!(Comparison::of(&[with("a", Reached, None)], &[with("a", Error, None)], 0.1).is_worse());
+        // A way to break a `never` is no good news.
+        let never =
+            |verdict: Verdict| Row { kind: Kind::Never, verdict, is_as_wished: verdict == NotFound, ..row("a") };
+        let found = Comparison::of(&[never(NotFound)], &[never(Verdict::Violated)], 0.1);
+        assert_eq!(found.flips[0].change, Change::Worse);
+    }
+
+    #[test]
+    fn what_came_and_went_is_told() {
+        let (old, new) = ([row("a"), row("gone")], [row("a"), with("new", Verdict::NotFound, None)]);
+        let found = Comparison::of(&old, &new, 0.1);
+        assert_eq!((found.unchanged, found.added.len(), found.vanished.len()), (1, 1, 1));
+        assert!(found.is_worse(), "what is new and fails is worse than nothing");
+        assert!(!Comparison::of(&old, &[row("a"), row("new")], 0.1).is_worse());
+        assert_eq!(
+            found.text("old.jsonl"),
+            "since old.jsonl: 1 as before\n  new     new, goal out: not found\n  gone    gone, goal out: was reached\n"
+        );
+    }
+
+    #[test]
+    fn lengths_are_compared_by_share() {
+        let long = |steps| [with("a", Verdict::Reached, Some(steps))];
+        let told = |from, to| !Comparison::of(&long(from), &long(to), 0.1).lengths.is_empty();
+        assert!(!told(100, 110) && told(100, 111) && !told(100, 90) && told(100, 89));
+        assert!(told(0, 1) && !told(0, 0));
+        let text = Comparison::of(&long(100), &long(150), 0.1).text("o");
+        assert_eq!(text, "since o: 1 as before\n  longer  a, goal out: 100 → 150 steps (+50 %)\n");
+    }
+}

@@ -1,0 +1,234 @@
+//! Rows as CSV (RFC 4180), and as a table for people.
+
+use crate::tabular::{Cell, Column, Table, csv};
+
+use super::row::{Row, Verdict};
+
+/// The columns of the CSV, one line a row; the fields are those of [`Row`], and what depends on the machine comes last.
+pub const CSV_HEADER: [&str; 45] = [
+    "row",
+    "level",
+    "kind",
+    "goal",
+    "verdict",
+    "is_as_wished",
+    "steps",
+    "nodes",
+    "places",
+    "mode_combinations",
+    "places_with_modes",
+    "place",
+    "inputs",
+    "argument",
+    "error",
+    "proven_by_hold",
+    "shortest_by",
+    "answered_by",
+    "trees",
+    "extensions",
+    "failures",
+    "simulated_steps",
+    "exhausted_hold",
+    "exhausted_states",
+    "violations",
+    "stopped",
+    "out_of_memory",
+    "inputs_left_out",
+    "fault",
+    "file",
+    "world",
+    "level_sha256",
+    "program_sha256",
+    "hypedc",
+    "seed",
+    "planner",
+    "bounds",
+    "metric",
+    "hold",
+    "restart",
+    "settings",
+    "nodes_limit",
+    "seconds",
+    "cpu_seconds",
+    "analysis_seconds",
+];
+
+/// A row as a line of CSV under [`CSV_HEADER`], without the line's end. What is not there is an empty cell; `violations`
+/// holds the names of each `never`, `settings` all of them as JSON.
+pub fn csv_line(row: &Row) -> String {
+    fn number<T: ToString>(number: Option<T>) -> String {
+        number.map_or(String::new(), |n| n.to_string())
+    }
+    let text = |text: &Option<String>| text.clone().unwrap_or_default();
+    let (c, s, t) = (&row.coverage, &row.settings, &row.timing);
+    let violations: Vec<&str> = row.violations.iter().map(|v| v.never.as_str()).collect();
+    let cells: [String; CSV_HEADER.len()] = [
+        row.row.to_string(),
+        text(&row.level),
+        row.kind.name().to_string(),
+        row.goal.clone(),
+        row.verdict.name().to_string(),
+        row.is_as_wished.to_string(),
+        number(row.steps),
+        row.nodes.to_string(),
+        c.places.to_string(),
+        c.mode_combinations.to_string(),
+        c.places_with_modes.to_string(),
+        c.place.to_string(),
+        text(&row.inputs),
+        text(&row.argument),
+        text(&row.error),
+        number(row.proven_by_hold),
+        number(row.shortest_by),
+        text(&row.answered_by),
+        row.trees.to_string(),
+        row.extensions.to_string(),
+        row.failures.to_string(),
+        row.simulated_steps.to_string(),
+        number(row.exhausted.map(|e| e.hold)),
+        number(row.exhausted.map(|e| e.states)),
+        violations.join(" "),
+        row.stopped.to_string(),
+        row.out_of_memory.to_string(),
+        row.inputs_left_out.to_string(),
+        text(&row.fault),
+        row.file.clone(),
+        row.world.clone(),
+        text(&row.level_sha256),
+        text(&row.program_sha256),
+        s.hypedc.clone(),
+        s.seed.to_string(),
+        s.planner.clone(),
+        s.bounds.clone(),
+        s.metric.clone(),
+        s.hold.map_or(String::new(), |(low, high)| format!("{low}..{high}")),
+        text(&s.restart),
+        serde_json::to_string(s).unwrap_or_default(),
+        number(s.nodes_limit),
+        format!("{:.6}", t.seconds),
+        t.cpu_seconds.map_or(String::new(), |seconds| format!("{seconds:.6}")),
+        format!("{:.6}", t.analysis_seconds),
+    ];
+    csv::line(cells)
+}
+
+/// The rows as a table: a line each, why it is not as wished at its end.
+pub fn table(rows: &[&Row]) -> String {
+    let mut columns = vec![Column::left("", "level")];
+    let has_goals = rows.windows(2).any(|pair| (pair[0].kind, &pair[0].goal) != (pair[1].kind, &pair[1].goal));
+    if has_goals {
+        columns.push(Column::left("", "goal"));
+    }
+    columns.extend([
+        Column::left("", "verdict"),
+        Column::right("", "steps"),
+        Column::right("", "nodes"),
+        Column::right("", "places"),
+        Column::right("", "seconds"),
+        Column::left("", ""),
+    ]);
+    let mut table = Table::new(columns);
+    for row in rows {
+        let mut cells: Vec<Cell> = vec![row.key().level_name().into()];
+        if has_goals {
+            cells.push(row.goal.as_str().into());
+        }
+        let is_searched = row.nodes > 0;
+        let searched = |number: f64| is_searched.then_some(number);
+        let whole = |number: f64| format!("{number:.0}");
+        cells.extend([
+            row.verdict.name().into(),
+            Cell::of(row.steps.map(|n| n as f64), whole),
+            Cell::of(searched(row.nodes as f64), whole),
+            Cell::of(searched(row.coverage.places as f64), whole),
+            Cell::of(searched(row.timing.seconds), |s| format!("{s:.3}")),
+            row.reason().into(),
+        ]);
+        table.push(cells);
+    }
+    table.text()
+}
+
+/// How many rows have which verdict, in one line without its end: `3 questions: 2 reached, 1 error`.
+pub fn summary(rows: &[&Row]) -> String {
+    let counts = Verdict::ALL.map(|verdict| (verdict, rows.iter().filter(|r| r.verdict == verdict).count()));
+    let parts = counts.iter().filter(|(_, count)| *count > 0).map(|(v, count)| format!("{count} {}", v.name()));
+    let mut levels: Vec<&Option<String>> = rows.iter().map(|r| &r.level).collect();
+    levels.dedup();
+    let (questions, levels) = (counted(rows.len(), "question"), counted(levels.len(), "level"));
+    let all = if questions.split(' ').next() == levels.split(' ').next() {
+        levels
+    } else {
+        format!("{questions} about {levels}")
+    };
+    match parts.collect::<Vec<_>>() {
+        parts if parts.is_empty() => all,
+        parts => format!("{all}: {}", parts.join(", ")),
+    }
+}
+
+fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::corpus::row::tests::row;
+    use crate::corpus::row::{Broken, Exhausted};
+
+    fn rows() -> Vec<Row> {
+        let missed = Row {
+            verdict: Verdict::NotFound,
+            is_as_wished: false,
+            steps: None,
+            inputs: None,
+            nodes: 200_000,
+            exhausted: Some(Exhausted { hold: 10, states: 40 }),
+            ..row("levels/long name.txt")
+        };
+        let failed = Row {
+            verdict: Verdict::Error,
+            is_as_wished: false,
+            error: Some("levels/b.txt:2:1: error[E0501]: a row has 2 tiles, others have 3\nmore".into()),
+            steps: None,
+            nodes: 0,
+            ..row("levels/b.txt")
+        };
+        let broken = Broken { never: "fell".into(), steps: 3, inputs: "-*3".into() };
+        vec![Row { violations: vec![broken], ..row("levels/a, or so.txt") }, missed, failed]
+    }
+
+    #[test]
+    fn every_cell_has_a_column() {
+        for row in rows() {
+            let cells = csv::cells(&csv_line(&row));
+            assert_eq!(cells.len(), CSV_HEADER.len());
+            let cell = |name: &str| &cells[CSV_HEADER.iter().position(|c| *c == name).unwrap()];
+            assert_eq!(*cell("level"), row.level.clone().unwrap());
+            assert_eq!(cell("verdict"), row.verdict.name());
+            assert_eq!(*cell("error"), row.error.clone().unwrap_or_default());
+            assert_eq!(cell("analysis_seconds"), "0.500000");
+            assert_eq!(serde_json::from_str::<crate::corpus::Settings>(cell("settings")).unwrap(), row.settings);
+        }
+    }
+
+    #[test]
+    fn the_table_says_why_not() {
+        let rows = rows();
+        let rows: Vec<&Row> = rows.iter().collect();
+        let expected = "\
+level                 verdict    steps   nodes  places  seconds
+levels/a, or so.txt   reached      120      31      12    0.250
+levels/long name.txt  not found      -  200000      12    0.250  not among 200000 nodes
+levels/b.txt          error          -       -       -        -  levels/b.txt:2:1: error[E0501]: a row has 2 tiles, others have 3
+";
+        assert_eq!(table(&rows), expected);
+        assert_eq!(summary(&rows), "3 levels: 1 reached, 1 not found, 1 error");
+        let other = Row { goal: "key".into(), ..rows[2].clone() };
+        let rows = [rows[0], rows[1], rows[2], &other];
+        assert_eq!(summary(&rows), "4 questions about 3 levels: 1 reached, 1 not found, 2 error");
+        assert!(table(&rows).starts_with("level                 goal  verdict"));
+        assert_eq!(summary(&[]), "0 levels");
+    }
+}

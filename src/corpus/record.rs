@@ -1,0 +1,170 @@
+//! The file of rows, one line of JSON each: read back, mended where it was cut off, put in order.
+//!
+//! Rows are added at the end as they are done, so that whatever happens to the process loses no more than the line that
+//! was being written. When all are done, the file is written anew in the order of the questions; lines stay as they are,
+//! byte for byte.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use super::row::{Key, ROW_VERSION, Row};
+
+/// How every line begins.
+const BEGINNING: &str = "{\"row\":";
+
+/// A row and the line that it was read from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Kept {
+    /// The row.
+    pub row: Row,
+    /// Its line, without the line's end.
+    pub line: String,
+}
+
+impl Kept {
+    /// A row with its line.
+    ///
+    /// # Errors
+    /// If it cannot be written as JSON, as a number that is not finite.
+    pub fn new(row: Row) -> Result<Kept, serde_json::Error> {
+        let line = serde_json::to_string(&row)?;
+        Ok(Kept { row, line })
+    }
+}
+
+/// What a file of rows holds.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Record {
+    /// The rows by what they are about; of several about the same the last counts.
+    pub rows: BTreeMap<Key, Kept>,
+    /// How many bytes of the text are whole lines; what comes after them was cut off.
+    pub whole: usize,
+    /// Whether the last whole line lacks its line's end.
+    pub is_open: bool,
+}
+
+/// Why a text is no file of rows.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct BadRecord {
+    /// The line, from 1.
+    pub line: usize,
+    /// Why.
+    pub why: String,
+}
+
+impl fmt::Display for BadRecord {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "line {}: {}", self.line, self.why)
+    }
+}
+
+impl Record {
+    /// Reads the text of a file. A last line that is cut off half-way is left out.
+    ///
+    /// # Errors
+    /// [`BadRecord`] if a whole line is no row, or one of another version: this is some other file.
+    pub fn read(text: &[u8]) -> Result<Record, BadRecord> {
+        let mut record = Record::default();
+        for (index, bytes) in text.split_inclusive(|b| *b == b'\n').enumerate() {
+            let is_whole = bytes.ends_with(b"\n");
+            match row(bytes) {
+                Ok(kept) => {
+                    record.rows.insert(kept.row.key(), kept);
+                }
+                Err(_) if !is_whole && is_cut(bytes) => break,
+                Err(why) => return Err(BadRecord { line: index + 1, why }),
+            }
+            record.whole += bytes.len();
+            record.is_open = !is_whole;
+        }
+        Ok(record)
+    }
+
+    /// The row about something, if it would come out the same again: with these settings, this program and this level. One
+    /// that could not be asked is asked again.
+    pub fn same(&self, new: &Row) -> Option<&Kept> {
+        self.rows.get(&new.key()).filter(|kept| {
+            let old = &kept.row;
+            old.error.is_none()
+                && old.program_sha256.is_some()
+                && (&old.program_sha256, &old.level_sha256) == (&new.program_sha256, &new.level_sha256)
+                && (&old.settings, &old.world, &old.file) == (&new.settings, &new.world, &new.file)
+        })
+    }
+}
+
+/// The row of a line.
+fn row(bytes: &[u8]) -> Result<Kept, String> {
+    let line = std::str::from_utf8(bytes).map_err(|_| "not UTF-8".to_string())?;
+    let line = line.trim_end_matches(['\n', '\r']);
+    match serde_json::from_str::<Row>(line) {
+        Ok(row) if row.row == ROW_VERSION => Ok(Kept { row, line: line.to_string() }),
+        Ok(row) => Err(format!("a row of version {}, this `hypedc` has version {ROW_VERSION}", row.row)),
+        Err(error) => Err(format!("not a row of `hypedc reach`: {error}")),
+    }
+}
+
+/// Whether this can be the beginning of a line: what is something else is not thrown away.
+fn is_cut(bytes: &[u8]) -> bool {
+    let length = bytes.len().min(BEGINNING.len());
+    bytes[..length] == BEGINNING.as_bytes()[..length]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::corpus::row::tests::row as a_row;
+
+    fn text(levels: &[&str]) -> String {
+        levels.iter().map(|level| Kept::new(a_row(level)).unwrap().line + "\n").collect()
+    }
+
+    #[test]
+    fn a_line_that_is_cut_off_anywhere_is_left_out() {
+        let whole = text(&["a", "b"]);
+        let first = text(&["a"]).len();
+        for end in first..=whole.len() {
+            let record = Record::read(&whole.as_bytes()[..end]).unwrap();
+            let rows = if end >= whole.len() - 1 { 2 } else { 1 };
+            assert_eq!(record.rows.len(), rows, "cut at {end}");
+            assert_eq!(record.whole, if rows == 2 { end } else { first });
+            assert_eq!(record.is_open, end == whole.len() - 1);
+        }
+    }
+
+    #[test]
+    fn another_file_is_refused() {
+        assert_eq!(Record::read(b"entity A { }").unwrap_err().line, 1);
+        assert_eq!(Record::read(b"\n").unwrap_err().line, 1);
+        let mut two = text(&["a"]);
+        two.push_str("{\"row\":1,\n");
+        assert_eq!(Record::read(two.as_bytes()).unwrap_err().line, 2, "a whole line is not cut off");
+        let newer = text(&["a"]).replace("{\"row\":1,", "{\"row\":99,");
+        assert!(Record::read(newer.as_bytes()).unwrap_err().why.contains("version 99"));
+    }
+
+    #[test]
+    fn a_row_counts_only_for_the_same_question() {
+        let old = a_row("a");
+        let record = Record::read(text(&["a", "b"]).as_bytes()).unwrap();
+        assert!(record.same(&old).is_some());
+        assert!(record.same(&Row { level: Some("c".into()), ..old.clone() }).is_none());
+        assert!(record.same(&Row { program_sha256: Some("1".into()), ..old.clone() }).is_none());
+        assert!(record.same(&Row { level_sha256: Some("1".into()), ..old.clone() }).is_none());
+        let mut settings = old.settings.clone();
+        settings.seed += 1;
+        assert!(record.same(&Row { settings, ..old.clone() }).is_none());
+        let failed = Row { error: Some("gone".into()), ..old.clone() };
+        let record = Record::read((Kept::new(failed).unwrap().line + "\n").as_bytes()).unwrap();
+        assert!(record.same(&old).is_none(), "what could not be asked is asked again");
+    }
+
+    #[test]
+    fn of_several_rows_the_last_counts() {
+        let later = Row { nodes: 777, ..a_row("a") };
+        let all = text(&["a", "b"]) + &Kept::new(later).unwrap().line + "\n";
+        let record = Record::read(all.as_bytes()).unwrap();
+        assert_eq!(record.same(&a_row("a")).unwrap().row.nodes, 777);
+        assert_eq!(record.rows.len(), 2);
+    }
+}

@@ -1,0 +1,93 @@
+//! Work done side by side: threads take tasks in their order, and hand in what comes of them to the thread that asked for
+//! it. Which thread does what says nothing about the result.
+
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::{self, Sender};
+
+/// Where a task meets whoever asked for it.
+pub struct Desk<'d, T> {
+    task: usize,
+    sender: &'d Sender<(usize, T)>,
+    is_over: &'d (dyn Fn() -> bool + Sync),
+}
+
+impl<T> Desk<'_, T> {
+    /// Whether all is to end; a task that leaves then may leave without a result.
+    pub fn is_over(&self) -> bool {
+        (self.is_over)()
+    }
+
+    /// Hands something in, as often as there is something.
+    pub fn hand_in(&self, result: T) {
+        // The receiver lives as long as the threads do.
+        let _ = self.sender.send((self.task, result));
+    }
+}
+
+/// Does the tasks from 0 on, on so many threads (at least one), each task on one of them.
+///
+/// Hands each result to `each` with the number of its task, on the calling thread, as they come. Once `stop` or `each` has
+/// said that it is enough no task is begun any more; what is handed in by those under way still comes to `each`.
+pub fn work<T: Send>(
+    tasks: usize,
+    threads: usize,
+    stop: &(dyn Fn() -> bool + Sync),
+    task: &(dyn Fn(usize, &Desk<'_, T>) + Sync),
+    each: &mut dyn FnMut(usize, T) -> ControlFlow<()>,
+) {
+    let (next, is_broken_off) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let is_over = || is_broken_off.load(Ordering::Relaxed) || stop();
+    std::thread::scope(|scope| {
+        let (sender, results) = mpsc::channel();
+        for _ in 0..threads.clamp(1, tasks.max(1)) {
+            let (sender, next, is_over) = (sender.clone(), &next, &is_over);
+            scope.spawn(move || {
+                while !is_over() {
+                    let at = next.fetch_add(1, Ordering::Relaxed);
+                    if at >= tasks {
+                        return;
+                    }
+                    task(at, &Desk { task: at, sender: &sender, is_over });
+                }
+            });
+        }
+        drop(sender);
+        while let Ok((at, result)) = results.recv() {
+            if each(at, result).is_break() {
+                is_broken_off.store(true, Ordering::Relaxed);
+            }
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn squares(threads: usize, enough: usize) -> Vec<(usize, usize)> {
+        let mut found = Vec::new();
+        let square = |at: usize, desk: &Desk<'_, usize>| desk.hand_in(at * at);
+        work(100, threads, &|| false, &square, &mut |at, result| {
+            found.push((at, result));
+            if found.len() >= enough { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        found.sort_unstable();
+        found
+    }
+
+    #[test]
+    fn every_task_is_done_once_on_any_number_of_threads() {
+        let all: Vec<(usize, usize)> = (0..100).map(|at| (at, at * at)).collect();
+        for threads in [0, 1, 3, 200] {
+            assert_eq!(squares(threads, usize::MAX), all);
+        }
+    }
+
+    #[test]
+    fn nothing_is_begun_once_it_is_enough() {
+        let none = |_: usize, _: &Desk<'_, ()>| panic!("was begun");
+        work(100, 2, &|| true, &none, &mut |_, ()| ControlFlow::Continue(()));
+        assert!(squares(2, 5).len() >= 5);
+    }
+}

@@ -167,7 +167,7 @@ fn rooms(file: FileId, text: &str) -> Result<BTreeMap<Place, Room>, NotWellForme
             return Err(wrong(what, at, form));
         }
     }
-    if width % ROWS != 0 || lines.len() % COLUMNS != 0 {
+    if !width.is_multiple_of(ROWS) || !lines.len().is_multiple_of(COLUMNS) {
         let what = format!("{width} characters in {} lines make no whole rooms", lines.len());
         return Err(wrong(what, begin, form));
     }
@@ -333,10 +333,10 @@ fn farthest(start: Place, ways: &[Way]) -> Place {
     while let Some(place) = open.pop_front() {
         let distance = seen[&place] + 1;
         for way in ways.iter().filter(|way| way.from == place) {
-            if !seen.contains_key(&way.to) {
-                seen.insert(way.to, distance);
+            seen.entry(way.to).or_insert_with(|| {
                 open.push_back(way.to);
-            }
+                distance
+            });
         }
     }
     let mut last = (start, 0);

@@ -309,11 +309,11 @@ pub(super) struct ReachArgs {
     #[arg(long, value_enum, value_name = "METRIC", default_value = "full", help_heading = "The search")]
     pub metric: MetricName,
     /// For how many steps an input is held: `10`, or `10..60` to draw it for each extension. By itself, a planner holds
-    /// them for 10, `coverage` for 4..60.
+    /// them for 10, `coverage` and `lead` for 4..60.
     #[arg(long, value_name = "N|A..B", value_parser = hold, help_heading = "The search")]
     pub hold: Option<(u16, u16)>,
-    /// The nodes of the shortest tree before a new one is begun, or `never`. By itself, `coverage` takes 20000, others
-    /// 2000.
+    /// The nodes of the shortest tree before a new one is begun, or `never`. By itself, `lead` takes 100000, `coverage` 20000,
+    /// others 2000.
     #[arg(long, value_name = "N|never", value_parser = restart, help_heading = "The search")]
     pub restart: Option<Restart>,
     /// How many trees grow side by side, each from a seed of its own.

@@ -3,9 +3,10 @@
 //! The corpus writes columns as rows: its rooms are 11 characters wide and 16 lines high, those of the game 16 tiles wide
 //! and 11 high. Here they stand as in the game, each called by its column (a letter) and its row (a number, from above).
 //! The corpus says neither where one comes in nor what is wanted: one comes in by a door behind which there is no room,
-//! and wants to get to the room that is the most doors away, and down the stairs.
+//! and wants to get down the stairs, and to the room that is the most doors away, as far as one can walk there: what
+//! opens doors, moves blocks or crosses water is not in the corpus either.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::fmt::Write;
 
 use super::Import;
@@ -110,6 +111,13 @@ struct Room {
 impl Room {
     fn door(&self, side: Side) -> Option<(Place, Place)> {
         self.doors.get(&(side as usize)).copied()
+    }
+
+    /// The tiles where one comes in: a door, or where there is none the middle.
+    fn cells_of_entry(&self, side: Option<Side>) -> Vec<Place> {
+        let door = side.and_then(|side| self.door(side)).unwrap_or(((COLUMNS / 2, ROWS / 2), (COLUMNS / 2, ROWS / 2)));
+        let rows = door.0.1..=door.1.1;
+        rows.flat_map(|row| (door.0.0..=door.1.0).map(move |column| (column, row))).collect()
     }
 
     fn span(&self, (column, row): Place) -> Span {
@@ -262,14 +270,23 @@ fn world(rooms: &BTreeMap<Place, Room>, name: &str, entities: &str, diagnostics:
             help: "`place hero` says where one comes in".into(),
         });
     }
-    let last = farthest(start, &ways);
+    let walk = Walk::new(rooms, start, &ways, rooms[&start].cells_of_entry(entrance.map(|(_, side)| side)));
+    let is_there = |tile: char| rooms.values().any(|r| r.cells.iter().flatten().any(|(c, _)| *c == tile));
     let mut out = String::new();
     let quoted = entities.replace(['"', '\n'], "");
     let _ = writeln!(out, "// {} rooms from the Video Game Level Corpus, as they lie in the game:", rooms.len());
     picture(rooms, &mut out);
+    let shut: Vec<String> = rooms.keys().filter(|p| !walk.rooms.contains_key(p)).map(|p| called(*p)).collect();
+    if !shut.is_empty() {
+        let _ = writeln!(out, "// Nobody walks to {}: what would let one is not in the corpus.", shut.join(", "));
+    }
+    if is_there('S') && !walk.stairs {
+        let _ = writeln!(out, "// Nobody walks to a stair: blocks or water are in the way.");
+    }
     let _ = writeln!(out, "\nimport \"{quoted}\"\n\nworld {name} {{");
-    let _ = writeln!(out, "    step 1/60\n\n    collide body with wall, block, water: block");
-    let is_there = |tile: char| rooms.values().any(|r| r.cells.iter().flatten().any(|(c, _)| *c == tile));
+    let block = if is_there('B') || is_there('I') { ", block" } else { "" };
+    let water = if is_there('P') || is_there('I') { ", water" } else { "" };
+    let _ = writeln!(out, "    step 1/60\n\n    collide body with wall{block}{water}: block");
     let stair = if is_there('S') { ", stair" } else { "" };
     let _ = writeln!(out, "    collide player with enemy{stair}: sense\n    collide sword with enemy: sense\n");
     let _ = writeln!(out, "    tiles dungeon {TILE} x {TILE} {{");
@@ -302,10 +319,10 @@ fn world(rooms: &BTreeMap<Place, Room>, name: &str, entities: &str, diagnostics:
         let _ = writeln!(out, "    }}\n");
     }
     let _ = writeln!(out, "    player 1: hero\n");
-    if last != start {
+    if let Some(last) = walk.last().filter(|last| *last != start) {
         let _ = writeln!(out, "    // The most doors away.\n    goal last: inside(hero, {})", called(last));
     }
-    if !stair.is_empty() {
+    if walk.stairs {
         let _ = writeln!(out, "    goal down: hero touching stair");
     }
     let _ = writeln!(out, "    never died: hero in dead\n}}");
@@ -326,26 +343,51 @@ fn picture(rooms: &BTreeMap<Place, Room>, out: &mut String) {
     }
 }
 
-/// The room that is the most doors away; of several the first, column by column.
-fn farthest(start: Place, ways: &[Way]) -> Place {
-    let mut seen = BTreeMap::from([(start, 0usize)]);
-    let mut open = VecDeque::from([start]);
-    while let Some(place) = open.pop_front() {
-        let distance = seen[&place] + 1;
-        for way in ways.iter().filter(|way| way.from == place) {
-            seen.entry(way.to).or_insert_with(|| {
-                open.push_back(way.to);
-                distance
-            });
+/// Where one can walk: from tile to tile of a room, and through doors.
+struct Walk {
+    /// Of each room that is walked to, through how many doors.
+    rooms: BTreeMap<Place, usize>,
+    /// Whether a stair is walked to.
+    stairs: bool,
+}
+
+impl Walk {
+    fn new(rooms: &BTreeMap<Place, Room>, start: Place, ways: &[Way], entry: Vec<Place>) -> Walk {
+        let mut walk = Walk { rooms: BTreeMap::from([(start, 0)]), stairs: false };
+        let mut seen: BTreeSet<(Place, Place)> = BTreeSet::new();
+        let mut open: VecDeque<(Place, Place, usize)> = entry.into_iter().map(|at| (start, at, 0)).collect();
+        // Through doors one walks last, so that rooms come in the order of the doors to them.
+        while let Some((room, at, doors)) = open.pop_front() {
+            let tile = rooms[&room].cells[at.1][at.0].0;
+            if matches!(tile, 'W' | 'B' | 'P' | 'I') || !seen.insert((room, at)) {
+                continue;
+            }
+            walk.stairs |= tile == 'S';
+            for side in Side::ALL {
+                let inside = side.beyond(at).filter(|(column, row)| *column < COLUMNS && *row < ROWS);
+                if let Some(next) = inside {
+                    open.push_front((room, next, doors));
+                }
+                let Some(way) = ways.iter().find(|w| w.from == room && w.side == side) else { continue };
+                let is_door = rooms[&room].door(side).is_some_and(|door| lies_in(at, door));
+                if let (true, Some((first, _))) = (is_door, rooms[&way.to].door(side.opposite())) {
+                    walk.rooms.entry(way.to).or_insert(doors + 1);
+                    open.push_back((way.to, first, doors + 1));
+                }
+            }
         }
+        walk
     }
-    let mut last = (start, 0);
-    for (place, distance) in seen {
-        if distance > last.1 {
-            last = (place, distance);
-        }
+
+    /// The room that is the most doors away; of several the first, column by column.
+    fn last(&self) -> Option<Place> {
+        let most = self.rooms.values().max()?;
+        self.rooms.iter().find(|(_, doors)| *doors == most).map(|(place, _)| *place)
     }
-    last.0
+}
+
+fn lies_in((column, row): Place, (first, last): (Place, Place)) -> bool {
+    (first.0..=last.0).contains(&column) && (first.1..=last.1).contains(&row)
 }
 
 /// The lower-left corner of a tile of a room, px.

@@ -116,8 +116,9 @@ impl Planner {
     /// The number of nodes of the shortest tree before it begins anew, if nothing else is asked for.
     pub fn restart(self) -> u64 {
         match self {
-            // It comes back to what it has passed by.
-            Planner::Coverage | Planner::Lead => 20_000,
+            // They come back to what they have passed by.
+            Planner::Coverage => 20_000,
+            Planner::Lead => 100_000,
             _ => 2_000,
         }
     }

@@ -1,4 +1,4 @@
-//! The hot paths: a simulation step, a whole search.
+//! The hot paths: a simulation step, also of real levels, a whole search.
 //! `cargo bench` prints the times; nothing is asserted about them.
 
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a bench fails by panicking")]
@@ -11,9 +11,9 @@ use std::path::Path;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use hypedc::analysis::configuration_space;
-use hypedc::compile::compile;
+use hypedc::compile::{LevelFile, compile, compile_with};
 use hypedc::ir::{GoalId, WorldId};
-use hypedc::reach::{Limits, Problem, Settings, reach};
+use hypedc::reach::{Limits, Problem, Settings, Verdict, reach};
 use hypedc::sim::{Simulator, parse_script};
 use hypedc::source::SourceMap;
 use hypedc::watch::Unwatched;
@@ -42,6 +42,35 @@ fn step(c: &mut Criterion) {
                 black_box(&state);
             });
         });
+    }
+}
+
+/// Steps of Super Mario Bros. with all its enemies, along a way to the end of a level.
+fn level(c: &mut Criterion) {
+    for name in ["1-1", "8-1"] {
+        let level = format!("examples/smb/mario-{name}.txt");
+        let level = LevelFile::new(Path::new(&level));
+        let program = program(compile_with(Path::new("examples/smb/smb.hyped"), level, &Disk));
+        let sim = Simulator::new(&program, WorldId(0));
+        let problem = Problem::new(&sim, GoalId(0));
+        let space = configuration_space(&program, WorldId(0));
+        let found = reach(&problem, &space, &Settings::default(), &Limits::default(), &Unwatched).unwrap();
+        let Verdict::Reached(plan) = found.verdict else { panic!("no way through {name}") };
+        let mut scratch = sim.scratch();
+        let start = sim.initial(&mut scratch).unwrap();
+        let mut state = start.clone();
+        let mut group = c.benchmark_group("step/smb");
+        group.throughput(criterion::Throughput::Elements(plan.steps));
+        group.bench_function(format!("{name}, {} instances", sim.world().slots.len()), |b| {
+            b.iter(|| {
+                state.copy_from_slice(&start);
+                for input in plan.script.inputs() {
+                    sim.step(&mut state, input, &mut scratch).unwrap();
+                }
+                black_box(&state);
+            });
+        });
+        group.finish();
     }
 }
 
@@ -95,6 +124,6 @@ fn grow(c: &mut Criterion) {
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(20);
-    targets = step, crowd, grow
+    targets = step, level, crowd, grow
 }
 criterion_main!(benches);

@@ -402,6 +402,86 @@ fn chamber(gap: f64, goal: &str) -> Program {
     program(compile_text(&text))
 }
 
+/// A walker in a room of long walls, with a way into a second one in its far corner, where the goal is.
+fn two_mazes(goal: &str) -> Program {
+    let text = format!(
+        "entity Hero {{
+            param speed = 120
+            axis horizontal, vertical
+            collider body: rect(1, 1, 14, 14)
+            mode walking {{
+                x' = speed * horizontal
+                y' = speed * vertical
+                follow links
+            }}
+        }}
+        entity Chest {{ collider chest: rect(0, 0, 16, 16) }}
+        world Mazes {{
+            collide body with wall: block
+            collide body with chest: sense
+            tiles maze 16 x 16 {{
+                '.': empty
+                '#': wall
+            }}
+            space first {{
+                map maze \"
+                    ####################
+                    #..................#
+                    #.################.#
+                    #.#..............#.#
+                    #.#.############.#.#
+                    #.#.#..........#.#.#
+                    #.#.#.########.#.#.#
+                    #.#.#........#.#.#.#
+                    #.#.##########.#.#.#
+                    #.#............#.#.#
+                    #.##############.#.#
+                    #................#.#
+                    ##################.#
+                    #..................#
+                    ####################
+                \"
+                place hero: Hero at (96, 112)
+                link rect(12, 12, 8, 24) -> second at rect(278, 200, 8, 24)
+            }}
+            space second {{
+                map maze \"
+                    ####################
+                    #..................#
+                    #.##################
+                    #..................#
+                    ##################.#
+                    #..................#
+                    ####################
+                \"
+                place chest: Chest at (272, 16)
+            }}
+            player 1: hero
+            goal there: {goal}
+        }}"
+    );
+    program(compile_text(&text.replace("rect(278, 200, 8, 24)", "rect(270, 76, 8, 24)")))
+}
+
+#[test]
+fn distances_lead_round_walls_and_through_links() {
+    let goals =
+        ["hero touching chest", "near(hero, chest, 20)", "inside(hero, second) and hero.y < 40 and hero.x > 240"];
+    for goal in goals {
+        let program = two_mazes(goal);
+        for seed in 1..=3 {
+            let sim = Simulator::new(&program, WORLD);
+            let problem = Problem::new(&sim, GoalId(0));
+            let space = configuration_space(&program, WORLD);
+            let settings = Settings { seed, planner: Planner::Lead, ..Settings::default() };
+            let limits = Limits { nodes: 5_000, ..Limits::default() };
+            let outcome = grow(&problem, &space, &settings, &limits, &Unwatched).unwrap();
+            let Verdict::Reached(plan) = outcome.verdict else { panic!("{goal}, seed {seed}: {:?}", outcome.verdict) };
+            replay(&program, 0, &plan);
+        }
+    }
+}
+
 #[test]
 fn walls_beyond_the_bounds_are_no_trouble() {
     let walls = [(-400, 0), (400, 0), (0, -400), (0, 400), (400, 400)];

@@ -9,12 +9,12 @@ use std::path::{Path, PathBuf};
 
 use hypedc::analysis::configuration_space;
 use hypedc::compile::{LevelFile, compile_with};
-use hypedc::ir::{GoalId, Id, Origin, Program, SlotId, VarId, WorldId};
-use hypedc::reach::{Limits, Plan, Problem, Settings, Verdict, reach};
+use hypedc::ir::{GoalId, Origin, Program, SlotId, VarId, WorldId};
+use hypedc::reach::{Limits, Problem, Settings, Verdict, reach};
 use hypedc::sim::{Simulator, parse_script};
 use hypedc::source::{Files, ReadError, SourceMap};
 use hypedc::watch::Unwatched;
-use support::{Disk, program};
+use support::{Disk, assert_leads_to, program};
 
 const WORLD: WorldId = WorldId(0);
 const ROOT: &str = "examples/smb/smb.hyped";
@@ -139,21 +139,10 @@ fn enemies_sleep_until_they_are_seen_and_turn_at_walls() {
 
 fn search(program: &Program, seed: u64, nodes: u64) -> Verdict {
     let sim = Simulator::new(program, WORLD);
-    let problem = Problem::new(&sim, GoalId::from_index(0));
+    let problem = Problem::new(&sim, GoalId(0));
     let space = configuration_space(program, WORLD);
     let settings = Settings { seed, ..Settings::default() };
     reach(&problem, &space, &settings, &Limits { nodes, ..Limits::default() }, &Unwatched).unwrap().verdict
-}
-
-fn replay(program: &Program, plan: &Plan) {
-    let sim = Simulator::new(program, WORLD);
-    let mut scratch = sim.scratch();
-    let mut state = sim.initial(&mut scratch).unwrap();
-    for input in plan.script.inputs() {
-        sim.step(&mut state, input, &mut scratch).unwrap();
-        assert_eq!(sim.violated(&state).unwrap(), None);
-    }
-    assert!(sim.goal(&state, GoalId::from_index(0)).unwrap());
 }
 
 #[test]
@@ -162,7 +151,7 @@ fn real_levels_have_a_way_to_the_right_end() {
         let program = level(&corpus(name));
         for seed in [1, 2] {
             match search(&program, seed, 100_000) {
-                Verdict::Reached(plan) => replay(&program, &plan),
+                Verdict::Reached(plan) => assert_leads_to(&Simulator::new(&program, WORLD), &plan.script, GoalId(0)),
                 other => panic!("{name}, seed {seed}: {other:?}"),
             }
         }

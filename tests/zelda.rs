@@ -13,13 +13,13 @@ use hypedc::compile::{LevelFile, check_with, compile};
 use hypedc::diagnostic::render;
 use hypedc::format::format;
 use hypedc::import::{Import, zelda};
-use hypedc::ir::{GoalId, Id, Program, SlotId, WorldId};
+use hypedc::ir::{GoalId, Program, SlotId, WorldId};
 use hypedc::reach::{Limits, Problem, Settings, Verdict, reach};
 use hypedc::sim::{Simulator, parse_script};
 use hypedc::source::SourceMap;
 use hypedc::watch::Unwatched;
 use proptest::prelude::*;
-use support::{Disk, program};
+use support::{Disk, assert_leads_to, program};
 
 const WORLD: WorldId = WorldId(0);
 
@@ -137,18 +137,12 @@ fn one_walks_through_doors_and_back() {
 fn solve(path: &str, nodes: u64) {
     let program = program(compile(Path::new(path), &Disk));
     let sim = Simulator::new(&program, WORLD);
-    let problem = Problem::new(&sim, GoalId::from_index(0));
+    let problem = Problem::new(&sim, GoalId(0));
     let space = configuration_space(&program, WORLD);
     let limits = Limits { nodes, ..Limits::default() };
     let found = reach(&problem, &space, &Settings::default(), &limits, &Unwatched).unwrap();
     let Verdict::Reached(plan) = found.verdict else { panic!("{path}: {:?}", found.verdict) };
-    let mut scratch = sim.scratch();
-    let mut state = sim.initial(&mut scratch).unwrap();
-    for input in plan.script.inputs() {
-        sim.step(&mut state, input, &mut scratch).unwrap();
-        assert_eq!(sim.violated(&state).unwrap(), None);
-    }
-    assert!(sim.goal(&state, GoalId::from_index(0)).unwrap());
+    assert_leads_to(&sim, &plan.script, GoalId(0));
 }
 
 #[test]

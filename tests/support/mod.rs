@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 
 use hypedc::compile::{Compilation, compile};
 use hypedc::diagnostic::render;
-use hypedc::ir::Program;
+use hypedc::ir::{GoalId, Program};
+use hypedc::sim::{Script, Simulator};
 use hypedc::source::{Files, ReadError, decode};
 
 /// Reads from the disk.
@@ -45,6 +46,17 @@ pub fn compile_text(text: &str) -> Compilation {
 pub fn program(compilation: Compilation) -> Program {
     let Compilation { sources, program, diagnostics } = compilation;
     program.unwrap_or_else(|| panic!("{}", render::human(&sources, diagnostics.iter(), false)))
+}
+
+/// Runs a script from the beginning: no `never` holds on the way, and the goal holds at its end.
+pub fn assert_leads_to(sim: &Simulator<'_>, script: &Script, goal: GoalId) {
+    let mut scratch = sim.scratch();
+    let mut state = sim.initial(&mut scratch).unwrap();
+    for input in script.inputs() {
+        sim.step(&mut state, input, &mut scratch).unwrap();
+        assert_eq!(sim.violated(&state).unwrap(), None);
+    }
+    assert!(sim.goal(&state, goal).unwrap());
 }
 
 /// All files of a folder and the folders in it with an extension, sorted.

@@ -39,7 +39,7 @@
 (map tiles: (identifier) @module)
 (link space: (identifier) @module)
 (shape name: (identifier) @function.builtin)
-(directions (identifier) @constant.builtin)
+(directions (identifier) @constant)
 (actual name: (variable (identifier) @variable.parameter))
 (path (identifier) (identifier) @variable.member)
 

@@ -14,9 +14,9 @@
   (call)
   (actuals)
   (formals)
-] @indent.begin
+] @indent.begin @indent
 
-["}" ")"] @indent.branch @indent.end
+["}" ")"] @indent.branch @indent.end @outdent
 
 (map_text "\"" @indent.branch .)
 

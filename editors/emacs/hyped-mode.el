@@ -63,6 +63,7 @@
   '("min" "max" "abs" "sign" "clamp" "floor" "ceil" "round" "sqrt" "sin" "cos" "atan2" "if" "pressed" "held" "released"
     "touching" "timer" "entering" "exiting" "lost" "near" "inside"))
 
+;; Each is (BLOCK PIECE...): the kind of block it stands in, or `any', and what makes the pattern, whose groups are words.
 (defconst hyped--words
   '((any "\\_<\\(any\\)[ \t]+" free)
     (any operand "\\(touching\\)\\(?:[ \t]*\"\\|[ \t]+" tag "\\)")
@@ -98,10 +99,7 @@
     (space start "map[ \t]+\\(level\\)[ \t]+" name "\\_>[ \t]*\\(?:[^\" \t]\\|$\\)")
     (space start "map[ \t]+" name "[ \t]+\\(from\\)[ \t]*\"")
     (space start "map[ \t]+vglc[ \t]+\"[^\"\n]+\"[ \t]+\\(legend\\)\\_>")
-    (space start "map[ \t]+.*\"[^\"\n]*\"[ \t]+\\(tile\\)[ \t]+\\(?:x[ \t]+\\|[^{\n]*?[)[:word:]][ \t]+\\)\\(x\\)[ \t]+[([:word:]]"))
-  "Where words are words: (BLOCK PIECE...).
-BLOCK is the kind of block, or `any'.  The groups of the pattern, which the
-pieces make, are words.")
+    (space start "map[ \t]+.*\"[^\"\n]*\"[ \t]+\\(tile\\)[ \t]+\\(?:x[ \t]+\\|[^{\n]*?[)[:word:]][ \t]+\\)\\(x\\)[ \t]+[([:word:]]")))
 
 ;; ---- end of words ----------------------------------------------------------------------------------------------------
 

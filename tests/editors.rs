@@ -70,10 +70,6 @@ fn functions() -> Words {
     let checker = read("src/sema/call.rs");
     let (_, list) = checker.split_once("let known = [").expect("the checker's list of functions");
     words(quoted(list.split_once(']').unwrap().0, false))
-        quoted(list.split_once(']').unwrap().0, false)
-            .into_iter()
-            .filter(|name| name != "inside" || list.contains("near")),
-    )
 }
 
 fn all(sets: &[Words]) -> Words {

@@ -6,7 +6,7 @@
 "
 " It prints what is wrong, and ends with 1 if anything is.
 
-set nocompatible hidden nomore noswapfile
+set nocompatible hidden nomore noswapfile shellpipe=>%s\ 2>&1
 let &runtimepath = getcwd() . ',' . $VIMRUNTIME
 filetype plugin indent on
 syntax on

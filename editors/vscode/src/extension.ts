@@ -22,7 +22,13 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
 }
 
 export async function deactivate(): Promise<void> {
-  await client?.stop();
+  await end(client);
+}
+
+/** Stops a client; one that could not be started refuses, which is as well. */
+async function end(old?: LanguageClient): Promise<void> {
+  await old?.stop().catch(() => undefined);
+  await old?.dispose().catch(() => undefined);
 }
 
 function command(): string {
@@ -46,9 +52,7 @@ async function start(): Promise<void> {
 async function restart(): Promise<void> {
   const old = client;
   client = undefined;
-  // A client that has never started refuses to stop.
-  await old?.stop().catch(() => undefined);
-  await old?.dispose().catch(() => undefined);
+  await end(old);
   await start();
 }
 

@@ -51,6 +51,26 @@ test('every program is left where it was entered', () => {
   }
 });
 
+test('lines are indented as they stand in the examples', () => {
+  const { indentationRules } = JSON.parse(readFileSync(join(import.meta.dirname, '../language-configuration.json'), 'utf8'));
+  const more = new RegExp(indentationRules.increaseIndentPattern);
+  const less = new RegExp(indentationRules.decreaseIndentPattern);
+  let compared = 0;
+  for (const path of ['examples', 'benches/worlds'].flatMap((folder) => programs(join(root, folder)))) {
+    const lines = readFileSync(path, 'utf8').split('\n').filter((line) => line.trim() !== '');
+    for (const [index, line] of lines.slice(1).entries()) {
+      const before = lines[index];
+      // Statements over several lines are indented by hand; the rows of a map are all alike.
+      if ([line, before].some((text) => /^\s*(and|or|->)/.test(text))) continue;
+      const depth = (text) => text.search(/\S/);
+      const wanted = depth(before) + (more.test(before) ? 4 : 0) - (less.test(line) ? 4 : 0);
+      assert.equal(depth(line), wanted, `${path}:\n${before}\n${line}`);
+      compared += 1;
+    }
+  }
+  assert.ok(compared > 1000);
+});
+
 /** Checks the innermost scope of the first token with each given text, in the order in which they stand. */
 function looks(text, expected) {
   const tokens = tokenize(text).flat().map(({ text, scopes }) => ({ text: text.trim(), scope: scopes.at(-1) }));

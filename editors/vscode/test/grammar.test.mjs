@@ -4,6 +4,7 @@ import assert from 'node:assert/strict';
 import { existsSync, mkdirSync, readdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { join, relative } from 'node:path';
 import { test } from 'node:test';
+import * as source from '../syntaxes/hyped.tmLanguage.mjs';
 import { tokenize } from './tokenize.mjs';
 
 const root = join(import.meta.dirname, '../../..');
@@ -27,6 +28,10 @@ function picture(text) {
     })
     .join('\n') + '\n';
 }
+
+test('the grammar is what its source makes', () => {
+  assert.ok(readFileSync(source.path, 'utf8') === source.text, 'write it anew: npm run grammar');
+});
 
 test('every example looks as it did', () => {
   const paths = programs(join(root, 'examples'));

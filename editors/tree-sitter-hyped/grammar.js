@@ -2,7 +2,8 @@
  * The grammar of `.hyped` for tree-sitter, after `grammar/hyped.pest`, whose rule names it keeps where they help.
  *
  * White space is skipped everywhere, line breaks too. A line break that ends a statement is a token of its own,
- * which `src/scanner.c` gives where a statement may end and the next line does not go on with it. Words that have
+ * which `src/scanner.c` gives where a statement may end and the next line does not go on with it. Where a statement
+ * cannot end, such as after `param`, a line break passes here, of which hypedc complains. Words that have
  * a meaning only in some places are plain names in all others: tree-sitter looks for them only where the grammar
  * has them.
  *
@@ -253,7 +254,7 @@ module.exports = grammar({
       seq('touching', $.tag),
     )),
     call: $ => seq(
-      field('function', choice($.identifier, alias(choice('timer', 'if', 'clamp'), $.identifier))),
+      field('function', choice($.identifier, alias(choice('timer', 'if', 'clamp', 'any'), $.identifier))),
       '(',
       optional(commas($.expression)),
       ')',

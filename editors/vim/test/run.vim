@@ -118,5 +118,7 @@ catch
   call add(s:wrong, v:exception . ' at ' . v:throwpoint)
 endtry
 
-call writefile(s:wrong + [printf('Vim: %s', empty(s:wrong) ? 'all is right' : len(s:wrong) . ' are wrong')], '/dev/stdout')
+enew!
+call setline(1, s:wrong + [printf('Vim: %s', empty(s:wrong) ? 'all is right' : len(s:wrong) . ' are wrong')])
+%print
 execute empty(s:wrong) ? 'qall!' : 'cquit!'

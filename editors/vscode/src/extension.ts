@@ -11,7 +11,8 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
   const output = vscode.window.createOutputChannel('Hyped');
   context.subscriptions.push(
     output,
-    // Code lenses of the server call the last two with a URI, a world's name and, for a search, a goal's.
+    // Code lenses of the server call `sim` and `reach` with a URI, a world's name and, for a search, a goal's. They are
+    // commands of the client: a server that said it executes them would have them registered twice.
     vscode.commands.registerCommand('hypedc.check', (uri?: string) => check(uri)),
     vscode.commands.registerCommand('hypedc.sim', (uri?: string, world?: string) => simulateCommand(context, output, uri, world)),
     vscode.commands.registerCommand('hypedc.reach', (uri?: string, world?: string, goal?: string) => reachCommand(uri, world, goal)),

@@ -1,0 +1,115 @@
+-- Neovim and .hyped: the filetype, the language server, tree-sitter, and commands.
+--
+--     vim.g.hypedc_path    the command hypedc, or the path of it
+--
+-- Syntax without tree-sitter, indentation and `:make` are those of Vim, from the folder beside this one.
+
+local M = {}
+
+local editors = vim.fs.dirname(vim.fs.dirname(vim.fs.dirname(vim.fs.dirname(vim.fs.abspath(debug.getinfo(1, 'S').source:sub(2))))))
+local grammar = vim.fs.joinpath(editors, 'tree-sitter-hyped')
+
+local function hypedc()
+  return vim.g.hypedc_path or 'hypedc'
+end
+
+--- The parser and its queries, if the parser was built: `tree-sitter build` in `editors/tree-sitter-hyped`.
+local function tree_sitter()
+  for _, name in ipairs({ 'hyped.so', 'hyped.dylib', 'hyped.dll' }) do
+    local path = vim.fs.joinpath(grammar, name)
+    if vim.uv.fs_stat(path) and vim.treesitter.language.add('hyped', { path = path }) then
+      for _, kind in ipairs({ 'highlights', 'folds', 'indents', 'injections', 'locals' }) do
+        local file = assert(io.open(vim.fs.joinpath(grammar, 'queries', kind .. '.scm')))
+        vim.treesitter.query.set('hyped', kind, file:read('a'))
+        file:close()
+      end
+      return true
+    end
+  end
+  -- One that a plugin has installed.
+  return pcall(vim.treesitter.language.inspect, 'hyped')
+end
+
+--- Runs hypedc in a terminal below.
+---@param arguments string[]
+---@param file string
+function M.run(arguments, file)
+  vim.cmd('botright new')
+  local command = { hypedc(), arguments[1], vim.fs.basename(file), unpack(arguments, 2) }
+  return vim.fn.jobstart(command, { term = true, cwd = vim.fs.dirname(file) })
+end
+
+--- Searches for a goal of a world; without one, for all.
+---@param file string
+---@param world string?
+---@param goal string?
+function M.reach(file, world, goal)
+  local arguments = { 'reach' }
+  vim.list_extend(arguments, world and { '--world', world } or {})
+  vim.list_extend(arguments, goal and { '--goal', goal } or {})
+  return M.run(arguments, file)
+end
+
+--- Runs an input script; asks for it if there is none.
+---@param file string
+---@param world string?
+---@param script string?
+function M.sim(file, world, script)
+  local function run(inputs)
+    if inputs and inputs ~= '' then
+      M.run(vim.list_extend({ 'sim', '--inputs', inputs }, world and { '--world', world } or {}), file)
+    end
+  end
+  if script then
+    run(script)
+  else
+    vim.ui.input({ prompt = 'Inputs: ', default = '-*60' }, run)
+  end
+end
+
+function M.enable()
+  vim.opt.runtimepath:append(vim.fs.joinpath(editors, 'vim'))
+  vim.filetype.add({ extension = { hyped = 'hyped' } })
+  vim.lsp.enable('hypedc')
+
+  -- What code lenses of the server call, with a URI, a world's name and, for a search, a goal's.
+  vim.lsp.commands['hypedc.reach'] = function(command)
+    local uri, world, goal = unpack(command.arguments)
+    M.reach(vim.uri_to_fname(uri), world, goal)
+  end
+  vim.lsp.commands['hypedc.sim'] = function(command)
+    local uri, world = unpack(command.arguments)
+    M.sim(vim.uri_to_fname(uri), world)
+  end
+
+  local group = vim.api.nvim_create_augroup('hyped', {})
+  vim.api.nvim_create_autocmd('FileType', {
+    group = group,
+    pattern = 'hyped',
+    desc = 'Colours by tree-sitter, and commands',
+    callback = function(event)
+      if tree_sitter() then
+        vim.treesitter.start(event.buf, 'hyped')
+      end
+      vim.api.nvim_buf_create_user_command(event.buf, 'HypedReach', function(given)
+        M.reach(vim.api.nvim_buf_get_name(event.buf), nil, given.fargs[1])
+      end, { nargs = '?', desc = 'Search for a goal, or for all' })
+      vim.api.nvim_buf_create_user_command(event.buf, 'HypedSim', function(given)
+        M.sim(vim.api.nvim_buf_get_name(event.buf), nil, given.args ~= '' and given.args or nil)
+      end, { nargs = '?', desc = 'Run an input script' })
+    end,
+  })
+  -- For nvim-treesitter: `:TSInstall hyped`.
+  vim.api.nvim_create_autocmd('User', {
+    group = group,
+    pattern = 'TSUpdate',
+    callback = function()
+      local found, parsers = pcall(require, 'nvim-treesitter.parsers')
+      if found then
+        parsers.hyped = { install_info = { path = grammar, queries = 'queries' } }
+      end
+    end,
+  })
+end
+
+return M

@@ -1,0 +1,22 @@
+[(source_file) (entity) (behavior) (world) (space)] @local.scope
+
+(entity name: (identifier) @local.definition.type)
+(behavior name: (identifier) @local.definition.function)
+(world name: (identifier) @local.definition.namespace)
+(constant name: (identifier) @local.definition.constant)
+(formals name: (identifier) @local.definition.parameter)
+(parameter name: (identifier) @local.definition.parameter)
+(continuous name: (identifier) @local.definition.var)
+(discrete name: (identifier) @local.definition.var)
+(reference name: (identifier) @local.definition.var)
+(buttons name: (identifier) @local.definition.var)
+(axes name: (identifier) @local.definition.var)
+(binding name: (identifier) @local.definition.var)
+(place name: (identifier) @local.definition.var)
+(tile_spawn name: (identifier) @local.definition.var)
+
+(path . (identifier) @local.reference)
+(variable (identifier) @local.reference)
+(spawn entity: (identifier) @local.reference)
+(place entity: (identifier) @local.reference)
+(put behavior: (identifier) @local.reference)

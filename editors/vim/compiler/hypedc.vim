@@ -1,0 +1,16 @@
+" `:make` checks the file; findings go into the quickfix list, with their codes in `nr` where Vim has a number.
+
+if exists('current_compiler')
+  finish
+endif
+let current_compiler = 'hypedc'
+
+let s:cpo = &cpo
+set cpo&vim
+
+" g:hypedc_path is the command, or the path of it.
+execute 'CompilerSet makeprg=' . escape(get(g:, 'hypedc_path', 'hypedc'), ' \|"') . '\ check\ --format\ short\ %:S'
+CompilerSet errorformat=%f:%l:%c:\ %trror[E%n]:\ %m,%f:%l:%c:\ %tarning[W%n]:\ %m,%trror[E%n]:\ %m,%tarning[W%n]:\ %m
+
+let &cpo = s:cpo
+unlet s:cpo

@@ -1,0 +1,2 @@
+" Files of the .hyped language.
+autocmd BufNewFile,BufRead *.hyped setfiletype hyped

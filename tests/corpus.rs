@@ -325,7 +325,7 @@ fn levels_that_do_not_compile_have_rows_of_their_own() {
     let found: Vec<String> = verdicts(&rows).into_iter().map(|(.., verdict)| verdict).collect();
     assert_eq!(found, ["reached", "error", "error", "reached", "error"]);
     let errors: Vec<&str> = rows.iter().filter_map(|row| row["error"].as_str()).collect();
-    assert!(errors[0].contains("levels/b.txt:2:1: error[E0501]: a row has 1 tile"), "{}", errors[0]);
+    assert!(errors[0].contains("levels/b.txt:2:1: error[E0501]: row 2 has 1 tile"), "{}", errors[0]);
     assert!(errors[1].contains("levels/c.txt:1:2: error[E0501]: no tile `?`"), "{}", errors[1]);
     assert!(errors[2].contains("cannot read `levels/none.txt`"), "{}", errors[2]);
     assert!(

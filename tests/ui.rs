@@ -41,7 +41,9 @@ fn every_code_of_the_checker_is_shown() {
     // These need a file that is no text, or a running world; the tests of the command line show them.
     let elsewhere =
         [Code::NotUtf8, Code::BadInput, Code::NoQuestion, Code::Fault, Code::InvariantBroken, Code::SpawnRefused];
-    let missing: Vec<Code> =
-        Code::ALL.iter().copied().filter(|c| !seen.contains(c) && !elsewhere.contains(c)).collect();
+    // Imports have files of their own, and tests of their own.
+    let is_of_import = |code: &Code| code.text()[1..].starts_with("08");
+    let missing = Code::ALL.iter().copied().filter(|c| !seen.contains(c) && !elsewhere.contains(c));
+    let missing: Vec<Code> = missing.filter(|code| !is_of_import(code)).collect();
     assert!(missing.is_empty(), "no program shows {missing:?}");
 }

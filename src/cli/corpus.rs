@@ -298,6 +298,8 @@ fn levels(args: &ReachArgs, is_open: bool) -> Result<Vec<Level>, Refusal> {
     for path in &args.map {
         let found = if path.is_dir() { in_folder(path).map_err(Refusal::Plain)? } else { vec![path.clone()] };
         for path in found {
+            // However it is written, it is called the same in the rows.
+            let path = path.strip_prefix(".").map_or(path.clone(), Path::to_path_buf);
             if !paths.contains(&path) {
                 paths.push(path);
             }

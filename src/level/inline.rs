@@ -60,14 +60,14 @@ fn other_format(text: &str) -> Option<(usize, &'static str, Option<&'static str>
 }
 
 /// Reads the rows of a map, top row first, each with its span. `set` is what the tiles are called and its place; there
-/// are at most 65,536 of them.
+/// are at most 65,536 of them, and `others` are the characters of those that no row needs.
 /// Gives none if a row or a character does not fit; the findings say which.
 pub fn inline_map<T: Clone>(
     rows: &[(&str, Span)],
     whole: Span,
     set: (&str, Span),
     tile: (f64, f64),
-    tiles: &[InlineTile<T>],
+    (tiles, others): (&[InlineTile<T>], &[char]),
     diagnostics: &mut Diagnostics,
 ) -> Option<TileMap<T>> {
     let Some(&(_, first_span)) = rows.first() else {
@@ -114,7 +114,7 @@ pub fn inline_map<T: Clone>(
     }
     for (symbol, (at, count)) in unknown {
         fits = false;
-        let known = known.keys().copied().collect();
+        let known = known.keys().chain(others).copied().collect();
         diagnostics.report(UnknownTile { symbol, at, count, tiles: set.0.to_string(), declared: set.1, known });
     }
     let kinds = tiles.iter().map(|t| TileKind { symbol: t.symbol, tags: t.tags.clone() }).collect();

@@ -190,8 +190,13 @@ impl<'a> Checker<'a> {
                 legend.as_ref().map_or(Name { text: "map level".into(), span: at }, |(name, _)| name.clone())
             }
         };
-        let mut set =
-            TileSet { name: called.clone(), tile: tile.unwrap_or((1.0, 1.0)), tiles: Vec::new(), spawns: Vec::new() };
+        let mut set = TileSet {
+            name: called.clone(),
+            tile: tile.unwrap_or((1.0, 1.0)),
+            tiles: Vec::new(),
+            spawns: Vec::new(),
+            others: Vec::new(),
+        };
         if let Some((name, file)) = legend {
             self.legend_tiles(&name, file, &own, &mut rows, &mut set);
         }
@@ -205,8 +210,9 @@ impl<'a> Checker<'a> {
         // What is wrong with a side is said already.
         let rows = rows.filter(|_| tile.is_some());
         let declared = (called.text.as_str(), called.span);
-        world.spaces[id].map =
-            rows.and_then(|rows| inline_map(&rows, at, declared, set.tile, &set.tiles, &mut self.diagnostics));
+        world.spaces[id].map = rows.and_then(|rows| {
+            inline_map(&rows, at, declared, set.tile, (&set.tiles, &set.others), &mut self.diagnostics)
+        });
         self.tile_instances(world, id, &set, at, population);
     }
 
@@ -244,6 +250,7 @@ impl<'a> Checker<'a> {
         for (symbol, tags) in known {
             if !needed.contains(&symbol) {
                 self.checked.other_tags.extend(tags);
+                set.others.extend((!owned.contains(&symbol)).then_some(symbol));
                 continue;
             }
             if set.tiles.len() >= MAX_TILE_KINDS {

@@ -23,6 +23,8 @@ pub(super) struct TileSet<'a> {
     pub tiles: Vec<InlineTile<TagId>>,
     /// Of each tile.
     pub spawns: Vec<Option<&'a ast::TileSpawn>>,
+    /// Characters of a legend that the level does not have.
+    pub others: Vec<char>,
 }
 
 impl Checker<'_> {
@@ -188,7 +190,13 @@ impl Checker<'_> {
 
     fn tiles<'t>(&mut self, tiles: &'t ast::Tiles, sets: &mut Table<TileSet<'t>>, lengths: &mut Vec<Term>) {
         let (width, height) = (self.tile_side(&tiles.width, lengths), self.tile_side(&tiles.height, lengths));
-        let mut set = TileSet { name: tiles.name.clone(), tile: (1.0, 1.0), tiles: Vec::new(), spawns: Vec::new() };
+        let mut set = TileSet {
+            name: tiles.name.clone(),
+            tile: (1.0, 1.0),
+            tiles: Vec::new(),
+            spawns: Vec::new(),
+            others: Vec::new(),
+        };
         self.tile_kinds(&tiles.tiles, &mut set);
         match (width, height) {
             (Some(w), Some(h)) => {

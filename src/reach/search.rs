@@ -142,10 +142,9 @@ impl<'a> Builder<'_, 'a> {
     fn searcher(&self, tree: usize) -> Box<dyn Searcher + 'a> {
         match self.settings.planner {
             Planner::Auto => {
-                // Where the goal lies at no place, distances lead nowhere.
-                let is_led = wanted(self.problem).is_some();
-                let planners = AUTO.iter().filter(|(_, planner)| is_led || *planner != Planner::Lead);
-                let sampling = planners.map(|(share, planner)| (*share, self.one(*planner, tree, self.settings.hold)));
+                let planners = if wanted(self.problem).is_some() { AUTO } else { AUTO_NOWHERE };
+                let sampling =
+                    planners.iter().map(|(share, planner)| (*share, self.one(*planner, tree, self.settings.hold)));
                 let mut arms: Vec<_> = sampling.collect();
                 // An exhaustion is the same whatever its seed.
                 if tree == 0 {
@@ -195,6 +194,9 @@ impl<'a> Builder<'_, 'a> {
 /// goals at a place soonest, the second most others, the third some that these do not. Beside them, an exhaustion with a
 /// share of 1 looks for proofs.
 const AUTO: [(u64, Planner); 3] = [(4, Planner::Lead), (4, Planner::Coverage), (1, Planner::Rrt)];
+/// Where the goal lies at no place: then distances lead nowhere, and places are left that are covered regardless of what
+/// all others do.
+const AUTO_NOWHERE: [(u64, Planner); 3] = [(4, Planner::Coverage), (2, Planner::Lead), (1, Planner::Rrt)];
 
 /// Searchers side by side.
 struct Forest<'f, 'a> {

@@ -199,7 +199,7 @@ module.exports = grammar({
     space: $ => seq('space', field('name', $.identifier), field('body', $.space_block)),
     space_block: $ => block(
       $,
-      [alias($._map_with_tiles, $.map), alias($._place_with_settings, $.place)],
+      [alias($._map_with_tiles, $.map), alias($._map_with_kinds, $.map), alias($._place_with_settings, $.place)],
       [$.map, $.place, $.link, $.rect, $.bounds],
     ),
     rect: $ => seq('rect', $.tags, $.rectangle),
@@ -212,11 +212,21 @@ module.exports = grammar({
       seq(field('tiles', $._map_tiles), $.map_text),
       seq(field('tiles', $._map_tiles), 'from', field('path', $.text)),
       seq('vglc', field('path', $.text), $.legend),
+      $._map_of_editor,
       seq('level', choice($.legend, field('tiles', $.identifier))),
+      'level',
     )),
     _map_with_tiles: $ => seq('map', choice(seq('vglc', field('path', $.text)), 'level'), $.legend, field('body', $.tile_block)),
+    _map_with_kinds: $ => seq('map', choice($._map_of_editor, 'level'), field('body', $.kind_block)),
+    _map_of_editor: $ => choice(
+      seq('tiled', field('path', $.text)),
+      seq('ldtk', field('path', $.text), optional(seq('level', field('level', $.text)))),
+    ),
     // A tile set may have the name of a kind of map.
-    _map_tiles: $ => choice($.identifier, alias('vglc', $.identifier), alias('level', $.identifier)),
+    _map_tiles: $ => choice($.identifier, alias(choice('vglc', 'tiled', 'ldtk', 'level'), $.identifier)),
+    // What characters of a level, or names of a level editor, stand for.
+    kind_block: $ => block($, [], [$.tile, $.kind]),
+    kind: $ => seq(field('name', $.tag), ':', choice($.tile_spawn, $.tags)),
     legend: $ => seq('legend', field('path', $.text), 'tile', $.tile_size),
     map_text: $ => seq(alias($.map_start, '"'), repeat($.map_row), '"'),
     place: $ => $._placed,

@@ -4,6 +4,7 @@
   (ramps)
   (world_block)
   (tile_block)
+  (kind_block)
   (space_block)
   (settings)
   (set_domain)

@@ -6,6 +6,7 @@
   (ramps)
   (world_block)
   (tile_block)
+  (kind_block)
   (space_block)
   (settings)
   (set_domain)

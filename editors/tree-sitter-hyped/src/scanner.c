@@ -116,6 +116,8 @@ bool tree_sitter_hyped_external_scanner_scan(void *payload, TSLexer *lexer, cons
     (void)payload;
     if (valid[RECOVERING]) return newline(lexer);
     if (valid[MAP_ROW]) return map_row(lexer);
-    if (valid[NEWLINE]) return newline(lexer);
+    // After `map level`, which may end here, or name the tile set of the map that follows on the same line.
+    while (valid[NEWLINE] && is_blank(lexer->lookahead)) lexer->advance(lexer, true);
+    if (valid[NEWLINE] && (!valid[MAP_START] || is_break(lexer->lookahead))) return newline(lexer);
     return valid[MAP_START] && map_start(lexer);
 }

@@ -116,10 +116,12 @@ syn match hypedPlace /\%(->\s*\K\k*\s\+\)\@<=at\s\+rect\>/ contained
 syn match hypedPlace /\%(\%(^\|[{;}]\)\s*\)\@<=rect\>/ contained
 
 syn match hypedMapWord /\%(\%(^\|[{;}]\)\s*\)\@<=map\>/ contained
-syn match hypedMapWord /\%(\<map\s\+\)\@<=vglc\>\ze\s\+"[^"]\+"/ contained
+syn match hypedMapWord /\%(\<map\s\+\)\@<=\%(vglc\|tiled\|ldtk\)\>\ze\s*"[^"]\+"/ contained
 syn match hypedMapWord /\%(\<map\s\+\)\@<=level\s\+legend\>\ze\s*"/ contained
 syn match hypedMapWord /\%(\<map\s\+\)\@<=level\>\ze\s\+\%(\%(from\|legend\)\s*"\)\@!\K/ contained nextgroup=hypedIdentifier skipwhite
 syn match hypedMapWord /\%(\<map\s\+\K\k*\s\+\)\@<=from\>\ze\s*"/ contained
+syn match hypedMapWord /\%(\<map\s\+\)\@<=level\>\ze\s*\%([;{}]\|\/\/\|$\)/ contained
+syn match hypedMapWord /\%("\s*\)\@<=\<level\>\ze\s*"/ contained
 syn match hypedMapWord /\%("\s\+\)\@<=legend\>\ze\s*"/ contained
 syn match hypedMapWord /\%("\s\+\)\@<=tile\>/ contained nextgroup=hypedWidth skipwhite
 syn region hypedMap start=/"\ze\s*\%(\/\/.*\)\?$/ end=/"/ contained fold contains=hypedMapComment

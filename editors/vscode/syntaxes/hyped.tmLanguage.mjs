@@ -175,10 +175,15 @@ const repository = {
   'tile-lines': {
     patterns: [
       ...use('comments'),
-      between(r`(')(.)(')\s*(:)`, ['punctuation.definition.character', 'constant.character.tile', 'punctuation.definition.character', 'punctuation.separator'], END, [], [
-        groups(r`\b(spawn)\s+(${NAME})(?:\s+(as)\s+(${NAME}))?`, 'keyword.control', 'entity.name.type', 'keyword.control', 'variable.other'),
-        ...use('tags'),
-      ], 'meta.tile'),
+      between(r`(')(.)(')\s*(:)`, ['punctuation.definition.character', 'constant.character.tile', 'punctuation.definition.character', 'punctuation.separator'], END, [], use('tile-meaning'), 'meta.tile'),
+    ],
+  },
+  // Names of a level editor. A setting has no colon.
+  'kind-lines': between(r`${START}(?:(${TAG})|("[^"]*"))\s*(:)(?!=)`, ['entity.name.tag', 'string.quoted.double.tag', 'punctuation.separator'], END, [], use('tile-meaning'), 'meta.tile'),
+  'tile-meaning': {
+    patterns: [
+      groups(r`\b(spawn)\s+(${NAME})(?:\s+(as)\s+(${NAME}))?`, 'keyword.control', 'entity.name.type', 'keyword.control', 'variable.other'),
+      ...use('tags'),
     ],
   },
   'space-items': {
@@ -190,17 +195,19 @@ const repository = {
       groups(r`${START}(bounds)\s+(rect)\b`, 'keyword.control', 'storage.type'),
       between(r`${START}(rect)\b`, ['storage.type'], r`(?=[(;{}])`, [], use('tags'), 'meta.tags'),
       // A tile set may have the name of a kind of map.
-      groups(r`${START}(map)\s+(vglc)(?=\s+"[^"]+")`, 'keyword.control', 'keyword.control'),
+      groups(r`${START}(map)\s+(vglc|tiled|ldtk)(?=\s*"[^"]+")`, 'keyword.control', 'keyword.control'),
       groups(r`${START}(map)\s+(level)\s+(legend)(?=\s*")`, 'keyword.control', 'keyword.control', 'keyword.control'),
+      groups(r`${START}(map)\s+(level)(?=\s*(?:[;{}]|//|$))`, 'keyword.control', 'keyword.control'),
       groups(r`${START}(map)\s+(${NAME})\s+(from)(?=\s*")`, 'keyword.control', 'entity.name.namespace', 'keyword.control'),
       groups(r`${START}(map)\s+(level)\s+(${NAME})`, 'keyword.control', 'keyword.control', 'entity.name.namespace'),
       groups(r`${START}(map)\s+(${NAME})`, 'keyword.control', 'entity.name.namespace'),
+      groups(r`(?<=")\s*(level)(?=\s*")`, 'keyword.control'),
       groups(r`(?<=")\s+(legend)(?=\s*")`, 'keyword.control'),
       groups(r`(?<=")\s+(tile)\b(?:\s+(${NAME})(?=\s+x\s))?`, 'keyword.control', 'variable.other'),
       groups(r`\b(when)\b`, 'keyword.control'),
       ...use('tile-size'),
       // What a map has of its own, or the settings of an instance.
-      block(...use('tile-lines', 'expression')),
+      block(...use('tile-lines', 'kind-lines', 'expression')),
       ...use('expression'),
     ],
   },

@@ -169,6 +169,18 @@ test('maps from files, links, rectangles', () => {
   ]);
 });
 
+test('maps from editors, and what their names stand for', () => {
+  looks("world W {\n    space s {\n        map ldtk \"a.ldtk\" level \"Cave\" {\n            level: spawn Slime as ldtk\n            \"a b\": wall,\n                tiled // why\n            'E': spike\n        }\n        map level\n        map tiled \"b.tmx\"\n        map tiled from \"c.txt\"\n        place a: A at (0, 0) { level = tiled }\n    }\n}", [
+    ['map', 'keyword.control'], ['ldtk', 'keyword.control'], ['"a.ldtk"', 'string.quoted.double'], ['level', 'keyword.control'],
+    ['"Cave"', 'string.quoted.double'], ['level', 'entity.name.tag'], ['spawn', 'keyword.control'], ['Slime', 'entity.name.type'],
+    ['as', 'keyword.control'], ['ldtk', 'variable.other'], ['"a b"', 'string.quoted.double.tag'], ['wall', 'entity.name.tag'],
+    ['tiled', 'entity.name.tag'], ['// why', 'comment.line.double-slash'], ['E', 'constant.character.tile'], ['spike', 'entity.name.tag'],
+    ['map', 'keyword.control'], ['level', 'keyword.control'], ['map', 'keyword.control'], ['tiled', 'keyword.control'],
+    ['"b.tmx"', 'string.quoted.double'], ['map', 'keyword.control'], ['tiled', 'entity.name.namespace'], ['from', 'keyword.control'],
+    ['place', 'keyword.control'], ['level', 'variable.other'], ['tiled', 'variable.other'],
+  ]);
+});
+
 test('numbers, units, dimensions', () => {
   looks('entity A {\n    param speed: px/s^2 = 1.5s\n    discrete n: int -1..9 = 0\n    mode m { when timer > 250ms or timer > 12frames and ms > 3 { x := 1 } }\n}', [
     ['px/s^2', 'support.type.dimension'], ['1.5', 'constant.numeric'], ['s', 'keyword.other.unit'],

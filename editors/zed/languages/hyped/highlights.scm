@@ -81,7 +81,7 @@
 (bool_domain) @keyword
 [
   "with" "from" "above" "at" "by" "fixed" "directions" "attack" "decay" "sustain" "release" "accel" "over" "to" "for"
-  "legend" "tile" "vglc" "level" "x"
+  "legend" "tile" "vglc" "tiled" "ldtk" "level" "x"
 ] @keyword
 [(instant) (hold)] @keyword
 ["block" "sense" "keep" "velocity" "carry"] @keyword.modifier

@@ -5,8 +5,14 @@
 
 #[path = "lsp/client.rs"]
 mod client;
+#[path = "lsp/edits.rs"]
+mod edits;
+#[path = "lsp/names.rs"]
+mod names;
 #[path = "lsp/session.rs"]
 mod session;
+#[path = "lsp/writing.rs"]
+mod writing;
 
 use serde_json::json;
 
@@ -32,9 +38,12 @@ fn findings_come_while_one_types_and_go_when_they_are_mended() {
 #[test]
 fn findings_of_imported_files_are_shown_there() {
     let mut session = Session::new(&[("parts/slime.hyped", "entity Slime { x' = sped }\n")]);
-    session.open("a.hyped", "import \"parts/slime.hyped\"\nimport \"none.hyped\"\n");
+    session.open("a.hyped", "import \"parts/slime.hyped\"\n");
     session.show_findings();
     session.open("parts/slime.hyped", "entity Slime { x' = 3 }\n");
+    session.show_findings();
+    session.close("parts/slime.hyped");
+    session.replace("a.hyped", "parts/slime", "none");
     session.show_findings();
     insta::assert_snapshot!(session.end());
 }

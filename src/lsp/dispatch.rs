@@ -28,8 +28,32 @@ impl Server {
             "textDocument/semanticTokens/range" => {
                 self.on::<types::SemanticTokensRangeRequest>(request, Self::semantic_tokens_in_range);
             }
-            // For scripts: answered when all findings were sent.
+            "textDocument/definition" => self.on::<types::DefinitionRequest>(request, Self::definition),
+            "textDocument/references" => self.on::<types::ReferencesRequest>(request, Self::references),
+            "textDocument/documentHighlight" => {
+                self.on::<types::DocumentHighlightRequest>(request, Self::highlights);
+            }
+            "textDocument/prepareRename" => self.on::<types::PrepareRenameRequest>(request, Self::prepare_rename),
+            "textDocument/rename" => self.on::<types::RenameRequest>(request, Self::rename),
+            "textDocument/hover" => self.on::<types::HoverRequest>(request, Self::hover),
+            "workspace/symbol" => self.on::<types::WorkspaceSymbolRequest>(request, Self::workspace_symbols),
+            "textDocument/documentLink" => self.on::<types::DocumentLinkRequest>(request, Self::document_links),
+            "textDocument/prepareCallHierarchy" => {
+                self.on::<types::CallHierarchyPrepareRequest>(request, Self::prepare_calls);
+            }
+            "callHierarchy/incomingCalls" => {
+                self.on::<types::CallHierarchyIncomingCallsRequest>(request, Self::incoming_calls);
+            }
+            "callHierarchy/outgoingCalls" => {
+                self.on::<types::CallHierarchyOutgoingCallsRequest>(request, Self::outgoing_calls);
+            }
+            "textDocument/completion" => self.on::<types::CompletionRequest>(request, Self::completion),
+            "textDocument/signatureHelp" => self.on::<types::SignatureHelpRequest>(request, Self::signature_help),
+            "textDocument/inlayHint" => self.on::<types::InlayHintRequest>(request, Self::inlay_hints),
+            "textDocument/codeLens" => self.on::<types::CodeLensRequest>(request, Self::code_lenses),
+            // For scripts and tests: answered when all findings were sent; the text as the server has it.
             "hypedc/idle" => self.nothing(request),
+            "hypedc/text" => self.on::<super::server::TextRequest>(request, Self::text),
             _ => self.unknown(request),
         }
     }

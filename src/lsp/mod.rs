@@ -13,11 +13,19 @@
 
 mod actions;
 mod capabilities;
+mod completion;
 mod diagnostics;
 mod dispatch;
 mod documents;
+mod hierarchy;
+mod hints;
+mod hover;
 mod lexer;
+mod navigate;
+mod place;
+mod rename;
 mod server;
+mod signature;
 mod snapshot;
 mod structure;
 mod text;

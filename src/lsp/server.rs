@@ -395,6 +395,11 @@ impl Server {
         self.answer(id, result);
     }
 
+    pub(super) fn text(&mut self, params: types::DocumentSymbolParams) -> Result<Option<String>, Failure> {
+        let document = self.documents.get(&path_of(&params.text_document.uri));
+        Ok(document.map(|document| document.text.whole().to_string()))
+    }
+
     /// Answers a request with nothing.
     pub(super) fn nothing(&self, request: Request) {
         self.answer(request.id, Ok(()));
@@ -414,6 +419,16 @@ impl Server {
     }
 }
 
+/// The text of an open document, as the server has it.
+pub(super) enum TextRequest {}
+
+impl types::Request for TextRequest {
+    const METHOD: types::LspRequestMethod<'static> = types::LspRequestMethod::new("hypedc/text");
+    const MESSAGE_DIRECTION: types::MessageDirection = types::MessageDirection::ClientToServer;
+    type Params = types::DocumentSymbolParams;
+    type Result = Option<String>;
+}
+
 /// What a request needs.
 fn needs(method: &str) -> Needs {
     match method {
@@ -421,7 +436,8 @@ fn needs(method: &str) -> Needs {
         | "textDocument/rangeFormatting"
         | "textDocument/documentSymbol"
         | "textDocument/foldingRange"
-        | "textDocument/selectionRange" => Needs::Text,
+        | "textDocument/selectionRange"
+        | "hypedc/text" => Needs::Text,
         "textDocument/references" | "textDocument/rename" | "workspace/symbol" => Needs::All,
         "hypedc/idle" => Needs::Idle,
         _ => Needs::Open,

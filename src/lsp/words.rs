@@ -1,5 +1,7 @@
 //! The words of the language: which are never names, which mean something in their place, what can be called and how.
 
+use super::place::Block;
+
 /// Words that are never names.
 pub(super) const RESERVED: &[&str] = &[
     "and",
@@ -165,3 +167,86 @@ pub(super) const SIGNATURES: &[Signature] = &[
         doc: "A circle: its centre, relative to the position, and its radius; px.",
     },
 ];
+
+/// A text with places to fill in.
+pub(super) struct Snippet {
+    pub label: &'static str,
+    pub text: &'static str,
+    pub detail: &'static str,
+}
+
+const fn snippet(label: &'static str, text: &'static str, detail: &'static str) -> Snippet {
+    Snippet { label, text, detail }
+}
+
+const WHEN: Snippet = snippet("when …", "when ${1:guard} -> ${2:mode}", "an edge to another mode");
+const MODE: Snippet = snippet("mode …", "mode ${1:name} {\n    $0\n}", "a mode");
+const ENVELOPE: Snippet = snippet(
+    "envelope …",
+    "envelope ${1:x'} by ${2:axis} {\n    attack accel ${3:400}\n    sustain ${4:100}\n    release accel ${5:400}\n}",
+    "attack, decay, sustain, release",
+);
+
+/// The words that a statement of a block can begin with, and snippets; of a file without a block.
+pub(super) fn begins(block: Option<Block>) -> (&'static [&'static str], &'static [Snippet]) {
+    match block {
+        None => (&["import", "const", "entity", "behavior", "world"], ITEMS),
+        Some(Block::Entity | Block::Behavior) => (
+            &[
+                "param",
+                "continuous",
+                "discrete",
+                "ref",
+                "button",
+                "axis",
+                "collider",
+                "kinematic",
+                "clamp",
+                "invariant",
+                "group",
+                "mode",
+                "initial",
+                "envelope",
+                "use",
+            ],
+            MEMBERS,
+        ),
+        Some(Block::Group) => (&["mode", "initial"], &[MODE]),
+        Some(Block::Mode) => {
+            (&["mode", "initial", "when", "envelope", "follow", "spawn", "destroy", "use"], &[WHEN, MODE, ENVELOPE])
+        }
+        Some(Block::Updates) => (&["spawn", "destroy"], &[]),
+        Some(Block::Envelope) => (&["attack", "decay", "sustain", "release", "while"], &[]),
+        Some(Block::World) => (&["step", "collide", "tiles", "space", "limit", "player", "goal", "never"], WORLD_ITEMS),
+        Some(Block::Space) => (&["map", "rect", "bounds", "place", "link"], SPACE_ITEMS),
+        Some(Block::Tiles | Block::Settings | Block::Kinds | Block::Other) => (&[], &[]),
+    }
+}
+
+const ITEMS: &[Snippet] = &[
+    snippet("entity …", "entity ${1:Name} {\n    $0\n}", "an entity"),
+    snippet(
+        "world …",
+        "world ${1:Name} {\n    step 1/60\n\n    space main {\n        $0\n    }\n}",
+        "a world with a space",
+    ),
+    snippet("import …", "import \"${1:file.hyped}\"", "what another file declares"),
+];
+
+const MEMBERS: &[Snippet] = &[
+    MODE,
+    ENVELOPE,
+    snippet("group …", "group ${1:name} {\n    $0\n}", "modes that run beside others"),
+    snippet("collider …", "collider ${1:body}: rect(${2:0, 0, 16, 16})", "a shape with tags"),
+    snippet("discrete …", "discrete ${1:name}: int ${2:0}..${3:9} = ${4:0}", "a whole number"),
+];
+
+const WORLD_ITEMS: &[Snippet] = &[
+    snippet("goal …", "goal ${1:name}: ${2:predicate}", "what `hypedc reach` looks for"),
+    snippet("never …", "never ${1:name}: ${2:predicate}", "what must not happen"),
+    snippet("collide …", "collide ${1:body} with ${2:wall}: block", "what a contact does"),
+    snippet("space …", "space ${1:main} {\n    $0\n}", "a room"),
+];
+
+const SPACE_ITEMS: &[Snippet] =
+    &[snippet("place …", "place ${1:name}: ${2:Entity} at (${3:0}, ${4:0})", "an instance")];

@@ -31,6 +31,8 @@ pub struct Checked {
     pub other_tags: BTreeSet<String>,
     /// Whether a world leaves its map to the command line.
     pub has_open_map: bool,
+    /// Tags that levels and legends name.
+    pub level_tags: BTreeSet<String>,
     /// Where names stand.
     pub occurrences: Occurrences,
     /// What was found of dimensions.

@@ -98,6 +98,11 @@ impl Session {
         answer.unwrap_or_default()
     }
 
+    /// Writes down some lines.
+    pub fn write_lines(&mut self, lines: &[String]) {
+        lines.iter().for_each(|line| self.log.push_str(&format!("{line}\n")));
+    }
+
     fn write(&mut self, file: &str, answer: &Result<Value, (i32, String)>) {
         match answer {
             Ok(value) => self.log.push_str(&short(value, file, &self.texts)),

@@ -10,10 +10,12 @@ use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::ir::{self, Program};
 use crate::level::{Format, read_beside};
 use crate::lint;
+use crate::sema::checked::Checked;
 use crate::sema::{self, Level};
 use crate::source::{FileId, Files, SourceMap};
 use crate::syntax;
 use crate::syntax::ast::MapSource;
+use crate::syntax::occurrence::{Occurrence, Occurrences};
 
 /// What came of compiling a file and all that it imports.
 #[derive(Debug, Clone)]
@@ -77,6 +79,28 @@ pub fn compile_with(root: &Path, level: LevelFile<'_>, files: &dyn Files) -> Com
 /// As [`compile_with`], with one more `never` in each world of the file that is named, or in all: a predicate that comes
 /// from the command line. It is the last one of its world.
 pub fn compile_barred(root: &Path, level: LevelFile<'_>, barred: Option<Barred<'_>>, files: &dyn Files) -> Compilation {
+    stages(root, level, barred, files).0
+}
+
+/// A compilation, and what its stages know of names: what an editor shows.
+#[derive(Debug, Clone)]
+pub struct Study {
+    /// What came of it.
+    pub compilation: Compilation,
+    /// The checked program, as far as there is one.
+    pub checked: Checked,
+    /// Where names stand, in order.
+    pub occurrences: Vec<Occurrence>,
+}
+
+/// As [`compile`], and keeps what its stages know of names.
+pub fn study(root: &Path, files: &dyn Files) -> Study {
+    let (compilation, mut checked) = stages(root, LevelFile::default(), None, files);
+    let occurrences = std::mem::take(&mut checked.occurrences).sorted(&compilation.sources);
+    Study { compilation, checked, occurrences }
+}
+
+fn stages(root: &Path, level: LevelFile<'_>, barred: Option<Barred<'_>>, files: &dyn Files) -> (Compilation, Checked) {
     let mut sources = SourceMap::new();
     let (mut trees, mut diagnostics) = syntax::load(root, files, &mut sources);
     if let Some(barred) = barred {
@@ -89,7 +113,8 @@ pub fn compile_barred(root: &Path, level: LevelFile<'_>, barred: Option<Barred<'
             root.bar(&tree, barred.world);
         }
     }
-    diagnostics.append(syntax::expand(&mut trees, &mut sources));
+    let mut occurrences = Occurrences::default();
+    diagnostics.append(syntax::expand(&mut trees, &mut sources, &mut occurrences));
     for tree in &trees {
         for map in tree.maps() {
             let (format, path, part) = match &map.source {
@@ -115,7 +140,8 @@ pub fn compile_barred(root: &Path, level: LevelFile<'_>, barred: Option<Barred<'
         read_beside(format, file, part, &mut sources, files, &mut diagnostics);
     }
     let given = Level { map, part: part.map(str::to_string), legend, tile: level.tile };
-    let (checked, found) = sema::check(&trees, &sources, given);
+    let (mut checked, found) = sema::check(&trees, &sources, given);
+    checked.occurrences.append(occurrences);
     diagnostics.append(found);
     if let (false, Some(root)) = (diagnostics.has_errors(), trees.first()) {
         diagnostics.append(lint::lint(&checked, root.id));
@@ -129,7 +155,7 @@ pub fn compile_barred(root: &Path, level: LevelFile<'_>, barred: Option<Barred<'
     diagnostics.trace(&sources);
     diagnostics.sort();
     let program = (!diagnostics.has_errors()).then(|| ir::lower(&checked));
-    Compilation { sources, program, diagnostics }
+    (Compilation { sources, program, diagnostics }, checked)
 }
 
 /// The file that a level is in: `world.ldtk` of `world.ldtk#Level_0`.

@@ -33,6 +33,7 @@
 //! | [`view`] | pictures of what a search found |
 //! | [`experiment`] | planners run many times, and tables of what came of it |
 //! | [`corpus`] | one question asked of many levels: rows that a later run resumes from, JUnit, what changed since |
+//! | [`lsp`] | the language server: what editors ask of open texts |
 //! | [`cli`] | the subcommands |
 //!
 //! Time is in seconds (s), length in pixels (px), y points up.
@@ -52,6 +53,7 @@ pub mod import;
 pub mod ir;
 pub mod level;
 pub mod lint;
+pub mod lsp;
 pub mod reach;
 pub mod sema;
 pub mod sim;

@@ -23,7 +23,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("sema", &["source", "diagnostic", "syntax", "level"]),
     ("lint", &["source", "diagnostic", "sema"]),
     ("ir", &["source", "level", "sema"]),
-    ("analysis", &["source", "diagnostic", "level", "ir"]),
+    ("analysis", &["source", "watch", "diagnostic", "level", "ir"]),
     ("compile", &["source", "diagnostic", "syntax", "level", "sema", "lint", "ir", "analysis"]),
     ("sim", &["source", "tabular", "diagnostic", "ir"]),
     ("reach", &["watch", "ir", "analysis", "sim"]),
@@ -31,6 +31,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("view", &["ir"]),
     ("experiment", &["source", "watch", "crew", "tabular", "ir", "analysis", "compile", "sim", "reach"]),
     ("corpus", &["tabular"]),
+    ("lsp", &["source", "watch", "diagnostic", "syntax", "format", "sema", "ir", "analysis", "compile"]),
     (
         "cli",
         &[
@@ -50,6 +51,7 @@ const ARROWS: &[(&str, &[&str])] = &[
             "graph",
             "view",
             "experiment",
+            "lsp",
         ],
     ),
 ];

@@ -7,6 +7,8 @@ use crate::ir::{
     VarId, World,
 };
 
+use crate::watch::Watch;
+
 use super::barred::Barred;
 use super::evaluate::{Between, Configuration, Overall, Reader};
 use super::scene::{Scene, rounded_step};
@@ -65,12 +67,14 @@ pub(super) struct Analysis<'a> {
     is_narrowing: bool,
     /// How many ways of steps may still be looked at.
     pub effort: usize,
+    /// Who may say that nobody waits for the result any more.
+    watch: &'a dyn Watch,
     /// The numbers that the program compares with or writes, and where edges meet.
     thresholds: Thresholds,
 }
 
 impl<'a> Analysis<'a> {
-    pub fn new(program: &'a Program, barred: Barred<'a>, limits: Limits, effort: usize) -> Self {
+    pub fn new(program: &'a Program, barred: Barred<'a>, limits: Limits, effort: usize, watch: &'a dyn Watch) -> Self {
         let world = barred.world;
         let slots: IdVec<SlotId, Slot> = world
             .slots
@@ -99,6 +103,7 @@ impl<'a> Analysis<'a> {
             barred,
             surroundings: Surroundings::default(),
             effort,
+            watch,
             is_narrowing: false,
             is_read: program.entities.iter().any(reads_others),
             thresholds: Thresholds::default(),
@@ -303,6 +308,10 @@ impl<'a> Analysis<'a> {
                 break;
             }
             for leaves in due {
+                if self.watch.stop() {
+                    self.effort = 0;
+                    return true;
+                }
                 // As it is by now: those before it may have added to it.
                 let told = &self.overall[slot].spaces;
                 let growing = self.slots[slot].configurations.get_mut(&leaves);

@@ -33,10 +33,12 @@ mod values;
 mod widen;
 
 pub use evaluate::{Configuration, Numbers};
-pub use findings::{InvariantVerdict, findings, invariants};
+pub use findings::{InvariantVerdict, Spaces, findings, invariants, watched_findings};
 pub use values::{Interval, Values};
 
 use crate::ir::{ExprId, GoalId, IdVec, Program, SlotId, World, WorldId};
+
+use crate::watch::{Unwatched, Watch};
 
 use barred::Barred;
 use evaluate::{Overall, Reader};
@@ -70,19 +72,19 @@ pub struct ConfigurationSpace {
 /// Finds what a world can be.
 pub fn configuration_space(program: &Program, world: WorldId) -> ConfigurationSpace {
     let limits = supply::limits(program, &program.worlds[world]);
-    within_limits(program, world, &[], limits, &mut { MOST_EFFORT })
+    within_limits(program, world, &[], limits, &mut { MOST_EFFORT }, &Unwatched)
 }
 
 /// As [`configuration_space`], of all runs on which some predicates of the world never hold.
 pub fn configuration_space_without(program: &Program, world: WorldId, predicates: &[ExprId]) -> ConfigurationSpace {
     let limits = supply::limits(program, &program.worlds[world]);
-    within_limits(program, world, predicates, limits, &mut { MOST_EFFORT })
+    within_limits(program, world, predicates, limits, &mut { MOST_EFFORT }, &Unwatched)
 }
 
 /// As [`configuration_space`], but whatever the number of things that can be picked up: that is a matter of the level.
 /// Takes what it needs from an effort; a world that needs more than is left is given up.
-fn with_any_supply(program: &Program, world: WorldId, effort: &mut usize) -> ConfigurationSpace {
-    within_limits(program, world, &[], supply::ranges(program, &program.worlds[world]), effort)
+fn with_any_supply(program: &Program, world: WorldId, effort: &mut usize, watch: &dyn Watch) -> ConfigurationSpace {
+    within_limits(program, world, &[], supply::ranges(program, &program.worlds[world]), effort, watch)
 }
 
 fn within_limits(
@@ -91,9 +93,10 @@ fn within_limits(
     predicates: &[ExprId],
     limits: Limits,
     effort: &mut usize,
+    watch: &dyn Watch,
 ) -> ConfigurationSpace {
     let barred = Barred { program, world: &program.worlds[world], predicates };
-    let mut analysis = Analysis::new(program, barred, limits, *effort);
+    let mut analysis = Analysis::new(program, barred, limits, *effort, watch);
     analysis.run();
     *effort = analysis.effort;
     analysis.finish()

@@ -42,12 +42,21 @@ pub(super) enum Command {
     Bounds(BoundsArgs),
     /// Draws the modes and edges of entities.
     Graph(GraphArgs),
+    /// Serves an editor: the language server over standard input and output.
+    Lsp(LspArgs),
     /// Makes a folder with a small project to start from.
     New(NewArgs),
     /// Prints what a shell needs to complete commands.
     Completions(CompletionsArgs),
     /// Prints a page of the manual.
     Man(ManArgs),
+}
+
+#[derive(Debug, Args)]
+pub(super) struct LspArgs {
+    /// Over standard input and output, which is all there is: editors say so by habit.
+    #[arg(long)]
+    pub stdio: bool,
 }
 
 /// The level of worlds that leave their map open, and how it is read.

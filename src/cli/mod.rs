@@ -22,6 +22,7 @@ mod fmt;
 mod graph;
 mod import;
 mod ir;
+mod lsp;
 mod new;
 mod reach;
 mod reach_result;
@@ -72,6 +73,7 @@ pub fn main() -> ExitCode {
         Command::Graph(args) => graph::run(&args),
         Command::New(args) => new::run(&args),
         Command::Completions(args) => about::completions(&args),
+        Command::Lsp(_) => lsp::run(),
         Command::Man(args) => about::man(&args),
     };
     match answer {

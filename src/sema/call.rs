@@ -5,6 +5,7 @@ use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::WrongArguments;
 use crate::source::Span;
 use crate::syntax::ast::{Expr, ExprKind, Name, Path};
+use crate::syntax::occurrence::NameKind;
 
 use super::Checker;
 use super::checked::{BoundTouch, Function, Press, Side, Subject, Term, TermKind, Type};
@@ -126,6 +127,10 @@ impl Checker<'_> {
                     wrong(self, "`inside(instance, space)`");
                     return None;
                 };
+                let known = world.spaces.iter().find(|(n, _)| n.text == name.text);
+                if let Some((declared, _)) = known {
+                    self.seen(NameKind::Space, name.span, declared.span);
+                }
                 let Some(space) = world.spaces.iter().position(|(n, _)| n.text == name.text) else {
                     let known = world.spaces.iter().map(|(n, _)| n);
                     let fact = unknown("space", &name.text, name.span, known);
@@ -186,7 +191,8 @@ impl Checker<'_> {
             "held" => Press::Held,
             _ => Press::Released,
         };
-        if let Some(&button) = names.buttons.get(&name.text).filter(|_| path.segments.len() == 1) {
+        if let Some((declared, &button)) = names.buttons.entry(&name.text).filter(|_| path.segments.len() == 1) {
+            self.seen(NameKind::Button, name.span, declared.span);
             return Some(Term { kind: TermKind::Button(press, button), ty: Type::Bool, span });
         }
         let written = path.segments.iter().map(|s| s.text.as_str()).collect::<Vec<_>>().join(".");
@@ -246,6 +252,9 @@ impl Checker<'_> {
         };
         let mine = mine.map(|tag| self.tag(tag));
         let other = self.tag(other);
+        if let Some(name) = binding {
+            self.declared(NameKind::Touched, name);
+        }
         let bound = binding.map(|name| self.facts.name(name, BoundTouch { mine, other, side: on, span }));
         Some(Term { kind: TermKind::Touching { of: Subject::Me, mine, other, side: on, bound }, ty: Type::Bool, span })
     }

@@ -2,7 +2,7 @@
 //! the hierarchy of modes is kept; flattening it is the work of `ir`.
 
 use std::collections::BTreeSet;
-use std::rc::Rc;
+use std::sync::Arc;
 
 use serde::Serialize;
 
@@ -10,7 +10,9 @@ pub use super::checked_world::*;
 use crate::source::Span;
 use crate::syntax::ast::Dimension;
 pub use crate::syntax::ast::{CompareOp, Name};
+use crate::syntax::occurrence::Occurrences;
 
+use super::dimension::Dimensions;
 use super::ids::{
     AxisId, ButtonId, ColliderId, DiscreteId, EdgeId, EntityId, EnvelopeId, GroupId, IdVec, ModeId, ParamId, RefId,
     SlotId, SpaceId, TagId, TouchId, VarId, WorldId,
@@ -22,13 +24,19 @@ pub struct Checked {
     /// All tags that occur, in order of first use.
     pub tags: IdVec<TagId, Name>,
     /// All entities.
-    pub entities: IdVec<EntityId, Rc<Entity>>,
+    pub entities: IdVec<EntityId, Arc<Entity>>,
     /// All worlds, those of the root file first.
     pub worlds: IdVec<WorldId, World>,
     /// Tags that tiles could carry which no map of the program has.
     pub other_tags: BTreeSet<String>,
     /// Whether a world leaves its map to the command line.
     pub has_open_map: bool,
+    /// Tags that levels and legends name.
+    pub level_tags: BTreeSet<String>,
+    /// Where names stand.
+    pub occurrences: Occurrences,
+    /// What was found of dimensions.
+    pub dimensions: Dimensions,
 }
 
 /// A type of values.

@@ -99,7 +99,8 @@ const TIME: (i64, i64) = (0, 1);
 const LENGTH: (i64, i64) = (1, 0);
 
 /// Checks all entities and worlds of a program that is otherwise right.
-pub(super) fn check(program: &Checked, sources: &SourceMap, diagnostics: &mut Diagnostics) {
+/// Gives what it found of parameters and variables.
+pub(super) fn check(program: &Checked, sources: &SourceMap, diagnostics: &mut Diagnostics) -> Dimensions {
     let mut solver = Solver {
         program,
         solved: Vec::new(),
@@ -122,7 +123,18 @@ pub(super) fn check(program: &Checked, sources: &SourceMap, diagnostics: &mut Di
             solver.dimension(guard, &Here { me: None, entity_of: &entity_of });
         }
     }
+    let found = solver.found();
     solver.report(sources, diagnostics);
+    found
+}
+
+/// The dimensions of parameters and variables, as one writes them: `px/s^2`.
+#[derive(Debug, Clone, Default)]
+pub struct Dimensions {
+    /// Those of parameters that are told by how they are used.
+    pub params: BTreeMap<(EntityId, ParamId), String>,
+    /// Those of continuous variables.
+    pub vars: BTreeMap<(EntityId, VarId), String>,
 }
 
 /// Whose variables a term reads.
@@ -181,6 +193,22 @@ struct Solver<'p> {
 }
 
 impl Solver<'_> {
+    /// What is known in the end.
+    fn found(&mut self) -> Dimensions {
+        let mut out = Dimensions::default();
+        for (name, unknown) in self.named.clone() {
+            let dim = self.reduce(&Dim::unknown(unknown));
+            if !dim.unknowns.is_empty() {
+                continue;
+            }
+            match name {
+                Named::Param(entity, id) => out.params.insert((entity, id), dim.words()),
+                Named::Var(entity, id) => out.vars.insert((entity, id), dim.words()),
+            };
+        }
+        out
+    }
+
     fn fresh(&mut self) -> Unknown {
         self.solved.push(None);
         self.solved.len() - 1

@@ -75,6 +75,7 @@ impl Checker<'_> {
     /// Whether a name stands for tags, or for an entity that the program has; says that it has not.
     fn is_entity(&mut self, kind: &ast::Kind) -> bool {
         let Some(spawn) = &kind.spawn else { return true };
+        self.tile_spawn(Some(spawn));
         if self.entities.get(&spawn.entity.text).is_some() {
             return true;
         }
@@ -98,7 +99,7 @@ impl Checker<'_> {
             match kinds.get(name.as_str()) {
                 Some(kind) => {
                     for tag in kind.tags.iter().filter(|tag| tag.text != "empty") {
-                        tags.push(self.tag(tag));
+                        tags.push(self.carried(tag));
                     }
                 }
                 None => tags.push(self.tag(&Name { text: name.clone(), span: at })),

@@ -8,6 +8,7 @@ use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::{NotConstant, OutOfRange};
 use crate::source::Span;
 use crate::syntax::ast::{self, Domain, Expr, Member, Name};
+use crate::syntax::occurrence::NameKind;
 
 use super::checked::{Annotation, Discrete, Entity, Group, Param, Reference, Term, TermKind, Type, Var};
 use super::constant::{Broken, ConstantContext, evaluate};
@@ -89,6 +90,7 @@ impl<'a> Checker<'a> {
             match member {
                 Member::Parameter(p) => self.parameter(p, &mut entity, &mut names, &mut values),
                 Member::Continuous(c) => {
+                    self.declared(NameKind::Variable, &c.name);
                     if !self.is_new_value(&c.name, &mut values) {
                         continue;
                     }
@@ -97,6 +99,7 @@ impl<'a> Checker<'a> {
                     names.vars.declare(&c.name, id, &mut self.diagnostics);
                 }
                 Member::Discrete(d) => {
+                    self.declared(NameKind::Discrete, &d.name);
                     if !self.is_new_value(&d.name, &mut values) {
                         continue;
                     }
@@ -108,11 +111,12 @@ impl<'a> Checker<'a> {
                     names.discrete_syntax.push(&d.initial);
                 }
                 Member::Reference(r) => {
+                    self.declared(NameKind::Reference, &r.name);
                     if !self.is_new_value(&r.name, &mut values) {
                         continue;
                     }
-                    let entity_id = match self.entities.get(&r.entity.text) {
-                        Some(&id) => Some(id),
+                    let entity_id = match self.entity_named(&r.entity) {
+                        Some(id) => Some(id),
                         None if r.entity.text == "any" => None,
                         None => {
                             let known = self.entities.names().chain([Known::from("any")]);
@@ -127,6 +131,7 @@ impl<'a> Checker<'a> {
                 }
                 Member::Buttons(list, _) => {
                     for name in list {
+                        self.declared(NameKind::Button, name);
                         if !inputs.declare(name, (), &mut self.diagnostics) {
                             continue;
                         }
@@ -140,6 +145,7 @@ impl<'a> Checker<'a> {
                 }
                 Member::Axes(list, _) => {
                     for name in list {
+                        self.declared(NameKind::Axis, name);
                         if !inputs.declare(name, (), &mut self.diagnostics) {
                             continue;
                         }
@@ -186,6 +192,7 @@ impl<'a> Checker<'a> {
     }
 
     fn parameter(&mut self, p: &ast::Constant, entity: &mut Entity, names: &mut Skeleton<'_>, values: &mut Table<()>) {
+        self.declared(NameKind::Parameter, &p.name);
         if !self.is_new_value(&p.name, values) {
             return;
         }
@@ -214,11 +221,13 @@ impl<'a> Checker<'a> {
             Domain::Bool => (Type::Bool, (0, 1)),
             Domain::Set(names) => {
                 let mut table: Table<()> = Table::new("value");
+                names.iter().for_each(|n| self.declared(NameKind::Value, n));
                 let fresh: Vec<String> = names
                     .iter()
                     .filter(|n| table.declare(n, (), &mut self.diagnostics))
                     .map(|n| n.text.clone())
                     .collect();
+                self.choices.entry(fresh.clone()).or_default().extend(names.iter().cloned());
                 let last = fresh.len().saturating_sub(1) as i32;
                 (Type::Set(fresh), (0, last))
             }
@@ -288,6 +297,7 @@ impl<'a> Checker<'a> {
         for member in &syntax.members {
             match member {
                 Member::Group(group) => {
+                    self.declared(NameKind::Group, &group.name);
                     group_names.declare(&group.name, (), &mut self.diagnostics);
                     let mut modes = Vec::new();
                     for inner in &group.members {

@@ -4,6 +4,7 @@ use crate::diagnostic::catalogue::names::UnknownName;
 use crate::diagnostic::catalogue::structure::BadEnvelope;
 use crate::source::Span;
 use crate::syntax::ast::{self, ExprKind, RampKind};
+use crate::syntax::occurrence::NameKind;
 
 use super::Checker;
 use super::checked::{By, Drive, DriveBy, Entity, Envelope, Rate, Release, Term, TermKind};
@@ -270,7 +271,8 @@ impl Checker<'_> {
         let fact: UnknownName = match &by.kind {
             ExprKind::Path(path) if path.segments.len() == 1 && path.primes == 0 => {
                 let name = path.segments.first()?;
-                if let Some(&axis) = names.axes.get(&name.text) {
+                if let Some((declared, &axis)) = names.axes.entry(&name.text) {
+                    self.seen(NameKind::Axis, name.span, declared.span);
                     return Some(axis);
                 }
                 unknown("axis", &name.text, name.span, names.axes.names())

@@ -8,9 +8,10 @@ use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::{BadChain, NotConstant, TypeMismatch};
 use crate::source::Span;
 use crate::syntax::ast::{BinaryOp, CompareOp, Expr, ExprKind, Name, Path, Unit};
+use crate::syntax::occurrence::{NameKind, Role};
 
 use super::Checker;
-use super::checked::{Arithmetic, Entity, Subject, Term, TermKind, Type};
+use super::checked::{Arithmetic, Entity, Given, Subject, Term, TermKind, Type};
 use super::entity::Skeleton;
 use super::ids::{EntityId, ModeId, SlotId};
 use super::mode::ModeNames;
@@ -254,7 +255,7 @@ impl Checker<'_> {
                 let Some(name) = entity else {
                     return make(TermKind::IsNone(of), Type::Bool);
                 };
-                let Some(&entity) = self.entities.get(&name.text) else {
+                let Some(entity) = self.entity_named(name) else {
                     let fact = unknown("entity", &name.text, name.span, self.entities.names());
                     self.report_unknown(fact);
                     return None;
@@ -341,36 +342,44 @@ impl Checker<'_> {
         if let (Some(Type::Set(values)), 0) = (wanted, path.primes)
             && let Some(index) = values.iter().position(|v| *v == name.text)
         {
+            self.seen_choice(&Type::Set(values.clone()), name);
             return make(TermKind::Number(index as f64), Type::Set(values.clone()));
         }
         if let (Some(entity), Some(names)) = (scope.entity, scope.names) {
             if let Some(&id) = names.params.get(&name.text) {
+                self.seen_value(entity, Given::Param(id), name.span, Role::Read);
                 self.unprimed(path)?;
                 self.allow(Some(()), span, scope, Reads::Params, "a parameter")?;
                 return make(TermKind::Param(Subject::Me, id), entity.params[id].default.ty.clone());
             }
             if let Some(&id) = names.vars.get(&name.text) {
+                self.seen_value(entity, Given::Var(id, 0), name.span, Role::Read);
                 let degree = self.degree(path)?;
                 self.allow(Some(()), span, scope, Reads::State, "a variable")?;
                 return make(TermKind::Var(Subject::Me, id, degree), Type::Real);
             }
             if let Some(&id) = names.discretes.get(&name.text) {
+                self.seen_value(entity, Given::Discrete(id), name.span, Role::Read);
                 self.unprimed(path)?;
                 self.allow(Some(()), span, scope, Reads::State, "a variable")?;
                 return make(TermKind::Discrete(Subject::Me, id), entity.discretes[id].ty.clone());
             }
             if let Some(&id) = names.axes.get(&name.text).filter(|_| path.primes == 0) {
+                self.seen(NameKind::Axis, name.span, entity.axes[id].span);
                 self.allow(Some(()), span, scope, Reads::All, "an axis")?;
                 return make(TermKind::Axis(id), Type::Real);
             }
         }
         if let Some((subject, entity)) = self.referred(&name.text, scope) {
+            self.seen_subject(subject, name, scope);
             self.unprimed(path)?;
             self.allow(Some(()), span, scope, Reads::State, "a reference")?;
             return make(TermKind::Instance(subject), Type::Ref(entity));
         }
-        if let Some(constant) = self.constants.get(&name.text).filter(|_| path.primes == 0) {
-            return Some(Term { span, ..constant.clone() });
+        if let Some((declared, constant)) = self.constants.entry(&name.text).filter(|_| path.primes == 0) {
+            let (declared, term) = (declared.span, Term { span, ..constant.clone() });
+            self.seen(NameKind::Constant, name.span, declared);
+            return Some(term);
         }
         if scope.world.is_some_and(|w| w.instance(&name.text).is_some()) {
             self.diagnostics.report(TypeMismatch {

@@ -86,6 +86,11 @@ impl Facts {
         self.names.iter().rev().find(|(n, _)| n.text == name).map(|(_, id)| *id)
     }
 
+    /// Where a name was given.
+    pub fn named_at(&self, name: &str) -> Option<Span> {
+        self.names.iter().rev().find(|(n, _)| n.text == name).map(|(n, _)| n.span)
+    }
+
     /// All names in scope.
     pub fn names(&self) -> impl Iterator<Item = Known<'_>> {
         self.names.iter().map(|(n, _)| Known::from(n))

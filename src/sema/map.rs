@@ -8,6 +8,7 @@ use crate::diagnostic::catalogue::world::{KnownReading, NoCharacters, RedundantL
 use crate::level::{Format, InlineTile, inline_map, legend, text_rows};
 use crate::source::{FileId, Span};
 use crate::syntax::ast::{self, MapSource, Name};
+use crate::syntax::occurrence::NameKind;
 
 use super::checked::World;
 use super::ids::SpaceId;
@@ -119,6 +120,9 @@ impl<'a> Checker<'a> {
 
     /// As a tile set of the program says, if there is one of this name.
     fn own_set<'s, 't>(&mut self, name: &Name, sets: &'s Table<TileSet<'t>>, at: Span) -> Option<Reading<'s, 't>> {
+        if let Some((declared, _)) = sets.entry(&name.text) {
+            self.seen(NameKind::TileSet, name.span, declared.span);
+        }
         let Some(set) = sets.get(&name.text) else {
             let fact = unknown("tile set", &name.text, name.span, sets.names());
             self.report_unknown(fact);

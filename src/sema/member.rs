@@ -3,9 +3,10 @@
 use crate::diagnostic::catalogue::structure::BadCollider;
 use crate::diagnostic::catalogue::types::{TypeMismatch, WrongArguments};
 use crate::syntax::ast;
+use crate::syntax::occurrence::Role;
 
 use super::Checker;
-use super::checked::{Clamp, Collider, Drive, DriveBy, Shape, Term};
+use super::checked::{Clamp, Collider, Drive, DriveBy, Given, Shape, Term};
 use super::constant::{ConstantContext, evaluate};
 use super::expression::{Reads, Scope};
 use super::ids::VarId;
@@ -14,7 +15,7 @@ use super::names::unknown;
 impl Checker<'_> {
     pub(super) fn collider(&mut self, c: &ast::Collider, scope: &Scope<'_>) -> Option<Collider> {
         let scope = scope.reading(Reads::State);
-        let tags = c.tags.iter().map(|t| self.tag(t)).collect();
+        let tags = c.tags.iter().map(|t| self.carried(t)).collect();
         let guard = c.guard.as_ref().map(|guard| self.guard(guard, &scope));
         let (count, usage) = match c.shape.text.as_str() {
             "rect" => (4, "`rect(x, y, width, height)`"),
@@ -93,6 +94,9 @@ impl Checker<'_> {
         let names = scope.names?;
         let name = &variable.name;
         if let Some(&var) = names.vars.get(&name.text) {
+            if let Some(entity) = scope.entity {
+                self.seen_value(entity, Given::Var(var, 0), name.span, Role::Written);
+            }
             return Some((var, self.primes(variable)?));
         }
         let is_param = names.params.get(&name.text).is_some();

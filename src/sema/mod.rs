@@ -24,6 +24,7 @@ mod place;
 mod population;
 mod predicate;
 mod reference;
+mod seen;
 mod world;
 
 use std::collections::BTreeSet;
@@ -33,6 +34,7 @@ use crate::diagnostic::catalogue::file::TooMany;
 use crate::diagnostic::catalogue::syntax::ExpressionTooLong;
 use crate::diagnostic::catalogue::types::TypeMismatch;
 use crate::source::{FileId, SourceMap, Span};
+use crate::syntax::occurrence::NameKind;
 use crate::syntax::{MAX_OPERATORS, ast};
 
 use checked::Checked;
@@ -83,8 +85,8 @@ pub fn check(files: &[ast::File], sources: &SourceMap, level: Level) -> (Checked
         }
     }
     checker.count_tags();
-    let Checker { checked, mut diagnostics, .. } = checker;
-    dimension::check(&checked, sources, &mut diagnostics);
+    let Checker { mut checked, mut diagnostics, .. } = checker;
+    checked.dimensions = dimension::check(&checked, sources, &mut diagnostics);
     diagnostics.sort();
     (checked, diagnostics)
 }
@@ -110,6 +112,8 @@ struct Checker<'a> {
     facts: facts::Facts,
     /// The names of the modes of entities that others ask.
     mode_names: std::collections::BTreeMap<EntityId, std::rc::Rc<mode::ModeNames>>,
+    /// Where the values of sets are declared, by all values of the set: equal sets are one type.
+    choices: std::collections::BTreeMap<Vec<String>, Vec<ast::Name>>,
     /// What the names of values mean in entities that others read or set.
     values: std::collections::BTreeMap<EntityId, std::rc::Rc<std::collections::BTreeMap<String, checked::Given>>>,
 }
@@ -129,6 +133,7 @@ impl<'a> Checker<'a> {
             skeletons: Vec::new(),
             facts: facts::Facts::default(),
             mode_names: std::collections::BTreeMap::new(),
+            choices: std::collections::BTreeMap::new(),
             values: std::collections::BTreeMap::new(),
             suspects: files.iter().flat_map(|f| &f.broken).flat_map(|b| b.names.iter().cloned()).collect(),
         }
@@ -148,6 +153,7 @@ impl<'a> Checker<'a> {
         let entities = || items.clone().filter_map(|i| if let ast::Item::Entity(e) = i { Some(e) } else { None });
         // References name entities, so all names are known before any skeleton.
         for (index, entity) in entities().enumerate() {
+            self.declared(NameKind::Entity, &entity.name);
             self.entities.declare(&entity.name, EntityId(index as u32), &mut self.diagnostics);
         }
         for entity in entities() {
@@ -165,6 +171,7 @@ impl<'a> Checker<'a> {
     }
 
     fn constant(&mut self, constant: &ast::Constant) {
+        self.declared(NameKind::Constant, &constant.name);
         let scope = expression::Scope::constant();
         let mut term = self.value(&constant.value, &scope);
         if let Some(annotation) = constant.dimension.as_ref().and_then(|d| self.annotation(d)) {
@@ -201,6 +208,11 @@ impl<'a> Checker<'a> {
 
     /// The id of a tag, made when it is first seen.
     fn tag(&mut self, name: &ast::Name) -> TagId {
+        self.note_tag(name, false);
+        self.tag_id(name)
+    }
+
+    fn tag_id(&mut self, name: &ast::Name) -> TagId {
         if let Some(&id) = self.tags.get(&name.text) {
             return id;
         }

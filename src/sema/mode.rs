@@ -8,8 +8,9 @@ use crate::diagnostic::catalogue::structure::{EdgeOutOfGroup, IdleEdge, UpdateCo
 use crate::diagnostic::catalogue::types::TypeMismatch;
 use crate::source::Span;
 use crate::syntax::ast::{self, Initial, Member, Path};
+use crate::syntax::occurrence::{NameKind, Role};
 
-use super::checked::{Action, Edge, Entity, Follow, Mode, Place, Term, Type, Update};
+use super::checked::{Action, Edge, Entity, Follow, Given, Mode, Place, Term, Type, Update};
 use super::expression::{Reads, Scope};
 use super::ids::{EdgeId, GroupId, Id, ModeId, RefId};
 use super::names::{Known, unknown};
@@ -19,7 +20,9 @@ use super::{Checker, MAX_MODES};
 /// What a look-up by path needs to know of an entity's modes.
 #[derive(Debug, Clone, Default)]
 pub(super) struct ModeNames {
-    modes: Vec<(Vec<String>, GroupId, Span)>,
+    pub modes: Vec<(Vec<String>, GroupId, Span)>,
+    /// The groups that have names.
+    pub groups: Vec<(String, Span)>,
     /// Which modes have a name.
     named: BTreeMap<String, Vec<usize>>,
     /// All names once, in order, each with the first place; made when first needed.
@@ -31,6 +34,7 @@ pub(super) struct ModeNames {
 impl ModeNames {
     pub fn of(entity: &Entity) -> Self {
         let mut names = ModeNames::default();
+        names.groups.extend(entity.groups.iter().filter_map(|g| g.name.as_ref()).map(|n| (n.text.clone(), n.span)));
         for (index, mode) in entity.modes.iter().enumerate() {
             names.modes.push((mode.path.clone(), mode.group, mode.name.span));
             names.named.entry(mode.name.text.clone()).or_default().push(index);
@@ -71,6 +75,7 @@ impl<'a> Checker<'a> {
                 self.too_many("modes", MAX_MODES, mode.name.span);
                 return ids;
             }
+            self.declared(NameKind::Mode, &mode.name);
             let first = *named.entry(&mode.name.text).or_insert(mode.name.span);
             if first != mode.name.span {
                 let (name, second) = (mode.name.text.clone(), mode.name.span);
@@ -122,6 +127,7 @@ impl<'a> Checker<'a> {
         let used: Vec<usize> = all.iter().copied().filter(same_use).collect();
         for candidates in [&used, &whole, &own, &all] {
             if let [only] = candidates.as_slice() {
+                self.seen_mode(names, *only, path);
                 return Some(ModeId::from_index(*only));
             }
         }
@@ -282,6 +288,9 @@ impl<'a> Checker<'a> {
         let names = scope.names?;
         let name = &update.variable.name;
         if let Some(&id) = names.discretes.get(&name.text) {
+            if let Some(entity) = scope.entity {
+                self.seen_value(entity, Given::Discrete(id), name.span, Role::Written);
+            }
             let v = &update.variable;
             self.unprimed(&Path { segments: vec![v.name.clone()], primes: v.primes, span: v.span })?;
             let discrete = scope.entity?.discretes[id].clone();
@@ -296,6 +305,9 @@ impl<'a> Checker<'a> {
             return Some(Update { place: Place::Ref(id), value, span: update.span });
         }
         if let Some(&var) = names.vars.get(&name.text) {
+            if let Some(entity) = scope.entity {
+                self.seen_value(entity, Given::Var(var, 0), name.span, Role::Written);
+            }
             let degree = self.primes(&update.variable);
             let value = self.number(&update.value, scope)?;
             return Some(Update { place: Place::Var(var, degree?), value, span: update.span });

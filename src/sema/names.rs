@@ -38,6 +38,11 @@ impl<T> Table<T> {
         self.index.get(name).map(|&i| &self.entries[i].1)
     }
 
+    /// The declared name, and what it stands for.
+    pub fn entry(&self, name: &str) -> Option<(&Name, &T)> {
+        self.index.get(name).map(|&i| (&self.entries[i].0, &self.entries[i].1))
+    }
+
     pub fn names(&self) -> impl Iterator<Item = Known<'_>> {
         self.entries.iter().map(|(name, _)| Known::from(name))
     }

@@ -51,7 +51,7 @@ impl Checker<'_> {
                 given.push((Given::Var(var, 0), term));
             }
         }
-        let Some(&id) = self.entities.get(&place.entity.text) else {
+        let Some(id) = self.entity_named(&place.entity) else {
             let fact = unknown("entity", &place.entity.text, place.entity.span, self.entities.names());
             self.report_unknown(fact);
             return None;

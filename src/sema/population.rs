@@ -7,6 +7,7 @@ use crate::diagnostic::catalogue::types::{OutOfRange, TypeMismatch};
 use crate::diagnostic::catalogue::world::{MissingLimit, OverLimit, TileInstances};
 use crate::source::Span;
 use crate::syntax::ast::{self, Name, WorldItem};
+use crate::syntax::occurrence::NameKind;
 
 use super::checked::{Action, Instance, Origin, World};
 use super::constant::ConstantContext;
@@ -64,6 +65,7 @@ impl Checker<'_> {
 
     /// `place name: Entity at (x, y) { … }`
     pub(super) fn placed(&mut self, place: &ast::Place, space: SpaceId, population: &mut Population) {
+        self.declared(NameKind::Instance, &place.name);
         population.names.declare(&place.name, (), &mut self.diagnostics);
         let slot = SlotId::from_index(population.instances.len());
         match self.place(place, space, population.step, slot, &mut population.references) {
@@ -164,7 +166,7 @@ impl Checker<'_> {
         let mut limits: BTreeMap<EntityId, Span> = BTreeMap::new();
         for item in &syntax.items {
             let WorldItem::Limit(limit) = item else { continue };
-            let Some(&entity) = self.entities.get(&limit.entity.text) else {
+            let Some(entity) = self.entity_named(&limit.entity) else {
                 let fact = unknown("entity", &limit.entity.text, limit.entity.span, self.entities.names());
                 self.report_unknown(fact);
                 continue;
@@ -243,6 +245,7 @@ impl Checker<'_> {
                 self.report_unknown(fact);
                 continue;
             };
+            self.seen(NameKind::Instance, name.span, population.instances[target].name.span);
             let Some(own) = population.instances.get(slot).map(|i| i.entity) else { continue };
             let wanted = self.checked.entities[own].refs[reference].entity;
             let found = population.instances[target].entity;

@@ -4,6 +4,7 @@ use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::TypeMismatch;
 use crate::source::Span;
 use crate::syntax::ast::{Expr, ExprKind, Name, Path};
+use crate::syntax::occurrence::{NameKind, Role};
 
 use super::Checker;
 use super::checked::{Given, Subject, Term, TermKind, Type};
@@ -40,10 +41,12 @@ impl Checker<'_> {
         }
         let world = self.allow(scope.world, span, scope, Reads::All, "another instance's variable")?;
         if let Some((slot, entity)) = world.instance(&first.text) {
+            self.seen_instance(world, first);
             return self.value_of(Subject::Slot(slot), entity, path, second, span);
         }
         self.unprimed(path)?;
-        if let Some((_, size)) = world.spaces.iter().find(|(n, _)| n.text == first.text) {
+        if let Some((declared, size)) = world.spaces.iter().find(|(n, _)| n.text == first.text) {
+            self.seen(NameKind::Space, first.span, declared.span);
             let Some(size) = size else {
                 self.diagnostics.report(TypeMismatch {
                     at: span,
@@ -85,6 +88,7 @@ impl Checker<'_> {
             self.report_unknown(fact);
             return None;
         };
+        self.seen_subject(subject, first, scope);
         self.allow(Some(()), span, scope, Reads::State, "another instance's variable")?;
         self.readable(subject, first, span, scope);
         let Some(entity) = entity else {
@@ -108,6 +112,9 @@ impl Checker<'_> {
         {
             let entity = self.checked.entities[id].clone();
             let named = self.value_named(id, &second.text);
+            if let Some(what) = named {
+                self.seen_value(&entity, what, second.span, Role::Read);
+            }
             if let Some(Given::Var(var, _)) = named {
                 let degree = self.degree(path)?;
                 return Some(Term { kind: TermKind::Var(of, var, degree), ty: Type::Real, span });
@@ -178,6 +185,7 @@ impl Checker<'_> {
             }
         };
         if let Some(found) = world.instance(&name.text) {
+            self.seen_instance(world, name);
             return Some(found);
         }
         let fact = unknown("instance", &name.text, name.span, world.instance_names());
@@ -218,7 +226,7 @@ impl Checker<'_> {
         make: impl Fn(&mut Self, SlotId, EntityId) -> Option<TermKind>,
     ) -> Option<Term> {
         let world = self.allow(scope.world, span, scope, Reads::All, "`any`")?;
-        let Some(&entity) = self.entities.get(&name.text) else {
+        let Some(entity) = self.entity_named(name) else {
             let fact = unknown("entity", &name.text, name.span, self.entities.names());
             self.report_unknown(fact);
             return None;

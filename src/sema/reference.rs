@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use crate::diagnostic::catalogue::names::DuplicateName;
 use crate::diagnostic::catalogue::structure::{LostEntry, LostRead};
@@ -9,6 +10,7 @@ use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::TypeMismatch;
 use crate::source::Span;
 use crate::syntax::ast::{self, Expr, ExprKind, Name, Path};
+use crate::syntax::occurrence::Role;
 
 use super::Checker;
 use super::checked::{Action, Edge, Entity, Given, Place, Spawn, Subject, Term, TermKind, Type};
@@ -50,6 +52,7 @@ impl Checker<'_> {
             && let [name] = segments.as_slice()
         {
             if let Some(found) = self.referred(&name.text, scope) {
+                self.seen_subject(found.0, name, scope);
                 return Some(found);
             }
             let known = scope.names.into_iter().flat_map(|n| n.refs.names()).chain(self.facts.names());
@@ -116,7 +119,7 @@ impl Checker<'_> {
             Some(variable) => Some(self.reference_place(variable, scope)?),
             None => None,
         };
-        let Some(&entity) = self.entities.get(&spawn.entity.text) else {
+        let Some(entity) = self.entity_named(&spawn.entity) else {
             let fact = unknown("entity", &spawn.entity.text, spawn.entity.span, self.entities.names());
             self.report_unknown(fact);
             return None;
@@ -168,8 +171,11 @@ impl Checker<'_> {
     /// What a name in a `place` or a `spawn` sets, and the type of its value.
     pub(super) fn setting(&mut self, id: EntityId, variable: &ast::Variable) -> Option<(Given, Type)> {
         let name = &variable.name;
-        let of = Rc::clone(&self.checked.entities[id]);
+        let of = Arc::clone(&self.checked.entities[id]);
         let named = self.value_named(id, &name.text);
+        if let Some(what) = named {
+            self.seen_value(&of, what, name.span, Role::Written);
+        }
         match named.filter(|what| variable.primes == 0 || matches!(what, Given::Var(..))) {
             Some(Given::Param(id)) => {
                 let ty = match &of.params[id].default.ty {
@@ -216,6 +222,9 @@ impl Checker<'_> {
         if variable.primes == 0
             && let Some(&id) = names.refs.get(&name.text)
         {
+            if let Some(entity) = scope.entity {
+                self.seen_value(entity, Given::Ref(id), name.span, Role::Written);
+            }
             return Some(id);
         }
         if names.vars.get(&name.text).is_some() || names.discretes.get(&name.text).is_some() {

@@ -5,6 +5,7 @@ use crate::diagnostic::catalogue::types::OutOfRange;
 use crate::diagnostic::catalogue::world::{BadPlayer, BadStep, BadTile};
 use crate::level::InlineTile;
 use crate::syntax::ast::{self, Expr, Name, SpaceItem, WorldItem};
+use crate::syntax::occurrence::NameKind;
 
 use super::checked::{
     Arithmetic, CollideRule, Link, Origin, Player, Push, Question, Response, Solid, Space, Term, TermKind, World,
@@ -30,6 +31,7 @@ pub(super) struct TileSet<'a> {
 impl Checker<'_> {
     /// Checks a world and adds it to the program.
     pub(super) fn world(&mut self, syntax: &ast::World) {
+        self.declared(NameKind::World, &syntax.name);
         self.worlds.declare(&syntax.name, (), &mut self.diagnostics);
         let mut world = World {
             name: syntax.name.clone(),
@@ -76,6 +78,7 @@ impl Checker<'_> {
                 bounds: None,
                 links: Vec::new(),
             });
+            self.declared(NameKind::Space, &space.name);
             spaces.declare(&space.name, id, &mut self.diagnostics);
             let mut map_at = None;
             let mut bounds: Table<()> = Table::new("the bounds of");
@@ -86,7 +89,7 @@ impl Checker<'_> {
                     }
                     SpaceItem::Link(_) => {}
                     SpaceItem::Solid(solid) => {
-                        let tags = solid.tags.iter().map(|t| self.tag(t)).collect();
+                        let tags = solid.tags.iter().map(|t| self.carried(t)).collect();
                         if let Some(rect) = self.rectangle(&solid.rectangle, &mut world.lengths) {
                             let span = solid.rectangle.span;
                             world.spaces[id].solids.push(Solid { tags, rect, span });
@@ -120,10 +123,12 @@ impl Checker<'_> {
                 WorldItem::Never(q) => (q, &mut nevers),
                 _ => continue,
             };
+            let is_goal = matches!(item, WorldItem::Goal(_));
+            self.declared(if is_goal { NameKind::Goal } else { NameKind::Never }, &question.name);
             let fresh = table.declare(&question.name, (), &mut self.diagnostics);
             if let Some(predicate) = self.guard(&question.predicate, &scope).filter(|_| fresh) {
                 let checked = Question { name: question.name.clone(), predicate };
-                if matches!(item, WorldItem::Goal(_)) {
+                if is_goal {
                     world.goals.push(checked);
                 } else {
                     world.nevers.push(checked);
@@ -189,6 +194,7 @@ impl Checker<'_> {
     }
 
     fn tiles<'t>(&mut self, tiles: &'t ast::Tiles, sets: &mut Table<TileSet<'t>>, lengths: &mut Vec<Term>) {
+        self.declared(NameKind::TileSet, &tiles.name);
         let (width, height) = (self.tile_side(&tiles.width, lengths), self.tile_side(&tiles.height, lengths));
         let mut set = TileSet {
             name: tiles.name.clone(),
@@ -224,7 +230,8 @@ impl Checker<'_> {
             let name = Name { text: tile.symbol.to_string(), span: tile.symbol_span };
             if symbols.declare(&name, (), &mut self.diagnostics) {
                 self.checked.other_tags.extend(tile.tags.iter().map(|t| t.text.clone()));
-                let tags = tile.tags.iter().filter(|t| t.text != "empty").map(|t| self.tag(t)).collect();
+                let tags = tile.tags.iter().filter(|t| t.text != "empty").map(|t| self.carried(t)).collect();
+                self.tile_spawn(tile.spawn.as_ref());
                 let kind = InlineTile { symbol: tile.symbol, tags };
                 match set.tiles.iter().position(|t| t.symbol == tile.symbol) {
                     Some(known) => {
@@ -237,6 +244,15 @@ impl Checker<'_> {
                     }
                 }
             }
+        }
+    }
+
+    /// Notes what a tile names beside its tags.
+    pub(super) fn tile_spawn(&mut self, spawn: Option<&ast::TileSpawn>) {
+        let Some(spawn) = spawn else { return };
+        self.entity_named(&spawn.entity);
+        if let Some(name) = &spawn.name {
+            self.declared(NameKind::Instance, name);
         }
     }
 
@@ -273,6 +289,9 @@ impl Checker<'_> {
                 let from = self.rectangle(&link.from, &mut world.lengths);
                 let to = self.rectangle(&link.to, &mut world.lengths);
                 let guard = link.guard.as_ref().map(|g| self.guard(g, &scope));
+                if let Some((declared, _)) = spaces.entry(&link.space.text) {
+                    self.seen(NameKind::Space, link.space.span, declared.span);
+                }
                 let Some(&target) = spaces.get(&link.space.text) else {
                     let fact = unknown("space", &link.space.text, link.space.span, spaces.names());
                     self.report_unknown(fact);
@@ -308,6 +327,7 @@ impl Checker<'_> {
                 self.report_unknown(fact);
                 continue;
             };
+            self.seen(NameKind::Instance, player.instance.span, world.instances[slot].name.span);
             let clash = world.players.iter().find(|p| p.number == number || p.slot == slot);
             if let Some(other) = clash {
                 let why = if other.number == number {

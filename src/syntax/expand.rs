@@ -13,7 +13,8 @@ use crate::diagnostic::catalogue::syntax::ExpressionTooLong;
 use crate::diagnostic::catalogue::types::MissingArguments;
 use crate::source::{SourceMap, Span};
 
-use super::ast::{Behavior, Expr, File, Item, Member, Use};
+use super::ast::{Behavior, Expr, ExprKind, File, Item, Member, Path, Use};
+use super::occurrence::{NameKind, Occurrences};
 use super::scan::{MAX_NESTING, MAX_OPERATORS};
 use super::substitute::Substitution;
 
@@ -22,14 +23,16 @@ pub const MAX_PUT: usize = 200_000;
 /// How deep modes, groups and behaviours may stand inside of each other once all are in place.
 const MAX_DEPTH: usize = 2 * MAX_NESTING;
 
-/// Puts all behaviours in place.
-pub fn expand(files: &mut [File], sources: &mut SourceMap) -> Diagnostics {
+/// Puts all behaviours in place, and notes where they and their parameters are named.
+pub fn expand(files: &mut [File], sources: &mut SourceMap, occurrences: &mut Occurrences) -> Diagnostics {
     let mut behaviors: BTreeMap<String, Behavior> = BTreeMap::new();
     let mut diagnostics = Diagnostics::new();
     for behavior in files.iter().flat_map(|f| &f.items).filter_map(|i| match i {
         Item::Behavior(behavior) => Some(behavior),
         _ => None,
     }) {
+        occurrences.declare(NameKind::Behavior, behavior.name.span);
+        note_parameters(behavior, occurrences);
         match behaviors.get(&behavior.name.text) {
             Some(first) => diagnostics.report(DuplicateName {
                 kind: "behavior",
@@ -56,6 +59,7 @@ pub fn expand(files: &mut [File], sources: &mut SourceMap) -> Diagnostics {
         suspects,
         sources,
         diagnostics,
+        occurrences,
         active: Vec::new(),
         put: 0,
         depth: 0,
@@ -78,6 +82,7 @@ struct Expander<'a> {
     suspects: BTreeSet<String>,
     sources: &'a mut SourceMap,
     diagnostics: Diagnostics,
+    occurrences: &'a mut Occurrences,
     /// The behaviours that are being put in place.
     active: Vec<String>,
     /// How many members were put in place.
@@ -177,6 +182,7 @@ impl Expander<'_> {
             return Vec::new();
         };
         self.used.insert(name.clone());
+        self.occurrences.read(NameKind::Behavior, put.behavior.span, behavior.name.span);
         if self.active.contains(name) {
             return Vec::new(); // a cycle, which is reported
         }
@@ -199,7 +205,8 @@ impl Expander<'_> {
         }
         let Some(arguments) = self.arguments(put, &behavior) else { return Vec::new() };
         let copy = self.sources.copy(behavior.name.span.file, put.span);
-        let mut substitution = Substitution { from: behavior.name.span.file, to: copy, arguments, too_long: None };
+        let from = behavior.name.span.file;
+        let mut substitution = Substitution { from, to: copy, arguments, too_long: None, replaced: Vec::new() };
         let mut members = behavior.members;
         members.iter_mut().for_each(|m| substitution.member(m));
         if let Some(at) = substitution.too_long {
@@ -221,6 +228,9 @@ impl Expander<'_> {
         for argument in &put.arguments {
             let (name, at) = (&argument.variable.name.text, argument.variable.span);
             let known = parameters.contains(name.as_str()) && argument.variable.primes == 0;
+            if let Some(parameter) = behavior.parameters.iter().find(|p| known && p.text == *name) {
+                self.occurrences.read(NameKind::Argument, argument.variable.name.span, parameter.span);
+            }
             if !known {
                 fits = false;
                 let known = behavior.parameters.iter().map(|p| (p.text.as_str(), Some(p.span)));
@@ -247,6 +257,28 @@ impl Expander<'_> {
             self.diagnostics.report(MissingArguments { at: put.span, name, missing, declared: behavior.name.span });
         }
         fits.then_some(arguments)
+    }
+}
+
+/// Notes where a behaviour names its own parameters: where they are replaced, here by themselves.
+fn note_parameters(behavior: &Behavior, occurrences: &mut Occurrences) {
+    for parameter in &behavior.parameters {
+        occurrences.declare(NameKind::Argument, parameter.span);
+    }
+    if behavior.parameters.is_empty() {
+        return;
+    }
+    let itself = |p: &super::ast::Name| {
+        let path = Path { segments: vec![p.clone()], primes: 0, span: p.span };
+        (p.text.clone(), Expr { kind: ExprKind::Path(path), span: p.span })
+    };
+    let (file, arguments) = (behavior.name.span.file, behavior.parameters.iter().map(itself).collect());
+    let mut substitution = Substitution { from: file, to: file, arguments, too_long: None, replaced: Vec::new() };
+    behavior.members.clone().iter_mut().for_each(|m| substitution.member(m));
+    for (at, parameter) in substitution.replaced {
+        if let Some(parameter) = behavior.parameters.get(parameter) {
+            occurrences.read(NameKind::Argument, at, parameter.span);
+        }
     }
 }
 

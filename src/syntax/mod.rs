@@ -12,6 +12,7 @@ mod expression;
 mod import;
 mod mend;
 mod message;
+pub mod occurrence;
 mod scan;
 mod substitute;
 

@@ -17,6 +17,8 @@ pub(super) struct Substitution {
     pub arguments: Vec<(String, Expr)>,
     /// The first expression that became too long.
     pub too_long: Option<Span>,
+    /// Where parameters stood, and which.
+    pub replaced: Vec<(Span, usize)>,
 }
 
 impl Substitution {
@@ -36,19 +38,20 @@ impl Substitution {
     }
 
     /// A path whose first name is a parameter that stands for a path.
-    fn path(&self, path: &mut Path) {
+    fn path(&mut self, path: &mut Path) {
         path.segments.iter_mut().for_each(|s| self.name(s));
         self.span(&mut path.span);
-        let argument = path.segments.first().and_then(|first| self.argument(&first.text));
-        if let Some(Expr { kind: ExprKind::Path(inner), .. }) = argument
+        let Some(parameter) = path.segments.first().and_then(|first| self.parameter(&first.text)) else { return };
+        if let Some((_, Expr { kind: ExprKind::Path(inner), .. })) = self.arguments.get(parameter)
             && inner.primes == 0
         {
-            path.segments.splice(..1, inner.segments.iter().cloned());
+            let replaced: Vec<Name> = path.segments.splice(..1, inner.segments.iter().cloned()).collect();
+            self.replaced.extend(replaced.first().map(|name| (name.span, parameter)));
         }
     }
 
-    fn argument(&self, name: &str) -> Option<&Expr> {
-        self.arguments.iter().find(|(n, _)| n == name).map(|(_, e)| e)
+    fn parameter(&self, name: &str) -> Option<usize> {
+        self.arguments.iter().position(|(n, _)| n == name)
     }
 
     /// A member and all inside it.
@@ -209,10 +212,14 @@ impl Substitution {
         self.span(&mut e.span);
         if let ExprKind::Path(path) = &mut e.kind {
             let only = path.segments.first().filter(|_| path.segments.len() == 1 && path.primes == 0);
-            let Some(argument) = only.and_then(|name| self.argument(&name.text)) else {
+            let parameter = only.and_then(|name| Some((name.span, self.parameter(&name.text)?)));
+            let Some((at, (index, (_, argument)))) =
+                parameter.and_then(|(at, index)| Some((at, (index, self.arguments.get(index)?))))
+            else {
                 self.path(path);
                 return;
             };
+            self.replaced.push((at, index));
             *operators += count(argument);
             // The argument stands in parentheses of its own, except for names: those of buttons and tags are no values.
             *e = match argument.kind {

@@ -20,6 +20,7 @@ use std::collections::BTreeMap;
 use crate::diagnostic::{Code, Diagnostics};
 use crate::ir::{Entity, EntityId, ExprId, PlayerId, Program, SlotId, World, WorldId};
 use crate::source::{FileId, SourceMap, Span};
+use crate::watch::{Unwatched, Watch};
 
 use super::evaluate::{Configuration, Reader};
 use super::{ConfigurationSpace, SlotSpace, with_any_supply};
@@ -29,6 +30,20 @@ const MOST_EFFORT: usize = 200_000;
 
 /// Looks for what values tell of the entities of a file. `said` is what was found before: nothing is said twice.
 pub fn findings(program: &Program, sources: &SourceMap, root: FileId, said: &Diagnostics) -> Diagnostics {
+    watched_findings(program, sources, root, said, &Unwatched).map(|(found, _)| found).unwrap_or_default()
+}
+
+/// What the worlds of a program can be, those with all their maps.
+pub type Spaces = BTreeMap<WorldId, ConfigurationSpace>;
+
+/// As [`findings`], and what the worlds can be; nothing if the watch stopped it.
+pub fn watched_findings(
+    program: &Program,
+    sources: &SourceMap,
+    root: FileId,
+    said: &Diagnostics,
+    watch: &dyn Watch,
+) -> Option<(Diagnostics, Spaces)> {
     let is_ours = |id: &EntityId| program.spans.entities[*id].name.file == root;
     // Where nothing of the file is in a world, there is nothing to tell.
     let occurs = |w: &World| w.slots.iter().any(|s| is_ours(&s.entity));
@@ -36,8 +51,11 @@ pub fn findings(program: &Program, sources: &SourceMap, root: FileId, said: &Dia
     let closed = program.worlds.pairs().filter(|(_, w)| w.open.is_none() && occurs(w));
     // Of what is left when that is used up nothing is said.
     let mut effort = MOST_EFFORT;
-    let worlds = closed.map_while(|(id, _)| (effort > 0).then(|| (id, with_any_supply(&free, id, &mut effort))));
+    let worlds = closed.map_while(|(id, _)| (effort > 0).then(|| (id, with_any_supply(&free, id, &mut effort, watch))));
     let worlds = worlds.collect();
+    if watch.stop() {
+        return None;
+    }
     let scene = Scene { program: &free, original: program, worlds, sources, said: Said::new(said) };
     let mut found = Diagnostics::new();
     for id in program.entities.ids().filter(is_ours) {
@@ -56,7 +74,7 @@ pub fn findings(program: &Program, sources: &SourceMap, root: FileId, said: &Dia
     found.trace(sources);
     // What stands in a behaviour of another file is that file's affair.
     found.retain(|d| d.primary.as_ref().is_some_and(|l| l.span.file == root));
-    found
+    Some((found, scene.worlds))
 }
 
 impl ConfigurationSpace {
@@ -96,7 +114,7 @@ struct Scene<'a> {
     program: &'a Program,
     original: &'a Program,
     /// Those with all their maps.
-    worlds: BTreeMap<WorldId, ConfigurationSpace>,
+    worlds: Spaces,
     sources: &'a SourceMap,
     said: Said,
 }

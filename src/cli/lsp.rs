@@ -1,0 +1,67 @@
+//! `hypedc lsp`: the language server over standard input and output.
+
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use lsp_server::Connection;
+
+use crate::lsp::{Server, Settings, Workspace};
+use crate::source::{Files, ReadError};
+
+use super::Answer;
+use super::disk::Disk;
+
+/// So many programs of a workspace are looked at, and so many folders searched for them.
+const MOST_PROGRAMS: usize = 2_000;
+const MOST_FOLDERS: usize = 20_000;
+
+/// The programs on the disk.
+struct Folders;
+
+impl Files for Folders {
+    fn read(&self, path: &Path) -> Result<String, ReadError> {
+        Disk.read(path)
+    }
+
+    fn identity(&self, path: &Path) -> PathBuf {
+        Disk.identity(path)
+    }
+}
+
+impl Workspace for Folders {
+    fn programs(&self, folder: &Path) -> Vec<PathBuf> {
+        let (mut found, mut folders, mut searched) = (Vec::new(), vec![folder.to_path_buf()], 0);
+        while let Some(folder) = folders.pop() {
+            searched += 1;
+            if searched > MOST_FOLDERS || found.len() >= MOST_PROGRAMS {
+                break;
+            }
+            let Ok(entries) = std::fs::read_dir(&folder) else { continue };
+            for entry in entries.flatten() {
+                let path = entry.path();
+                let hidden = entry.file_name().to_string_lossy().starts_with('.');
+                let built = matches!(entry.file_name().to_str(), Some("target" | "node_modules"));
+                // Links are not followed: they may lead round in circles.
+                match entry.file_type() {
+                    Ok(kind) if kind.is_dir() && !hidden && !built => folders.push(path),
+                    Ok(kind) if kind.is_file() && path.extension().is_some_and(|e| e == "hyped") => found.push(path),
+                    _ => {}
+                }
+            }
+        }
+        found.sort();
+        found.truncate(MOST_PROGRAMS);
+        found
+    }
+}
+
+pub(super) fn run() -> io::Result<Answer> {
+    let (connection, threads) = Connection::stdio();
+    let orderly = Server::serve(connection, Arc::new(Folders), Settings::default());
+    // A client that went away without a word may have left the pipe open.
+    if orderly {
+        threads.join()?;
+    }
+    Ok(if orderly { Answer::Yes } else { Answer::No })
+}

@@ -1,0 +1,256 @@
+//! What is shown of a name: how it is declared, what it is, its dimension, its documentation, and what it can be in each
+//! mode as far as the analysis knows.
+
+use gen_lsp_types as types;
+use gen_lsp_types::{Hover, MarkupContent, MarkupKind};
+
+use crate::analysis::Values;
+use crate::sema::checked::{Checked, Entity, Type};
+use crate::sema::ids::EntityId;
+use crate::source::Span;
+use crate::syntax::occurrence::{NameKind, Occurrence};
+
+use super::lexer::{Kind, tokens};
+use super::navigate::Spot;
+use super::server::{Failure, Server};
+use super::snapshot::Snapshot;
+use super::uri::path_of;
+use super::values::written;
+use super::words::SIGNATURES;
+
+/// So many modes are listed.
+const MOST_MODES: usize = 12;
+
+impl Server {
+    pub(super) fn hover(&mut self, params: types::HoverParams) -> Result<Option<Hover>, Failure> {
+        let at = params.text_document_position_params;
+        let spots = self.spots(&at);
+        let named = spots.iter().find(|spot| !spot.names.is_empty());
+        let Some((spot, o)) = named.and_then(|spot| Some((spot, *spot.names.first()?))) else {
+            return Ok(self.hover_word(&at));
+        };
+        let snapshot = spot.snapshot();
+        let value = About { spot, snapshot, o }.text();
+        let range = Some(snapshot.range(o.at, self.client.encoding));
+        Ok(Some(Hover { contents: markdown(value).into(), range }))
+    }
+
+    /// A function of the language.
+    fn hover_word(&self, at: &types::TextDocumentPositionParams) -> Option<Hover> {
+        let document = self.documents.get(&path_of(&at.text_document.uri))?;
+        let (text, encoding) = (&document.text, self.client.encoding);
+        let byte = text.byte(at.position, encoding);
+        let all = tokens(text.code());
+        let index = all.iter().position(|t| t.kind == Kind::Word && t.at.start <= byte && byte <= t.at.end)?;
+        let (token, word) = (all.get(index)?, all.get(index)?.text(text.code()));
+        all.get(index + 1).filter(|next| next.text(text.code()) == "(")?;
+        let ways = SIGNATURES.iter().filter(|s| s.name == word);
+        let ways: Vec<String> = ways.map(|s| format!("`{word}({})`: {}", s.parameters.join(", "), s.doc)).collect();
+        let range = Some(text.range(token.at.clone(), encoding));
+        (!ways.is_empty()).then(|| Hover { contents: markdown(ways.join("\n\n")).into(), range })
+    }
+}
+
+/// Text with marks.
+pub(super) fn markdown(value: String) -> MarkupContent {
+    MarkupContent { kind: MarkupKind::Markdown, value }
+}
+
+/// What a kind of names is called.
+pub(super) fn called(kind: NameKind) -> &'static str {
+    match kind {
+        NameKind::Constant => "constant",
+        NameKind::Entity => "entity",
+        NameKind::Behavior => "behavior",
+        NameKind::Argument => "parameter of a behavior",
+        NameKind::World => "world",
+        NameKind::Group => "group",
+        NameKind::Mode => "mode",
+        NameKind::Parameter => "parameter",
+        NameKind::Variable => "continuous variable",
+        NameKind::Discrete => "discrete variable",
+        NameKind::Value => "value of a discrete variable",
+        NameKind::Reference => "reference",
+        NameKind::Touched => "what is touched",
+        NameKind::Button => "button",
+        NameKind::Axis => "axis, -1 to 1",
+        NameKind::Tag => "tag",
+        NameKind::Space => "space",
+        NameKind::TileSet => "tile set",
+        NameKind::Instance => "instance",
+        NameKind::Goal => "goal",
+        NameKind::Never => "never",
+    }
+}
+
+/// The entities whose value, mode or input a name is: several if it stands in a behaviour.
+pub(super) fn owners<'c>(
+    checked: &'c Checked,
+    snapshot: &Snapshot,
+    o: &Occurrence,
+    name: &str,
+) -> Vec<(EntityId, &'c Entity)> {
+    let is_it = |span: Span| snapshot.study.compilation.sources.trace(span).0 == o.declared;
+    let owns = |e: &Entity| match o.kind {
+        NameKind::Parameter => e.params.iter().any(|p| is_it(p.name.span)),
+        NameKind::Variable => e.vars.iter().any(|v| v.name.text == name && is_it(v.name.span)),
+        NameKind::Discrete => e.discretes.iter().any(|d| is_it(d.name.span)),
+        NameKind::Reference => e.refs.iter().any(|r| is_it(r.name.span)),
+        NameKind::Button => e.buttons.iter().any(|b| is_it(b.span)),
+        NameKind::Axis => e.axes.iter().any(|a| is_it(a.span)),
+        NameKind::Mode => e.modes.iter().any(|m| is_it(m.name.span)),
+        NameKind::Group => e.groups.iter().filter_map(|g| g.name.as_ref()).any(|n| is_it(n.span)),
+        _ => false,
+    };
+    checked.entities.pairs().filter(|(_, e)| owns(e)).map(|(id, e)| (id, &**e)).collect()
+}
+
+/// Makes the text of a hover.
+struct About<'a> {
+    spot: &'a Spot<'a>,
+    snapshot: &'a Snapshot,
+    o: Occurrence,
+}
+
+impl About<'_> {
+    fn text(&self) -> String {
+        let name = self.snapshot.name(&self.o);
+        let checked = &self.snapshot.study.checked;
+        let owners = owners(checked, self.snapshot, &self.o, name);
+        let mut parts = Vec::new();
+        let is_own = self.snapshot.study.compilation.sources.slice(self.o.declared) == name;
+        if is_own && self.o.kind != NameKind::Tag {
+            parts.push(format!("```hyped\n{}\n```", self.snapshot.line(self.o.declared)));
+        }
+        let mut what = called(self.o.kind).to_string();
+        let names: Vec<String> = owners.iter().take(3).map(|(_, e)| format!("`{}`", e.name.text)).collect();
+        if !names.is_empty() {
+            what = format!("{what} of {}", names.join(", "));
+        }
+        if let Some(dimension) = owners.first().and_then(|(id, e)| self.dimension(*id, e, name)) {
+            what = format!("{what}, {dimension}");
+        }
+        parts.push(if is_own { what } else { format!("`{name}`: {what}") });
+        parts.extend(self.snapshot.doc(self.o.declared));
+        match self.o.kind {
+            NameKind::Mode => parts.extend(owners.first().map(|(_, e)| self.ways(e))),
+            NameKind::Tag => parts.push(self.carriers(name)),
+            NameKind::Instance => parts.extend(self.instance(name)),
+            NameKind::Variable | NameKind::Discrete => {
+                parts.extend(owners.iter().take(3).filter_map(|(_, e)| self.ranges(e, name)));
+            }
+            _ => {}
+        }
+        parts.retain(|part| !part.is_empty());
+        parts.join("\n\n")
+    }
+
+    /// How many primes follow the name.
+    fn degree(&self) -> usize {
+        let text = self.snapshot.text(self.o.at.file);
+        let after = text.code().get(self.o.at.end as usize..).unwrap_or_default();
+        after.bytes().take_while(|b| *b == b'\'').count().min(2)
+    }
+
+    fn dimension(&self, id: EntityId, entity: &Entity, name: &str) -> Option<String> {
+        let known = &self.snapshot.study.checked.dimensions;
+        match self.o.kind {
+            NameKind::Parameter => {
+                let param = entity.params.find(|p| p.name.text == name)?;
+                known.params.get(&(id, param)).cloned()
+            }
+            NameKind::Variable => {
+                let var = entity.vars.find(|v| v.name.text == name)?;
+                let base = if name == "x" || name == "y" { "px" } else { known.vars.get(&(id, var))? };
+                Some(per_second(base, self.degree()))
+            }
+            NameKind::Discrete => {
+                let discrete = &entity.discretes[entity.discretes.find(|d| d.name.text == name)?];
+                Some(match &discrete.ty {
+                    Type::Bool => "true or false".into(),
+                    Type::Set(values) => values.join(", "),
+                    _ => format!("{}..{}", discrete.range.0, discrete.range.1),
+                })
+            }
+            _ => None,
+        }
+    }
+
+    /// What a variable can be in each mode.
+    fn ranges(&self, entity: &Entity, name: &str) -> Option<String> {
+        let known = self.spot.known.ranges.as_ref()?.get(&entity.name.text, name);
+        let degree = if self.o.kind == NameKind::Variable { self.degree() } else { 0 };
+        let names = entity.discretes.iter().find(|d| d.name.text == name).map(|d| &d.ty);
+        let shown = |values: &Values| match names {
+            Some(Type::Set(all)) => {
+                let may = all.iter().enumerate().filter(|(at, _)| values.contains(*at as f64));
+                may.map(|(_, name)| name.clone()).collect::<Vec<_>>().join(" or ")
+            }
+            Some(Type::Bool) => {
+                let may = [(0.0, "false"), (1.0, "true")].into_iter().filter(|(at, _)| values.contains(*at));
+                may.map(|(_, name)| name).collect::<Vec<_>>().join(" or ")
+            }
+            _ => written(values),
+        };
+        let rows: Vec<(&str, String)> =
+            known.iter().filter_map(|m| Some((m.mode.as_str(), shown(m.values.get(degree)?)))).collect();
+        let first = rows.first()?;
+        let written = format!("{name}{}", "'".repeat(degree));
+        if rows.iter().all(|(_, values)| *values == first.1) {
+            return Some(format!("`{written}` is always {}", first.1)).filter(|_| first.1 != "any");
+        }
+        let lines = rows.iter().take(MOST_MODES).map(|(mode, values)| format!("| `{mode}` | {values} |"));
+        let more = rows.len().saturating_sub(MOST_MODES);
+        let more = (more > 0).then(|| format!("\n\n… and {more} more modes")).unwrap_or_default();
+        Some(format!("| in | `{written}` is |\n|---|---|\n{}{more}", lines.collect::<Vec<_>>().join("\n")))
+    }
+
+    /// Where a mode leads, and from where.
+    fn ways(&self, entity: &Entity) -> String {
+        let sources = &self.snapshot.study.compilation.sources;
+        let is_it = |span: Span| sources.trace(span).0 == self.o.declared;
+        let Some(mode) = entity.modes.find(|m| is_it(m.name.span)) else { return String::new() };
+        let list = |modes: Vec<String>| {
+            let mut once: Vec<String> = Vec::new();
+            for mode in modes {
+                if !once.contains(&mode) {
+                    once.push(mode);
+                }
+            }
+            once.join(", ")
+        };
+        let path = |id| format!("`{}`", entity.modes[id].path.join("."));
+        let into = entity.edges.iter().filter(|e| e.target == Some(mode)).map(|e| path(e.source)).collect();
+        let out = entity.edges.iter().filter(|e| e.source == mode).filter_map(|e| e.target).map(path).collect();
+        let line = |word: &str, modes: String| (!modes.is_empty()).then(|| format!("{word} {modes}"));
+        let lines = [line("from", list(into)), line("to", list(out))];
+        lines.into_iter().flatten().collect::<Vec<_>>().join("  \n")
+    }
+
+    /// What carries a tag.
+    fn carriers(&self, name: &str) -> String {
+        let checked = &self.snapshot.study.checked;
+        let Some(tag) = checked.tags.find(|t| t.text == name) else { return String::new() };
+        let entities = checked.entities.iter().filter(|e| e.colliders.iter().any(|c| c.tags.contains(&tag)));
+        let entities: Vec<String> = entities.map(|e| format!("`{}`", e.name.text)).collect();
+        if entities.is_empty() { String::new() } else { format!("colliders of {}", entities.join(", ")) }
+    }
+
+    fn instance(&self, name: &str) -> Option<String> {
+        let checked = &self.snapshot.study.checked;
+        let instance = checked.worlds.iter().flat_map(|w| w.instances.iter()).find(|i| i.name.text == name)?;
+        Some(format!("of `{}`", checked.entities.get(instance.entity)?.name.text))
+    }
+}
+
+/// The dimension of a derivative.
+fn per_second(base: &str, degree: usize) -> String {
+    match (base, degree) {
+        (base, 0) => base.into(),
+        ("1", 1) => "1/s".into(),
+        ("1", _) => "1/s^2".into(),
+        (base, _) if base.contains('/') => format!("({base})/s{}", if degree == 2 { "^2" } else { "" }),
+        (base, 1) => format!("{base}/s"),
+        (base, _) => format!("{base}/s^2"),
+    }
+}

@@ -1,0 +1,63 @@
+//! The language server: what editors ask of open texts (Language Server Protocol 3.18), over any connection.
+//!
+//! ```text
+//!  editor ◀──messages──▶ server ──documents──▶ worker ──compile──▶ Snapshot ──▶ server
+//!                          │                      └────analysis──▶ findings, ranges ──▶ server
+//!                          └── one file for each family of requests, from the newest snapshots
+//! ```
+//!
+//! The server's thread only reads messages, keeps the documents and answers from snapshots; all that takes long is done
+//! by the worker, which starts anew when a document changes. A request that needs names waits until the worker has
+//! compiled the documents as the request saw them. What broken texts do not tell is taken from the last snapshot that was
+//! free of errors.
+
+mod actions;
+mod capabilities;
+mod completion;
+mod diagnostics;
+mod dispatch;
+mod documents;
+mod hierarchy;
+mod hints;
+mod hover;
+mod lexer;
+mod navigate;
+mod place;
+mod rename;
+mod server;
+mod signature;
+mod snapshot;
+mod structure;
+mod text;
+mod tokens;
+mod uri;
+mod values;
+mod words;
+mod worker;
+
+use std::path::{Path, PathBuf};
+
+pub use server::{Server, Settings};
+
+use crate::source::{Files, ReadError};
+
+/// Where programs are that no document is open of.
+pub trait Workspace: Files + Send + Sync {
+    /// The programs in a folder and in those below.
+    fn programs(&self, folder: &Path) -> Vec<PathBuf>;
+}
+
+/// A disk without files.
+struct Nowhere;
+
+impl Files for Nowhere {
+    fn read(&self, _path: &Path) -> Result<String, ReadError> {
+        Err(ReadError::Unreadable("no such file".into()))
+    }
+}
+
+impl Workspace for Nowhere {
+    fn programs(&self, _folder: &Path) -> Vec<PathBuf> {
+        Vec::new()
+    }
+}

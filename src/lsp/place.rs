@@ -1,0 +1,211 @@
+//! Where a cursor stands, told from the words before it: the blocks around it, the statement that it is in, the brackets
+//! that are open. Works in any text, finished or not.
+
+use super::lexer::{Kind, Token, tokens};
+
+/// What a block is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Block {
+    Entity,
+    Behavior,
+    Group,
+    Mode,
+    /// The updates of an edge.
+    Updates,
+    Envelope,
+    World,
+    Tiles,
+    Space,
+    /// What a `place` sets.
+    Settings,
+    /// What the names and characters of a level stand for.
+    Kinds,
+    /// The values of a discrete variable, and what is not known.
+    Other,
+}
+
+/// A block that is open.
+#[derive(Debug, Clone)]
+pub(super) struct Open<'t> {
+    pub block: Block,
+    /// Its name, if it has one.
+    pub name: &'t str,
+    /// The first byte of its head.
+    pub start: usize,
+}
+
+/// A bracket that is open, and what is called with it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Call<'t> {
+    pub name: &'t str,
+    /// The word before the name, such as `spawn`.
+    pub before: &'t str,
+    /// Which argument the cursor is in.
+    pub argument: usize,
+}
+
+/// Where a cursor stands.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Place<'t> {
+    /// The blocks around it, outermost first.
+    pub blocks: Vec<Open<'t>>,
+    /// The words of its statement, those before it; the one that is being written is not among them.
+    pub statement: Vec<&'t str>,
+    /// The bytes of the word that is being written.
+    pub word: std::ops::Range<usize>,
+    /// The calls that are open, outermost first.
+    pub calls: Vec<Call<'t>>,
+    /// The first byte of the statement.
+    begin: usize,
+    /// Whether it stands in a comment or a text in quotes.
+    pub is_quoted: bool,
+}
+
+impl<'t> Place<'t> {
+    /// Of a byte of a text.
+    pub fn of(text: &'t str, byte: usize) -> Self {
+        let mut place = Place { word: byte..byte, ..Place::default() };
+        // Brackets that are open in the statement: where what is called begins in it, and how many commas came.
+        let mut brackets: Vec<(usize, usize)> = Vec::new();
+        for token in tokens(text) {
+            if token.at.start >= byte {
+                break;
+            }
+            let Token { kind, at } = &token;
+            let inside = at.start < byte && byte < at.end;
+            if matches!(kind, Kind::Comment) && byte <= at.end || matches!(kind, Kind::Text | Kind::Tile) && inside {
+                place.is_quoted = true;
+                break;
+            }
+            if *kind == Kind::Word && byte <= at.end {
+                place.word = at.clone();
+                break;
+            }
+            place.take(text, &token, &mut brackets);
+        }
+        for (start, commas) in brackets {
+            let word = |back: usize| start.checked_sub(back).and_then(|at| place.statement.get(at)).copied();
+            let (name, before) = (word(1).unwrap_or_default(), word(2).unwrap_or_default());
+            place.calls.push(Call { name, before, argument: commas });
+        }
+        place
+    }
+
+    fn take(&mut self, text: &'t str, token: &Token, brackets: &mut Vec<(usize, usize)>) {
+        let word = text.get(token.at.clone()).unwrap_or_default();
+        match word {
+            "{" => {
+                let head = std::mem::take(&mut self.statement);
+                let outer = self.blocks.last().map(|b| b.block);
+                let (block, name) = opened(&head, outer);
+                self.blocks.push(Open { block, name, start: self.begin });
+                brackets.clear();
+            }
+            "}" => {
+                self.blocks.pop();
+                self.statement.clear();
+                brackets.clear();
+            }
+            ";" => {
+                self.statement.clear();
+                brackets.clear();
+            }
+            _ if token.kind == Kind::Newline => {
+                let goes_on = self.statement.last().is_some_and(|last| {
+                    matches!(*last, "and" | "or" | "not" | "," | "+" | "-" | "*" | "/" | "<" | ">" | "=" | ":=" | "->")
+                });
+                if brackets.is_empty() && !goes_on {
+                    self.statement.clear();
+                }
+            }
+            _ if token.kind == Kind::Comment => {}
+            _ => {
+                match word {
+                    "(" => brackets.push((self.statement.len(), 0)),
+                    ")" => drop(brackets.pop()),
+                    "," => {
+                        if let Some((_, commas)) = brackets.last_mut() {
+                            *commas += 1;
+                        }
+                    }
+                    _ => {}
+                }
+                if self.statement.is_empty() {
+                    self.begin = token.at.start;
+                }
+                self.statement.push(word);
+            }
+        }
+    }
+
+    /// The innermost block.
+    pub fn block(&self) -> Option<Block> {
+        self.blocks.last().map(|b| b.block)
+    }
+
+    /// The block of some kind around it.
+    pub fn around(&self, block: Block) -> Option<&Open<'t>> {
+        self.blocks.iter().rev().find(|b| b.block == block)
+    }
+
+    /// The word so many words back.
+    pub fn back(&self, count: usize) -> &'t str {
+        self.statement.len().checked_sub(count).and_then(|at| self.statement.get(at)).copied().unwrap_or_default()
+    }
+}
+
+/// What a block is by its head.
+fn opened<'t>(head: &[&'t str], outer: Option<Block>) -> (Block, &'t str) {
+    let word = |at: usize| head.get(at).copied().unwrap_or_default();
+    let after = |key: &str| head.iter().position(|w| *w == key).map(|at| word(at + 1)).unwrap_or_default();
+    match (word(0), outer) {
+        ("entity", _) => (Block::Entity, word(1)),
+        ("behavior", _) => (Block::Behavior, word(1)),
+        ("world", _) => (Block::World, word(1)),
+        ("group", _) => (Block::Group, word(1)),
+        ("mode" | "initial", _) => (Block::Mode, after("mode")),
+        ("when" | "follow" | "->" | "and" | "or", _) => (Block::Updates, ""),
+        ("envelope", _) => (Block::Envelope, ""),
+        ("tiles", Some(Block::World)) => (Block::Tiles, word(1)),
+        ("space", Some(Block::World)) => (Block::Space, word(1)),
+        ("place", Some(Block::Space)) => (Block::Settings, word(3)),
+        ("map", Some(Block::Space)) => (Block::Kinds, ""),
+        _ => (Block::Other, ""),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(text: &str) -> (String, usize) {
+        let byte = text.find('|').unwrap_or(text.len());
+        (text.replacen('|', "", 1), byte)
+    }
+
+    #[test]
+    fn blocks_and_statements_are_told() {
+        let (text, byte) = at("entity A {\n  mode up {\n    when held(b)\n  and y > 3 -> do|wn");
+        let place = Place::of(&text, byte);
+        assert_eq!(place.block(), Some(Block::Mode));
+        assert_eq!(place.around(Block::Entity).map(|b| b.name), Some("A"));
+        assert_eq!((place.back(1), &text[place.word.clone()]), ("->", "down"));
+    }
+
+    #[test]
+    fn calls_are_told() {
+        let (text, byte) = at("world W { goal g: near(hero, (3, 4), |");
+        let call = |name, argument| Call { name, before: ":", argument };
+        assert_eq!(Place::of(&text, byte).calls, [call("near", 2)]);
+        let (text, byte) = at("entity A { mode m { when touching(a, |");
+        assert_eq!(Place::of(&text, byte).calls, [Call { name: "touching", before: "when", argument: 1 }]);
+    }
+
+    #[test]
+    fn texts_and_comments_are_told() {
+        let (text, byte) = at("import \"a|\"");
+        assert!(Place::of(&text, byte).is_quoted);
+        let (text, byte) = at("x // a|");
+        assert!(Place::of(&text, byte).is_quoted);
+    }
+}

@@ -1,0 +1,455 @@
+//! The server's loop: messages in, documents kept, answers out. Requests that need names wait here until the worker has
+//! compiled what they ask about.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+
+use crossbeam_channel::{Receiver, Sender, select, unbounded};
+use gen_lsp_types as types;
+use gen_lsp_types::{Notification as _, Uri};
+use lsp_server::{Connection, ErrorCode, Message, Notification, Request, RequestId, Response};
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::diagnostic::Diagnostics;
+
+use super::Workspace;
+use super::capabilities::{Client, capabilities, watchers};
+use super::diagnostics::{ByDocument, Published, by_document};
+use super::documents::Documents;
+use super::snapshot::Snapshot;
+use super::tokens::Shown as ShownTokens;
+use super::uri::path_of;
+use super::values::Ranges;
+use super::worker::{Event, Job, Worker};
+
+/// How the server works.
+#[derive(Debug, Clone, Copy)]
+pub struct Settings {
+    /// How long nothing must change before it is worked out what values can be.
+    pub quiet: Duration,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Settings { quiet: Duration::from_millis(200) }
+    }
+}
+
+/// Why a request has no answer.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Failure {
+    pub code: i32,
+    pub message: String,
+}
+
+impl Failure {
+    /// The request was understood, and cannot be met.
+    pub fn refused(message: impl Into<String>) -> Self {
+        Failure { code: ErrorCode::RequestFailed as i32, message: message.into() }
+    }
+}
+
+/// What is known of a program that is open, or in the workspace.
+pub(super) struct Known {
+    pub now: Arc<Snapshot>,
+    /// The last one without errors.
+    pub good: Option<Arc<Snapshot>>,
+    /// What values tell of it as it is now.
+    pub findings: Option<Diagnostics>,
+    /// What its variables could be when that was last known.
+    pub ranges: Option<Ranges>,
+    shown: ByDocument,
+}
+
+/// What a request needs before it is answered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Needs {
+    /// The text alone.
+    Text,
+    /// The programs that are open.
+    Open,
+    /// All programs of the workspace.
+    All,
+    /// That the worker has nothing left to do.
+    Idle,
+}
+
+/// A language server.
+pub struct Server {
+    pub(super) client: Client,
+    pub(super) documents: Documents,
+    pub(super) known: BTreeMap<PathBuf, Known>,
+    pub(super) tokens: ShownTokens,
+    pub(super) disk: Arc<dyn Workspace>,
+    sender: Sender<Message>,
+    published: Published,
+    folders: Arc<Vec<PathBuf>>,
+    jobs: Sender<Job>,
+    /// Grows with every change.
+    revision: u64,
+    settled: Option<u64>,
+    indexed: Option<u64>,
+    idle: Option<u64>,
+    /// What changed since the last job.
+    changed: BTreeSet<PathBuf>,
+    is_due: bool,
+    rescan: bool,
+    waiting: Vec<(Request, Needs)>,
+    has_shut_down: bool,
+    last_request: i32,
+}
+
+impl Server {
+    /// Serves a connection until the editor says `exit`, or goes away; gives whether it said `shutdown` before.
+    pub fn serve(connection: Connection, disk: Arc<dyn Workspace>, settings: Settings) -> bool {
+        let Connection { sender, receiver } = connection;
+        let connection = Connection { sender: sender.clone(), receiver: receiver.clone() };
+        let Ok((id, params)) = connection.initialize_start() else { return false };
+        let params: types::InitializeParams = serde_json::from_value(params).unwrap_or_default();
+        let client = Client::of(&params);
+        let folders = folders(&params);
+        let result = types::InitializeResult {
+            capabilities: capabilities(&client),
+            server_info: Some(types::ServerInfo {
+                name: "hypedc".into(),
+                version: Some(env!("CARGO_PKG_VERSION").into()),
+            }),
+        };
+        let (jobs, waiting_jobs) = unbounded();
+        let (tell, events) = unbounded();
+        let worker = Worker { jobs: waiting_jobs, events: tell, disk: Arc::clone(&disk), quiet: settings.quiet };
+        let thread = std::thread::spawn(move || worker.run());
+        let mut server = Server {
+            client,
+            documents: Documents::default(),
+            known: BTreeMap::new(),
+            tokens: ShownTokens::default(),
+            disk,
+            sender,
+            published: Published::default(),
+            folders: Arc::new(folders),
+            jobs,
+            revision: 0,
+            settled: None,
+            indexed: None,
+            idle: None,
+            changed: BTreeSet::new(),
+            is_due: true,
+            rescan: true,
+            waiting: Vec::new(),
+            has_shut_down: false,
+            last_request: 0,
+        };
+        server.answer(id, Ok(result));
+        let orderly = server.run(&receiver, &events);
+        drop(server);
+        drop(events);
+        let _ = thread.join();
+        orderly
+    }
+
+    fn run(&mut self, messages: &Receiver<Message>, events: &Receiver<Event>) -> bool {
+        loop {
+            self.give_job();
+            select! {
+                recv(messages) -> message => {
+                    let Ok(message) = message else { return self.has_shut_down };
+                    if !self.message(message) {
+                        return self.has_shut_down;
+                    }
+                    // All edits that are there already make one job.
+                    while let Ok(message) = messages.try_recv() {
+                        if !self.message(message) {
+                            return self.has_shut_down;
+                        }
+                    }
+                }
+                recv(events) -> event => {
+                    let Ok(event) = event else { return false };
+                    self.event(event);
+                }
+            }
+        }
+    }
+
+    /// Hands the documents to the worker if they changed.
+    fn give_job(&mut self) {
+        if !std::mem::take(&mut self.is_due) {
+            return;
+        }
+        self.revision += 1;
+        let job = Job {
+            revision: self.revision,
+            open: Arc::clone(self.documents.all()),
+            folders: Arc::clone(&self.folders),
+            rescan: std::mem::take(&mut self.rescan),
+            changed: std::mem::take(&mut self.changed),
+        };
+        let _ = self.jobs.send(job);
+    }
+
+    fn touch(&mut self, path: Option<PathBuf>) {
+        if let Some(path) = path {
+            self.changed.insert(path);
+            self.is_due = true;
+        }
+    }
+
+    /// Takes a message; gives whether to go on.
+    fn message(&mut self, message: Message) -> bool {
+        match message {
+            Message::Request(request) => self.request(request),
+            Message::Notification(notification) if notification.method == "exit" => return false,
+            Message::Notification(notification) => self.notification(notification),
+            Message::Response(_) => {}
+        }
+        true
+    }
+
+    fn request(&mut self, request: Request) {
+        if request.method == "shutdown" {
+            self.has_shut_down = true;
+            return self.answer(request.id, Ok(()));
+        }
+        if self.has_shut_down || request.method == "initialize" {
+            let (code, message) =
+                (ErrorCode::InvalidRequest as i32, "the server has shut down, or runs already".into());
+            return self.answer::<()>(request.id, Err(Failure { code, message }));
+        }
+        let needs = needs(&request.method);
+        if self.is_ready(needs) { self.dispatch(request) } else { self.waiting.push((request, needs)) }
+    }
+
+    fn is_ready(&self, needs: Needs) -> bool {
+        let current = |done: Option<u64>| !self.is_due && done == Some(self.revision);
+        match needs {
+            Needs::Text => true,
+            Needs::Open => current(self.settled),
+            Needs::All => current(self.indexed),
+            Needs::Idle => current(self.idle),
+        }
+    }
+
+    /// Answers what waited and need not wait any longer.
+    fn resume(&mut self) {
+        let waiting = std::mem::take(&mut self.waiting);
+        for (request, needs) in waiting {
+            if self.is_ready(needs) { self.dispatch(request) } else { self.waiting.push((request, needs)) }
+        }
+    }
+
+    fn notification(&mut self, notification: Notification) {
+        fn read<N: types::Notification>(params: Value) -> Option<N::Params> {
+            serde_json::from_value(params).ok()
+        }
+        let Notification { method, params } = notification;
+        match method.as_str() {
+            "initialized" => {
+                if self.client.watches_files {
+                    self.ask("client/registerCapability", watchers());
+                }
+            }
+            "textDocument/didOpen" => {
+                let Some(params) = read::<types::DidOpenTextDocumentNotification>(params) else { return };
+                let document = params.text_document;
+                let language = document.language_id.to_string();
+                let path = self.documents.open(document.uri, document.version, document.text, &language);
+                self.touch(Some(path));
+            }
+            "textDocument/didChange" => {
+                let Some(params) = read::<types::DidChangeTextDocumentNotification>(params) else { return };
+                let types::DidChangeTextDocumentParams { text_document: document, content_changes } = params;
+                let (uri, encoding) = (&document.text_document_identifier.uri, self.client.encoding);
+                let path = self.documents.change(uri, document.version, content_changes, encoding);
+                self.touch(path);
+            }
+            "textDocument/didClose" => {
+                let Some(params) = read::<types::DidCloseTextDocumentNotification>(params) else { return };
+                self.tokens.forget(&path_of(&params.text_document.uri));
+                let path = self.documents.close(&params.text_document.uri);
+                self.touch(path);
+            }
+            "workspace/didChangeWatchedFiles" => {
+                let Some(params) = read::<types::DidChangeWatchedFilesNotification>(params) else { return };
+                for change in params.changes {
+                    self.rescan |= change.kind != types::FileChangeType::Changed;
+                    self.touch(Some(path_of(&change.uri)));
+                }
+            }
+            "workspace/didChangeWorkspaceFolders" => {
+                let Some(params) = read::<types::DidChangeWorkspaceFoldersNotification>(params) else { return };
+                let gone: Vec<PathBuf> = params.event.removed.iter().map(|f| path_of(&f.uri)).collect();
+                let folders = Arc::make_mut(&mut self.folders);
+                folders.retain(|folder| !gone.contains(folder));
+                folders.extend(params.event.added.iter().map(|f| path_of(&f.uri)));
+                (self.rescan, self.is_due) = (true, true);
+            }
+            "$/cancelRequest" => {
+                let Some(params) = read::<types::CancelNotification>(params) else { return };
+                let id = match params.id {
+                    types::Id::Int(number) => RequestId::from(number),
+                    types::Id::String(text) => RequestId::from(text),
+                };
+                if let Some(at) = self.waiting.iter().position(|(request, _)| request.id == id) {
+                    self.waiting.remove(at);
+                    let (code, message) = (ErrorCode::RequestCanceled as i32, "cancelled".into());
+                    self.answer::<()>(id, Err(Failure { code, message }));
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn event(&mut self, event: Event) {
+        match event {
+            Event::Compiled(snapshot) => {
+                let encoding = self.client.encoding;
+                let is_open = self.documents.get(&snapshot.root).is_some();
+                let shown = if is_open { by_document(&snapshot, None, encoding) } else { ByDocument::new() };
+                let before = self.known.remove(&snapshot.root);
+                let (good, ranges) = before.map_or((None, None), |known| (known.good, known.ranges));
+                let good = if snapshot.is_good() { Some(Arc::clone(&snapshot)) } else { good };
+                let known = Known { now: Arc::clone(&snapshot), good, findings: None, ranges, shown };
+                self.known.insert(snapshot.root.clone(), known);
+            }
+            Event::Dropped(path) => {
+                self.known.remove(&path);
+            }
+            Event::Settled(revision) => {
+                self.settled = Some(revision);
+                self.publish();
+                self.resume();
+            }
+            Event::Indexed(revision) => {
+                self.indexed = Some(revision);
+                self.resume();
+            }
+            Event::Idle(revision) => {
+                self.idle = Some(revision);
+                self.resume();
+            }
+            Event::Examined(snapshot, found) => {
+                let encoding = self.client.encoding;
+                let known = self.known.get_mut(&snapshot.root).filter(|known| Arc::ptr_eq(&known.now, &snapshot));
+                let Some(known) = known else { return };
+                let (findings, ranges) = *found;
+                known.shown = by_document(&snapshot, Some(&findings), encoding);
+                known.findings = Some(findings);
+                known.ranges = Some(ranges);
+                self.publish();
+                if self.client.refreshes_hints {
+                    self.ask("workspace/inlayHint/refresh", Value::Null);
+                }
+            }
+        }
+    }
+
+    /// Tells the editor of findings that changed.
+    fn publish(&mut self) {
+        let open = self.known.iter().filter(|(path, _)| self.documents.get(path).is_some());
+        let version = |uri: &str| {
+            let path = path_of(&Uri(uri.into()));
+            let of = |known: &Known| known.now.file(&path).and_then(|file| known.now.version(file));
+            self.known.get(&path).and_then(of)
+        };
+        for params in self.published.update(open.map(|(_, known)| &known.shown), version) {
+            let params = serde_json::to_value(params).unwrap_or_default();
+            let method = String::from(types::PublishDiagnosticsNotification::METHOD);
+            let _ = self.sender.send(Notification { method, params }.into());
+        }
+    }
+
+    fn ask(&mut self, method: &str, params: Value) {
+        self.last_request += 1;
+        let request = Request { id: RequestId::from(self.last_request), method: method.into(), params };
+        let _ = self.sender.send(request.into());
+    }
+
+    fn answer<T: Serialize>(&self, id: RequestId, result: Result<T, Failure>) {
+        let response = match result.map(serde_json::to_value) {
+            Ok(Ok(value)) => Response::new_ok(id, value),
+            Ok(Err(error)) => Response::new_err(id, ErrorCode::InternalError as i32, error.to_string()),
+            Err(Failure { code, message }) => Response::new_err(id, code, message),
+        };
+        let _ = self.sender.send(response.into());
+    }
+
+    /// Answers a request with what one of the families makes of it. One that fails is no reason to end.
+    pub(super) fn on<R: types::Request>(
+        &mut self,
+        request: Request,
+        family: impl FnOnce(&mut Self, R::Params) -> Result<R::Result, Failure>,
+    ) {
+        let Request { id, params, .. } = request;
+        let result = match serde_json::from_value::<R::Params>(params) {
+            Err(error) => Err(Failure { code: ErrorCode::InvalidParams as i32, message: error.to_string() }),
+            Ok(params) => catch_unwind(AssertUnwindSafe(|| family(self, params))).unwrap_or_else(|_| {
+                let (code, message) = (ErrorCode::InternalError as i32, "this cannot be answered".into());
+                Err(Failure { code, message })
+            }),
+        };
+        self.answer(id, result);
+    }
+
+    pub(super) fn text(&mut self, params: types::DocumentSymbolParams) -> Result<Option<String>, Failure> {
+        let document = self.documents.get(&path_of(&params.text_document.uri));
+        Ok(document.map(|document| document.text.whole().to_string()))
+    }
+
+    /// Answers a request with nothing.
+    pub(super) fn nothing(&self, request: Request) {
+        self.answer(request.id, Ok(()));
+    }
+
+    /// Says that a request is not known.
+    pub(super) fn unknown(&self, request: Request) {
+        let (code, message) = (ErrorCode::MethodNotFound as i32, format!("no method `{}`", request.method));
+        self.answer::<()>(request.id, Err(Failure { code, message }));
+    }
+
+    /// The programs that a document is part of, itself first.
+    pub(super) fn programs(&self, path: &Path) -> impl Iterator<Item = &Known> {
+        let own = self.known.get(path);
+        let others = self.known.iter().filter(move |(root, k)| root.as_path() != path && k.now.file(path).is_some());
+        own.into_iter().chain(others.map(|(_, known)| known))
+    }
+}
+
+/// The text of an open document, as the server has it.
+pub(super) enum TextRequest {}
+
+impl types::Request for TextRequest {
+    const METHOD: types::LspRequestMethod<'static> = types::LspRequestMethod::new("hypedc/text");
+    const MESSAGE_DIRECTION: types::MessageDirection = types::MessageDirection::ClientToServer;
+    type Params = types::DocumentSymbolParams;
+    type Result = Option<String>;
+}
+
+/// What a request needs.
+fn needs(method: &str) -> Needs {
+    match method {
+        "textDocument/formatting"
+        | "textDocument/rangeFormatting"
+        | "textDocument/documentSymbol"
+        | "textDocument/foldingRange"
+        | "textDocument/selectionRange"
+        | "hypedc/text" => Needs::Text,
+        "textDocument/references" | "textDocument/rename" | "workspace/symbol" => Needs::All,
+        "hypedc/idle" => Needs::Idle,
+        _ => Needs::Open,
+    }
+}
+
+/// The folders that the editor has open.
+#[allow(deprecated, reason = "older editors name one folder alone")]
+fn folders(params: &types::InitializeParams) -> Vec<PathBuf> {
+    let folders = &params.workspace_folders_initialize_params.workspace_folders;
+    match folders {
+        Some(types::WorkspaceFolders::WorkspaceFolderList(list)) => list.iter().map(|f| path_of(&f.uri)).collect(),
+        _ => params.root_uri.iter().map(path_of).collect(),
+    }
+}

@@ -1,0 +1,249 @@
+//! What the shape of one text gives: the outline, what can be folded, what grows when a selection grows. Read from the
+//! syntax tree of the text as it is; what is broken is left out.
+
+use gen_lsp_types as types;
+use gen_lsp_types::{DocumentSymbol, FoldingRange, FoldingRangeKind, SelectionRange, SymbolKind};
+
+use crate::source::{FileId, Span};
+use crate::syntax::ast::{Item, Member, SpaceItem, Update, WorldItem};
+use crate::syntax::{self, ast};
+
+use super::lexer::{Kind, tokens};
+use super::server::{Failure, Server};
+use super::text::{Encoding, Text};
+use super::uri::path_of;
+
+/// A text is looked at by itself.
+const ONLY: FileId = FileId(0);
+
+impl Server {
+    pub(super) fn document_symbols(
+        &mut self,
+        params: types::DocumentSymbolParams,
+    ) -> Result<Option<types::DocumentSymbolResponse>, Failure> {
+        let Some(document) = self.documents.get(&path_of(&params.text_document.uri)) else { return Ok(None) };
+        let (tree, _) = syntax::parse(ONLY, document.text.code());
+        let outline = Outline { text: &document.text, encoding: self.client.encoding };
+        Ok(Some(tree.items.iter().map(|item| outline.item(item)).collect::<Vec<_>>().into()))
+    }
+
+    pub(super) fn folding_ranges(
+        &mut self,
+        params: types::FoldingRangeParams,
+    ) -> Result<Option<Vec<FoldingRange>>, Failure> {
+        let Some(document) = self.documents.get(&path_of(&params.text_document.uri)) else { return Ok(None) };
+        Ok(Some(folds(&document.text, self.client.encoding)))
+    }
+
+    pub(super) fn selection_ranges(
+        &mut self,
+        params: types::SelectionRangeParams,
+    ) -> Result<Option<Vec<SelectionRange>>, Failure> {
+        let Some(document) = self.documents.get(&path_of(&params.text_document.uri)) else { return Ok(None) };
+        let (text, encoding) = (&document.text, self.client.encoding);
+        let mut spans: Vec<(usize, usize)> = Vec::new();
+        for pair in syntax::pairs(ONLY, text.code()).into_iter().flat_map(pest::iterators::Pairs::flatten) {
+            let inside = pair.as_str().trim_end().len();
+            spans.push((pair.as_span().start(), pair.as_span().start() + inside));
+        }
+        // Where braces are missing there are words and lines at least.
+        spans.extend(tokens(text.code()).iter().map(|t| (t.at.start, t.at.end)));
+        spans.push((0, text.code().len()));
+        let of = |position: &types::Position| {
+            let byte = text.byte(*position, encoding);
+            let mut around: Vec<(usize, usize)> =
+                spans.iter().copied().filter(|(start, end)| *start <= byte && byte <= *end).collect();
+            around.sort_by_key(|(start, end)| (std::cmp::Reverse(end - start), *start));
+            around.dedup();
+            let mut outer: Option<SelectionRange> = None;
+            let mut last = (0, usize::MAX);
+            for (start, end) in around {
+                if start < last.0 || end > last.1 {
+                    continue; // beside the one before: two words that meet at the cursor
+                }
+                last = (start, end);
+                let range = text.range(start..end, encoding);
+                outer = Some(SelectionRange { range, parent: outer.map(Box::new) });
+            }
+            let here = types::Range { start: *position, end: *position };
+            outer.unwrap_or(SelectionRange { range: here, parent: None })
+        };
+        Ok(Some(params.positions.iter().map(of).collect()))
+    }
+}
+
+/// Blocks, maps, runs of comments and of imports that stand over several lines.
+fn folds(text: &Text, encoding: Encoding) -> Vec<FoldingRange> {
+    let code = text.code();
+    let line = |byte: usize| text.position(byte, encoding).line;
+    let fold = |start: u32, end: u32, kind: Option<FoldingRangeKind>| FoldingRange {
+        start_line: start,
+        end_line: end,
+        kind,
+        ..FoldingRange::default()
+    };
+    let (mut out, mut open): (Vec<FoldingRange>, Vec<u32>) = (Vec::new(), Vec::new());
+    // The first and the last line of a run of comments, and of imports.
+    let mut runs: [Option<(u32, u32)>; 2] = [None, None];
+    let kinds = [FoldingRangeKind::Comment, FoldingRangeKind::Imports];
+    let mut is_first = true;
+    for token in tokens(code) {
+        let at = line(token.at.start);
+        let run = match (token.kind, token.text(code)) {
+            (Kind::Comment, _) if is_first => Some(0),
+            (Kind::Word, "import") if is_first => Some(1),
+            _ => None,
+        };
+        if let Some(kind) = run {
+            match &mut runs[kind] {
+                Some((_, last)) if *last + 1 == at => *last = at,
+                other => {
+                    let ended = other.replace((at, at)).filter(|(first, last)| first < last);
+                    out.extend(ended.map(|(first, last)| fold(first, last, Some(kinds[kind].clone()))));
+                }
+            }
+        }
+        is_first = token.kind == Kind::Newline;
+        match token.text(code) {
+            "{" => open.push(at),
+            "}" => {
+                if let Some(start) = open.pop().filter(|start| *start + 1 < at) {
+                    // The closing brace stays to be seen.
+                    out.push(fold(start, at - 1, None));
+                }
+            }
+            _ if token.kind == Kind::Text => {
+                let end = line(token.at.end);
+                if end > at + 1 {
+                    out.push(fold(at, end - 1, None));
+                }
+            }
+            _ => {}
+        }
+    }
+    for (run, kind) in runs.into_iter().zip(kinds) {
+        let ended = run.filter(|(first, last)| first < last);
+        out.extend(ended.map(|(first, last)| fold(first, last, Some(kind))));
+    }
+    out.sort_by_key(|f| (f.start_line, f.end_line));
+    out
+}
+
+/// The outline of a text.
+struct Outline<'a> {
+    text: &'a Text,
+    encoding: Encoding,
+}
+
+impl Outline<'_> {
+    #[allow(deprecated, reason = "a field must be named to be left out")]
+    fn symbol(
+        &self,
+        name: &ast::Name,
+        kind: SymbolKind,
+        whole: Span,
+        detail: Option<&str>,
+        children: Vec<DocumentSymbol>,
+    ) -> DocumentSymbol {
+        let whole = if whole.contains(name.span) { whole } else { name.span };
+        // A name that is still to be written must not be empty.
+        let name_text = if name.text.is_empty() { "?" } else { &name.text };
+        DocumentSymbol {
+            name: name_text.into(),
+            detail: detail.map(str::to_string),
+            kind,
+            range: self.text.range(whole.range(), self.encoding),
+            selection_range: self.text.range(name.span.range(), self.encoding),
+            children: (!children.is_empty()).then_some(children),
+            tags: None,
+            deprecated: None,
+        }
+    }
+
+    fn item(&self, item: &Item) -> DocumentSymbol {
+        match item {
+            Item::Import(i) => self.symbol(&i.path, SymbolKind::File, i.path.span, Some("import"), Vec::new()),
+            Item::Constant(c) => {
+                self.symbol(&c.name, SymbolKind::Constant, c.name.span.to(c.value.span), Some("const"), Vec::new())
+            }
+            Item::Entity(e) => {
+                self.symbol(&e.name, SymbolKind::Class, e.span, Some("entity"), self.members(&e.members))
+            }
+            Item::Behavior(b) => {
+                self.symbol(&b.name, SymbolKind::Interface, b.span, Some("behavior"), self.members(&b.members))
+            }
+            Item::World(w) => {
+                let inside = w.items.iter().filter_map(|i| self.world_item(i)).collect();
+                self.symbol(&w.name, SymbolKind::Module, w.span, Some("world"), inside)
+            }
+        }
+    }
+
+    fn members(&self, members: &[Member]) -> Vec<DocumentSymbol> {
+        let mut out = Vec::new();
+        for member in members {
+            let leaf = |name: &ast::Name, kind, to: Span, detail| {
+                self.symbol(name, kind, name.span.to(to), Some(detail), Vec::new())
+            };
+            match member {
+                Member::Parameter(p) => out.push(leaf(&p.name, SymbolKind::Constant, p.value.span, "param")),
+                Member::Continuous(c) => {
+                    let end = c.initial.as_ref().map_or(c.name.span, |e| e.span);
+                    out.push(leaf(&c.name, SymbolKind::Variable, end, "continuous"));
+                }
+                Member::Discrete(d) => out.push(leaf(&d.name, SymbolKind::Variable, d.initial.span, "discrete")),
+                Member::Reference(r) => out.push(leaf(&r.name, SymbolKind::Field, r.entity.span, "ref")),
+                Member::Buttons(names, _) => {
+                    out.extend(names.iter().map(|n| leaf(n, SymbolKind::Event, n.span, "button")));
+                }
+                Member::Axes(names, _) => out.extend(names.iter().map(|n| leaf(n, SymbolKind::Event, n.span, "axis"))),
+                Member::Collider(c) => {
+                    if let Some(first) = c.tags.first() {
+                        out.push(self.symbol(first, SymbolKind::Object, c.span, Some("collider"), Vec::new()));
+                    }
+                }
+                Member::Group(g) => {
+                    let inside = self.members(&g.members);
+                    out.push(self.symbol(&g.name, SymbolKind::Enum, g.span, Some("group"), inside));
+                }
+                Member::Mode(m) => {
+                    let inside = self.members(&m.members);
+                    out.push(self.symbol(&m.name, SymbolKind::Method, m.span, Some("mode"), inside));
+                }
+                Member::Use(u) => {
+                    out.push(self.symbol(&u.behavior, SymbolKind::Interface, u.span, Some("use"), Vec::new()));
+                }
+                Member::Entry(Update::Spawn(s)) => {
+                    out.push(self.symbol(&s.entity, SymbolKind::Constructor, s.span, Some("spawn"), Vec::new()));
+                }
+                _ => {}
+            }
+        }
+        out
+    }
+
+    fn world_item(&self, item: &WorldItem) -> Option<DocumentSymbol> {
+        Some(match item {
+            WorldItem::Tiles(t) => self.symbol(&t.name, SymbolKind::Enum, t.span, Some("tiles"), Vec::new()),
+            WorldItem::Space(s) => {
+                let place = |i: &SpaceItem| match i {
+                    SpaceItem::Place(p) => {
+                        let detail = p.entity.text.as_str();
+                        Some(self.symbol(&p.name, SymbolKind::Object, p.span, Some(detail), Vec::new()))
+                    }
+                    _ => None,
+                };
+                let inside = s.items.iter().filter_map(place).collect();
+                self.symbol(&s.name, SymbolKind::Namespace, s.span, Some("space"), inside)
+            }
+            WorldItem::Goal(q) | WorldItem::Never(q) => {
+                let detail = if matches!(item, WorldItem::Goal(_)) { "goal" } else { "never" };
+                let whole = q.name.span.to(q.predicate.span);
+                self.symbol(&q.name, SymbolKind::Boolean, whole, Some(detail), Vec::new())
+            }
+            WorldItem::Player(p) => self.symbol(&p.instance, SymbolKind::Key, p.span, Some("player"), Vec::new()),
+            WorldItem::Limit(l) => self.symbol(&l.entity, SymbolKind::Number, l.span, Some("limit"), Vec::new()),
+            WorldItem::Step(_) | WorldItem::Collide(_) => return None,
+        })
+    }
+}

@@ -1,0 +1,252 @@
+//! The words of the language: which are never names, which mean something in their place, what can be called and how.
+
+use super::place::Block;
+
+/// Words that are never names.
+pub(super) const RESERVED: &[&str] = &[
+    "and",
+    "or",
+    "not",
+    "in",
+    "is",
+    "as",
+    "if",
+    "true",
+    "false",
+    "none",
+    "self",
+    "timer",
+    "param",
+    "continuous",
+    "discrete",
+    "ref",
+    "button",
+    "axis",
+    "collider",
+    "kinematic",
+    "clamp",
+    "invariant",
+    "group",
+    "mode",
+    "when",
+    "envelope",
+    "use",
+    "spawn",
+    "destroy",
+    "entity",
+    "behavior",
+    "world",
+    "import",
+    "const",
+];
+
+/// Words that mean something where it can be meant, and are names everywhere else.
+const CONTEXTUAL: &[&str] = &[
+    "int",
+    "bool",
+    "any",
+    "initial",
+    "follow",
+    "links",
+    "by",
+    "fixed",
+    "directions",
+    "attack",
+    "decay",
+    "sustain",
+    "for",
+    "release",
+    "while",
+    "instant",
+    "accel",
+    "over",
+    "hold",
+    "to",
+    "step",
+    "collide",
+    "with",
+    "block",
+    "sense",
+    "from",
+    "above",
+    "below",
+    "left",
+    "right",
+    "keep",
+    "velocity",
+    "carry",
+    "tiles",
+    "space",
+    "map",
+    "place",
+    "at",
+    "link",
+    "rect",
+    "circle",
+    "bounds",
+    "limit",
+    "player",
+    "goal",
+    "never",
+    "touching",
+    "level",
+    "legend",
+    "tile",
+    "vglc",
+    "tiled",
+    "ldtk",
+    "empty",
+];
+
+/// Whether a word is one of the language's.
+pub(super) fn is_keyword(word: &str) -> bool {
+    RESERVED.contains(&word) || CONTEXTUAL.contains(&word)
+}
+
+/// What can be called, by name.
+pub(super) const FUNCTIONS: &[&str] = &[
+    "min", "max", "abs", "sign", "clamp", "floor", "ceil", "round", "sqrt", "sin", "cos", "atan2", "if", "pressed",
+    "held", "released", "touching", "timer", "entering", "exiting", "lost", "near", "inside", "rect", "circle",
+];
+
+/// How something is called, and what it gives.
+pub(super) struct Signature {
+    pub name: &'static str,
+    pub parameters: &'static [&'static str],
+    pub doc: &'static str,
+}
+
+/// All ways to call something.
+pub(super) const SIGNATURES: &[Signature] = &[
+    Signature { name: "min", parameters: &["a", "b"], doc: "The smaller of two numbers." },
+    Signature { name: "max", parameters: &["a", "b"], doc: "The larger of two numbers." },
+    Signature { name: "abs", parameters: &["a"], doc: "The size of a number, without its sign." },
+    Signature { name: "sign", parameters: &["a"], doc: "-1, 0 or 1." },
+    Signature { name: "clamp", parameters: &["value", "low", "high"], doc: "The nearest number between two." },
+    Signature { name: "floor", parameters: &["a"], doc: "The next whole number below." },
+    Signature { name: "ceil", parameters: &["a"], doc: "The next whole number above." },
+    Signature { name: "round", parameters: &["a"], doc: "The nearest whole number, half away from zero." },
+    Signature { name: "sqrt", parameters: &["a"], doc: "The square root; of a negative number it stops the step." },
+    Signature { name: "sin", parameters: &["angle"], doc: "The sine of an angle in radians." },
+    Signature { name: "cos", parameters: &["angle"], doc: "The cosine of an angle in radians." },
+    Signature { name: "atan2", parameters: &["y", "x"], doc: "The angle of a direction, in radians." },
+    Signature { name: "if", parameters: &["condition", "a", "b"], doc: "`a` if the condition holds, else `b`." },
+    Signature { name: "pressed", parameters: &["button"], doc: "The button went down at this step." },
+    Signature { name: "held", parameters: &["button"], doc: "The button is down." },
+    Signature { name: "released", parameters: &["button"], doc: "The button went up at this step." },
+    Signature { name: "touching", parameters: &["tag"], doc: "A collider touches something with the tag." },
+    Signature {
+        name: "touching",
+        parameters: &["tag", "side"],
+        doc: "On a side of one's own collider: `left`, `right`, `above` or `below`.",
+    },
+    Signature { name: "touching", parameters: &["own tag", "tag"], doc: "A collider with a tag of one's own does." },
+    Signature { name: "touching", parameters: &["own tag", "tag", "side"], doc: "And on one of its sides." },
+    Signature {
+        name: "timer",
+        parameters: &["mode"],
+        doc: "Seconds since the mode was entered; 0 while it is not active.",
+    },
+    Signature { name: "entering", parameters: &["mode"], doc: "A mode of another group is entered in this very step." },
+    Signature { name: "exiting", parameters: &["mode"], doc: "A mode of another group is left in this very step." },
+    Signature { name: "lost", parameters: &["reference"], doc: "The reference is `none`." },
+    Signature {
+        name: "near",
+        parameters: &["instance", "(x, y)", "radius"],
+        doc: "The instance is at most so far from a point, or from another instance; px.",
+    },
+    Signature { name: "inside", parameters: &["instance", "space"], doc: "The instance is in the space." },
+    Signature {
+        name: "rect",
+        parameters: &["x", "y", "width", "height"],
+        doc: "A rectangle: its lower-left corner, relative to the position, and its sides; px.",
+    },
+    Signature {
+        name: "circle",
+        parameters: &["x", "y", "radius"],
+        doc: "A circle: its centre, relative to the position, and its radius; px.",
+    },
+];
+
+/// A text with places to fill in.
+pub(super) struct Snippet {
+    pub label: &'static str,
+    pub text: &'static str,
+    pub detail: &'static str,
+}
+
+const fn snippet(label: &'static str, text: &'static str, detail: &'static str) -> Snippet {
+    Snippet { label, text, detail }
+}
+
+const WHEN: Snippet = snippet("when …", "when ${1:guard} -> ${2:mode}", "an edge to another mode");
+const MODE: Snippet = snippet("mode …", "mode ${1:name} {\n    $0\n}", "a mode");
+const ENVELOPE: Snippet = snippet(
+    "envelope …",
+    "envelope ${1:x'} by ${2:axis} {\n    attack accel ${3:400}\n    sustain ${4:100}\n    release accel ${5:400}\n}",
+    "attack, decay, sustain, release",
+);
+
+/// The words that a statement of a block can begin with, and snippets; of a file without a block.
+pub(super) fn begins(block: Option<Block>) -> (&'static [&'static str], &'static [Snippet]) {
+    match block {
+        None => (&["import", "const", "entity", "behavior", "world"], ITEMS),
+        Some(Block::Entity | Block::Behavior) => (
+            &[
+                "param",
+                "continuous",
+                "discrete",
+                "ref",
+                "button",
+                "axis",
+                "collider",
+                "kinematic",
+                "clamp",
+                "invariant",
+                "group",
+                "mode",
+                "initial",
+                "envelope",
+                "use",
+            ],
+            MEMBERS,
+        ),
+        Some(Block::Group) => (&["mode", "initial"], &[MODE]),
+        Some(Block::Mode) => {
+            (&["mode", "initial", "when", "envelope", "follow", "spawn", "destroy", "use"], &[WHEN, MODE, ENVELOPE])
+        }
+        Some(Block::Updates) => (&["spawn", "destroy"], &[]),
+        Some(Block::Envelope) => (&["attack", "decay", "sustain", "release", "while"], &[]),
+        Some(Block::World) => (&["step", "collide", "tiles", "space", "limit", "player", "goal", "never"], WORLD_ITEMS),
+        Some(Block::Space) => (&["map", "rect", "bounds", "place", "link"], SPACE_ITEMS),
+        Some(Block::Tiles | Block::Settings | Block::Kinds | Block::Other) => (&[], &[]),
+    }
+}
+
+const ITEMS: &[Snippet] = &[
+    snippet("entity …", "entity ${1:Name} {\n    $0\n}", "an entity"),
+    snippet(
+        "world …",
+        "world ${1:Name} {\n    step 1/60\n\n    space main {\n        $0\n    }\n}",
+        "a world with a space",
+    ),
+    snippet("import …", "import \"${1:file.hyped}\"", "what another file declares"),
+];
+
+const MEMBERS: &[Snippet] = &[
+    MODE,
+    ENVELOPE,
+    snippet("group …", "group ${1:name} {\n    $0\n}", "modes that run beside others"),
+    snippet("collider …", "collider ${1:body}: rect(${2:0, 0, 16, 16})", "a shape with tags"),
+    snippet("discrete …", "discrete ${1:name}: int ${2:0}..${3:9} = ${4:0}", "a whole number"),
+];
+
+const WORLD_ITEMS: &[Snippet] = &[
+    snippet("goal …", "goal ${1:name}: ${2:predicate}", "what `hypedc reach` looks for"),
+    snippet("never …", "never ${1:name}: ${2:predicate}", "what must not happen"),
+    snippet("collide …", "collide ${1:body} with ${2:wall}: block", "what a contact does"),
+    snippet("space …", "space ${1:main} {\n    $0\n}", "a room"),
+];
+
+const SPACE_ITEMS: &[Snippet] =
+    &[snippet("place …", "place ${1:name}: ${2:Entity} at (${3:0}, ${4:0})", "an instance")];

@@ -1,0 +1,122 @@
+//! Notes where names stand, as they are resolved: see [`Occurrences`](crate::syntax::occurrence::Occurrences).
+
+use crate::source::Span;
+use crate::syntax::ast::{Name, Path};
+use crate::syntax::occurrence::{NameKind, Role};
+
+use super::Checker;
+use super::checked::{Entity, Given, Subject, Type};
+use super::expression::{Scope, WorldNames};
+use super::ids::{EntityId, TagId};
+use super::mode::ModeNames;
+
+impl Checker<'_> {
+    /// A declaration.
+    pub(super) fn declared(&mut self, kind: NameKind, name: &Name) {
+        self.checked.occurrences.declare(kind, name.span);
+    }
+
+    /// A use of what is declared somewhere.
+    pub(super) fn seen(&mut self, kind: NameKind, at: Span, declared: Span) {
+        self.checked.occurrences.read(kind, at, declared);
+    }
+
+    /// The id of an entity that is named.
+    pub(super) fn entity_named(&mut self, name: &Name) -> Option<EntityId> {
+        let (id, declared) = self.entities.entry(&name.text).map(|(known, id)| (*id, known.span))?;
+        self.seen(NameKind::Entity, name.span, declared);
+        Some(id)
+    }
+
+    /// The tag of something that carries it.
+    pub(super) fn carried(&mut self, name: &Name) -> TagId {
+        self.note_tag(name, true);
+        self.tag_id(name)
+    }
+
+    /// A tag where it stands; those of legends and levels stand nowhere in the program.
+    pub(super) fn note_tag(&mut self, name: &Name, carried: bool) {
+        let written = self.sources.slice(name.span);
+        let inner = written.strip_prefix('"').and_then(|w| w.strip_suffix('"')).unwrap_or(written);
+        if inner != name.text {
+            self.checked.level_tags.insert(name.text.clone());
+            return;
+        }
+        let mut at = name.span;
+        if inner.len() < written.len() {
+            (at.start, at.end) = (at.start + 1, at.end - 1);
+        }
+        if carried {
+            self.checked.occurrences.declare(NameKind::Tag, at);
+        } else {
+            self.seen(NameKind::Tag, at, at);
+        }
+    }
+
+    /// A value of an entity that is named.
+    pub(super) fn seen_value(&mut self, of: &Entity, what: Given, at: Span, role: Role) {
+        let (kind, declared) = match what {
+            Given::Param(id) => (NameKind::Parameter, of.params[id].name.span),
+            Given::Var(id, _) => (NameKind::Variable, of.vars[id].name.span),
+            Given::Discrete(id) => (NameKind::Discrete, of.discretes[id].name.span),
+            Given::Ref(id) => (NameKind::Reference, of.refs[id].name.span),
+        };
+        if role == Role::Written {
+            self.checked.occurrences.write(kind, at, declared);
+        } else {
+            self.seen(kind, at, declared);
+        }
+    }
+
+    /// A reference of the entity, or what a guard named.
+    pub(super) fn seen_subject(&mut self, subject: Subject, name: &Name, scope: &Scope<'_>) {
+        match (subject, scope.entity) {
+            (Subject::Ref(id), Some(entity)) => self.seen_value(entity, Given::Ref(id), name.span, Role::Read),
+            (Subject::Touched(_), _) => {
+                if let Some(declared) = self.facts.named_at(&name.text) {
+                    self.seen(NameKind::Touched, name.span, declared);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// An instance of a world.
+    pub(super) fn seen_instance(&mut self, world: &WorldNames, name: &Name) {
+        if let Some((slot, _)) = world.instance(&name.text)
+            && let Some((declared, _)) = world.instances.get(slot.0 as usize)
+        {
+            self.seen(NameKind::Instance, name.span, declared.span);
+        }
+    }
+
+    /// A value of a set.
+    pub(super) fn seen_choice(&mut self, ty: &Type, name: &Name) {
+        let Type::Set(values) = ty else { return };
+        let places = self.choices.get(values).into_iter().flatten().filter(|n| n.text == name.text);
+        for declared in places.map(|n| n.span).collect::<Vec<_>>() {
+            self.seen(NameKind::Value, name.span, declared);
+        }
+    }
+
+    /// A path that names a mode: its last name is the mode, those before it are the modes and the group around it.
+    pub(super) fn seen_mode(&mut self, names: &ModeNames, index: usize, path: &Path) {
+        let Some((whole, _, declared)) = names.modes.get(index) else { return };
+        let outer = whole.len().saturating_sub(path.segments.len());
+        let (last, before) = match path.segments.split_last() {
+            Some(split) => split,
+            None => return,
+        };
+        self.seen(NameKind::Mode, last.span, *declared);
+        for (depth, segment) in before.iter().enumerate() {
+            let prefix = &whole[..(outer + depth + 1).min(whole.len())];
+            if let Some((_, _, at)) = names.modes.iter().find(|(path, _, _)| path == prefix) {
+                self.seen(NameKind::Mode, segment.span, *at);
+            } else if let ([group], Some((_, at))) = (prefix, names.groups.iter().find(|(g, _)| *g == segment.text))
+                && *group == segment.text
+            {
+                self.seen(NameKind::Group, segment.span, *at);
+            }
+        }
+    }
+}

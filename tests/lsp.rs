@@ -1,0 +1,105 @@
+//! The language server as an editor sees it: sessions over a connection in memory, recorded as snapshots; texts and
+//! findings after any edits; requests at any place of broken texts.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+#[path = "lsp/client.rs"]
+mod client;
+#[path = "lsp/edits.rs"]
+mod edits;
+#[path = "lsp/names.rs"]
+mod names;
+#[path = "lsp/session.rs"]
+mod session;
+#[path = "lsp/writing.rs"]
+mod writing;
+
+use serde_json::json;
+
+use client::Client;
+use session::Session;
+
+const SLIME: &str = include_str!("lsp/slime.hyped");
+
+#[test]
+fn findings_come_while_one_types_and_go_when_they_are_mended() {
+    let mut session = Session::new(&[]);
+    session.open("a.hyped", "entity A {\n    mode up { when y > 3 -> dwn }\n    mode down { y' = -1 }\n}\n");
+    session.show_findings();
+    session.replace("a.hyped", "dwn", "down");
+    session.show_findings();
+    session.replace("a.hyped", "down }", "{");
+    session.show_findings();
+    session.close("a.hyped");
+    session.show_findings();
+    insta::assert_snapshot!(session.end());
+}
+
+#[test]
+fn findings_of_imported_files_are_shown_there() {
+    let mut session = Session::new(&[("parts/slime.hyped", "entity Slime { x' = sped }\n")]);
+    session.open("a.hyped", "import \"parts/slime.hyped\"\n");
+    session.show_findings();
+    session.open("parts/slime.hyped", "entity Slime { x' = 3 }\n");
+    session.show_findings();
+    session.close("parts/slime.hyped");
+    session.replace("a.hyped", "parts/slime", "none");
+    session.show_findings();
+    insta::assert_snapshot!(session.end());
+}
+
+#[test]
+fn what_values_tell_is_shown() {
+    let mut session = Session::new(&[]);
+    session.open("slime.hyped", SLIME);
+    session.show_findings();
+    insta::assert_snapshot!(session.end());
+}
+
+#[test]
+fn texts_are_formatted() {
+    let mut session = Session::new(&[]);
+    session.open("a.hyped", "entity A {\n  param v=1\n\n    x' = v\n  mode m{y'=2}\n}\n");
+    session.ask("textDocument/formatting", "a.hyped", json!({ "options": { "tabSize": 4, "insertSpaces": true } }));
+    let range = json!({ "start": { "line": 4, "character": 0 }, "end": { "line": 4, "character": 1 } });
+    let options = json!({ "range": range, "options": { "tabSize": 4, "insertSpaces": true } });
+    session.ask("textDocument/rangeFormatting", "a.hyped", options);
+    session.open("b.hyped", "entity {");
+    session.ask("textDocument/formatting", "b.hyped", json!({ "options": { "tabSize": 4, "insertSpaces": true } }));
+    insta::assert_snapshot!(session.end());
+}
+
+#[test]
+fn texts_have_a_shape() {
+    let mut session = Session::new(&[]);
+    session.open("slime.hyped", SLIME);
+    session.ask("textDocument/documentSymbol", "slime.hyped", json!({}));
+    session.ask("textDocument/foldingRange", "slime.hyped", json!({}));
+    let at = session.place("slime.hyped", "speed|)");
+    session.ask("textDocument/selectionRange", "slime.hyped", json!({ "positions": [at] }));
+    insta::assert_snapshot!(session.end());
+}
+
+#[test]
+fn fixes_are_offered() {
+    let mut session = Session::new(&[]);
+    session.open(
+        "a.hyped",
+        "entity A {\n    mode up { when y > 3 -> dwn }\n    mode down { x' = 3; when x = 2 -> up }\n}\n",
+    );
+    let start = session.place("a.hyped", "|dwn");
+    let params = json!({ "range": { "start": start, "end": start }, "context": { "diagnostics": [] } });
+    session.ask("textDocument/codeAction", "a.hyped", params);
+    insta::assert_snapshot!(session.end());
+}
+
+#[test]
+fn a_server_ends_in_order() {
+    let mut client = Client::start(&[], json!({}));
+    assert_eq!(client.capabilities["capabilities"]["positionEncoding"], "utf-16");
+    assert_eq!(client.request("no/such", json!({})).unwrap_err().0, -32601);
+    assert_eq!(client.request("textDocument/hover", json!(3)).unwrap_err().0, -32602);
+    assert!(client.stop());
+    let client = Client::start(&[], json!({ "general": { "positionEncodings": ["utf-8", "utf-16"] } }));
+    assert_eq!(client.capabilities["capabilities"]["positionEncoding"], "utf-8");
+}

@@ -1,0 +1,140 @@
+//! An editor for tests: it talks to a server over channels, keeps the texts as an editor does, and what is shown.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use hypedc::lsp::{Server, Settings, Workspace};
+use hypedc::source::{Files, ReadError, decode};
+use lsp_server::{Connection, Message, Notification, Request, RequestId};
+use serde_json::{Value, json};
+
+/// Files by path, in memory.
+#[derive(Clone, Default)]
+pub struct Memory(pub BTreeMap<PathBuf, String>);
+
+impl Files for Memory {
+    fn read(&self, path: &Path) -> Result<String, ReadError> {
+        let text = self.0.get(path).ok_or(ReadError::Unreadable("no such file".into()))?;
+        decode(text.clone().into_bytes())
+    }
+}
+
+impl Workspace for Memory {
+    fn programs(&self, folder: &Path) -> Vec<PathBuf> {
+        let is_program = |path: &&PathBuf| path.starts_with(folder) && path.extension().is_some_and(|e| e == "hyped");
+        self.0.keys().filter(is_program).cloned().collect()
+    }
+}
+
+/// An editor.
+pub struct Client {
+    connection: Connection,
+    server: Option<JoinHandle<bool>>,
+    requests: i32,
+    version: i32,
+    /// What the server offered.
+    pub capabilities: Value,
+    /// What is shown, by document.
+    pub shown: BTreeMap<String, Value>,
+    /// How often findings came.
+    pub published: usize,
+}
+
+impl Client {
+    /// An editor with a folder, whose server has a disk of its own.
+    pub fn start(files: &[(&str, &str)], capabilities: Value) -> Self {
+        let (ours, theirs) = Connection::memory();
+        let disk = Memory(files.iter().map(|(path, text)| (PathBuf::from(path), (*text).to_string())).collect());
+        let settings = Settings { quiet: Duration::ZERO };
+        let server = std::thread::spawn(move || Server::serve(theirs, Arc::new(disk), settings));
+        let mut client = Client {
+            connection: ours,
+            server: Some(server),
+            requests: 0,
+            version: 0,
+            capabilities: Value::Null,
+            shown: BTreeMap::new(),
+            published: 0,
+        };
+        let folders = json!([{ "uri": "file:///game", "name": "game" }]);
+        let params = json!({
+            "processId": null, "rootUri": null, "capabilities": capabilities, "workspaceFolders": folders,
+        });
+        client.capabilities = client.request("initialize", params).unwrap();
+        client.notify("initialized", json!({}));
+        client
+    }
+
+    /// Tells the server something.
+    pub fn notify(&mut self, method: &str, params: Value) {
+        let message = Notification { method: method.into(), params };
+        self.connection.sender.send(message.into()).unwrap();
+    }
+
+    /// Sends a request without waiting for its answer.
+    pub fn send(&mut self, method: &str, params: Value) -> RequestId {
+        self.requests += 1;
+        let id = RequestId::from(self.requests);
+        let message = Request { id: id.clone(), method: method.into(), params };
+        self.connection.sender.send(message.into()).unwrap();
+        id
+    }
+
+    /// Waits for the answer to a request.
+    pub fn answer(&mut self, id: &RequestId) -> Result<Value, (i32, String)> {
+        loop {
+            let message = self.connection.receiver.recv_timeout(Duration::from_secs(120)).unwrap();
+            match message {
+                Message::Response(response) if response.id == *id => {
+                    return response.response_result.map_err(|error| (error.code, error.message));
+                }
+                Message::Notification(note) if note.method == "textDocument/publishDiagnostics" => {
+                    self.published += 1;
+                    let uri = note.params["uri"].as_str().unwrap().to_string();
+                    self.shown.insert(uri, note.params["diagnostics"].clone());
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Sends a request and waits for its answer.
+    pub fn request(&mut self, method: &str, params: Value) -> Result<Value, (i32, String)> {
+        let id = self.send(method, params);
+        self.answer(&id)
+    }
+
+    /// Opens a document.
+    pub fn open(&mut self, uri: &str, text: &str) {
+        self.version += 1;
+        let document = json!({ "uri": uri, "languageId": "hyped", "version": self.version, "text": text });
+        self.notify("textDocument/didOpen", json!({ "textDocument": document }));
+    }
+
+    /// Changes a document.
+    pub fn change(&mut self, uri: &str, changes: Value) {
+        self.version += 1;
+        let document = json!({ "uri": uri, "version": self.version });
+        self.notify("textDocument/didChange", json!({ "textDocument": document, "contentChanges": changes }));
+    }
+
+    /// Closes a document.
+    pub fn close(&mut self, uri: &str) {
+        self.notify("textDocument/didClose", json!({ "textDocument": { "uri": uri } }));
+    }
+
+    /// Waits until the server has nothing left to do.
+    pub fn settle(&mut self) {
+        self.request("hypedc/idle", Value::Null).unwrap();
+    }
+
+    /// Ends the server; gives whether it ended in order.
+    pub fn stop(mut self) -> bool {
+        self.request("shutdown", Value::Null).unwrap();
+        self.notify("exit", Value::Null);
+        self.server.take().unwrap().join().unwrap()
+    }
+}

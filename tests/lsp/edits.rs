@@ -1,0 +1,280 @@
+//! Any edits, any requests: the server has the editor's text, shows what `check` finds in it, and answers all it is asked.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use hypedc::compile::{LevelFile, check_with};
+use proptest::prelude::*;
+use serde_json::{Value, json};
+
+use crate::SLIME;
+use crate::client::{Client, Memory};
+
+const URI: &str = "file:///game/a.hyped";
+
+/// What is written into texts: whole words of the language, and what breaks them.
+const PIECES: &[&str] = &[
+    "",
+    " ",
+    "\n",
+    "\r\n",
+    "\r",
+    "}",
+    "{",
+    "(",
+    ")",
+    "\"",
+    "'",
+    "/",
+    "//",
+    "///",
+    ".",
+    "->",
+    ":=",
+    "=",
+    "x'",
+    "\u{1f40a}",
+    "é",
+    "mode m { }",
+    "when y > 3 -> m",
+    "entity E {\r\n    param p = 2\r\n}\r\n",
+    "world",
+    "held(jump)",
+    "hero.",
+    "touching",
+    "import \"b.hyped\"\n",
+    "behavior B(p) { x' = p }\n",
+    "use B(p = 3)",
+    "goal g: ",
+    "\u{feff}",
+    "\0",
+];
+
+const METHODS: &[&str] = &[
+    "hover",
+    "definition",
+    "references",
+    "documentHighlight",
+    "prepareRename",
+    "rename",
+    "completion",
+    "signatureHelp",
+    "prepareCallHierarchy",
+    "documentSymbol",
+    "foldingRange",
+    "selectionRange",
+    "formatting",
+    "rangeFormatting",
+    "codeAction",
+    "codeLens",
+    "documentLink",
+    "inlayHint",
+    "semanticTokens/full",
+    "semanticTokens/range",
+];
+
+/// A change: what is taken away, by fractions of the text, and what comes there; without a place: of all.
+type Edit = (Option<(f64, f64)>, usize);
+
+/// The text as an editor keeps it: UTF-16 code units.
+fn units(text: &str) -> Vec<u16> {
+    text.encode_utf16().collect()
+}
+
+/// Where each line begins and where its text ends, in code units.
+fn lines(units: &[u16]) -> Vec<(usize, usize)> {
+    let (mut out, mut start, mut at) = (Vec::new(), 0, 0);
+    while at < units.len() {
+        let length = match (units[at], units.get(at + 1)) {
+            (13, Some(10)) => 2,
+            (13 | 10, _) => 1,
+            _ => 0,
+        };
+        if length > 0 {
+            out.push((start, at));
+            start = at + length;
+        }
+        at += length.max(1);
+    }
+    out.push((start, units.len()));
+    out
+}
+
+fn position(units: &[u16], at: usize) -> Value {
+    let lines = lines(units);
+    let line = lines.iter().rposition(|(start, _)| *start <= at).unwrap();
+    json!({ "line": line, "character": at - lines[line].0 })
+}
+
+/// The nearest place to a fraction of a text that is not inside of a character, nor of a line end.
+fn place(units: &[u16], fraction: f64) -> usize {
+    let mut at = (units.len() as f64 * fraction) as usize;
+    let inside = |at: usize| {
+        at > 0
+            && at < units.len()
+            && ((0xdc00..0xe000).contains(&units[at]) || (units[at - 1] == 13 && units[at] == 10))
+    };
+    while inside(at) {
+        at -= 1;
+    }
+    at
+}
+
+fn edit(text: &mut Vec<u16>, (at, piece): &Edit) -> Value {
+    let new = PIECES[*piece % PIECES.len()];
+    let Some((a, b)) = at else {
+        *text = units(SLIME);
+        return json!({ "text": SLIME });
+    };
+    // Most changes are small.
+    let (a, b) = (*a, a + (b - a) * 0.02);
+    let (a, b) = (place(text, a.min(b).max(0.0)), place(text, a.max(b).min(1.0)));
+    let range = json!({ "start": position(text, a), "end": position(text, b) });
+    text.splice(a..b, units(new));
+    json!({ "range": range, "text": new })
+}
+
+/// What `check` finds in a file: code, first line, and where it begins.
+fn checked(text: &str) -> BTreeSet<(String, String, u64, u64)> {
+    let disk = Memory(BTreeMap::from([(PathBuf::from("/game/a.hyped"), text.to_string())]));
+    let found = check_with(Path::new("/game/a.hyped"), LevelFile::default(), &disk);
+    let of = |d: &hypedc::diagnostic::Diagnostic| {
+        let file = found.sources.iter().next().unwrap().1;
+        let at = d.primary.as_ref().map_or((1, 1), |l| file.line_column_utf16(l.span.start as usize));
+        // A byte order mark is a column of the editor's, and none of the compiler's.
+        let mark = usize::from(text.starts_with('\u{feff}') && at.0 == 1 && d.primary.is_some());
+        (d.code.text().to_string(), d.message.clone(), at.0 as u64 - 1, (at.1 - 1 + mark) as u64)
+    };
+    found.diagnostics.iter().map(of).collect()
+}
+
+fn shown(client: &Client) -> BTreeSet<(String, String, u64, u64)> {
+    let found = client.shown.get(URI).and_then(Value::as_array).cloned().unwrap_or_default();
+    let of = |d: &Value| {
+        let first = d["message"].as_str().unwrap().lines().next().unwrap_or_default().to_string();
+        let start = &d["range"]["start"];
+        let number = |key: &str| start[key].as_u64().unwrap();
+        (d["code"].as_str().unwrap().to_string(), first, number("line"), number("character"))
+    };
+    found.iter().map(of).collect()
+}
+
+fn edits() -> impl Strategy<Value = Vec<Edit>> {
+    let place = prop_oneof![1 => Just(None), 30 => (0.0..1.0, 0.0..1.0).prop_map(Some)];
+    prop::collection::vec((place, 0..PIECES.len()), 1..12)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
+
+    #[test]
+    fn the_server_has_the_editors_text_and_finds_what_check_finds(edits in edits()) {
+        let mut client = Client::start(&[], json!({}));
+        let mut text = units(SLIME);
+        client.open(URI, SLIME);
+        for some in edits.chunks(3) {
+            let changes: Vec<Value> = some.iter().map(|e| edit(&mut text, e)).collect();
+            client.change(URI, json!(changes));
+            let now = String::from_utf16(&text).unwrap();
+            let had = client.request("hypedc/text", json!({ "textDocument": { "uri": URI } })).unwrap();
+            prop_assert_eq!(had.as_str().unwrap(), &now);
+            client.settle();
+            prop_assert_eq!(shown(&client), checked(&now));
+        }
+        prop_assert!(client.stop());
+    }
+
+    #[test]
+    fn requests_anywhere_in_broken_texts_are_answered(
+        edits in edits(),
+        asked in prop::collection::vec((0..METHODS.len(), 0.0..1.1, 0.0..1.1, 0..4usize), 1..40),
+    ) {
+        let mut client = Client::start(&[("/game/b.hyped", "entity Other { }\n")], json!({}));
+        let mut text = units(SLIME);
+        client.open(URI, SLIME);
+        for e in &edits {
+            let change = edit(&mut text, e);
+            client.change(URI, json!([change]));
+        }
+        for (method, a, b, which) in asked {
+            // Lines and columns that are not there, too; and documents that are not open.
+            let at = |f: f64| match which {
+                0 => json!({ "line": (f * 99.0) as u32, "character": (f * 999.0) as u32 }),
+                _ => position(&text, place(&text, f.min(1.0))),
+            };
+            let uri = if which == 1 && a > 1.0 { "file:///game/none.hyped" } else { URI };
+            let params = json!({
+                "textDocument": { "uri": uri }, "position": at(a), "positions": [at(a), at(b)],
+                "range": { "start": at(a), "end": at(b) }, "newName": "other",
+                "options": { "tabSize": 4, "insertSpaces": true },
+                "context": { "includeDeclaration": true, "diagnostics": [] },
+            });
+            let answer = client.request(&format!("textDocument/{}", METHODS[method]), params);
+            if let Err((code, message)) = answer {
+                prop_assert_eq!((METHODS[method], code), (METHODS[method], -32803), "{}", message);
+            }
+        }
+        prop_assert!(client.stop());
+    }
+}
+
+#[test]
+fn a_request_that_waits_can_be_cancelled_and_closed_documents_are_no_harm() {
+    let mut client = Client::start(&[], json!({}));
+    client.open(URI, SLIME);
+    client.close(URI);
+    client.change(URI, json!([{ "text": "entity A { }" }]));
+    client.settle();
+    let params = json!({ "textDocument": { "uri": URI }, "position": { "line": 3, "character": 3 } });
+    assert_eq!(client.request("textDocument/hover", params.clone()).unwrap(), Value::Null);
+    client.open(URI, SLIME);
+    let id = client.send("textDocument/hover", params);
+    client.notify("$/cancelRequest", json!({ "id": 5 }));
+    // Either it was answered before, or it says that it is cancelled.
+    if let Err((code, _)) = client.answer(&id) {
+        assert_eq!(code, -32800);
+    }
+    assert!(client.stop());
+}
+
+/// The memory that the process has, bytes.
+#[cfg(target_os = "linux")]
+fn resident() -> u64 {
+    let text = std::fs::read_to_string("/proc/self/statm").unwrap();
+    text.split(' ').nth(1).unwrap().parse::<u64>().unwrap() * 4096
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+#[ignore = "the memory of a process is that of all tests in it: run alone, by `memory_of_many_edits_is_bounded`"]
+fn many_edits() {
+    let mut client = Client::start(&[], json!({}));
+    client.open(URI, SLIME);
+    let change = |client: &mut Client, rounds: usize| {
+        for round in 0..rounds {
+            let start = json!({ "line": 2, "character": 0 });
+            let end = json!({ "line": 2, "character": usize::from(round % 2 == 1) });
+            let text = if round % 2 == 0 { "}" } else { "" };
+            client.change(URI, json!([{ "range": { "start": start, "end": end }, "text": text }]));
+            if round % 50 == 49 {
+                client.settle();
+            }
+        }
+    };
+    change(&mut client, 2_000);
+    let before = resident();
+    change(&mut client, 10_000);
+    let grown = resident().saturating_sub(before);
+    assert!(client.stop());
+    assert!(grown < 8 << 20, "{grown} bytes more after 10,000 edits");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn memory_of_many_edits_is_bounded() {
+    let tests = std::env::current_exe().unwrap();
+    let output =
+        std::process::Command::new(tests).args(["edits::many_edits", "--exact", "--ignored"]).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success() && said.contains("1 passed"), "{said}");
+}

@@ -1,0 +1,144 @@
+//! From names to what they name: going there, finding all, renaming, hovering, edges as calls.
+
+use serde_json::json;
+
+use crate::SLIME;
+use crate::session::Session;
+
+const BOUNCER: &str = "\
+/// Falls and bounces.
+behavior Bounces(pull, strength) {
+    param rest = 1
+    initial mode falling {
+        y'' = -pull
+        when touching(wall, below) -> rising { y' := strength * rest }
+    }
+    mode rising { y'' = -pull; when y' < 0 -> falling }
+}
+";
+const BALLS: &str = "\
+import \"parts/bounces.hyped\"
+
+entity Ball { collider ball: rect(0, 0, 8, 8); use Bounces(pull = 400, strength = lift); param lift = 90 }
+entity Stone { collider stone: rect(0, 0, 8, 8); use Bounces(strength = 20, pull = 300) }
+";
+
+fn slime() -> Session {
+    let mut session = Session::new(&[]);
+    session.open("slime.hyped", SLIME);
+    session
+}
+
+fn balls() -> Session {
+    let mut session = Session::new(&[("parts/bounces.hyped", BOUNCER)]);
+    session.open("balls.hyped", BALLS);
+    session
+}
+
+#[test]
+fn names_lead_to_their_declarations() {
+    let mut session = slime();
+    for place in ["-> a|ir", "y' := jump_sp|eed", "facing == le|ft", "touching(bo|dy", "her|o.x", "hero.|x", "sl|ime.x"]
+    {
+        session.ask_at("textDocument/definition", "slime.hyped", place, json!({}));
+    }
+    let mut balls = balls();
+    for place in ["use Boun|ces(p", "stren|gth = 20", "import \"parts/b|ounces"] {
+        balls.ask_at("textDocument/definition", "balls.hyped", place, json!({}));
+    }
+    insta::assert_snapshot!(session.end() + &balls.end());
+}
+
+#[test]
+fn all_uses_are_found_in_all_files() {
+    let mut session = slime();
+    let whole = json!({ "context": { "includeDeclaration": true } });
+    session.ask_at("textDocument/references", "slime.hyped", "mode a|ir", whole.clone());
+    session.ask_at("textDocument/references", "slime.hyped", "with w|all", whole.clone());
+    session.ask_at("textDocument/documentHighlight", "slime.hyped", "discrete fac|ing", json!({}));
+    let mut balls = balls();
+    let uses = json!({ "context": { "includeDeclaration": false } });
+    balls.ask_at("textDocument/references", "balls.hyped", "stren|gth = 20", uses);
+    insta::assert_snapshot!(session.end() + &balls.end());
+}
+
+#[test]
+fn names_are_renamed_in_all_files() {
+    let mut session = balls();
+    session.open("parts/bounces.hyped", BOUNCER);
+    session.ask_at("textDocument/prepareRename", "parts/bounces.hyped", "mode ris|ing", json!({}));
+    let new = |name: &str| json!({ "newName": name });
+    session.ask_at("textDocument/rename", "parts/bounces.hyped", "mode ris|ing", new("up"));
+    session.ask_at("textDocument/rename", "balls.hyped", "stren|gth = 20", new("speed"));
+    for name in ["pull", "2x", "when", ""] {
+        session.ask_at("textDocument/rename", "balls.hyped", "stren|gth = 20", new(name));
+    }
+    session.ask_at("textDocument/rename", "parts/bounces.hyped", "mode ris|ing", new("falling"));
+    session.ask_at("textDocument/rename", "parts/bounces.hyped", "|y'' = -pull", new("height"));
+    session.ask_at("textDocument/rename", "balls.hyped", "400|, ", new("height"));
+    insta::assert_snapshot!(session.end());
+}
+
+#[test]
+fn a_new_name_must_not_catch_what_meant_another() {
+    let mut session = Session::new(&[]);
+    session.open("a.hyped", "const fast = 3\nentity A { param slow = 1; x' = fast / 1s; y' = slow }\n");
+    session.ask_at("textDocument/rename", "a.hyped", "param sl|ow", json!({ "newName": "fast" }));
+    session.ask_at("textDocument/rename", "a.hyped", "const fa|st", json!({ "newName": "slow" }));
+    insta::assert_snapshot!(session.end());
+}
+
+#[test]
+fn tags_of_levels_are_not_renamed() {
+    let legend = "{ \"tiles\": { \"-\": [\"passable\", \"empty\"], \"X\": [\"solid\", \"ground\"] } }";
+    let mut session = Session::new(&[("level.txt", "--\nXX\n"), ("legend.json", legend)]);
+    let text = "world W {\n    collide hero with solid: block\n    space main { map vglc \"level.txt\" legend \"legend.json\" tile 16 x 16 }\n}\n";
+    session.open("a.hyped", text);
+    session.ask_at("textDocument/rename", "a.hyped", "with so|lid", json!({ "newName": "rock" }));
+    session.ask("textDocument/documentLink", "a.hyped", json!({}));
+    insta::assert_snapshot!(session.end());
+}
+
+#[test]
+fn what_is_known_of_a_name_is_shown() {
+    let mut session = slime();
+    session.client.settle();
+    let places = [
+        "param jump_sp|eed",
+        "param grav|ity",
+        "clamp |y'",
+        "discrete fac|ing",
+        "mode a|ir",
+        "place he|ro",
+        "colli|der body",
+        "with enem|y",
+        "when pres|sed",
+        "== le|ft",
+        "goal ov|er",
+        "entity Sl|ime",
+        "const floor_h|eight",
+    ];
+    for place in places {
+        session.ask_at("textDocument/hover", "slime.hyped", place, json!({}));
+    }
+    let mut balls = balls();
+    balls.ask_at("textDocument/hover", "balls.hyped", "stren|gth = 20", json!({}));
+    insta::assert_snapshot!(session.end() + &balls.end());
+}
+
+#[test]
+fn the_workspace_has_symbols() {
+    let mut session = Session::new(&[("parts/bounces.hyped", BOUNCER), ("slime.hyped", SLIME)]);
+    session.ask_all("workspace/symbol", json!({ "query": "rising" }));
+    session.ask_all("workspace/symbol", json!({ "query": "sl" }));
+    insta::assert_snapshot!(session.end());
+}
+
+#[test]
+fn edges_are_calls() {
+    let mut session = slime();
+    let items = session.ask_at("textDocument/prepareCallHierarchy", "slime.hyped", "mode a|ir", json!({}));
+    session.ask_all("callHierarchy/incomingCalls", json!({ "item": items[0] }));
+    session.ask_all("callHierarchy/outgoingCalls", json!({ "item": items[0] }));
+    insta::assert_snapshot!(session.end());
+}

@@ -1,0 +1,118 @@
+//! What helps while one writes: completion, signatures, colours, hints, what can be run.
+
+use serde_json::{Value, json};
+
+use crate::SLIME;
+use crate::session::{Session, uri};
+
+/// A text that stands in the middle of being written: `|` is the cursor.
+fn completed(session: &mut Session, old: &str, new: &str) {
+    let mut text = SLIME.replacen(old, new, 1);
+    let byte = text.find('|').unwrap();
+    text.remove(byte);
+    session.client.open(&uri("slime.hyped"), SLIME);
+    session.client.settle();
+    session.client.change(&uri("slime.hyped"), json!([{ "text": text }]));
+    let params = json!({
+        "textDocument": { "uri": uri("slime.hyped") },
+        "position": crate::session::position(&text, byte),
+    });
+    let items = session.client.request("textDocument/completion", params).unwrap();
+    let mut shown: Vec<String> = Vec::new();
+    for item in items.as_array().unwrap() {
+        let detail = item["detail"].as_str().map(|d| format!(" ({d})")).unwrap_or_default();
+        shown.push(format!("{}{}", item["label"].as_str().unwrap(), detail));
+    }
+    session.note(new.trim());
+    session.write_lines(&shown);
+}
+
+#[test]
+fn completion_knows_the_place() {
+    let mut session = Session::new(&[]);
+    for (old, new) in [
+        ("-> air { y' := jump_speed }", "-> |"),
+        ("-> air { y' := jump_speed }", "-> a|"),
+        ("when pressed(jump)", "when pressed(|"),
+        ("touching(body, wall, below)", "touching(|"),
+        ("touching(body, wall, below)", "touching(body, wall, |"),
+        ("{ y' := jump_speed }", "{ |"),
+        ("facing == left,", "facing == |,"),
+        ("hero.x > slime.x and hero in air", "hero.|"),
+        ("hero.x > slime.x and hero in air", "hero in |"),
+        ("hero.x > slime.x and hero in air", "near(|"),
+        ("hero touching enemy", "hero touching |"),
+        ("{ speed = 40 }", "{ |"),
+        ("slime: Slime at", "slime: | at"),
+        ("player 1: hero", "player 1: |"),
+        ("collide body with enemy: sense", "collide body with enemy: |"),
+        ("    goal over", "    |\n    goal over"),
+        ("const floor_height", "|\nconst floor_height"),
+        ("    button jump", "    |\n    button jump"),
+        ("y' = 0\n", "y' = |\n"),
+        ("// A slime", "// A |slime"),
+    ] {
+        completed(&mut session, old, new);
+    }
+    insta::assert_snapshot!(session.end());
+}
+
+#[test]
+fn calls_show_what_they_take() {
+    let mut session = Session::new(&[]);
+    session.open("a.hyped", "behavior Moves(speed, way) { x' = speed }\nentity A { use Moves(way = 1, ; x' = max(1, min(2, 3)); mode m { when touching(a, b) { } } }\n");
+    for place in ["(way = |1", "way = 1, |", "min(|2", "max(1,| ", "touching(|a", "touching(a, |b", "x' = |speed"] {
+        session.ask_at("textDocument/signatureHelp", "a.hyped", place, json!({}));
+    }
+    insta::assert_snapshot!(session.end());
+}
+
+/// Tokens with their words.
+fn tokens(text: &str, data: &Value, legend: &Value) -> Vec<String> {
+    let numbers: Vec<usize> = data.as_array().unwrap().iter().map(|n| n.as_u64().unwrap() as usize).collect();
+    let lines: Vec<&str> = text.lines().collect();
+    let (mut line, mut column) = (0, 0);
+    let mut out = Vec::new();
+    for token in numbers.chunks(5) {
+        column = if token[0] == 0 { column + token[1] } else { token[1] };
+        line += token[0];
+        let units: Vec<u16> = lines[line].encode_utf16().skip(column).take(token[2]).collect();
+        let word = String::from_utf16(&units).unwrap();
+        let names: Vec<&str> =
+            legend["tokenModifiers"].as_array().unwrap().iter().map(|m| m.as_str().unwrap()).collect();
+        let of: Vec<&str> = (0..names.len()).filter(|at| token[4] >> at & 1 == 1).map(|at| names[at]).collect();
+        let kind = legend["tokenTypes"][token[3]].as_str().unwrap();
+        out.push(format!("{}:{column} {word}: {kind} {}", line + 1, of.join(" ")).trim_end().to_string());
+    }
+    out
+}
+
+#[test]
+fn names_have_colours() {
+    let text = "// \u{1f40a} one\nentity A {\n    param v = 2s\n    mode m { x' = max(v, 1); when timer > v -> n }\n    mode n { }\n}\nworld W { space s { map t \"\n    ..\n    \" } }\n";
+    let mut session = Session::new(&[]);
+    session.client.open(&uri("a.hyped"), text);
+    let legend = session.client.capabilities["capabilities"]["semanticTokensProvider"]["legend"].clone();
+    let document = json!({ "textDocument": { "uri": uri("a.hyped") } });
+    let full = session.client.request("textDocument/semanticTokens/full", document.clone()).unwrap();
+    session.write_lines(&tokens(text, &full["data"], &legend));
+    session.open("a.hyped", &text.replace("max(v", "max(v + v"));
+    let mut delta = document.clone();
+    delta["previousResultId"] = full["resultId"].clone();
+    session.ask_all("textDocument/semanticTokens/full/delta", delta);
+    let mut range = document;
+    range["range"] = json!({ "start": { "line": 2, "character": 0 }, "end": { "line": 3, "character": 0 } });
+    session.ask_all("textDocument/semanticTokens/range", range);
+    insta::assert_snapshot!(session.end());
+}
+
+#[test]
+fn hints_stand_between_the_words() {
+    let mut session = Session::new(&[]);
+    session.open("slime.hyped", SLIME);
+    session.client.settle();
+    let whole = json!({ "range": { "start": { "line": 0, "character": 0 }, "end": { "line": 99, "character": 0 } } });
+    session.ask("textDocument/inlayHint", "slime.hyped", whole);
+    session.ask("textDocument/codeLens", "slime.hyped", json!({}));
+    insta::assert_snapshot!(session.end());
+}

@@ -168,7 +168,12 @@ impl<'a> Offers<'a> {
     }
 
     fn functions(&mut self, wanted: impl Fn(&str) -> bool) {
+        let mut last_name = "";
         for s in SIGNATURES.iter().filter(|s| wanted(s.name)) {
+            // The ways to call one thing stand one after the other.
+            if std::mem::replace(&mut last_name, s.name) == s.name {
+                continue;
+            }
             self.add(1, s.name, CompletionItemKind::Function, s.doc);
             if let Some(last) = self.list.last_mut() {
                 last.snippet = Some(format!("{}($1)", s.name));

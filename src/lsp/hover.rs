@@ -127,15 +127,19 @@ impl About<'_> {
         if !names.is_empty() {
             what = format!("{what} of {}", names.join(", "));
         }
+        if let Some(entity) = Some(name).filter(|_| self.o.kind == NameKind::Instance).and_then(|n| self.instance(n)) {
+            what = format!("{what} of `{entity}`");
+        }
         if let Some(dimension) = owners.first().and_then(|(id, e)| self.dimension(*id, e, name)) {
             what = format!("{what}, {dimension}");
         }
         parts.push(if is_own { what } else { format!("`{name}`: {what}") });
-        parts.extend(self.snapshot.doc(self.o.declared));
+        if is_own && self.o.kind != NameKind::Argument {
+            parts.extend(self.snapshot.doc(self.o.declared));
+        }
         match self.o.kind {
             NameKind::Mode => parts.extend(owners.first().map(|(_, e)| self.ways(e))),
             NameKind::Tag => parts.push(self.carriers(name)),
-            NameKind::Instance => parts.extend(self.instance(name)),
             NameKind::Variable | NameKind::Discrete => {
                 parts.extend(owners.iter().take(3).filter_map(|(_, e)| self.ranges(e, name)));
             }
@@ -197,11 +201,13 @@ impl About<'_> {
         let first = rows.first()?;
         let written = format!("{name}{}", "'".repeat(degree));
         if rows.iter().all(|(_, values)| *values == first.1) {
-            return Some(format!("`{written}` is always {}", first.1)).filter(|_| first.1 != "any");
+            let says_nothing =
+                first.1 == "any" || matches!(names, Some(Type::Set(_) | Type::Bool)) && first.1.contains(" or ");
+            return Some(format!("`{written}` is {}", first.1)).filter(|_| !says_nothing);
         }
         let lines = rows.iter().take(MOST_MODES).map(|(mode, values)| format!("| `{mode}` | {values} |"));
         let more = rows.len().saturating_sub(MOST_MODES);
-        let more = (more > 0).then(|| format!("\n\n… and {more} more modes")).unwrap_or_default();
+        let more = if more > 0 { format!("\n\n… and {more} more modes") } else { String::new() };
         Some(format!("| in | `{written}` is |\n|---|---|\n{}{more}", lines.collect::<Vec<_>>().join("\n")))
     }
 
@@ -239,7 +245,7 @@ impl About<'_> {
     fn instance(&self, name: &str) -> Option<String> {
         let checked = &self.snapshot.study.checked;
         let instance = checked.worlds.iter().flat_map(|w| w.instances.iter()).find(|i| i.name.text == name)?;
-        Some(format!("of `{}`", checked.entities.get(instance.entity)?.name.text))
+        Some(checked.entities.get(instance.entity)?.name.text.clone())
     }
 }
 

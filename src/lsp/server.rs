@@ -248,11 +248,7 @@ impl Server {
         }
         let Notification { method, params } = notification;
         match method.as_str() {
-            "initialized" => {
-                if self.client.watches_files {
-                    self.ask("client/registerCapability", watchers());
-                }
-            }
+            "initialized" if self.client.watches_files => self.ask("client/registerCapability", watchers()),
             "textDocument/didOpen" => {
                 let Some(params) = read::<types::DidOpenTextDocumentNotification>(params) else { return };
                 let document = params.text_document;

@@ -18,7 +18,7 @@ pub(super) fn path_of(uri: &Uri) -> PathBuf {
 /// The URI of a path.
 pub(super) fn uri_of(path: &Path) -> Uri {
     let text = path.to_string_lossy().replace('\\', "/");
-    if !text.starts_with('/') && !text.get(1..2).is_some_and(|colon| colon == ":") {
+    if !text.starts_with('/') && text.get(1..2).is_none_or(|colon| colon != ":") {
         return Uri(text);
     }
     let mut uri = String::from(if text.starts_with('/') { "file://" } else { "file:///" });

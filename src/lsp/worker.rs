@@ -3,7 +3,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -149,7 +149,7 @@ impl Worker {
         self.events.send(Event::Indexed(job.revision)).ok()
     }
 
-    fn compile(&self, path: &PathBuf, job: &Job) -> Option<Arc<Snapshot>> {
+    fn compile(&self, path: &Path, job: &Job) -> Option<Arc<Snapshot>> {
         let compile = || Snapshot::of(path, &job.open, &*self.disk);
         let nothing = |_| Snapshot::of(path, &Arc::default(), &super::Nowhere);
         let snapshot = Arc::new(catch_unwind(AssertUnwindSafe(compile)).unwrap_or_else(nothing));

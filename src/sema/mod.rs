@@ -3,6 +3,7 @@
 //! Every independent mistake of a program is reported in one run. What could not be read (syntax errors) is known
 //! to this stage by name, so that it does not complain of what an earlier error explains.
 
+mod annotation;
 mod call;
 pub mod checked;
 mod checked_world;

@@ -33,6 +33,7 @@ pub fn expand(files: &mut [File], sources: &mut SourceMap, occurrences: &mut Occ
     }) {
         occurrences.declare(NameKind::Behavior, behavior.name.span);
         note_parameters(behavior, occurrences);
+        note_members(&behavior.members, occurrences);
         match behaviors.get(&behavior.name.text) {
             Some(first) => diagnostics.report(DuplicateName {
                 kind: "behavior",
@@ -278,6 +279,29 @@ fn note_parameters(behavior: &Behavior, occurrences: &mut Occurrences) {
     for (at, parameter) in substitution.replaced {
         if let Some(parameter) = behavior.parameters.get(parameter) {
             occurrences.read(NameKind::Argument, at, parameter.span);
+        }
+    }
+}
+
+/// Notes what a behaviour declares: nothing else does where nothing uses it.
+fn note_members(members: &[Member], occurrences: &mut Occurrences) {
+    for member in members {
+        match member {
+            Member::Parameter(p) => occurrences.declare(NameKind::Parameter, p.name.span),
+            Member::Continuous(c) => occurrences.declare(NameKind::Variable, c.name.span),
+            Member::Discrete(d) => occurrences.declare(NameKind::Discrete, d.name.span),
+            Member::Reference(r) => occurrences.declare(NameKind::Reference, r.name.span),
+            Member::Buttons(names, _) => names.iter().for_each(|n| occurrences.declare(NameKind::Button, n.span)),
+            Member::Axes(names, _) => names.iter().for_each(|n| occurrences.declare(NameKind::Axis, n.span)),
+            Member::Group(group) => {
+                occurrences.declare(NameKind::Group, group.name.span);
+                note_members(&group.members, occurrences);
+            }
+            Member::Mode(mode) => {
+                occurrences.declare(NameKind::Mode, mode.name.span);
+                note_members(&mode.members, occurrences);
+            }
+            _ => {}
         }
     }
 }

@@ -1,5 +1,7 @@
 //! An editor for tests: it talks to a server over channels, keeps the texts as an editor does, and what is shown.
 
+#![allow(dead_code, reason = "not every user needs all of it")]
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -81,6 +83,19 @@ impl Client {
         let message = Request { id: id.clone(), method: method.into(), params };
         self.connection.sender.send(message.into()).unwrap();
         id
+    }
+
+    /// Waits until findings come for the newest state of a document.
+    pub fn published(&mut self, uri: &str) {
+        loop {
+            let message = self.connection.receiver.recv_timeout(Duration::from_secs(120)).unwrap();
+            if let Message::Notification(note) = message
+                && note.params["uri"] == uri
+                && note.params["version"] == self.version
+            {
+                return;
+            }
+        }
     }
 
     /// Waits for the answer to a request.

@@ -165,7 +165,7 @@ fn edits() -> impl Strategy<Value = Vec<Edit>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn the_server_has_the_editors_text_and_finds_what_check_finds(edits in edits()) {
@@ -207,7 +207,7 @@ proptest! {
                 "textDocument": { "uri": uri }, "position": at(a), "positions": [at(a), at(b)],
                 "range": { "start": at(a), "end": at(b) }, "newName": "other",
                 "options": { "tabSize": 4, "insertSpaces": true },
-                "context": { "includeDeclaration": true, "diagnostics": [] },
+                "context": { "includeDeclaration": true, "diagnostics": [], "triggerKind": 1, "isRetrigger": false },
             });
             let answer = client.request(&format!("textDocument/{}", METHODS[method]), params);
             if let Err((code, message)) = answer {

@@ -5,7 +5,7 @@ use gen_lsp_types as types;
 use gen_lsp_types::{CodeLens, Command, InlayHint, InlayHintKind};
 use serde_json::json;
 
-use crate::sema::checked::{Action, Checked, DriveBy, Edge, Entity, Place, Term};
+use crate::sema::checked::{Action, Checked, DriveBy, Edge, Entity, Place, Term, TermKind};
 use crate::sema::ids::{EntityId, Id, IdVec, ModeId, ParamId, VarId};
 use crate::sema::{ConstantContext, evaluate};
 use crate::source::{FileId, Span};
@@ -150,15 +150,14 @@ impl Hints<'_> {
                 continue;
             }
             let Some(speed) = value(&update.value).filter(|v| *v > 0.0) else { continue };
-            let Some(pull) = falls(entity, edge.target.unwrap_or(edge.source), height).and_then(&value) else {
-                continue;
-            };
-            if pull < 0.0 {
-                let (rise, time) = (speed * speed / (-2.0 * pull), speed / -pull);
-                let label =
-                    format!("rises {} px in {} s, {} s in the air", short(rise), short(time), short(2.0 * time));
-                self.add(update.span, label);
+            let Some(leaf) = entered(entity, edge.target.unwrap_or(edge.source)) else { continue };
+            let Some(pull) = falls(entity, leaf, height).and_then(&value).filter(|v| *v < 0.0) else { continue };
+            let (rise, time) = (speed * speed / (-2.0 * pull), speed / -pull);
+            let mut label = format!("up to {} px in {} s", short(rise), short(time));
+            if ends_by_contact(entity, leaf) {
+                label = format!("{label}, {} s in the air", short(2.0 * time));
             }
+            self.add(update.span, label);
         }
     }
 }
@@ -174,8 +173,46 @@ fn parameters(entity: &Entity) -> IdVec<ParamId, f64> {
     params
 }
 
-/// The acceleration of a variable in a mode, if a flow of it or of what is around it gives one. Modes inside may say
-/// something else.
+/// The leaf that is entered with a mode, where that does not depend on a guard.
+fn entered(entity: &Entity, mode: ModeId) -> Option<ModeId> {
+    let mut at = mode;
+    loop {
+        let inside = &entity.modes[at].children;
+        if inside.iter().any(|child| entity.modes[*child].initial_when.is_some()) {
+            return None;
+        }
+        let Some(first) = inside.iter().find(|c| entity.modes[**c].marked_initial).or(inside.first()) else {
+            return Some(at);
+        };
+        at = *first;
+    }
+}
+
+/// Whether nothing but contacts ends a mode or what is around it.
+fn ends_by_contact(entity: &Entity, leaf: ModeId) -> bool {
+    let mut at = Some(leaf);
+    while let Some(id) = at {
+        let mode = &entity.modes[id];
+        let mut edges = mode.edges.iter().map(|edge| &entity.edges[*edge]).filter(|edge| edge.target.is_some());
+        if !edges.all(|edge| needs_contact(&edge.guard)) {
+            return false;
+        }
+        at = mode.parent;
+    }
+    true
+}
+
+/// Whether a guard holds only while something is touched.
+fn needs_contact(guard: &Term) -> bool {
+    match &guard.kind {
+        TermKind::Touching { .. } => true,
+        TermKind::And(a, b) => needs_contact(a) || needs_contact(b),
+        TermKind::Or(a, b) => needs_contact(a) && needs_contact(b),
+        _ => false,
+    }
+}
+
+/// The acceleration of a variable in a mode, if a flow of it or of what is around it gives one.
 fn falls(entity: &Entity, mode: ModeId, var: VarId) -> Option<&Term> {
     let mut at = Some(mode);
     while let Some(id) = at {

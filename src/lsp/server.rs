@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use crossbeam_channel::{Receiver, Sender, select, unbounded};
@@ -121,7 +122,15 @@ impl Server {
         };
         let (jobs, waiting_jobs) = unbounded();
         let (tell, events) = unbounded();
-        let worker = Worker { jobs: waiting_jobs, events: tell, disk: Arc::clone(&disk), quiet: settings.quiet };
+        let has_ended = Arc::new(AtomicBool::new(false));
+        let ends = Arc::clone(&has_ended);
+        let worker = Worker {
+            has_ended: ends,
+            jobs: waiting_jobs,
+            events: tell,
+            disk: Arc::clone(&disk),
+            quiet: settings.quiet,
+        };
         let thread = std::thread::spawn(move || worker.run());
         let mut server = Server {
             client,
@@ -146,6 +155,7 @@ impl Server {
         };
         server.answer(id, Ok(result));
         let orderly = server.run(&receiver, &events);
+        has_ended.store(true, Ordering::Relaxed);
         drop(server);
         drop(events);
         let _ = thread.join();

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender};
@@ -49,12 +50,12 @@ pub(super) enum Event {
     Examined(Arc<Snapshot>, Box<(Diagnostics, Ranges)>),
 }
 
-/// Stops as soon as there is something newer to do.
-struct Newer<'a>(&'a Receiver<Job>);
+/// Stops as soon as there is something newer to do, or nobody to do it for.
+struct Newer<'a>(&'a Receiver<Job>, &'a AtomicBool);
 
 impl Watch for Newer<'_> {
     fn stop(&self) -> bool {
-        !self.0.is_empty()
+        !self.0.is_empty() || self.1.load(Ordering::Relaxed)
     }
 }
 
@@ -62,6 +63,8 @@ pub(super) struct Worker {
     pub jobs: Receiver<Job>,
     pub events: Sender<Event>,
     pub disk: Arc<dyn Workspace>,
+    /// Set once the editor has gone.
+    pub has_ended: Arc<AtomicBool>,
     /// How long nothing must change before values are looked at.
     pub quiet: Duration,
 }
@@ -165,7 +168,8 @@ impl Worker {
                 let examine = || {
                     let program = compilation.program.as_ref()?;
                     let (sources, said) = (&compilation.sources, &compilation.diagnostics);
-                    let (found, spaces) = watched_findings(program, sources, FileId(0), said, &Newer(&self.jobs))?;
+                    let (found, spaces) =
+                        watched_findings(program, sources, FileId(0), said, &Newer(&self.jobs, &self.has_ended))?;
                     Some(Box::new((found, Ranges::of(program, &spaces))))
                 };
                 let found = catch_unwind(AssertUnwindSafe(examine)).unwrap_or_default();

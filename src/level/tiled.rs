@@ -1,5 +1,8 @@
 //! Maps of the editor Tiled: XML (`.tmx`) or JSON (`.tmj`), with their tilesets (`.tsx`, `.tsj`). Classes and the property
 //! `tags` are names; what has none of its own has those of its layer.
+//!
+//! Read through `roxmltree` and `serde_json` (`node.rs`), so that whatever is wrong has its place in the file and what is
+//! unpacked has a limit: the crate `tiled` (0.16) has neither, and reads no JSON.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;

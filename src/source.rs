@@ -101,9 +101,12 @@ impl SourceFile {
     pub fn line_column_utf16(&self, byte: usize) -> (usize, usize) {
         let (line, _) = self.line_column(byte);
         let start = self.line_range(line - 1).map_or(0, |range| range.start);
-        let byte = byte.min(self.text.len());
-        let column = if self.text.is_char_boundary(byte) { self.before(byte).1 - self.before(start).1 } else { 0 };
-        (line, column + 1)
+        // Inside of a character is where it begins.
+        let mut byte = byte.min(self.text.len());
+        while !self.text.is_char_boundary(byte) {
+            byte -= 1;
+        }
+        (line, self.before(byte).1 - self.before(start).1 + 1)
     }
 
     /// How many characters and how many UTF-16 code units begin before a byte.
@@ -255,6 +258,14 @@ pub fn decode(bytes: Vec<u8>) -> Result<String, ReadError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn inside_of_a_character_is_where_it_begins() {
+        let mut map = SourceMap::new();
+        let file = map.add("a", "ab🐊c\n");
+        let column = |byte| map.file(file).line_column_utf16(byte);
+        assert_eq!([2, 3, 4, 5, 6].map(column), [(1, 3), (1, 3), (1, 3), (1, 3), (1, 5)]);
+    }
 
     #[test]
     fn lines_and_columns_count_characters() {

@@ -113,7 +113,9 @@ impl Mender<'_> {
         self.suspect = None;
         self.close_until(line.line, line.token, |top| line.indent > top.indent);
         if line.bare_header {
-            let end = Span::new(self.file, line.end.saturating_sub(1), line.end);
+            // The last character, which may be of several bytes.
+            let last = self.text[..line.end].iter().rposition(|byte| byte & 0xc0 != 0x80);
+            let end = Span::new(self.file, last.unwrap_or(0), line.end);
             self.diagnostics.report(MissingOpenBrace { header: end });
             self.inserts.push(Insert { at: line.end, text: OPEN });
             self.open.push(Brace { at: line.end, open: true, indent: line.indent, leads: false, line: line.line });

@@ -49,6 +49,21 @@ fn findings_of_imported_files_are_shown_there() {
 }
 
 #[test]
+fn findings_come_again_when_the_text_around_them_changes() {
+    let mut session = Session::new(&[]);
+    session.open("bad.hyped", "entity A {\n    x' = sped\n}\n");
+    session.open("good.hyped", "entity B {\n    x' = 3\n}\n");
+    session.client.settle();
+    let before = session.client.published;
+    session.replace("good.hyped", "B", "C");
+    session.client.settle();
+    assert_eq!(session.client.published, before);
+    session.replace("bad.hyped", "A", "Angle");
+    session.client.settle();
+    assert_eq!(session.client.published, before + 1);
+}
+
+#[test]
 fn what_values_tell_is_shown() {
     let mut session = Session::new(&[]);
     session.open("slime.hyped", SLIME);

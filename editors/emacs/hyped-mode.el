@@ -273,6 +273,10 @@ Before the parenthesis of a `rect' of a space stands a tag."
 
 (defvar eglot-server-programs)
 
+(defun hyped--server (&rest _)
+  "The command that starts the language server."
+  (list hyped-program "lsp"))
+
 ;;;###autoload
 (define-derived-mode hyped-mode prog-mode "Hyped"
   "Major mode for .hyped, game entities as hybrid automata."
@@ -296,7 +300,7 @@ Before the parenthesis of a `rect' of a space stands a tag."
 (add-to-list 'auto-mode-alist '("\\.hyped\\'" . hyped-mode))
 
 (with-eval-after-load 'eglot
-  (add-to-list 'eglot-server-programs (list 'hyped-mode hyped-program "lsp")))
+  (add-to-list 'eglot-server-programs (cons 'hyped-mode #'hyped--server)))
 
 (provide 'hyped-mode)
 

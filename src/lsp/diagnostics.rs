@@ -71,11 +71,13 @@ fn tag(code: Code) -> Option<DiagnosticTag> {
 /// What was sent, and what is to be sent next.
 #[derive(Debug, Default)]
 pub(super) struct Published {
-    sent: ByDocument,
+    /// With the version of the text that the places were counted in, for documents that are open.
+    sent: BTreeMap<String, (Option<i32>, Vec<Shown>)>,
 }
 
 impl Published {
-    /// The messages that bring the editor up to date: documents whose findings changed, those without any included.
+    /// The messages that bring the editor up to date: documents whose findings changed, those without any included, and
+    /// those whose text changed around them: an editor may have kept places that it counted in the old text, as Eglot does.
     pub fn update<'a>(
         &mut self,
         programs: impl IntoIterator<Item = &'a ByDocument>,
@@ -91,18 +93,25 @@ impl Published {
                 }
             }
         }
-        let gone: Vec<String> = self.sent.keys().filter(|uri| !all.contains_key(*uri)).cloned().collect();
+        for uri in self.sent.keys() {
+            all.entry(uri.clone()).or_default();
+        }
         let mut messages = Vec::new();
-        let mut send = |uri: &str, diagnostics: Vec<Shown>| {
-            messages.push(PublishDiagnosticsParams { uri: Uri(uri.into()), version: version(uri), diagnostics });
-        };
-        gone.iter().for_each(|uri| send(uri, Vec::new()));
-        for (uri, found) in &all {
-            if self.sent.get(uri) != Some(found) {
-                send(uri, found.clone());
+        for (uri, diagnostics) in all {
+            let now = (version(&uri), diagnostics);
+            let before = self.sent.get(&uri);
+            if before.map_or(&[][..], |(_, found)| found.as_slice()) != now.1
+                || before.is_some_and(|(v, _)| *v != now.0)
+            {
+                let (version, diagnostics) = now.clone();
+                messages.push(PublishDiagnosticsParams { uri: Uri(uri.clone()), version, diagnostics });
+            }
+            if now.1.is_empty() {
+                self.sent.remove(&uri);
+            } else {
+                self.sent.insert(uri, now);
             }
         }
-        self.sent = all;
         messages
     }
 }

@@ -110,6 +110,7 @@
     ;; Emacs before 29 has none: what is to be done once it is loaded can be tested all the same.
     (defvar eglot-server-programs nil)
     (provide 'eglot))
-  (should (equal (cdr (assq 'hyped-mode eglot-server-programs)) '("hypedc" "lsp"))))
+  (let ((hyped-program "/a/hypedc"))
+    (should (equal (funcall (cdr (assq 'hyped-mode eglot-server-programs)) nil) '("/a/hypedc" "lsp")))))
 
 ;;; run.el ends here

@@ -6,27 +6,8 @@
 --
 -- The parser must have been built: `tree-sitter build` in ../tree-sitter-hyped.
 
-local passed, failed = 0, 0
-
-local function test(name, body)
-  local right, message = xpcall(body, debug.traceback)
-  passed, failed = passed + (right and 1 or 0), failed + (right and 0 or 1)
-  print(('%s: %s'):format(name, right and 'ok' or 'FAILED\n' .. message))
-end
-
-local function same(found, expected, what)
-  if not vim.deep_equal(found, expected) then
-    error(('%s: found %s, not %s'):format(what or '', vim.inspect(found), vim.inspect(expected)), 2)
-  end
-end
-
-vim.g.hypedc_path = os.getenv('HYPEDC')
-vim.opt.runtimepath:prepend(vim.fn.getcwd())
-vim.cmd('filetype plugin indent on')
-vim.cmd('syntax on')
-vim.cmd('runtime! plugin/hyped.lua')
-vim.o.swapfile, vim.o.hidden = false, true
-
+local harness = dofile('test/harness.lua')
+local test, same = harness.test, harness.same
 local root = vim.fs.normalize('../..')
 
 test('a file is taken for .hyped, with the settings of Vim', function()
@@ -128,5 +109,4 @@ test('code lenses run hypedc', function()
   })
 end)
 
-print(('%d passed, %d failed'):format(passed, failed))
-os.exit(failed == 0 and 0 or 1)
+harness.finish()

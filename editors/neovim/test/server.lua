@@ -1,119 +1,100 @@
--- Neovim and `hypedc lsp`: findings, definitions, renaming, layout, in a project of two files.
+-- Neovim and `hypedc lsp`: findings, definitions, renaming, layout, in a copy of the program ../test/mistakes.
 -- `nvim --headless --clean -l test/server.lua` in the plugin's folder, with $HYPEDC, the command hypedc.
 
-local passed, failed = 0, 0
-
-local function test(name, body)
-  local right, message = xpcall(body, debug.traceback)
-  passed, failed = passed + (right and 1 or 0), failed + (right and 0 or 1)
-  print(('%s: %s'):format(name, right and 'ok' or 'FAILED\n' .. message))
-end
-
-local function same(found, expected, what)
-  if not vim.deep_equal(found, expected) then
-    error(('%s: found %s, not %s'):format(what or '', vim.inspect(found), vim.inspect(expected)), 2)
-  end
-end
-
-local function wait_for(what, condition)
-  if not vim.wait(20000, condition, 20) then
-    error('never: ' .. what, 2)
-  end
-end
-
-vim.g.hypedc_path = os.getenv('HYPEDC')
-vim.opt.runtimepath:prepend(vim.fn.getcwd())
-vim.cmd('filetype plugin indent on')
-vim.cmd('runtime! plugin/hyped.lua')
-vim.o.swapfile, vim.o.hidden = false, true
+local harness = dofile('test/harness.lua')
+local test, same, wait_for = harness.test, harness.same, harness.wait_for
 
 local folder = vim.fn.tempname()
 vim.fn.mkdir(folder .. '/.git', 'p')
-local function write(name, text)
-  vim.fn.writefile(vim.split(text, '\n'), folder .. '/' .. name)
+for _, name in ipairs({ 'game.hyped', 'slime.hyped' }) do
+  vim.fn.writefile(vim.fn.readfile('../test/mistakes/' .. name, 'b'), folder .. '/' .. name, 'b')
 end
-write('slime.hyped', [[
-/// Creeps along.
-entity Slime {
-    param speed = 20
+vim.cmd.cd(folder)
 
-    collider enemy: rect(0, 0, 16, 16)
+vim.cmd.edit('slime.hyped')
+local slime = vim.api.nvim_get_current_buf()
+vim.cmd.edit('game.hyped')
+local game = vim.api.nvim_get_current_buf()
 
-    x' = speed
-}]])
-write('game.hyped', [[
-import "slime.hyped"
-
-world Cave {
-    step 1/60
-
-    space main {
-        place first: Slime at (0, 0)
-        place second: Slim at (32, 0) { speed = 40 }
-    }
-
-      goal over: first.x > 100
-}]])
-
-vim.cmd.edit(folder .. '/game.hyped')
-local buffer = vim.api.nvim_get_current_buf()
-
-local function messages()
-  return vim.tbl_map(function(d) return d.message end, vim.diagnostic.get(buffer, { severity = vim.diagnostic.severity.ERROR }))
+-- What `hypedc check` tells of the files on the disk.
+local function checked()
+  local out = vim.system({ os.getenv('HYPEDC'), 'check', '--format', 'short', 'game.hyped' }, { text = true }):wait().stdout
+  local found = vim.split(vim.trim(out), '\n', { trimempty = true })
+  table.sort(found)
+  return found
 end
 
-local function line(number)
+-- What Neovim shows, in the same form: the first line of each finding.
+local function shown()
+  local found = {}
+  for _, d in ipairs(vim.diagnostic.get()) do
+    local name = vim.fs.basename(vim.api.nvim_buf_get_name(d.bufnr))
+    local line = vim.api.nvim_buf_get_lines(d.bufnr, d.lnum, d.lnum + 1, true)[1]
+    local column = vim.str_utfindex(line, 'utf-32', d.col) + 1
+    local severity = d.severity == vim.diagnostic.severity.ERROR and 'error' or 'warning'
+    found[#found + 1] = ('%s:%d:%d: %s[%s]: %s'):format(name, d.lnum + 1, column, severity, d.code, vim.split(d.message, '\n')[1])
+  end
+  table.sort(found)
+  return found
+end
+
+-- Waits until Neovim shows what `hypedc check` tells, and so many findings.
+local function agree(count)
+  local told = checked()
+  same(#told, count, table.concat(told, '\n'))
+  vim.wait(20000, function() return vim.deep_equal(shown(), told) end, 20)
+  same(shown(), told)
+end
+
+local function line(buffer, number)
   return vim.api.nvim_buf_get_lines(buffer, number - 1, number, true)[1]
 end
 
-test('the server starts, and its findings are there', function()
-  wait_for('a server', function() return #vim.lsp.get_clients({ bufnr = buffer, name = 'hypedc' }) == 1 end)
-  wait_for('a finding', function() return #messages() == 1 end)
-  local found = vim.diagnostic.get(buffer, { severity = vim.diagnostic.severity.ERROR })[1]
-  same({ found.lnum, found.col, found.code }, { 7, 22, 'E0201' })
-  assert(found.message:find('Slim', 1, true), found.message)
+test('the server starts, and finds what hypedc check finds', function()
+  wait_for('a server', function() return #vim.lsp.get_clients({ bufnr = game, name = 'hypedc' }) == 1 end)
+  agree(3)
 end)
 
-test('findings go as soon as what was wrong is right', function()
-  vim.api.nvim_buf_set_lines(buffer, 7, 8, true, { (line(8):gsub('Slim at', 'Slime at')) })
-  wait_for('no finding', function() return #messages() == 0 end)
+test('findings go as soon as what was wrong is right, and others come', function()
+  vim.cmd.buffer(slime)
+  vim.cmd('silent %s/sise/size/')
+  vim.cmd.buffer(game)
+  vim.cmd('silent %s/Slim at/Slime at/ | %s/false/32/')
+  vim.cmd('silent wall')
+  agree(1)
 end)
 
 test('one goes to where an entity is defined, in another file', function()
-  vim.api.nvim_win_set_cursor(0, { 7, 22 })
+  vim.api.nvim_win_set_cursor(0, { 8, 22 })
   vim.lsp.buf.definition()
-  wait_for('the other file', function() return vim.api.nvim_buf_get_name(0):match('slime%.hyped$') end)
+  wait_for('the other file', function() return vim.api.nvim_get_current_buf() == slime end)
   same(vim.api.nvim_win_get_cursor(0), { 2, 7 })
-  vim.cmd.buffer(buffer)
+  vim.cmd.buffer(game)
 end)
 
 test('an entity is renamed in both files', function()
-  vim.api.nvim_win_set_cursor(0, { 7, 22 })
+  vim.api.nvim_win_set_cursor(0, { 8, 22 })
   vim.lsp.buf.rename('Ooze')
-  wait_for('the new name', function() return line(7):find('Ooze', 1, true) ~= nil end)
-  same(line(8), '        place second: Ooze at (32, 0) { speed = 40 }')
-  local other = vim.fn.bufnr(folder .. '/slime.hyped')
-  same(vim.api.nvim_buf_get_lines(other, 1, 2, true), { 'entity Ooze {' })
-  wait_for('no finding', function() return #messages() == 0 end)
+  wait_for('the new name', function() return line(game, 8):find('Ooze', 1, true) ~= nil end)
+  same(line(game, 9), '        place second: Ooze at (32, 0) { speed = 40 }')
+  same(line(slime, 2), 'entity Ooze {')
 end)
 
 test('the document gets its layout', function()
   vim.lsp.buf.format({ timeout_ms = 20000 })
-  same(line(11), '    goal over: first.x > 100')
+  same(line(game, 12), '    goal over: first.x > 100')
+  vim.cmd('silent wall')
+  agree(1)
 end)
 
 test('what the cursor is on is told', function()
-  local parameters = { textDocument = { uri = vim.uri_from_bufnr(buffer) }, position = { line = 6, character = 22 } }
-  -- As soon as the text in its new layout was read.
-  wait_for('what is documented', function()
-    local answers = vim.lsp.buf_request_sync(buffer, 'textDocument/hover', parameters, 20000)
-    return vim.inspect(answers):find('Creeps along', 1, true) ~= nil
-  end)
+  local parameters = { textDocument = { uri = vim.uri_from_bufnr(game) }, position = { line = 7, character = 22 } }
+  local answers = vim.lsp.buf_request_sync(game, 'textDocument/hover', parameters, 20000)
+  assert(vim.inspect(answers):find('Creeps along', 1, true), vim.inspect(answers))
 end)
 
 for _, client in ipairs(vim.lsp.get_clients()) do
   client:stop()
 end
-vim.wait(5000, function() return #vim.lsp.get_clients() == 0 end, 20)
-print(('%d passed, %d failed'):format(passed, failed))
-vim.cmd(failed == 0 and 'qall!' or 'cquit')
+wait_for('the end of the server', function() return #vim.lsp.get_clients() == 0 end)
+harness.finish()

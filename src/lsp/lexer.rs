@@ -3,6 +3,8 @@
 
 use std::ops::Range;
 
+use pest::unicode::{XID_CONTINUE, XID_START};
+
 /// What a token is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
@@ -41,12 +43,12 @@ impl Token {
 
 /// Whether a character may begin a name.
 pub(super) fn begins_name(c: char) -> bool {
-    c.is_alphabetic() || c == '_'
+    XID_START(c) || c == '_'
 }
 
 /// Whether a character may go on with a name.
 pub(super) fn continues_name(c: char) -> bool {
-    c.is_alphanumeric() || c == '_'
+    XID_CONTINUE(c)
 }
 
 /// All tokens of a text, white space between them left out.

@@ -10,9 +10,8 @@ use gen_lsp_types::{TextEdit, Uri, WorkspaceEdit};
 
 use crate::diagnostic::Severity;
 use crate::source::{FileId, Span};
-use crate::syntax::ast::Item;
+use crate::syntax::is_name;
 use crate::syntax::occurrence::{NameKind, Occurrence};
-use crate::syntax::{self};
 
 use super::documents::{Document, Open};
 use super::server::{Failure, Server};
@@ -150,11 +149,4 @@ fn meaning(snapshot: &Snapshot, places: &Places, length: u32) -> BTreeSet<(FileI
     };
     let all = snapshot.study.occurrences.iter();
     all.map(|o: &Occurrence| (o.at.file, moved(o.at), o.kind, o.declared.file, moved(o.declared))).collect()
-}
-
-/// Whether something can be a name.
-fn is_name(text: &str) -> bool {
-    let (tree, found) = syntax::parse(FileId(0), &format!("const {text} = 1\n"));
-    let is_it = matches!(tree.items.as_slice(), [Item::Constant(c)] if c.name.text == text);
-    is_it && !found.has_errors()
 }

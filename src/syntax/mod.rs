@@ -15,6 +15,7 @@ mod message;
 pub mod occurrence;
 mod scan;
 mod substitute;
+mod word;
 
 use pest::Parser;
 use pest::iterators::Pairs;
@@ -27,6 +28,7 @@ use grammar::Grammar;
 pub(crate) use grammar::Rule;
 pub use import::load;
 pub use scan::{MAX_NESTING, MAX_OPERATORS, MAX_WORD};
+pub use word::{is_name, is_reserved};
 
 /// The parser that pest derives from the grammar; its `Rule` is known to this stage and to the formatter only.
 #[allow(missing_docs, reason = "derived code")]

@@ -6,25 +6,8 @@ use pest::unicode::{XID_CONTINUE, XID_START};
 
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::import::Renamed;
-use crate::source::{FileId, Span};
-use crate::syntax::{self, MAX_WORD};
-
-/// Whether a text can be a name as it stands.
-pub(super) fn is_name(text: &str) -> bool {
-    is_word(text) && !is_reserved(text)
-}
-
-fn is_word(text: &str) -> bool {
-    let mut characters = text.chars();
-    text.len() <= MAX_WORD
-        && characters.next().is_some_and(|c| XID_START(c) || c == '_')
-        && characters.all(XID_CONTINUE)
-}
-
-/// Whether the grammar keeps a word for itself.
-fn is_reserved(word: &str) -> bool {
-    syntax::parse(FileId(0), &format!("const {word} = 0\n")).1.has_errors()
-}
+use crate::source::Span;
+use crate::syntax::{MAX_WORD, is_name, is_reserved};
 
 /// A name that is as near to a text as a name can be.
 fn near(text: &str) -> String {
@@ -61,7 +44,7 @@ impl Names {
         if name != text {
             let why = if is_name(text) {
                 "the name is taken"
-            } else if is_word(text) {
+            } else if is_reserved(text) {
                 "a word of the language"
             } else {
                 "not a name in the language"
@@ -96,7 +79,7 @@ pub(super) fn entity(text: &str, at: Span, taken: &mut Names, diagnostics: &mut 
     };
     let name = near(&words.map(capital).collect::<String>());
     let given = taken.unused(name.clone());
-    if given != name || !is_word(text) {
+    if given != name || !is_name(text) && !is_reserved(text) {
         let why = if given == name { "not a name in the language" } else { "the name is taken" };
         diagnostics.report(Renamed { kind: "entity", from: text.to_string(), to: given.clone(), why, at });
     }

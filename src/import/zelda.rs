@@ -97,6 +97,9 @@ impl Side {
 /// A column and a row, from the upper left.
 type Place = (usize, usize);
 
+/// Tiles of a room: from the first column and row to the last.
+type Area = (Place, Place);
+
 /// A tile with its place in the file.
 type Cell = (char, Span);
 
@@ -104,20 +107,18 @@ type Cell = (char, Span);
 struct Room {
     /// Row by row from above.
     cells: Vec<Vec<Cell>>,
-    /// On each side, the tiles of its door: from the first column and row to the last.
-    doors: BTreeMap<usize, (Place, Place)>,
+    /// The door on each side, in the order of [`Side::ALL`].
+    doors: [Option<Area>; 4],
 }
 
 impl Room {
-    fn door(&self, side: Side) -> Option<(Place, Place)> {
-        self.doors.get(&(side as usize)).copied()
+    fn door(&self, side: Side) -> Option<Area> {
+        self.doors[side as usize]
     }
 
     /// The tiles where one comes in: a door, or where there is none the middle.
-    fn cells_of_entry(&self, side: Option<Side>) -> Vec<Place> {
-        let door = side.and_then(|side| self.door(side)).unwrap_or(((COLUMNS / 2, ROWS / 2), (COLUMNS / 2, ROWS / 2)));
-        let rows = door.0.1..=door.1.1;
-        rows.flat_map(|row| (door.0.0..=door.1.0).map(move |column| (column, row))).collect()
+    fn entry(&self, side: Option<Side>) -> Area {
+        side.and_then(|side| self.door(side)).unwrap_or(((COLUMNS / 2, ROWS / 2), (COLUMNS / 2, ROWS / 2)))
     }
 
     fn span(&self, (column, row): Place) -> Span {
@@ -196,12 +197,12 @@ fn rooms(file: FileId, text: &str) -> Result<BTreeMap<Place, Room>, NotWellForme
 }
 
 /// The doors of a room by their sides.
-fn doors(cells: &[Vec<Cell>]) -> BTreeMap<usize, (Place, Place)> {
-    let mut doors: BTreeMap<usize, (Place, Place)> = BTreeMap::new();
+fn doors(cells: &[Vec<Cell>]) -> [Option<Area>; 4] {
+    let mut doors = [None; 4];
     for (row, line) in cells.iter().enumerate() {
         for (column, _) in line.iter().enumerate().filter(|(_, (c, _))| *c == 'D') {
             let Some(side) = Side::ALL.into_iter().find(|side| side.has((column, row))) else { continue };
-            let door = doors.entry(side as usize).or_insert(((column, row), (column, row)));
+            let door: &mut Area = doors[side as usize].get_or_insert(((column, row), (column, row)));
             door.0 = (door.0.0.min(column), door.0.1.min(row));
             door.1 = (door.1.0.max(column), door.1.1.max(row));
         }
@@ -270,7 +271,8 @@ fn world(rooms: &BTreeMap<Place, Room>, name: &str, entities: &str, diagnostics:
             help: "`place hero` says where one comes in".into(),
         });
     }
-    let walk = Walk::new(rooms, start, &ways, rooms[&start].cells_of_entry(entrance.map(|(_, side)| side)));
+    let entry = rooms[&start].entry(entrance.map(|(_, side)| side));
+    let walk = Walk::new(rooms, start, &ways, entry);
     let is_there = |tile: char| rooms.values().any(|r| r.cells.iter().flatten().any(|(c, _)| *c == tile));
     let mut out = String::new();
     let quoted = entities.replace(['"', '\n'], "");
@@ -302,12 +304,9 @@ fn world(rooms: &BTreeMap<Place, Room>, name: &str, entities: &str, diagnostics:
         }
         let _ = writeln!(out, "        \"");
         if place == start {
-            let door = entrance
-                .and_then(|(_, side)| room.door(side))
-                .map_or((COLUMNS / 2, ROWS / 2), |(a, b)| ((a.0 + b.0).div_ceil(2), (a.1 + b.1).div_ceil(2)));
-            let (x, y) = corner(door);
-            let (x, y) = (x + 2, y + 2);
-            let _ = writeln!(out, "        place hero: Link at ({x}, {y})");
+            let (first, last) = entry;
+            let (x, y) = corner(((first.0 + last.0).div_ceil(2), (first.1 + last.1).div_ceil(2)));
+            let _ = writeln!(out, "        place hero: Link at ({}, {})", x + 2, y + 2);
         }
         for way in ways.iter().filter(|way| way.from == place) {
             let (from, to) = (room.door(way.side), rooms[&way.to].door(way.side.opposite()));
@@ -352,10 +351,10 @@ struct Walk {
 }
 
 impl Walk {
-    fn new(rooms: &BTreeMap<Place, Room>, start: Place, ways: &[Way], entry: Vec<Place>) -> Walk {
+    fn new(rooms: &BTreeMap<Place, Room>, start: Place, ways: &[Way], entry: Area) -> Walk {
         let mut walk = Walk { rooms: BTreeMap::from([(start, 0)]), stairs: false };
         let mut seen: BTreeSet<(Place, Place)> = BTreeSet::new();
-        let mut open: VecDeque<(Place, Place, usize)> = entry.into_iter().map(|at| (start, at, 0)).collect();
+        let mut open: VecDeque<(Place, Place, usize)> = cells(entry).map(|at| (start, at, 0)).collect();
         // Through doors one walks last, so that rooms come in the order of the doors to them.
         while let Some((room, at, doors)) = open.pop_front() {
             let tile = rooms[&room].cells[at.1][at.0].0;
@@ -386,7 +385,12 @@ impl Walk {
     }
 }
 
-fn lies_in((column, row): Place, (first, last): (Place, Place)) -> bool {
+/// The tiles of an area, row by row.
+fn cells((first, last): Area) -> impl Iterator<Item = Place> {
+    (first.1..=last.1).flat_map(move |row| (first.0..=last.0).map(move |column| (column, row)))
+}
+
+fn lies_in((column, row): Place, (first, last): Area) -> bool {
     (first.0..=last.0).contains(&column) && (first.1..=last.1).contains(&row)
 }
 
@@ -397,7 +401,7 @@ fn corner((column, row): Place) -> (i64, i64) {
 
 /// The rectangles of positions at which a door is gone into and come out of: one goes a little deep into a door, and comes
 /// out of the other not so deep that one would go back.
-fn link(side: Side, from: (Place, Place), to: (Place, Place)) -> [String; 2] {
+fn link(side: Side, from: Area, to: Area) -> [String; 2] {
     // Lower-left corner, width and height of a door, px; y points up.
     let area = |(first, last): (Place, Place)| {
         let (x, y) = corner((first.0, last.1));

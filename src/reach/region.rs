@@ -3,11 +3,11 @@
 
 use rand::{Rng, RngExt};
 
-use crate::ir::{Bounds, CompareOp, Entity, Expr, ExprId, LeafId, SlotId, Subject, TagSet, TouchId, VarId};
+use crate::ir::{CompareOp, Entity, Expr, ExprId, LeafId, SlotId, Subject, TagSet, TouchId, VarId};
 
 use super::metric::{MODE_PENALTY, Metric, Point, Quantity};
 use super::problem::Problem;
-use super::whereabouts::extent;
+use super::whereabouts::{extent, overlapping, unmoving};
 
 /// The most boxes a goal is cut into.
 const MAX_BOXES: usize = 256;
@@ -165,20 +165,13 @@ impl Finder<'_> {
         let s = &world.slots[slot];
         let entity: &Entity = &program.entities[s.entity];
         let touch = entity.touches[touch];
-        let space = &world.spaces[s.space];
         let wanted = TagSet::of(touch.other);
-        let mut targets: Vec<Bounds> = space.solids.iter().filter(|x| x.tags.meets(wanted)).map(|x| x.bounds).collect();
-        if let Some(map) = &space.map {
-            let kinds: Vec<bool> =
-                map.kinds.iter().map(|k| k.tags.iter().copied().collect::<TagSet>().meets(wanted)).collect();
-            let hits = map.cells.iter().enumerate().filter(|(_, kind)| kinds[usize::from(**kind)]);
-            targets.extend(hits.take(MAX_BOXES).map(|(cell, _)| Bounds::new(map.rectangle(cell))));
-        }
         let mut boxes = Vec::new();
         for collider in entity.colliders.iter().filter(|c| touch.mine.meets(c.tags)) {
             let Some(mine) = extent(self.problem, slot, collider) else { continue };
-            boxes.extend(targets.iter().take(MAX_BOXES).map(|t| {
-                let (x, y) = ((t.left - mine.right, t.right - mine.left), (t.bottom - mine.top, t.top - mine.bottom));
+            let targets = unmoving(&world.spaces[s.space], wanted, MAX_BOXES).take(MAX_BOXES);
+            boxes.extend(targets.map(|target| {
+                let [x, y] = overlapping(&mine, &target);
                 self.position_box(slot, x, y)
             }));
         }

@@ -11,6 +11,7 @@ use crate::watch::{Progress, Unwatched, Watch};
 use super::bounds::Sampling;
 use super::controls::ControlSets;
 use super::coverage::mixed;
+use super::distance::Distances;
 use super::exhaustive::Exhaustive;
 use super::ground::{Ground, Notes};
 use super::metric::{Measure, Metric};
@@ -20,7 +21,6 @@ use super::portfolio::{Portfolio, Refinement};
 use super::problem::{Problem, Standing, Start};
 use super::sampler::Sampler;
 use super::searcher::{Ending, Searcher};
-use super::whereabouts::wanted;
 
 /// How a search goes about it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -123,7 +123,9 @@ pub fn search(
         return Ok(Outcome::of(verdict, settings.planner.name()));
     }
     let metric = Metric::measuring(problem.sim, space, settings.sampling, settings.measure);
-    let build = Builder { problem, metric: &metric, settings, limits, starts: &starts };
+    let is_led = matches!(settings.planner, Planner::Auto | Planner::Lead);
+    let distances = if is_led { Distances::new(problem) } else { None };
+    let build = Builder { problem, metric: &metric, distances: distances.as_ref(), settings, limits, starts: &starts };
     let trees: Vec<Box<dyn Searcher + '_>> = (0..settings.trees.max(1)).map(|tree| build.searcher(tree)).collect();
     Ok(Forest { trees, settings, limits, watch }.grow())
 }
@@ -132,6 +134,7 @@ pub fn search(
 struct Builder<'b, 'a> {
     problem: &'a Problem<'a>,
     metric: &'a Metric,
+    distances: Option<&'a Distances>,
     settings: &'b Settings,
     limits: &'b Limits,
     starts: &'b [Start],
@@ -142,7 +145,7 @@ impl<'a> Builder<'_, 'a> {
     fn searcher(&self, tree: usize) -> Box<dyn Searcher + 'a> {
         match self.settings.planner {
             Planner::Auto => {
-                let planners = if wanted(self.problem).is_some() { AUTO } else { AUTO_NOWHERE };
+                let planners = if self.distances.is_some() { AUTO } else { AUTO_NOWHERE };
                 let sampling =
                     planners.iter().map(|(share, planner)| (*share, self.one(*planner, tree, self.settings.hold)));
                 let mut arms: Vec<_> = sampling.collect();
@@ -175,7 +178,7 @@ impl<'a> Builder<'_, 'a> {
         let ground = |controls| {
             Ground::new(self.problem, self.metric, controls, starts, hold, rng).recording(self.settings.records)
         };
-        match planner.strategy(self.problem, self.metric) {
+        match planner.strategy(self.problem, self.metric, self.distances) {
             Some(strategy) => {
                 let restart = match self.settings.restart {
                     Restart::ByPlanner => Some(planner.restart()),
@@ -194,7 +197,7 @@ impl<'a> Builder<'_, 'a> {
 /// goals at a place soonest, the second most others, the third some that these do not. Beside them, an exhaustion with a
 /// share of 1 looks for proofs.
 const AUTO: [(u64, Planner); 3] = [(4, Planner::Lead), (4, Planner::Coverage), (1, Planner::Rrt)];
-/// Where the goal lies at no place: then distances lead nowhere, and places are left that are covered regardless of what
+/// Where distances lead nowhere, as the goal lies at no place: then places are left that are covered regardless of what
 /// all others do.
 const AUTO_NOWHERE: [(u64, Planner); 3] = [(4, Planner::Coverage), (2, Planner::Lead), (1, Planner::Rrt)];
 

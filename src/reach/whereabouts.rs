@@ -2,7 +2,8 @@
 //! What distances to the goal are measured to (`distance.rs`).
 
 use crate::ir::{
-    Arithmetic, Bounds, Collider, CompareOp, Expr, ExprId, Origin, SlotId, SpaceId, Subject, TagSet, TouchId, VarId,
+    Arithmetic, Bounds, Collider, CompareOp, Expr, ExprId, Origin, SlotId, Space, SpaceId, Subject, TagSet, TouchId,
+    VarId,
 };
 
 use super::problem::Problem;
@@ -56,6 +57,22 @@ pub(super) fn extent(problem: &Problem<'_>, slot: SlotId, collider: &Collider) -
         [x, y, radius] => Some(Bounds::new([x - radius, y - radius, 2.0 * radius, 2.0 * radius])),
         _ => None,
     }
+}
+
+/// The boxes of what has one of some tags and never moves in a space, rectangles first: at most so many of tiles.
+pub(super) fn unmoving(space: &Space, tags: TagSet, most: usize) -> impl Iterator<Item = Bounds> {
+    let solids = space.solids.iter().filter(move |solid| solid.tags.meets(tags)).map(|solid| solid.bounds);
+    let tiles = space.map.iter().flat_map(move |map| {
+        let has: Vec<bool> = map.kinds.iter().map(|k| k.tags.iter().copied().collect::<TagSet>().meets(tags)).collect();
+        let hits = map.cells.iter().enumerate().filter(move |(_, kind)| has[usize::from(**kind)]);
+        hits.take(most).map(|(cell, _)| Bounds::new(map.rectangle(cell)))
+    });
+    solids.chain(tiles)
+}
+
+/// From the least to the greatest x, and the same of y, at which a box that goes with a position lies over another.
+pub(super) fn overlapping(mine: &Bounds, other: &Bounds) -> [(f64, f64); 2] {
+    [(other.left - mine.right, other.right - mine.left), (other.bottom - mine.top, other.top - mine.bottom)]
 }
 
 struct Finder<'a> {
@@ -158,12 +175,7 @@ impl Finder<'_> {
         let wanted = TagSet::of(touch.other);
         let mut targets: Vec<(SpaceId, Bounds)> = Vec::new();
         for (id, space) in world.spaces.pairs() {
-            targets.extend(space.solids.iter().filter(|s| s.tags.meets(wanted)).map(|s| (id, s.bounds)));
-            let Some(map) = &space.map else { continue };
-            let has: Vec<bool> =
-                map.kinds.iter().map(|k| k.tags.iter().copied().collect::<TagSet>().meets(wanted)).collect();
-            let hits = map.cells.iter().enumerate().filter(|(_, kind)| has[usize::from(**kind)]);
-            targets.extend(hits.take(MAX_BOXES).map(|(cell, _)| (id, Bounds::new(map.rectangle(cell)))));
+            targets.extend(unmoving(space, wanted, MAX_BOXES).map(|bounds| (id, bounds)));
         }
         for (id, slot) in world.slots.pairs().filter(|(_, s)| s.origin != Origin::Free) {
             let (x, y) = (slot.vars[VarId(0)][0], slot.vars[VarId(1)][0]);
@@ -176,10 +188,9 @@ impl Finder<'_> {
         let mut places = Vec::new();
         for collider in entity.colliders.iter().filter(|c| touch.mine.meets(c.tags)) {
             let mine = extent(self.problem, self.player, collider)?;
-            places.extend(targets.iter().map(|(space, t)| Place {
-                space: Some(*space),
-                x: (t.left - mine.right, t.right - mine.left),
-                y: (t.bottom - mine.top, t.top - mine.bottom),
+            places.extend(targets.iter().map(|(space, target)| {
+                let [x, y] = overlapping(&mine, target);
+                Place { space: Some(*space), x, y }
             }));
         }
         places.truncate(MAX_BOXES);

@@ -36,21 +36,21 @@ type Queued = Reverse<(u64, u32, u32)>;
 
 /// Grows the places nearest to the goal.
 #[derive(Debug)]
-pub struct Lead {
-    distances: Option<Distances>,
+pub struct Lead<'m> {
+    distances: Option<&'m Distances>,
     /// The players' velocities: the coordinates, with their cells along a distance of 1 and where the first begins.
     velocities: Vec<(usize, f32, f32)>,
     /// The players' groups, by their places among the modes.
     modes: Vec<usize>,
     cells: Cells,
-    /// Of each place that was ever open, its distance and what it costs in the queue.
-    costs: Vec<(u64, u64)>,
+    /// Of each place that was ever open.
+    far: Vec<u32>,
     queue: BinaryHeap<Queued>,
 }
 
-impl Lead {
-    /// A strategy for a problem.
-    pub fn new(problem: &Problem<'_>, metric: &Metric) -> Self {
+impl<'m> Lead<'m> {
+    /// A strategy for a problem, with the distances in its level if there are any.
+    pub fn new(problem: &Problem<'_>, metric: &Metric, distances: Option<&'m Distances>) -> Self {
         let is_player = |slot: SlotId| problem.players().contains(&slot);
         let velocity = |(index, c): (usize, &crate::reach::metric::Coordinate)| match c.quantity {
             Quantity::Var(slot, var, 1) if is_player(slot) && var.index() < 2 => {
@@ -65,11 +65,11 @@ impl Lead {
             groups.filter_map(move |group| metric.mode_index(slot, group))
         });
         Lead {
-            distances: Distances::new(problem),
+            distances,
             velocities: metric.coordinates().iter().enumerate().filter_map(velocity).collect(),
             modes: groups.collect(),
             cells: Cells::default(),
-            costs: Vec::new(),
+            far: Vec::new(),
             queue: BinaryHeap::new(),
         }
     }
@@ -105,29 +105,31 @@ impl Lead {
         if !is_new {
             return;
         }
-        if place as usize >= self.costs.len() {
-            let distance = self.distances.as_ref().map_or(0, |distances| {
+        if place as usize >= self.far.len() {
+            let distance = self.distances.map_or(0, |distances| {
                 let (sim, state) = (ground.problem.sim, ground.tree.state(node));
                 let (x, y) = sim.position(state, distances.player);
                 distances.of(sim.space(state, distances.player), x, y)
             });
-            self.costs.resize(place as usize + 1, (u64::from(distance), 0));
+            self.far.resize(place as usize + 1, distance);
         }
         self.enqueue(ground, place);
     }
 
+    fn cost(&self, place: u32) -> u64 {
+        u64::from(self.far[place as usize]) * DISTANCE + u64::from(self.cells.chosen(place)) * CHOSEN
+    }
+
     /// Puts an open place into the queue, by what it costs now.
     fn enqueue(&mut self, ground: &mut Ground<'_>, place: u32) {
-        let (distance, cost) = &mut self.costs[place as usize];
-        *cost = *distance * DISTANCE + u64::from(self.cells.chosen(place)) * CHOSEN;
-        self.queue.push(Reverse((*cost, ground.rng.random(), place)));
+        self.queue.push(Reverse((self.cost(place), ground.rng.random(), place)));
     }
 
     /// The cheapest open place.
     fn cheapest(&mut self) -> Option<u32> {
         while let Some(Reverse((cost, _, place))) = self.queue.pop() {
             // What was put in again since, or is done with, is no longer there.
-            if self.costs[place as usize].1 == cost && !self.cells.inside(place).is_empty() {
+            if self.cost(place) == cost && !self.cells.inside(place).is_empty() {
                 return Some(place);
             }
         }
@@ -135,7 +137,7 @@ impl Lead {
     }
 }
 
-impl Strategy for Lead {
+impl Strategy for Lead<'_> {
     fn choose(&mut self, ground: &mut Ground<'_>, _toward: &Point) -> Option<Choice> {
         let place = if ground.rng.random_ratio(1, ANY) {
             let open = self.cells.first();
@@ -164,7 +166,7 @@ impl Strategy for Lead {
         match growth {
             Growth::Rooted(root, point) => {
                 self.cells.clear();
-                self.costs.clear();
+                self.far.clear();
                 self.queue.clear();
                 self.add(ground, root, point);
             }
@@ -178,6 +180,6 @@ impl Strategy for Lead {
     }
 
     fn bytes(&self) -> usize {
-        self.cells.bytes() + self.costs.capacity() * 16 + self.queue.capacity() * size_of::<Queued>()
+        self.cells.bytes() + self.far.capacity() * 4 + self.queue.capacity() * size_of::<Queued>()
     }
 }

@@ -13,6 +13,7 @@ mod reachable;
 mod rg;
 mod rrt;
 
+use super::distance::Distances;
 use super::metric::Metric;
 use super::problem::Problem;
 use super::strategy::Strategy;
@@ -128,6 +129,7 @@ impl Planner {
         self,
         problem: &Problem<'_>,
         metric: &'m Metric,
+        distances: Option<&'m Distances>,
     ) -> Option<Box<dyn Strategy + Send + 'm>> {
         Some(match self {
             Planner::Auto | Planner::Exhaustive | Planner::BestFirst => return None,
@@ -139,7 +141,7 @@ impl Planner {
             Planner::AstarRrt => Box::new(guided::Guided::new(rrt::Rrt::new(metric))),
             Planner::AstarRgRrt => Box::new(guided::Guided::new(rg::Rg::new(metric))),
             Planner::Coverage => Box::new(coverage_guided::CoverageGuided::new(metric)),
-            Planner::Lead => Box::new(lead::Lead::new(problem, metric)),
+            Planner::Lead => Box::new(lead::Lead::new(problem, metric, distances)),
         })
     }
 }

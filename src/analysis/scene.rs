@@ -265,12 +265,7 @@ impl<'a> Scene<'a> {
 
     /// Whether instances of a kind are there from the start, or not at all.
     pub fn is_settled(&self, kind: usize) -> bool {
-        let kind = &self.kinds[kind];
-        let is_spawned = || {
-            let spawns = self.program.entities.iter().flat_map(|e| e.spawns.iter());
-            spawns.into_iter().any(|s| s.entity == kind.entity)
-        };
-        kind.slots.iter().all(|s| self.world.slots[*s].origin == Origin::Named) || !is_spawned()
+        self.kinds[kind].slots.iter().all(|slot| self.world.slots[*slot].is_fixed)
     }
 
     /// The size of a body along both axes, px; infinite where it is not always the same.

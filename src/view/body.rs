@@ -86,8 +86,8 @@ fn largest<'p>(parts: impl Iterator<Item = &'p Part>) -> Option<Part> {
 
 /// Whether something with these tags pushes anything, or is pushed.
 fn pushes(world: &World, tags: TagSet) -> bool {
-    let pushing = world.collide.iter().filter(|line| line.response.push != Push::Sense);
-    pushing.into_iter().any(|line| line.left.meets(tags) || line.right.meets(tags))
+    let mut pushing = world.collide.iter().filter(|line| line.response.push != Push::Sense);
+    pushing.any(|line| line.left.meets(tags) || line.right.meets(tags))
 }
 
 /// Where the position of a slot is at first, px.

@@ -113,6 +113,29 @@ pub(super) fn describe(ty: &Type) -> String {
     }
 }
 
+/// What a name that is no value is in an entity, and how it is asked; and how rates are written that others call `vx`.
+fn rather(name: &str, scope: &Scope<'_>) -> Option<String> {
+    let names = scope.names?;
+    let is_mode = || scope.entity.is_some_and(|entity| entity.modes.iter().any(|mode| mode.name.text == name));
+    if names.buttons.get(name).is_some() {
+        return Some(format!("`{name}` is a button: `pressed({name})`, `held({name})` and `released({name})` ask it"));
+    }
+    if is_mode() {
+        return Some(format!("`{name}` is a mode: `in {name}` asks whether it is active"));
+    }
+    rate(name)
+}
+
+/// How the language writes a velocity that other languages call so.
+pub(super) fn rate(name: &str) -> Option<String> {
+    let of = match name {
+        "vx" | "dx" | "velx" | "xvel" | "speed_x" | "velocity_x" | "x_velocity" => "x",
+        "vy" | "dy" | "vely" | "yvel" | "speed_y" | "velocity_y" | "y_velocity" => "y",
+        _ => return None,
+    };
+    Some(format!("a velocity is the rate of a position: `{of}'`"))
+}
+
 impl Checker<'_> {
     /// A number, a truth value or a value of a set.
     pub(super) fn value(&mut self, e: &Expr, scope: &Scope<'_>) -> Option<Term> {
@@ -173,13 +196,13 @@ impl Checker<'_> {
         None
     }
 
-    /// Reports an unknown name unless an earlier error explains it.
     /// The names of the modes of another entity.
     fn mode_names(&mut self, entity: EntityId) -> Rc<ModeNames> {
         let of = &self.checked.entities[entity];
         Rc::clone(self.mode_names.entry(entity).or_insert_with(|| Rc::new(ModeNames::of(of))))
     }
 
+    /// Reports an unknown name unless an earlier error explains it.
     pub(super) fn report_unknown(&mut self, fact: UnknownName) {
         if !self.suspects.contains(&fact.name) && !self.suspects.contains("*") {
             self.diagnostics.report(fact);
@@ -399,7 +422,7 @@ impl Checker<'_> {
         let values = values.into_iter().flat_map(|values| values.iter().map(|v| Known::from(v.as_str())));
         let known = of_entity.chain(values).chain(self.constants.names());
         let kind = if path.primes > 0 { "continuous variable" } else { "variable, parameter or constant" };
-        let fact = unknown(kind, &name.text, name.span, known);
+        let fact = unknown(kind, &name.text, name.span, known).rather(rather(&name.text, scope));
         self.report_unknown(fact);
         None
     }

@@ -8,7 +8,7 @@ use crate::syntax::occurrence::Role;
 use super::Checker;
 use super::checked::{Clamp, Collider, Drive, DriveBy, Given, Shape, Term};
 use super::constant::{ConstantContext, evaluate};
-use super::expression::{Reads, Scope};
+use super::expression::{Reads, Scope, rate};
 use super::ids::VarId;
 use super::names::unknown;
 
@@ -109,7 +109,7 @@ impl Checker<'_> {
             });
             return None;
         }
-        let fact = unknown("continuous variable", &name.text, name.span, names.vars.names());
+        let fact = unknown("continuous variable", &name.text, name.span, names.vars.names()).rather(rate(&name.text));
         self.report_unknown(fact);
         if variable.primes == 0 {
             // `speed = 3`, its `param` forgotten: once is enough.

@@ -323,7 +323,15 @@ impl Checker<'_> {
             let named = |i: &&super::checked::Instance| i.origin == Origin::Named;
             let Some(slot) = world.instances.find(|i| named(&i) && i.name.text == player.instance.text) else {
                 let known = world.instances.iter().filter(named).map(|i| &i.name);
-                let fact = unknown("instance", &player.instance.text, player.instance.span, known);
+                let is_entity = self.checked.entities.iter().any(|e| e.name.text == player.instance.text);
+                let rather = is_entity.then(|| {
+                    let name = &player.instance.text;
+                    format!(
+                        "`{name}` is an entity; name an instance of it, `place hero: {name} at (0, 0)` in a space or \
+                         `'@': spawn {name} as hero` in tiles, and write `player 1: hero`"
+                    )
+                });
+                let fact = unknown("instance", &player.instance.text, player.instance.span, known).rather(rather);
                 self.report_unknown(fact);
                 continue;
             };

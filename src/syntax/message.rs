@@ -1,6 +1,8 @@
 //! Words for syntax errors: a slice that fit no rule is parsed again with the rule that was expected, and
 //! pest's furthest failure becomes a diagnostic.
 
+use std::ops::Range;
+
 use pest::Parser;
 use pest::error::{ErrorVariant, InputLocation};
 
@@ -8,6 +10,7 @@ use crate::diagnostic::catalogue::syntax::Unexpected;
 use crate::diagnostic::{only_similar, similar};
 use crate::source::Span;
 
+use super::slip::{Failed, slip};
 use super::{Grammar, Rule};
 
 /// Explains why `text[from..to]` does not parse as `rule`; `span` maps bytes of `text` to source spans.
@@ -44,65 +47,45 @@ pub(super) fn explain(
     } else {
         span(at, at + found.len())
     };
-    let slip = slip(rule, trimmed, &expected, found);
-    let help = slip.as_ref().map(|slip| match slip {
-        Slip::Token(_, help) => (*help).to_string(),
-        Slip::Word(_, word) => format!("did you mean `{word}`?"),
-    });
-    // It is meant for certain if the statement can then be read, or at least read further.
-    let meant = slip.and_then(|slip| {
-        let (range, text) = match slip {
-            // Elsewhere than in a condition a second `=` may be the start of something else.
-            Slip::Token("==", _) if !CONDITIONS.iter().any(|word| trimmed.starts_with(word)) => return None,
-            Slip::Token(text, _) => (at - from..at - from + found.len(), text),
-            Slip::Word(first, word) => (0..first, only(rule, trimmed.get(..first)?, word)?),
-        };
-        let mended = format!("{}{text}{}", trimmed.get(..range.start)?, trimmed.get(range.end..)?);
-        let reads = reads_to(rule, &mended).is_none_or(|to| range.start > 0 && to > range.start + text.len());
-        reads.then(|| (span(from + range.start, from + range.end), text))
-    });
+    let failed =
+        Failed { rule, slice: trimmed, at: at.saturating_sub(from).min(trimmed.len()), found, expected: &expected };
+    let slip = slip(&failed, opening_words(rule));
+    let help = slip.as_ref().map(|slip| slip.help.clone());
+    let is_first = slip.as_ref().is_some_and(|slip| slip.is_first);
+    let meant = slip.and_then(|slip| slip.instead).filter(|(range, text)| is_meant(&failed, range, text));
+    let meant = meant.map(|(range, text)| (span(from + range.start, from + range.end), text));
+    if is_first {
+        let first = token_at(text, from);
+        let found = Some(first.to_string());
+        return Unexpected { at: span(from, from + first.len()), found, expected: Vec::new(), help, meant };
+    }
     Unexpected { at: at_span, found: (!end_of_statement).then(|| found.to_string()), expected, help, meant }
 }
 
-/// The words that open statements with a condition.
-const CONDITIONS: [&str; 4] = ["when ", "invariant ", "goal ", "never "];
+/// Whether a change is meant for certain: the statement can then be read, or at least read further.
+fn is_meant(failed: &Failed<'_>, range: &Range<usize>, text: &str) -> bool {
+    let (rule, slice) = (failed.rule, failed.slice);
+    let (Some(before), Some(was), Some(after)) =
+        (slice.get(..range.start), slice.get(range.clone()), slice.get(range.end..))
+    else {
+        return false;
+    };
+    // Of several words that are near it is not known which one is meant.
+    if range.start == 0 && similar(was, opening_words(rule).iter().copied()).is_some() {
+        return only_similar(was, opening_words(rule).iter().copied()).is_some()
+            && reads_to(rule, &format!("{text}{after}")).is_none();
+    }
+    if text == "//" {
+        return before.trim().is_empty() || reads_to(rule, before).is_none();
+    }
+    reads_to(rule, &format!("{before}{text}{after}")).is_none_or(|to| range.start > 0 && to > range.start + text.len())
+}
 
 /// Up to where a slice can be read as a rule; none if all of it can.
 fn reads_to(rule: Rule, slice: &str) -> Option<usize> {
     Grammar::parse(rule, slice).err().map(|error| match error.location {
         InputLocation::Pos(at) | InputLocation::Span((at, _)) => at,
     })
-}
-
-/// The word, if it is the only one that is meant.
-fn only(rule: Rule, first: &str, word: &'static str) -> Option<&'static str> {
-    only_similar(first, opening_words(rule).iter().copied()).map(|_| word)
-}
-
-/// A usual slip of the hand.
-enum Slip {
-    /// What was meant by the token that does not fit, and why.
-    Token(&'static str, &'static str),
-    /// The first word, so many bytes, is nearly this one.
-    Word(usize, &'static str),
-}
-
-/// The slip that is likely.
-fn slip(rule: Rule, slice: &str, expected: &[String], found: &str) -> Option<Slip> {
-    let expects = |word: &str| expected.iter().any(|e| e == word);
-    if found == "=" && expects("`:=`") {
-        return Some(Slip::Token(":=", "inside `{ }` of an edge an update is written with `:=`"));
-    }
-    if found == "=" && expects("an operator") {
-        return Some(Slip::Token("==", "two values are compared with `==`"));
-    }
-    let first: String = slice.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
-    let words = opening_words(rule);
-    if words.contains(&first.as_str()) {
-        return None;
-    }
-    let word = similar(&first, words.iter().copied())?;
-    words.iter().find(|w| **w == word).map(|word| Slip::Word(first.len(), word))
 }
 
 /// The words that can open what a rule describes.
@@ -149,7 +132,8 @@ fn token_at(text: &str, at: usize) -> &str {
     let length = if is_word(first) {
         rest.find(|c| !is_word(c)).unwrap_or(rest.len())
     } else {
-        ["->", ":=", "==", "!=", "<=", ">=", "''", ".."]
+        // Some that only other languages have are among them: half of one is no token.
+        ["->", ":=", "==", "!=", "<=", ">=", "''", "..", "&&", "||", "=>", "+=", "-=", "*=", "/=", "++", "--"]
             .iter()
             .find(|t| rest.starts_with(**t))
             .map_or(first.len_utf8(), |t| t.len())

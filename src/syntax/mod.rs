@@ -14,6 +14,7 @@ mod mend;
 mod message;
 pub mod occurrence;
 mod scan;
+mod slip;
 mod substitute;
 mod word;
 

@@ -15,7 +15,7 @@ pub struct Unexpected {
     /// A way out, where one is likely.
     pub help: Option<String>,
     /// What is certainly meant in place of what.
-    pub meant: Option<(Span, &'static str)>,
+    pub meant: Option<(Span, String)>,
 }
 
 impl Fact for Unexpected {
@@ -33,7 +33,8 @@ impl Fact for Unexpected {
         };
         let mut d = Diagnostic::new(Code::Syntax, message).at(self.at, label);
         if let Some((span, text)) = self.meant {
-            d = d.fix(format!("write `{text}`"), span, text);
+            let what = if text.is_empty() { "leave this out".into() } else { format!("write `{}`", text.trim()) };
+            d = d.fix(what, span, text);
         }
         match self.help {
             Some(help) => d.help(help),

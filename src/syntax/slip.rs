@@ -1,0 +1,370 @@
+//! Slips of the hand, and habits from other languages: what a token that does not fit was probably meant to be, so that a
+//! syntax error has a way out. `message` asks for it and takes for meant what makes the statement readable.
+
+use std::ops::Range;
+
+use crate::diagnostic::similar;
+
+use super::Rule;
+
+/// Where a slice stopped fitting its rule.
+pub(super) struct Failed<'a> {
+    /// The rule.
+    pub rule: Rule,
+    /// What was to fit it, without white space at its end.
+    pub slice: &'a str,
+    /// Where the token that does not fit begins in it.
+    pub at: usize,
+    /// The token; empty at the end.
+    pub found: &'a str,
+    /// What could have stood there, in words.
+    pub expected: &'a [String],
+}
+
+/// What was probably meant.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct Slip {
+    /// What to do.
+    pub help: String,
+    /// Which bytes of the slice would become what, if that can be said.
+    pub instead: Option<(Range<usize>, String)>,
+    /// Whether it is the first word that does not fit, although more could be read.
+    pub is_first: bool,
+}
+
+impl Slip {
+    fn new(help: impl Into<String>) -> Self {
+        Slip { help: help.into(), instead: None, is_first: false }
+    }
+
+    fn instead(help: impl Into<String>, range: Range<usize>, text: impl Into<String>) -> Self {
+        Slip { help: help.into(), instead: Some((range, text.into())), is_first: false }
+    }
+}
+
+/// What is called with its argument in parentheses.
+const CALLS: [&str; 9] = ["pressed", "held", "released", "touching", "entering", "exiting", "lost", "inside", "timer"];
+
+/// First words of other languages, what stands for them, and what is said of it; none: it takes more than a word.
+type Habit = (&'static [&'static str], Option<&'static str>, &'static str);
+
+const MEMBERS: &[Habit] = &[
+    (&["state", "phase"], Some("mode"), "a state of an entity is a `mode`"),
+    (
+        &["if", "on", "transition", "edge", "rule", "event"],
+        Some("when"),
+        "an edge is written `when GUARD -> MODE { UPDATES }`",
+    ),
+    (
+        &["var", "let", "float", "double", "real", "number", "int", "integer", "bool", "boolean", "enum", "local"],
+        None,
+        "what flows is declared as `continuous z = 0`, what counts or switches as `discrete n: int 0..9 = 0`",
+    ),
+    (&["const", "constant", "attribute", "property"], Some("param"), "a constant of an entity is a `param`"),
+    (&["start", "begin", "init", "default"], None, "`initial mode NAME { … }` is the mode that an entity begins in"),
+    (&["hitbox", "hurtbox", "shape", "box"], Some("collider"), "what touches others is a `collider TAG: rect(…)`"),
+    (
+        &["input", "inputs", "key", "action"],
+        None,
+        "what a player presses is a `button`, what a player moves between -1 and 1 an `axis`",
+    ),
+    (
+        &["else", "elif", "otherwise"],
+        None,
+        "edges are tried from the top; for the other case write another `when` after the first",
+    ),
+    (&["wait", "after", "delay", "every"], None, "`timer` counts the seconds in a mode: `when timer >= 2 -> MODE`"),
+    (
+        &["function", "func", "fn", "def", "method", "extends", "template"],
+        None,
+        "there are no functions; what several entities share is a `behavior`, taken with `use`",
+    ),
+    (&["parallel", "concurrent", "region"], Some("group"), "modes that run beside others stand in a `group`"),
+];
+
+const ITEMS: &[Habit] = &[
+    (
+        &["class", "object", "actor", "struct", "automaton", "character", "agent", "prefab"],
+        Some("entity"),
+        "what has modes and flows is an `entity`",
+    ),
+    (&["level", "scene", "game", "stage"], Some("world"), "spaces with entities in them make a `world`"),
+    (&["include", "require", "using", "from"], Some("import"), "other files are taken in by `import \"file.hyped\"`"),
+    (&["constant", "define", "let", "var"], Some("const"), "a number with a name is a `const`"),
+    (&["trait", "mixin", "template", "component"], Some("behavior"), "what several entities share is a `behavior`"),
+];
+
+const WORLD_ITEMS: &[Habit] = &[
+    (&["room", "scene", "stage", "area"], Some("space"), "a room of a world is a `space`"),
+    (&["timestep", "dt", "tick", "fps"], None, "`step 1/60` says how long a step is, s"),
+    (&["tileset", "legend"], Some("tiles"), "what the characters of maps are stands in `tiles NAME 16 x 16 { … }`"),
+    (&["win", "reach", "target"], Some("goal"), "what is to be brought about is a `goal NAME: PREDICATE`"),
+    (&["lose", "avoid", "assert", "forbid"], Some("never"), "what must not come about is a `never NAME: PREDICATE`"),
+    (&["collision", "collisions", "contact"], Some("collide"), "contacts are ruled by `collide TAG with TAG: block`"),
+    (&["map", "place", "rect", "bounds", "link"], None, "this stands in a space: `space main { … }`"),
+];
+
+const SPACE_ITEMS: &[Habit] = &[
+    (&["spawn", "instance", "object", "put", "add"], None, "an instance is placed by `place hero: Hero at (0, 0)`"),
+    (&["door", "portal", "exit", "warp"], None, "`link rect(…) -> SPACE at rect(…)` leads into another space"),
+    (&["wall", "solid", "platform", "box"], None, "what never moves is `rect TAG (x, y, width, height)`, or a tile"),
+    (&["goal", "never", "player", "collide", "tiles", "step"], None, "this stands in the world, outside of spaces"),
+];
+
+const RAMPS: &[Habit] = &[(&["peak", "hold"], Some("sustain"), "a level that is kept is a `sustain`")];
+
+/// The slip that is likely.
+pub(super) fn slip(failed: &Failed<'_>, opening: &[&'static str]) -> Option<Slip> {
+    comment(failed)
+        .or_else(|| condition(failed))
+        .or_else(|| update(failed))
+        .or_else(|| edge(failed))
+        .or_else(|| unit(failed))
+        .or_else(|| call(failed))
+        .or_else(|| comma(failed))
+        .or_else(|| equality(failed))
+        .or_else(|| block(failed))
+        .or_else(|| opener(failed, opening))
+}
+
+impl<'a> Failed<'a> {
+    fn rest(&self) -> &'a str {
+        self.slice.get(self.at..).unwrap_or_default()
+    }
+
+    fn before(&self) -> &'a str {
+        self.slice.get(..self.at).unwrap_or_default()
+    }
+
+    fn expects(&self, word: &str) -> bool {
+        self.expected.iter().any(|expected| expected == word)
+    }
+
+    /// A word in place of so many bytes that do not fit, apart from what stands beside them.
+    fn spaced(&self, length: usize, word: &str) -> (Range<usize>, String) {
+        let space = |c: Option<char>| if c.is_none_or(char::is_whitespace) { "" } else { " " };
+        let after = self.rest().get(length..).and_then(|rest| rest.chars().next());
+        let text = format!("{}{word}{}", space(self.before().chars().next_back()), space(after));
+        (self.at..self.at + length, text)
+    }
+
+    /// What stands in place of all the rest, apart from what stands before it.
+    fn to_the_end(&self, text: &str) -> (Range<usize>, String) {
+        let (Range { start, .. }, text) = self.spaced(0, text);
+        (start..self.slice.len(), text.trim_end().to_string())
+    }
+
+    fn first_word(&self) -> &'a str {
+        word(self.slice)
+    }
+}
+
+/// The word that a text begins with.
+fn word(text: &str) -> &str {
+    let end = text.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(text.len());
+    text.get(..end).unwrap_or_default()
+}
+
+fn comment(failed: &Failed<'_>) -> Option<Slip> {
+    let help = "a comment begins with `//` and goes to the end of the line";
+    let rest = failed.rest();
+    match rest {
+        _ if failed.at > 0 && !failed.expects("the end of the statement") => None,
+        _ if ["#include", "#define", "#import"].iter().any(|word| rest.starts_with(word)) => {
+            Some(Slip::new("files are taken in by `import \"file.hyped\"`, numbers get names by `const NAME = 3`"))
+        }
+        _ if rest.starts_with('#') => Some(Slip::instead(help, failed.at..failed.at + 1, "//")),
+        _ if rest.starts_with("--") => Some(Slip::instead(help, failed.at..failed.at + 2, "//")),
+        _ if rest.starts_with("/*") => Some(Slip::new(help)),
+        _ => None,
+    }
+}
+
+/// Logic as C writes it.
+fn condition(failed: &Failed<'_>) -> Option<Slip> {
+    let rest = failed.rest();
+    let put = |signs: &str, word: &str, help: &str| {
+        let (range, text) = failed.spaced(signs.len(), word);
+        Some(Slip::instead(help, range, text))
+    };
+    let joined = "conditions are joined by `and` and `or`";
+    match () {
+        () if rest.starts_with("&&") => put("&&", "and", joined),
+        () if rest.starts_with("||") => put("||", "or", joined),
+        () if rest.starts_with('&') => put("&", "and", joined),
+        () if rest.starts_with('|') => put("|", "or", joined),
+        () if rest.starts_with('!') && !rest.starts_with("!=") && failed.expects("an expression") => {
+            put("!", "not", "the opposite of a condition is `not …`")
+        }
+        () => None,
+    }
+}
+
+/// An update as C writes it.
+fn update(failed: &Failed<'_>) -> Option<Slip> {
+    if !failed.expects("`:=`") {
+        return None;
+    }
+    let (target, rest) = (failed.before().trim(), failed.rest());
+    let sign = rest.chars().next().filter(|c| "+-*/".contains(*c));
+    let value = sign.and_then(|sign| {
+        if ["++", "--"].contains(&rest) { Some("1") } else { rest.strip_prefix(&*format!("{sign}=")).map(str::trim) }
+    });
+    if let (Some(sign), Some(value)) = (sign, value.filter(|value| !value.is_empty())) {
+        if failed.rule != Rule::only_update {
+            let help = "while a mode lasts, `y' = …` says what flows; `:=` stands in the `{ }` of an edge";
+            return Some(Slip::new(help));
+        }
+        let is_sum = value.trim_start_matches('-').contains(['+', '-', '*', '/', ' ']);
+        let value = if is_sum && sign != '+' { format!("({value})") } else { value.to_string() };
+        let text = format!(":= {target} {sign} {value}");
+        let help = format!("an update names the new value: `{target} {text}`");
+        let (range, text) = failed.to_the_end(&text);
+        return Some(Slip::instead(help, range, text));
+    }
+    (failed.found == "=").then(|| {
+        let help = "inside `{ }` of an edge an update is written with `:=`";
+        Slip::instead(help, failed.at..failed.at + 1, ":=")
+    })
+}
+
+/// An edge whose parts are joined otherwise.
+fn edge(failed: &Failed<'_>) -> Option<Slip> {
+    let rest = failed.rest();
+    if failed.expects("`->`") {
+        let help = "where an edge leads stands after `->`";
+        let length = match rest {
+            _ if rest.starts_with("=>") => 2,
+            _ if ["goto", "then", "to", "do"].contains(&failed.found) => failed.found.len(),
+            _ => 0,
+        };
+        if length > 0 {
+            let (range, text) = failed.spaced(length, "->");
+            return Some(Slip::instead(help, range, text));
+        }
+    }
+    let is_edge = failed.first_word() == "when" && failed.before().contains("->") && failed.expects("`{`");
+    let updates =
+        ["do ", "then ", ",", ":", "/", "with "].iter().find_map(|sign| rest.strip_prefix(sign)).unwrap_or(rest);
+    let updates = updates.trim();
+    (is_edge && !updates.starts_with('{') && updates.contains('=')).then(|| {
+        let help = "updates stand in braces after the mode: `-> MODE { x := 1 }`";
+        let (range, text) = failed.to_the_end(&format!("{{ {updates} }}"));
+        Slip::instead(help, range, text)
+    })
+}
+
+/// A unit that stands apart from its number, or is none.
+fn unit(failed: &Failed<'_>) -> Option<Slip> {
+    // `2sec` is one token, `2px` two.
+    let digits = failed.found.bytes().take_while(u8::is_ascii_digit).count();
+    let number = failed.slice.get(..failed.at + digits)?.trim_end();
+    if !number.ends_with(|c: char| c.is_ascii_digit()) {
+        return None;
+    }
+    let (first, last) = (number.len(), failed.at + failed.found.len());
+    let is_apart = first < failed.at;
+    match failed.found.get(digits..)? {
+        "px" | "pixel" | "pixels" | "tiles" | "m" | "units" => {
+            // What may follow is not to become a factor.
+            let rest = failed.slice.get(last..).unwrap_or_default();
+            let help = "lengths are in px: their numbers have no unit";
+            Some(if rest.starts_with('/') { Slip::new(help) } else { Slip::instead(help, first..last, "") })
+        }
+        "s" | "sec" | "secs" | "second" | "seconds" if failed.first_word() == "step" => {
+            Some(Slip::instead("a step is in seconds, without a unit", first..last, ""))
+        }
+        "s" | "ms" | "frames" if is_apart => {
+            let digits = number.rfind(|c: char| !(c.is_ascii_digit() || c == '.')).map_or(0, |at| at + 1);
+            let text = format!("{}{}", number.get(digits..)?, failed.found);
+            Some(Slip::instead(format!("a unit stands right after its number: `{text}`"), first..failed.at, ""))
+        }
+        "sec" | "secs" | "second" | "seconds" => Some(Slip::instead("seconds are written `2s`", first..last, "s")),
+        "frame" => Some(Slip::instead("a time in steps is written `2frames`", first..last, "frames")),
+        _ => None,
+    }
+}
+
+/// An argument without parentheses.
+fn call(failed: &Failed<'_>) -> Option<Slip> {
+    let before = failed.before().trim_end();
+    let callee = *CALLS.iter().find(|callee| {
+        before.strip_suffix(**callee).is_some_and(|rest| !rest.ends_with(|c: char| c.is_alphanumeric() || c == '_'))
+    })?;
+    let mut arguments = Vec::new();
+    let mut rest = failed.rest();
+    let mut end = failed.at;
+    while let first @ 1.. = word(rest).len() {
+        let found = rest.get(..first)?;
+        if ["and", "or", "in", "is", "not"].contains(&found) || found.starts_with(|c: char| c.is_ascii_digit()) {
+            break;
+        }
+        arguments.push(found);
+        end = failed.slice.len() - rest.len() + first;
+        rest = rest.get(first..)?.trim_start_matches(' ');
+    }
+    if arguments.is_empty() || arguments.len() > 3 {
+        return None;
+    }
+    let text = format!("({})", arguments.join(", "));
+    let help = format!("what is asked stands in parentheses: `{callee}{text}`");
+    Some(Slip::instead(help, before.len()..end, text))
+}
+
+/// Arguments without commas.
+fn comma(failed: &Failed<'_>) -> Option<Slip> {
+    let is_name = failed.found.starts_with(|c: char| c.is_alphanumeric() || c == '_');
+    let is_list = failed.expects("`,`") && failed.expects("`)`") && !["and", "or", "in", "is"].contains(&failed.found);
+    (is_name && is_list).then(|| {
+        let gap = failed.before().trim_end().len()..failed.at;
+        Slip::instead("arguments are separated by commas", gap, ", ")
+    })
+}
+
+fn equality(failed: &Failed<'_>) -> Option<Slip> {
+    // Elsewhere than in a condition a second `=` may be the start of something else.
+    let is_condition = ["when", "invariant", "goal", "never"].contains(&failed.first_word());
+    (failed.found == "=" && failed.expects("an operator")).then(|| Slip {
+        help: "two values are compared with `==`".into(),
+        instead: is_condition.then(|| (failed.at..failed.at + 1, "==".to_string())),
+        is_first: false,
+    })
+}
+
+/// A block as Python or a label opens it.
+fn block(failed: &Failed<'_>) -> Option<Slip> {
+    let rest = failed.rest().strip_prefix(':').filter(|_| failed.expects("`{`"))?;
+    let help = "a block stands in braces: `{ … }`, without `:`";
+    let is_braced = rest.trim_start().starts_with('{');
+    let instead = is_braced.then(|| (failed.at..failed.at + 1, String::new()));
+    Some(Slip { help: help.into(), instead, is_first: false })
+}
+
+/// A first word that is nearly one of those that can open what the rule describes, or has another one here.
+fn opener(failed: &Failed<'_>, opening: &[&'static str]) -> Option<Slip> {
+    let first = failed.first_word();
+    if first == "initial" && failed.rule == Rule::only_member && failed.expects("`mode`") {
+        return Some(Slip::new(
+            "the mode that an entity begins in is marked where it stands: `initial mode NAME { … }`",
+        ));
+    }
+    let habits: &[Habit] = match failed.rule {
+        Rule::only_item => ITEMS,
+        Rule::only_member => MEMBERS,
+        Rule::only_world_item => WORLD_ITEMS,
+        Rule::only_space_item => SPACE_ITEMS,
+        Rule::only_ramp => RAMPS,
+        _ => &[],
+    };
+    let follows = failed.at == 0 || failed.before().trim_end() == first;
+    if first.is_empty() || opening.contains(&first) || !follows {
+        return None;
+    }
+    if let Some((_, word, help)) = habits.iter().find(|(words, ..)| words.contains(&first)) {
+        let instead = word.map(|word| (0..first.len(), word.to_string()));
+        return Some(Slip { help: (*help).into(), instead, is_first: true });
+    }
+    let word = similar(first, opening.iter().copied())?;
+    let instead = Some((0..first.len(), word.to_string()));
+    Some(Slip { help: format!("did you mean `{word}`?"), instead, is_first: true })
+}

@@ -3,7 +3,7 @@
 import { readFile } from 'node:fs/promises';
 import { basename, dirname } from 'node:path';
 import * as vscode from 'vscode';
-import { CloseAction, ErrorAction, LanguageClient, type LanguageClientOptions, type ServerOptions, TransportKind } from 'vscode-languageclient/node';
+import { CloseAction, ErrorAction, ErrorCodes, LanguageClient, type LanguageClientOptions, type ServerOptions, TransportKind } from 'vscode-languageclient/node';
 import { page, reach, simulate, worldsOf } from './hypedc';
 
 /** A client that leaves it to `start` to say that there is no server. */
@@ -70,6 +70,8 @@ async function start(): Promise<void> {
   const server: ServerOptions = { command: command(), args: ['lsp'], transport: TransportKind.stdio };
   const options: LanguageClientOptions = {
     documentSelector: [{ scheme: 'file', language: 'hyped' }, { scheme: 'untitled', language: 'hyped' }],
+    // The owner of what the problem matcher finds, too: a finding of both is shown once.
+    diagnosticCollectionName: 'hypedc',
     outputChannel: log,
     middleware: {
       // The editor itself offers the extension's snippets, with or without a server: the server's are not to come twice.
@@ -98,8 +100,15 @@ async function start(): Promise<void> {
     await begun;
   } catch (error) {
     // Highlighting and snippets work without it, so nothing waits for an answer.
-    void complain(`The language server could not be started with \`${command()} lsp\`: ${String(error)}`);
+    void complain(`The language server could not be started with \`${command()} lsp\`: ${reason(error)}`);
   }
+}
+
+/** Why a server does not start. That it has ended shows in two errors of the connection. */
+function reason(error: unknown): string {
+  const { code } = error as { code?: unknown };
+  const hasEnded = code === ErrorCodes.PendingResponseRejected || code === ErrorCodes.MessageWriteError;
+  return hasEnded ? 'it ends without an answer' : String(error);
 }
 
 /** The word that a completion begins with. */

@@ -21,6 +21,7 @@ let begin = async () => {};
 const client = {
   CloseAction: { DoNotRestart: 1 },
   ErrorAction: { Shutdown: 2 },
+  ErrorCodes: { PendingResponseRejected: -32097, MessageWriteError: -32099 },
   TransportKind: { stdio: 0 },
   LanguageClient: class {
     constructor(id, name, server, options) {

@@ -156,7 +156,7 @@ test('a command that is no server is told of once, and the next one serves', asy
   // Ends at once.
   await set('path', process.execPath);
   assert.equal(seen.errors.length, 1, seen.errors.join('\n'));
-  assert.match(seen.errors.splice(0)[0], /could not be started with `.*node lsp`/);
+  assert.match(seen.errors.splice(0)[0], /could not be started with `.*node lsp`: it ends without an answer/);
   await set('path', path);
   await until('a finding', () => errors().length === 1);
   assert.deepEqual(seen.errors, []);

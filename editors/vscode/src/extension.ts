@@ -2,6 +2,7 @@
 
 import { readFile } from 'node:fs/promises';
 import { basename, dirname } from 'node:path';
+import { setTimeout } from 'node:timers/promises';
 import * as vscode from 'vscode';
 import { CloseAction, ErrorAction, ErrorCodes, LanguageClient, type LanguageClientOptions, type ServerOptions, TransportKind } from 'vscode-languageclient/node';
 import { page, reach, simulate, worldsOf } from './hypedc';
@@ -167,14 +168,18 @@ async function check(uri?: string): Promise<void> {
   await vscode.tasks.executeTask(task);
 }
 
-/** Shows progress until `work` is done; cancelling it aborts the signal. */
+/** Does some work; where it is not done at once, progress is shown, and cancelling it aborts the signal. */
 async function withProgress<T>(title: string, work: (stop: AbortSignal) => Promise<T>): Promise<T | undefined> {
   const options = { location: vscode.ProgressLocation.Notification, title, cancellable: true };
+  const stop = new AbortController();
   try {
+    const working = work(stop.signal);
+    // A notification that comes and goes in a blink is only a nuisance.
+    const isQuick = await Promise.race([working.then(() => true), setTimeout(500, false)]);
+    if (isQuick) return await working;
     return await vscode.window.withProgress(options, (_, token) => {
-      const stop = new AbortController();
       token.onCancellationRequested(() => stop.abort());
-      return work(stop.signal);
+      return working;
     });
   } catch (error) {
     await complain(`\`${command()}\` could not be run: ${String(error)}`);

@@ -1,16 +1,46 @@
 // The extension: the language server's client, and the commands that show what hypedc says.
 
+import { readFile } from 'node:fs/promises';
 import { basename, dirname } from 'node:path';
+import { setTimeout } from 'node:timers/promises';
 import * as vscode from 'vscode';
-import { LanguageClient, type LanguageClientOptions, type ServerOptions, TransportKind } from 'vscode-languageclient/node';
+import { CloseAction, ErrorAction, ErrorCodes, LanguageClient, type LanguageClientOptions, type ServerOptions, TransportKind } from 'vscode-languageclient/node';
 import { page, reach, simulate, worldsOf } from './hypedc';
 
-let client: LanguageClient | undefined;
+/** A client that leaves it to `start` to say that there is no server. */
+class Client extends LanguageClient {
+  /** Whether the server has ever answered. */
+  answered = false;
+
+  override async start(): Promise<void> {
+    await super.start();
+    this.answered = true;
+  }
+
+  /** A client that could not be started cannot be stopped, either, which nobody needs to be told. */
+  override async stop(timeout?: number): Promise<void> {
+    await super.stop(timeout).catch(() => undefined);
+  }
+
+  override error(message: string, data?: unknown, show?: boolean | 'force'): void {
+    super.error(message, data, this.answered ? show : false);
+  }
+}
+
+let client: Client | undefined;
+/** What the server says beside its answers. */
+let log: vscode.OutputChannel;
+/** The snippets of `contributes.snippets`, by their prefixes. */
+let prefixes: Set<string>;
 
 export async function activate(context: vscode.ExtensionContext): Promise<void> {
   const output = vscode.window.createOutputChannel('Hyped');
+  log = vscode.window.createOutputChannel('Hyped Language Server');
+  const snippets: Record<string, { prefix: string }> = JSON.parse(await readFile(context.asAbsolutePath('snippets/hyped.json'), 'utf8'));
+  prefixes = new Set(Object.values(snippets).map(({ prefix }) => prefix));
   context.subscriptions.push(
     output,
+    log,
     // Code lenses of the server call `sim` and `reach` with a URI, a world's name and, for a search, a goal's. They are
     // commands of the client: a server that said it executes them would have them registered twice.
     vscode.commands.registerCommand('hypedc.check', (uri?: string) => check(uri)),
@@ -19,17 +49,18 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
     vscode.commands.registerCommand('hypedc.restart', restart),
     vscode.workspace.onDidChangeConfiguration((change) => change.affectsConfiguration('hypedc.path') && restart()),
   );
-  await start();
+  await restart();
 }
 
 export async function deactivate(): Promise<void> {
-  await end(client);
+  await turn;
+  await end();
 }
 
-/** Stops a client; one that could not be started refuses, which is as well. */
-async function end(old?: LanguageClient): Promise<void> {
-  await old?.stop().catch(() => undefined);
-  await old?.dispose().catch(() => undefined);
+async function end(): Promise<void> {
+  const old = client;
+  client = undefined;
+  await old?.dispose();
 }
 
 function command(): string {
@@ -40,28 +71,66 @@ async function start(): Promise<void> {
   const server: ServerOptions = { command: command(), args: ['lsp'], transport: TransportKind.stdio };
   const options: LanguageClientOptions = {
     documentSelector: [{ scheme: 'file', language: 'hyped' }, { scheme: 'untitled', language: 'hyped' }],
+    // The owner of what the problem matcher finds, too: a finding of both is shown once.
+    diagnosticCollectionName: 'hypedc',
+    outputChannel: log,
+    middleware: {
+      // The editor itself offers the extension's snippets, with or without a server: the server's are not to come twice.
+      provideCompletionItem: async (document, position, context, token, next) => {
+        const found = await next(document, position, context, token);
+        const items = Array.isArray(found) ? found : (found?.items ?? []);
+        return items.filter(({ kind, label }) => kind !== vscode.CompletionItemKind.Snippet || !prefixes.has(wordOf(label)));
+      },
+    },
+    // A server that ends before it has answered at all will not do better the next time: `start` says so, once.
+    initializationFailedHandler: () => false,
+    errorHandler: {
+      error: (...what) => (starting.answered ? usual.error(...what) : { action: ErrorAction.Shutdown, handled: true }),
+      closed: async () => {
+        // The client forgets its promise to start as soon as this is answered.
+        await begun.catch(() => undefined);
+        return starting.answered ? usual.closed() : { action: CloseAction.DoNotRestart, handled: true };
+      },
+    },
   };
-  client = new LanguageClient('hypedc', 'Hyped', server, options);
+  const starting = new Client('hypedc', 'Hyped', server, options);
+  const usual = starting.createDefaultErrorHandler();
+  client = starting;
+  const begun = starting.start();
   try {
-    await client.start();
+    await begun;
   } catch (error) {
     // Highlighting and snippets work without it, so nothing waits for an answer.
-    void complain(`The language server could not be started with \`${command()} lsp\`: ${String(error)}`);
+    void complain(`The language server could not be started with \`${command()} lsp\`: ${reason(error)}`);
   }
 }
 
-async function restart(): Promise<void> {
-  const old = client;
-  client = undefined;
-  await end(old);
-  await start();
+/** Why a server does not start. That it has ended shows in two errors of the connection. */
+function reason(error: unknown): string {
+  const { code } = error as { code?: unknown };
+  const hasEnded = code === ErrorCodes.PendingResponseRejected || code === ErrorCodes.MessageWriteError;
+  return hasEnded ? 'it ends without an answer' : String(error);
+}
+
+/** The word that a completion begins with. */
+function wordOf(label: string | vscode.CompletionItemLabel): string {
+  return (typeof label === 'string' ? label : label.label).split(' ')[0];
+}
+
+let turn = Promise.resolve();
+
+/** Starts the server anew; after what was begun before, so that there is never more than one. */
+function restart(): Promise<void> {
+  turn = turn.then(end).then(start);
+  return turn;
 }
 
 async function complain(message: string): Promise<void> {
   const settings = 'Open Settings';
-  if ((await vscode.window.showErrorMessage(message, settings)) === settings) {
-    await vscode.commands.executeCommand('workbench.action.openSettings', 'hypedc.path');
-  }
+  const showLog = 'Show Log';
+  const answer = await vscode.window.showErrorMessage(message, settings, showLog);
+  if (answer === settings) await vscode.commands.executeCommand('workbench.action.openSettings', 'hypedc.path');
+  if (answer === showLog) log.show();
 }
 
 /** The document that is meant, saved: the one of the URI, or the one in front. */
@@ -99,14 +168,18 @@ async function check(uri?: string): Promise<void> {
   await vscode.tasks.executeTask(task);
 }
 
-/** Shows progress until `work` is done; cancelling it aborts the signal. */
+/** Does some work; where it is not done at once, progress is shown, and cancelling it aborts the signal. */
 async function withProgress<T>(title: string, work: (stop: AbortSignal) => Promise<T>): Promise<T | undefined> {
   const options = { location: vscode.ProgressLocation.Notification, title, cancellable: true };
+  const stop = new AbortController();
   try {
+    const working = work(stop.signal);
+    // A notification that comes and goes in a blink is only a nuisance.
+    const isQuick = await Promise.race([working.then(() => true), setTimeout(500, false)]);
+    if (isQuick) return await working;
     return await vscode.window.withProgress(options, (_, token) => {
-      const stop = new AbortController();
       token.onCancellationRequested(() => stop.abort());
-      return work(stop.signal);
+      return working;
     });
   } catch (error) {
     await complain(`\`${command()}\` could not be run: ${String(error)}`);
@@ -134,6 +207,22 @@ async function simulateCommand(context: vscode.ExtensionContext, output: vscode.
   output.show(true);
 }
 
+/** The panels that are open, by what was asked. */
+const panels = new Map<string, vscode.WebviewPanel>();
+
+/** Shows a page beside the text: in the panel that has answered the question before, if there is one. */
+function show(question: string, title: string, html: string): void {
+  let panel = panels.get(question);
+  if (panel) {
+    panel.reveal(undefined, true);
+  } else {
+    panel = vscode.window.createWebviewPanel('hypedc.reach', title, { viewColumn: vscode.ViewColumn.Beside, preserveFocus: true }, {});
+    panel.onDidDispose(() => panels.delete(question));
+    panels.set(question, panel);
+  }
+  panel.webview.html = html;
+}
+
 async function reachCommand(uri?: string, world?: string, goal?: string): Promise<void> {
   const document = await program(uri);
   if (!document) return;
@@ -144,6 +233,5 @@ async function reachCommand(uri?: string, world?: string, goal?: string): Promis
   const title = goal ? `Reach ${goal}` : `Reach ${chosen ?? basename(file)}`;
   const found = await withProgress(title, (stop) => reach(command(), { file, world: chosen, goal }, more, stop));
   if (!found) return;
-  const panel = vscode.window.createWebviewPanel('hypedc.reach', title, { viewColumn: vscode.ViewColumn.Beside, preserveFocus: true }, {});
-  panel.webview.html = page(title, found);
+  show(JSON.stringify([document.uri.toString(), chosen, goal]), title, page(title, found));
 }

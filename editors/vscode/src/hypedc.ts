@@ -1,7 +1,7 @@
 // Runs hypedc: command lines, processes, and the pictures that a search leaves. Knows nothing of VS Code.
 
 import { spawn } from 'node:child_process';
-import { mkdtemp, readdir, readFile, rm } from 'node:fs/promises';
+import { mkdtemp, readFile, rm } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { basename, dirname, join } from 'node:path';
 
@@ -72,18 +72,22 @@ export async function reach(
 ): Promise<Outcome & { pictures: Picture[] }> {
   const folder = await mkdtemp(join(tmpdir(), 'hypedc-'));
   try {
-    const name = 'reach';
-    const args = ['reach', ...asked(question), ...more, '--svg', join(folder, `${name}.svg`)];
+    const args = ['reach', ...asked(question), ...more, '--svg', join(folder, 'reach.svg')];
     const outcome = await run(command, args, question.file, stop);
-    const drawn = (await readdir(folder)).filter((entry) => entry.endsWith('.svg')).sort();
-    const pictures = await Promise.all(
-      drawn.map(async (entry) => ({
+    // Where the pictures are is of no use to anybody: they go. Their order is that of the goals.
+    const pictures: Picture[] = [];
+    const lines: string[] = [];
+    for (const line of outcome.text.split('\n')) {
+      const path = /^ +drawn +(.*\.svg)$/.exec(line)?.[1];
+      if (path && dirname(path) === folder) {
         // With several goals, each name stands before the extension.
-        title: entry.slice(0, -'.svg'.length).slice(name.length).replace(/^[^\p{L}_]+/u, '') || question.goal || basename(question.file),
-        svg: await readFile(join(folder, entry), 'utf8'),
-      })),
-    );
-    return { ...outcome, pictures };
+        const goal = basename(path, '.svg').split('.').slice(1).join('.');
+        pictures.push({ title: goal || question.goal || basename(question.file), svg: await readFile(path, 'utf8') });
+      } else {
+        lines.push(line);
+      }
+    }
+    return { ...outcome, text: lines.join('\n'), pictures };
   } finally {
     await rm(folder, { recursive: true, force: true });
   }
@@ -93,11 +97,19 @@ function escaped(text: string): string {
   return text.replace(/[&<>"']/g, (sign) => `&#${sign.charCodeAt(0)};`);
 }
 
-/** A page with what a search said and drew. It runs no scripts and loads nothing. */
+/** A line; where it is too long, it goes on below its first word that is no label, and a step such as `-*10` is not broken. */
+function line(text: string): string {
+  const indent = /^ *(?:[a-z]+ {2,})?/.exec(text)?.[0].length ?? 0;
+  const words = escaped(text).replace(/\S*-\S*/g, '<span>$&</span>');
+  return `<div style="padding-left: ${indent}ch; text-indent: -${indent}ch">${words || ' '}</div>`;
+}
+
+/** A page with what a search said and drew. It runs no scripts and loads nothing; a picture that is clicked is as large as it was drawn. */
 export function page(title: string, { text, pictures }: { text: string; pictures: Picture[] }): string {
   const drawings = pictures.map(({ title, svg }) => {
     const data = Buffer.from(svg, 'utf8').toString('base64');
-    return `<h2>${escaped(title)}</h2>\n<img alt="${escaped(title)}" src="data:image/svg+xml;base64,${data}">`;
+    return `<h2>${escaped(title)}</h2>
+<label><input type="checkbox"><img alt="${escaped(title)}" src="data:image/svg+xml;base64,${data}"></label>`;
   });
   return `<!DOCTYPE html>
 <html lang="en">
@@ -106,12 +118,17 @@ export function page(title: string, { text, pictures }: { text: string; pictures
 <meta http-equiv="Content-Security-Policy" content="default-src 'none'; img-src data:; style-src 'unsafe-inline'">
 <title>${escaped(title)}</title>
 <style>
-  img { max-width: 100%; background: #fff; }
   pre { white-space: pre-wrap; }
+  span { white-space: nowrap; }
+  label { display: block; overflow-x: auto; }
+  input { position: absolute; opacity: 0; }
+  input:focus-visible + img { outline: 2px solid var(--vscode-focusBorder, currentColor); }
+  img { max-width: 100%; background: #fff; cursor: zoom-in; }
+  input:checked + img { max-width: none; cursor: zoom-out; }
 </style>
 </head>
 <body>
-<pre>${escaped(text)}</pre>
+<pre>${text.trimEnd().split('\n').map(line).join('')}</pre>
 ${drawings.join('\n')}
 </body>
 </html>

@@ -4,87 +4,53 @@
 
 import assert from 'node:assert/strict';
 import { mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
-import Module, { createRequire } from 'node:module';
+import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { test } from 'node:test';
 import { pathToFileURL } from 'node:url';
+import { answers, open, seen, set, standIn, vscode } from './vscode.mjs';
 
 const hypedc = process.env.HYPEDC ?? 'hypedc';
 const root = join(import.meta.dirname, '../../..');
-const manifest = JSON.parse(readFileSync(join(import.meta.dirname, '../package.json'), 'utf8'));
+const here = join(import.meta.dirname, '..');
+const manifest = JSON.parse(readFileSync(join(here, 'package.json'), 'utf8'));
 
-/** What was seen, and what the stand-ins answer. */
-const seen = { commands: new Map(), clients: [], errors: [], panels: [], tasks: [], output: '', picks: [], listeners: [] };
-const answers = { settings: { path: hypedc }, input: '-*2', pick: undefined, start: async () => {} };
-
-const uriOf = (path) => ({ scheme: 'file', fsPath: path, toString: () => pathToFileURL(path).href });
-const documentOf = (path) => ({ uri: uriOf(path), languageId: 'hyped', isDirty: false, getText: () => readFileSync(path, 'utf8') });
-
-const vscode = {
-  Task: class {
-    constructor(definition, scope, name, source, execution, matchers) {
-      Object.assign(this, { definition, scope, name, source, execution, matchers });
-    }
-  },
-  ProcessExecution: class {
-    constructor(process, args, options) {
-      Object.assign(this, { process, args, options });
-    }
-  },
-  ProgressLocation: { Notification: 15 },
-  TaskRevealKind: { Always: 1 },
-  TaskScope: { Workspace: 2 },
-  Uri: { parse: (text) => uriOf(decodeURIComponent(new URL(text).pathname)) },
-  ViewColumn: { Beside: -2 },
-  commands: {
-    registerCommand: (name, body) => (seen.commands.set(name, body), { dispose() {} }),
-    executeCommand: async () => {},
-  },
-  tasks: { executeTask: async (task) => seen.tasks.push(task) },
-  window: {
-    activeTextEditor: undefined,
-    createOutputChannel: () => ({ appendLine: (text) => (seen.output += text), show() {}, dispose() {} }),
-    createWebviewPanel: (kind, title, where) => {
-      const panel = { kind, title, where, webview: { html: '' } };
-      seen.panels.push(panel);
-      return panel;
-    },
-    showErrorMessage: async (message) => void seen.errors.push(message),
-    showInputBox: async () => answers.input,
-    showQuickPick: async (choices) => (seen.picks.push(choices), answers.pick),
-    withProgress: (_, work) => work({}, { onCancellationRequested() {} }),
-  },
-  workspace: {
-    getConfiguration: () => ({ get: (name, otherwise) => answers.settings[name] ?? otherwise }),
-    getWorkspaceFolder: () => undefined,
-    onDidChangeConfiguration: (listener) => (seen.listeners.push(listener), { dispose() {} }),
-    openTextDocument: async (uri) => documentOf(uri.fsPath),
-  },
-};
-
+const clients = [];
+let begin = async () => {};
 const client = {
+  CloseAction: { DoNotRestart: 1 },
+  ErrorAction: { Shutdown: 2 },
+  ErrorCodes: { PendingResponseRejected: -32097, MessageWriteError: -32099 },
   TransportKind: { stdio: 0 },
   LanguageClient: class {
     constructor(id, name, server, options) {
       Object.assign(this, { id, name, server, options, stopped: false });
-      seen.clients.push(this);
+      clients.push(this);
     }
     start() {
-      return answers.start();
+      return begin();
     }
     async stop() {
       this.stopped = true;
     }
-    async dispose() {}
+    dispose() {
+      return this.stop();
+    }
+    createDefaultErrorHandler() {}
   },
 };
 
-const load = Module._load;
-Module._load = (name, ...more) => ({ vscode, 'vscode-languageclient/node': client })[name] ?? load(name, ...more);
+answers.settings.path = hypedc;
+answers.input = '-*2';
+standIn({ 'vscode-languageclient/node': client });
 const extension = createRequire(import.meta.url)('../dist/extension.test.cjs');
 const state = new Map();
-const context = { subscriptions: [], workspaceState: { get: (key, otherwise) => state.get(key) ?? otherwise, update: async (key, value) => state.set(key, value) } };
+const context = {
+  subscriptions: [],
+  workspaceState: { get: (key, otherwise) => state.get(key) ?? otherwise, update: async (key, value) => state.set(key, value) },
+  asAbsolutePath: (path) => join(here, path),
+};
 await extension.activate(context);
 
 const link = join(root, 'examples/link.hyped');
@@ -92,8 +58,8 @@ const call = (name, ...args) => seen.commands.get(name)(...args);
 
 test('all commands are there, and the server is started', () => {
   assert.deepEqual([...seen.commands.keys()].sort(), manifest.contributes.commands.map(({ command }) => command).sort());
-  assert.deepEqual(seen.clients.map(({ server }) => [server.command, server.args]), [[hypedc, ['lsp']]]);
-  assert.ok(seen.clients[0].options.documentSelector.every(({ language }) => language === 'hyped'));
+  assert.deepEqual(clients.map(({ server }) => [server.command, server.args]), [[hypedc, ['lsp']]]);
+  assert.ok(clients[0].options.documentSelector.every(({ language }) => language === 'hyped'));
 });
 
 test('a code lens searches, and the picture opens beside the text', async () => {
@@ -102,28 +68,34 @@ test('a code lens searches, and the picture opens beside the text', async () => 
   assert.equal(panel.title, 'Reach unlocked');
   assert.equal(panel.where.viewColumn, vscode.ViewColumn.Beside);
   assert.match(panel.webview.html, /goal unlocked: reached/);
+  assert.doesNotMatch(panel.webview.html, /drawn/, 'the picture is shown, and its file is gone');
   assert.match(panel.webview.html, /data:image\/svg\+xml;base64/);
   assert.deepEqual(seen.errors, []);
+
+  panel.webview.html = '';
+  await call('hypedc.reach', pathToFileURL(link).href, 'Dungeon', 'unlocked');
+  assert.deepEqual(seen.panels, [], 'the panel is taken again');
+  assert.deepEqual([panel.revealed, panel.webview.html !== ''], [1, true]);
 });
 
 test('a code lens simulates what is typed, which is remembered', async () => {
   await call('hypedc.sim', pathToFileURL(link).href, 'Dungeon');
-  assert.match(seen.output, /world Dungeon: 2 steps/);
+  assert.match(seen.output.get('Hyped'), /world Dungeon: 2 steps/);
   assert.deepEqual([...state.values()], ['-*2']);
 });
 
 test('without a world one is asked for where there are several', async () => {
   const several = join(mkdtempSync(join(tmpdir(), 'hyped-worlds-')), 'several.hyped');
   writeFileSync(several, `${readFileSync(link, 'utf8')}\nworld Void { }\n`);
-  vscode.window.activeTextEditor = { document: documentOf(several) };
-  seen.output = '';
+  await open(several);
+  seen.output.clear();
   await call('hypedc.sim');
-  assert.equal(seen.output, '', 'nothing was chosen');
+  assert.equal(seen.output.get('Hyped'), undefined, 'nothing was chosen');
   answers.pick = 'Void';
   await call('hypedc.sim');
-  assert.match(seen.output, /world Void: 2 steps/);
+  assert.match(seen.output.get('Hyped'), /world Void: 2 steps/);
   assert.deepEqual(seen.picks.splice(0), [['Dungeon', 'Void'], ['Dungeon', 'Void']]);
-  vscode.window.activeTextEditor = { document: documentOf(link) };
+  await open(link);
   await call('hypedc.sim');
   assert.deepEqual(seen.picks, [], 'one world is no choice');
 });
@@ -143,15 +115,16 @@ test('no program, no question', async () => {
 });
 
 test('a path that is not there is told, and a new one starts the server anew', async () => {
-  answers.settings.path = join(root, 'no/such/command');
+  const path = join(root, 'no/such/command');
+  answers.settings.path = path;
   await call('hypedc.reach', pathToFileURL(link).href, 'Dungeon', 'unlocked');
   assert.match(seen.errors.splice(0).join(), /could not be run: .*ENOENT/);
-  answers.start = async () => {
+  begin = async () => {
     throw new Error('no such command');
   };
-  await Promise.all(seen.listeners.map((listener) => listener({ affectsConfiguration: (name) => name === 'hypedc.path' })));
-  assert.equal(seen.clients.length, 2);
-  assert.ok(seen.clients[0].stopped);
-  assert.equal(seen.clients[1].server.command, answers.settings.path);
+  await set('path', path);
+  assert.equal(clients.length, 2);
+  assert.ok(clients[0].stopped);
+  assert.equal(clients[1].server.command, path);
   assert.match(seen.errors.splice(0).join(), /could not be started.*no such command/);
 });

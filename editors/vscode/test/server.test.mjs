@@ -1,0 +1,163 @@
+// The extension as it is packaged, with its client, vscode-languageclient, and the real server, in a stand-in for VS Code.
+//
+// HYPEDC=PATH npm run test:server
+
+import assert from 'node:assert/strict';
+import { mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { after, test } from 'node:test';
+import { answers, ask, edit, open, place, seen, set, standIn, type, until, vscode } from './vscode.mjs';
+
+standIn();
+const extension = createRequire(import.meta.url)('../dist/extension.js');
+const here = join(import.meta.dirname, '..');
+const folder = mkdtempSync(join(tmpdir(), 'hyped-server-'));
+const write = (name, text) => (writeFileSync(join(folder, name), text), join(folder, name));
+
+const slime = write('slime.hyped', `/// Creeps along.
+entity Slime {
+    param speed = 20
+
+    collider enemy: rect(0, 0, 16, 16)
+
+    mode creeping {
+        x' = speed
+        when x > 50 -> resting
+    }
+    mode resting {
+        x' = 0
+    }
+}
+`);
+const game = write('game.hyped', `import "slime.hyped"
+
+world Cave {
+    step 1/60
+
+    space main {
+        bounds rect(0, 0, 320, 32)
+        place first: Slime at (0, 0)
+        place second: Slim at (32, 0) { speed = 40 }
+    }
+
+      goal over: first.x > 40
+}
+`);
+
+vscode.workspace.workspaceFolders = [{ uri: vscode.Uri.file(folder), name: 'slimes', index: 0 }];
+answers.settings.path = process.env.HYPEDC ?? 'hypedc';
+const context = {
+  subscriptions: [],
+  workspaceState: { get: (_, otherwise) => otherwise, update: async () => {} },
+  asAbsolutePath: (path) => join(here, path),
+};
+await extension.activate(context);
+after(() => extension.deactivate());
+
+const document = await open(game);
+const other = await open(slime);
+const errors = () => (seen.diagnostics.get(document.uri.toString()) ?? []).filter(({ severity }) => severity === vscode.DiagnosticSeverity.Error);
+/** Asks until the answer is as wished: the server answers from what it has read. */
+const answer = (what, ...about) => until(what, async () => (await ask(what, ...about)) ?? undefined);
+const labels = (items) => items.map(({ label }) => (typeof label === 'string' ? label : label.label));
+
+test('findings of an opened document are shown', async () => {
+  await until('a finding', () => errors().length === 1);
+  const [found] = errors();
+  assert.equal(found.code, 'E0201');
+  assert.equal(found.source, 'hypedc');
+  assert.match(found.message, /Slim/);
+  assert.deepEqual(found.range, new vscode.Range(8, 22, 8, 26));
+});
+
+test('a finding has its fix, and goes with it', async () => {
+  const [found] = errors();
+  const about = { diagnostics: [found], only: undefined, triggerKind: 1 };
+  const actions = await answer('CodeActions', document, found.range, about);
+  const [[uri, edits]] = actions.find(({ isPreferred }) => isPreferred).edit.entries();
+  assert.equal(uri.toString(), document.uri.toString());
+  await edit(document, edits);
+  assert.match(document.getText(), /place second: Slime at/);
+  await until('no finding', () => errors().length === 0);
+});
+
+test('findings follow what is typed', async () => {
+  await type(document, 'first.x > 40', 'firs.x > 40');
+  await until('a finding', () => errors().length === 1);
+  await type(document, 'firs.x > 40', 'first.x > 40');
+  await until('no finding', () => errors().length === 0);
+});
+
+test('one goes to where an entity is defined, in another file', async () => {
+  const found = [await answer('Definition', document, place(document, 'Slime at'))].flat();
+  assert.deepEqual(found.map(({ uri, range }) => [uri.fsPath, range.start]), [[slime, new vscode.Position(1, 7)]]);
+});
+
+test('what is pointed at is told', async () => {
+  const { contents } = await answer('Hover', document, place(document, 'Slime at'));
+  const text = [contents].flat().map(({ value }) => value).join('\n');
+  assert.match(text, /entity Slime/);
+  assert.match(text, /Creeps along/);
+});
+
+test('modes are offered after an arrow, and no snippet comes twice', async () => {
+  const modes = await answer('CompletionItem', other, place(other, 'resting'));
+  assert.deepEqual(labels(modes).sort(), ['creeping', 'resting']);
+
+  const offered = await answer('CompletionItem', other, new vscode.Position(0, 0));
+  assert.ok(labels(offered).includes('entity'), labels(offered));
+  const own = Object.values(JSON.parse(readFileSync(join(here, 'snippets/hyped.json'), 'utf8'))).map(({ prefix }) => prefix);
+  const twice = offered.filter(({ kind, label }) => kind === vscode.CompletionItemKind.Snippet && own.includes(label.split(' ')[0]));
+  assert.deepEqual(labels(twice), []);
+});
+
+test('an entity is renamed in both files', async () => {
+  const changes = await answer('Rename', document, place(document, 'Slime at'), 'Ooze');
+  for (const [uri, edits] of changes.entries()) await edit(await vscode.workspace.openTextDocument(uri), edits);
+  assert.match(document.getText(), /first: Ooze at[\s\S]*second: Ooze at/);
+  assert.match(other.getText(), /entity Ooze \{/);
+  await until('no finding', () => errors().length === 0);
+});
+
+test('the document gets its layout', async () => {
+  await edit(document, await answer('DocumentFormattingEdit', document, { tabSize: 4, insertSpaces: true }));
+  assert.match(document.getText(), /\n    goal over/);
+});
+
+test('the lenses of the server are commands of the extension', async () => {
+  const lenses = await until('lenses', async () => {
+    const found = await ask('CodeLens', document);
+    return found?.length === 2 && found;
+  });
+  assert.deepEqual(lenses.map(({ command }) => command.command), ['hypedc.sim', 'hypedc.reach']);
+  // The files are asked, not the documents.
+  writeFileSync(game, document.getText());
+  writeFileSync(slime, other.getText());
+  answers.input = '-*3';
+  for (const { command } of lenses) await vscode.commands.executeCommand(command.command, ...command.arguments);
+  assert.match(seen.output.get('Hyped'), /world Cave: 3 steps/);
+  assert.deepEqual(seen.errors, []);
+  assert.match(seen.panels[0]?.webview.html, /goal over: reached[\s\S]*data:image\/svg/);
+});
+
+test('the server starts anew, with all that is open', async () => {
+  await type(document, 'first.x', 'firs.x');
+  await until('a finding', () => errors().length === 1);
+  await vscode.commands.executeCommand('hypedc.restart');
+  await until('a finding of the new server', () => errors().length === 1);
+  const providers = seen.providers.filter(([what]) => what === 'Hover');
+  assert.equal(providers.length, 1, 'the old one is gone');
+});
+
+test('a command that is no server is told of once, and the next one serves', async () => {
+  const path = answers.settings.path;
+  // Ends at once.
+  await set('path', process.execPath);
+  assert.equal(seen.errors.length, 1, seen.errors.join('\n'));
+  assert.match(seen.errors.splice(0)[0], /could not be started with `.*node lsp`: it ends without an answer/);
+  await set('path', path);
+  await until('a finding', () => errors().length === 1);
+  assert.deepEqual(seen.errors, []);
+});

@@ -527,3 +527,36 @@ fn what_is_walled_off_is_proven_unreachable() {
         replay(&program, 0, &plan);
     }
 }
+
+/// What takes longest to reach takes a hundred steps; there is time for as many as are given.
+fn walk_within(steps: u32, planner: Planner, seed: u64) -> Verdict {
+    let text = "entity Walker {\n    param speed = 60\n    axis move\n    collider body: rect(0, 0, 8, 8)\n    x' = speed * move\n    y' = 0\n}\n\
+        world Hall {\n    step 1/60\n    space main {\n        bounds rect (-50, 0, 300, 50)\n        \
+        place walker: Walker at (0, 10)\n    }\n    player 1: walker\n    goal far: walker.x > 99.5\n}\n";
+    let program = program(compile_text(text));
+    let sim = Simulator::new(&program, WORLD);
+    let problem = Problem::new(&sim, GoalId(0)).within(steps);
+    let space = configuration_space(&program, WORLD);
+    let settings = Settings { seed, planner, ..Settings::default() };
+    let outcome = reach(&problem, &space, &settings, &Limits { nodes: 20_000, ..Limits::default() }, &Unwatched);
+    let verdict = outcome.unwrap().verdict;
+    if let Verdict::Reached(plan) = &verdict {
+        replay(&program, 0, plan);
+    }
+    verdict
+}
+
+#[test]
+fn what_takes_too_long_does_not_count() {
+    for planner in Planner::ALL {
+        match walk_within(99, planner, 1) {
+            Verdict::Unreachable(_) => assert!([Planner::Exhaustive, Planner::Auto].contains(&planner), "{planner:?}"),
+            Verdict::NotFound => assert!(![Planner::Exhaustive, Planner::Auto].contains(&planner), "{planner:?}"),
+            Verdict::Reached(plan) => panic!("{planner:?}: {}", plan.steps),
+        }
+    }
+    assert!(matches!(walk_within(100, Planner::Exhaustive, 1), Verdict::Reached(plan) if plan.steps == 100));
+    for seed in 1..=10 {
+        assert!(matches!(walk_within(130, Planner::Auto, seed), Verdict::Reached(plan) if plan.steps <= 130), "{seed}");
+    }
+}

@@ -302,6 +302,9 @@ pub(super) struct ReachArgs {
     /// Asks for ways on which a predicate never holds: are the key, the run button needed?
     #[arg(long, value_name = "PREDICATE", help_heading = "The question")]
     pub without: Option<String>,
+    /// Asks for ways that take at most so long from where the search begins, such as `600frames` or `10s`.
+    #[arg(long, value_name = "TIME", value_parser = Time::read, help_heading = "The question")]
+    pub within: Option<Time>,
     /// Begins in the state that an input script leads to; several make several beginnings.
     #[arg(long, value_name = "SCRIPT", allow_hyphen_values = true, help_heading = "The question")]
     pub after: Vec<String>,

@@ -159,6 +159,9 @@ impl<'a> Asking<'a> {
         {
             problem = problem.without(never.holds);
         }
+        if let Some(time) = self.args.within {
+            problem = problem.within(whole_steps(time, world));
+        }
         for (script, text) in self.prepared.after.iter().zip(&self.args.after) {
             problem = problem.after(script.clone()).map_err(|bad| match bad {
                 BadStart::Fault(fault, step) => {
@@ -245,6 +248,15 @@ pub(super) fn target_name(world: &World, target: Target) -> &str {
 /// How many nodes may grow.
 pub(super) fn nodes_limit(args: &ReachArgs) -> u64 {
     args.nodes.unwrap_or(if args.seconds.is_some() { u64::MAX } else { Limits::default().nodes })
+}
+
+/// How many whole steps of a world a time has room for.
+fn whole_steps(time: Time, world: &World) -> u32 {
+    match time {
+        Time::Steps(steps) => u32::from(steps),
+        // What is a whole number of steps but for rounding is one.
+        Time::Seconds(seconds) => (seconds / world.step.seconds() + 1e-6).floor() as u32,
+    }
 }
 
 /// A time in steps of a world, at least one.

@@ -61,6 +61,7 @@ pub(super) fn row_settings(args: &ReachArgs, settings: &reach::Settings) -> Sett
         legend: args.reading.legend.as_ref().map(|path| path.display().to_string()),
         tile: args.reading.tile,
         without: args.without.clone(),
+        within: args.within.map(|time| time.to_string()),
         after: args.after.clone(),
         min_hold: args.min_hold.map(|time| time.to_string()),
         minimize: args.minimize,

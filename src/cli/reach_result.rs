@@ -36,6 +36,7 @@ pub(super) struct RunResult {
     restart: Option<String>,
     trees: usize,
     without: Option<String>,
+    within: Option<String>,
     after: Vec<String>,
     analysis_seconds: f64,
     nodes_limit: Option<u64>,
@@ -66,6 +67,7 @@ impl RunResult {
             restart: restart_text(settings.restart),
             trees: settings.trees,
             without: args.without.clone(),
+            within: args.within.map(|time| time.to_string()),
             after: args.after.clone(),
             analysis_seconds,
             nodes_limit: args.nodes.or(args.seconds.is_none().then(|| nodes_limit(args))),
@@ -84,12 +86,13 @@ impl RunResult {
         let naive = if self.bounds == "naive" { ", naive bounds" } else { "" };
         let metric = if self.metric == "xy" { ", measured by positions" } else { "" };
         let without = self.without.as_ref().map_or(String::new(), |p| format!(", without {p}"));
+        let within = self.within.as_ref().map_or(String::new(), |time| format!(", within {time}"));
         let after = match self.after.as_slice() {
             [] => String::new(),
             [only] => format!(", after {only}"),
             several => format!(", after {} scripts", several.len()),
         };
-        format!("{}, world {}, seed {}{naive}{metric}{without}{after}\n", self.file, self.world, self.seed)
+        format!("{}, world {}, seed {}{naive}{metric}{without}{within}{after}\n", self.file, self.world, self.seed)
     }
 
     /// What was broken on the way, whatever was asked for.

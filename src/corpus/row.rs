@@ -94,6 +94,9 @@ pub struct Settings {
     pub tile: Option<(f64, f64)>,
     /// What may never hold.
     pub without: Option<String>,
+    /// How long it may take, as it was asked for.
+    #[serde(default)]
+    pub within: Option<String>,
     /// Where the search begins.
     pub after: Vec<String>,
     /// For how many steps an input is held at least, as it was asked for.
@@ -312,6 +315,7 @@ pub(super) mod tests {
             legend: None,
             tile: None,
             without: None,
+            within: None,
             after: Vec::new(),
             min_hold: None,
             minimize: false,

@@ -181,7 +181,10 @@ impl Searcher for Exhaustive<'_> {
                 return Ending::Reached(plan);
             }
             if is_over {
-                let is_proof = !self.ground.controls.truncated && self.ground.notes.fault.is_none();
+                // Within a time, what was reached late may have been left that could also be reached soon.
+                let is_early = matches!(self.order, Order::Breadth { .. }) && self.ground.starts() == 1;
+                let is_timely = self.ground.problem.time().is_none() || is_early;
+                let is_proof = !self.ground.controls.truncated && self.ground.notes.fault.is_none() && is_timely;
                 let states = self.ground.tree.len() as u64;
                 return if is_proof { Ending::Exhausted(states, self.ground.hold.0) } else { Ending::Spent };
             }

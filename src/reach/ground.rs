@@ -221,7 +221,11 @@ impl<'a> Ground<'a> {
     fn simulate(&mut self, choice: Choice) -> Extension {
         self.work.copy_from_slice(self.tree.state(choice.node));
         let set = self.tree.set(choice.node);
+        let left = self.problem.time().map_or(u32::MAX, |most| most.saturating_sub(self.tree.depth(choice.node)));
         for step in 1..=choice.hold {
+            if u32::from(step) > left {
+                return Extension::Dead;
+            }
             self.notes.statistics.steps += 1;
             let input: &Input = &self.controls.inputs(set)[choice.input];
             let stepped = self.problem.sim.step(&mut self.work, input, &mut self.scratch);

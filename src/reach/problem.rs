@@ -60,6 +60,8 @@ pub struct Problem<'s> {
     pub target: Target,
     /// Predicates of the world that may not hold on the way, nor at its end.
     avoided: Vec<ExprId>,
+    /// After so many steps from where it begins it is too late.
+    within: Option<u32>,
     players: Vec<SlotId>,
     /// From where; none: from the initial state alone.
     starts: Vec<Start>,
@@ -74,7 +76,7 @@ impl<'s> Problem<'s> {
     /// Asks for a goal, or for a way to break a `never`.
     pub fn asking(sim: &'s Simulator<'s>, target: Target) -> Self {
         let players = sim.world().players.iter().map(|p| p.slot).collect();
-        Problem { sim, target, players, avoided: Vec::new(), starts: Vec::new() }
+        Problem { sim, target, players, avoided: Vec::new(), within: None, starts: Vec::new() }
     }
 
     /// Where it may not lead: a predicate of the world must never hold.
@@ -82,6 +84,18 @@ impl<'s> Problem<'s> {
     pub fn without(mut self, predicate: ExprId) -> Self {
         self.avoided.push(predicate);
         self
+    }
+
+    /// How many steps it may take at most, from where a search begins.
+    #[must_use]
+    pub fn within(mut self, steps: u32) -> Self {
+        self.within = Some(steps);
+        self
+    }
+
+    /// How many steps it may take at most; none: as many as it takes.
+    pub fn time(&self) -> Option<u32> {
+        self.within
     }
 
     /// Begins where a script leads, too; without any, a search begins in the initial state.

@@ -164,7 +164,9 @@ impl<'a> Builder<'_, 'a> {
         let finest = self.settings.hold.map_or(1, |hold| hold.0);
         let mut holds: Vec<u16> = [10, 5, 2, 1].into_iter().filter(|hold| *hold > finest).collect();
         holds.push(finest);
-        let stages = holds.into_iter().map(|hold| self.one(Planner::BestFirst, tree, Some((hold, hold))));
+        // Within a time, only what goes in the order of time proves anything.
+        let planner = if self.problem.time().is_some() { Planner::Exhaustive } else { Planner::BestFirst };
+        let stages = holds.into_iter().map(|hold| self.one(planner, tree, Some((hold, hold))));
         Refinement::new(stages.collect())
     }
 

@@ -44,6 +44,8 @@ struct Node {
     hold: u16,
     /// How many inputs are still untried.
     untried: u16,
+    /// How many steps lead here from the root.
+    depth: u32,
 }
 
 impl Tree {
@@ -98,7 +100,8 @@ impl Tree {
         let tried = self.tried.len() as u32;
         self.tried.resize(self.tried.len() + inputs.div_ceil(64), 0);
         self.open += usize::from(inputs > 0);
-        self.nodes.push(Node { parent: parent.0, set, input, hold, untried: inputs as u16, tried });
+        let depth = self.nodes.get(parent.index()).map_or(0, |parent| parent.depth) + u32::from(hold);
+        self.nodes.push(Node { parent: parent.0, set, input, hold, untried: inputs as u16, tried, depth });
         NodeId(id as u32)
     }
 
@@ -121,6 +124,11 @@ impl Tree {
     pub fn parent(&self, node: NodeId) -> Option<NodeId> {
         let n = &self.nodes[node.index()];
         (n.parent != node.0).then_some(NodeId(n.parent))
+    }
+
+    /// How many steps lead to a node from its root.
+    pub fn depth(&self, node: NodeId) -> u32 {
+        self.nodes[node.index()].depth
     }
 
     /// How many inputs are still untried at a node.

@@ -11,7 +11,7 @@ use crate::source::Span;
 use crate::syntax::occurrence::{NameKind, Occurrence};
 
 use super::lexer::{Kind, tokens};
-use super::navigate::Spot;
+use super::navigate::{Spot, word_at};
 use super::server::{Failure, Server};
 use super::snapshot::Snapshot;
 use super::uri::path_of;
@@ -24,14 +24,19 @@ const MOST_MODES: usize = 12;
 impl Server {
     pub(super) fn hover(&mut self, params: types::HoverParams) -> Result<Option<Hover>, Failure> {
         let at = params.text_document_position_params;
-        let spots = self.spots(&at);
+        let spots = self.lasting_spots(&at);
         let named = spots.iter().find(|spot| !spot.names.is_empty());
         let Some((spot, o)) = named.and_then(|spot| Some((spot, *spot.names.first()?))) else {
             return Ok(self.hover_word(&at));
         };
-        let snapshot = spot.snapshot();
-        let value = About { spot, snapshot, o }.text();
-        let range = Some(snapshot.range(o.at, self.client.encoding));
+        let value = About { spot, snapshot: spot.snapshot, o }.text();
+        let encoding = self.client.encoding;
+        let range = if std::ptr::eq(spot.snapshot, &*spot.known.now) {
+            Some(spot.snapshot.range(o.at, encoding))
+        } else {
+            let text = self.documents.get(&path_of(&at.text_document.uri)).map(|document| &document.text);
+            text.and_then(|text| Some(text.range(word_at(text.code(), text.byte(at.position, encoding))?, encoding)))
+        };
         Ok(Some(Hover { contents: markdown(value).into(), range }))
     }
 

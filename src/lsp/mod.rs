@@ -12,6 +12,7 @@
 //! free of errors.
 
 mod actions;
+mod alignment;
 mod capabilities;
 mod completion;
 mod diagnostics;

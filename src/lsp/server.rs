@@ -85,6 +85,8 @@ pub struct Server {
     pub(super) documents: Documents,
     pub(super) known: BTreeMap<PathBuf, Known>,
     pub(super) tokens: ShownTokens,
+    /// The old and the new name of the last renaming.
+    pub(super) renamed: Option<(String, String)>,
     pub(super) disk: Arc<dyn Workspace>,
     sender: Sender<Message>,
     published: Published,
@@ -137,6 +139,7 @@ impl Server {
             documents: Documents::default(),
             known: BTreeMap::new(),
             tokens: ShownTokens::default(),
+            renamed: None,
             disk,
             sender,
             published: Published::default(),

@@ -142,3 +142,33 @@ fn edges_are_calls() {
     session.ask_all("callHierarchy/outgoingCalls", json!({ "item": items[0] }));
     insta::assert_snapshot!(session.end());
 }
+
+#[test]
+fn what_a_name_meant_is_told_while_the_text_is_broken() {
+    let mut session = slime();
+    session.client.settle();
+    // The entity is no more than a broken slice, and lines were put before it.
+    session.replace("slime.hyped", "entity Slime {", "\n\nentity Slime {{");
+    session.replace("slime.hyped", "mode air {", "mode air ({");
+    for place in ["param jump_sp|eed", "y'' = grav|ity", "-> grou|nd\n", "pressed(ju|mp", "== le|ft"] {
+        session.ask_at("textDocument/hover", "slime.hyped", place, json!({}));
+        session.ask_at("textDocument/definition", "slime.hyped", place, json!({}));
+    }
+    // Another name than the one that stood there means nothing.
+    session.replace("slime.hyped", "y'' = gravity", "y'' = gravi");
+    session.ask_at("textDocument/hover", "slime.hyped", "y'' = grav|i", json!({}));
+    insta::assert_snapshot!(session.end());
+}
+
+#[test]
+fn what_a_name_means_is_told_before_a_renaming_has_come_in_all_files() {
+    let mut session = balls();
+    session.open("parts/bounces.hyped", BOUNCER);
+    session.client.settle();
+    session.ask_at("textDocument/rename", "balls.hyped", "use Boun|ces(p", json!({ "newName": "Hops" }));
+    session.replace("balls.hyped", "use Bounces(pull", "use Hops(pull");
+    session.ask_at("textDocument/hover", "balls.hyped", "use Ho|ps(p", json!({}));
+    session.replace("parts/bounces.hyped", "behavior Bounces", "behavior Hops");
+    session.ask_at("textDocument/hover", "balls.hyped", "use Ho|ps(p", json!({}));
+    insta::assert_snapshot!(session.end());
+}

@@ -22,8 +22,12 @@ impl<'t> Alignment<'t> {
         Alignment { old, new, runs }
     }
 
-    /// The line of the later text that a line of the older one is, if nothing changed in it.
-    pub fn line(&self, old: usize) -> Option<usize> {
+    /// Of each line of the older text, the line of the later one that it is, if nothing changed in it.
+    pub fn lines(&self) -> Vec<Option<usize>> {
+        (0..self.old.len()).map(|line| self.line(line)).collect()
+    }
+
+    fn line(&self, old: usize) -> Option<usize> {
         shifted(&self.runs, old, |(from, _)| from, |(_, to)| to).filter(|line| *line < self.new.len())
     }
 
@@ -154,8 +158,7 @@ mod tests {
     fn lines_that_stay_are_found_again() {
         let new = "zero\none\r\n\nplace a: Slime at b\nthree\nfour";
         let alignment = Alignment::between(OLD, new);
-        let lines: Vec<Option<usize>> = (0..7).map(|line| alignment.line(line)).collect();
-        assert_eq!(lines, [Some(1), None, Some(2), Some(3), Some(4), None, None]);
+        assert_eq!(alignment.lines(), [Some(1), None, Some(2), Some(3), Some(4), None]);
         assert_eq!(before(new, "three"), Some("three"));
         let at = OLD.find("Slime").unwrap_or_default();
         assert_eq!(alignment.after(at..at + 5).and_then(|bytes| new.get(bytes)), Some("Slime"));
@@ -172,7 +175,7 @@ mod tests {
     #[test]
     fn texts_without_a_common_line_have_no_common_places() {
         let alignment = Alignment::between("a\nb", "c");
-        assert_eq!((alignment.line(0), alignment.before(0), alignment.after(0..1)), (None, None, None));
+        assert_eq!((alignment.line(1), alignment.before(0), alignment.after(0..1)), (None, None, None));
         assert_eq!(Alignment::between("", "").before(0), Some(0));
     }
 }

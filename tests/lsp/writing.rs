@@ -7,10 +7,14 @@ use crate::session::{Session, uri};
 
 /// A text that stands in the middle of being written: `|` is the cursor.
 fn completed(session: &mut Session, old: &str, new: &str) {
-    let mut text = SLIME.replacen(old, new, 1);
+    completed_in(session, SLIME, old, new);
+}
+
+fn completed_in(session: &mut Session, whole: &str, old: &str, new: &str) {
+    let mut text = whole.replacen(old, new, 1);
     let byte = text.find('|').unwrap();
     text.remove(byte);
-    session.client.open(&uri("slime.hyped"), SLIME);
+    session.client.open(&uri("slime.hyped"), whole);
     session.client.settle();
     session.client.change(&uri("slime.hyped"), json!([{ "text": text }]));
     let params = json!({
@@ -53,6 +57,32 @@ fn completion_knows_the_place() {
         ("// A slime", "// A |slime"),
     ] {
         completed(&mut session, old, new);
+    }
+    insta::assert_snapshot!(session.end());
+}
+
+#[test]
+fn what_is_given_already_is_not_offered() {
+    let text = "behavior Moves(speed, way, far) { x' = speed * way; clamp x <= far }
+behavior Other(none_of_this) { y = none_of_this }
+entity Ball { param heavy = 1; ref owner: any }
+entity A {
+    use Moves(way = max(1, 2), speed = 3, far = 9)
+    mode m { when timer > 1 { spawn Ball(x = 3, owner = self) } }
+}
+world W { limit Ball 2; space s { place a: A at (0, 0); place b: Ball at (0, 0) { heavy = 2 } } }
+";
+    let mut session = Session::new(&[]);
+    for (old, new) in [
+        ("way = max(1, 2), speed = 3, far = 9", "|"),
+        ("speed = 3, far = 9", "|"),
+        ("speed = 3,", "|,"),
+        ("x = 3, owner = self", "x = 3, |"),
+        ("heavy = 2 }", "| }"),
+        ("{ heavy = 2 }", "{ heavy = 2; | }"),
+        ("speed = 3", "speed = |"),
+    ] {
+        completed_in(&mut session, text, old, new);
     }
     insta::assert_snapshot!(session.end());
 }

@@ -387,6 +387,7 @@ impl<'a> Offers<'a> {
             (",", "collide" | "collider") if !place.statement.contains(&":") => self.named(NameKind::Tag),
             (":", "collide") => self.words(&["block", "sense"]),
             ("block" | ",", "collide") => self.words(&["from above", "keep velocity", "carry"]),
+            ("sense" | "above" | "velocity" | "carry", "collide") => {}
             (":", "collider" | "kinematic") => self.functions(|name| matches!(name, "rect" | "circle")),
             ("kinematic", _) => self.words(&["collider"]),
             ("initial", _) => self.words(&["mode", "when"]),
@@ -453,6 +454,11 @@ impl<'a> Offers<'a> {
         let (words, snippets) = begins(block);
         self.words(words);
         self.snippets(snippets);
+        let line = self.code.get(..place.word.start).and_then(|before| before.rfind('\n')).map_or(0, |at| at + 1);
+        if block.is_some() && line == place.word.start {
+            // The blocks around it may be still to be closed.
+            self.words(begins(None).0);
+        }
         match block {
             Some(Block::Settings) => {
                 let name = place.blocks.last().map_or("", |b| b.name);
@@ -481,9 +487,20 @@ impl<'a> Offers<'a> {
         if ends_operand(place) {
             return self.words(after_operand(place));
         }
+        // What the value is set of: a place, what is spawned, or the entity itself.
+        let settings = place.blocks.last().filter(|open| open.block == Block::Settings).map(|open| open.name);
+        let spawned = place.calls.last().filter(|call| call.before == "spawn").map(|call| call.name);
+        let set = settings.or(spawned).and_then(|name| self.entity(name));
+        if let Some(of) = set
+            && of.refs.iter().any(|r| r.name.text == place.back(2))
+        {
+            self.instances(world);
+            self.refs(own);
+            return self.words(&["none", "self"]);
+        }
         let compared = if matches!(place.back(1), "==" | "!=" | ":=" | "=") { place.back(2) } else { "" };
         if let Some(Type::Set(values)) =
-            own.and_then(|e| e.discretes.iter().find(|d| d.name.text == compared)).map(|d| &d.ty)
+            set.or(own).and_then(|e| e.discretes.iter().find(|d| d.name.text == compared)).map(|d| &d.ty)
         {
             let values = values.clone();
             values.iter().for_each(|v| self.add(0, v, CompletionItemKind::EnumMember, "value"));
@@ -507,13 +524,22 @@ impl<'a> Offers<'a> {
         self.named(NameKind::Constant);
         if in_world {
             self.instances(world);
-            self.functions(|name| !matches!(name, "pressed" | "held" | "released" | "touching" | "timer" | "lost"));
+            self.functions(|name| is_arithmetic(name) || matches!(name, "near" | "inside"));
             self.words(&["any", "in", "touching", "and", "or", "not", "true", "false"]);
+        } else if is_fixed {
+            self.functions(is_arithmetic);
+            self.words(&["and", "or", "not", "true", "false"]);
         } else {
             self.functions(|name| !matches!(name, "near" | "inside" | "rect" | "circle"));
             self.words(&["timer", "in", "is", "and", "or", "not", "true", "false", "none", "self"]);
         }
     }
+}
+
+/// Whether a function reads nothing but its arguments.
+fn is_arithmetic(name: &str) -> bool {
+    let reads = ["pressed", "held", "released", "touching", "timer", "entering", "exiting", "lost"];
+    !reads.contains(&name) && !matches!(name, "near" | "inside" | "rect" | "circle")
 }
 
 /// The path of a program as another one imports it.

@@ -4,9 +4,11 @@
 use std::collections::BTreeSet;
 
 use gen_lsp_types as types;
-use gen_lsp_types::{Hover, MarkupContent, MarkupKind};
+use gen_lsp_types::{Hover, MarkupContent, MarkupKind, Range};
 
 use crate::analysis::Values;
+use crate::diagnostic::page::{Page, Part};
+use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::sema::checked::{Checked, Entity, Type};
 use crate::sema::ids::EntityId;
 use crate::source::{FileId, Span};
@@ -30,24 +32,61 @@ const MOST_MODES: usize = 12;
 impl Server {
     pub(super) fn hover(&mut self, params: types::HoverParams) -> Result<Option<Hover>, Failure> {
         let at = params.text_document_position_params;
-        let spots = self.lasting_spots(&at);
-        let named = spots.iter().find(|spot| !spot.names.is_empty());
-        let Some((spot, o)) = named.and_then(|spot| Some((spot, *spot.names.first()?))) else {
-            return Ok(self.hover_word(&at));
-        };
+        let known = self.hover_name(&at).or_else(|| self.hover_word(&at));
+        let found = self.hover_finding(&at);
+        let parts = known.into_iter().chain(found).collect::<Vec<(String, Range)>>();
+        let range = parts.first().map(|(_, range)| *range);
+        let value = parts.into_iter().map(|(value, _)| value).collect::<Vec<_>>().join("\n\n---\n\n");
+        Ok(range.map(|range| Hover { contents: markdown(value).into(), range: Some(range) }))
+    }
+
+    /// A name of the program.
+    fn hover_name(&self, at: &types::TextDocumentPositionParams) -> Option<(String, Range)> {
+        let spots = self.lasting_spots(at);
+        let spot = spots.iter().find(|spot| !spot.names.is_empty())?;
+        let o = *spot.names.first()?;
         let value = About { spot, snapshot: spot.snapshot, o }.text();
         let encoding = self.client.encoding;
-        let range = if std::ptr::eq(spot.snapshot, &*spot.known.now) {
-            Some(spot.snapshot.range(o.at, encoding))
-        } else {
-            let text = self.documents.get(&path_of(&at.text_document.uri)).map(|document| &document.text);
-            text.and_then(|text| Some(text.range(word_at(text.code(), text.byte(at.position, encoding))?, encoding)))
-        };
-        Ok(Some(Hover { contents: markdown(value).into(), range }))
+        if std::ptr::eq(spot.snapshot, &*spot.known.now) {
+            return Some((value, spot.snapshot.range(o.at, encoding)));
+        }
+        let text = &self.documents.get(&path_of(&at.text_document.uri))?.text;
+        Some((value, text.range(word_at(text.code(), text.byte(at.position, encoding))?, encoding)))
+    }
+
+    /// What the code means of what was found here, as far as its page begins with it; errors before warnings.
+    fn hover_finding(&self, at: &types::TextDocumentPositionParams) -> Option<(String, Range)> {
+        let path = path_of(&at.text_document.uri);
+        let encoding = self.client.encoding;
+        let mut found: Option<(&Diagnostic, Range)> = None;
+        for known in self.programs(&path) {
+            let Some(file) = known.now.file(&path) else { continue };
+            let byte = known.now.text(file).byte(at.position, encoding) as u32;
+            let said = known.now.study.compilation.diagnostics.iter();
+            for finding in said.chain(known.findings.iter().flat_map(Diagnostics::iter)) {
+                let Some(place) = finding.primary.as_ref().map(|label| label.span) else { continue };
+                let is_here = place.file == file && place.start <= byte && byte <= place.end;
+                let is_first = found.is_none_or(|(other, _)| {
+                    other.severity == Severity::Warning && finding.severity == Severity::Error
+                });
+                if is_here && is_first {
+                    found = Some((finding, known.now.range(place, encoding)));
+                }
+            }
+        }
+        let (finding, range) = found?;
+        let page = Page::of(finding.code);
+        let prose = page.parts.iter().find_map(|part| match part {
+            Part::Prose(lines) => Some(lines.join(" ")),
+            Part::Example(_) => None,
+        });
+        let code = finding.code.text();
+        let prose = prose.unwrap_or_default();
+        Some((format!("**{}**\n\n{prose} `hypedc explain {code}` tells more.", page.title), range))
     }
 
     /// A word of the language.
-    fn hover_word(&self, at: &types::TextDocumentPositionParams) -> Option<Hover> {
+    fn hover_word(&self, at: &types::TextDocumentPositionParams) -> Option<(String, Range)> {
         let document = self.documents.get(&path_of(&at.text_document.uri))?;
         let (text, encoding) = (&document.text, self.client.encoding);
         let code = text.code();
@@ -63,7 +102,7 @@ impl Server {
         } else {
             ways.join("\n\n")
         };
-        Some(Hover { contents: markdown(value).into(), range: Some(text.range(bytes, encoding)) })
+        Some((value, text.range(bytes, encoding)))
     }
 }
 

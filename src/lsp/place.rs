@@ -2,6 +2,7 @@
 //! that are open. Works in any text, finished or not.
 
 use super::lexer::{Kind, Token, tokens};
+use super::words::begins;
 
 /// What a block is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,6 +33,8 @@ pub(super) struct Open<'t> {
     pub name: &'t str,
     /// The first byte of its head.
     pub start: usize,
+    /// How far the line of its head is indented, bytes.
+    indent: usize,
 }
 
 /// A bracket that is open, and what is called with it.
@@ -69,6 +72,8 @@ pub(super) struct Place<'t> {
     pub calls: Vec<Call<'t>>,
     /// The first byte of the statement.
     begin: usize,
+    /// How far the line in which the statement begins is indented, bytes.
+    indent: usize,
     /// Whether it stands in a comment or a text in quotes. In a text, the word is what the quotes hold.
     pub is_quoted: bool,
 }
@@ -110,12 +115,27 @@ impl<'t> Place<'t> {
 
     fn take(&mut self, text: &'t str, token: &Token, brackets: &mut Vec<Bracket>) {
         let word = text.get(token.at.clone()).unwrap_or_default();
+        let line = text.get(..token.at.start).and_then(|before| before.rfind('\n')).map_or(0, |at| at + 1);
+        let is_first = text.get(line..token.at.start).is_some_and(|before| before.trim().is_empty());
+        if is_first && brackets.is_empty() && !matches!(token.kind, Kind::Newline | Kind::Comment) {
+            let indent = token.at.start - line;
+            // What stands further left than the head of a block is not in it: the block is still to be closed.
+            while self.blocks.last().is_some_and(|open| open.indent > indent) {
+                self.blocks.pop();
+            }
+            if self.statement.is_empty() && !matches!(word, "and" | "or" | "->" | "{") {
+                self.indent = indent;
+            }
+        }
+        if self.statement.is_empty() && begins(None).0.contains(&word) {
+            self.blocks.clear();
+        }
         match word {
             "{" => {
                 let head = std::mem::take(&mut self.statement);
                 let outer = self.blocks.last().map(|b| b.block);
                 let (block, name) = opened(&head, outer);
-                self.blocks.push(Open { block, name, start: self.begin });
+                self.blocks.push(Open { block, name, start: self.begin, indent: self.indent });
                 brackets.clear();
             }
             "}" => {
@@ -211,6 +231,20 @@ mod tests {
         assert_eq!(place.block(), Some(Block::Mode));
         assert_eq!(place.around(Block::Entity).map(|b| b.name), Some("A"));
         assert_eq!((place.back(1), &text[place.word.clone()]), ("->", "down"));
+    }
+
+    #[test]
+    fn blocks_that_are_still_to_be_closed_end_where_their_outer_ones_go_on() {
+        let (text, byte) = at("world W {\n    space s {\n        place a: A at (0,\n    0) {\n    }\n    |\n}");
+        assert_eq!(Place::of(&text, byte).block(), Some(Block::World));
+        let (text, byte) = at("entity A {\n    mode m {\n        when x > 3 {\n\nworld W {\n    |");
+        let place = Place::of(&text, byte);
+        assert_eq!(place.blocks.iter().map(|open| open.name).collect::<Vec<_>>(), ["W"]);
+        let (text, byte) =
+            at("entity A {\n    mode m {\n        when a\n            and b -> m {\n        }\n        |");
+        assert_eq!(Place::of(&text, byte).block(), Some(Block::Mode), "a head of several lines");
+        let (text, byte) = at("entity A {\nmode m {\nwhen x > 3 {\n|");
+        assert_eq!(Place::of(&text, byte).block(), Some(Block::Updates), "not indented at all");
     }
 
     #[test]

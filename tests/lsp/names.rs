@@ -188,6 +188,19 @@ world W {
 }
 
 #[test]
+fn what_was_found_is_explained() {
+    let mut session = Session::new(&[]);
+    session.open("a.hyped", "entity A { param p = 1; x' = q; y' = p }\n");
+    for place in ["x' = |q", "y' = |p", "entity| A"] {
+        session.ask_at("textDocument/hover", "a.hyped", place, json!({}));
+    }
+    session.open("slime.hyped", SLIME);
+    session.client.settle();
+    session.ask_at("textDocument/hover", "slime.hyped", "when |y' < -300", json!({}));
+    insta::assert_snapshot!(session.end());
+}
+
+#[test]
 fn names_mean_something_in_behaviors_that_nothing_uses() {
     let text = "behavior Patrol(to, speed) {
     param rest = 1

@@ -264,6 +264,10 @@ impl<'a> Offers<'a> {
             return;
         }
         let Some(world) = world else { return };
+        if place.back(back) == "in" {
+            let asked = self.instance(world, place.back(back + 1)).or_else(|| self.entity(place.back(back + 1)));
+            return asked.into_iter().for_each(|entity| self.modes(entity, &prefix));
+        }
         if world.spaces.iter().any(|s| s.name.text == first) {
             ["width", "height"].iter().for_each(|m| self.add(0, m, CompletionItemKind::Property, "px"));
         }
@@ -381,7 +385,9 @@ impl<'a> Offers<'a> {
                 let subject = world.and_then(|w| self.instance(w, before));
                 let refers = own.and_then(|e| e.refs.iter().find(|r| r.name.text == before)?.entity);
                 let referred = refers.and_then(|id| self.checked().next()?.entities.get(id)).map(|e| &**e);
-                subject.or(referred).or(own).into_iter().for_each(|e| self.modes(e, &[]));
+                // `any Slime in`
+                let any = world.filter(|_| place.back(3) == "any").and_then(|_| self.entity(before));
+                subject.or(any).or(referred).or(own).into_iter().for_each(|e| self.modes(e, &[]));
             }
             ("touching", _) | ("with", "collide") | ("collide" | "collider" | "rect", _) => self.named(NameKind::Tag),
             (",", "collide" | "collider") if !place.statement.contains(&":") => self.named(NameKind::Tag),

@@ -142,6 +142,8 @@ world W {
         ("-> s at rect(4", "-> s |"),
         ("map t \"", "map t | \""),
         ("hero.x > 3 and hero in hurt.no", "hero |"),
+        ("hero.x > 3 and hero in hurt.no", "hero in hurt.|"),
+        ("hero.x > 3 and hero in hurt.no", "any A in |"),
         ("hero.x > 3 and hero in hurt.no", "hero.x > 3 |"),
         ("param worth = 5", "param worth = |"),
         ("player 1: hero", "player 1: hero |"),

@@ -172,6 +172,31 @@ mod tests {
         assert_eq!(before("one\r\ntwo\n\nplace a: Ooze at b\nthree\n", "Ooze"), Some("Slime"));
     }
 
+    proptest::proptest! {
+        #[test]
+        fn lines_go_to_equal_ones_in_order_and_their_bytes_with_them(
+            old in "([ab]{0,2}(\n|\r\n|\r)){0,8}[ab]?", new in "([ab]{0,2}(\n|\r\n|\r)){0,8}[ab]?",
+        ) {
+            let alignment = Alignment::between(&old, &new);
+            let kept: Vec<(usize, usize)> =
+                alignment.lines().into_iter().enumerate().filter_map(|(a, b)| Some((a, b?))).collect();
+            proptest::prop_assert!(kept.is_sorted_by(|(a, b), (c, d)| a < c && b < d));
+            for (a, b) in kept {
+                let line = alignment.old[a];
+                proptest::prop_assert_eq!(line, alignment.new[b]);
+                let (from, to) = (start(&alignment.old, a), start(&alignment.new, b));
+                for column in 0..line.len() {
+                    proptest::prop_assert_eq!(alignment.before(to + column), Some(from + column));
+                    proptest::prop_assert_eq!(alignment.after(from + column..from + line.len()), Some(to + column..to + line.len()));
+                }
+            }
+            // A place that there is is led to one that there is.
+            for byte in 0..=new.len() {
+                proptest::prop_assert!(alignment.before(byte).is_none_or(|at| at <= old.len()));
+            }
+        }
+    }
+
     #[test]
     fn texts_without_a_common_line_have_no_common_places() {
         let alignment = Alignment::between("a\nb", "c");

@@ -20,11 +20,15 @@ pub(super) fn ends_operand(place: &Place<'_>) -> bool {
 
 /// The words that can follow a value.
 pub(super) fn after_operand(place: &Place<'_>) -> &'static [&'static str] {
-    const PREDICATE: &[&str] = &["and", "or", "in", "touching"];
-    const GUARD: &[&str] = &["and", "or", "in", "is", "as"];
     let first = place.statement.first().copied().unwrap_or_default();
     let has = |word: &str| place.statement.contains(&word);
-    let joined = if place.around(Block::World).is_some() { PREDICATE } else { GUARD };
+    let joined: &[&str] = match (place.around(Block::World).is_some(), place.back(1)) {
+        (true, ")") => &["and", "or"],
+        (true, _) => &["and", "or", "in", "touching"],
+        // `touching(body, coin) as c`
+        (false, ")") => &["and", "or", "as"],
+        (false, _) => &["and", "or", "in", "is"],
+    };
     match (first, place.block()) {
         (_, Some(Block::Tiles | Block::Kinds)) => {
             if has("spawn") {
@@ -102,6 +106,7 @@ pub(super) fn after_operand(place: &Place<'_>) -> &'static [&'static str] {
                 &[]
             }
         }
+        ("when" | "and" | "or", _) if has("->") => &[],
         ("when" | "and" | "or" | "while" | "invariant" | "collider" | "kinematic" | "follow" | "initial", _) => joined,
         _ => &[],
     }

@@ -296,8 +296,9 @@ pub(super) fn symbol_kind(kind: NameKind) -> Option<SymbolKind> {
 
 /// The bytes of the word that holds a byte, or ends there.
 pub(super) fn word_at(code: &str, byte: usize) -> Option<std::ops::Range<usize>> {
-    let words = || tokens(code).into_iter().filter(|token| token.kind == Kind::Word).map(|token| token.at);
-    words().find(|at| at.contains(&byte)).or_else(|| words().find(|at| at.end == byte))
+    let near = tokens(code).into_iter().filter(|token| token.kind == Kind::Word).map(|token| token.at);
+    let near = near.skip_while(|at| at.end < byte).take_while(|at| at.start <= byte);
+    near.max_by_key(|at| at.start)
 }
 
 /// The files that a program names: imports, levels, legends.

@@ -162,6 +162,7 @@ world W {
 ";
     let mut session = Session::new(&[]);
     session.open("a.hyped", text);
+    session.client.settle();
     let names = ["param go|al", "discrete st|ep", "axis t|o", "by t|o {", "> go|al ->"];
     let words = [
         "p|aram goal",

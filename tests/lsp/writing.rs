@@ -128,6 +128,8 @@ world W {
         ("-> walking", "-> |"),
         ("entering(hurt.yes)", "entering(|)"),
         ("hp > 1 and", "hp | and"),
+        ("as c and c is", "| and c is"),
+        ("-> walking", "-> walking |"),
         ("c.worth > 1", "c.|"),
         ("reach by way", "|"),
         ("reach by way", "reach |"),

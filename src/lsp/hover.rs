@@ -207,7 +207,7 @@ impl About<'_> {
         if let Some(dimension) = dimension.or_else(|| self.last_dimension(owners.first()?.1, name)) {
             what = format!("{what}, {dimension}");
         }
-        parts.push(if is_own { what } else { format!("`{name}`: {what}") });
+        parts.push(if is_own && self.o.kind != NameKind::Tag { what } else { format!("`{name}`: {what}") });
         if is_own && self.o.kind != NameKind::Argument {
             parts.extend(self.snapshot.doc(self.o.declared));
         }

@@ -14,7 +14,7 @@ use crate::sema::checked::Checked;
 use crate::sema::{self, Level};
 use crate::source::{FileId, Files, SourceMap};
 use crate::syntax;
-use crate::syntax::ast::MapSource;
+use crate::syntax::ast::{self, MapSource};
 use crate::syntax::occurrence::{Occurrence, Occurrences};
 
 /// What came of compiling a file and all that it imports.
@@ -79,7 +79,7 @@ pub fn compile_with(root: &Path, level: LevelFile<'_>, files: &dyn Files) -> Com
 /// As [`compile_with`], with one more `never` in each world of the file that is named, or in all: a predicate that comes
 /// from the command line. It is the last one of its world.
 pub fn compile_barred(root: &Path, level: LevelFile<'_>, barred: Option<Barred<'_>>, files: &dyn Files) -> Compilation {
-    stages(root, level, barred, files).0
+    stages(root, level, barred, files).0.0
 }
 
 /// A compilation, and what its stages know of names: what an editor shows.
@@ -95,12 +95,20 @@ pub struct Study {
 
 /// As [`compile`], and keeps what its stages know of names.
 pub fn study(root: &Path, files: &dyn Files) -> Study {
-    let (compilation, mut checked) = stages(root, LevelFile::default(), None, files);
-    let occurrences = std::mem::take(&mut checked.occurrences).sorted(&compilation.sources);
+    let ((mut compilation, mut checked), trees) = stages(root, LevelFile::default(), None, files);
+    let mut occurrences = std::mem::take(&mut checked.occurrences).sorted(&compilation.sources);
+    occurrences.extend(sema::names_of_unused(&trees, &mut compilation.sources, &occurrences));
+    occurrences.sort_unstable();
     Study { compilation, checked, occurrences }
 }
 
-fn stages(root: &Path, level: LevelFile<'_>, barred: Option<Barred<'_>>, files: &dyn Files) -> (Compilation, Checked) {
+/// A compilation, the checked program, and the trees that it was made of, behaviours in place.
+fn stages(
+    root: &Path,
+    level: LevelFile<'_>,
+    barred: Option<Barred<'_>>,
+    files: &dyn Files,
+) -> ((Compilation, Checked), Vec<ast::File>) {
     let mut sources = SourceMap::new();
     let (mut trees, mut diagnostics) = syntax::load(root, files, &mut sources);
     if let Some(barred) = barred {
@@ -155,7 +163,7 @@ fn stages(root: &Path, level: LevelFile<'_>, barred: Option<Barred<'_>>, files: 
     diagnostics.trace(&sources);
     diagnostics.sort();
     let program = (!diagnostics.has_errors()).then(|| ir::lower(&checked));
-    (Compilation { sources, program, diagnostics }, checked)
+    ((Compilation { sources, program, diagnostics }, checked), trees)
 }
 
 /// The file that a level is in: `world.ldtk` of `world.ldtk#Level_0`.

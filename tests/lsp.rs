@@ -71,6 +71,37 @@ fn what_values_tell_is_shown() {
     insta::assert_snapshot!(session.end());
 }
 
+/// The findings that came since the last time, one line for each time.
+fn published(session: &mut Session) {
+    let of = |found: &serde_json::Value| {
+        let found = found.as_array().unwrap().iter();
+        let places = found.map(|d| format!("{} in line {}", d["code"].as_str().unwrap(), d["range"]["start"]["line"]));
+        places.collect::<Vec<_>>().join(", ")
+    };
+    let lines: Vec<String> = session.client.published.drain(..).map(|(_, found)| of(&found)).collect();
+    session.write_lines(&lines);
+}
+
+#[test]
+fn what_values_tell_stays_until_more_is_known() {
+    let mut session = Session::new(&[]);
+    session.open("slime.hyped", SLIME);
+    session.client.settle();
+    published(&mut session);
+    for (old, new) in [
+        ("/// Walks", "\n\n/// Walks"),
+        ("param run = 60", "param run = 61"),
+        ("y' < -300", "y' < -250"),
+        ("const floor_height = 16", "const floor_height = "),
+        ("const floor_height = ", "const floor_height = 16"),
+    ] {
+        session.replace("slime.hyped", old, new);
+        session.client.settle();
+        published(&mut session);
+    }
+    insta::assert_snapshot!(session.end());
+}
+
 #[test]
 fn texts_are_formatted() {
     let mut session = Session::new(&[]);
@@ -92,6 +123,31 @@ fn texts_have_a_shape() {
     session.ask("textDocument/foldingRange", "slime.hyped", json!({}));
     let at = session.place("slime.hyped", "speed|)");
     session.ask("textDocument/selectionRange", "slime.hyped", json!({ "positions": [at] }));
+    insta::assert_snapshot!(session.end());
+}
+
+/// An outline, one line for each of its parts: name, detail, the word that is selected.
+fn outline(symbols: &serde_json::Value, text: &str, depth: usize, out: &mut Vec<String>) {
+    for symbol in symbols.as_array().into_iter().flatten() {
+        let range = &symbol["selectionRange"];
+        let (line, at) = (range["start"]["line"].as_u64().unwrap(), range["start"]["character"].as_u64().unwrap());
+        let rest = &text.lines().nth(line as usize).unwrap()[at as usize..];
+        let (name, detail) = (symbol["name"].as_str().unwrap(), symbol["detail"].as_str().unwrap_or_default());
+        out.push(format!("{}{name} ({detail}) at {line}:{at} {rest:.12}", "    ".repeat(depth)));
+        outline(&symbol["children"], text, depth + 1, out);
+    }
+}
+
+#[test]
+fn all_that_is_declared_is_in_the_outline() {
+    let text = include_str!("lsp/outline.hyped");
+    let mut session = Session::new(&[]);
+    session.open("outline.hyped", text);
+    let document = json!({ "textDocument": { "uri": session::uri("outline.hyped") } });
+    let symbols = session.client.request("textDocument/documentSymbol", document).unwrap();
+    let mut lines = Vec::new();
+    outline(&symbols, text, 0, &mut lines);
+    session.write_lines(&lines);
     insta::assert_snapshot!(session.end());
 }
 

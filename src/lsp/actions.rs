@@ -9,6 +9,7 @@ use crate::diagnostic::{Diagnostic, Fix};
 use crate::format::format;
 use crate::source::FileId;
 
+use super::alignment::runs;
 use super::diagnostics::{mendable, shown};
 use super::server::{Failure, Server};
 use super::snapshot::Snapshot;
@@ -150,34 +151,6 @@ fn edits(text: &Text, new: &str, encoding: Encoding, lines: Option<std::ops::Ran
         let bytes = starts.get(from.start).copied().unwrap_or(0)..starts.get(from.end).copied().unwrap_or(0);
         let new_text = new.get(put).unwrap_or_default().concat();
         out.push(TextEdit { range: text.range(bytes, encoding), new_text });
-    }
-    out
-}
-
-/// What differs between two lists of lines: lines of the first, and the lines of the second in their place. Lines that are
-/// the same but for blanks belong together, as formatting never moves one past another.
-fn runs(old: &[&str], new: &[&str]) -> Vec<(std::ops::Range<usize>, std::ops::Range<usize>)> {
-    let (mut a, mut b) = (0, 0);
-    let mut out = Vec::new();
-    while a < old.len() || b < new.len() {
-        if old.get(a) == new.get(b) {
-            (a, b) = (a + 1, b + 1);
-            continue;
-        }
-        // The nearest place where both go on alike.
-        let reach = old.len() - a + new.len() - b;
-        let same = |i: usize, j: usize| match (old.get(i), new.get(j)) {
-            (Some(x), Some(y)) => x == y && !x.trim().is_empty(),
-            (None, None) => true,
-            _ => false,
-        };
-        let meets = (1..=reach.min(400)).find_map(|sum| {
-            let mut ways = (0..=sum).map(|i| (a + i, b + sum - i));
-            ways.find(|(i, j)| *i <= old.len() && *j <= new.len() && same(*i, *j))
-        });
-        let (i, j) = meets.unwrap_or((old.len(), new.len()));
-        out.push((a..i, b..j));
-        (a, b) = (i, j);
     }
     out
 }

@@ -79,7 +79,7 @@ pub(super) fn capabilities(client: &Client) -> ServerCapabilities {
         workspace_symbol_provider: Some(true.into()),
         document_link_provider: Some(types::DocumentLinkOptions::default()),
         completion_provider: Some(types::CompletionOptions {
-            trigger_characters: words(&[".", ">", "(", ",", ":", " "]),
+            trigger_characters: words(&[".", ">", "(", ",", ":", " ", "\"", "/"]),
             ..Default::default()
         }),
         signature_help_provider: Some(types::SignatureHelpOptions {

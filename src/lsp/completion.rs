@@ -2,15 +2,16 @@
 //! snippets. What the text does not tell while it is broken is taken from its last state without errors.
 
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Component, Path};
 
 use gen_lsp_types as types;
 use gen_lsp_types::{CompletionItem, CompletionItemKind, InsertTextFormat, TextEdit};
 
 use crate::sema::checked::{Checked, Entity, Type, World};
 use crate::source::FileId;
-use crate::syntax::occurrence::{NameKind, Role};
+use crate::syntax::occurrence::{NameKind, Occurrence, Role};
 
+use super::following::{after_operand, ends_operand, given};
 use super::place::{Block, Place};
 use super::server::{Failure, Server};
 use super::snapshot::Snapshot;
@@ -41,9 +42,11 @@ impl Server {
         let code = document.text.code();
         let byte = document.text.byte(at.position, encoding);
         let place = Place::of(code, byte);
-        let mut offers = Offers::new(self, &path);
+        let mut offers = Offers::new(self, &path, code);
         if !place.is_quoted {
             offers.at(&place);
+        } else if place.statement == ["import"] {
+            offers.files(self.known.keys().filter_map(|other| relative(&path, other)));
         }
         let range = document.text.range(place.word.start..place.word.end.max(byte), encoding);
         let all: BTreeSet<Offer> = offers.list.into_iter().collect();
@@ -69,23 +72,28 @@ struct Offers<'a> {
     /// The program as it is, and as it was last without errors.
     programs: Vec<&'a Snapshot>,
     file: Option<FileId>,
+    code: &'a str,
     list: Vec<Offer>,
 }
 
 const KEYWORD: CompletionItemKind = CompletionItemKind::Keyword;
 
 impl<'a> Offers<'a> {
-    fn new(server: &'a Server, path: &Path) -> Self {
+    fn new(server: &'a Server, path: &Path, code: &'a str) -> Self {
         let known: Vec<_> = server.programs(path).collect();
         let now = known.iter().map(|k| &*k.now);
         let programs: Vec<&Snapshot> = now.chain(known.iter().filter_map(|k| k.good.as_deref())).collect();
         let file = programs.first().and_then(|p| p.file(path));
-        Offers { programs, file, list: Vec::new() }
+        Offers { programs, file, code, list: Vec::new() }
     }
 
     fn add(&mut self, rank: u8, label: &str, kind: CompletionItemKind, detail: &str) {
         let (label, detail) = (label.to_string(), detail.to_string());
         self.list.push(Offer { rank, label, kind: u32::from(kind), detail, snippet: None });
+    }
+
+    fn files(&mut self, paths: impl Iterator<Item = String>) {
+        paths.for_each(|path| self.add(0, &path, CompletionItemKind::File, ""));
     }
 
     fn words(&mut self, words: &[&str]) {
@@ -119,10 +127,14 @@ impl<'a> Offers<'a> {
     /// Names of some kinds that are declared in this file from a byte on: those of a behaviour, which is no entity.
     fn declared(&mut self, from: usize, kinds: &[NameKind]) {
         let Some((program, file)) = self.programs.first().copied().zip(self.file) else { return };
-        let own = program.study.occurrences.iter().filter(|o| {
-            o.role == Role::Declared && o.at.file == file && o.at.start as usize >= from && kinds.contains(&o.kind)
-        });
-        for o in own {
+        let all = &program.study.occurrences;
+        let first = all.partition_point(|o| (o.at.file, o.at.start as usize) < (file, from));
+        let here = all.iter().skip(first).take_while(|o| o.at.file == file).filter(|o| o.role == Role::Declared);
+        // The behaviour's own name comes first; the next item ends it.
+        let is_item = |o: &&Occurrence| {
+            matches!(o.kind, NameKind::Entity | NameKind::Behavior | NameKind::World | NameKind::Constant)
+        };
+        for o in here.skip(1).take_while(|o| !is_item(o)).filter(|o| kinds.contains(&o.kind)) {
             self.add(0, program.name(o), kind_of(o.kind), super::hover::called(o.kind));
         }
     }
@@ -144,8 +156,13 @@ impl<'a> Offers<'a> {
 
     /// The modes of an entity, or those below a path.
     fn modes(&mut self, entity: &Entity, prefix: &[&str]) {
+        self.modes_of(entity, prefix, |_| true);
+    }
+
+    /// Those of its modes whose group is wanted.
+    fn modes_of(&mut self, entity: &Entity, prefix: &[&str], wanted: impl Fn(&str) -> bool) {
         let last = |name: &str| entity.modes.iter().filter(|m| m.name.text == name).count();
-        for mode in entity.modes.iter() {
+        for mode in entity.modes.iter().filter(|m| m.path.first().is_some_and(|group| wanted(group))) {
             let path: Vec<&str> = mode.path.iter().map(String::as_str).collect();
             if prefix.is_empty() {
                 // The shortest path that fits one mode alone.
@@ -165,6 +182,23 @@ impl<'a> Offers<'a> {
         entity.vars.iter().for_each(|v| self.add(0, &v.name.text, CompletionItemKind::Field, "continuous"));
         entity.discretes.iter().for_each(|d| self.add(0, &d.name.text, CompletionItemKind::Field, "discrete"));
         entity.params.iter().for_each(|p| self.add(0, &p.name.text, CompletionItemKind::Constant, "param"));
+    }
+
+    /// What an instance of an entity can be given: those of its values that nothing is given yet, each ready to be set.
+    fn settings(&mut self, entity: &Entity, given: &[&str]) {
+        let from = self.list.len();
+        self.members(entity);
+        self.refs(Some(entity));
+        self.as_assignments(from, given);
+    }
+
+    /// Makes what was offered from some place in the list on an assignment, and leaves out what is given already.
+    fn as_assignments(&mut self, from: usize, given: &[&str]) {
+        let offered = self.list.split_off(from);
+        for mut offer in offered.into_iter().filter(|offer| !given.contains(&offer.label.as_str())) {
+            offer.snippet = Some(format!("{} = $1", offer.label));
+            self.list.push(offer);
+        }
     }
 
     fn functions(&mut self, wanted: impl Fn(&str) -> bool) {
@@ -217,14 +251,23 @@ impl<'a> Offers<'a> {
                 return self.modes(entity, &prefix);
             }
             let refers = entity.refs.iter().find(|r| r.name.text == first).and_then(|r| r.entity);
-            let referred = refers.and_then(|id| self.programs.first()?.study.checked.entities.get(id));
-            match referred {
+            let referred = refers.and_then(|id| self.programs.first()?.study.checked.entities.get(id)).map(|e| &**e);
+            // `e is Slime and e.`
+            let tested = place.statement.windows(3).find_map(|words| match words {
+                [name, "is", entity] if *name == first => self.entity(entity),
+                _ => None,
+            });
+            match referred.or(tested) {
                 Some(entity) => self.members(entity),
                 None => ["x", "y"].iter().for_each(|v| self.add(0, v, CompletionItemKind::Field, "continuous")),
             }
             return;
         }
         let Some(world) = world else { return };
+        if place.back(back) == "in" {
+            let asked = self.instance(world, place.back(back + 1)).or_else(|| self.entity(place.back(back + 1)));
+            return asked.into_iter().for_each(|entity| self.modes(entity, &prefix));
+        }
         if world.spaces.iter().any(|s| s.name.text == first) {
             ["width", "height"].iter().for_each(|m| self.add(0, m, CompletionItemKind::Property, "px"));
         }
@@ -283,8 +326,10 @@ impl<'a> Offers<'a> {
                 }
             }
             "timer" | "entering" | "exiting" => {
+                // Only other groups can be waited for.
+                let group = place.around(Block::Group).filter(|_| name != "timer").map(|group| group.name);
                 if let Some(entity) = own {
-                    self.modes(entity, &[]);
+                    self.modes_of(entity, &[], |path| Some(path) != group);
                 }
                 if let Some(from) = in_behavior {
                     self.declared(from, &[NameKind::Mode]);
@@ -301,18 +346,16 @@ impl<'a> Offers<'a> {
             }
             _ if before == "spawn" && matches!(place.back(1), "(" | ",") => {
                 if let Some(entity) = self.entity(name) {
-                    self.members(entity);
+                    self.settings(entity, &given(self.code, place.word.start, "("));
                 }
             }
             _ if before == "use" && matches!(place.back(1), "(" | ",") => {
-                for program in self.programs.clone() {
-                    let of = program
-                        .study
-                        .occurrences
-                        .iter()
-                        .filter(|o| o.kind == NameKind::Argument && o.role == Role::Declared);
-                    of.for_each(|o| self.add(0, program.name(o), CompletionItemKind::Property, "parameter"));
+                let from = self.list.len();
+                if let Some(behavior) = self.programs.iter().find_map(|program| program.behavior(name)) {
+                    let parameters = behavior.parameters.iter();
+                    parameters.for_each(|p| self.add(0, &p.text, CompletionItemKind::Property, "parameter"));
                 }
+                self.as_assignments(from, &given(self.code, place.word.start, "("));
             }
             _ => return false,
         }
@@ -330,7 +373,9 @@ impl<'a> Offers<'a> {
                 spaces.for_each(|s| self.add(0, &s.name.text, CompletionItemKind::Module, "space"));
             }
             ("->", _) => {
-                own.into_iter().for_each(|e| self.modes(e, &[]));
+                // An edge stays in its group.
+                let group = place.around(Block::Group).map(|group| group.name);
+                own.into_iter().for_each(|e| self.modes_of(e, &[], |path| group.is_none_or(|group| path == group)));
                 if let Some(from) = in_behavior {
                     self.declared(from, &[NameKind::Mode, NameKind::Argument]);
                 }
@@ -340,12 +385,15 @@ impl<'a> Offers<'a> {
                 let subject = world.and_then(|w| self.instance(w, before));
                 let refers = own.and_then(|e| e.refs.iter().find(|r| r.name.text == before)?.entity);
                 let referred = refers.and_then(|id| self.checked().next()?.entities.get(id)).map(|e| &**e);
-                subject.or(referred).or(own).into_iter().for_each(|e| self.modes(e, &[]));
+                // `any Slime in`
+                let any = world.filter(|_| place.back(3) == "any").and_then(|_| self.entity(before));
+                subject.or(any).or(referred).or(own).into_iter().for_each(|e| self.modes(e, &[]));
             }
             ("touching", _) | ("with", "collide") | ("collide" | "collider" | "rect", _) => self.named(NameKind::Tag),
             (",", "collide" | "collider") if !place.statement.contains(&":") => self.named(NameKind::Tag),
             (":", "collide") => self.words(&["block", "sense"]),
             ("block" | ",", "collide") => self.words(&["from above", "keep velocity", "carry"]),
+            ("sense" | "above" | "velocity" | "carry", "collide") => {}
             (":", "collider" | "kinematic") => self.functions(|name| matches!(name, "rect" | "circle")),
             ("kinematic", _) => self.words(&["collider"]),
             ("initial", _) => self.words(&["mode", "when"]),
@@ -384,6 +432,14 @@ impl<'a> Offers<'a> {
                 self.words(&["empty", "spawn"]);
             }
             ("follow", _) => self.words(&["links"]),
+            ("directions", "envelope") => self.words(&["any"]),
+            ("envelope" | "clamp", _) => {
+                let vars = own.into_iter().flat_map(|e| e.vars.iter());
+                vars.for_each(|v| self.add(0, &v.name.text, CompletionItemKind::Field, "continuous"));
+                if let Some(from) = in_behavior {
+                    self.declared(from, &[NameKind::Variable]);
+                }
+            }
             ("attack" | "decay" | "release", _) if place.block() == Some(Block::Envelope) => {
                 self.words(&["instant", "accel", "over"]);
                 if last == "release" {
@@ -404,10 +460,17 @@ impl<'a> Offers<'a> {
         let (words, snippets) = begins(block);
         self.words(words);
         self.snippets(snippets);
+        let line = self.code.get(..place.word.start).and_then(|before| before.rfind('\n')).map_or(0, |at| at + 1);
+        if block.is_some() && line == place.word.start {
+            // The blocks around it may be still to be closed.
+            self.words(begins(None).0);
+        }
         match block {
             Some(Block::Settings) => {
                 let name = place.blocks.last().map_or("", |b| b.name);
-                self.entity(name).into_iter().for_each(|e| self.members(e));
+                if let Some(entity) = self.entity(name) {
+                    self.settings(entity, &given(self.code, place.word.start, "{"));
+                }
             }
             Some(Block::Entity | Block::Mode | Block::Updates | Block::Behavior) => {
                 if let Some(entity) = own {
@@ -427,14 +490,35 @@ impl<'a> Offers<'a> {
     /// What a value can be made of.
     fn expression(&mut self, place: &Place<'_>, own: Option<&Entity>, world: Option<&World>) {
         let in_world = place.around(Block::World).is_some();
+        if ends_operand(place) {
+            return self.words(after_operand(place));
+        }
+        // What the value is set of: a place, what is spawned, or the entity itself.
+        let settings = place.blocks.last().filter(|open| open.block == Block::Settings).map(|open| open.name);
+        let spawned = place.calls.last().filter(|call| call.before == "spawn").map(|call| call.name);
+        let set = settings.or(spawned).and_then(|name| self.entity(name));
+        if let Some(of) = set
+            && of.refs.iter().any(|r| r.name.text == place.back(2))
+        {
+            self.instances(world);
+            self.refs(own);
+            return self.words(&["none", "self"]);
+        }
         let compared = if matches!(place.back(1), "==" | "!=" | ":=" | "=") { place.back(2) } else { "" };
         if let Some(Type::Set(values)) =
-            own.and_then(|e| e.discretes.iter().find(|d| d.name.text == compared)).map(|d| &d.ty)
+            set.or(own).and_then(|e| e.discretes.iter().find(|d| d.name.text == compared)).map(|d| &d.ty)
         {
             let values = values.clone();
             values.iter().for_each(|v| self.add(0, v, CompletionItemKind::EnumMember, "value"));
+            let same = own.into_iter().flat_map(|e| e.discretes.iter());
+            let same = same.filter(|d| d.name.text != compared && matches!(&d.ty, Type::Set(of) if *of == values));
+            same.for_each(|d| self.add(1, &d.name.text, CompletionItemKind::Field, "discrete"));
+            return self.functions(|name| name == "if");
         }
-        if let Some(entity) = own {
+        let is_fixed = place.statement.first() == Some(&"param");
+        if let (Some(entity), true) = (own, is_fixed) {
+            entity.params.iter().for_each(|p| self.add(0, &p.name.text, CompletionItemKind::Constant, "param"));
+        } else if let Some(entity) = own {
             self.members(entity);
             self.refs(Some(entity));
             entity.axes.iter().for_each(|a| self.add(0, &a.text, CompletionItemKind::Event, "axis"));
@@ -446,13 +530,35 @@ impl<'a> Offers<'a> {
         self.named(NameKind::Constant);
         if in_world {
             self.instances(world);
-            self.functions(|name| !matches!(name, "pressed" | "held" | "released" | "touching" | "timer" | "lost"));
+            self.functions(|name| is_arithmetic(name) || matches!(name, "near" | "inside"));
             self.words(&["any", "in", "touching", "and", "or", "not", "true", "false"]);
+        } else if is_fixed {
+            self.functions(is_arithmetic);
+            self.words(&["and", "or", "not", "true", "false"]);
         } else {
             self.functions(|name| !matches!(name, "near" | "inside" | "rect" | "circle"));
             self.words(&["timer", "in", "is", "and", "or", "not", "true", "false", "none", "self"]);
         }
     }
+}
+
+/// Whether a function reads nothing but its arguments.
+fn is_arithmetic(name: &str) -> bool {
+    let reads = ["pressed", "held", "released", "touching", "timer", "entering", "exiting", "lost"];
+    !reads.contains(&name) && !matches!(name, "near" | "inside" | "rect" | "circle")
+}
+
+/// The path of a program as another one imports it.
+fn relative(from: &Path, to: &Path) -> Option<String> {
+    if from == to {
+        return None;
+    }
+    let folder: Vec<Component<'_>> = from.parent()?.components().collect();
+    let target: Vec<Component<'_>> = to.components().collect();
+    let same = folder.iter().zip(&target).take_while(|(a, b)| a == b).count();
+    let up = folder.iter().skip(same).map(|_| "..");
+    let down = target.iter().skip(same).filter_map(|part| part.as_os_str().to_str());
+    Some(up.chain(down).collect::<Vec<_>>().join("/"))
 }
 
 fn kind_of(kind: NameKind) -> CompletionItemKind {

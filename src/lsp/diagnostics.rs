@@ -1,6 +1,7 @@
 //! Findings as the editor shows them: by document, each once, however many programs import it.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use gen_lsp_types::{
     Code as WrittenCode, Diagnostic as Shown, DiagnosticRelatedInformation, DiagnosticSeverity, DiagnosticTag,
@@ -10,22 +11,72 @@ use gen_lsp_types::{
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Severity};
 use crate::source::FileId;
 
+use super::alignment::Alignment;
 use super::snapshot::Snapshot;
 use super::text::Encoding;
+use super::uri::path_of;
 
 /// What is shown of one program, by document.
 pub(super) type ByDocument = BTreeMap<String, Vec<Shown>>;
 
-/// The findings of a program, by document.
-pub(super) fn by_document(snapshot: &Snapshot, more: Option<&Diagnostics>, encoding: Encoding) -> ByDocument {
+/// Some findings of a program, by document.
+pub(super) fn by_document(snapshot: &Snapshot, found: &Diagnostics, encoding: Encoding) -> ByDocument {
     let mut out = ByDocument::new();
-    let found = snapshot.study.compilation.diagnostics.iter();
-    for finding in found.chain(more.into_iter().flat_map(Diagnostics::iter)) {
+    for finding in found.iter() {
         let file = finding.primary.as_ref().map(|label| label.span.file);
         let uri = file.map_or_else(|| snapshot.root_uri(), |file| snapshot.uri(file));
         out.entry(uri.0).or_default().push(shown(finding, snapshot, encoding));
     }
     out
+}
+
+/// What is left of the findings of an older state of a program: those whose lines are still there, at their new places.
+pub(super) fn carried(found: &ByDocument, old: &Snapshot, new: &Snapshot) -> ByDocument {
+    let mut moves = Moves { old, new, known: BTreeMap::new() };
+    let mut out = ByDocument::new();
+    for (uri, findings) in found {
+        for finding in findings {
+            let Some(range) = moves.range(uri, finding.range) else { continue };
+            let mut finding = Shown { range, ..finding.clone() };
+            let related = finding.related_information.take().into_iter().flatten();
+            let related = related.filter_map(|mut r| {
+                r.location.range = moves.range(&r.location.uri.0, r.location.range)?;
+                Some(r)
+            });
+            finding.related_information = Some(related.collect()).filter(|r: &Vec<_>| !r.is_empty());
+            out.entry(uri.clone()).or_default().push(finding);
+        }
+    }
+    out
+}
+
+/// Where the lines of the documents of a program are in a newer state of it.
+struct Moves<'s> {
+    old: &'s Snapshot,
+    new: &'s Snapshot,
+    /// Of each line its new place, if there is one; of a document that stayed as it was, nothing.
+    known: BTreeMap<String, Option<Vec<Option<usize>>>>,
+}
+
+impl Moves<'_> {
+    fn lines(&self, uri: &str) -> Option<Vec<Option<usize>>> {
+        let path = path_of(&Uri(uri.into()));
+        let (Some(old), Some(new)) = (self.old.file(&path), self.new.file(&path)) else { return Some(Vec::new()) };
+        let (old, new) = (self.old.text(old), self.new.text(new));
+        (!Arc::ptr_eq(&old, &new) && old != new).then(|| Alignment::between(old.code(), new.code()).lines())
+    }
+
+    fn range(&mut self, uri: &str, range: Range) -> Option<Range> {
+        if !self.known.contains_key(uri) {
+            self.known.insert(uri.to_string(), self.lines(uri));
+        }
+        let Some(lines) = self.known.get(uri)? else { return Some(range) };
+        let line = |old: u32| lines.get(old as usize).copied().flatten();
+        let first = line(range.start.line)?;
+        let stays = (range.start.line..=range.end.line).zip(first..).all(|(old, new)| line(old) == Some(new));
+        let moved = |at: Position| Position { line: first as u32 + (at.line - range.start.line), ..at };
+        stays.then(|| Range { start: moved(range.start), end: moved(range.end) })
+    }
 }
 
 /// One finding.

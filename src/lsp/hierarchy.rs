@@ -19,7 +19,7 @@ impl Server {
     ) -> Result<Option<Vec<CallHierarchyItem>>, Failure> {
         let mut out: Vec<CallHierarchyItem> = Vec::new();
         for spot in self.spots(&params.text_document_position_params) {
-            let snapshot = spot.snapshot();
+            let snapshot = spot.snapshot;
             for o in spot.names.iter().filter(|o| o.kind == NameKind::Mode) {
                 for (_, entity) in owners(&snapshot.study.checked, snapshot, o, snapshot.name(o)) {
                     let trace = |span| snapshot.study.compilation.sources.trace(span).0;

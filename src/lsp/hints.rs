@@ -109,8 +109,8 @@ impl Hints<'_> {
         }
         let bounded = entity.vars.iter().map(|v| &v.name).filter(|name| name.span != entity.name.span);
         let plain = entity.discretes.iter().filter(|d| matches!(d.ty, crate::sema::checked::Type::Int));
-        for name in bounded.chain(plain.map(|d| &d.name)) {
-            self.bounds(entity, name);
+        for (name, declared) in bounded.map(|name| (name, None)).chain(plain.map(|d| (&d.name, Some(d.range)))) {
+            self.bounds(entity, name, declared);
         }
         let params = parameters(entity);
         for edge in entity.edges.iter() {
@@ -119,12 +119,13 @@ impl Hints<'_> {
     }
 
     /// What a variable is at most, in all of its modes.
-    fn bounds(&mut self, entity: &Entity, name: &Name) {
+    fn bounds(&mut self, entity: &Entity, name: &Name, declared: Option<(i32, i32)>) {
         let Some(ranges) = &self.known.ranges else { return };
         let known = ranges.get(&entity.name.text, &name.text);
         let all = known.iter().filter_map(|m| m.values.first()).filter_map(crate::analysis::Values::hull);
         let Some(hull) = all.reduce(crate::analysis::Interval::or) else { return };
-        if hull.low.is_finite() || hull.high.is_finite() {
+        let is_news = declared.is_none_or(|(low, high)| (f64::from(low), f64::from(high)) != (hull.low, hull.high));
+        if is_news && (hull.low.is_finite() || hull.high.is_finite()) {
             self.add(self.line_end(name.span), format!("is {}", written(&hull.into())));
         }
     }

@@ -1,54 +1,127 @@
 //! What is shown of a name: how it is declared, what it is, its dimension, its documentation, and what it can be in each
 //! mode as far as the analysis knows.
 
+use std::collections::BTreeSet;
+
 use gen_lsp_types as types;
-use gen_lsp_types::{Hover, MarkupContent, MarkupKind};
+use gen_lsp_types::{Hover, MarkupContent, MarkupKind, Range};
 
 use crate::analysis::Values;
+use crate::diagnostic::page::{Page, Part};
+use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::sema::checked::{Checked, Entity, Type};
 use crate::sema::ids::EntityId;
-use crate::source::Span;
-use crate::syntax::occurrence::{NameKind, Occurrence};
+use crate::source::{FileId, Span};
+use crate::syntax;
+use crate::syntax::occurrence::{NameKind, Occurrence, Role};
 
-use super::lexer::{Kind, tokens};
-use super::navigate::Spot;
+use super::meanings::{Meaning, meaning};
+use super::navigate::{Spot, word_at};
+use super::place::Place;
 use super::server::{Failure, Server};
 use super::snapshot::Snapshot;
 use super::uri::path_of;
 use super::values::written;
-use super::words::SIGNATURES;
+use super::words::{RESERVED, SIGNATURES, begins};
 
+/// So many lines of worlds that carry a tag are listed.
+const MOST_CARRIERS: usize = 5;
 /// So many modes are listed.
 const MOST_MODES: usize = 12;
 
 impl Server {
     pub(super) fn hover(&mut self, params: types::HoverParams) -> Result<Option<Hover>, Failure> {
         let at = params.text_document_position_params;
-        let spots = self.spots(&at);
-        let named = spots.iter().find(|spot| !spot.names.is_empty());
-        let Some((spot, o)) = named.and_then(|spot| Some((spot, *spot.names.first()?))) else {
-            return Ok(self.hover_word(&at));
-        };
-        let snapshot = spot.snapshot();
-        let value = About { spot, snapshot, o }.text();
-        let range = Some(snapshot.range(o.at, self.client.encoding));
-        Ok(Some(Hover { contents: markdown(value).into(), range }))
+        let known = self.hover_name(&at).or_else(|| self.hover_word(&at));
+        let found = self.hover_finding(&at);
+        let parts = known.into_iter().chain(found).collect::<Vec<(String, Range)>>();
+        let range = parts.first().map(|(_, range)| *range);
+        let value = parts.into_iter().map(|(value, _)| value).collect::<Vec<_>>().join("\n\n---\n\n");
+        Ok(range.map(|range| Hover { contents: markdown(value).into(), range: Some(range) }))
     }
 
-    /// A function of the language.
-    fn hover_word(&self, at: &types::TextDocumentPositionParams) -> Option<Hover> {
+    /// A name of the program.
+    fn hover_name(&self, at: &types::TextDocumentPositionParams) -> Option<(String, Range)> {
+        let spots = self.lasting_spots(at);
+        let spot = spots.iter().find(|spot| !spot.names.is_empty())?;
+        let o = *spot.names.first()?;
+        let value = About { spot, snapshot: spot.snapshot, o }.text();
+        let encoding = self.client.encoding;
+        if std::ptr::eq(spot.snapshot, &*spot.known.now) {
+            return Some((value, spot.snapshot.range(o.at, encoding)));
+        }
+        let text = &self.documents.get(&path_of(&at.text_document.uri))?.text;
+        Some((value, text.range(word_at(text.code(), text.byte(at.position, encoding))?, encoding)))
+    }
+
+    /// What the code means of what was found here, as far as its page begins with it; errors before warnings.
+    fn hover_finding(&self, at: &types::TextDocumentPositionParams) -> Option<(String, Range)> {
+        let path = path_of(&at.text_document.uri);
+        let encoding = self.client.encoding;
+        let mut found: Option<(&Diagnostic, Range)> = None;
+        for known in self.programs(&path) {
+            let Some(file) = known.now.file(&path) else { continue };
+            let byte = known.now.text(file).byte(at.position, encoding) as u32;
+            let said = known.now.study.compilation.diagnostics.iter();
+            for finding in said.chain(known.findings.iter().flat_map(Diagnostics::iter)) {
+                let Some(place) = finding.primary.as_ref().map(|label| label.span) else { continue };
+                let is_here = place.file == file && place.start <= byte && byte <= place.end;
+                let is_first = found.is_none_or(|(other, _)| {
+                    other.severity == Severity::Warning && finding.severity == Severity::Error
+                });
+                if is_here && is_first {
+                    found = Some((finding, known.now.range(place, encoding)));
+                }
+            }
+        }
+        let (finding, range) = found?;
+        let page = Page::of(finding.code);
+        let prose = page.parts.iter().find_map(|part| match part {
+            Part::Prose(lines) => Some(lines.join(" ")),
+            Part::Example(_) => None,
+        });
+        let code = finding.code.text();
+        let prose = prose.unwrap_or_default();
+        Some((format!("**{}**\n\n{prose} `hypedc explain {code}` tells more.", page.title), range))
+    }
+
+    /// A word of the language.
+    fn hover_word(&self, at: &types::TextDocumentPositionParams) -> Option<(String, Range)> {
         let document = self.documents.get(&path_of(&at.text_document.uri))?;
         let (text, encoding) = (&document.text, self.client.encoding);
-        let byte = text.byte(at.position, encoding);
-        let all = tokens(text.code());
-        let index = all.iter().position(|t| t.kind == Kind::Word && t.at.start <= byte && byte <= t.at.end)?;
-        let (token, word) = (all.get(index)?, all.get(index)?.text(text.code()));
-        all.get(index + 1).filter(|next| next.text(text.code()) == "(")?;
-        let ways = SIGNATURES.iter().filter(|s| s.name == word);
+        let code = text.code();
+        let bytes = word_at(code, text.byte(at.position, encoding))?;
+        let word = code.get(bytes.clone())?;
+        let is_called = code.get(bytes.end..)?.trim_start_matches([' ', '\t']).starts_with('(');
+        let ways = SIGNATURES.iter().filter(|s| is_called && s.name == word);
         let ways: Vec<String> = ways.map(|s| format!("`{word}({})`: {}", s.parameters.join(", "), s.doc)).collect();
-        let range = Some(text.range(token.at.clone(), encoding));
-        (!ways.is_empty()).then(|| Hover { contents: markdown(ways.join("\n\n")).into(), range })
+        let shape = || matches!(word, "rect") && is_word(code, &bytes);
+        let value = if ways.is_empty() || shape() {
+            let Meaning { says, example, .. } = meaning(word).filter(|_| is_word(code, &bytes))?;
+            format!("`{word}`: {says}\n\n```hyped\n{example}\n```")
+        } else {
+            ways.join("\n\n")
+        };
+        Some((value, text.range(bytes, encoding)))
     }
+}
+
+/// Whether a word is one of the language where it stands, and no name.
+fn is_word(code: &str, bytes: &std::ops::Range<usize>) -> bool {
+    let word = code.get(bytes.clone()).unwrap_or_default();
+    if RESERVED.contains(&word) {
+        return true;
+    }
+    if let Some(pairs) = syntax::pairs(FileId(0), code) {
+        // In a slice that fits no rule nothing more is told.
+        let mut here = pairs.flatten().filter(|p| p.as_span().start() <= bytes.start && bytes.end <= p.as_span().end());
+        if !here.clone().any(|p| format!("{:?}", p.as_rule()).starts_with("bad_")) {
+            return here.any(|p| p.as_str() == word && format!("{:?}", p.as_rule()).starts_with("word_"));
+        }
+    }
+    let place = Place::of(code, bytes.start);
+    let goes_on = code.get(bytes.end..).unwrap_or_default().trim_start_matches([' ', '\t']);
+    place.statement.is_empty() && begins(place.block()).0.contains(&word) && !goes_on.starts_with(['=', ':', '\'', '.'])
 }
 
 /// Text with marks.
@@ -73,7 +146,7 @@ pub(super) fn called(kind: NameKind) -> &'static str {
         NameKind::Reference => "reference",
         NameKind::Touched => "what is touched",
         NameKind::Button => "button",
-        NameKind::Axis => "axis, -1 to 1",
+        NameKind::Axis => "axis",
         NameKind::Tag => "tag",
         NameKind::Space => "space",
         NameKind::TileSet => "tile set",
@@ -130,10 +203,11 @@ impl About<'_> {
         if let Some(entity) = Some(name).filter(|_| self.o.kind == NameKind::Instance).and_then(|n| self.instance(n)) {
             what = format!("{what} of `{entity}`");
         }
-        if let Some(dimension) = owners.first().and_then(|(id, e)| self.dimension(*id, e, name)) {
+        let dimension = owners.first().and_then(|(id, e)| self.dimension(checked, *id, e, name));
+        if let Some(dimension) = dimension.or_else(|| self.last_dimension(owners.first()?.1, name)) {
             what = format!("{what}, {dimension}");
         }
-        parts.push(if is_own { what } else { format!("`{name}`: {what}") });
+        parts.push(if is_own && self.o.kind != NameKind::Tag { what } else { format!("`{name}`: {what}") });
         if is_own && self.o.kind != NameKind::Argument {
             parts.extend(self.snapshot.doc(self.o.declared));
         }
@@ -156,8 +230,16 @@ impl About<'_> {
         after.bytes().take_while(|b| *b == b'\'').count().min(2)
     }
 
-    fn dimension(&self, id: EntityId, entity: &Entity, name: &str) -> Option<String> {
-        let known = &self.snapshot.study.checked.dimensions;
+    /// What the dimension was when the program last had no errors: what is broken may have told it.
+    fn last_dimension(&self, entity: &Entity, name: &str) -> Option<String> {
+        let good = self.spot.known.good.as_deref().filter(|_| !self.spot.known.now.is_good())?;
+        let mut entities = good.study.checked.entities.pairs();
+        let (id, entity) = entities.find(|(_, e)| e.name.text == entity.name.text)?;
+        self.dimension(&good.study.checked, id, entity, name)
+    }
+
+    fn dimension(&self, checked: &Checked, id: EntityId, entity: &Entity, name: &str) -> Option<String> {
+        let known = &checked.dimensions;
         match self.o.kind {
             NameKind::Parameter => {
                 let param = entity.params.find(|p| p.name.text == name)?;
@@ -176,6 +258,7 @@ impl About<'_> {
                     _ => format!("{}..{}", discrete.range.0, discrete.range.1),
                 })
             }
+            NameKind::Axis => Some("-1 to 1".into()),
             _ => None,
         }
     }
@@ -185,6 +268,7 @@ impl About<'_> {
         let known = self.spot.known.ranges.as_ref()?.get(&entity.name.text, name);
         let degree = if self.o.kind == NameKind::Variable { self.degree() } else { 0 };
         let names = entity.discretes.iter().find(|d| d.name.text == name).map(|d| &d.ty);
+        let declared = entity.discretes.iter().find(|d| d.name.text == name).map(|d| d.range);
         let shown = |values: &Values| match names {
             Some(Type::Set(all)) => {
                 let may = all.iter().enumerate().filter(|(at, _)| values.contains(*at as f64));
@@ -201,8 +285,9 @@ impl About<'_> {
         let first = rows.first()?;
         let written = format!("{name}{}", "'".repeat(degree));
         if rows.iter().all(|(_, values)| *values == first.1) {
-            let says_nothing =
-                first.1 == "any" || matches!(names, Some(Type::Set(_) | Type::Bool)) && first.1.contains(" or ");
+            let says_nothing = first.1 == "any"
+                || matches!(names, Some(Type::Set(_) | Type::Bool)) && first.1.contains(" or ")
+                || declared.is_some_and(|(low, high)| first.1 == format!("{low}..{high}"));
             return Some(format!("`{written}` is {}", first.1)).filter(|_| !says_nothing);
         }
         let lines = rows.iter().take(MOST_MODES).map(|(mode, values)| format!("| `{mode}` | {values} |"));
@@ -239,7 +324,13 @@ impl About<'_> {
         let Some(tag) = checked.tags.find(|t| t.text == name) else { return String::new() };
         let entities = checked.entities.iter().filter(|e| e.colliders.iter().any(|c| c.tags.contains(&tag)));
         let entities: Vec<String> = entities.map(|e| format!("`{}`", e.name.text)).collect();
-        if entities.is_empty() { String::new() } else { format!("colliders of {}", entities.join(", ")) }
+        let colliders = (!entities.is_empty()).then(|| format!("colliders of {}", entities.join(", ")));
+        // Tiles and rectangles carry it where they stand in worlds.
+        let in_worlds = |at: Span| checked.worlds.iter().any(|w| w.span.contains(at));
+        let all = self.snapshot.matching(&BTreeSet::from([self.snapshot.key(&self.o)]));
+        let here = all.filter(|o| o.role == Role::Declared && in_worlds(o.at)).take(MOST_CARRIERS);
+        let lines = here.map(|o| format!("`{}`", self.snapshot.line(o.at)));
+        colliders.into_iter().chain(lines).collect::<Vec<_>>().join("  \n")
     }
 
     fn instance(&self, name: &str) -> Option<String> {

@@ -12,15 +12,18 @@
 //! free of errors.
 
 mod actions;
+mod alignment;
 mod capabilities;
 mod completion;
 mod diagnostics;
 mod dispatch;
 mod documents;
+mod following;
 mod hierarchy;
 mod hints;
 mod hover;
 mod lexer;
+mod meanings;
 mod navigate;
 mod place;
 mod rename;

@@ -3,6 +3,7 @@
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use gen_lsp_types as types;
 use gen_lsp_types::{DocumentHighlight, DocumentHighlightKind, DocumentLink, Location, SymbolKind};
@@ -12,6 +13,8 @@ use crate::syntax::ast::{Item, MapSource, Name};
 use crate::syntax::occurrence::{NameKind, Occurrence, Role};
 use crate::syntax::{self, ast};
 
+use super::alignment::Alignment;
+use super::lexer::{Kind, tokens};
 use super::server::{Failure, Known, Server};
 use super::snapshot::{Key, Snapshot};
 use super::uri::{clean, path_of, uri_of};
@@ -22,15 +25,11 @@ const MOST_SYMBOLS: usize = 500;
 /// A place in one of the programs that hold it.
 pub(super) struct Spot<'a> {
     pub known: &'a Known,
+    /// The program as it is, or as it was when it last had no errors.
+    pub snapshot: &'a Snapshot,
     pub file: FileId,
     /// The names there.
     pub names: Vec<Occurrence>,
-}
-
-impl Spot<'_> {
-    pub fn snapshot(&self) -> &Snapshot {
-        &self.known.now
-    }
 }
 
 impl Server {
@@ -43,13 +42,51 @@ impl Server {
             Some((file, known.now.names_at(file, byte)))
         };
         let spots = self.programs(&path).filter_map(|known| spot(known).map(|found| (known, found)));
-        spots.map(|(known, (file, names))| Spot { known, file, names }).collect()
+        spots.map(|(known, (file, names))| Spot { known, snapshot: &known.now, file, names }).collect()
+    }
+
+    /// As [`spots`](Self::spots); of a name that means nothing while its program has errors, what it meant when that had
+    /// none.
+    pub(super) fn lasting_spots(&self, at: &types::TextDocumentPositionParams) -> Vec<Spot<'_>> {
+        let spots = self.spots(at);
+        let path = path_of(&at.text_document.uri);
+        let word = self.documents.get(&path).and_then(|document| {
+            let byte = document.text.byte(at.position, self.client.encoding);
+            Some((document.text.code(), word_at(document.text.code(), byte)?))
+        });
+        let Some((code, word)) = word.filter(|_| spots.iter().all(|spot| spot.names.is_empty())) else { return spots };
+        let name = code.get(word.clone()).unwrap_or_default();
+        let renamed = self.renamed.as_ref().filter(|(_, new)| new == name).map(|(old, _)| old.as_str());
+        let earlier = |known: &'_ Known| -> Option<(FileId, Vec<Occurrence>)> {
+            let good = known.good.as_deref().filter(|_| !known.now.is_good())?;
+            let file = good.file(&path)?;
+            let text = good.text(file);
+            let names = good.names_at(file, Alignment::between(text.code(), code).before(word.start)?);
+            let is_it = |o: &Occurrence| good.name(o) == name || renamed == Some(good.name(o));
+            Some((file, names.into_iter().filter(is_it).collect()))
+        };
+        let spots = self.programs(&path).filter_map(|known| Some((known, known.good.as_deref()?, earlier(known)?)));
+        spots.map(|(known, snapshot, (file, names))| Spot { known, snapshot, file, names }).collect()
+    }
+
+    /// Where something of a program stands in its document as it is now; none if that line has changed.
+    fn location_now(&self, snapshot: &Snapshot, at: Span) -> Option<Location> {
+        let path = snapshot.path(at.file);
+        let text = snapshot.text(at.file);
+        let (now, bytes) = match self.documents.get(path) {
+            Some(document) if document.text != text => {
+                let bytes = Alignment::between(text.code(), document.text.code()).after(at.range())?;
+                (Arc::clone(&document.text), bytes)
+            }
+            _ => (text, at.range()),
+        };
+        Some(Location { uri: snapshot.uri(at.file), range: now.range(bytes, self.client.encoding) })
     }
 
     /// What stands at a place.
     pub(super) fn keys_at(&self, at: &types::TextDocumentPositionParams) -> BTreeSet<Key> {
         let spots = self.spots(at);
-        spots.iter().flat_map(|spot| spot.names.iter().map(|o| spot.snapshot().key(o))).collect()
+        spots.iter().flat_map(|spot| spot.names.iter().map(|o| spot.snapshot.key(o))).collect()
     }
 
     /// Where some names stand in all programs, each place once.
@@ -73,15 +110,14 @@ impl Server {
         params: types::DefinitionParams,
     ) -> Result<Option<types::DefinitionResponse>, Failure> {
         let at = params.text_document_position_params;
-        let encoding = self.client.encoding;
         if let Some(target) = self.file_at(&at) {
             let start = types::Position { line: 0, character: 0 };
             let location = Location { uri: target, range: types::Range { start, end: start } };
             return Ok(Some(types::Definition::from(vec![location]).into()));
         }
         let mut out: Vec<Location> = Vec::new();
-        for spot in self.spots(&at) {
-            let snapshot = spot.snapshot();
+        for spot in self.lasting_spots(&at) {
+            let snapshot = spot.snapshot;
             for o in own_values(&spot.names) {
                 let declared: Vec<Span> = match o.kind {
                     NameKind::Tag => {
@@ -90,8 +126,7 @@ impl Server {
                     }
                     _ => vec![o.declared],
                 };
-                for span in declared {
-                    let location = snapshot.location(span, encoding);
+                for location in declared.into_iter().filter_map(|span| self.location_now(snapshot, span)) {
                     if !out.contains(&location) {
                         out.push(location);
                     }
@@ -115,7 +150,7 @@ impl Server {
         let at = params.text_document_position_params;
         let spots = self.spots(&at);
         let Some(spot) = spots.iter().find(|spot| !spot.names.is_empty()) else { return Ok(None) };
-        let snapshot = spot.snapshot();
+        let snapshot = spot.snapshot;
         let keys: BTreeSet<Key> = spot.names.iter().map(|o| snapshot.key(o)).collect();
         let mut out: Vec<DocumentHighlight> = Vec::new();
         for o in snapshot.matching(&keys).filter(|o| o.at.file == spot.file) {
@@ -257,6 +292,13 @@ pub(super) fn symbol_kind(kind: NameKind) -> Option<SymbolKind> {
         NameKind::Goal | NameKind::Never => SymbolKind::Boolean,
         NameKind::Value | NameKind::Tag | NameKind::Touched | NameKind::Argument => return None,
     })
+}
+
+/// The bytes of the word that holds a byte, or ends there.
+pub(super) fn word_at(code: &str, byte: usize) -> Option<std::ops::Range<usize>> {
+    let near = tokens(code).into_iter().filter(|token| token.kind == Kind::Word).map(|token| token.at);
+    let near = near.skip_while(|at| at.end < byte).take_while(|at| at.start <= byte);
+    near.max_by_key(|at| at.start)
 }
 
 /// The files that a program names: imports, levels, legends.

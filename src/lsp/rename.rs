@@ -30,7 +30,7 @@ impl Server {
         let Some((spot, o)) = spots.iter().find_map(|spot| Some((spot, spot.names.first()?))) else {
             return Ok(None);
         };
-        let snapshot = spot.snapshot();
+        let snapshot = spot.snapshot;
         let keys = BTreeSet::from([snapshot.key(o)]);
         self.renamable(&keys)?;
         let range = snapshot.range(o.at, self.client.encoding);
@@ -59,6 +59,8 @@ impl Server {
             let edit = TextEdit { range: snapshot.range(o.at, self.client.encoding), new_text: new.into() };
             changes.entry(snapshot.uri(o.at.file)).or_default().push(edit);
         }
+        // An editor may tell of its changes one document after the other.
+        self.renamed = keys.first().map(|key| (key.name.clone(), new.to_string()));
         Ok(Some(WorkspaceEdit { changes: Some(changes), ..WorkspaceEdit::default() }))
     }
 

@@ -19,7 +19,7 @@ use crate::diagnostic::Diagnostics;
 
 use super::Workspace;
 use super::capabilities::{Client, capabilities, watchers};
-use super::diagnostics::{ByDocument, Published, by_document};
+use super::diagnostics::{ByDocument, Published, by_document, carried};
 use super::documents::Documents;
 use super::snapshot::Snapshot;
 use super::tokens::Shown as ShownTokens;
@@ -63,7 +63,10 @@ pub(super) struct Known {
     pub findings: Option<Diagnostics>,
     /// What its variables could be when that was last known.
     pub ranges: Option<Ranges>,
-    shown: ByDocument,
+    /// What is shown of what compiling found.
+    said: ByDocument,
+    /// What is shown of what values tell: of it as it is now or, until that is known, of the state before.
+    told: ByDocument,
 }
 
 /// What a request needs before it is answered.
@@ -85,6 +88,8 @@ pub struct Server {
     pub(super) documents: Documents,
     pub(super) known: BTreeMap<PathBuf, Known>,
     pub(super) tokens: ShownTokens,
+    /// The old and the new name of the last renaming.
+    pub(super) renamed: Option<(String, String)>,
     pub(super) disk: Arc<dyn Workspace>,
     sender: Sender<Message>,
     published: Published,
@@ -137,6 +142,7 @@ impl Server {
             documents: Documents::default(),
             known: BTreeMap::new(),
             tokens: ShownTokens::default(),
+            renamed: None,
             disk,
             sender,
             published: Published::default(),
@@ -315,11 +321,24 @@ impl Server {
             Event::Compiled(snapshot) => {
                 let encoding = self.client.encoding;
                 let is_open = self.documents.get(&snapshot.root).is_some();
-                let shown = if is_open { by_document(&snapshot, None, encoding) } else { ByDocument::new() };
-                let before = self.known.remove(&snapshot.root);
-                let (good, ranges) = before.map_or((None, None), |known| (known.good, known.ranges));
-                let good = if snapshot.is_good() { Some(Arc::clone(&snapshot)) } else { good };
-                let known = Known { now: Arc::clone(&snapshot), good, findings: None, ranges, shown };
+                let found = &snapshot.study.compilation.diagnostics;
+                let said = if is_open { by_document(&snapshot, found, encoding) } else { ByDocument::new() };
+                let mut known = Known {
+                    now: Arc::clone(&snapshot),
+                    good: None,
+                    findings: None,
+                    ranges: None,
+                    said,
+                    told: ByDocument::new(),
+                };
+                if let Some(before) = self.known.remove(&snapshot.root) {
+                    known.told =
+                        if is_open { carried(&before.told, &before.now, &snapshot) } else { ByDocument::new() };
+                    (known.good, known.ranges) = (before.good, before.ranges);
+                }
+                if snapshot.is_good() {
+                    known.good = Some(Arc::clone(&snapshot));
+                }
                 self.known.insert(snapshot.root.clone(), known);
             }
             Event::Dropped(path) => {
@@ -343,9 +362,10 @@ impl Server {
                 let known = self.known.get_mut(&snapshot.root).filter(|known| Arc::ptr_eq(&known.now, &snapshot));
                 let Some(known) = known else { return };
                 let (findings, ranges) = *found;
-                known.shown = by_document(&snapshot, Some(&findings), encoding);
+                known.told = by_document(&snapshot, &findings, encoding);
                 known.findings = Some(findings);
-                known.ranges = Some(ranges);
+                // Of a program with errors nothing is known.
+                known.ranges = ranges.or(known.ranges.take());
                 self.publish();
                 if self.client.refreshes_hints {
                     self.ask("workspace/inlayHint/refresh", Value::Null);
@@ -362,7 +382,7 @@ impl Server {
             let of = |known: &Known| known.now.file(&path).and_then(|file| known.now.version(file));
             self.known.get(&path).and_then(of)
         };
-        for params in self.published.update(open.map(|(_, known)| &known.shown), version) {
+        for params in self.published.update(open.flat_map(|(_, known)| [&known.said, &known.told]), version) {
             let params = serde_json::to_value(params).unwrap_or_default();
             let method = String::from(types::PublishDiagnosticsNotification::METHOD);
             let _ = self.sender.send(Notification { method, params }.into());

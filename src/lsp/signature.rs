@@ -1,13 +1,10 @@
 //! Signature help: how what is being called is called, and which argument comes.
 
 use gen_lsp_types as types;
-use gen_lsp_types::{ParameterInformation, SignatureHelp, SignatureInformation};
-
-use crate::syntax::ast::Item;
-use crate::syntax::{self};
+use gen_lsp_types::{ParameterInformation, ParameterInformationLabel, SignatureHelp, SignatureInformation};
 
 use super::place::Place;
-use super::server::{Failure, Server};
+use super::server::{Failure, Known, Server};
 use super::uri::path_of;
 use super::words::SIGNATURES;
 
@@ -30,36 +27,53 @@ impl Server {
             .filter(|s| s.name == call.name)
             .map(|s| signature(s.name, s.parameters.iter().copied(), s.doc))
             .collect();
-        if call.before == "use" {
-            ways.extend(self.behavior(&path, call.name));
+        match call.before {
+            "use" => ways.extend(self.behavior(&path, call.name)),
+            "spawn" => ways.extend(self.spawned(&path, call.name)),
+            _ => {}
         }
         if ways.is_empty() {
             return Ok(None);
         }
         let fits = |s: &SignatureInformation| s.parameters.as_ref().is_some_and(|p| p.len() > call.argument);
         let active = ways.iter().position(fits).unwrap_or(ways.len() - 1);
+        // What is given by name may come in any order.
+        let named = ways.get(active).and_then(|way| {
+            let label: Vec<u16> = way.label.encode_utf16().collect();
+            way.parameters.as_ref()?.iter().position(|p| match &p.label {
+                ParameterInformationLabel::Tuple((start, end)) => {
+                    let name = label.get(*start as usize..*end as usize).unwrap_or_default();
+                    String::from_utf16_lossy(name) == call.given
+                }
+                ParameterInformationLabel::String(_) => false,
+            })
+        });
         Ok(Some(SignatureHelp {
             signatures: ways,
             active_signature: Some(active as u32),
-            active_parameter: Some((call.argument as u32).into()),
+            active_parameter: Some((named.unwrap_or(call.argument) as u32).into()),
         }))
     }
 
     /// How a behaviour is used.
     fn behavior(&self, path: &std::path::Path, name: &str) -> Option<SignatureInformation> {
-        let known = self.programs(path).next()?;
-        let sources = &known.now.study.compilation.sources;
-        let programs = sources.iter().filter(|(_, file)| file.path.extension().is_some_and(|e| e == "hyped"));
-        programs.into_iter().find_map(|(id, file)| {
-            let (tree, _) = syntax::parse(id, file.text());
-            tree.items.into_iter().find_map(|item| match item {
-                Item::Behavior(b) if b.name.text == name => {
-                    let doc = b.doc.clone().unwrap_or_default();
-                    Some(signature(name, b.parameters.iter().map(|p| p.text.as_str()), &doc))
-                }
-                _ => None,
-            })
-        })
+        let behavior = self.programs(path).find_map(|known| known.now.behavior(name))?;
+        let doc = behavior.doc.unwrap_or_default();
+        Some(signature(name, behavior.parameters.iter().map(|p| p.text.as_str()), &doc))
+    }
+}
+
+impl Server {
+    /// What an entity can be given where it is spawned.
+    fn spawned(&self, path: &std::path::Path, name: &str) -> Option<SignatureInformation> {
+        let programs: Vec<&Known> = self.programs(path).collect();
+        let states = programs.iter().map(|k| &*k.now).chain(programs.iter().filter_map(|k| k.good.as_deref()));
+        let mut entities = states.flat_map(|s| s.study.checked.entities.iter().map(move |e| (s, e)));
+        let (snapshot, entity) = entities.find(|(_, e)| e.name.text == name)?;
+        let all = entity.params.iter().map(|p| &p.name).chain(entity.refs.iter().map(|r| &r.name));
+        let all = all.chain(entity.vars.iter().map(|v| &v.name)).chain(entity.discretes.iter().map(|d| &d.name));
+        let doc = snapshot.doc(entity.name.span).unwrap_or_default();
+        Some(signature(name, all.map(|name| name.text.as_str()), &doc))
     }
 }
 

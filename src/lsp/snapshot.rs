@@ -10,6 +10,8 @@ use gen_lsp_types::{Location, Range, Uri};
 
 use crate::compile::{Study, study};
 use crate::source::{FileId, Files, ReadError, Span, decode};
+use crate::syntax;
+use crate::syntax::ast::{Behavior, Item};
 use crate::syntax::occurrence::{NameKind, Occurrence};
 
 use super::Workspace;
@@ -149,6 +151,19 @@ impl Snapshot {
         let declared = (self.path(o.declared.file).to_path_buf(), o.declared.start);
         let name = self.name(o).to_string();
         Key { kind: o.kind, name, declared: Some(declared).filter(|_| o.kind != NameKind::Tag) }
+    }
+
+    /// A behaviour of the program.
+    pub fn behavior(&self, name: &str) -> Option<Behavior> {
+        let files = self.study.compilation.sources.iter();
+        let programs = files.filter(|(_, file)| file.path.extension().is_some_and(|e| e == "hyped"));
+        programs.into_iter().find_map(|(id, file)| {
+            let (tree, _) = syntax::parse(id, file.text());
+            tree.items.into_iter().find_map(|item| match item {
+                Item::Behavior(behavior) if behavior.name.text == name => Some(behavior),
+                _ => None,
+            })
+        })
     }
 
     /// The text of the `///` lines above a place.

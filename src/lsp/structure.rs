@@ -5,13 +5,16 @@ use gen_lsp_types as types;
 use gen_lsp_types::{DocumentSymbol, FoldingRange, FoldingRangeKind, SelectionRange, SymbolKind};
 
 use crate::source::{FileId, Span};
-use crate::syntax::ast::{Item, Member, SpaceItem, Update, WorldItem};
+use crate::syntax::ast::{Domain, Edge, Item, Kinds, MapSource, Member, SpaceItem, Tile, TileSpawn, Update, WorldItem};
 use crate::syntax::{self, ast};
 
 use super::lexer::{Kind, tokens};
 use super::server::{Failure, Server};
 use super::text::{Encoding, Text};
 use super::uri::path_of;
+
+/// So many characters of a guard are shown.
+const MOST_DETAIL: usize = 60;
 
 /// A text is looked at by itself.
 const ONLY: FileId = FileId(0);
@@ -136,7 +139,6 @@ struct Outline<'a> {
 }
 
 impl Outline<'_> {
-    #[allow(deprecated, reason = "a field must be named to be left out")]
     fn symbol(
         &self,
         name: &ast::Name,
@@ -145,15 +147,29 @@ impl Outline<'_> {
         detail: Option<&str>,
         children: Vec<DocumentSymbol>,
     ) -> DocumentSymbol {
-        let whole = if whole.contains(name.span) { whole } else { name.span };
         // A name that is still to be written must not be empty.
         let name_text = if name.text.is_empty() { "?" } else { &name.text };
+        self.called(name_text, name.span, kind, whole, detail, children)
+    }
+
+    /// A part of the outline that is called otherwise than by one name of the text.
+    #[allow(deprecated, reason = "a field must be named to be left out")]
+    fn called(
+        &self,
+        name: &str,
+        at: Span,
+        kind: SymbolKind,
+        whole: Span,
+        detail: Option<&str>,
+        children: Vec<DocumentSymbol>,
+    ) -> DocumentSymbol {
+        let whole = if whole.contains(at) { whole } else { at };
         DocumentSymbol {
-            name: name_text.into(),
+            name: name.into(),
             detail: detail.map(str::to_string),
             kind,
             range: self.text.range(whole.range(), self.encoding),
-            selection_range: self.text.range(name.span.range(), self.encoding),
+            selection_range: self.text.range(at.range(), self.encoding),
             children: (!children.is_empty()).then_some(children),
             tags: None,
             deprecated: None,
@@ -170,7 +186,9 @@ impl Outline<'_> {
                 self.symbol(&e.name, SymbolKind::Class, e.span, Some("entity"), self.members(&e.members))
             }
             Item::Behavior(b) => {
-                self.symbol(&b.name, SymbolKind::Interface, b.span, Some("behavior"), self.members(&b.members))
+                let leaf = |p| self.symbol(p, SymbolKind::TypeParameter, p.span, Some("parameter"), Vec::new());
+                let inside = b.parameters.iter().map(leaf).chain(self.members(&b.members)).collect();
+                self.symbol(&b.name, SymbolKind::Interface, b.span, Some("behavior"), inside)
             }
             Item::World(w) => {
                 let inside = w.items.iter().filter_map(|i| self.world_item(i)).collect();
@@ -191,7 +209,13 @@ impl Outline<'_> {
                     let end = c.initial.as_ref().map_or(c.name.span, |e| e.span);
                     out.push(leaf(&c.name, SymbolKind::Variable, end, "continuous"));
                 }
-                Member::Discrete(d) => out.push(leaf(&d.name, SymbolKind::Variable, d.initial.span, "discrete")),
+                Member::Discrete(d) => {
+                    let value = |n| self.symbol(n, SymbolKind::EnumMember, n.span, None, Vec::new());
+                    let values =
+                        if let Domain::Set(names) = &d.domain { names.iter().map(value).collect() } else { Vec::new() };
+                    let whole = d.name.span.to(d.initial.span);
+                    out.push(self.symbol(&d.name, SymbolKind::Variable, whole, Some("discrete"), values));
+                }
                 Member::Reference(r) => out.push(leaf(&r.name, SymbolKind::Field, r.entity.span, "ref")),
                 Member::Buttons(names, _) => {
                     out.extend(names.iter().map(|n| leaf(n, SymbolKind::Event, n.span, "button")));
@@ -199,7 +223,9 @@ impl Outline<'_> {
                 Member::Axes(names, _) => out.extend(names.iter().map(|n| leaf(n, SymbolKind::Event, n.span, "axis"))),
                 Member::Collider(c) => {
                     if let Some(first) = c.tags.first() {
-                        out.push(self.symbol(first, SymbolKind::Object, c.span, Some("collider"), Vec::new()));
+                        let name = listed(&c.tags);
+                        let detail = Some(if c.kinematic { "kinematic collider" } else { "collider" });
+                        out.push(self.called(&name, first.span, SymbolKind::Object, c.span, detail, Vec::new()));
                     }
                 }
                 Member::Group(g) => {
@@ -213,6 +239,11 @@ impl Outline<'_> {
                 Member::Use(u) => {
                     out.push(self.symbol(&u.behavior, SymbolKind::Interface, u.span, Some("use"), Vec::new()));
                 }
+                Member::Edge(Edge { guard, target: Some(target), span, .. }) => {
+                    let guard = self.slice(guard.span);
+                    let name = format!("-> {}", self.slice(target.span));
+                    out.push(self.called(&name, target.span, SymbolKind::Operator, *span, Some(&guard), Vec::new()));
+                }
                 Member::Entry(Update::Spawn(s)) => {
                     out.push(self.symbol(&s.entity, SymbolKind::Constructor, s.span, Some("spawn"), Vec::new()));
                 }
@@ -224,16 +255,9 @@ impl Outline<'_> {
 
     fn world_item(&self, item: &WorldItem) -> Option<DocumentSymbol> {
         Some(match item {
-            WorldItem::Tiles(t) => self.symbol(&t.name, SymbolKind::Enum, t.span, Some("tiles"), Vec::new()),
+            WorldItem::Tiles(t) => self.symbol(&t.name, SymbolKind::Enum, t.span, Some("tiles"), self.tiles(&t.tiles)),
             WorldItem::Space(s) => {
-                let place = |i: &SpaceItem| match i {
-                    SpaceItem::Place(p) => {
-                        let detail = p.entity.text.as_str();
-                        Some(self.symbol(&p.name, SymbolKind::Object, p.span, Some(detail), Vec::new()))
-                    }
-                    _ => None,
-                };
-                let inside = s.items.iter().filter_map(place).collect();
+                let inside = s.items.iter().filter_map(|i| self.space_item(i)).collect();
                 self.symbol(&s.name, SymbolKind::Namespace, s.span, Some("space"), inside)
             }
             WorldItem::Goal(q) | WorldItem::Never(q) => {
@@ -242,8 +266,97 @@ impl Outline<'_> {
                 self.symbol(&q.name, SymbolKind::Boolean, whole, Some(detail), Vec::new())
             }
             WorldItem::Player(p) => self.symbol(&p.instance, SymbolKind::Key, p.span, Some("player"), Vec::new()),
-            WorldItem::Limit(l) => self.symbol(&l.entity, SymbolKind::Number, l.span, Some("limit"), Vec::new()),
+            WorldItem::Limit(l) => {
+                let detail = format!("limit {}", self.slice(l.count.span));
+                self.symbol(&l.entity, SymbolKind::Number, l.span, Some(&detail), Vec::new())
+            }
             WorldItem::Step(_) | WorldItem::Collide(_) => return None,
         })
     }
+
+    fn space_item(&self, item: &SpaceItem) -> Option<DocumentSymbol> {
+        Some(match item {
+            SpaceItem::Place(p) => {
+                self.symbol(&p.name, SymbolKind::Object, p.span, Some(p.entity.text.as_str()), Vec::new())
+            }
+            SpaceItem::Link(l) => {
+                let name = format!("-> {}", l.space.text);
+                self.called(&name, l.space.span, SymbolKind::Operator, l.span, Some("link"), Vec::new())
+            }
+            SpaceItem::Solid(s) => {
+                let first = s.tags.first()?.span;
+                let whole = first.to(s.rectangle.span);
+                self.called(&listed(&s.tags), first, SymbolKind::Object, whole, Some("rect"), Vec::new())
+            }
+            SpaceItem::Map(map) => {
+                let none = Kinds::default();
+                let (name, tiles, kinds) = match &map.source {
+                    MapSource::Inline(name, _) | MapSource::Text(_, name) | MapSource::Open(name) => {
+                        (Some(name), &[][..], &none)
+                    }
+                    MapSource::Vglc(path, legend) => (Some(path), legend.tiles.as_slice(), &none),
+                    MapSource::OpenLegend(legend) => (Some(&legend.path), legend.tiles.as_slice(), &none),
+                    MapSource::Tiled(path, kinds) | MapSource::Ldtk(path, _, kinds) => {
+                        (Some(path), kinds.tiles.as_slice(), kinds)
+                    }
+                    MapSource::OpenAll(kinds) => (None, kinds.tiles.as_slice(), kinds),
+                };
+                let named = kinds.kinds.iter().map(|k| {
+                    let detail = stands_for(&k.tags, k.spawn.as_ref());
+                    let inside = self.instance(k.spawn.as_ref());
+                    self.symbol(&k.name, SymbolKind::EnumMember, k.name.span, Some(&detail), inside)
+                });
+                let inside: Vec<DocumentSymbol> = self.tiles(tiles).into_iter().chain(named).collect();
+                let (text, at) = name.map_or(("level", map.span), |name| (name.text.as_str(), name.span));
+                self.called(text, at, SymbolKind::File, map.span, Some("map"), inside)
+            }
+            SpaceItem::Bounds(_) => return None,
+        })
+    }
+
+    /// The characters of a tile set.
+    fn tiles(&self, tiles: &[Tile]) -> Vec<DocumentSymbol> {
+        let tile = |t: &Tile| {
+            let detail = stands_for(&t.tags, t.spawn.as_ref());
+            let name = format!("'{}'", t.symbol);
+            let inside = self.instance(t.spawn.as_ref());
+            let last = t.tags.last().map(|tag| tag.span).or(t.spawn.as_ref().map(|s| s.span));
+            let whole = t.symbol_span.to(last.unwrap_or(t.symbol_span));
+            self.called(&name, t.symbol_span, SymbolKind::EnumMember, whole, Some(&detail), inside)
+        };
+        tiles.iter().map(tile).collect()
+    }
+
+    /// The instance that a tile names.
+    fn instance(&self, spawn: Option<&TileSpawn>) -> Vec<DocumentSymbol> {
+        let named = spawn.and_then(|s| Some((s.name.as_ref()?, s.entity.text.as_str())));
+        named
+            .map(|(n, entity)| self.symbol(n, SymbolKind::Object, n.span, Some(entity), Vec::new()))
+            .into_iter()
+            .collect()
+    }
+
+    /// What is written at a place, in one line of no great length.
+    fn slice(&self, at: Span) -> String {
+        let written = self.text.code().get(at.range()).unwrap_or_default();
+        let words: Vec<&str> = written.split_whitespace().collect();
+        let line = words.join(" ");
+        match line.char_indices().nth(MOST_DETAIL) {
+            Some((end, _)) => format!("{}…", line.get(..end).unwrap_or_default()),
+            None => line,
+        }
+    }
+}
+
+/// Some names, with commas.
+fn listed(names: &[ast::Name]) -> String {
+    names.iter().map(|n| n.text.as_str()).collect::<Vec<_>>().join(", ")
+}
+
+/// What a character or a name of a level stands for.
+fn stands_for(tags: &[ast::Name], spawn: Option<&TileSpawn>) -> String {
+    spawn.map_or_else(
+        || if tags.is_empty() { "empty".into() } else { listed(tags) },
+        |s| format!("spawn {}", s.entity.text),
+    )
 }

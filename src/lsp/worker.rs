@@ -47,7 +47,7 @@ pub(super) enum Event {
     /// There is nothing left to do as of this revision.
     Idle(u64),
     /// What values tell of a program that was compiled.
-    Examined(Arc<Snapshot>, Box<(Diagnostics, Ranges)>),
+    Examined(Arc<Snapshot>, Box<(Diagnostics, Option<Ranges>)>),
 }
 
 /// Stops as soon as there is something newer to do, or nobody to do it for.
@@ -170,7 +170,7 @@ impl Worker {
                     let (sources, said) = (&compilation.sources, &compilation.diagnostics);
                     let (found, spaces) =
                         watched_findings(program, sources, FileId(0), said, &Newer(&self.jobs, &self.has_ended))?;
-                    Some(Box::new((found, Ranges::of(program, &spaces))))
+                    Some(Box::new((found, Some(Ranges::of(program, &spaces)))))
                 };
                 let found = catch_unwind(AssertUnwindSafe(examine)).unwrap_or_default();
                 if !self.jobs.is_empty() {

@@ -26,6 +26,7 @@ mod population;
 mod predicate;
 mod reference;
 mod seen;
+mod unused;
 mod world;
 
 use std::collections::BTreeSet;
@@ -42,6 +43,7 @@ use checked::Checked;
 pub use constant::{Broken, ConstantContext, arithmetic, call, compare, evaluate};
 use ids::{EntityId, IdVec, TagId};
 use names::Table;
+pub use unused::names_of_unused;
 
 /// The most distinct tags of a program: a set of tags is one machine word.
 pub const MAX_TAGS: usize = 64;

@@ -41,8 +41,8 @@ pub struct Client {
     pub capabilities: Value,
     /// What is shown, by document.
     pub shown: BTreeMap<String, Value>,
-    /// How often findings came.
-    pub published: usize,
+    /// All findings that came, in order, by document.
+    pub published: Vec<(String, Value)>,
 }
 
 impl Client {
@@ -59,7 +59,7 @@ impl Client {
             version: 0,
             capabilities: Value::Null,
             shown: BTreeMap::new(),
-            published: 0,
+            published: Vec::new(),
         };
         let folders = json!([{ "uri": "file:///game", "name": "game" }]);
         let params = json!({
@@ -107,8 +107,8 @@ impl Client {
                     return response.response_result.map_err(|error| (error.code, error.message));
                 }
                 Message::Notification(note) if note.method == "textDocument/publishDiagnostics" => {
-                    self.published += 1;
                     let uri = note.params["uri"].as_str().unwrap().to_string();
+                    self.published.push((uri.clone(), note.params["diagnostics"].clone()));
                     self.shown.insert(uri, note.params["diagnostics"].clone());
                 }
                 _ => {}

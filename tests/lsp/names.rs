@@ -142,3 +142,137 @@ fn edges_are_calls() {
     session.ask_all("callHierarchy/outgoingCalls", json!({ "item": items[0] }));
     insta::assert_snapshot!(session.end());
 }
+
+#[test]
+fn words_are_explained_where_they_are_no_names() {
+    let text = "entity A {
+    param goal = 3
+    discrete step: int 0..9 = 0
+    axis to
+    collider wall: rect(0, 0, 4, 4)
+    envelope x' by to { attack over 1s to 3; sustain 2 }
+    mode m { when timer > goal -> m; follow links }
+}
+world W {
+    step 1/60
+    space s { rect wall (0, 0, 4, 4); place a: A at (0, 0) }
+    goal over: a.x > 3 and a in m
+    limit A 3
+}
+";
+    let mut session = Session::new(&[]);
+    session.open("a.hyped", text);
+    session.client.settle();
+    let names = ["param go|al", "discrete st|ep", "axis t|o", "by t|o {", "> go|al ->"];
+    let words = [
+        "p|aram goal",
+        "    st|ep 1/60",
+        "1s t|o 3",
+        "    go|al over",
+        "fol|low",
+        "when tim|er",
+        "wall: re|ct(",
+        "{ re|ct wall",
+        "lim|it A",
+        "in|t 0",
+        "a |in m",
+        "when| timer",
+    ];
+    for place in names.into_iter().chain(words) {
+        session.ask_at("textDocument/hover", "a.hyped", place, json!({}));
+    }
+    session.open("b.hyped", "world W {\n    limit A 3\n    goal = 3 +\n    space s {\n        rect\n");
+    for place in ["lim|it", "wor|ld", "go|al", "spa|ce", "re|ct"] {
+        session.ask_at("textDocument/hover", "b.hyped", place, json!({}));
+    }
+    insta::assert_snapshot!(session.end());
+}
+
+#[test]
+fn what_was_found_is_explained() {
+    let mut session = Session::new(&[]);
+    session.open("a.hyped", "entity A { param p = 1; x' = q; y' = p }\n");
+    for place in ["x' = |q", "y' = |p", "entity| A"] {
+        session.ask_at("textDocument/hover", "a.hyped", place, json!({}));
+    }
+    session.open("slime.hyped", SLIME);
+    session.client.settle();
+    session.ask_at("textDocument/hover", "slime.hyped", "when |y' < -300", json!({}));
+    insta::assert_snapshot!(session.end());
+}
+
+#[test]
+fn names_mean_something_in_behaviors_that_nothing_uses() {
+    let text = "behavior Patrol(to, speed) {
+    param rest = 1
+    button go
+    continuous charge = 0
+    mode right {
+        x' = speed * rest
+        charge' = 1
+        when x >= to or pressed(go) -> left
+    }
+    mode left { when charge > 3 -> right { y' := floor } }
+    use Jumps
+}
+behavior Jumps { axis way; button up; when pressed(up) and way > 0 -> away }
+const floor = 3
+entity User { use Used }
+behavior Used { mode only { x' = floor } }
+";
+    let mut session = Session::new(&[]);
+    session.open("a.hyped", text);
+    let places = [
+        "* re|st",
+        "pressed(g|o",
+        "-> le|ft",
+        "charge| > 3",
+        ":= flo|or",
+        ">= t|o or",
+        "use Jum|ps",
+        "pressed(u|p",
+        "wa|y >",
+    ];
+    for place in places {
+        session.ask_at("textDocument/definition", "a.hyped", place, json!({}));
+    }
+    for place in ["-> le|ft", "|x >= to"] {
+        session.ask_at("textDocument/hover", "a.hyped", place, json!({}));
+    }
+    let whole = json!({ "context": { "includeDeclaration": true } });
+    session.ask_at("textDocument/references", "a.hyped", "charge| > 3", whole);
+    session.ask_at("textDocument/rename", "a.hyped", "mode ri|ght", json!({ "newName": "east" }));
+    session.ask_at("textDocument/rename", "a.hyped", "mode ri|ght", json!({ "newName": "left" }));
+    session.show_findings();
+    insta::assert_snapshot!(session.end());
+}
+
+#[test]
+fn what_a_name_meant_is_told_while_the_text_is_broken() {
+    let mut session = slime();
+    session.client.settle();
+    // The entity is no more than a broken slice, and lines were put before it.
+    session.replace("slime.hyped", "entity Slime {", "\n\nentity Slime {{");
+    session.replace("slime.hyped", "mode air {", "mode air ({");
+    for place in ["param jump_sp|eed", "y'' = grav|ity", "-> grou|nd\n", "pressed(ju|mp", "== le|ft"] {
+        session.ask_at("textDocument/hover", "slime.hyped", place, json!({}));
+        session.ask_at("textDocument/definition", "slime.hyped", place, json!({}));
+    }
+    // Another name than the one that stood there means nothing.
+    session.replace("slime.hyped", "y'' = gravity", "y'' = gravi");
+    session.ask_at("textDocument/hover", "slime.hyped", "y'' = grav|i", json!({}));
+    insta::assert_snapshot!(session.end());
+}
+
+#[test]
+fn what_a_name_means_is_told_before_a_renaming_has_come_in_all_files() {
+    let mut session = balls();
+    session.open("parts/bounces.hyped", BOUNCER);
+    session.client.settle();
+    session.ask_at("textDocument/rename", "balls.hyped", "use Boun|ces(p", json!({ "newName": "Hops" }));
+    session.replace("balls.hyped", "use Bounces(pull", "use Hops(pull");
+    session.ask_at("textDocument/hover", "balls.hyped", "use Ho|ps(p", json!({}));
+    session.replace("parts/bounces.hyped", "behavior Bounces", "behavior Hops");
+    session.ask_at("textDocument/hover", "balls.hyped", "use Ho|ps(p", json!({}));
+    insta::assert_snapshot!(session.end());
+}

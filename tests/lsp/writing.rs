@@ -7,10 +7,14 @@ use crate::session::{Session, uri};
 
 /// A text that stands in the middle of being written: `|` is the cursor.
 fn completed(session: &mut Session, old: &str, new: &str) {
-    let mut text = SLIME.replacen(old, new, 1);
+    completed_in(session, SLIME, old, new);
+}
+
+fn completed_in(session: &mut Session, whole: &str, old: &str, new: &str) {
+    let mut text = whole.replacen(old, new, 1);
     let byte = text.find('|').unwrap();
     text.remove(byte);
-    session.client.open(&uri("slime.hyped"), SLIME);
+    session.client.open(&uri("slime.hyped"), whole);
     session.client.settle();
     session.client.change(&uri("slime.hyped"), json!([{ "text": text }]));
     let params = json!({
@@ -49,6 +53,9 @@ fn completion_knows_the_place() {
         ("    goal over", "    |\n    goal over"),
         ("const floor_height", "|\nconst floor_height"),
         ("    button jump", "    |\n    button jump"),
+        ("const floor_height = 16\n\nworld Room {", "entity Open {\n    mode on {\n\nworld Room {\n    |"),
+        ("{ speed = 40 }", "{\n    }\n    |"),
+        ("const floor_height = 16\n", "entity Open {\n|"),
         ("y' = 0\n", "y' = |\n"),
         ("// A slime", "// A |slime"),
     ] {
@@ -58,9 +65,117 @@ fn completion_knows_the_place() {
 }
 
 #[test]
+fn what_is_given_already_is_not_offered() {
+    let text = "behavior Moves(speed, way, far) { x' = speed * way; clamp x <= far }
+behavior Other(none_of_this) { y = none_of_this }
+entity Ball { param heavy = 1; ref owner: any; discrete side: {near, far} = far }
+entity A {
+    use Moves(way = max(1, 2), speed = 3, far = 9)
+    mode m { when timer > 1 { spawn Ball(x = 3, owner = self) } }
+}
+world W { limit Ball 2; space s { place a: A at (0, 0); place b: Ball at (0, 0) { heavy = 2 } } }
+";
+    let mut session = Session::new(&[]);
+    for (old, new) in [
+        ("way = max(1, 2), speed = 3, far = 9", "|"),
+        ("speed = 3, far = 9", "|"),
+        ("speed = 3,", "|,"),
+        ("x = 3, owner = self", "x = 3, |"),
+        ("heavy = 2 }", "| }"),
+        ("{ heavy = 2 }", "{ heavy = 2; | }"),
+        ("speed = 3", "speed = |"),
+        ("heavy = 2", "owner = |"),
+        ("owner = self", "owner = |"),
+        ("heavy = 2", "side = |"),
+        ("owner = self", "side = |"),
+    ] {
+        completed_in(&mut session, text, old, new);
+    }
+    insta::assert_snapshot!(session.end());
+}
+
+#[test]
+fn what_goes_on_with_a_statement_is_offered() {
+    let text = "entity Coin { param worth = 5; collider coin: rect(0, 0, 8, 8) }
+entity A {
+    discrete hp: int 0..3 = 3
+    continuous reach = 0
+    axis way
+    button go
+    collider a: rect(0, 0, 4, 4)
+    envelope reach by way { attack over 0.1s to 12; sustain 9 }
+    clamp x <= 90
+    group legs {
+        mode still { when entering(hurt.yes) or pressed(go) -> walking }
+        mode walking { when hp > 1 and touching(a, coin) as c and c is Coin and c.worth > 1 -> still }
+    }
+    group hurt { mode yes { }; mode no { } }
+}
+world W {
+    collide a with coin: sense
+    tiles t 4 x 4 { '.': empty; 'c': spawn Coin as first }
+    space s { map t \"
+        .c
+        \"
+        place hero: A at (0, 0)
+        link rect(0, 0, 4, 4) -> s at rect(4, 0, 4, 4) when hero.hp > 0 }
+    player 1: hero
+    goal g: hero.x > 3 and hero in hurt.no
+}
+";
+    let mut session = Session::new(&[]);
+    for (old, new) in [
+        ("-> walking", "-> |"),
+        ("entering(hurt.yes)", "entering(|)"),
+        ("hp > 1 and", "hp | and"),
+        ("as c and c is", "| and c is"),
+        ("-> walking", "-> walking |"),
+        ("c.worth > 1", "c.|"),
+        ("reach by way", "|"),
+        ("reach by way", "reach |"),
+        ("reach by way", "reach by way |"),
+        ("over 0.1s to 12", "over 0.1s |"),
+        ("clamp x <= 90", "clamp |"),
+        ("rect(0, 0, 4, 4)\n", "rect(0, 0, 4, 4) |\n"),
+        ("a with coin", "a |"),
+        ("tiles t 4 x 4", "tiles t 4 |"),
+        ("spawn Coin as first", "spawn Coin |"),
+        ("hero: A at", "hero: A |"),
+        ("-> s at rect(4", "-> s |"),
+        ("map t \"", "map t | \""),
+        ("hero.x > 3 and hero in hurt.no", "hero |"),
+        ("hero.x > 3 and hero in hurt.no", "hero in hurt.|"),
+        ("hero.x > 3 and hero in hurt.no", "any A in |"),
+        ("hero.x > 3 and hero in hurt.no", "hero.x > 3 |"),
+        ("param worth = 5", "param worth = |"),
+        ("player 1: hero", "player 1: hero |"),
+    ] {
+        completed_in(&mut session, text, old, new);
+    }
+    insta::assert_snapshot!(session.end());
+}
+
+#[test]
+fn programs_are_offered_to_be_imported() {
+    let mut session = Session::new(&[("parts/coin.hyped", ""), ("other.hyped", ""), ("level.txt", "")]);
+    for (file, text) in [("a.hyped", "import \"o|\"\n"), ("parts/b.hyped", "import \"|\n")] {
+        let byte = text.find('|').unwrap();
+        session.open(file, &text.replace('|', ""));
+        session.client.settle();
+        let position = crate::session::position(text, byte);
+        session.ask("textDocument/completion", file, json!({ "position": position }));
+    }
+    insta::assert_snapshot!(session.end());
+}
+
+#[test]
 fn calls_show_what_they_take() {
     let mut session = Session::new(&[]);
     session.open("a.hyped", "behavior Moves(speed, way) { x' = speed }\nentity A { use Moves(way = 1, ; x' = max(1, min(2, 3)); mode m { when touching(a, b) { } } }\n");
+    session.open("b.hyped", "entity Ball { param heavy = 1; ref owner: any }\nentity A { mode m { when timer > 1 { spawn Ball(owner = self, x = 3) } } }\n");
+    for place in ["owner = |self", "x = |3"] {
+        session.ask_at("textDocument/signatureHelp", "b.hyped", place, json!({}));
+    }
     for place in ["(way = |1", "way = 1, |", "min(|2", "max(1,| ", "touching(|a", "touching(a, |b", "x' = |speed"] {
         session.ask_at("textDocument/signatureHelp", "a.hyped", place, json!({}));
     }

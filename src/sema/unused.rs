@@ -1,0 +1,68 @@
+//! Names in behaviours that nothing uses: what a behaviour says means something only where it is put in place, so each of
+//! them is put into an entity of its own, which is checked for its names alone.
+
+use crate::source::{SourceMap, Span};
+use crate::syntax::ast::{Behavior, Entity, File, Initial, Item, Member, Mode, Name};
+use crate::syntax::expand;
+use crate::syntax::occurrence::{NameKind, Occurrence, Occurrences, Role};
+
+use super::{Level, check};
+
+/// Where names stand in behaviours of which `known`, the names of the checked program in order, tells nothing. `files` are
+/// the program's trees. `x` and `y` are declared by the name of their behaviour.
+pub fn names_of_unused(files: &[File], sources: &mut SourceMap, known: &[Occurrence]) -> Vec<Occurrence> {
+    let mut unused: Vec<(Span, Span)> = Vec::new();
+    let mut trees: Vec<File> = Vec::new();
+    for file in files {
+        let mut items: Vec<Item> = Vec::new();
+        for item in file.items.iter().filter(|item| !matches!(item, Item::World(_) | Item::Import(_))) {
+            if let Item::Behavior(behavior) = item
+                && !is_told(behavior.span, known)
+            {
+                unused.push((behavior.span, behavior.name.span));
+                items.push(Item::Entity(alone(behavior)));
+            }
+            items.push(item.clone());
+        }
+        let (trivia, texts) = (Vec::new(), Vec::new());
+        trees.push(File { id: file.id, items, trivia, broken: file.broken.clone(), texts });
+    }
+    if unused.is_empty() {
+        return Vec::new();
+    }
+    let mut noted = Occurrences::default();
+    let _ = expand(&mut trees, sources, &mut noted);
+    let (checked, _) = check(&trees, sources, Level::default());
+    noted.append(checked.occurrences);
+    let is_news = |o: &Occurrence| {
+        let inside = unused.iter().any(|(whole, name)| whole.contains(o.at) && o.at != *name);
+        inside && known.binary_search_by(|known| known.at.cmp(&o.at)).is_err()
+    };
+    noted.sorted(sources).into_iter().filter(is_news).collect()
+}
+
+/// Whether some name in a behaviour is known to mean something; its parameters always do.
+fn is_told(whole: Span, known: &[Occurrence]) -> bool {
+    let from = known.partition_point(|o| (o.at.file, o.at.start) < (whole.file, whole.start));
+    let inside = known.iter().skip(from).take_while(|o| whole.contains(o.at));
+    inside.into_iter().any(|o| o.role != Role::Declared && o.kind != NameKind::Argument)
+}
+
+/// An entity that holds what a behaviour holds: in a mode, if something of it can only stand in one.
+fn alone(behavior: &Behavior) -> Entity {
+    let mut members = behavior.members.clone();
+    let has_groups = members.iter().any(|m| matches!(m, Member::Group(_)));
+    let is_of_a_mode = |m: &Member| matches!(m, Member::Edge(_) | Member::Entry(_) | Member::Follow(_));
+    if !has_groups && members.iter().any(is_of_a_mode) {
+        let (inner, outer) = members.into_iter().partition(|m| {
+            is_of_a_mode(m) || matches!(m, Member::Mode(_) | Member::Flow(_) | Member::Envelope(_) | Member::Use(_))
+        });
+        members = outer;
+        let name = Name { text: "behavior".into(), span: behavior.name.span };
+        let (initial, doc, span) = (Initial::No, None, behavior.span);
+        members.push(Member::Mode(Mode { initial, name, members: inner, doc, span }));
+    }
+    // No entity can be called so.
+    let name = Name { text: format!("behavior {}", behavior.name.text), span: behavior.name.span };
+    Entity { name, members, doc: None, span: behavior.span }
+}

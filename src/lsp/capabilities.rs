@@ -1,7 +1,7 @@
 //! What the server offers, and what it needs to know of the editor.
 
 use gen_lsp_types as types;
-use gen_lsp_types::{InitializeParams, PositionEncodingKind, ServerCapabilities};
+use gen_lsp_types::{PositionEncodingKind, ServerCapabilities};
 use serde_json::{Value, json};
 
 use super::text::Encoding;
@@ -18,12 +18,15 @@ pub(super) struct Client {
     pub refreshes_hints: bool,
     /// Whether completions may have places to fill in.
     pub has_snippets: bool,
+    /// Whether it colours words by a grammar of its own, and wants to know of names alone.
+    pub has_grammar: bool,
 }
 
 impl Client {
-    /// Reads what the editor says of itself.
-    pub fn of(params: &InitializeParams) -> Self {
-        let said = serde_json::to_value(&params.capabilities).unwrap_or_default();
+    /// Reads what the editor says of itself in `initialize`. Without the types of the protocol, in which one field that a
+    /// client leaves out would make all others unreadable.
+    pub fn of(params: &Value) -> Self {
+        let said = &params["capabilities"];
         let is = |path: &str| said.pointer(path).and_then(Value::as_bool).unwrap_or(false);
         let encodings = said.pointer("/general/positionEncodings").and_then(Value::as_array);
         let names = encodings.into_iter().flatten().filter_map(Value::as_str);
@@ -37,6 +40,7 @@ impl Client {
             encoding: known.into_iter().next().unwrap_or_default(),
             watches_files: is("/workspace/didChangeWatchedFiles/dynamicRegistration"),
             refreshes_hints: is("/workspace/inlayHint/refreshSupport"),
+            has_grammar: is("/textDocument/semanticTokens/augmentsSyntaxTokens"),
             has_snippets: is("/textDocument/completion/completionItem/snippetSupport"),
         }
     }

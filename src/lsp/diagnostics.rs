@@ -104,9 +104,14 @@ pub(super) fn shown(finding: &Diagnostic, snapshot: &Snapshot, encoding: Encodin
     }
 }
 
+/// Words below a place that only point at it.
+const SAYS_NOTHING: [&str; 2] = ["not declared", "does not fit here"];
+
 /// The words of a finding: what was found, what is said of the place, ways out, background.
 fn message(finding: &Diagnostic) -> String {
-    let label = finding.primary.iter().map(|l| l.text.clone()).filter(|text| !text.is_empty());
+    // In a terminal these words stand below the place; here they would say the same twice.
+    let adds = |text: &String| !finding.message.contains(text.as_str()) && !SAYS_NOTHING.contains(&text.as_str());
+    let label = finding.primary.iter().map(|l| l.text.clone()).filter(adds);
     let helps = finding.helps.iter().map(|text| format!("help: {text}"));
     let notes = finding.notes.iter().map(|text| format!("note: {text}"));
     let lines: Vec<String> = std::iter::once(finding.message.clone()).chain(label).chain(helps).chain(notes).collect();

@@ -22,7 +22,7 @@ use super::server::{Failure, Server};
 use super::snapshot::Snapshot;
 use super::uri::path_of;
 use super::values::written;
-use super::words::{RESERVED, SIGNATURES, begins};
+use super::words::{SIGNATURES, begins};
 
 /// So many lines of worlds that carry a tag are listed.
 const MOST_CARRIERS: usize = 5;
@@ -109,7 +109,7 @@ impl Server {
 /// Whether a word is one of the language where it stands, and no name.
 fn is_word(code: &str, bytes: &std::ops::Range<usize>) -> bool {
     let word = code.get(bytes.clone()).unwrap_or_default();
-    if RESERVED.contains(&word) {
+    if syntax::is_reserved(word) {
         return true;
     }
     if let Some(pairs) = syntax::pairs(FileId(0), code) {

@@ -115,7 +115,6 @@ impl Server {
         let Connection { sender, receiver } = connection;
         let connection = Connection { sender: sender.clone(), receiver: receiver.clone() };
         let Ok((id, params)) = connection.initialize_start() else { return false };
-        let params: types::InitializeParams = serde_json::from_value(params).unwrap_or_default();
         let client = Client::of(&params);
         let folders = folders(&params);
         let result = types::InitializeResult {
@@ -470,12 +469,12 @@ fn needs(method: &str) -> Needs {
     }
 }
 
-/// The folders that the editor has open.
-#[allow(deprecated, reason = "older editors name one folder alone")]
-fn folders(params: &types::InitializeParams) -> Vec<PathBuf> {
-    let folders = &params.workspace_folders_initialize_params.workspace_folders;
-    match folders {
-        Some(types::WorkspaceFolders::WorkspaceFolderList(list)) => list.iter().map(|f| path_of(&f.uri)).collect(),
-        _ => params.root_uri.iter().map(path_of).collect(),
+/// The folders that the editor has open; older editors name one alone. Read without the types of the protocol: a client
+/// that leaves out some field that should be there has folders all the same.
+fn folders(params: &Value) -> Vec<PathBuf> {
+    let path = |uri: &Value| uri.as_str().map(|uri| path_of(&Uri(uri.into())));
+    match params["workspaceFolders"].as_array() {
+        Some(list) => list.iter().filter_map(|folder| path(&folder["uri"])).collect(),
+        None => path(&params["rootUri"]).into_iter().collect(),
     }
 }

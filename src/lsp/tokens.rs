@@ -9,10 +9,11 @@ use gen_lsp_types::{SemanticToken, SemanticTokens, SemanticTokensDelta, Semantic
 use crate::source::FileId;
 use crate::syntax::occurrence::{NameKind, Occurrence, Role};
 
+use super::capabilities::Client;
 use super::lexer::{Kind, tokens};
 use super::server::{Failure, Server};
 use super::snapshot::Snapshot;
-use super::text::{Encoding, Text};
+use super::text::Text;
 use super::uri::path_of;
 use super::words::{FUNCTIONS, is_keyword};
 
@@ -149,16 +150,16 @@ impl Server {
         let of = known.and_then(|known| Some((&*known.now, known.now.file(path)?)));
         let encoding = self.client.encoding;
         let bytes = range.map_or(0..usize::MAX, |range| document.text.bytes(range, encoding));
-        Some(encoded(&document.text, of, bytes, encoding))
+        Some(encoded(&document.text, of, bytes, &self.client))
     }
 }
 
-/// The tokens of some bytes of a text.
+/// The tokens of some bytes of a text; only names for an editor that colours the rest itself, and finer.
 fn encoded(
     text: &Text,
     program: Option<(&Snapshot, FileId)>,
     bytes: std::ops::Range<usize>,
-    encoding: Encoding,
+    client: &Client,
 ) -> Vec<SemanticToken> {
     let code = text.code();
     let mut names: BTreeMap<usize, (u32, u32)> = BTreeMap::new();
@@ -169,7 +170,7 @@ fn encoded(
     }
     let (mut out, mut line, mut column) = (Vec::new(), 0, 0);
     let mut push = |at: std::ops::Range<usize>, (token_type, modifiers): (u32, u32)| {
-        let range = text.range(at, encoding);
+        let range = text.range(at, client.encoding);
         let (start, end) = (range.start, range.end);
         if start.line != end.line || end.character <= start.character {
             return;
@@ -190,6 +191,9 @@ fn encoded(
             continue;
         }
         let word = token.text(code);
+        if client.has_grammar && !names.contains_key(&token.at.start) {
+            continue;
+        }
         let of = match token.kind {
             Kind::Comment => (type_index("comment"), 0),
             Kind::Number => (type_index("number"), 0),

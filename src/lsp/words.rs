@@ -1,106 +1,15 @@
-//! The words of the language: which are never names, which mean something in their place, what can be called and how.
+//! The words of the language: which ones they are, what can be called and how, and what a statement can begin with.
 
+use super::meanings::meaning;
 use super::place::Block;
 
-/// Words that are never names.
-pub(super) const RESERVED: &[&str] = &[
-    "and",
-    "or",
-    "not",
-    "in",
-    "is",
-    "as",
-    "if",
-    "true",
-    "false",
-    "none",
-    "self",
-    "timer",
-    "param",
-    "continuous",
-    "discrete",
-    "ref",
-    "button",
-    "axis",
-    "collider",
-    "kinematic",
-    "clamp",
-    "invariant",
-    "group",
-    "mode",
-    "when",
-    "envelope",
-    "use",
-    "spawn",
-    "destroy",
-    "entity",
-    "behavior",
-    "world",
-    "import",
-    "const",
-];
+/// Names to the grammar that mean something where they stand.
+const SPECIAL: &[&str] = &["left", "right", "above", "below", "rect", "circle", "empty"];
 
-/// Words that mean something where it can be meant, and are names everywhere else.
-const CONTEXTUAL: &[&str] = &[
-    "int",
-    "bool",
-    "any",
-    "initial",
-    "follow",
-    "links",
-    "by",
-    "fixed",
-    "directions",
-    "attack",
-    "decay",
-    "sustain",
-    "for",
-    "release",
-    "while",
-    "instant",
-    "accel",
-    "over",
-    "hold",
-    "to",
-    "step",
-    "collide",
-    "with",
-    "block",
-    "sense",
-    "from",
-    "above",
-    "below",
-    "left",
-    "right",
-    "keep",
-    "velocity",
-    "carry",
-    "tiles",
-    "space",
-    "map",
-    "place",
-    "at",
-    "link",
-    "rect",
-    "circle",
-    "bounds",
-    "limit",
-    "player",
-    "goal",
-    "never",
-    "touching",
-    "level",
-    "legend",
-    "tile",
-    "vglc",
-    "tiled",
-    "ldtk",
-    "empty",
-];
-
-/// Whether a word is one of the language's.
+/// Whether a word is one of the language's, where no name of the program stands.
 pub(super) fn is_keyword(word: &str) -> bool {
-    RESERVED.contains(&word) || CONTEXTUAL.contains(&word)
+    // The `x` of `16 x 16` is a variable far more often.
+    word != "x" && meaning(word).is_some() || SPECIAL.contains(&word)
 }
 
 /// What can be called, by name.

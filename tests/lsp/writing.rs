@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::SLIME;
+use crate::client::Client;
 use crate::session::{Session, uri};
 
 /// A text that stands in the middle of being written: `|` is the cursor.
@@ -219,6 +220,20 @@ fn names_have_colours() {
     range["range"] = json!({ "start": { "line": 2, "character": 0 }, "end": { "line": 3, "character": 0 } });
     session.ask_all("textDocument/semanticTokens/range", range);
     insta::assert_snapshot!(session.end());
+}
+
+#[test]
+fn an_editor_with_a_grammar_hears_of_names_alone() {
+    let text = "// one\nentity A {\n    param v = 2\n    mode m { x' = max(v, 1) }\n}\n";
+    let capabilities = json!({ "textDocument": { "semanticTokens": { "augmentsSyntaxTokens": true } } });
+    let mut client = Client::start(&[], capabilities);
+    client.open(&uri("a.hyped"), text);
+    let legend = client.capabilities["capabilities"]["semanticTokensProvider"]["legend"].clone();
+    let document = json!({ "textDocument": { "uri": uri("a.hyped") } });
+    let full = client.request("textDocument/semanticTokens/full", document).unwrap();
+    let shown = tokens(text, &full["data"], &legend);
+    let words: Vec<&str> = shown.iter().map(|line| line.split_whitespace().nth(1).unwrap()).collect();
+    assert_eq!(words, ["A:", "v:", "m:", "x:", "v:"], "{shown:?}");
 }
 
 #[test]

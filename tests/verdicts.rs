@@ -9,11 +9,11 @@ use std::cell::Cell;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use hypedc::analysis::{configuration_space, configuration_space_without};
+use hypedc::analysis::{ConfigurationSpace, configuration_space, configuration_space_without};
 use hypedc::compile::{Barred, LevelFile, compile, compile_barred};
 use hypedc::ir::{GoalId, Program, WorldId};
 use hypedc::reach::{
-    Argument, Limits, Outcome, Plan, Planner, Problem, Proof, Sampling, Settings, Target, Verdict, reach,
+    Argument, Limits, Outcome, Plan, Planner, Problem, Proof, Sampling, Settings, Target, Verdict, hasten, reach,
     search as grow, shorten,
 };
 use hypedc::sim::{Script, Simulator, parse_script};
@@ -282,6 +282,19 @@ fn shortens(question: &Question<'_>, problem: &Problem<'_>, plan: &Plan) {
     }
 }
 
+/// Looks for a faster way: what comes of it replays, and is no slower; if it is the same, it is the same in all.
+fn hastens(
+    question: &Question<'_>,
+    problem: &Problem<'_>,
+    space: &ConfigurationSpace,
+    settings: &Settings,
+    plan: &Plan,
+) {
+    let fast = hasten(problem, space, settings, &limits(1_000), plan, &Unwatched);
+    question.replay(&fast);
+    assert!(fast.steps - fast.after < plan.steps - plan.after || fast == *plan, "{}", question.what);
+}
+
 /// The examples with each of their worlds.
 fn examples() -> Vec<(PathBuf, Program)> {
     let is_world = |(_, program): &(PathBuf, Program)| !program.worlds.is_empty();
@@ -322,6 +335,7 @@ fn what_is_reported_of_the_examples_replays_and_repeats() {
             if let Verdict::Reached(plan) = &outcome.verdict {
                 question.replay(plan);
                 shortens(question, &problem, plan);
+                hastens(question, &problem, &space, &settings, plan);
                 reached += 1;
                 broken += usize::from(matches!(question.target, Target::Never(_)));
             }
@@ -381,6 +395,7 @@ fn ways_go_on_from_where_a_script_leads() {
                 let start = [&third, &half].into_iter().find(|s| s.len() == plan.after).unwrap();
                 assert!(plan.script.inputs().zip(start.inputs()).all(|(a, b)| a == b), "{}", question.what);
                 shortens(question, &later, plan);
+                hastens(question, &later, &space, &settings, plan);
                 found += 1;
             }
         }

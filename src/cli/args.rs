@@ -350,7 +350,8 @@ pub(super) struct ReachArgs {
     /// As text for people, or as JSON.
     #[arg(long, value_enum, default_value = "human", help_heading = "The result")]
     pub format: ResultFormat,
-    /// Shortens a path that is found, and takes out changes of inputs that are not needed.
+    /// Looks for faster ways than the one that is found, with at most as many nodes again, and takes out changes of inputs
+    /// that are not needed.
     #[arg(long, help_heading = "The result")]
     pub minimize: bool,
     /// Writes the inputs of a found path to a file; with several goals, the goal's name goes before the extension.

@@ -12,8 +12,8 @@ use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::{Diagnostics, Fact, render, similar};
 use crate::ir::{ExprId, GoalId, NeverId, World, WorldId};
 use crate::reach::{
-    BadStart, Death, Limits, Measure, Outcome, Planner, Problem, Sampling, Settings, Target, Verdict, Visited, reach,
-    shorten,
+    BadStart, Death, Limits, Measure, Outcome, Planner, Problem, Sampling, Settings, Target, Verdict, Visited, hasten,
+    reach, shorten,
 };
 use crate::sim::{Script, Simulator, parse_script};
 use crate::source::SourceMap;
@@ -134,7 +134,8 @@ impl<'a> Asking<'a> {
         let mut outcome: Outcome = outcome.map_err(|fault| Refusal::of(fault.fact(program, world, 0)))?;
         if let (true, Verdict::Reached(plan)) = (self.args.minimize, &outcome.verdict) {
             let least = self.args.min_hold.map_or(1, |time| steps(time, self.sim.world()));
-            outcome.verdict = Verdict::Reached(shorten(&problem, plan, u32::from(least), watch));
+            let plan = hasten(&problem, &self.space, self.settings(), &limits, plan, watch);
+            outcome.verdict = Verdict::Reached(shorten(&problem, &plan, u32::from(least), watch));
         }
         let mut answered = Answered::new(self.loaded, &self.sim, target, &outcome, seconds);
         let script = |script: &Script| script.text(program, world);

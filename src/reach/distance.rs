@@ -1,10 +1,12 @@
 //! How far a player is from the goal: the number of places on the shortest way through what never blocks it, whatever it
 //! can do, as in Barraquand and Latombe, *Robot Motion Planning: A Distributed Representation Approach*, 1991. Ways through
-//! links count as one. What the planner that is led by distances (`planners/lead.rs`) follows.
+//! links count as one. What the planner that is led by distances (`planners/lead.rs`) follows; and the least time that the
+//! rest of the way takes, by the greatest velocities, where there is a time to keep.
 
 use std::collections::VecDeque;
 
-use crate::ir::{Bounds, Id, Push, SlotId, SpaceId, TagSet};
+use crate::analysis::ConfigurationSpace;
+use crate::ir::{Bounds, Id, Push, SlotId, SpaceId, TagSet, VarId};
 
 use super::coverage::PLACE;
 use super::problem::Problem;
@@ -25,9 +27,27 @@ pub(super) struct Distances {
     /// Whose.
     pub player: SlotId,
     grids: Vec<Grid>,
+    /// Of each place, how many places away the goal is.
+    places: Field,
     /// What counts for places from which no way is known: more than for all others.
     far: u32,
+    pace: Option<Pace>,
 }
+
+/// A number for each place of each space.
+type Field = Vec<Vec<u32>>;
+
+/// How fast a player gets on at best.
+#[derive(Debug)]
+struct Pace {
+    /// The least places to the side, and up or down, on any way to the goal.
+    places: [Field; 2],
+    /// The steps that a place takes at least.
+    steps: [f64; 2],
+}
+
+/// What a way costs: for a place to the side, for one up or down, for a link.
+type Costs = [u32; 3];
 
 /// The places of a space.
 #[derive(Debug)]
@@ -36,76 +56,119 @@ struct Grid {
     bottom: f64,
     columns: usize,
     rows: usize,
-    /// Row by row from the lowest: the positions that are blocked, a bit for each; then, the distance.
+    /// Row by row from the lowest: the positions that are blocked, a bit for each.
     blocked: Vec<u16>,
-    distances: Vec<u32>,
 }
 
 impl Distances {
     /// Of the first player of whom the goal says where it has to be.
-    pub fn new(problem: &Problem<'_>) -> Option<Self> {
+    pub fn new(problem: &Problem<'_>, space: &ConfigurationSpace) -> Option<Self> {
         let (player, goal) = wanted(problem)?;
-        let mut distances = Distances { player, grids: Vec::new(), far: 0 };
+        let mut grids = Vec::new();
         let mut count = 0;
-        for space in problem.sim.world().spaces.ids() {
-            let grid = Grid::new(problem, player, space, &goal)?;
+        for id in problem.sim.world().spaces.ids() {
+            let grid = Grid::new(problem, player, id, &goal)?;
             count += grid.columns * grid.rows;
             if count > MOST_PLACES {
                 return None;
             }
-            distances.grids.push(grid);
+            grids.push(grid);
         }
-        distances.flood(problem, &goal);
-        let known = distances.grids.iter().flat_map(|g| &g.distances).filter(|d| **d != FAR);
-        distances.far = known.max()? + 1;
-        Some(distances)
+        let places = flood(&grids, problem, &goal, [1, 1, 1]);
+        let far = places.iter().flatten().filter(|d| **d != FAR).max()? + 1;
+        let pace = problem.time().map(|_| Pace {
+            places: [[1, 0, 0], [0, 1, 0]].map(|costs| flood(&grids, problem, &goal, costs)),
+            steps: [VarId(0), VarId(1)].map(|var| {
+                let fastest = fastest(space, player, var) * problem.sim.world().step.seconds();
+                if fastest > 0.0 { PLACE / fastest } else { 0.0 }
+            }),
+        });
+        Some(Distances { player, grids, places, far, pace })
     }
 
     /// Of a position.
     pub fn of(&self, space: SpaceId, x: f64, y: f64) -> u32 {
-        let grid = &self.grids[space.index()];
-        let at = |value: f64, low: f64, count: usize| (((value - low) / PLACE).max(0.0) as usize).min(count - 1);
-        let cell = at(y, grid.bottom, grid.rows) * grid.columns + at(x, grid.left, grid.columns);
-        grid.distances[cell].min(self.far)
+        self.places[space.index()][self.cell(space, x, y)].min(self.far)
     }
 
-    fn flood(&mut self, problem: &Problem<'_>, goal: &[Place]) {
-        let mut open: VecDeque<(SpaceId, usize)> = VecDeque::new();
-        for (space, grid) in self.grids.iter_mut().enumerate() {
-            let space = SpaceId(space as u32);
-            for place in goal.iter().filter(|p| p.space.is_none_or(|s| s == space)) {
-                let cells = grid.cells(place.x, place.y);
-                open.extend(cells.into_iter().filter(|cell| grid.reach(*cell, 0)).map(|cell| (space, cell)));
-            }
+    /// How many steps the rest of the way takes at least, as far as is known, if nothing carries the player.
+    pub fn least_steps(&self, space: SpaceId, x: f64, y: f64) -> u32 {
+        let Some(pace) = &self.pace else { return 0 };
+        let cell = self.cell(space, x, y);
+        let along = pace.places.iter().zip(pace.steps).map(|(field, steps)| {
+            // What is in a place may be at its edge.
+            let places = field[space.index()][cell];
+            if places == FAR { 0.0 } else { f64::from(places.saturating_sub(1)) * steps }
+        });
+        along.fold(0.0, f64::max) as u32
+    }
+
+    /// The place of a position.
+    fn cell(&self, space: SpaceId, x: f64, y: f64) -> usize {
+        let grid = &self.grids[space.index()];
+        let at = |value: f64, low: f64, count: usize| (((value - low) / PLACE).max(0.0) as usize).min(count - 1);
+        at(y, grid.bottom, grid.rows) * grid.columns + at(x, grid.left, grid.columns)
+    }
+}
+
+/// The greatest velocity of a player along an axis, px/s; infinite where nothing is known.
+fn fastest(space: &ConfigurationSpace, player: SlotId, var: VarId) -> f64 {
+    let slot = &space.slots[player];
+    if slot.is_given_up {
+        return f64::INFINITY;
+    }
+    let velocities = slot.configurations.iter().flat_map(|c| c.vars[var][1].intervals());
+    velocities.map(|v| v.low.abs().max(v.high.abs())).fold(0.0, f64::max)
+}
+
+/// What the cheapest way to the goal costs from each place; costs are 0 or 1 (breadth first with two ends).
+fn flood(grids: &[Grid], problem: &Problem<'_>, goal: &[Place], [across, along, through]: Costs) -> Field {
+    let mut field: Field = grids.iter().map(|grid| vec![FAR; grid.blocked.len()]).collect();
+    let mut open: VecDeque<(SpaceId, usize, u32)> = VecDeque::new();
+    for (space, grid) in grids.iter().enumerate() {
+        let space = SpaceId(space as u32);
+        for place in goal.iter().filter(|p| p.space.is_none_or(|s| s == space)) {
+            let cells = grid.cells(place.x, place.y).into_iter().filter(|cell| grid.is_free(*cell));
+            open.extend(cells.map(|cell| (space, cell, 0)));
         }
-        let spaces = &problem.sim.world().spaces;
-        while let Some((space, cell)) = open.pop_front() {
-            let grid = &mut self.grids[space.index()];
-            let next = grid.distances[cell] + 1;
-            let (column, row) = (cell % grid.columns, cell / grid.columns);
-            let sides = [
-                (column > 0).then(|| cell - 1),
-                (column + 1 < grid.columns).then(|| cell + 1),
-                (row > 0).then(|| cell - grid.columns),
-                (row + 1 < grid.rows).then(|| cell + grid.columns),
-            ];
-            open.extend(sides.into_iter().flatten().filter(|cell| grid.reach(*cell, next)).map(|cell| (space, cell)));
-            // Where links come out, they have gone in.
-            let at = (grid.left + column as f64 * PLACE, grid.bottom + row as f64 * PLACE);
-            for (from, link) in spaces.pairs().flat_map(|(id, s)| s.links.iter().map(move |l| (id, l))) {
-                let is_out = link.space == space
-                    && at.0 <= link.to.right
-                    && link.to.left <= at.0 + PLACE
-                    && at.1 <= link.to.top
-                    && link.to.bottom <= at.1 + PLACE;
-                if is_out {
-                    let grid = &mut self.grids[from.index()];
-                    let cells = grid.cells((link.from.left, link.from.right), (link.from.bottom, link.from.top));
-                    open.extend(cells.into_iter().filter(|cell| grid.reach(*cell, next)).map(|cell| (from, cell)));
-                }
+    }
+    let spaces = &problem.sim.world().spaces;
+    while let Some((space, cell, cost)) = open.pop_front() {
+        let known = &mut field[space.index()][cell];
+        if *known <= cost {
+            continue;
+        }
+        *known = cost;
+        let mut go = |space: SpaceId, cell: usize, more: u32| {
+            if grids[space.index()].is_free(cell) && field[space.index()][cell] > cost + more {
+                let next = (space, cell, cost + more);
+                if more == 0 { open.push_front(next) } else { open.push_back(next) }
+            }
+        };
+        let grid = &grids[space.index()];
+        let (column, row) = (cell % grid.columns, cell / grid.columns);
+        let sides = [
+            (column > 0).then(|| (cell - 1, across)),
+            (column + 1 < grid.columns).then(|| (cell + 1, across)),
+            (row > 0).then(|| (cell - grid.columns, along)),
+            (row + 1 < grid.rows).then(|| (cell + grid.columns, along)),
+        ];
+        sides.into_iter().flatten().for_each(|(cell, more)| go(space, cell, more));
+        // Where links come out, they have gone in.
+        let at = (grid.left + column as f64 * PLACE, grid.bottom + row as f64 * PLACE);
+        for (from, link) in spaces.pairs().flat_map(|(id, s)| s.links.iter().map(move |l| (id, l))) {
+            let is_out = link.space == space
+                && at.0 <= link.to.right
+                && link.to.left <= at.0 + PLACE
+                && at.1 <= link.to.top
+                && link.to.bottom <= at.1 + PLACE;
+            if is_out {
+                let (x, y) = ((link.from.left, link.from.right), (link.from.bottom, link.from.top));
+                grids[from.index()].cells(x, y).into_iter().for_each(|cell| go(from, cell, through));
             }
         }
     }
+    field
 }
 
 impl Grid {
@@ -123,14 +186,7 @@ impl Grid {
         }
         let (columns, rows) = (columns as usize, rows as usize);
         let places = columns * rows;
-        let mut grid = Grid {
-            left: area.left,
-            bottom: area.bottom,
-            columns,
-            rows,
-            blocked: vec![0; places],
-            distances: vec![FAR; places],
-        };
+        let mut grid = Grid { left: area.left, bottom: area.bottom, columns, rows, blocked: vec![0; places] };
         grid.block(problem, player, id);
         Some(grid)
     }
@@ -211,13 +267,9 @@ impl Grid {
         rows.flat_map(|row| across.clone().map(move |column| row * self.columns + column)).collect()
     }
 
-    /// Gives a free place its distance; whether it had none.
-    fn reach(&mut self, cell: usize, distance: u32) -> bool {
-        let is_new = self.distances[cell] == FAR && self.blocked[cell] != u16::MAX;
-        if is_new {
-            self.distances[cell] = distance;
-        }
-        is_new
+    /// Whether the player fits anywhere in a place.
+    fn is_free(&self, cell: usize) -> bool {
+        self.blocked[cell] != u16::MAX
     }
 }
 

@@ -5,7 +5,8 @@
 //!
 //! Then searchers grow trees of states ([`search`]). Those that sample share one loop (`sampler.rs`), to which a planner
 //! adds a strategy (`planners/`); `exhaustive.rs` visits each state once and can prove a "no"; `portfolio.rs` lets several
-//! take turns. A found path is replayed in the simulator before it is reported.
+//! take turns. A found path is replayed in the simulator before it is reported, and can be made faster (`hasten.rs`) and simpler
+//! (`shorten.rs`).
 
 mod bounds;
 mod controls;
@@ -14,6 +15,7 @@ mod distance;
 mod draw;
 mod exhaustive;
 mod ground;
+mod hasten;
 mod metric;
 mod nearest;
 mod outcome;
@@ -33,6 +35,7 @@ mod whereabouts;
 pub use bounds::Sampling;
 pub use controls::MAX_CONTROLS;
 pub use coverage::{Count, Covered, PLACE};
+pub use hasten::hasten;
 pub use metric::{Coordinate, Measure, Metric, Point, Quantity};
 pub use nearest::{Index, Neighbour};
 pub use outcome::{Argument, End, Outcome, Plan, Statistics, Verdict, Visited};

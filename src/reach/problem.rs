@@ -53,6 +53,7 @@ pub enum BadStart {
 }
 
 /// A world and what is asked of it.
+#[derive(Clone)]
 pub struct Problem<'s> {
     /// The simulator of the world.
     pub sim: &'s Simulator<'s>,

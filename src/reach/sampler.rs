@@ -8,6 +8,7 @@ use rand::RngExt;
 
 use crate::watch::Watch;
 
+use super::distance::Distances;
 use super::ground::{Extension, Ground, Notes};
 use super::metric::Point;
 use super::outcome::Plan;
@@ -34,6 +35,8 @@ pub(super) struct Sampler<'a> {
     restart: Option<u64>,
     /// How many nodes the tree may have.
     allowance: u64,
+    /// What tells how long the rest of a way takes at least, where there is a time to keep.
+    distances: Option<&'a Distances>,
     round: u64,
     tries: u64,
     fruitless: u64,
@@ -48,16 +51,18 @@ impl<'a> Sampler<'a> {
         name: &'static str,
         goal_bias: f64,
         restart: Option<u64>,
+        distances: Option<&'a Distances>,
     ) -> Self {
         let region = GoalRegion::new(ground.problem, ground.metric);
         Sampler {
-            ground,
             strategy,
             name,
             region,
             goal_bias: goal_bias.clamp(0.0, 1.0),
             restart,
             allowance: 0,
+            distances: distances.filter(|_| ground.problem.time().is_some()),
+            ground,
             round: 0,
             tries: 0,
             fruitless: 0,
@@ -96,6 +101,15 @@ impl<'a> Sampler<'a> {
         self.strategy.choose(&mut self.ground, &self.toward)
     }
 
+    /// Whether the last simulation led to where the rest of the way takes longer than there is time.
+    fn is_too_late(&self, choice: Choice) -> bool {
+        let (Some(most), Some(distances)) = (self.ground.problem.time(), self.distances) else { return false };
+        let (sim, state) = (self.ground.problem.sim, self.ground.reached());
+        let (x, y) = sim.position(state, distances.player);
+        let rest = distances.least_steps(sim.space(state, distances.player), x, y);
+        self.ground.tree.depth(choice.node) + u32::from(choice.hold) + rest > most
+    }
+
     /// One turn of the loop.
     fn turn(&mut self) -> Option<Plan> {
         let Some(choice) = self.choose() else {
@@ -105,6 +119,10 @@ impl<'a> Sampler<'a> {
         };
         self.fruitless = 0;
         match self.ground.extend(choice) {
+            // From there, the goal is too far away for the time that is left.
+            Extension::Open if self.is_too_late(choice) => {
+                self.strategy.learn(&mut self.ground, Some(choice), Growth::Failed);
+            }
             Extension::Open => {
                 let node = self.ground.add(choice, true);
                 self.ground.point(node, &mut self.point);

@@ -123,8 +123,8 @@ pub fn search(
         return Ok(Outcome::of(verdict, settings.planner.name()));
     }
     let metric = Metric::measuring(problem.sim, space, settings.sampling, settings.measure);
-    let is_led = matches!(settings.planner, Planner::Auto | Planner::Lead);
-    let distances = if is_led { Distances::new(problem) } else { None };
+    let is_led = matches!(settings.planner, Planner::Auto | Planner::Lead) || problem.time().is_some();
+    let distances = if is_led { Distances::new(problem, space) } else { None };
     let build = Builder { problem, metric: &metric, distances: distances.as_ref(), settings, limits, starts: &starts };
     let trees: Vec<Box<dyn Searcher + '_>> = (0..settings.trees.max(1)).map(|tree| build.searcher(tree)).collect();
     Ok(Forest { trees, settings, limits, watch }.grow())
@@ -188,7 +188,8 @@ impl<'a> Builder<'_, 'a> {
                     Restart::Never => None,
                 };
                 let ground = ground(ControlSets::default());
-                Box::new(Sampler::new(ground, strategy, planner.name(), self.settings.goal_bias, restart))
+                let (bias, distances) = (self.settings.goal_bias, self.distances);
+                Box::new(Sampler::new(ground, strategy, planner.name(), bias, restart, distances))
             }
             None => Box::new(Exhaustive::new(ground(ControlSets::complete()), planner == Planner::BestFirst)),
         }

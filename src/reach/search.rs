@@ -145,7 +145,11 @@ impl<'a> Builder<'_, 'a> {
     fn searcher(&self, tree: usize) -> Box<dyn Searcher + 'a> {
         match self.settings.planner {
             Planner::Auto => {
-                let planners = if self.distances.is_some() { AUTO } else { AUTO_NOWHERE };
+                let planners = match (self.distances, self.problem.time()) {
+                    (Some(_), None) => AUTO,
+                    (Some(_), Some(_)) => AUTO_IN_TIME,
+                    (None, _) => AUTO_NOWHERE,
+                };
                 let sampling =
                     planners.iter().map(|(share, planner)| (*share, self.one(*planner, tree, self.settings.hold)));
                 let mut arms: Vec<_> = sampling.collect();
@@ -200,6 +204,8 @@ impl<'a> Builder<'_, 'a> {
 /// goals at a place soonest, the second most others, the third some that these do not. Beside them, an exhaustion with a
 /// share of 1 looks for proofs.
 const AUTO: [(u64, Planner); 3] = [(4, Planner::Lead), (4, Planner::Coverage), (1, Planner::Rrt)];
+/// Where there is a time to keep, the first is the best by far.
+const AUTO_IN_TIME: [(u64, Planner); 3] = [(16, Planner::Lead), (4, Planner::Coverage), (1, Planner::Rrt)];
 /// Where distances lead nowhere, as the goal lies at no place: then places are left that are covered regardless of what
 /// all others do.
 const AUTO_NOWHERE: [(u64, Planner); 3] = [(4, Planner::Coverage), (2, Planner::Lead), (1, Planner::Rrt)];

@@ -6,11 +6,17 @@
 //! Lehman, Stanley and Clune, *First Return, Then Explore*, 2021. A place of the players costs its distance to the goal
 //! (`distance.rs`) and something for each time that it was chosen, and the cheapest place grows. So a way that is open is
 //! followed at once, and where it is not, what lies before it is tried again and again, farther and farther back.
+//!
+//! Where there is a time to keep, a place costs instead the steps that lead to it and the least that the rest takes, as in a
+//! weighted A* (Pohl 1970), and of what comes to a place with about the same velocity only the soonest is kept, as the
+//! archive of Ecoffet and others keeps the shortest way to each cell.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use hashbrown::HashMap;
 use rand::RngExt;
+use rustc_hash::FxBuildHasher;
 
 use crate::ir::{Id, SlotId, VarId};
 use crate::reach::coverage::{PLACE, mixed};
@@ -26,6 +32,12 @@ use super::cells::Cells;
 /// What a place costs for each place on the way from it to the goal, and for each time that it was chosen.
 const DISTANCE: u64 = 4;
 const CHOSEN: u64 = 1;
+/// Where there is a time to keep, a place costs the steps to it, the rest of the way, in quarters of the least steps, and so
+/// much for each time that it was chosen.
+const REST: u64 = 6;
+const TRIED: u64 = 2;
+/// What comes so many steps later than another to a place, with about the same velocity, is given up.
+const LATE: u32 = 8;
 /// One choice in so many is of any place.
 const ANY: u32 = 8;
 /// Velocities are told apart by cells, so many over their range.
@@ -33,6 +45,17 @@ const VELOCITIES: f64 = 8.0;
 
 /// A place in the queue: what it costs, a number that breaks ties, and the place.
 type Queued = Reverse<(u64, u32, u32)>;
+
+/// How far away a place is.
+#[derive(Debug, Clone, Copy, Default)]
+struct Far {
+    /// How many places from the goal.
+    places: u32,
+    /// The least steps to it, where there is a time to keep.
+    rest: u32,
+    /// After how many steps it was reached at the soonest.
+    soonest: u32,
+}
 
 /// Grows the places nearest to the goal.
 #[derive(Debug)]
@@ -44,7 +67,9 @@ pub struct Lead<'m> {
     modes: Vec<usize>,
     cells: Cells,
     /// Of each place that was ever open.
-    far: Vec<u32>,
+    far: Vec<Far>,
+    /// Where there is a time to keep: of each innermost cell, after how many steps it was reached at the soonest.
+    soonest: HashMap<u64, u32, FxBuildHasher>,
     queue: BinaryHeap<Queued>,
 }
 
@@ -70,6 +95,7 @@ impl<'m> Lead<'m> {
             modes: groups.collect(),
             cells: Cells::default(),
             far: Vec::new(),
+            soonest: HashMap::default(),
             queue: BinaryHeap::new(),
         }
     }
@@ -101,35 +127,52 @@ impl<'m> Lead<'m> {
 
     fn add(&mut self, ground: &mut Ground<'_>, node: NodeId, point: &Point) {
         let keys = self.keys(ground, node, point);
+        let (depth, is_timed) = (ground.tree.depth(node), ground.problem.time().is_some());
+        if is_timed {
+            let soonest = self.soonest.entry(keys[1]).or_insert(depth);
+            if depth > *soonest + LATE {
+                return;
+            }
+            *soonest = depth.min(*soonest);
+        }
         let (place, is_new) = self.cells.add(node, &keys);
-        if !is_new {
-            return;
-        }
         if place as usize >= self.far.len() {
-            let distance = self.distances.map_or(0, |distances| {
+            let far = self.distances.map_or(Far::default(), |distances| {
                 let (sim, state) = (ground.problem.sim, ground.tree.state(node));
-                let (x, y) = sim.position(state, distances.player);
-                distances.of(sim.space(state, distances.player), x, y)
+                let ((x, y), space) = (sim.position(state, distances.player), sim.space(state, distances.player));
+                Far { places: distances.of(space, x, y), rest: distances.least_steps(space, x, y), soonest: depth }
             });
-            self.far.resize(place as usize + 1, distance);
+            self.far.resize(place as usize + 1, far);
         }
-        self.enqueue(ground, place);
+        let soonest = &mut self.far[place as usize].soonest;
+        let is_sooner = is_timed && depth < *soonest;
+        *soonest = depth.min(*soonest);
+        if is_new || is_sooner {
+            self.enqueue(ground, place);
+        }
     }
 
-    fn cost(&self, place: u32) -> u64 {
-        u64::from(self.far[place as usize]) * DISTANCE + u64::from(self.cells.chosen(place)) * CHOSEN
+    fn cost(&self, place: u32, is_timed: bool) -> u64 {
+        let far = &self.far[place as usize];
+        let chosen = u64::from(self.cells.chosen(place));
+        if is_timed {
+            u64::from(far.soonest) + u64::from(far.rest) * REST / 4 + chosen * TRIED
+        } else {
+            u64::from(far.places) * DISTANCE + chosen * CHOSEN
+        }
     }
 
     /// Puts an open place into the queue, by what it costs now.
     fn enqueue(&mut self, ground: &mut Ground<'_>, place: u32) {
-        self.queue.push(Reverse((self.cost(place), ground.rng.random(), place)));
+        let cost = self.cost(place, ground.problem.time().is_some());
+        self.queue.push(Reverse((cost, ground.rng.random(), place)));
     }
 
     /// The cheapest open place.
-    fn cheapest(&mut self) -> Option<u32> {
+    fn cheapest(&mut self, is_timed: bool) -> Option<u32> {
         while let Some(Reverse((cost, _, place))) = self.queue.pop() {
             // What was put in again since, or is done with, is no longer there.
-            if self.cost(place) == cost && !self.cells.inside(place).is_empty() {
+            if self.cost(place, is_timed) == cost && !self.cells.inside(place).is_empty() {
                 return Some(place);
             }
         }
@@ -146,7 +189,7 @@ impl Strategy for Lead<'_> {
             }
             open[ground.rng.random_range(0..open.len())]
         } else {
-            self.cheapest()?
+            self.cheapest(ground.problem.time().is_some())?
         };
         self.cells.choose(place);
         let inner = self.cells.draw(ground, self.cells.inside(place))?;
@@ -167,6 +210,7 @@ impl Strategy for Lead<'_> {
             Growth::Rooted(root, point) => {
                 self.cells.clear();
                 self.far.clear();
+                self.soonest.clear();
                 self.queue.clear();
                 self.add(ground, root, point);
             }
@@ -180,6 +224,9 @@ impl Strategy for Lead<'_> {
     }
 
     fn bytes(&self) -> usize {
-        self.cells.bytes() + self.far.capacity() * 4 + self.queue.capacity() * size_of::<Queued>()
+        self.cells.bytes()
+            + self.far.capacity() * size_of::<Far>()
+            + self.soonest.capacity() * 16
+            + self.queue.capacity() * size_of::<Queued>()
     }
 }

@@ -155,10 +155,7 @@ impl Published {
         let mut messages = Vec::new();
         for (uri, diagnostics) in all {
             let now = (version(&uri), diagnostics);
-            let before = self.sent.get(&uri);
-            if before.map_or(&[][..], |(_, found)| found.as_slice()) != now.1
-                || before.is_some_and(|(v, _)| *v != now.0)
-            {
+            if self.sent.get(&uri).map_or(!now.1.is_empty(), |before| *before != now) {
                 let (version, diagnostics) = now.clone();
                 messages.push(PublishDiagnosticsParams { uri: Uri(uri.clone()), version, diagnostics });
             }

@@ -22,6 +22,8 @@ pub(super) fn ends_operand(place: &Place<'_>) -> bool {
 pub(super) fn after_operand(place: &Place<'_>) -> &'static [&'static str] {
     let first = place.statement.first().copied().unwrap_or_default();
     let has = |word: &str| place.statement.contains(&word);
+    // A word that comes once, if it is not there.
+    let once = |word: &'static [&'static str; 1]| -> &'static [&'static str] { if has(word[0]) { &[] } else { word } };
     let joined: &[&str] = match (place.around(Block::World).is_some(), place.back(1)) {
         (true, ")") => &["and", "or"],
         (true, _) => &["and", "or", "in", "touching"],
@@ -53,20 +55,8 @@ pub(super) fn after_operand(place: &Place<'_>) -> &'static [&'static str] {
                 &[]
             }
         }
-        ("collide", _) => {
-            if has("with") {
-                &[]
-            } else {
-                &["with"]
-            }
-        }
-        ("tiles", _) => {
-            if has("x") {
-                &[]
-            } else {
-                &["x"]
-            }
-        }
+        ("collide", _) => once(&["with"]),
+        ("tiles", _) => once(&["x"]),
         ("map", _) => match () {
             () if has("legend") => &["tile"],
             () if has("vglc") => &["legend"],
@@ -85,20 +75,8 @@ pub(super) fn after_operand(place: &Place<'_>) -> &'static [&'static str] {
             () if has("by") => &["directions"],
             () => &["by", "fixed"],
         },
-        ("attack" | "release", _) => {
-            if has("to") {
-                &[]
-            } else {
-                &["to"]
-            }
-        }
-        ("clamp", _) => {
-            if has("in") {
-                &[]
-            } else {
-                &["in"]
-            }
-        }
+        ("attack" | "release", _) => once(&["to"]),
+        ("clamp", _) => once(&["in"]),
         ("collider" | "kinematic" | "follow", _) if !has("when") => {
             if has(")") {
                 &["when"]

@@ -71,9 +71,9 @@ fn is_meant(failed: &Failed<'_>, range: &Range<usize>, text: &str) -> bool {
         return false;
     };
     // Of several words that are near it is not known which one is meant.
-    if range.start == 0 && similar(was, opening_words(rule).iter().copied()).is_some() {
-        return only_similar(was, opening_words(rule).iter().copied()).is_some()
-            && reads_to(rule, &format!("{text}{after}")).is_none();
+    let words = || opening_words(rule).iter().copied();
+    if range.start == 0 && similar(was, words()).is_some() && only_similar(was, words()).is_none() {
+        return false;
     }
     if text == "//" {
         return before.trim().is_empty() || reads_to(rule, before).is_none();

@@ -1,0 +1,165 @@
+//! A slow interpreter of worlds, written from the reference of the language and sharing no code with the simulator or the
+//! analysis. Both must come to the same states, to the bit, and no verdict may contradict what it does by brute force.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+#![allow(clippy::print_stdout, reason = "it says how much it has seen")]
+
+#[path = "oracle/brute.rs"]
+mod brute;
+#[path = "oracle/collide.rs"]
+mod collide;
+#[path = "oracle/compare.rs"]
+mod compare;
+#[path = "oracle/evaluate.rs"]
+mod evaluate;
+#[path = "oracle/flow.rs"]
+mod flow;
+#[path = "oracle/generate.rs"]
+mod generate;
+#[path = "oracle/model.rs"]
+mod model;
+#[path = "oracle/step.rs"]
+mod step;
+#[path = "oracle/verdict.rs"]
+mod verdict;
+#[path = "properties/generate.rs"]
+mod any_program;
+#[path = "analysis/generate.rs"]
+mod lively;
+mod support;
+
+use std::cell::RefCell;
+use std::path::Path;
+
+use hypedc::compile::{Study, study};
+use hypedc::ir::WorldId;
+use proptest::prelude::*;
+use proptest::test_runner::{RngSeed, TestError, TestRunner};
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
+use support::{Disk, Text, files};
+use verdict::{Judge, Tally};
+
+/// Whether there is time.
+fn is_long() -> bool {
+    std::env::var_os("HYPEDC_LONG").is_some()
+}
+
+/// A number from the environment.
+fn set(name: &str) -> Option<u64> {
+    std::env::var(name).ok().map(|text| text.parse().unwrap())
+}
+
+fn study_text(text: &str) -> Study {
+    study(Path::new("test.hyped"), &Text(text))
+}
+
+/// Draws so many programs and checks them. One that fails shrinks and is told of.
+fn hold(worlds: u64, generate: fn(&[u16]) -> String, check: impl Fn(&Study, u64) -> Result<(), String>) {
+    let seed = set("HYPEDC_SEED").unwrap_or(if is_long() { u64::from(std::process::id()) } else { 1 });
+    println!("HYPEDC_SEED={seed}");
+    let cases = worlds as u32;
+    let config = ProptestConfig {
+        cases,
+        failure_persistence: None,
+        rng_seed: RngSeed::Fixed(seed),
+        max_shrink_iters: 4_000,
+        ..ProptestConfig::default()
+    };
+    let choices = (prop::collection::vec(any::<u16>(), 40..500), any::<u64>());
+    let result = TestRunner::new(config).run(&choices, |(choices, seed)| {
+        let study = study_text(&generate(&choices));
+        if study.compilation.program.is_none() {
+            return Ok(());
+        }
+        check(&study, seed).map_err(TestCaseError::fail)
+    });
+    match result {
+        Ok(()) => {}
+        Err(TestError::Fail(why, (choices, seed))) => panic!("{}\nseed {seed}: {why}", generate(&choices)),
+        Err(TestError::Abort(why)) => panic!("{why}"),
+    }
+}
+
+/// Runs both on many programs with random inputs.
+fn same_states(worlds: u64, steps: usize, generate: fn(&[u16]) -> String) {
+    let seen = RefCell::new((0, 0, 0));
+    hold(worlds, generate, |study, seed| {
+        let mut rng = Pcg64::seed_from_u64(seed);
+        let program = study.compilation.program.as_ref().unwrap();
+        let run = compare::run(program, &study.checked, WorldId(0), steps, &mut rng);
+        let mut seen = seen.borrow_mut();
+        *seen = (seen.0 + 1, seen.1 + run.steps, seen.2 + usize::from(run.faulted));
+        run.difference.map_or(Ok(()), |difference| Err(format!("{difference}\n{}", run.script.join("\n"))))
+    });
+    let (compiled, done, faults) = seen.into_inner();
+    println!("{compiled} of {worlds} compile, {done} steps, {faults} faults");
+    assert!(compiled * 100 >= worlds * 20 && done as u64 >= compiled * steps as u64 / 3, "{compiled} {done}");
+}
+
+#[test]
+fn tiny_worlds_have_the_same_states() {
+    same_states(set("HYPEDC_WORLDS").unwrap_or(600), 120, generate::program);
+}
+
+#[test]
+fn lively_worlds_have_the_same_states() {
+    same_states(if is_long() { 5_000 } else { 100 }, 200, lively::program);
+}
+
+#[test]
+fn any_worlds_have_the_same_states() {
+    same_states(if is_long() { 5_000 } else { 200 }, 100, any_program::program);
+}
+
+/// Judges many tiny worlds.
+fn true_verdicts(judge: Judge) -> Tally {
+    let worlds = set("HYPEDC_WORLDS").unwrap_or(if is_long() { 20_000 } else { 400 });
+    let most = if is_long() { 3_000 } else { 600 };
+    let tally = RefCell::new(Tally::default());
+    hold(worlds, generate::program, |study, _| verdict::check(study, judge, most, &mut tally.borrow_mut()));
+    let tally = tally.into_inner();
+    println!("{judge:?}: {tally:?}");
+    // Otherwise it says little.
+    let percent = |part: usize, of: usize| 100 * part / of.max(1);
+    assert!(percent(tally.worlds, worlds as usize) >= 80, "{tally:?}");
+    assert!(percent(tally.closed, tally.worlds) >= 40, "{tally:?}");
+    assert!(percent(tally.later, tally.goals) >= 15, "{tally:?}");
+    assert!(percent(tally.unreachable, tally.goals) >= 15, "{tally:?}");
+    tally
+}
+
+#[test]
+fn no_goal_that_can_be_reached_is_ruled_out_by_analysis() {
+    let tally = true_verdicts(Judge::Analysis);
+    assert!(100 * tally.proven >= 20 * tally.unreachable, "{tally:?}");
+}
+
+#[test]
+fn exhaustion_finds_the_shortest_ways_and_rules_out_the_rest() {
+    let tally = true_verdicts(Judge::Exhaustion);
+    assert!(100 * tally.proven >= 90 * tally.unreachable, "{tally:?}");
+}
+
+#[test]
+fn states_are_the_same_to_the_bit() {
+    let folders = ["examples", "tests/conformance", "tests/verdicts", "benches/worlds"];
+    let mut wrong = Vec::new();
+    let (mut worlds, mut steps, mut faults) = (0, 0, 0);
+    for path in folders.iter().flat_map(|folder| files(folder, "hyped")) {
+        let study = study(Path::new(&path), &Disk);
+        let Some(program) = &study.compilation.program else { panic!("{} does not compile", path.display()) };
+        for (world, table) in program.worlds.pairs().filter(|(_, w)| w.open.is_none()) {
+            let mut rng = Pcg64::seed_from_u64(1);
+            let run = compare::run(program, &study.checked, world, 300, &mut rng);
+            worlds += 1;
+            steps += run.steps;
+            faults += usize::from(run.faulted);
+            if let Some(difference) = run.difference {
+                wrong.push(format!("{} {}: {difference}", path.display(), table.name));
+            }
+        }
+    }
+    println!("{worlds} worlds, {steps} steps, {faults} faults, {} differ", wrong.len());
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}

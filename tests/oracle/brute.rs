@@ -1,0 +1,301 @@
+//! All that can happen in a small world: breadth first over all inputs of single steps, each state once.
+
+use std::collections::{BTreeSet, HashMap, VecDeque};
+
+use hypedc::sema::checked::{Action, By, DriveBy, Entity, Release, Side, Term, TermKind, Type};
+use hypedc::sema::ids::{Id, ModeId, TagId};
+
+use crate::evaluate::touching;
+use crate::model::{Keys, Oracle, State};
+
+/// A contact question: tag of one's own, tag of the other, side, and whether the other is named.
+type Question = (Option<TagId>, TagId, Option<Side>, bool);
+
+/// What of an entity's state is read at all.
+struct Reads {
+    /// Of modes: the count above which their timers no longer matter; none if each count does.
+    timers: Vec<(ModeId, Option<u32>)>,
+    questions: Vec<Question>,
+    /// The buttons that are asked whether they went down or up.
+    presses: BTreeSet<u32>,
+}
+
+/// What came of it.
+pub struct Explored {
+    /// Of each goal the least number of steps that lead to it, and the inputs.
+    pub goals: Vec<Option<Vec<Vec<Keys>>>>,
+    /// Whether these are all states.
+    pub is_closed: bool,
+    /// All states that are at most so many steps away are among them.
+    pub depth: usize,
+    pub states: usize,
+    /// Whether a rule was broken on the way.
+    pub faulted: bool,
+}
+
+/// Explores a world until its goals are found or so many states.
+pub fn explore(oracle: &Oracle<'_>, most: usize) -> Explored {
+    let reads: Vec<Reads> = (0..oracle.world.instances.len()).map(|slot| reads(oracle, slot)).collect();
+    let inputs = inputs(oracle);
+    let mut explored = Explored {
+        goals: oracle.world.goals.iter().map(|_| None).collect(),
+        is_closed: true,
+        depth: 0,
+        states: 0,
+        faulted: false,
+    };
+    let Ok(first) = oracle.initial() else {
+        explored.faulted = true;
+        return explored;
+    };
+    // The nodes: state, parent, the input that led here, depth.
+    let mut nodes: Vec<(Option<State>, usize, usize, usize)> = Vec::new();
+    let mut known: HashMap<Vec<u64>, ()> = HashMap::new();
+    let mut queue: VecDeque<usize> = VecDeque::new();
+    let mut arrive = |state: State, parent: usize, input: usize, depth: usize, explored: &mut Explored,
+                      nodes: &mut Vec<(Option<State>, usize, usize, usize)>| {
+        match verdict(oracle, &state) {
+            Ok(None) => {}
+            Ok(Some(goals)) => {
+                let fresh: Vec<usize> = goals.into_iter().filter(|g| explored.goals[*g].is_none()).collect();
+                let is_known = known.insert(key(oracle, &reads, &state), ()).is_some();
+                if is_known {
+                    return None;
+                }
+                nodes.push((Some(state), parent, input, depth));
+                for goal in fresh {
+                    let mut script = Vec::new();
+                    let mut at = nodes.len() - 1;
+                    while nodes[at].3 > 0 {
+                        script.push(inputs[nodes[at].2].clone());
+                        at = nodes[at].1;
+                    }
+                    script.reverse();
+                    explored.goals[goal] = Some(script);
+                }
+                return Some(nodes.len() - 1);
+            }
+            Err(_) => explored.faulted = true,
+        }
+        None
+    };
+    queue.extend(arrive(first, 0, 0, 0, &mut explored, &mut nodes));
+    while let Some(at) = queue.pop_front() {
+        explored.depth = nodes[at].3;
+        if nodes.len() >= most || explored.goals.iter().all(Option::is_some) {
+            explored.is_closed = false;
+            break;
+        }
+        let state = nodes[at].0.take().unwrap();
+        let depth = nodes[at].3 + 1;
+        for (input, keys) in inputs.iter().enumerate() {
+            match oracle.step(&state, keys) {
+                Ok((next, _)) => queue.extend(arrive(next, at, input, depth, &mut explored, &mut nodes)),
+                Err(_) => explored.faulted = true,
+            }
+        }
+    }
+    explored.states = nodes.len();
+    explored
+}
+
+/// The goals that hold in a state; none where a run ends in it.
+fn verdict(oracle: &Oracle<'_>, state: &State) -> Result<Option<Vec<usize>>, crate::model::Fault> {
+    for never in oracle.world.nevers.iter() {
+        if oracle.predicate(state, &never.predicate)? {
+            return Ok(None);
+        }
+    }
+    if !oracle.in_bounds(state) {
+        return Ok(None);
+    }
+    let mut goals = Vec::new();
+    for (id, goal) in oracle.world.goals.pairs() {
+        if oracle.predicate(state, &goal.predicate)? {
+            goals.push(id.index());
+        }
+    }
+    Ok(Some(goals))
+}
+
+/// All that the players can do in a step: every button up or down, every axis at -1, 0 or 1.
+fn inputs(oracle: &Oracle<'_>) -> Vec<Vec<Keys>> {
+    let mut all: Vec<Vec<Keys>> = vec![Vec::new()];
+    for player in oracle.world.players.iter() {
+        let entity = oracle.entity(player.slot.index());
+        let mut ways = vec![Keys::default()];
+        for button in 0..entity.buttons.len() as u32 {
+            let mut down = ways.clone();
+            down.iter_mut().for_each(|keys| {
+                keys.held.insert(button);
+            });
+            ways.extend(down);
+        }
+        for axis in 0..entity.axes.len() {
+            let turned = |to: f64| {
+                ways.iter().cloned().map(move |mut keys| {
+                    keys.axes[axis] = to;
+                    keys
+                })
+            };
+            ways = turned(0.0).chain(turned(-1.0)).chain(turned(1.0)).collect();
+        }
+        all = all.iter().flat_map(|before| ways.iter().map(move |keys| [before.clone(), vec![keys.clone()]].concat())).collect();
+    }
+    all
+}
+
+/// What tells states apart.
+fn key(oracle: &Oracle<'_>, reads: &[Reads], state: &State) -> Vec<u64> {
+    let mut key = Vec::new();
+    for (player, held) in oracle.world.players.iter().zip(&state.held) {
+        let presses = &reads[player.slot.index()].presses;
+        key.push(held.iter().filter(|b| presses.contains(b)).map(|b| 1u64 << b).sum());
+    }
+    for (thing, reads) in state.things.iter().zip(reads) {
+        let Some(thing) = thing else {
+            key.push(0);
+            continue;
+        };
+        key.push(1 + thing.space as u64);
+        key.extend(thing.params.iter().map(|p| p.to_bits()));
+        key.extend(thing.vars.iter().flatten().map(|p| p.to_bits()));
+        key.extend(thing.discretes.iter().map(|d| *d as u64));
+        key.extend(thing.refs.iter().chain([&thing.carrier]).map(|r| r.map_or(0, |slot| 1 + slot as u64)));
+        for group in &thing.modes {
+            key.push(u64::from(group.last().unwrap().0));
+        }
+        for (mode, limit) in &reads.timers {
+            let count = thing.timers.get(mode).copied().unwrap_or(0);
+            key.push(u64::from(limit.map_or(count, |limit| count.min(limit))));
+        }
+        for (envelope, way) in &thing.peaks {
+            key.extend([1 + u64::from(*envelope), way[0] as u64, way[1] as u64]);
+        }
+        key.push(u64::MAX);
+        for (mine, other, side, named) in &reads.questions {
+            let answers = || touching(thing, *mine, *other, *side);
+            if *named {
+                key.push(answers().filter_map(|c| c.who).min().map_or(0, |slot| 1 + slot as u64));
+            } else {
+                key.push(u64::from(answers().next().is_some()));
+            }
+        }
+    }
+    key
+}
+
+/// What is read of the state of the instance in a slot.
+fn reads(oracle: &Oracle<'_>, slot: usize) -> Reads {
+    let entity = oracle.entity(slot);
+    let mut reads = Reads { timers: Vec::new(), questions: Vec::new(), presses: BTreeSet::new() };
+    let mut times: HashMap<ModeId, Option<f64>> = HashMap::new();
+    let mut see = |term: &Term| walk(term, &mut |term| note(oracle, term, &mut times, &mut reads));
+    terms(entity, &mut see);
+    for question in oracle.world.goals.iter().chain(oracle.world.nevers.iter()) {
+        see(&question.predicate);
+    }
+    for guard in oracle.world.spaces.iter().flat_map(|s| &s.links).filter_map(|l| l.guard.as_ref()) {
+        see(guard);
+    }
+    for envelope in entity.envelopes.iter() {
+        if let By::Clock(mode) = envelope.by {
+            times.insert(mode, None);
+        }
+    }
+    let limit = |most: f64| (0..).find(|count| oracle.seconds(f64::from(*count)) > most).unwrap();
+    reads.timers = times.into_iter().map(|(mode, most)| (mode, most.map(limit))).collect();
+    reads.timers.sort_unstable();
+    reads
+}
+
+fn note(oracle: &Oracle<'_>, term: &Term, times: &mut HashMap<ModeId, Option<f64>>, reads: &mut Reads) -> bool {
+    match &term.kind {
+        TermKind::Compare(_, a, b) => {
+            for (timer, other) in [(a, b), (b, a)] {
+                let constant = match other.kind {
+                    TermKind::Number(n) | TermKind::Quantity(n, ..) => Some(n),
+                    TermKind::Frames(n) => Some(oracle.seconds(n)),
+                    _ => None,
+                };
+                if let (TermKind::Timer(mode), Some(constant)) = (&timer.kind, constant) {
+                    let most = times.entry(*mode).or_insert(Some(0.0));
+                    *most = most.map(|m| m.max(constant));
+                    return false;
+                }
+            }
+        }
+        TermKind::Timer(mode) => {
+            times.insert(*mode, None);
+        }
+        TermKind::Touching { mine, other, side, bound, .. } => {
+            let question = (*mine, *other, *side, bound.is_some());
+            if !reads.questions.contains(&question) {
+                reads.questions.push(question);
+            }
+        }
+        TermKind::Button(press, id) if *press != hypedc::sema::checked::Press::Held => {
+            reads.presses.insert(id.0);
+        }
+        _ => {}
+    }
+    true
+}
+
+/// Visits a term and, where the visitor says so, what it is made of.
+fn walk(term: &Term, visit: &mut dyn FnMut(&Term) -> bool) {
+    if !visit(term) {
+        return;
+    }
+    match &term.kind {
+        TermKind::Negate(a) | TermKind::Not(a) => walk(a, visit),
+        TermKind::Arithmetic(_, a, b) | TermKind::Compare(_, a, b) | TermKind::And(a, b) | TermKind::Or(a, b) => {
+            walk(a, visit);
+            walk(b, visit);
+        }
+        TermKind::Call(_, all) => all.iter().for_each(|a| walk(a, visit)),
+        TermKind::Near { x, y, radius, .. } => [x, y, radius].into_iter().for_each(|a| walk(a, visit)),
+        _ => {}
+    }
+}
+
+/// All terms of an entity that are read while it lives.
+fn terms(entity: &Entity, see: &mut dyn FnMut(&Term)) {
+    fn actions(all: &[Action], see: &mut dyn FnMut(&Term)) {
+        for action in all {
+            match action {
+                Action::Update(update) if !matches!(update.value.ty, Type::Ref(_)) => see(&update.value),
+                Action::Spawn(spawn) => spawn.given.iter().for_each(|(_, term)| see(term)),
+                _ => {}
+            }
+        }
+    }
+    for collider in entity.colliders.iter() {
+        collider.guard.iter().chain(collider.shape.numbers()).for_each(&mut *see);
+    }
+    let drives = entity.drives.iter().chain(entity.modes.iter().flat_map(|m| &m.drives));
+    for drive in drives {
+        if let DriveBy::Flow(term) = &drive.by {
+            see(term);
+        }
+    }
+    for mode in entity.modes.iter() {
+        actions(&mode.entry, see);
+        for follow in &mode.follows {
+            follow.guard.iter().for_each(&mut *see);
+            actions(&follow.actions, see);
+        }
+    }
+    for edge in entity.edges.iter() {
+        see(&edge.guard);
+        actions(&edge.actions, see);
+    }
+    for e in entity.envelopes.iter() {
+        let levels = e.peak.iter().chain([&e.sustain]).chain(&e.sustain_for).chain(&e.driven_while);
+        levels.for_each(&mut *see);
+        if let Release::To(_, Some(level)) = &e.release {
+            see(level);
+        }
+    }
+    entity.clamps.iter().flat_map(|c| c.low.iter().chain(&c.high)).for_each(see);
+}

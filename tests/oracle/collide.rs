@@ -1,0 +1,360 @@
+//! Collisions: every pair is looked at, tiles are rectangles of their own.
+
+use std::collections::BTreeSet;
+
+use hypedc::sema::checked::{CollideRule, Push, Response, Shape, Side};
+use hypedc::sema::ids::TagId;
+
+use crate::model::{Contact, Fault, Oracle, State};
+use crate::step::Passing;
+
+/// How far inside something may have stood that counts as outside of it, px.
+const TOLERANCE: f64 = 0.001;
+
+/// A rectangle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Area {
+    left: f64,
+    bottom: f64,
+    right: f64,
+    top: f64,
+}
+
+impl Area {
+    fn new([x, y, width, height]: [f64; 4]) -> Self {
+        Area { left: x, bottom: y, right: x + width, top: y + height }
+    }
+}
+
+/// Something that can be touched.
+#[derive(Debug, Clone)]
+struct Body {
+    /// The instance; none for tiles and rectangles.
+    slot: Option<usize>,
+    tags: BTreeSet<TagId>,
+    /// Whether it is never pushed.
+    fixed: bool,
+    area: Area,
+    /// Centre and radius of a disc.
+    disc: Option<(f64, f64, f64)>,
+    /// Where it would be if its instance had not moved.
+    before: Area,
+    /// The space of what does not move.
+    space: Option<usize>,
+    /// The column and the row of a tile.
+    tile: Option<(i64, i64)>,
+}
+
+/// Two bodies that touch.
+struct Meeting {
+    one: usize,
+    two: usize,
+    response: Response,
+    /// The side of the first one.
+    side: Side,
+    /// The sides of the first one from which it is pushed, and how far.
+    pushes: Vec<(Side, f64)>,
+    /// Whether the first one has left tags of the line, and the second one right ones.
+    first_on_second: bool,
+    /// The other way round.
+    second_on_first: bool,
+}
+
+impl Oracle<'_> {
+    /// Finds the contacts before the first step; nothing is pushed.
+    pub fn find_contacts(&self, state: &mut State, passing: &Passing) -> Result<(), Fault> {
+        let bodies = self.bodies(state, state, passing)?;
+        let meetings = self.meetings(&bodies, state);
+        self.note(state, &bodies, &meetings);
+        Ok(())
+    }
+
+    /// `start` is the state as the flows of this step began.
+    pub fn collide(&self, start: &State, state: &mut State, passing: &Passing) -> Result<(), Fault> {
+        self.carry(start, state, passing);
+        let bodies = self.bodies(start, state, passing)?;
+        let meetings = self.meetings(&bodies, state);
+        self.note(state, &bodies, &meetings);
+        self.push(state, &bodies, &meetings);
+        Ok(())
+    }
+
+    /// Moves what rides along with what carries it, slot by slot.
+    fn carry(&self, start: &State, state: &mut State, passing: &Passing) {
+        for slot in 0..state.things.len() {
+            let Some(thing) = state.things[slot].as_ref().filter(|_| passing.acts(slot)) else { continue };
+            let Some(on) = thing.carrier.filter(|on| passing.acts(*on)) else { continue };
+            let (Some(was), Some(is)) = (&start.things[on], &state.things[on]) else { continue };
+            if is.space != thing.space {
+                continue;
+            }
+            let way = [0, 1].map(|axis| is.vars[axis][0] - was.vars[axis][0]);
+            let thing = state.things[slot].as_mut().unwrap();
+            for axis in 0..2 {
+                thing.vars[axis][0] += way[axis];
+            }
+        }
+    }
+
+    /// All colliders that are there.
+    fn bodies(&self, start: &State, state: &State, passing: &Passing) -> Result<Vec<Body>, Fault> {
+        let mut bodies = Vec::new();
+        for (slot, thing) in state.things.iter().enumerate() {
+            let Some(thing) = thing.as_ref().filter(|_| passing.acts(slot)) else { continue };
+            let code = self.code(state, slot);
+            for collider in self.entity(slot).colliders.iter() {
+                let is_there = match &collider.guard {
+                    Some(guard) => code.holds(guard)?,
+                    None => true,
+                };
+                if !is_there {
+                    continue;
+                }
+                let numbers: Result<Vec<f64>, Fault> = collider.shape.numbers().iter().map(|t| code.value(t)).collect();
+                let (numbers, (x, y)) = (numbers?, thing.position());
+                let at = |(x, y): (f64, f64)| match (&collider.shape, numbers.as_slice()) {
+                    (Shape::Rect(_), &[dx, dy, width, height]) => Area::new([x + dx, y + dy, width, height]),
+                    (Shape::Circle(_), &[dx, dy, r]) => Area::new([x + (dx - r), y + (dy - r), 2.0 * r, 2.0 * r]),
+                    _ => unreachable!(),
+                };
+                let area = at((x, y));
+                let middle = |low: f64, high: f64| (low + high) / 2.0;
+                let disc = matches!(collider.shape, Shape::Circle(_)).then(|| {
+                    (middle(area.left, area.right), middle(area.bottom, area.top), (area.right - area.left) / 2.0)
+                });
+                let is_empty = match (&collider.shape, numbers.as_slice()) {
+                    (Shape::Rect(_), &[.., width, height]) => width <= 0.0 || height <= 0.0,
+                    (_, numbers) => numbers[2] <= 0.0,
+                };
+                if is_empty {
+                    continue;
+                }
+                bodies.push(Body {
+                    slot: Some(slot),
+                    tags: collider.tags.iter().copied().collect(),
+                    fixed: collider.kinematic,
+                    area,
+                    disc,
+                    before: at(start.things[slot].as_ref().unwrap().position()),
+                    space: None,
+                    tile: None,
+                });
+            }
+        }
+        for space in 0..self.world.spaces.len() {
+            bodies.extend(self.still(space));
+        }
+        Ok(bodies)
+    }
+
+    /// What does not move, of a space.
+    fn still(&self, number: usize) -> Vec<Body> {
+        let space = self.world.spaces.iter().nth(number).unwrap();
+        let body = |tags: &[TagId], area: Area, tile| Body {
+            slot: None,
+            tags: tags.iter().copied().collect(),
+            fixed: true,
+            area,
+            disc: None,
+            before: area,
+            space: Some(number),
+            tile,
+        };
+        let mut bodies: Vec<Body> = space.solids.iter().map(|s| body(&s.tags, Area::new(s.rect), None)).collect();
+        if let Some(map) = &space.map {
+            for row in 0..map.rows {
+                for column in 0..map.columns {
+                    let tags = &map.kinds[usize::from(map.cells[row * map.columns + column])].tags;
+                    if !tags.is_empty() {
+                        let (width, height) = map.tile;
+                        let area = Area {
+                            left: column as f64 * width,
+                            bottom: row as f64 * height,
+                            right: column as f64 * width + width,
+                            top: row as f64 * height + height,
+                        };
+                        bodies.push(body(tags, area, Some((column as i64, row as i64))));
+                    }
+                }
+            }
+        }
+        bodies
+    }
+
+    /// What a contact of two bodies does: the strongest of all lines that match; and whether the first one has left tags
+    /// of that line and the second one right ones, and the other way round.
+    fn response(&self, one: &Body, two: &Body) -> Option<(Response, bool, bool)> {
+        let has = |body: &Body, tags: &[TagId]| tags.iter().any(|t| body.tags.contains(t));
+        let matches = |line: &CollideRule| {
+            let ways = (has(one, &line.left) && has(two, &line.right), has(two, &line.left) && has(one, &line.right));
+            (ways != (false, false)).then_some((line.response, ways.0, ways.1))
+        };
+        let all: Vec<(Response, bool, bool)> = self.world.collide.iter().filter_map(matches).collect();
+        let strongest = all.iter().map(|(response, ..)| *response).max()?;
+        all.into_iter().find(|(response, ..)| *response == strongest)
+    }
+
+    /// All pairs that touch. The first one is an instance's.
+    fn meetings(&self, bodies: &[Body], state: &State) -> Vec<Meeting> {
+        let space = |body: &Body| body.slot.map(|slot| state.things[slot].as_ref().unwrap().space);
+        let count = bodies.iter().filter(|b| b.slot.is_some()).count();
+        let mut meetings = Vec::new();
+        for i in 0..count {
+            for j in 0..bodies.len() {
+                let (one, two) = (&bodies[i], &bodies[j]);
+                let is_pair = if j < count { two.slot > one.slot && space(two) == space(one) } else { two.space == space(one) };
+                if is_pair {
+                    meetings.extend(self.meeting(i, j, bodies));
+                }
+            }
+        }
+        meetings
+    }
+
+    fn meeting(&self, i: usize, j: usize, bodies: &[Body]) -> Option<Meeting> {
+        let (one, two) = (&bodies[i], &bodies[j]);
+        let (response, first_on_second, second_on_first) = self.response(one, two)?;
+        let (a, b) = (one.area, two.area);
+        let (was, other_was) = (one.before, two.before);
+        // How far the first one would have to go to each side.
+        let (to_left, to_right) = (a.right - b.left, b.right - a.left);
+        let (to_below, to_above) = (a.top - b.bottom, b.top - a.bottom);
+        let ways = [to_left, to_right, to_below, to_above];
+        let lies_against = |along: [f64; 2]| along.contains(&0.0);
+        let is_corner = lies_against([to_left, to_right]) && lies_against([to_below, to_above]);
+        if ways.iter().any(|way| *way < 0.0) || is_corner {
+            return None;
+        }
+        let met = |side, depth| Meeting { one: i, two: j, response, pushes: vec![(side, depth)], side, first_on_second, second_on_first };
+        if response.push == Push::FromAbove {
+            if first_on_second && other_was.top - was.bottom <= TOLERANCE {
+                return Some(met(Side::Below, to_above));
+            }
+            if second_on_first && was.top - other_was.bottom <= TOLERANCE {
+                return Some(met(Side::Above, to_below));
+            }
+            return None;
+        }
+        if response.push == Push::Sense && (one.disc.is_some() || two.disc.is_some()) && !shapes_meet(one, two) {
+            return None;
+        }
+        // On each axis it goes back to where it came from.
+        let from_left = was.right - other_was.left <= other_was.right - was.left;
+        let from_below = was.top - other_was.bottom <= other_was.top - was.bottom;
+        let level = if from_left { (Side::Right, to_left) } else { (Side::Left, to_right) };
+        let upright = if from_below { (Side::Above, to_below) } else { (Side::Below, to_above) };
+        let neighbour = |dx: i64, dy: i64| {
+            two.tile.is_some_and(|(column, row)| {
+                bodies.iter().any(|other| {
+                    other.space == two.space
+                        && other.tile == Some((column + dx, row + dy))
+                        && self.response(one, other).is_some_and(|(r, ..)| r.push == Push::Block)
+                })
+            })
+        };
+        let is_level_covered = neighbour(if from_left { -1 } else { 1 }, 0);
+        let is_upright_covered = neighbour(0, if from_below { -1 } else { 1 });
+        let least = if level.1 < upright.1 { level } else { upright };
+        let (side, depth) = match (is_level_covered, is_upright_covered) {
+            (true, false) => upright,
+            (false, true) => level,
+            _ => least,
+        };
+        let mut meeting = met(side, depth);
+        if is_level_covered && is_upright_covered {
+            let gap = |from_low: bool, low: f64, high: f64| if from_low { low } else { high } <= TOLERANCE;
+            let around = gap(from_left, was.right - other_was.left, other_was.right - was.left)
+                && gap(from_below, was.top - other_was.bottom, other_was.top - was.bottom);
+            if around {
+                meeting.pushes = vec![level, upright];
+            }
+        }
+        Some(meeting)
+    }
+
+    /// Lets instances know what they touch.
+    fn note(&self, state: &mut State, bodies: &[Body], meetings: &[Meeting]) {
+        for thing in state.things.iter_mut().flatten() {
+            thing.contacts.clear();
+            thing.carrier = None;
+        }
+        for meeting in meetings {
+            let (one, two) = (&bodies[meeting.one], &bodies[meeting.two]);
+            let sides = [
+                (one, two, meeting.side, meeting.first_on_second),
+                (two, one, opposite(meeting.side), meeting.second_on_first),
+            ];
+            for (mine, other, side, may_stand) in sides {
+                let Some(slot) = mine.slot else { continue };
+                let thing = state.things[slot].as_mut().unwrap();
+                thing.contacts.insert(Contact {
+                    mine: mine.tags.clone(),
+                    other: other.tags.clone(),
+                    side,
+                    who: other.slot,
+                });
+                let stands = meeting.response.carry && may_stand && side == Side::Below && !mine.fixed;
+                if let Some(on) = other.slot.filter(|on| stands && thing.carrier.is_none_or(|c| *on < c)) {
+                    thing.carrier = Some(on);
+                }
+            }
+        }
+    }
+
+    /// Pushes out what blocks.
+    fn push(&self, state: &mut State, bodies: &[Body], meetings: &[Meeting]) {
+        let start = state.clone();
+        for (slot, thing) in state.things.iter_mut().enumerate().filter_map(|(slot, t)| Some((slot, t.as_mut()?))) {
+            // All that pushes it: from which of its sides, how far, and whether that stops it.
+            let mut pushes: Vec<(Side, f64, bool)> = Vec::new();
+            for meeting in meetings.iter().filter(|m| m.response.push != Push::Sense) {
+                let (one, two) = (&bodies[meeting.one], &bodies[meeting.two]);
+                let share = if one.fixed || two.fixed { 1.0 } else { 0.5 };
+                for (side, depth) in &meeting.pushes {
+                    for (mine, side) in [(one, *side), (two, opposite(*side))] {
+                        if mine.slot == Some(slot) && !mine.fixed && *depth > 0.0 {
+                            pushes.push((side, depth * share, meeting.response.stop));
+                        }
+                    }
+                }
+            }
+            for (axis, low, high) in [(0, Side::Left, Side::Right), (1, Side::Below, Side::Above)] {
+                let deepest = |side: Side| pushes.iter().filter(|p| p.0 == side).map(|p| p.1).fold(0.0, f64::max);
+                let stops = |side: Side| pushes.iter().any(|p| p.0 == side && p.2);
+                let (up, down) = (deepest(low), deepest(high));
+                let was = start.things[slot].as_ref().unwrap().vars[axis];
+                let [x, v, _] = &mut thing.vars[axis];
+                *x = was[0] + if up >= down { up } else { -down } + 0.0;
+                if stops(low) && was[1] < 0.0 || stops(high) && was[1] > 0.0 {
+                    *v = 0.0;
+                }
+            }
+        }
+    }
+}
+
+/// Whether two shapes meet of which at least one is a disc.
+fn shapes_meet(one: &Body, two: &Body) -> bool {
+    match (one.disc, two.disc) {
+        (Some((x, y, r)), Some((ox, oy, or))) => {
+            (x - ox) * (x - ox) + (y - oy) * (y - oy) <= (r + or) * (r + or)
+        }
+        (Some((x, y, r)), None) | (None, Some((x, y, r))) => {
+            let b = if one.disc.is_some() { two.area } else { one.area };
+            let beyond = |at: f64, low: f64, high: f64| if at < low { low - at } else if at > high { at - high } else { 0.0 };
+            let (dx, dy) = (beyond(x, b.left, b.right), beyond(y, b.bottom, b.top));
+            let distance = dx * dx + dy * dy;
+            distance < r * r || (distance == r * r && (dx == 0.0 || dy == 0.0))
+        }
+        (None, None) => true,
+    }
+}
+
+fn opposite(side: Side) -> Side {
+    match side {
+        Side::Left => Side::Right,
+        Side::Right => Side::Left,
+        Side::Above => Side::Below,
+        Side::Below => Side::Above,
+    }
+}

@@ -1,0 +1,173 @@
+//! The simulator's states held against those of the interpreter, to the bit.
+
+use hypedc::ir::{Id, Program, SlotId, WorldId};
+use hypedc::sema::checked::Checked;
+use hypedc::sim::state::real;
+use hypedc::sim::{FaultKind, Input, PlayerInput, Simulator};
+use rand::{Rng, RngExt};
+
+use crate::evaluate::touching;
+use crate::model::{Fault, Keys, Oracle, State};
+
+/// What the input of a player is to the simulator.
+pub fn input(keys: &[Keys]) -> Input {
+    let one = |keys: &Keys| PlayerInput { buttons: keys.held.iter().map(|b| 1u64 << b).sum(), axes: keys.axes };
+    Input(keys.iter().map(one).collect())
+}
+
+fn kind(fault: FaultKind) -> Fault {
+    match fault {
+        FaultKind::NotFinite(..) => Fault::NotFinite,
+        FaultKind::DivisionByZero(..) => Fault::DivisionByZero,
+        FaultKind::Diverged(_) => Fault::Diverged,
+        FaultKind::OutOfRange(..) => Fault::OutOfRange,
+        FaultKind::ReadNone(_) => Fault::ReadNone,
+    }
+}
+
+/// A run of both.
+pub struct Run {
+    /// Each step's input as text.
+    pub script: Vec<String>,
+    /// The first difference, if there is one.
+    pub difference: Option<String>,
+    /// The steps that both have done.
+    pub steps: usize,
+    /// Whether both came to a broken rule.
+    pub faulted: bool,
+}
+
+/// Runs both with random inputs until they differ, break a rule or have done so many steps.
+pub fn run(program: &Program, checked: &Checked, world: WorldId, steps: usize, rng: &mut impl Rng) -> Run {
+    let oracle = Oracle::new(checked, world);
+    let sim = Simulator::new(program, world);
+    let mut scratch = sim.scratch();
+    let mut run = Run { script: Vec::new(), difference: None, steps: 0, faulted: false };
+    let (mut theirs, mut ours) = match (sim.initial(&mut scratch), oracle.initial()) {
+        (Ok(theirs), Ok(ours)) => (theirs, ours),
+        (Err(theirs), Err(ours)) if kind(theirs.kind) == ours => return Run { faulted: true, ..run },
+        (theirs, ours) => {
+            let (theirs, ours) = (theirs.map(|_| "a state"), ours.map(|_| "a state"));
+            run.difference = Some(format!("at the start: simulator {theirs:?}, interpreter {ours:?}"));
+            return run;
+        }
+    };
+    let mut keys: Vec<Keys> = oracle.world.players.iter().map(|_| Keys::default()).collect();
+    loop {
+        let mut all = differences(&sim, &theirs, &ours);
+        all.extend(questions(&sim, &theirs, &oracle, &ours));
+        if !all.is_empty() {
+            run.difference = Some(format!("after step {}:\n  {}", run.steps, all.join("\n  ")));
+            return run;
+        }
+        if run.steps == steps {
+            return run;
+        }
+        for (player, keys) in keys.iter_mut().enumerate() {
+            if rng.random_range(0..4) > 0 && run.steps > 0 {
+                continue;
+            }
+            let entity = oracle.entity(oracle.world.players.iter().nth(player).unwrap().slot.index());
+            keys.held = (0..entity.buttons.len() as u32).filter(|_| rng.random_range(0..2) == 0).collect();
+            for axis in keys.axes.iter_mut().take(entity.axes.len()) {
+                *axis = [-1.0, 0.0, 1.0, 0.3, -0.75][rng.random_range(0..5)];
+            }
+        }
+        run.script.push(format!("{keys:?}"));
+        run.steps += 1;
+        match (sim.step(&mut theirs, &input(&keys), &mut scratch), oracle.step(&ours, &keys)) {
+            (Ok(()), Ok((next, _))) => ours = next,
+            (Err(theirs), Err(ours)) if kind(theirs.kind) == ours => return Run { faulted: true, ..run },
+            (theirs, ours) => {
+                let ours = ours.map(|_| "a state");
+                run.difference = Some(format!("step {}: simulator {theirs:?}, interpreter {ours:?}", run.steps));
+                return run;
+            }
+        }
+    }
+}
+
+/// What the two states differ in.
+pub fn differences(sim: &Simulator<'_>, state: &[u8], ours: &State) -> Vec<String> {
+    let (program, world) = (sim.program(), sim.world());
+    let mut all = Vec::new();
+    for (slot, s) in world.slots.pairs() {
+        let (entity, layout) = (&program.entities[s.entity], &world.layout.slots[slot]);
+        let mut differs = |what: String, theirs: String, ours: String| {
+            if theirs != ours {
+                all.push(format!("{} {what}: simulator {theirs}, interpreter {ours}", s.name));
+            }
+        };
+        let thing = &ours.things[slot.index()];
+        differs("lives".into(), layout.alive(state).to_string(), thing.is_some().to_string());
+        let Some(thing) = thing.as_ref().filter(|_| layout.alive(state)) else { continue };
+        let shown = |value: f64| format!("{value:?} ({:016x})", value.to_bits());
+        for (var, name) in entity.vars.pairs() {
+            for degree in 0..3 {
+                let (theirs, ours) = (layout.var(state, var, degree), thing.vars[var.index()][usize::from(degree)]);
+                differs(format!("{name}{}", "'".repeat(usize::from(degree))), shown(theirs), shown(ours));
+            }
+        }
+        if let Some(at) = layout.params {
+            for (param, p) in entity.params.pairs() {
+                let theirs = real(state, at + 8 * param.index());
+                differs(p.name.clone(), shown(theirs), shown(thing.params[param.index()]));
+            }
+        }
+        for (id, discrete) in entity.discretes.pairs() {
+            let ours = thing.discretes[id.index()].to_string();
+            differs(discrete.name.clone(), layout.discrete(state, id).to_string(), ours);
+        }
+        for (id, reference) in entity.refs.pairs() {
+            let theirs = layout.reference(state, id).map(SlotId::index);
+            differs(reference.name.clone(), format!("{theirs:?}"), format!("{:?}", thing.refs[id.index()]));
+        }
+        differs("space".into(), layout.space(state).index().to_string(), thing.space.to_string());
+        for group in entity.groups.ids() {
+            let theirs = &entity.leaves[layout.leaf(state, group)].path;
+            differs("modes".into(), format!("{theirs:?}"), format!("{:?}", thing.modes[group.index()]));
+        }
+        for (id, timer) in entity.timers.pairs() {
+            let ours = thing.timers.get(&timer.mode).copied().unwrap_or(0).min(s.timer_limits[id]);
+            let name = format!("timer({})", entity.modes[timer.mode].path);
+            differs(name, layout.timer(state, id).to_string(), ours.to_string());
+        }
+        for (id, touch) in entity.touches.pairs() {
+            // Where no tag of one's own is asked for, all are meant.
+            let mine: Vec<_> = touch.mine.iter().collect();
+            let mine = if let [only] = mine.as_slice() { Some(*only) } else { None };
+            let answers = || touching(thing, mine, touch.other, touch.side);
+            let ours = answers().any(|c| !touch.bound || c.who.is_some());
+            differs(format!("{touch:?}"), layout.touch(state, id).to_string(), ours.to_string());
+            if touch.bound {
+                let theirs = layout.touched(state, id).map(SlotId::index);
+                let ours = answers().filter_map(|c| c.who).min();
+                differs(format!("{touch:?} by"), format!("{theirs:?}"), format!("{ours:?}"));
+            }
+        }
+        let theirs = layout.carrier(state).map(SlotId::index);
+        differs("carrier".into(), format!("{theirs:?}"), format!("{:?}", thing.carrier));
+    }
+    all
+}
+
+/// The questions of a world that get different answers.
+fn questions(sim: &Simulator<'_>, state: &[u8], oracle: &Oracle<'_>, ours: &State) -> Vec<String> {
+    let mut all = Vec::new();
+    let mut differs = |name: &str, theirs: String, ours: String| {
+        if theirs != ours {
+            all.push(format!("{name}: simulator {theirs}, interpreter {ours}"));
+        }
+    };
+    for (id, goal) in oracle.world.goals.pairs() {
+        let theirs = sim.goal(state, id).map_err(|f| kind(f.kind));
+        differs(&goal.name.text, format!("{theirs:?}"), format!("{:?}", oracle.predicate(ours, &goal.predicate)));
+    }
+    for (never, theirs) in oracle.world.nevers.iter().zip(sim.world().nevers.iter()) {
+        let theirs = sim.holds(state, theirs.holds).map_err(|f| kind(f.kind));
+        differs(&never.name.text, format!("{theirs:?}"), format!("{:?}", oracle.predicate(ours, &never.predicate)));
+    }
+    let theirs = sim.broken_invariant(state).map(|b| b.map(|(slot, i)| (slot.index(), i))).map_err(|f| kind(f.kind));
+    differs("invariants", format!("{theirs:?}"), format!("{:?}", oracle.broken(ours)));
+    all
+}

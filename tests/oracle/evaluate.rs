@@ -1,0 +1,182 @@
+//! The value of an expression; truth values are 0 and 1.
+
+use std::collections::BTreeSet;
+
+use hypedc::sema::checked::{Arithmetic, CompareOp, Function, Press, Side, Subject, Term, TermKind};
+use hypedc::sema::ids::{ModeId, TagId, TouchId};
+
+use crate::model::{Contact, Fault, Keys, Oracle, State, Thing};
+
+/// What code reads.
+#[derive(Clone, Copy)]
+pub struct Code<'a> {
+    pub oracle: &'a Oracle<'a>,
+    pub state: &'a State,
+    /// The slot that the code runs for; none for code of the world.
+    pub me: Option<usize>,
+    pub keys: Option<(&'a Keys, &'a BTreeSet<u32>)>,
+    /// The modes that were entered and those that were left in this step.
+    pub joint: Option<(&'a BTreeSet<ModeId>, &'a BTreeSet<ModeId>)>,
+}
+
+impl<'a> Code<'a> {
+    fn my(&self) -> Option<&'a Thing> {
+        self.state.things[self.me?].as_ref()
+    }
+
+    /// The slot that a subject stands for, if there is something.
+    pub fn slot(&self, of: Subject) -> Option<usize> {
+        let slot = match of {
+            Subject::Me => self.me?,
+            Subject::Slot(slot) => slot.0 as usize,
+            Subject::Ref(r) => self.my()?.refs[r.0 as usize]?,
+            Subject::Touched(id) => self.touched(id)?,
+        };
+        self.state.things[slot].is_some().then_some(slot)
+    }
+
+    fn of(&self, of: Subject) -> Result<&'a Thing, Fault> {
+        let slot = self.slot(of).ok_or(Fault::ReadNone)?;
+        self.state.things[slot].as_ref().ok_or(Fault::ReadNone)
+    }
+
+    /// The first instance, by its slot, that answers a contact question whose answer is named.
+    pub fn touched(&self, id: TouchId) -> Option<usize> {
+        let question = &self.oracle.entity(self.me?).bound[id];
+        touching(self.my()?, question.mine, question.other, question.side).filter_map(|c| c.who).min()
+    }
+
+    pub fn holds(&self, term: &Term) -> Result<bool, Fault> {
+        Ok(self.value(term)? != 0.0)
+    }
+
+    /// The instance that a term stands for.
+    pub fn instance(&self, term: &Term) -> Option<usize> {
+        match &term.kind {
+            TermKind::Instance(of) => self.slot(*of),
+            _ => None,
+        }
+    }
+
+    pub fn value(&self, term: &Term) -> Result<f64, Fault> {
+        let truth = |b: bool| if b { 1.0 } else { 0.0 };
+        let value = match &term.kind {
+            TermKind::Number(n) | TermKind::Quantity(n, ..) => *n,
+            TermKind::Frames(n) => self.oracle.seconds(*n),
+            TermKind::Bool(b) => truth(*b),
+            TermKind::Param(of, id) => self.of(*of)?.params[id.0 as usize],
+            TermKind::Var(of, id, degree) => self.of(*of)?.vars[id.0 as usize][usize::from(*degree)],
+            TermKind::Discrete(of, id) => f64::from(self.of(*of)?.discretes[id.0 as usize]),
+            TermKind::Axis(id) => self.keys.map_or(0.0, |(keys, _)| keys.axes[id.0 as usize]),
+            TermKind::Timer(mode) => {
+                let count = self.my().and_then(|me| me.timers.get(mode)).copied().unwrap_or(0);
+                self.oracle.seconds(f64::from(count))
+            }
+            TermKind::Negate(a) => -self.value(a)?,
+            TermKind::Arithmetic(op, a, b) => {
+                let (a, b) = (self.value(a)?, self.value(b)?);
+                match op {
+                    Arithmetic::Add => a + b,
+                    Arithmetic::Subtract => a - b,
+                    Arithmetic::Multiply => a * b,
+                    Arithmetic::Divide if b == 0.0 => return Err(Fault::DivisionByZero),
+                    Arithmetic::Divide => a / b,
+                }
+            }
+            TermKind::Call(Function::If, arguments) => {
+                let branch = if self.holds(&arguments[0])? { 1 } else { 2 };
+                self.value(&arguments[branch])?
+            }
+            TermKind::Call(function, arguments) => {
+                let values: Result<Vec<f64>, Fault> = arguments.iter().map(|a| self.value(a)).collect();
+                call(*function, &values?)
+            }
+            TermKind::Compare(op, a, b) => {
+                let (a, b) = (self.value(a)?, self.value(b)?);
+                truth(match op {
+                    CompareOp::Equal => a == b,
+                    CompareOp::Unequal => a != b,
+                    CompareOp::Less => a < b,
+                    CompareOp::AtMost => a <= b,
+                    CompareOp::Greater => a > b,
+                    CompareOp::AtLeast => a >= b,
+                })
+            }
+            TermKind::And(a, b) => truth(self.holds(a)? && self.holds(b)?),
+            TermKind::Or(a, b) => truth(self.holds(a)? || self.holds(b)?),
+            TermKind::Not(a) => truth(!self.holds(a)?),
+            TermKind::Button(press, id) => truth(self.keys.is_some_and(|(keys, before)| {
+                let (is, was) = (keys.held.contains(&id.0), before.contains(&id.0));
+                match press {
+                    Press::Pressed => is && !was,
+                    Press::Held => is,
+                    Press::Released => was && !is,
+                }
+            })),
+            TermKind::Touching { of, mine, other, side, bound } => {
+                let thing = self.of(*of)?;
+                let mut all = touching(thing, *mine, *other, *side);
+                truth(all.any(|c| bound.is_none() || c.who.is_some()))
+            }
+            TermKind::Joint { mode, entering } => {
+                truth(self.joint.is_some_and(|(entered, left)| if *entering { entered } else { left }.contains(mode)))
+            }
+            TermKind::IsNone(of) => truth(self.slot(*of).is_none()),
+            TermKind::Is(of, entity) => {
+                truth(self.slot(*of).is_some_and(|slot| self.oracle.entity_id(slot) == *entity))
+            }
+            TermKind::Alive(slot) => truth(self.slot(Subject::Slot(*slot)).is_some()),
+            TermKind::InMode(of, mode) => truth(self.of(*of).is_ok_and(|thing| thing.is_in(*mode))),
+            TermKind::InSpace(of, space) => truth(self.of(*of).is_ok_and(|thing| thing.space == space.0 as usize)),
+            TermKind::Near { of, x, y, radius } => {
+                let (at, x, y, radius) = (self.of(*of)?.position(), self.value(x)?, self.value(y)?, self.value(radius)?);
+                let (dx, dy) = (at.0 - x, at.1 - y);
+                truth(radius >= 0.0 && dx * dx + dy * dy <= radius * radius)
+            }
+            TermKind::NoneRef | TermKind::Instance(_) => panic!("a reference is no number"),
+        };
+        if value.is_finite() { Ok(value) } else { Err(Fault::NotFinite) }
+    }
+}
+
+/// The contacts that answer a question.
+pub fn touching(
+    thing: &Thing,
+    mine: Option<TagId>,
+    other: TagId,
+    side: Option<Side>,
+) -> impl Iterator<Item = &Contact> {
+    thing.contacts.iter().filter(move |c| {
+        mine.is_none_or(|tag| c.mine.contains(&tag))
+            && c.other.contains(&other)
+            && side.is_none_or(|side| c.side == side)
+    })
+}
+
+fn call(function: Function, arguments: &[f64]) -> f64 {
+    let smaller = |a: f64, b: f64| if b < a { b } else { a };
+    let larger = |a: f64, b: f64| if b > a { b } else { a };
+    match (function, arguments) {
+        (Function::Min, &[a, b]) => smaller(a, b),
+        (Function::Max, &[a, b]) => larger(a, b),
+        (Function::Abs, &[a]) => a.abs(),
+        (Function::Sign, &[a]) => {
+            if a > 0.0 {
+                1.0
+            } else if a < 0.0 {
+                -1.0
+            } else {
+                0.0
+            }
+        }
+        (Function::Clamp, &[a, low, high]) => smaller(larger(a, low), high),
+        (Function::Floor, &[a]) => a.floor(),
+        (Function::Ceil, &[a]) => a.ceil(),
+        (Function::Round, &[a]) => a.round(),
+        (Function::Sqrt, &[a]) => a.sqrt(),
+        (Function::Sin, &[a]) => libm::sin(a),
+        (Function::Cos, &[a]) => libm::cos(a),
+        (Function::Atan2, &[y, x]) => libm::atan2(y, x),
+        other => panic!("{other:?}"),
+    }
+}

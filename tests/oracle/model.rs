@@ -1,0 +1,114 @@
+//! What a world is between two steps, as plain as it can be said.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use hypedc::sema::checked::{Checked, Entity, Side, World};
+use hypedc::sema::ids::{EntityId, ModeId, TagId, WorldId};
+
+/// A broken rule.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fault {
+    NotFinite,
+    DivisionByZero,
+    Diverged,
+    OutOfRange,
+    ReadNone,
+}
+
+/// What one player gives at one step.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Keys {
+    /// The buttons that are down.
+    pub held: BTreeSet<u32>,
+    /// The axes.
+    pub axes: [f64; 4],
+}
+
+/// Something that one of an instance's colliders touches.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Contact {
+    /// The tags of one's own collider.
+    pub mine: BTreeSet<TagId>,
+    /// The tags of what is touched.
+    pub other: BTreeSet<TagId>,
+    /// The side of one's own collider.
+    pub side: Side,
+    /// The instance that is touched; none for a tile or a rectangle.
+    pub who: Option<usize>,
+}
+
+/// An instance.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Thing {
+    pub params: Vec<f64>,
+    /// Position, velocity, acceleration.
+    pub vars: Vec<[f64; 3]>,
+    pub discretes: Vec<i32>,
+    /// Slots.
+    pub refs: Vec<Option<usize>>,
+    pub space: usize,
+    /// Of each group the active modes, outermost first.
+    pub modes: Vec<Vec<ModeId>>,
+    /// Of each active mode the steps since it was entered.
+    pub timers: BTreeMap<ModeId, u32>,
+    /// The envelopes that have reached their peak, and in which direction.
+    pub peaks: BTreeMap<u32, [i64; 2]>,
+    pub contacts: BTreeSet<Contact>,
+    /// The slot of what carries it.
+    pub carrier: Option<usize>,
+}
+
+impl Thing {
+    pub fn position(&self) -> (f64, f64) {
+        (self.vars[0][0], self.vars[1][0])
+    }
+
+    pub fn is_in(&self, mode: ModeId) -> bool {
+        self.modes.iter().flatten().any(|m| *m == mode)
+    }
+}
+
+/// A world between two steps.
+#[derive(Debug, Clone, PartialEq)]
+pub struct State {
+    /// Of each slot the instance that lives there.
+    pub things: Vec<Option<Thing>>,
+    /// Of each player the buttons that were down in the last step.
+    pub held: Vec<BTreeSet<u32>>,
+}
+
+/// A world that is interpreted.
+pub struct Oracle<'p> {
+    pub program: &'p Checked,
+    pub world: &'p World,
+}
+
+impl<'p> Oracle<'p> {
+    pub fn new(program: &'p Checked, world: WorldId) -> Self {
+        Oracle { program, world: &program.worlds[world] }
+    }
+
+    pub fn entity_id(&self, slot: usize) -> EntityId {
+        use hypedc::sema::ids::{Id, SlotId};
+        self.world.instances[SlotId::from_index(slot)].entity
+    }
+
+    pub fn entity(&self, slot: usize) -> &'p Entity {
+        &self.program.entities[self.entity_id(slot)]
+    }
+
+    /// The length of a step, s.
+    pub fn dt(&self) -> f64 {
+        self.seconds(1.0)
+    }
+
+    /// So many steps in seconds.
+    pub fn seconds(&self, steps: f64) -> f64 {
+        steps * self.world.step.0 as f64 / self.world.step.1 as f64
+    }
+
+    /// The player who controls a slot.
+    pub fn player(&self, slot: usize) -> Option<usize> {
+        self.world.players.iter().position(|p| p.slot.0 as usize == slot)
+    }
+}

@@ -1,0 +1,436 @@
+//! One step: inputs, edges with all that they bring about, then flows and collisions (in files of their own), and what
+//! is looked at in the end.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use hypedc::sema::checked::{Action, Given, Origin, Place, Spawn, Subject, Term, Update};
+use hypedc::sema::ids::{DiscreteId, EdgeId, EntityId, GroupId, Id, ModeId, SlotId};
+
+use crate::evaluate::Code;
+use crate::model::{Fault, Keys, Oracle, State, Thing};
+
+/// What a player gives, and the buttons that were down before.
+pub type Frame = (Keys, BTreeSet<u32>);
+
+/// What a step leaves beside the state while it runs.
+#[derive(Default)]
+pub struct Passing {
+    /// What was destroyed in this step.
+    pub dying: BTreeSet<usize>,
+    /// What was spawned in this step.
+    pub newborn: BTreeSet<usize>,
+    /// Whether a spawn found no free slot.
+    pub refused: bool,
+}
+
+impl Passing {
+    /// Whether an instance moves and collides in this step.
+    pub fn acts(&self, slot: usize) -> bool {
+        !self.dying.contains(&slot) && !self.newborn.contains(&slot)
+    }
+}
+
+/// What the edges of an instance do.
+#[derive(Default)]
+struct Doing<'p> {
+    actions: Vec<&'p Action>,
+    /// Of each group whose modes change, the active modes from now on.
+    modes: BTreeMap<usize, Vec<ModeId>>,
+    entered: BTreeSet<ModeId>,
+    left: BTreeSet<ModeId>,
+}
+
+impl<'p> Oracle<'p> {
+    /// The state before the first step.
+    pub fn initial(&self) -> Result<State, Fault> {
+        let held = self.world.players.iter().map(|_| BTreeSet::new()).collect();
+        let things = self.world.instances.iter().map(|instance| {
+            (instance.origin != Origin::Free).then(|| Thing {
+                params: instance.params.iter().copied().collect(),
+                vars: instance.vars.iter().copied().collect(),
+                discretes: instance.discretes.iter().copied().collect(),
+                refs: instance.refs.iter().map(|r| r.map(|slot| slot.index())).collect(),
+                space: instance.space.index(),
+                modes: Vec::new(),
+                timers: BTreeMap::new(),
+                peaks: BTreeMap::new(),
+                contacts: BTreeSet::new(),
+                carrier: None,
+            })
+        });
+        let mut state = State { things: things.collect(), held };
+        for slot in 0..state.things.len() {
+            if state.things[slot].is_some() {
+                self.begin(&mut state, slot)?;
+            }
+        }
+        self.find_contacts(&mut state, &Passing::default())?;
+        Ok(state)
+    }
+
+    /// The modes of an instance that has just been made.
+    fn begin(&self, state: &mut State, slot: usize) -> Result<(), Fault> {
+        let entity = self.entity(slot);
+        let mut modes = Vec::new();
+        for group in entity.groups.iter() {
+            modes.push(self.initial_modes(state, slot, &group.modes)?);
+        }
+        let thing = state.things[slot].as_mut().unwrap();
+        thing.timers = modes.iter().flatten().map(|m| (*m, 0)).collect();
+        thing.modes = modes;
+        Ok(())
+    }
+
+    /// The mode that comes first among some, and those that come first inside of it.
+    fn initial_modes(&self, state: &State, slot: usize, of: &[ModeId]) -> Result<Vec<ModeId>, Fault> {
+        let Some(&written_first) = of.first() else { return Ok(Vec::new()) };
+        let modes = &self.entity(slot).modes;
+        let mut chosen = of.iter().copied().find(|m| modes[*m].marked_initial).unwrap_or(written_first);
+        for mode in of {
+            if let Some(guard) = &modes[*mode].initial_when
+                && self.code(state, slot).holds(guard)?
+            {
+                chosen = *mode;
+                break;
+            }
+        }
+        let mut path = vec![chosen];
+        path.extend(self.initial_modes(state, slot, &modes[chosen].children)?);
+        Ok(path)
+    }
+
+    /// Code of an instance that reads no inputs.
+    pub fn code<'a>(&'a self, state: &'a State, slot: usize) -> Code<'a> {
+        Code { oracle: self, state, me: Some(slot), keys: None, joint: None }
+    }
+
+    /// Code of an instance, with what its player gives.
+    pub fn played<'a>(&'a self, state: &'a State, slot: usize, frames: &'a [Frame]) -> Code<'a> {
+        let keys = self.player(slot).map(|player| (&frames[player].0, &frames[player].1));
+        Code { keys, ..self.code(state, slot) }
+    }
+
+    /// One step.
+    pub fn step(&self, before: &State, inputs: &[Keys]) -> Result<(State, Passing), Fault> {
+        let frames: Vec<Frame> = inputs.iter().cloned().zip(before.held.iter().cloned()).collect();
+        let mut state = before.clone();
+        state.held = inputs.iter().map(|keys| keys.held.clone()).collect();
+        let mut passing = Passing::default();
+        self.edges(before, &mut state, &frames, &mut passing)?;
+        let start = state.clone();
+        self.flows(&start, &mut state, &frames, &passing)?;
+        self.collide(&start, &mut state, &passing)?;
+        for slot in &passing.dying {
+            state.things[*slot] = None;
+        }
+        for thing in state.things.iter_mut().flatten() {
+            for reference in &mut thing.refs {
+                *reference = reference.filter(|slot| !passing.dying.contains(slot));
+            }
+            thing.carrier = thing.carrier.filter(|slot| !passing.dying.contains(slot));
+        }
+        Ok((state, passing))
+    }
+
+    fn edges(
+        &self,
+        before: &State,
+        state: &mut State,
+        frames: &[Frame],
+        passing: &mut Passing,
+    ) -> Result<(), Fault> {
+        let mut spawns: Vec<(usize, &Spawn)> = Vec::new();
+        let mut ends: Vec<usize> = Vec::new();
+        for slot in 0..before.things.len() {
+            if before.things[slot].is_none() {
+                continue;
+            }
+            let doing = self.decide(before, slot, frames)?;
+            self.act(before, state, slot, frames, &doing.actions, &mut spawns, &mut ends)?;
+            let thing = state.things[slot].as_mut().unwrap();
+            for (group, modes) in doing.modes {
+                thing.modes[group] = modes;
+            }
+            thing.timers.retain(|mode, _| !doing.left.contains(mode));
+            thing.timers.extend(doing.entered.iter().map(|mode| (*mode, 0)));
+            let envelopes = |mode: &ModeId| {
+                let drives = self.entity(slot).modes[*mode].drives.iter();
+                drives.filter_map(|d| match d.by {
+                    hypedc::sema::checked::DriveBy::Envelope(id) => Some(id.0),
+                    hypedc::sema::checked::DriveBy::Flow(_) => None,
+                })
+            };
+            let stopped: BTreeSet<u32> = doing.left.iter().flat_map(envelopes).collect();
+            thing.peaks.retain(|envelope, _| !stopped.contains(envelope));
+        }
+        passing.dying.extend(ends);
+        for (spawner, spawn) in spawns {
+            self.spawn(before, state, spawner, spawn, frames, passing)?;
+        }
+        self.links(before, state, frames, passing)
+    }
+
+    /// What all groups of an instance decide.
+    fn decide(&self, before: &State, slot: usize, frames: &[Frame]) -> Result<Doing<'p>, Fault> {
+        let entity = self.entity(slot);
+        let thing = before.things[slot].as_ref().unwrap();
+        let mut doing = Doing::default();
+        let mut taken: BTreeMap<GroupId, EdgeId> = BTreeMap::new();
+        for group in &entity.order {
+            let active = &thing.modes[group.index()];
+            let edges = || active.iter().flat_map(|m| &entity.modes[*m].edges).copied();
+            let leading = || edges().filter(|e| entity.edges[*e].target.is_some());
+            let lost = leading().filter(|e| entity.edges[*e].lost.is_some());
+            let others = leading().filter(|e| entity.edges[*e].lost.is_none());
+            let mut chosen = None;
+            for edge in lost.chain(others) {
+                let joint = Some((&doing.entered, &doing.left));
+                if (Code { joint, ..self.played(before, slot, frames) }).holds(&entity.edges[edge].guard)? {
+                    chosen = Some(edge);
+                    break;
+                }
+            }
+            let Some(edge) = chosen else { continue };
+            let target = entity.edges[edge].target.unwrap();
+            let mut around = Vec::new();
+            let mut at = entity.modes[target].parent;
+            while let Some(mode) = at {
+                around.insert(0, mode);
+                at = entity.modes[mode].parent;
+            }
+            let stays = |mode: &ModeId| around.contains(mode) && active.contains(mode);
+            doing.left.extend(active.iter().filter(|m| !stays(m)));
+            let mut modes = around.clone();
+            modes.extend(self.initial_modes(before, slot, &[target])?);
+            doing.entered.extend(modes.iter().filter(|m| !stays(m)));
+            doing.modes.insert(group.index(), modes);
+            taken.insert(*group, edge);
+        }
+        for (group, _) in entity.groups.pairs() {
+            let active = &thing.modes[group.index()];
+            for edge in active.iter().flat_map(|m| &entity.modes[*m].edges) {
+                let edge = &entity.edges[*edge];
+                let code = Code { joint: Some((&doing.entered, &doing.left)), ..self.played(before, slot, frames) };
+                let is_lost = edge.needs.iter().any(|r| code.slot(Subject::Ref(*r)).is_none());
+                if edge.target.is_none() && !is_lost && code.holds(&edge.guard)? {
+                    doing.actions.extend(&edge.actions);
+                }
+            }
+            if let Some(modes) = doing.modes.get(&group.index()) {
+                let entered = modes.iter().filter(|m| doing.entered.contains(m));
+                doing.actions.extend(entered.flat_map(|m| &entity.modes[*m].entry));
+            }
+            if let Some(edge) = taken.get(&group) {
+                doing.actions.extend(&entity.edges[*edge].actions);
+            }
+        }
+        Ok(doing)
+    }
+
+    /// Writes what actions change of an instance, and notes what they spawn and destroy.
+    #[allow(clippy::too_many_arguments, reason = "all of a step")]
+    fn act<'a>(
+        &self,
+        before: &State,
+        state: &mut State,
+        slot: usize,
+        frames: &[Frame],
+        actions: &[&'a Action],
+        spawns: &mut Vec<(usize, &'a Spawn)>,
+        ends: &mut Vec<usize>,
+    ) -> Result<(), Fault> {
+        let code = self.played(before, slot, frames);
+        for action in actions {
+            let thing = state.things[slot].as_mut().unwrap();
+            match action {
+                Action::Update(Update { place, value, .. }) => match place {
+                    Place::Var(var, degree) => {
+                        thing.vars[var.index()][usize::from(*degree)] = code.value(value)?;
+                    }
+                    Place::Discrete(id) => {
+                        thing.discretes[id.index()] = self.whole(self.entity_id(slot), *id, code.value(value)?)?;
+                    }
+                    Place::Ref(id) => thing.refs[id.index()] = code.instance(value),
+                },
+                Action::Spawn(spawn) => spawns.push((slot, spawn)),
+                Action::Destroy(what) => ends.extend(code.instance(what)),
+            }
+        }
+        Ok(())
+    }
+
+    /// A value that a discrete variable can take.
+    fn whole(&self, entity: EntityId, id: DiscreteId, value: f64) -> Result<i32, Fault> {
+        let (low, high) = self.program.entities[entity].discretes[id].range;
+        let fits = value.fract() == 0.0 && f64::from(low) <= value && value <= f64::from(high);
+        if fits { Ok(value as i32) } else { Err(Fault::OutOfRange) }
+    }
+
+    fn spawn(
+        &self,
+        before: &State,
+        state: &mut State,
+        spawner: usize,
+        spawn: &Spawn,
+        frames: &[Frame],
+        passing: &mut Passing,
+    ) -> Result<(), Fault> {
+        let instances = &self.world.instances;
+        let free = instances.ids().find(|slot| {
+            let instance = &instances[*slot];
+            instance.entity == spawn.entity
+                && instance.origin != Origin::Named
+                && state.things[slot.index()].is_none()
+        });
+        if let Some(into) = spawn.into {
+            state.things[spawner].as_mut().unwrap().refs[into.index()] = free.map(SlotId::index);
+        }
+        let Some(slot) = free.map(SlotId::index) else {
+            passing.refused = true;
+            return Ok(());
+        };
+        let entity = &self.program.entities[spawn.entity];
+        let code = self.played(before, spawner, frames);
+        let given = |wanted: Given| spawn.given.iter().find(|(what, _)| *what == wanted).map(|(_, term)| term);
+        let by = before.things[spawner].as_ref().unwrap();
+        let mut thing = Thing {
+            params: Vec::new(),
+            vars: Vec::new(),
+            discretes: Vec::new(),
+            refs: Vec::new(),
+            space: by.space,
+            modes: Vec::new(),
+            timers: BTreeMap::new(),
+            peaks: BTreeMap::new(),
+            contacts: BTreeSet::new(),
+            carrier: None,
+        };
+        // What it reads of its own parameters, it reads as itself.
+        let mut made = before.clone();
+        let mut own = |thing: &Thing, term: &Term| {
+            made.things[slot] = Some(thing.clone());
+            self.code(&made, slot).value(term)
+        };
+        for (id, param) in entity.params.pairs() {
+            let value = match given(Given::Param(id)) {
+                Some(term) => code.value(term)?,
+                None => own(&thing, &param.default)?,
+            };
+            thing.params.push(value);
+        }
+        for (id, var) in entity.vars.pairs() {
+            let mut value = [0.0; 3];
+            for (degree, value) in (0u8..).zip(&mut value) {
+                *value = match (given(Given::Var(id, degree)), &var.initial) {
+                    (Some(term), _) => code.value(term)?,
+                    (None, Some(initial)) if degree == 0 => own(&thing, initial)?,
+                    (None, None) if degree == 0 => by.vars[id.index()][0],
+                    _ => 0.0,
+                };
+            }
+            thing.vars.push(value);
+        }
+        for (id, discrete) in entity.discretes.pairs() {
+            let value = match given(Given::Discrete(id)) {
+                Some(term) => code.value(term)?,
+                None => own(&thing, &discrete.initial)?,
+            };
+            thing.discretes.push(self.whole(spawn.entity, id, value)?);
+        }
+        for id in entity.refs.ids() {
+            thing.refs.push(given(Given::Ref(id)).and_then(|term| code.instance(term)));
+        }
+        state.things[slot] = Some(thing);
+        passing.newborn.insert(slot);
+        self.begin(state, slot)
+    }
+
+    fn links(
+        &self,
+        before: &State,
+        state: &mut State,
+        frames: &[Frame],
+        passing: &mut Passing,
+    ) -> Result<(), Fault> {
+        let snapshot = state.clone();
+        for slot in 0..before.things.len() {
+            if before.things[slot].is_none() || !passing.acts(slot) {
+                continue;
+            }
+            let entity = self.entity(slot);
+            let thing = snapshot.things[slot].as_ref().unwrap();
+            let (x, y) = thing.position();
+            let active = before.things[slot].as_ref().unwrap().modes.iter().flatten();
+            let code = self.played(before, slot, frames);
+            let mut follow = None;
+            for it in active.flat_map(|m| &entity.modes[*m].follows) {
+                let is_lost = it.needs.iter().any(|r| code.slot(Subject::Ref(*r)).is_none());
+                let holds = match &it.guard {
+                    _ if is_lost => false,
+                    Some(guard) => code.holds(guard)?,
+                    None => true,
+                };
+                if holds {
+                    follow = Some(it);
+                    break;
+                }
+            }
+            let Some(follow) = follow else { continue };
+            let world = Code { oracle: self, state: before, me: None, keys: None, joint: None };
+            for link in &self.world.spaces.iter().nth(thing.space).unwrap().links {
+                let [left, bottom, width, height] = link.from;
+                let inside = left <= x && x <= left + width && bottom <= y && y <= bottom + height;
+                let open = match &link.guard {
+                    _ if !inside => false,
+                    Some(guard) => world.holds(guard)?,
+                    None => true,
+                };
+                if open {
+                    let mut spawns = Vec::new();
+                    let mut ends = Vec::new();
+                    {
+                        let thing = state.things[slot].as_mut().unwrap();
+                        thing.space = link.space.index();
+                        thing.vars[0][0] = link.to[0] + (x - left) / width * link.to[2];
+                        thing.vars[1][0] = link.to[1] + (y - bottom) / height * link.to[3];
+                    }
+                    let actions: Vec<&Action> = follow.actions.iter().collect();
+                    self.act(before, state, slot, frames, &actions, &mut spawns, &mut ends)?;
+                    passing.dying.extend(ends);
+                    for (spawner, spawn) in spawns {
+                        self.spawn(before, state, spawner, spawn, frames, passing)?;
+                    }
+                    break;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a predicate of the world holds.
+    pub fn predicate(&self, state: &State, term: &Term) -> Result<bool, Fault> {
+        Code { oracle: self, state, me: None, keys: None, joint: None }.holds(term)
+    }
+
+    /// Whether every player is where its space says that a run goes on: with `bounds`, not below and not beside them.
+    pub fn in_bounds(&self, state: &State) -> bool {
+        self.world.players.iter().all(|player| {
+            let Some(thing) = &state.things[player.slot.index()] else { return true };
+            let space = self.world.spaces.iter().nth(thing.space).unwrap();
+            let (x, y) = thing.position();
+            space.bounds.is_none_or(|[left, bottom, width, _]| left <= x && x <= left + width && y >= bottom)
+        })
+    }
+
+    /// The first invariant that does not hold, with its instance.
+    pub fn broken(&self, state: &State) -> Result<Option<(usize, usize)>, Fault> {
+        for (slot, _) in state.things.iter().enumerate().filter(|(_, t)| t.is_some()) {
+            for (index, invariant) in self.entity(slot).invariants.iter().enumerate() {
+                if !self.code(state, slot).holds(invariant)? {
+                    return Ok(Some((slot, index)));
+                }
+            }
+        }
+        Ok(None)
+    }
+}

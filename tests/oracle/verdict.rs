@@ -1,0 +1,139 @@
+//! What is said of the goals of a tiny world, held against all that can happen in it.
+
+use hypedc::analysis::configuration_space;
+use hypedc::compile::Study;
+use hypedc::ir::{Id, Program, WorldId};
+use hypedc::reach::{Argument, Limits, Planner, Problem, Settings, Verdict, search};
+use hypedc::sim::{Script, Simulator};
+use hypedc::watch::Unwatched;
+
+use crate::brute::{Explored, explore};
+use crate::compare::input;
+use crate::model::{Keys, Oracle};
+
+/// Who gives verdicts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Judge {
+    /// The configuration space, which rules goals out.
+    Analysis,
+    /// Breadth-first exhaustion with inputs that are held for one step each.
+    Exhaustion,
+}
+
+/// What was seen of many worlds.
+#[derive(Debug, Default, Clone)]
+pub struct Tally {
+    pub programs: usize,
+    /// Those that compile.
+    pub worlds: usize,
+    /// Those all of whose states were seen.
+    pub closed: usize,
+    /// Those in which a rule can be broken.
+    pub faulty: usize,
+    pub states: usize,
+    pub goals: usize,
+    pub reachable: usize,
+    /// Reachable goals that do not hold at the start.
+    pub later: usize,
+    /// Goals of closed worlds that nothing leads to.
+    pub unreachable: usize,
+    /// Those of them that the judge has ruled out.
+    pub proven: usize,
+}
+
+/// A way as `hypedc sim --inputs` reads it.
+pub fn written(program: &Program, world: WorldId, way: &[Vec<Keys>]) -> String {
+    let mut script = Script::default();
+    way.iter().for_each(|keys| script.push(&input(keys), 1));
+    script.text(program, world)
+}
+
+/// Judges a world; the first verdict that is false is an error.
+pub fn check(study: &Study, judge: Judge, most: usize, tally: &mut Tally) -> Result<(), String> {
+    let program = study.compilation.program.as_ref().unwrap();
+    let world = WorldId(0);
+    let oracle = Oracle::new(&study.checked, world);
+    let explored = explore(&oracle, most);
+    tally.worlds += 1;
+    tally.closed += usize::from(explored.is_closed);
+    tally.faulty += usize::from(explored.faulted);
+    tally.states += explored.states;
+    tally.goals += explored.goals.len();
+    tally.reachable += explored.goals.iter().flatten().count();
+    tally.later += explored.goals.iter().flatten().filter(|way| !way.is_empty()).count();
+    let missing = explored.goals.iter().filter(|g| g.is_none()).count();
+    tally.unreachable += if explored.is_closed { missing } else { 0 };
+    match judge {
+        Judge::Analysis => analysed(program, world, &explored, tally),
+        Judge::Exhaustion => exhausted(program, world, &explored, most, tally),
+    }
+}
+
+fn analysed(program: &Program, world: WorldId, explored: &Explored, tally: &mut Tally) -> Result<(), String> {
+    let space = configuration_space(program, world);
+    for (id, goal) in program.worlds[world].goals.pairs() {
+        let can_hold = space.can_hold(program, world, id);
+        match &explored.goals[id.index()] {
+            Some(way) if !can_hold => {
+                let way = written(program, world, way);
+                return Err(format!("the analysis rules {} out, but `{way}` leads to it", goal.name));
+            }
+            None if explored.is_closed => tally.proven += usize::from(!can_hold),
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+fn exhausted(
+    program: &Program,
+    world: WorldId,
+    explored: &Explored,
+    most: usize,
+    tally: &mut Tally,
+) -> Result<(), String> {
+    let sim = Simulator::new(program, world);
+    // Coordinates are all that the planner takes from it.
+    let space = configuration_space(program, world);
+    let settings = Settings { planner: Planner::Exhaustive, hold: Some((1, 1)), ..Settings::default() };
+    let limits = Limits { nodes: 4 * most as u64, ..Limits::default() };
+    for (id, goal) in program.worlds[world].goals.pairs() {
+        let name = &goal.name;
+        let problem = Problem::new(&sim, id);
+        let Ok(outcome) = search(&problem, &space, &settings, &limits, &Unwatched) else {
+            if explored.states > 0 {
+                return Err(format!("{name}: the first state breaks a rule for the simulator only"));
+            }
+            continue;
+        };
+        match (&outcome.verdict, &explored.goals[id.index()]) {
+            (Verdict::Reached(plan), Some(way)) => {
+                let ours = way.len() as u64;
+                let is_shortest = plan.shortest_by == Some(1) || plan.steps == 0;
+                if plan.steps != ours || !is_shortest {
+                    let (theirs, way) = (plan.script.text(program, world), written(program, world, way));
+                    return Err(format!("{name}: `{theirs}` as the shortest way, but `{way}` is"));
+                }
+            }
+            (Verdict::Reached(plan), None) => {
+                if explored.is_closed || plan.steps <= explored.depth as u64 {
+                    let way = plan.script.text(program, world);
+                    return Err(format!("{name}: `{way}` as a way, but there is none"));
+                }
+            }
+            (Verdict::Unreachable(Argument::Exhaustion { .. }), Some(way)) => {
+                let way = written(program, world, way);
+                return Err(format!("{name}: ruled out by exhaustion, but `{way}` leads to it"));
+            }
+            (Verdict::Unreachable(_), None) => {
+                tally.proven += usize::from(explored.is_closed);
+                if !explored.is_closed && explored.states > 0 {
+                    // Finer states than those of the simulator are no mistake.
+                    continue;
+                }
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}

@@ -63,7 +63,7 @@ fn hold(worlds: u64, generate: fn(&[u16]) -> String, check: impl Fn(&Study, u64)
         cases,
         failure_persistence: None,
         rng_seed: RngSeed::Fixed(seed),
-        max_shrink_iters: 4_000,
+        max_shrink_iters: 1_500,
         ..ProptestConfig::default()
     };
     let choices = (prop::collection::vec(any::<u16>(), 40..500), any::<u64>());
@@ -90,7 +90,7 @@ fn same_states(worlds: u64, steps: usize, generate: fn(&[u16]) -> String) {
         let run = compare::run(program, &study.checked, WorldId(0), steps, &mut rng);
         let mut seen = seen.borrow_mut();
         *seen = (seen.0 + 1, seen.1 + run.steps, seen.2 + usize::from(run.faulted));
-        run.difference.map_or(Ok(()), |difference| Err(format!("{difference}\n{}", run.script.join("\n"))))
+        run.difference.map_or(Ok(()), |difference| Err(format!("{difference}\n{}", run.script.join(" "))))
     });
     let (compiled, done, faults) = seen.into_inner();
     println!("{compiled} of {worlds} compile, {done} steps, {faults} faults");

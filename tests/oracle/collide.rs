@@ -37,8 +37,8 @@ struct Body {
     area: Area,
     /// Centre and radius of a disc.
     disc: Option<(f64, f64, f64)>,
-    /// Where it would be if its instance had not moved.
-    before: Area,
+    /// The way back to where it was as the flows of this step began.
+    back: (f64, f64),
     /// The space of what does not move.
     space: Option<usize>,
     /// The column and the row of a tile.
@@ -112,12 +112,12 @@ impl Oracle<'_> {
                 }
                 let numbers: Result<Vec<f64>, Fault> = collider.shape.numbers().iter().map(|t| code.value(t)).collect();
                 let (numbers, (x, y)) = (numbers?, thing.position());
-                let at = |(x, y): (f64, f64)| match (&collider.shape, numbers.as_slice()) {
+                let from = start.things[slot].as_ref().unwrap().position();
+                let area = match (&collider.shape, numbers.as_slice()) {
                     (Shape::Rect(_), &[dx, dy, width, height]) => Area::new([x + dx, y + dy, width, height]),
                     (Shape::Circle(_), &[dx, dy, r]) => Area::new([x + (dx - r), y + (dy - r), 2.0 * r, 2.0 * r]),
                     _ => unreachable!(),
                 };
-                let area = at((x, y));
                 let middle = |low: f64, high: f64| (low + high) / 2.0;
                 let disc = matches!(collider.shape, Shape::Circle(_)).then(|| {
                     (middle(area.left, area.right), middle(area.bottom, area.top), (area.right - area.left) / 2.0)
@@ -135,7 +135,7 @@ impl Oracle<'_> {
                     fixed: collider.kinematic,
                     area,
                     disc,
-                    before: at(start.things[slot].as_ref().unwrap().position()),
+                    back: (from.0 - x, from.1 - y),
                     space: None,
                     tile: None,
                 });
@@ -156,7 +156,7 @@ impl Oracle<'_> {
             fixed: true,
             area,
             disc: None,
-            before: area,
+            back: (0.0, 0.0),
             space: Some(number),
             tile,
         };
@@ -215,7 +215,8 @@ impl Oracle<'_> {
         let (one, two) = (&bodies[i], &bodies[j]);
         let (response, first_on_second, second_on_first) = self.response(one, two)?;
         let (a, b) = (one.area, two.area);
-        let (was, other_was) = (one.before, two.before);
+        // How far the second one has come nearer to the first, as seen from the first.
+        let (back_x, back_y) = (one.back.0 - two.back.0, one.back.1 - two.back.1);
         // How far the first one would have to go to each side.
         let (to_left, to_right) = (a.right - b.left, b.right - a.left);
         let (to_below, to_above) = (a.top - b.bottom, b.top - a.bottom);
@@ -227,10 +228,10 @@ impl Oracle<'_> {
         }
         let met = |side, depth| Meeting { one: i, two: j, response, pushes: vec![(side, depth)], side, first_on_second, second_on_first };
         if response.push == Push::FromAbove {
-            if first_on_second && other_was.top - was.bottom <= TOLERANCE {
+            if first_on_second && b.top - (a.bottom + back_y) <= TOLERANCE {
                 return Some(met(Side::Below, to_above));
             }
-            if second_on_first && was.top - other_was.bottom <= TOLERANCE {
+            if second_on_first && (a.top + back_y) - b.bottom <= TOLERANCE {
                 return Some(met(Side::Above, to_below));
             }
             return None;
@@ -239,8 +240,8 @@ impl Oracle<'_> {
             return None;
         }
         // On each axis it goes back to where it came from.
-        let from_left = was.right - other_was.left <= other_was.right - was.left;
-        let from_below = was.top - other_was.bottom <= other_was.top - was.bottom;
+        let from_left = to_left + back_x <= to_right - back_x;
+        let from_below = to_below + back_y <= to_above - back_y;
         let level = if from_left { (Side::Right, to_left) } else { (Side::Left, to_right) };
         let upright = if from_below { (Side::Above, to_below) } else { (Side::Below, to_above) };
         let neighbour = |dx: i64, dy: i64| {
@@ -262,9 +263,9 @@ impl Oracle<'_> {
         };
         let mut meeting = met(side, depth);
         if is_level_covered && is_upright_covered {
-            let gap = |from_low: bool, low: f64, high: f64| if from_low { low } else { high } <= TOLERANCE;
-            let around = gap(from_left, was.right - other_was.left, other_was.right - was.left)
-                && gap(from_below, was.top - other_was.bottom, other_was.top - was.bottom);
+            let gap_x = if from_left { to_left + back_x } else { to_right - back_x };
+            let gap_y = if from_below { to_below + back_y } else { to_above - back_y };
+            let around = gap_x <= TOLERANCE && gap_y <= TOLERANCE;
             if around {
                 meeting.pushes = vec![level, upright];
             }

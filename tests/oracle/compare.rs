@@ -25,6 +25,12 @@ fn kind(fault: FaultKind) -> Fault {
     }
 }
 
+/// Inputs in few words.
+fn written(keys: &[Keys]) -> String {
+    let one = |keys: &Keys| format!("{:?}{:?}", keys.held, &keys.axes[..2]);
+    keys.iter().map(one).collect::<Vec<_>>().join(" ").replace(' ', "")
+}
+
 /// A run of both.
 pub struct Run {
     /// Each step's input as text.
@@ -53,11 +59,13 @@ pub fn run(program: &Program, checked: &Checked, world: WorldId, steps: usize, r
         }
     };
     let mut keys: Vec<Keys> = oracle.world.players.iter().map(|_| Keys::default()).collect();
+    let mut before: Vec<String> = Vec::new();
     loop {
         let mut all = differences(&sim, &theirs, &ours);
         all.extend(questions(&sim, &theirs, &oracle, &ours));
         if !all.is_empty() {
-            run.difference = Some(format!("after step {}:\n  {}", run.steps, all.join("\n  ")));
+            let before = before.join("\n  ");
+            run.difference = Some(format!("after step {}:\n  {}\nbefore it:\n  {before}", run.steps, all.join("\n  ")));
             return run;
         }
         if run.steps == steps {
@@ -73,10 +81,14 @@ pub fn run(program: &Program, checked: &Checked, world: WorldId, steps: usize, r
                 *axis = [-1.0, 0.0, 1.0, 0.3, -0.75][rng.random_range(0..5)];
             }
         }
-        run.script.push(format!("{keys:?}"));
+        run.script.push(written(&keys));
+        let last: Vec<String> = ours.things.iter().flatten().map(|thing| format!("{thing:?}")).collect();
         run.steps += 1;
         match (sim.step(&mut theirs, &input(&keys), &mut scratch), oracle.step(&ours, &keys)) {
-            (Ok(()), Ok((next, _))) => ours = next,
+            (Ok(()), Ok((next, _))) => {
+                ours = next;
+                before = last;
+            }
             (Err(theirs), Err(ours)) if kind(theirs.kind) == ours => return Run { faulted: true, ..run },
             (theirs, ours) => {
                 let ours = ours.map(|_| "a state");

@@ -39,7 +39,16 @@ impl Oracle<'_> {
         for mode in was.modes.iter().flatten() {
             drives.extend(entity.modes[*mode].drives.iter().map(|d| (d.var, d)));
         }
+        // An envelope that an inner flow replaces has its peak all the same.
         let mut peaks = BTreeMap::new();
+        let active = was.modes.iter().flatten().flat_map(|mode| &entity.modes[*mode].drives);
+        for drive in entity.drives.iter().chain(active) {
+            if let DriveBy::Envelope(id) = drive.by
+                && let (_, Some(peak)) = self.envelope(&code, slot, id.0, &entity.envelopes[id])?
+            {
+                peaks.insert(id.0, peak);
+            }
+        }
         let mut levels: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
         for var in entity.vars.ids() {
             let [mut x, mut v, mut a] = was.vars[var.index()];
@@ -61,11 +70,7 @@ impl Oracle<'_> {
                 Some(Drive { degree, by: DriveBy::Flow(term), .. }) => Some((*degree, code.value(term)?)),
                 Some(Drive { degree, by: DriveBy::Envelope(id), .. }) => {
                     if !levels.contains_key(&id.0) {
-                        let (level, peak) = self.envelope(&code, slot, id.0, &entity.envelopes[*id])?;
-                        levels.insert(id.0, level);
-                        if let Some(peak) = peak {
-                            peaks.insert(id.0, peak);
-                        }
+                        levels.insert(id.0, self.envelope(&code, slot, id.0, &entity.envelopes[*id])?.0);
                     }
                     let component = entity.envelopes[*id].vars.iter().position(|v| *v == var).unwrap();
                     Some((*degree, levels[&id.0][component]))
@@ -73,10 +78,9 @@ impl Oracle<'_> {
             };
             match given {
                 Some((0, position)) => {
-                    x = position;
-                    v = 0.0;
+                    x = clip(0, position)?;
+                    v = clip(1, 0.0)?;
                     a = 0.0;
-                    x = clip(0, x)?;
                 }
                 other => {
                     match other {
@@ -119,7 +123,8 @@ impl Oracle<'_> {
         let optional = |term: &Option<Term>| term.as_ref().map(|t| code.value(t)).transpose();
         let sustain = code.value(&e.sustain)?;
         if let By::Clock(mode) = e.by {
-            let t = self.seconds(f64::from(thing.timers.get(&mode).copied().unwrap_or(0)));
+            // What it is as the step ends.
+            let t = self.seconds(f64::from(thing.timers[&mode] + 1));
             let time = |rate: &Rate, way: f64| match rate {
                 Rate::Instant => Ok(0.0),
                 Rate::Over(time) => code.value(time),
@@ -127,14 +132,15 @@ impl Oracle<'_> {
             };
             let Release::To(rate, level) = &e.release else { panic!("a fixed envelope is released") };
             let level = optional(level)?.unwrap_or(0.0);
-            let rise = time(&e.attack, sustain)?;
+            let rise = time(&e.attack, sustain - level)?;
             let hold = optional(&e.sustain_for)?.unwrap_or(0.0);
             let fall = time(rate, sustain - level)?;
-            let value = if t < rise {
-                sustain * (t / rise)
-            } else if t < rise + hold {
+            // Times that differ by less than a billionth of a second are the same.
+            let value = if t < rise - 1e-9 {
+                level + (sustain - level) * (t / rise)
+            } else if t - rise <= hold + 1e-9 {
                 sustain
-            } else if t < rise + hold + fall {
+            } else if t - rise - hold < fall - 1e-9 {
                 sustain + (level - sustain) * ((t - rise - hold) / fall)
             } else {
                 level
@@ -165,26 +171,29 @@ impl Oracle<'_> {
             Rate::Over(time) => Ok(Some(way.abs() / code.value(time)?)),
         };
         let peak = optional(&e.peak)?;
+        let released = match &e.release {
+            Release::To(_, Some(level)) => code.value(level)?,
+            Release::To(_, None) | Release::Hold => 0.0,
+        };
         if is_driven {
             let towards = |level: f64| direction.iter().map(|d| d * level).collect::<Vec<f64>>();
             let Some(peak) = peak else {
-                return Ok((approach(&now, &towards(sustain), rate(&e.attack, sustain)?, dt), None));
+                return Ok((approach(&now, &towards(sustain), rate(&e.attack, sustain - released)?, dt), None));
             };
             if thing.peaks.get(&id) == Some(&way) {
                 return Ok((approach(&now, &towards(sustain), rate(&e.decay, peak - sustain)?, dt), Some(way)));
             }
             let top = towards(peak);
-            let next = approach(&now, &top, rate(&e.attack, peak)?, dt);
+            let next = approach(&now, &top, rate(&e.attack, peak - released)?, dt);
             let reached = (next == top).then_some(way);
             return Ok((next, reached));
         }
         match &e.release {
             Release::Hold => Ok((now, None)),
-            Release::To(by, level) => {
-                let level = optional(level)?.unwrap_or(0.0);
+            Release::To(by, _) => {
                 let length = length(&now);
-                let target = now.iter().map(|n| if length == 0.0 { 0.0 } else { n / length * level }).collect::<Vec<_>>();
-                Ok((approach(&now, &target, rate(by, sustain - level)?, dt), None))
+                let target = now.iter().map(|n| if length == 0.0 { 0.0 } else { n / length * released }).collect::<Vec<_>>();
+                Ok((approach(&now, &target, rate(by, sustain - released)?, dt), None))
             }
         }
     }
@@ -197,9 +206,9 @@ fn nearest(x: f64, y: f64, ways: Option<u32>) -> (Vec<f64>, [i64; 2]) {
     }
     let Some(ways) = ways else {
         let length = (x * x + y * y).sqrt();
-        return (vec![x / length, y / length], [x.to_bits() as i64, y.to_bits() as i64]);
+        return (vec![x / length, y / length], [libm::atan2(y, x).to_bits() as i64, 1]);
     };
-    // The unit vectors, mirrored from the first eighth of the turn; the first of several that are as near counts.
+    // The unit vectors, mirrored from the first eighth of the turn; of several that are as near the most horizontal counts.
     let unit = |way: u32| {
         let part = f64::from(way) / f64::from(ways) * 4.0;
         let (quarter, rest) = (part.floor(), part - part.floor());
@@ -221,7 +230,8 @@ fn nearest(x: f64, y: f64, ways: Option<u32>) -> (Vec<f64>, [i64; 2]) {
     let along = |way: u32| x * unit(way)[0] + y * unit(way)[1];
     let mut best = 0;
     for way in 1..ways {
-        if along(way) > along(best) {
+        let is_level = unit(way)[0].abs() > unit(best)[0].abs();
+        if along(way) > along(best) || (along(way) == along(best) && is_level) {
             best = way;
         }
     }
@@ -230,7 +240,7 @@ fn nearest(x: f64, y: f64, ways: Option<u32>) -> (Vec<f64>, [i64; 2]) {
 
 fn length(of: &[f64]) -> f64 {
     match of {
-        [x] => x.abs(),
+        [x] | [x, 0.0] => x.abs(),
         _ => of.iter().map(|x| x * x).sum::<f64>().sqrt(),
     }
 }

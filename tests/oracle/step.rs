@@ -3,8 +3,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use hypedc::sema::checked::{Action, Given, Origin, Place, Spawn, Subject, Term, Update};
-use hypedc::sema::ids::{DiscreteId, EdgeId, EntityId, GroupId, Id, ModeId, SlotId};
+use hypedc::sema::checked::{Action, Given, Link, Origin, Place, Spawn, Subject, Term, Update};
+use hypedc::sema::ids::{DiscreteId, EdgeId, EntityId, GroupId, Id, ModeId, RefId, SlotId};
 
 use crate::evaluate::Code;
 use crate::model::{Fault, Keys, Oracle, State, Thing};
@@ -30,6 +30,14 @@ impl Passing {
     }
 }
 
+/// Something to be spawned.
+struct Birth<'a> {
+    by: usize,
+    spawn: &'a Spawn,
+    /// The spawner's reference that keeps it.
+    into: Option<RefId>,
+}
+
 /// What the edges of an instance do.
 #[derive(Default)]
 struct Doing<'p> {
@@ -38,6 +46,8 @@ struct Doing<'p> {
     modes: BTreeMap<usize, Vec<ModeId>>,
     entered: BTreeSet<ModeId>,
     left: BTreeSet<ModeId>,
+    /// The link that it goes through.
+    link: Option<&'p Link>,
 }
 
 impl<'p> Oracle<'p> {
@@ -139,35 +149,37 @@ impl<'p> Oracle<'p> {
         frames: &[Frame],
         passing: &mut Passing,
     ) -> Result<(), Fault> {
-        let mut spawns: Vec<(usize, &Spawn)> = Vec::new();
-        let mut ends: Vec<usize> = Vec::new();
+        let mut spawns: Vec<Birth<'_>> = Vec::new();
+        let mut moves: Vec<(usize, &Link)> = Vec::new();
         for slot in 0..before.things.len() {
             if before.things[slot].is_none() {
                 continue;
             }
             let doing = self.decide(before, slot, frames)?;
-            self.act(before, state, slot, frames, &doing.actions, &mut spawns, &mut ends)?;
+            self.act(before, state, slot, frames, &doing.actions, &mut spawns, passing)?;
             let thing = state.things[slot].as_mut().unwrap();
             for (group, modes) in doing.modes {
                 thing.modes[group] = modes;
             }
             thing.timers.retain(|mode, _| !doing.left.contains(mode));
             thing.timers.extend(doing.entered.iter().map(|mode| (*mode, 0)));
-            let envelopes = |mode: &ModeId| {
-                let drives = self.entity(slot).modes[*mode].drives.iter();
-                drives.filter_map(|d| match d.by {
-                    hypedc::sema::checked::DriveBy::Envelope(id) => Some(id.0),
-                    hypedc::sema::checked::DriveBy::Flow(_) => None,
-                })
-            };
-            let stopped: BTreeSet<u32> = doing.left.iter().flat_map(envelopes).collect();
-            thing.peaks.retain(|envelope, _| !stopped.contains(envelope));
+            moves.extend(doing.link.map(|link| (slot, link)));
         }
-        passing.dying.extend(ends);
-        for (spawner, spawn) in spawns {
-            self.spawn(before, state, spawner, spawn, frames, passing)?;
+        for birth in spawns {
+            self.spawn(before, state, birth, frames, passing)?;
         }
-        self.links(before, state, frames, passing)
+        for (slot, link) in moves {
+            let thing = state.things[slot].as_mut().unwrap();
+            thing.space = link.space.index();
+            thing.carrier = None;
+            for axis in 0..2 {
+                let (from, to) = ((link.from[axis], link.from[axis + 2]), (link.to[axis], link.to[axis + 2]));
+                let (from, to) = ((from.0, from.0 + from.1), (to.0, to.0 + to.1));
+                let way = thing.vars[axis][0] - from.0;
+                thing.vars[axis][0] = to.0 + (to.1 - to.0) * way / (from.1 - from.0);
+            }
+        }
+        Ok(())
     }
 
     /// What all groups of an instance decide.
@@ -223,8 +235,41 @@ impl<'p> Oracle<'p> {
             if let Some(edge) = taken.get(&group) {
                 doing.actions.extend(&entity.edges[*edge].actions);
             }
+            for follow in active.iter().flat_map(|m| &entity.modes[*m].follows) {
+                let code = self.played(before, slot, frames);
+                let code = Code { joint: Some((&doing.entered, &doing.left)), ..code };
+                let is_lost = follow.needs.iter().any(|r| code.slot(Subject::Ref(*r)).is_none());
+                let holds = match &follow.guard {
+                    _ if is_lost || doing.link.is_some() => false,
+                    Some(guard) => code.holds(guard)?,
+                    None => true,
+                };
+                if holds && let Some(link) = self.link_at(before, slot)? {
+                    doing.link = Some(link);
+                    doing.actions.extend(&follow.actions);
+                }
+            }
         }
         Ok(doing)
+    }
+
+    /// The first link of its space in whose rectangle an instance is and that is open.
+    fn link_at(&self, before: &State, slot: usize) -> Result<Option<&'p Link>, Fault> {
+        let thing = before.things[slot].as_ref().unwrap();
+        let (x, y) = thing.position();
+        for link in &self.world.spaces.iter().nth(thing.space).unwrap().links {
+            let [left, bottom, width, height] = link.from;
+            let is_inside = left <= x && x <= left + width && bottom <= y && y <= bottom + height;
+            let is_open = match &link.guard {
+                _ if !is_inside => false,
+                Some(guard) => self.predicate(before, guard)?,
+                None => true,
+            };
+            if is_open {
+                return Ok(Some(link));
+            }
+        }
+        Ok(None)
     }
 
     /// Writes what actions change of an instance, and notes what they spawn and destroy.
@@ -236,24 +281,38 @@ impl<'p> Oracle<'p> {
         slot: usize,
         frames: &[Frame],
         actions: &[&'a Action],
-        spawns: &mut Vec<(usize, &'a Spawn)>,
-        ends: &mut Vec<usize>,
+        spawns: &mut Vec<Birth<'a>>,
+        passing: &mut Passing,
     ) -> Result<(), Fault> {
         let code = self.played(before, slot, frames);
+        // Of what sets a reference the last one wins.
+        let forget = |spawns: &mut Vec<Birth<'_>>, id: RefId| {
+            for birth in spawns.iter_mut().filter(|birth| (birth.by, birth.into) == (slot, Some(id))) {
+                birth.into = None;
+            }
+        };
         for action in actions {
             let thing = state.things[slot].as_mut().unwrap();
             match action {
                 Action::Update(Update { place, value, .. }) => match place {
                     Place::Var(var, degree) => {
-                        thing.vars[var.index()][usize::from(*degree)] = code.value(value)?;
+                        thing.vars[var.index()][usize::from(*degree)] = code.value(value)? + 0.0;
                     }
                     Place::Discrete(id) => {
                         thing.discretes[id.index()] = self.whole(self.entity_id(slot), *id, code.value(value)?)?;
                     }
-                    Place::Ref(id) => thing.refs[id.index()] = code.instance(value),
+                    Place::Ref(id) => {
+                        forget(spawns, *id);
+                        thing.refs[id.index()] = code.instance(value);
+                    }
                 },
-                Action::Spawn(spawn) => spawns.push((slot, spawn)),
-                Action::Destroy(what) => ends.extend(code.instance(what)),
+                Action::Spawn(spawn) => {
+                    if let Some(into) = spawn.into {
+                        forget(spawns, into);
+                    }
+                    spawns.push(Birth { by: slot, spawn, into: spawn.into });
+                }
+                Action::Destroy(what) => passing.dying.extend(code.instance(what)),
             }
         }
         Ok(())
@@ -270,8 +329,7 @@ impl<'p> Oracle<'p> {
         &self,
         before: &State,
         state: &mut State,
-        spawner: usize,
-        spawn: &Spawn,
+        Birth { by: spawner, spawn, into }: Birth<'_>,
         frames: &[Frame],
         passing: &mut Passing,
     ) -> Result<(), Fault> {
@@ -282,7 +340,7 @@ impl<'p> Oracle<'p> {
                 && instance.origin != Origin::Named
                 && state.things[slot.index()].is_none()
         });
-        if let Some(into) = spawn.into {
+        if let Some(into) = into {
             state.things[spawner].as_mut().unwrap().refs[into.index()] = free.map(SlotId::index);
         }
         let Some(slot) = free.map(SlotId::index) else {
@@ -343,68 +401,6 @@ impl<'p> Oracle<'p> {
         state.things[slot] = Some(thing);
         passing.newborn.insert(slot);
         self.begin(state, slot)
-    }
-
-    fn links(
-        &self,
-        before: &State,
-        state: &mut State,
-        frames: &[Frame],
-        passing: &mut Passing,
-    ) -> Result<(), Fault> {
-        let snapshot = state.clone();
-        for slot in 0..before.things.len() {
-            if before.things[slot].is_none() || !passing.acts(slot) {
-                continue;
-            }
-            let entity = self.entity(slot);
-            let thing = snapshot.things[slot].as_ref().unwrap();
-            let (x, y) = thing.position();
-            let active = before.things[slot].as_ref().unwrap().modes.iter().flatten();
-            let code = self.played(before, slot, frames);
-            let mut follow = None;
-            for it in active.flat_map(|m| &entity.modes[*m].follows) {
-                let is_lost = it.needs.iter().any(|r| code.slot(Subject::Ref(*r)).is_none());
-                let holds = match &it.guard {
-                    _ if is_lost => false,
-                    Some(guard) => code.holds(guard)?,
-                    None => true,
-                };
-                if holds {
-                    follow = Some(it);
-                    break;
-                }
-            }
-            let Some(follow) = follow else { continue };
-            let world = Code { oracle: self, state: before, me: None, keys: None, joint: None };
-            for link in &self.world.spaces.iter().nth(thing.space).unwrap().links {
-                let [left, bottom, width, height] = link.from;
-                let inside = left <= x && x <= left + width && bottom <= y && y <= bottom + height;
-                let open = match &link.guard {
-                    _ if !inside => false,
-                    Some(guard) => world.holds(guard)?,
-                    None => true,
-                };
-                if open {
-                    let mut spawns = Vec::new();
-                    let mut ends = Vec::new();
-                    {
-                        let thing = state.things[slot].as_mut().unwrap();
-                        thing.space = link.space.index();
-                        thing.vars[0][0] = link.to[0] + (x - left) / width * link.to[2];
-                        thing.vars[1][0] = link.to[1] + (y - bottom) / height * link.to[3];
-                    }
-                    let actions: Vec<&Action> = follow.actions.iter().collect();
-                    self.act(before, state, slot, frames, &actions, &mut spawns, &mut ends)?;
-                    passing.dying.extend(ends);
-                    for (spawner, spawn) in spawns {
-                        self.spawn(before, state, spawner, spawn, frames, passing)?;
-                    }
-                    break;
-                }
-            }
-        }
-        Ok(())
     }
 
     /// Whether a predicate of the world holds.

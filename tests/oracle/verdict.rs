@@ -23,8 +23,7 @@ pub enum Judge {
 /// What was seen of many worlds.
 #[derive(Debug, Default, Clone)]
 pub struct Tally {
-    pub programs: usize,
-    /// Those that compile.
+    /// Programs that compile.
     pub worlds: usize,
     /// Those all of whose states were seen.
     pub closed: usize,

@@ -4,6 +4,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "it says how much it has seen")]
 
+#[path = "properties/generate.rs"]
+mod any_program;
 #[path = "oracle/brute.rs"]
 mod brute;
 #[path = "oracle/collide.rs"]
@@ -16,17 +18,15 @@ mod evaluate;
 mod flow;
 #[path = "oracle/generate.rs"]
 mod generate;
+#[path = "analysis/generate.rs"]
+mod lively;
 #[path = "oracle/model.rs"]
 mod model;
 #[path = "oracle/step.rs"]
 mod step;
+mod support;
 #[path = "oracle/verdict.rs"]
 mod verdict;
-#[path = "properties/generate.rs"]
-mod any_program;
-#[path = "analysis/generate.rs"]
-mod lively;
-mod support;
 
 use std::cell::RefCell;
 use std::path::Path;
@@ -63,10 +63,10 @@ fn hold(worlds: u64, generate: fn(&[u16]) -> String, check: impl Fn(&Study, u64)
         cases,
         failure_persistence: None,
         rng_seed: RngSeed::Fixed(seed),
-        max_shrink_iters: 1_500,
+        max_shrink_iters: 400,
         ..ProptestConfig::default()
     };
-    let choices = (prop::collection::vec(any::<u16>(), 40..500), any::<u64>());
+    let choices = (prop::collection::vec(any::<u16>(), 0..500), any::<u64>());
     let result = TestRunner::new(config).run(&choices, |(choices, seed)| {
         let study = study_text(&generate(&choices));
         if study.compilation.program.is_none() {
@@ -76,9 +76,40 @@ fn hold(worlds: u64, generate: fn(&[u16]) -> String, check: impl Fn(&Study, u64)
     });
     match result {
         Ok(()) => {}
-        Err(TestError::Fail(why, (choices, seed))) => panic!("{}\nseed {seed}: {why}", generate(&choices)),
+        Err(TestError::Fail(_, (choices, seed))) => {
+            let fails = |text: &str| {
+                let study = study_text(text);
+                study.compilation.program.is_some().then(|| check(&study, seed).err()).flatten()
+            };
+            let text = shortened(&generate(&choices), &|text| fails(text).is_some());
+            panic!("{text}\nseed {seed}: {}", fails(&text).unwrap());
+        }
         Err(TestError::Abort(why)) => panic!("{why}"),
     }
+}
+
+/// A program without the lines, and the braces with all that is in them, that it can do without and still fails.
+fn shortened(text: &str, fails: &dyn Fn(&str) -> bool) -> String {
+    let mut lines: Vec<String> = text.lines().map(str::to_string).collect();
+    let mut from = 0;
+    while from < lines.len() {
+        let mut open = 0;
+        let end = (from..lines.len()).find(|at| {
+            open += lines[*at].matches('{').count() as i32 - lines[*at].matches('}').count() as i32;
+            open <= 0
+        });
+        let without: Vec<String> = match end {
+            Some(end) if open == 0 => [&lines[..from], &lines[end + 1..]].concat(),
+            _ => lines.clone(),
+        };
+        if without.len() < lines.len() && fails(&without.join("\n")) {
+            lines = without;
+            from = from.saturating_sub(1);
+        } else {
+            from += 1;
+        }
+    }
+    lines.join("\n")
 }
 
 /// Runs both on many programs with random inputs.

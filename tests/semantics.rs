@@ -526,3 +526,96 @@ fn the_initial_mode_can_depend_on_parameters() {
     run.step("- go");
     assert_eq!(run.modes("three"), ["a.hard.harder"], "the guard decides whenever the mode is entered");
 }
+
+#[test]
+fn so_many_frames_are_so_many_steps() {
+    for step in ["1/10", "1/20", "1/50", "1/60", "1/30", "0.04"] {
+        for frames in 1..=60 {
+            let program = program(compile_text(&format!(
+                "entity A {{
+                     discrete on_time: bool = false
+                     mode waiting {{ when timer >= {frames}frames -> done {{ on_time := timer <= {frames}frames }} }}
+                     mode done {{ }}
+                 }}
+                 world W {{ step {step}; space main {{ place a: A at (0, 0) }} }}"
+            )));
+            let mut run = Run::new(&program);
+            run.step(&format!("-*{frames}"));
+            assert_eq!(run.modes("a"), ["waiting"], "{frames} steps of {step}");
+            run.step("-");
+            assert_eq!((run.modes("a"), run.discrete("a", "on_time")), (vec!["done"], 1), "{frames} steps of {step}");
+        }
+    }
+}
+
+#[test]
+fn who_stands_on_what_is_carried_is_carried_whatever_the_order_of_places() {
+    let places = ["place lift: Lift at (0, 0)", "place crate: Crate at (0, 4)", "place hero: Hero at (0, 8)"];
+    for order in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
+        let places = order.map(|i| places[i]).join("\n");
+        let program = program(compile_text(&format!(
+            "entity Lift {{ kinematic collider lift: rect(0, 0, 8, 4); x' = 10 }}
+             entity Crate {{ collider crate: rect(0, 0, 8, 4); y'' = -10 }}
+             entity Hero {{ collider body: rect(0, 0, 4, 4); y'' = -10 }}
+             world W {{
+                 step 1/10
+                 collide crate with lift: block, carry
+                 collide body with crate: block, carry
+                 space main {{ {places} }}
+             }}"
+        )));
+        let mut run = Run::new(&program);
+        run.step("-*10");
+        let at = ["lift", "crate", "hero"].map(|name| run.var(name, "x"));
+        assert_eq!(at, [10.0; 3], "{places}");
+    }
+}
+
+#[test]
+fn lines_of_the_same_strength_hold_in_both_directions() {
+    for lines in [
+        "collide a with b: block from above; collide b with a: block from above",
+        "collide b with a: block from above; collide a with b: block from above",
+    ] {
+        for (low, high) in [("A", "B"), ("B", "A")] {
+            let program = program(compile_text(&format!(
+                "entity A {{ param v = 0; collider a: rect(0, 0, 4, 4); y' = v }}
+                 entity B {{ param v = 0; collider b: rect(0, 0, 4, 4); y' = v }}
+                 world W {{
+                     step 1/10
+                     {lines}
+                     space main {{ place low: {low} at (0, 0); place high: {high} at (0, 6) {{ v = -10 }} }}
+                 }}"
+            )));
+            let mut run = Run::new(&program);
+            run.step("-*3");
+            assert_eq!(run.var("high", "y") - run.var("low", "y"), 4.0, "{lines}, {high} on {low}");
+        }
+    }
+}
+
+#[test]
+fn a_velocity_that_leaves_the_finite_numbers_stops_the_run_though_the_position_is_clamped() {
+    let huge = "1".to_string() + &"0".repeat(308);
+    let program = program(compile_text(&format!(
+        "entity A {{ clamp x in 0..10; x'' = {huge} }}
+         world W {{ step 1; space main {{ place a: A at (0, 0) }} }}"
+    )));
+    let mut run = Run::new(&program);
+    run.step("-");
+    let input = hypedc::sim::Input::nothing(0);
+    let fault = run.sim.step(&mut run.state, &input, &mut run.scratch).unwrap_err();
+    assert!(matches!(fault.kind, hypedc::sim::FaultKind::Diverged(VarId(0))), "{fault:?}");
+}
+
+#[test]
+fn a_first_value_that_a_spawn_gives_is_not_worked_out_beside() {
+    let program = program(compile_text(
+        "entity Shot { param p = 0; continuous c = 1 / p; discrete n: int 0..9 = round(20 + p) }
+         entity A { mode only { when timer < 1frames { spawn Shot(c = 5, n = 7) } } }
+         world W { step 1/10; limit Shot 1; space main { place a: A at (0, 0) } }",
+    ));
+    let mut run = Run::new(&program);
+    run.step("-");
+    assert_eq!((run.var("Shot#1", "c"), run.discrete("Shot#1", "n")), (5.0, 7));
+}

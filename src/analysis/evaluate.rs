@@ -204,7 +204,7 @@ impl<'a> Reader<'a> {
         let number = |id| self.number(id);
         match self.program.exprs[id] {
             Expr::Number(n) => Values::point(n),
-            Expr::Frames(n) => Values::point(n * self.world.step.seconds()),
+            Expr::Frames(n) => Values::point(self.world.step.frames(n)),
             Expr::Param(Subject::Me, p) if self.me.is_some() => {
                 self.me.and_then(|(me, _)| self.slots[me].params.get(p).copied()).unwrap_or_default()
             }

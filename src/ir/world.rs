@@ -182,7 +182,7 @@ impl Program {
         let value = |id| self.constant(id, params, step);
         let result = match self.exprs[id] {
             Expr::Number(n) => n,
-            Expr::Frames(n) => n * step.seconds(),
+            Expr::Frames(n) => step.frames(n),
             Expr::Bool(b) => f64::from(u8::from(b)),
             // What is not a number is not known.
             Expr::Param(Subject::Me, p) => params.get(p).copied().filter(|p| p.is_finite())?,

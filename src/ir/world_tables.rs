@@ -1,5 +1,7 @@
 //! The tables of a world: spaces, slots with their first values, who meets whom, what is asked.
 
+use std::cmp::Ordering;
+
 use serde::Serialize;
 
 use super::{
@@ -50,7 +52,12 @@ impl Step {
 
     /// The length of so many steps, s, rounded once.
     pub fn times(self, count: u32) -> f64 {
-        (f64::from(count) * self.numerator as f64) / self.denominator as f64
+        self.frames(f64::from(count))
+    }
+
+    /// As [`Step::times`], of a number with a fraction.
+    pub fn frames(self, count: f64) -> f64 {
+        (count * self.numerator as f64) / self.denominator as f64
     }
 }
 
@@ -180,7 +187,8 @@ pub struct Meeting {
 }
 
 impl World {
-    /// What a contact between colliders of these tags does; none if they do not meet. The strongest line holds.
+    /// What a contact between colliders of these tags does; none if they do not meet. The strongest line holds, or all
+    /// that are as strong.
     pub fn meeting(&self, a: TagSet, b: TagSet) -> Option<Meeting> {
         let meetings = self.collide.iter().filter_map(|c| {
             let first_on_second = c.left.meets(a) && c.right.meets(b);
@@ -191,6 +199,14 @@ impl World {
                 second_on_first,
             })
         });
-        meetings.reduce(|best, next| if next.response > best.response { next } else { best })
+        meetings.reduce(|best, next| match next.response.cmp(&best.response) {
+            Ordering::Less => best,
+            Ordering::Greater => next,
+            Ordering::Equal => Meeting {
+                first_on_second: best.first_on_second || next.first_on_second,
+                second_on_first: best.second_on_first || next.second_on_first,
+                ..best
+            },
+        })
     }
 }

@@ -240,8 +240,7 @@ fn inside(
     found: &mut Diagnostics,
 ) {
     let (Some([x, ..]), Some([y, ..])) = (instance.vars.iter().next(), instance.vars.iter().nth(1)) else { return };
-    let context =
-        ConstantContext { params: Some(&instance.params), step: Some(world.step.0 as f64 / world.step.1 as f64) };
+    let context = ConstantContext { params: Some(&instance.params), step: Some(world.step) };
     let movable = checked.entities[instance.entity].colliders.iter().filter(|c| !c.kinematic && c.guard.is_none());
     for collider in movable {
         let Shape::Rect(numbers) = &collider.shape else { continue };

@@ -11,8 +11,8 @@ use super::ids::{IdVec, ParamId};
 pub struct ConstantContext<'a> {
     /// The parameters that are known so far; none where parameters may not be read.
     pub params: Option<&'a IdVec<ParamId, f64>>,
-    /// The length of the world's step, s; none outside of a world.
-    pub step: Option<f64>,
+    /// The length of the world's step as a fraction of seconds; none outside of a world.
+    pub step: Option<(u64, u64)>,
 }
 
 impl ConstantContext<'_> {
@@ -39,7 +39,11 @@ pub fn evaluate(term: &Term, context: ConstantContext<'_>) -> Result<f64, Broken
     let unknown = Broken::NotConstant(term.span);
     let result = match &term.kind {
         TermKind::Number(n) | TermKind::Quantity(n, ..) => *n,
-        TermKind::Frames(n) => n * context.step.ok_or(unknown)?,
+        TermKind::Frames(n) => {
+            let (numerator, denominator) = context.step.ok_or(unknown)?;
+            // As timers count, rounded once.
+            n * numerator as f64 / denominator as f64
+        }
         TermKind::Bool(b) => truth(*b),
         TermKind::Param(Subject::Me, id) => *context.params.and_then(|p| p.get(*id)).ok_or(unknown)?,
         TermKind::Negate(a) => -value(a)?,

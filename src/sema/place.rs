@@ -37,7 +37,7 @@ impl Checker<'_> {
         &mut self,
         place: &ast::Place,
         space: SpaceId,
-        step: f64,
+        step: (u64, u64),
         slot: SlotId,
         references: &mut Vec<(SlotId, RefId, Name)>,
     ) -> Option<Instance> {
@@ -120,7 +120,7 @@ impl Checker<'_> {
         name: Name,
         origin: Origin,
         space: SpaceId,
-        step: f64,
+        step: (u64, u64),
         span: Span,
     ) -> Option<Instance> {
         let entity = self.checked.entities[id].clone();

@@ -22,8 +22,8 @@ use super::{Checker, MAX_INSTANCES};
 pub(super) struct Population {
     /// All slots.
     pub instances: IdVec<SlotId, Instance>,
-    /// The world's step, s.
-    pub step: f64,
+    /// The world's step as a fraction of seconds.
+    pub step: (u64, u64),
     pub names: Table<()>,
     /// What references of placed instances refer to, by name.
     pub references: Vec<(SlotId, RefId, Name)>,
@@ -33,7 +33,7 @@ pub(super) struct Population {
 }
 
 impl Population {
-    pub fn new(step: f64) -> Self {
+    pub fn new(step: (u64, u64)) -> Self {
         Population {
             instances: IdVec::new(),
             step,
@@ -285,7 +285,7 @@ impl Checker<'_> {
         origin: Origin,
         space: SpaceId,
         position: (f64, f64),
-        step: f64,
+        step: (u64, u64),
         span: Span,
     ) -> Option<Instance> {
         let e = self.checked.entities[entity].clone();

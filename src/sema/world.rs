@@ -63,8 +63,7 @@ impl Checker<'_> {
                 _ => {}
             }
         }
-        let step = world.step.0 as f64 / world.step.1 as f64;
-        let mut population = Population::new(step);
+        let mut population = Population::new(world.step);
         let mut spaces: Table<SpaceId> = Table::new("space");
         let mut sizes = Vec::new();
         for item in &syntax.items {

@@ -303,20 +303,43 @@ impl Simulator<'_> {
         Ok(())
     }
 
-    /// Moves what stands on a carrier along with it, lowest slot first, and forgets who stands where.
+    /// Moves what stands on a carrier along with it, and forgets who stands where. Who stands on what is carried itself
+    /// goes after that; of those that stand on each other in a circle, the lowest slot goes first.
     fn carry(&self, state: &mut [u8], start: &[(f64, f64)]) {
-        for me in self.world().slots.ids() {
-            let layout = self.layout(me);
-            let Some(carrier) = layout.carrier(state).filter(|_| layout.acts(state)) else { continue };
-            if self.layout(carrier).acts(state) && self.space(state, carrier) == layout.space(state) {
-                let (x, y) = self.position(state, carrier);
-                let (from_x, from_y) = start[carrier.index()];
-                let (own_x, own_y) = self.position(state, me);
-                layout.set_var(state, VarId(0), 0, own_x + (x - from_x));
-                layout.set_var(state, VarId(1), 0, own_y + (y - from_y));
+        let rides = |state: &[u8], slot: SlotId| {
+            let layout = self.layout(slot);
+            layout.carrier(state).filter(|_| layout.acts(state))
+        };
+        loop {
+            let (mut first_waiting, mut has_moved) = (None, false);
+            for me in self.world().slots.ids() {
+                let Some(carrier) = rides(state, me) else { continue };
+                if rides(state, carrier).is_some() {
+                    first_waiting = first_waiting.or(Some((me, carrier)));
+                    continue;
+                }
+                self.ride(state, start, me, carrier);
+                has_moved = true;
             }
-            layout.set_carrier(state, None);
+            match first_waiting {
+                Some((me, carrier)) if !has_moved => self.ride(state, start, me, carrier),
+                Some(_) => {}
+                None => break,
+            }
         }
+    }
+
+    /// Moves an instance along with its carrier.
+    fn ride(&self, state: &mut [u8], start: &[(f64, f64)], me: SlotId, carrier: SlotId) {
+        let layout = self.layout(me);
+        if self.layout(carrier).acts(state) && self.space(state, carrier) == layout.space(state) {
+            let (x, y) = self.position(state, carrier);
+            let (from_x, from_y) = start[carrier.index()];
+            let (own_x, own_y) = self.position(state, me);
+            layout.set_var(state, VarId(0), 0, own_x + (x - from_x));
+            layout.set_var(state, VarId(1), 0, own_y + (y - from_y));
+        }
+        layout.set_carrier(state, None);
     }
 
     /// Moves all boxes to where their instances are.

@@ -119,7 +119,7 @@ impl Simulator<'_> {
             let (all, bounds) = (&actor.entity.clamps, &clamps[actor.clamps.clone()]);
             for ((var, values), &flow) in (0u32..).map(VarId).zip(values.iter_mut()).zip(flows) {
                 let moved = moved(triple(values), flow, self.step, |v, degree| clip(all, bounds, var, degree, v));
-                is_finite &= moved[0].is_finite();
+                is_finite &= moved[0].is_finite() && moved[1].is_finite();
                 set_triple(values, moved);
             }
         } else if let Some(limits) = &actor.code.limits {
@@ -129,13 +129,13 @@ impl Simulator<'_> {
                     v.max(low).min(high)
                 };
                 let moved = moved(triple(values), flow, self.step, within);
-                is_finite &= moved[0].is_finite();
+                is_finite &= moved[0].is_finite() && moved[1].is_finite();
                 set_triple(values, moved);
             }
         } else {
             for (values, &flow) in values.iter_mut().zip(flows) {
                 let moved = moved(triple(values), flow, self.step, |v, _| v);
-                is_finite &= moved[0].is_finite();
+                is_finite &= moved[0].is_finite() && moved[1].is_finite();
                 set_triple(values, moved);
             }
         }
@@ -192,7 +192,7 @@ fn moved(
 /// The first variable that went beyond all numbers.
 #[cold]
 fn diverged(actor: &Actor<'_>, values: &[[u8; 24]]) -> Fault {
-    let var = values.iter().position(|v| !triple(v)[0].is_finite()).unwrap_or(0);
+    let var = values.iter().position(|v| !triple(v).iter().all(|x| x.is_finite())).unwrap_or(0);
     Fault { slot: actor.id, kind: FaultKind::Diverged(VarId(var as u32)) }
 }
 

@@ -180,7 +180,7 @@ impl<'a> Reader<'a> {
             }
             Expr::Axis(axis) => self.axis(axis),
             Expr::Timer(timer) => self.sim.world().step.times(self.mine().timer(self.state, timer)),
-            Expr::Frames(n) => n * self.sim.world().step.seconds(),
+            Expr::Frames(n) => self.sim.world().step.frames(n),
             Expr::Negate(a) => -self.number(a),
             Expr::Arithmetic(op, a, b) => {
                 let (a, b) = (self.number(a), self.number(b));

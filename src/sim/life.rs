@@ -5,7 +5,7 @@
 
 use std::cell::Cell;
 
-use crate::ir::{Id, RefId, SlotId, SpaceId, SpawnId, VarId};
+use crate::ir::{Id, Place, RefId, SlotId, SpaceId, SpawnId, VarId};
 
 use super::evaluate::Reader;
 use super::fault::{Fault, FaultKind};
@@ -173,13 +173,14 @@ impl Simulator<'_> {
             };
             layout.set_param(state, id, value);
         }
+        let is_given = |place: Place| spawn.updates.iter().any(|update| update.place == place);
         for (var, first) in entity.first.pairs() {
-            if let Some(first) = first {
-                let value = own!().number(*first);
+            if let Some(first) = first.filter(|_| !is_given(Place::Var(var, 0))) {
+                let value = own!().number(first);
                 layout.set_var(state, var, 0, value);
             }
         }
-        for (id, discrete) in entity.discretes.pairs() {
+        for (id, discrete) in entity.discretes.pairs().filter(|(id, _)| !is_given(Place::Discrete(*id))) {
             let value = own!().number(discrete.first);
             let (low, high) = discrete.range;
             if value >= f64::from(low) && value <= f64::from(high) && value.fract() == 0.0 {

@@ -52,7 +52,11 @@ pub fn explore(oracle: &Oracle<'_>, most: usize) -> Explored {
     let mut nodes: Vec<(Option<State>, usize, usize, usize)> = Vec::new();
     let mut known: HashMap<Vec<u64>, ()> = HashMap::new();
     let mut queue: VecDeque<usize> = VecDeque::new();
-    let mut arrive = |state: State, parent: usize, input: usize, depth: usize, explored: &mut Explored,
+    let mut arrive = |state: State,
+                      parent: usize,
+                      input: usize,
+                      depth: usize,
+                      explored: &mut Explored,
                       nodes: &mut Vec<(Option<State>, usize, usize, usize)>| {
         match verdict(oracle, &state) {
             Ok(None) => {}
@@ -140,7 +144,10 @@ fn inputs(oracle: &Oracle<'_>) -> Vec<Vec<Keys>> {
             };
             ways = turned(0.0).chain(turned(-1.0)).chain(turned(1.0)).collect();
         }
-        all = all.iter().flat_map(|before| ways.iter().map(move |keys| [before.clone(), vec![keys.clone()]].concat())).collect();
+        all = all
+            .iter()
+            .flat_map(|before| ways.iter().map(move |keys| [before.clone(), vec![keys.clone()]].concat()))
+            .collect();
     }
     all
 }

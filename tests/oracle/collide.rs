@@ -79,13 +79,19 @@ impl Oracle<'_> {
         Ok(())
     }
 
-    /// Moves what rides along with what carries it, slot by slot.
+    /// Moves what rides along with what carries it: who rides on nothing that rides, first.
     fn carry(&self, start: &State, state: &mut State, passing: &Passing) {
-        for slot in 0..state.things.len() {
-            let Some(thing) = state.things[slot].as_ref().filter(|_| passing.acts(slot)) else { continue };
-            let Some(on) = thing.carrier.filter(|on| passing.acts(*on)) else { continue };
+        let of = |slot: usize| state.things[slot].as_ref().filter(|_| passing.acts(slot)).and_then(|t| t.carrier);
+        let mut riders: Vec<(usize, usize)> =
+            (0..state.things.len()).filter_map(|slot| Some((slot, of(slot)?))).collect();
+        while !riders.is_empty() {
+            let is_free = |(_, on): &(usize, usize)| riders.iter().all(|(rider, _)| rider != on);
+            // In a circle the lowest slot goes first.
+            let next = riders.iter().position(is_free).unwrap_or(0);
+            let (slot, on) = riders.remove(next);
             let (Some(was), Some(is)) = (&start.things[on], &state.things[on]) else { continue };
-            if is.space != thing.space {
+            let thing = state.things[slot].as_ref().unwrap();
+            if !passing.acts(on) || is.space != thing.space {
                 continue;
             }
             let way = [0, 1].map(|axis| is.vars[axis][0] - was.vars[axis][0]);
@@ -182,7 +188,7 @@ impl Oracle<'_> {
     }
 
     /// What a contact of two bodies does: the strongest of all lines that match; and whether the first one has left tags
-    /// of that line and the second one right ones, and the other way round.
+    /// of such a line and the second one right ones, and the other way round.
     fn response(&self, one: &Body, two: &Body) -> Option<(Response, bool, bool)> {
         let has = |body: &Body, tags: &[TagId]| tags.iter().any(|t| body.tags.contains(t));
         let matches = |line: &CollideRule| {
@@ -191,7 +197,8 @@ impl Oracle<'_> {
         };
         let all: Vec<(Response, bool, bool)> = self.world.collide.iter().filter_map(matches).collect();
         let strongest = all.iter().map(|(response, ..)| *response).max()?;
-        all.into_iter().find(|(response, ..)| *response == strongest)
+        let strong = || all.iter().filter(|(response, ..)| *response == strongest);
+        Some((strongest, strong().any(|line| line.1), strong().any(|line| line.2)))
     }
 
     /// All pairs that touch. The first one is an instance's.
@@ -202,7 +209,8 @@ impl Oracle<'_> {
         for i in 0..count {
             for j in 0..bodies.len() {
                 let (one, two) = (&bodies[i], &bodies[j]);
-                let is_pair = if j < count { two.slot > one.slot && space(two) == space(one) } else { two.space == space(one) };
+                let is_pair =
+                    if j < count { two.slot > one.slot && space(two) == space(one) } else { two.space == space(one) };
                 if is_pair {
                     meetings.extend(self.meeting(i, j, bodies));
                 }
@@ -226,7 +234,15 @@ impl Oracle<'_> {
         if ways.iter().any(|way| *way < 0.0) || is_corner {
             return None;
         }
-        let met = |side, depth| Meeting { one: i, two: j, response, pushes: vec![(side, depth)], side, first_on_second, second_on_first };
+        let met = |side, depth| Meeting {
+            one: i,
+            two: j,
+            response,
+            pushes: vec![(side, depth)],
+            side,
+            first_on_second,
+            second_on_first,
+        };
         if response.push == Push::FromAbove {
             if first_on_second && b.top - (a.bottom + back_y) <= TOLERANCE {
                 return Some(met(Side::Below, to_above));
@@ -337,12 +353,18 @@ impl Oracle<'_> {
 /// Whether two shapes meet of which at least one is a disc.
 fn shapes_meet(one: &Body, two: &Body) -> bool {
     match (one.disc, two.disc) {
-        (Some((x, y, r)), Some((ox, oy, or))) => {
-            (x - ox) * (x - ox) + (y - oy) * (y - oy) <= (r + or) * (r + or)
-        }
+        (Some((x, y, r)), Some((ox, oy, or))) => (x - ox) * (x - ox) + (y - oy) * (y - oy) <= (r + or) * (r + or),
         (Some((x, y, r)), None) | (None, Some((x, y, r))) => {
             let b = if one.disc.is_some() { two.area } else { one.area };
-            let beyond = |at: f64, low: f64, high: f64| if at < low { low - at } else if at > high { at - high } else { 0.0 };
+            let beyond = |at: f64, low: f64, high: f64| {
+                if at < low {
+                    low - at
+                } else if at > high {
+                    at - high
+                } else {
+                    0.0
+                }
+            };
             let (dx, dy) = (beyond(x, b.left, b.right), beyond(y, b.bottom, b.top));
             let distance = dx * dx + dy * dy;
             distance < r * r || (distance == r * r && (dx == 0.0 || dy == 0.0))

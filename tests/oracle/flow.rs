@@ -11,13 +11,7 @@ use crate::step::{Frame, Passing};
 
 impl Oracle<'_> {
     /// Lets everything flow that does not come or go in this step.
-    pub fn flows(
-        &self,
-        start: &State,
-        state: &mut State,
-        frames: &[Frame],
-        passing: &Passing,
-    ) -> Result<(), Fault> {
+    pub fn flows(&self, start: &State, state: &mut State, frames: &[Frame], passing: &Passing) -> Result<(), Fault> {
         for slot in 0..start.things.len() {
             if start.things[slot].is_none() || !passing.acts(slot) {
                 continue;
@@ -158,7 +152,13 @@ impl Oracle<'_> {
                 (vec![if held { 1.0 } else { 0.0 }], [i64::from(held), 0])
             }
             By::Axis(a) => {
-                let sign = if axis(a) > 0.0 { 1.0 } else if axis(a) < 0.0 { -1.0 } else { 0.0 };
+                let sign = if axis(a) > 0.0 {
+                    1.0
+                } else if axis(a) < 0.0 {
+                    -1.0
+                } else {
+                    0.0
+                };
                 (vec![sign], [sign as i64, 0])
             }
             By::Axes(axes, ways) => nearest(axis(&axes[0]), axis(&axes[1]), *ways),
@@ -192,7 +192,8 @@ impl Oracle<'_> {
             Release::Hold => Ok((now, None)),
             Release::To(by, _) => {
                 let length = length(&now);
-                let target = now.iter().map(|n| if length == 0.0 { 0.0 } else { n / length * released }).collect::<Vec<_>>();
+                let target =
+                    now.iter().map(|n| if length == 0.0 { 0.0 } else { n / length * released }).collect::<Vec<_>>();
                 Ok((approach(&now, &target, rate(by, sustain - released)?, dt), None))
             }
         }

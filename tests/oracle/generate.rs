@@ -463,11 +463,7 @@ impl Generator<'_> {
 
     fn collides(&mut self) {
         let responses = ["block", "sense", "block, keep velocity", "block from above", "block, carry"];
-        let mut lines = vec![
-            ("body", "wall", 85),
-            ("body", "coin", 60),
-            ("body", "cloud", 40),
-        ];
+        let mut lines = vec![("body", "wall", 85), ("body", "coin", 60), ("body", "cloud", 40)];
         if self.has_foe {
             lines.extend([("body", "foe", 75), ("foe", "wall", 60), ("foe", "coin", 20)]);
         }
@@ -517,7 +513,8 @@ impl Generator<'_> {
         let who = if has_foe && self.chance(30) { "foe" } else { "hero" };
         let role = if who == "foe" { Role::Foe } else { Role::Hero };
         if self.chance(20) {
-            let (a, b) = (self.question(who, role, has_foe, has_cellar), self.question("hero", Role::Hero, has_foe, has_cellar));
+            let (a, b) =
+                (self.question(who, role, has_foe, has_cellar), self.question("hero", Role::Hero, has_foe, has_cellar));
             return format!("{a} {} {b}", self.one(&["and", "or"]));
         }
         self.question(who, role, has_foe, has_cellar)

@@ -142,13 +142,7 @@ impl<'p> Oracle<'p> {
         Ok((state, passing))
     }
 
-    fn edges(
-        &self,
-        before: &State,
-        state: &mut State,
-        frames: &[Frame],
-        passing: &mut Passing,
-    ) -> Result<(), Fault> {
+    fn edges(&self, before: &State, state: &mut State, frames: &[Frame], passing: &mut Passing) -> Result<(), Fault> {
         let mut spawns: Vec<Birth<'_>> = Vec::new();
         let mut moves: Vec<(usize, &Link)> = Vec::new();
         for slot in 0..before.things.len() {
@@ -336,9 +330,7 @@ impl<'p> Oracle<'p> {
         let instances = &self.world.instances;
         let free = instances.ids().find(|slot| {
             let instance = &instances[*slot];
-            instance.entity == spawn.entity
-                && instance.origin != Origin::Named
-                && state.things[slot.index()].is_none()
+            instance.entity == spawn.entity && instance.origin != Origin::Named && state.things[slot.index()].is_none()
         });
         if let Some(into) = into {
             state.things[spawner].as_mut().unwrap().refs[into.index()] = free.map(SlotId::index);

@@ -8,6 +8,8 @@
 
 #[path = "properties/generate.rs"]
 mod any_program;
+#[path = "analysis/false_verdicts.rs"]
+mod false_verdicts;
 #[path = "analysis/found.rs"]
 mod found;
 #[path = "analysis/generate.rs"]

@@ -1,6 +1,6 @@
 //! What an instance can be when it begins: placed, made by a tile, or spawned.
 
-use crate::ir::{Id, IdVec, LeafId, Origin, ParamId, Place, SlotId, SpawnId, VarId};
+use crate::ir::{Id, IdVec, LeafId, Origin, Place, SlotId, SpawnId, VarId};
 
 use super::evaluate::Configuration;
 use super::fixpoint::{Analysis, MOST_CONFIGURATIONS};
@@ -14,7 +14,14 @@ impl Analysis<'_> {
         let s = &self.world.slots[slot];
         let vars = s.vars.iter().map(|v| v.map(Values::point)).collect();
         let discretes = s.discretes.iter().map(|d| Values::point(f64::from(*d))).collect();
-        let at = Configuration::new(vars, discretes, s.timer_limits.len(), [s.space].into());
+        let mut at = Configuration::new(vars, discretes, s.timer_limits.len(), [s.space].into());
+        if !s.is_fixed {
+            at.params = s.params.iter().map(|p| Values::point(*p)).collect();
+        }
+        // Contacts are found before the first step, too, without pushes.
+        let contact = [VarId(0), VarId(1)].map(|var| at.vars[var][0]);
+        let known = &mut self.slots[slot].contact;
+        *known = [known[0].or(&contact[0]), known[1].or(&contact[1])];
         if let Some(landing) = Landing::of(&at) {
             self.land(slot, &landing);
         }
@@ -47,7 +54,7 @@ impl Analysis<'_> {
         let at = within_bounds(self.world, slot, at);
         let mut changed = false;
         for leaves in combinations {
-            changed |= self.grow(slot, Configuration { leaves, ..at.clone() }, false);
+            changed |= self.grow(slot, Configuration { leaves, ..at.clone() }, None);
         }
         changed
     }
@@ -64,37 +71,27 @@ impl Analysis<'_> {
             let entity = self.entity(slot);
             let reader = self.reader(Some((spawner, at)));
             let theirs = |id| reader.number(id);
-            let mut params = IdVec::new();
+            let zero = || [Values::point(0.0); 3];
+            let vars = entity.vars.iter().map(|_| zero()).collect();
+            let mut born = Configuration::new(vars, IdVec::new(), entity.timers.len(), (*at.spaces).clone());
+            // Its own expressions read parameters that are known by then, and nothing else.
+            let own = |born: &Configuration, id| self.reader(Some((slot, born))).number(id);
             for (id, param) in entity.params.pairs() {
                 let given = spawn.params.iter().find(|(p, _)| *p == id);
-                let value = match given {
-                    Some((_, value)) => theirs(*value),
-                    // Defaults read parameters that are known by now; what is not constant can be anything.
-                    None => {
-                        let known: IdVec<ParamId, f64> =
-                            params.iter().map(|v: &Values| v.constant().unwrap_or(f64::NAN)).collect();
-                        let value = self.program.constant(param.default, &known, self.world.step);
-                        value.map_or(Values::all(), Values::point)
-                    }
-                };
-                params.push(value);
+                let value = given.map_or_else(|| own(&born, param.default), |(_, value)| theirs(*value));
+                born.params.push(value);
             }
-            let known: IdVec<ParamId, f64> = params.iter().map(|v| v.constant().unwrap_or(f64::NAN)).collect();
-            let first = |id, otherwise: Values| {
-                self.program.constant(id, &known, self.world.step).map_or(otherwise, Values::point)
-            };
-            let zero = || Values::point(0.0);
-            let position = |(var, value): (VarId, &Option<_>)| {
-                let position = match value {
-                    Some(value) => first(*value, Values::all()),
+            for (var, first) in entity.first.pairs() {
+                born.vars[var][0] = match first {
+                    Some(first) => own(&born, *first),
                     None if var.index() < 2 => at.vars[var][0],
-                    None => zero(),
+                    None => Values::point(0.0),
                 };
-                [position, zero(), zero()]
-            };
-            let vars = entity.first.pairs().map(position).collect();
-            let discretes = entity.discretes.iter().map(|d| first(d.first, Values::range(d.range))).collect();
-            let mut born = Configuration::new(vars, discretes, entity.timers.len(), (*at.spaces).clone());
+            }
+            for discrete in entity.discretes.iter() {
+                let value = own(&born, discrete.first).and(&Values::range(discrete.range));
+                born.discretes.push(value);
+            }
             for update in &spawn.updates {
                 match update.place {
                     Place::Var(var, degree) => born.vars[var][usize::from(degree)] = theirs(update.value),
@@ -102,9 +99,13 @@ impl Analysis<'_> {
                     Place::Ref(_) => {}
                 }
             }
+            // A fault stops the run.
+            if born.is_impossible() {
+                continue;
+            }
             let known = &mut self.slots[slot].params;
             let mut reshaped = false;
-            for (id, value) in params.pairs() {
+            for (id, value) in born.params.pairs() {
                 let joined = known[id].or(value);
                 reshaped |= joined != known[id];
                 known[id] = joined;

@@ -34,6 +34,8 @@ pub struct Numbers {
     pub vars: IdVec<VarId, [Values; 3]>,
     /// Each discrete variable.
     pub discretes: IdVec<DiscreteId, Values>,
+    /// Each parameter, where they can differ from one life of the slot to the next; else nothing.
+    pub(super) params: IdVec<ParamId, Values>,
     /// Of each continuous variable that fell in the last step: how, and with which energy.
     pub(super) energy: IdVec<VarId, Energy>,
 }
@@ -67,30 +69,54 @@ pub(super) struct Overall {
     pub discretes: IdVec<DiscreteId, Values>,
     /// What updates make of it within a step, which flows of others read.
     pub between: Between,
+    /// Where it is when contacts are found, before anything is pushed; px.
+    pub contact: [Values; 2],
     pub spaces: BTreeSet<SpaceId>,
     /// Of both axes, the greatest speed at which it moves before anything stops it, px/s.
     pub speed: [f64; 2],
+    /// The same, of those steps that lead to where there is something that never moves.
+    pub near_speed: [f64; 2],
     /// The leaves that can be active.
     pub leaves: BTreeSet<LeafId>,
 }
 
-/// What variables can be within a step, after updates and before they flow.
+/// What an instance can be within a step, after the discrete phase and before the continuous one. Whoever is destroyed in
+/// that step is read by others in it, too.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Between {
     vars: IdVec<VarId, [Values; 3]>,
     discretes: IdVec<DiscreteId, Values>,
+    leaves: BTreeSet<LeafId>,
+}
+
+/// The phase of the simulator in which an expression is read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Phase {
+    /// The discrete phase, and what is looked at between steps: everything is as the step began.
+    Discrete,
+    /// The continuous phase: everything is as the discrete phase left it, but for contacts, which are those of the last
+    /// collision phase.
+    Continuous {
+        /// Whether the instance has been put elsewhere since its contacts were found.
+        is_put: bool,
+    },
 }
 
 impl Between {
     /// Of an entity with so many variables.
     pub fn new(vars: usize, discretes: usize) -> Self {
         let none = |count: usize| (0..count).map(|_| Values::none());
-        Between { vars: none(vars).map(|v| [v; 3]).collect(), discretes: none(discretes).collect() }
+        let vars = none(vars).map(|v| [v; 3]).collect();
+        Between { vars, discretes: none(discretes).collect(), leaves: BTreeSet::new() }
     }
 
-    /// Adds what a way of a step leads to; gives whether that is more than before.
-    pub fn add(&mut self, numbers: &Numbers) -> bool {
+    /// Adds what the discrete phase leads to; returns true if that is more than before.
+    pub fn add(&mut self, at: &Configuration) -> bool {
         let mut changed = false;
+        for leaf in &at.leaves {
+            changed |= self.leaves.insert(*leaf);
+        }
+        let numbers: &Numbers = at;
         let mut join = |known: &mut Values, new: &Values| {
             if !new.is_within(known) {
                 *known = known.or(new);
@@ -138,6 +164,8 @@ pub(super) struct Reader<'a> {
     pub pinned: Option<(SlotId, SpaceId, [Interval; 2])>,
     /// The instance that `Subject::Me` stands for, none in a world's predicate.
     pub me: Option<(SlotId, &'a Configuration)>,
+    /// When it is read.
+    pub phase: Phase,
 }
 
 impl<'a> Reader<'a> {
@@ -177,9 +205,14 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// A variable of another instance: between steps, and for entities, which may read it as it flows, within them.
+    /// What the discrete phase makes of another instance, if that is what is read.
+    fn between<'o>(&self, o: &'o Overall) -> Option<&'o Between> {
+        (self.phase != Phase::Discrete).then_some(&o.between)
+    }
+
+    /// A variable of another instance.
     fn var(&self, o: &Overall, var: VarId, degree: usize) -> Option<Values> {
-        let between = o.between.vars.get(var).filter(|_| self.me.is_some());
+        let between = self.between(o).and_then(|b| b.vars.get(var));
         Some(o.vars.get(var)?[degree].or(between.map_or(&Values::none(), |v| &v[degree])))
     }
 
@@ -206,7 +239,8 @@ impl<'a> Reader<'a> {
             Expr::Number(n) => Values::point(n),
             Expr::Frames(n) => Values::point(self.world.step.frames(n)),
             Expr::Param(Subject::Me, p) if self.me.is_some() => {
-                self.me.and_then(|(me, _)| self.slots[me].params.get(p).copied()).unwrap_or_default()
+                let own = self.me.and_then(|(me, c)| c.params.get(p).or(self.slots[me].params.get(p)));
+                own.copied().unwrap_or(Values::all())
             }
             Expr::Param(of, p) => self.read(of, |o| o.params.get(p).cloned()),
             Expr::Var(of, var, degree) => match self.mine(of) {
@@ -217,7 +251,7 @@ impl<'a> Reader<'a> {
             Expr::Discrete(of, id) => match self.mine(of) {
                 Some(c) => c.discretes[id],
                 None => self.read(of, |o| {
-                    let between = o.between.discretes.get(id).filter(|_| self.me.is_some());
+                    let between = self.between(o).and_then(|b| b.discretes.get(id));
                     Some(o.discretes.get(id)?.or(between.unwrap_or(&Values::none())))
                 }),
             },
@@ -302,6 +336,8 @@ impl<'a> Reader<'a> {
             }
             Expr::Not(a) => self.truth(a).not(),
             Expr::Button(..) => Truth { can_hold: self.is_played(), can_fail: true },
+            // The contacts are those of where it was before.
+            Expr::Touching(Subject::Me, _) if self.phase == (Phase::Continuous { is_put: true }) => Truth::EITHER,
             Expr::Touching(of, touch) => {
                 let can = |slot: &SlotId| {
                     let vars = self.mine(of).map_or(&self.slots[*slot].vars, |c| &c.vars);
@@ -323,10 +359,10 @@ impl<'a> Reader<'a> {
                     return Truth::of(c.leaves.iter().any(|l| first <= *l && *l < after));
                 }
                 let of_mode = |slot: &SlotId| {
-                    let modes = &self.entity(*slot).modes;
-                    modes
-                        .get(mode)
-                        .is_some_and(|m| self.slots[*slot].leaves.range(m.leaves.0..m.leaves.1).next().is_some())
+                    let o = &self.slots[*slot];
+                    let Some(m) = self.entity(*slot).modes.get(mode) else { return false };
+                    let any = |leaves: &BTreeSet<LeafId>| leaves.range(m.leaves.0..m.leaves.1).next().is_some();
+                    any(&o.leaves) || self.between(o).is_some_and(|b| any(&b.leaves))
                 };
                 Truth { can_hold: self.candidates(of).iter().any(of_mode), can_fail: true }
             }
@@ -417,6 +453,12 @@ impl<'a> Reader<'a> {
             Expr::Discrete(Subject::Me, id) => {
                 out.set_discrete(id, cut(&out.discretes[id], true));
             }
+            Expr::Param(Subject::Me, id) if out.params.get(id).is_some() => {
+                let left = cut(&out.params[id], false);
+                if left != out.params[id] {
+                    out.params[id] = left;
+                }
+            }
             Expr::Timer(timer) => {
                 // Counts are cut a step too wide, as times are rounded.
                 let step = self.world.step.seconds();
@@ -441,7 +483,8 @@ impl<'a> Reader<'a> {
 impl Configuration {
     /// Whether some variable has no value left.
     pub fn is_impossible(&self) -> bool {
-        self.vars.iter().flatten().any(Values::is_none) || self.discretes.iter().any(Values::is_none)
+        let mut all = self.vars.iter().flatten().chain(self.discretes.iter()).chain(self.params.iter());
+        all.any(Values::is_none)
     }
 
     /// Of an instance that has not moved yet.
@@ -453,7 +496,7 @@ impl Configuration {
     ) -> Self {
         let energy = vars.iter().map(|_| None).collect();
         let timers = (0..timers).map(|_| Interval::point(0.0)).collect();
-        let numbers = Arc::new(Numbers { vars, discretes, energy });
+        let numbers = Arc::new(Numbers { vars, discretes, params: IdVec::new(), energy });
         Configuration { leaves: Vec::new(), timers, spaces: Arc::new(spaces), numbers }
     }
 
@@ -494,6 +537,7 @@ impl Configuration {
         let numbers = || {
             self.vars.iter().zip(there.vars.iter()).all(|(a, b)| both(a, b))
                 && self.discretes.iter().zip(there.discretes.iter()).all(|(a, b)| a.is_within(b))
+                && self.params.iter().zip(there.params.iter()).all(|(a, b)| a.is_within(b))
                 && self.energy.iter().zip(there.energy.iter()).all(energy)
         };
         self.timers.iter().zip(there.timers.iter()).all(|(a, b)| b.low <= a.low && a.high <= b.high)
@@ -543,6 +587,7 @@ impl Configuration {
         let numbers = Numbers {
             vars: self.vars.iter().zip(other.vars.iter()).map(|(a, b)| [0, 1, 2].map(|d| a[d].or(&b[d]))).collect(),
             discretes: self.discretes.iter().zip(other.discretes.iter()).map(|(a, b)| a.or(b)).collect(),
+            params: self.params.iter().zip(other.params.iter()).map(|(a, b)| a.or(b)).collect(),
             energy: self.energy.ids().map(energy).collect(),
         };
         Configuration { leaves: self.leaves.clone(), timers, spaces, numbers: Arc::new(numbers) }

@@ -10,8 +10,9 @@ use crate::ir::{
 use crate::watch::Watch;
 
 use super::barred::Barred;
-use super::evaluate::{Between, Configuration, Overall, Reader};
-use super::scene::{Scene, rounded_step};
+use super::cells::{CellId, Cells};
+use super::evaluate::{Between, Configuration, Overall, Phase, Reader};
+use super::scene::Scene;
 use super::step::{Landing, Outcome, Stepper};
 use super::supply::Limits;
 use super::surroundings::Surroundings;
@@ -26,6 +27,9 @@ const NARROWINGS: usize = 2;
 /// How often a configuration is extended by what comes of it before that is given up.
 const MOST_EXTENSIONS: usize = 8;
 
+/// What tells configurations apart: the active leaf of each group, and where the instance is.
+pub(super) type Key = (Vec<LeafId>, CellId);
+
 /// A configuration that is still growing.
 #[derive(Debug, Clone)]
 struct Growing {
@@ -36,15 +40,26 @@ struct Growing {
 
 #[derive(Debug, Default, Clone)]
 pub(super) struct Slot {
-    configurations: BTreeMap<Vec<LeafId>, Growing>,
+    configurations: BTreeMap<Key, Growing>,
     can_be_absent: bool,
     is_given_up: bool,
     pub params: IdVec<ParamId, Values>,
     /// px/s
     speed: [f64; 2],
+    near_speed: [f64; 2],
     between: Between,
+    /// Where it is when contacts are found, px.
+    pub contact: [Values; 2],
     /// Whether what it can be was changed since others were told.
     pub is_changed: bool,
+}
+
+impl Slot {
+    /// How many combinations of leaves there are.
+    fn combinations(&self) -> usize {
+        let keys: Vec<&Key> = self.configurations.keys().collect();
+        keys.chunk_by(|a, b| a.0 == b.0).count()
+    }
 }
 
 /// An analysis that is under way.
@@ -142,28 +157,47 @@ impl<'a> Analysis<'a> {
         self.first[slot] == slot
     }
 
-    /// Adds what an instance can be; gives whether that is more than before.
-    pub(super) fn grow(&mut self, slot: SlotId, mut found: Configuration, is_own: bool) -> bool {
-        let known = &mut self.slots[slot];
-        if known.is_given_up {
+    /// Adds what an instance can be; returns true if that is more than before. What comes of a configuration itself is told
+    /// apart, and what narrows one is what comes in from others.
+    pub(super) fn grow(&mut self, slot: SlotId, mut found: Configuration, from: Option<&Key>) -> bool {
+        if self.slots[slot].is_given_up {
             return false;
         }
         cut(&mut found, &self.limits[slot]);
         if found.is_impossible() || !self.barred.cut(slot, &mut found) {
             return false;
         }
-        if known.configurations.get(&found.leaves).is_some_and(|g| found.is_within(&g.at)) {
-            return false;
+        let mut changed = false;
+        for (cell, found) in self.cells(slot).split(found) {
+            let is_own = from.is_some_and(|(leaves, of)| *of == cell && *leaves == found.leaves);
+            if !(is_own && self.is_narrowing) {
+                changed |= self.grow_in(slot, cell, found, is_own);
+            }
         }
-        let Some(mut growing) = known.configurations.remove(&found.leaves) else {
+        changed
+    }
+
+    /// Where a slot's instance is told apart.
+    fn cells(&self, slot: SlotId) -> &Cells {
+        &self.scene.kinds[self.scene.of[slot]].cells
+    }
+
+    fn grow_in(&mut self, slot: SlotId, cell: CellId, found: Configuration, is_own: bool) -> bool {
+        let known = &mut self.slots[slot];
+        let key = (found.leaves.clone(), cell);
+        let Some(mut growing) = known.configurations.remove(&key) else {
             let patience = Patience::new(&found);
-            known.configurations.insert(found.leaves.clone(), Growing { at: found, patience, is_new: true });
+            known.configurations.insert(key, Growing { at: found, patience, is_new: true });
             known.is_changed = true;
-            if known.configurations.len() > MOST_CONFIGURATIONS {
+            if known.configurations.len() > MOST_CONFIGURATIONS && known.combinations() > MOST_CONFIGURATIONS {
                 self.give_up(slot);
             }
             return true;
         };
+        if found.is_within(&growing.at) {
+            known.configurations.insert(key, growing);
+            return false;
+        }
         let others = |var: VarId, degree: usize| {
             let hulls = known.configurations.values().filter_map(|g| g.at.vars[var][degree].hull());
             hulls.reduce(Interval::or)
@@ -178,11 +212,12 @@ impl<'a> Analysis<'a> {
             cut(&mut joined, &self.limits[slot]);
             self.barred.cut(slot, &mut joined);
             joined.sharpen();
+            self.scene.kinds[self.scene.of[slot]].cells.cut(cell, &mut joined);
             growing.at = within_bounds(self.world, slot, joined);
             growing.is_new = true;
             known.is_changed = true;
         }
-        known.configurations.insert(found.leaves, growing);
+        known.configurations.insert(key, growing);
         is_more
     }
 
@@ -196,11 +231,16 @@ impl<'a> Analysis<'a> {
             return Overall {
                 can_live: true,
                 can_be_absent: true,
-                params: known.params.clone(),
+                params: match self.world.slots[slot].is_fixed {
+                    true => known.params.clone(),
+                    false => known.params.iter().map(|_| Values::all()).collect(),
+                },
+                contact: [Values::all(); 2],
                 vars: entity.vars.iter().map(|_| [Values::all(), Values::all(), Values::all()]).collect(),
                 discretes: self.limits[slot].clone(),
                 spaces: self.world.spaces.ids().collect(),
                 speed: [f64::INFINITY; 2],
+                near_speed: [f64::INFINITY; 2],
                 between: known.between.clone(),
                 leaves: entity.leaves.ids().collect(),
             };
@@ -212,9 +252,11 @@ impl<'a> Analysis<'a> {
             vars: entity.vars.ids().map(|v| [0, 1, 2].map(|d| all(&|c| c.vars[v][d]))).collect(),
             discretes: entity.discretes.ids().map(|id| all(&|c| c.discretes[id])).collect(),
             spaces: known.configurations.values().flat_map(|g| g.at.spaces.iter().copied()).collect(),
+            contact: known.contact,
             speed: known.speed,
+            near_speed: known.near_speed,
             between: known.between.clone(),
-            leaves: known.configurations.keys().flatten().copied().collect(),
+            leaves: known.configurations.keys().flat_map(|(leaves, _)| leaves).copied().collect(),
         }
     }
 
@@ -231,6 +273,10 @@ impl<'a> Analysis<'a> {
                 false => self.overall[first].clone(),
             };
             if overall != self.overall[slot] {
+                if overall.params != self.overall[slot].params {
+                    // Its own expressions read them.
+                    self.slots[slot].configurations.values_mut().for_each(|g| g.is_new = true);
+                }
                 self.overall[slot] = overall;
                 changed = true;
             }
@@ -303,25 +349,25 @@ impl<'a> Analysis<'a> {
             let told = &self.overall[slot].spaces;
             let known = self.slots[slot].configurations.iter();
             let new = known.filter(|(_, g)| g.is_new && g.at.spaces.is_subset(told));
-            let due: Vec<Vec<LeafId>> = new.map(|(leaves, _)| leaves.clone()).collect();
+            let due: Vec<Key> = new.map(|(key, _)| key.clone()).collect();
             if due.is_empty() {
                 break;
             }
-            for leaves in due {
+            for key in due {
                 if self.watch.stop() {
                     self.effort = 0;
                     return true;
                 }
                 // As it is by now: those before it may have added to it.
                 let told = &self.overall[slot].spaces;
-                let growing = self.slots[slot].configurations.get_mut(&leaves);
+                let growing = self.slots[slot].configurations.get_mut(&key);
                 let Some(growing) = growing.filter(|g| g.at.spaces.is_subset(told)) else { continue };
                 growing.is_new = false;
                 let at = growing.at.clone();
                 match self.stepper(slot).run(&at) {
                     Some(outcome) => {
                         self.effort = self.effort.saturating_sub(outcome.next.len() + 1);
-                        changed |= self.take(slot, &leaves, outcome);
+                        changed |= self.take(slot, &key, outcome);
                     }
                     None => {
                         self.give_up(slot);
@@ -342,6 +388,7 @@ impl<'a> Analysis<'a> {
             surroundings: &self.surroundings,
             pinned: None,
             me,
+            phase: Phase::Discrete,
         }
     }
 
@@ -352,14 +399,10 @@ impl<'a> Analysis<'a> {
         Stepper { reader, slot, step: self.world.step.seconds(), flowing, moving }
     }
 
-    fn take(&mut self, slot: SlotId, from: &[LeafId], outcome: Outcome) -> bool {
+    fn take(&mut self, slot: SlotId, from: &Key, outcome: Outcome) -> bool {
         let mut changed = false;
         for next in outcome.next {
-            let is_own = next.leaves == from;
-            // What narrows a configuration is what comes in from others.
-            if !(is_own && self.is_narrowing) {
-                changed |= self.grow(slot, next, is_own);
-            }
+            changed |= self.grow(slot, next, Some(from));
         }
         if outcome.can_end && !self.slots[slot].can_be_absent {
             self.slots[slot].can_be_absent = true;
@@ -370,7 +413,8 @@ impl<'a> Analysis<'a> {
             changed |= self.spawn(slot, spawn, &at);
         }
         let known = &mut self.slots[slot];
-        for (old, speed) in known.speed.iter_mut().zip(outcome.speed) {
+        let speeds = known.speed.iter_mut().chain(&mut known.near_speed);
+        for (old, speed) in speeds.zip(outcome.speed.into_iter().chain(outcome.near_speed)) {
             // It grows as velocities do, which are brought to an end.
             if speed > *old {
                 *old = speed;
@@ -378,14 +422,18 @@ impl<'a> Analysis<'a> {
                 known.is_changed = true;
             }
         }
-        for numbers in outcome.between.iter().filter(|_| self.is_read) {
-            let is_more = known.between.add(numbers);
+        for (old, at) in known.contact.iter_mut().zip(&outcome.contact) {
+            if !at.is_within(old) {
+                *old = old.or(at);
+                changed = true;
+                known.is_changed = true;
+            }
+        }
+        for at in outcome.between.iter().filter(|_| self.is_read) {
+            let is_more = known.between.add(at);
             known.is_changed |= is_more;
             changed |= is_more;
         }
-        let kind = &mut self.scene.kinds[self.scene.of[slot]];
-        changed |= outcome.appears && !kind.appears;
-        kind.appears |= outcome.appears;
         for landing in outcome.landings {
             changed |= self.land(slot, &landing);
         }
@@ -402,9 +450,7 @@ impl<'a> Analysis<'a> {
         if self.scene.kinds[kind].jumps {
             return changed;
         }
-        let [x, y] = self.slots[slot].speed;
-        let far = rounded_step(x.max(y) * self.world.step.seconds());
-        let inside = landing.spaces.iter().any(|space| self.scene.is_inside(kind, *space, landing, far));
+        let inside = landing.spaces.iter().any(|space| self.scene.is_inside(kind, *space, landing));
         self.scene.kinds[kind].jumps = inside;
         changed || inside
     }
@@ -439,25 +485,27 @@ impl<'a> Analysis<'a> {
     /// a configuration has only from itself are lost: it begins anew with what comes in from others.
     fn narrow(&mut self) {
         self.surroundings = Surroundings::new(&mut self.scene, &self.overall);
-        let mut found: Vec<(SlotId, Vec<LeafId>, Outcome)> = Vec::new();
+        let mut found: Vec<(SlotId, Key, Outcome)> = Vec::new();
         for slot in self.world.slots.ids().filter(|s| self.is_first(*s) && !self.slots[*s].is_given_up) {
-            for (leaves, growing) in &self.slots[slot].configurations {
+            for (key, growing) in &self.slots[slot].configurations {
                 if let Some(outcome) = self.stepper(slot).run(&growing.at) {
-                    found.push((slot, leaves.clone(), outcome));
+                    found.push((slot, key.clone(), outcome));
                 }
             }
         }
         let clear = |slot: &mut Slot| {
             slot.speed = [0.0; 2];
+            slot.near_speed = [0.0; 2];
+            slot.contact = [Values::none(); 2];
             slot.is_changed = true;
             (std::mem::take(&mut slot.configurations), slot.is_given_up)
         };
-        let before: Vec<(BTreeMap<Vec<LeafId>, Growing>, bool)> = self.slots.iter_mut().map(clear).collect();
+        let before: Vec<(BTreeMap<Key, Growing>, bool)> = self.slots.iter_mut().map(clear).collect();
         for slot in self.world.slots.ids().filter(|s| self.world.slots[*s].origin != Origin::Free) {
             self.begin(slot);
         }
-        for (slot, leaves, outcome) in found {
-            self.take(slot, &leaves, outcome);
+        for (slot, key, outcome) in found {
+            self.take(slot, &key, outcome);
         }
         for (slot, (known, is_given_up)) in self.world.slots.ids().zip(before) {
             if is_given_up {
@@ -465,9 +513,9 @@ impl<'a> Analysis<'a> {
                 continue;
             }
             let mut narrowed = std::mem::take(&mut self.slots[slot].configurations);
-            for (leaves, growing) in &mut narrowed {
-                if let Some(known) = known.get(leaves) {
-                    growing.at = self.restarted(slot, both(&growing.at, &known.at), &known.at);
+            for (key, growing) in &mut narrowed {
+                if let Some(known) = known.get(key) {
+                    growing.at = self.restarted(slot, key.1, both(&growing.at, &known.at), &known.at);
                 }
             }
             self.slots[slot].configurations = narrowed;
@@ -476,11 +524,18 @@ impl<'a> Analysis<'a> {
     }
 
     /// What a configuration can be that begins with what comes in, if it was known to be no more than `known`.
-    fn restarted(&self, slot: SlotId, entries: Configuration, known: &Configuration) -> Configuration {
+    fn restarted(
+        &self,
+        slot: SlotId,
+        cell: CellId,
+        entries: Configuration,
+        known: &Configuration,
+    ) -> Configuration {
         let mut at = entries.clone();
         for _ in 0..MOST_EXTENSIONS {
             let Some(outcome) = self.stepper(slot).run_on(&at) else { break };
-            let own = outcome.next.into_iter().reduce(|a, b| a.or(&b));
+            let here = |next| self.cells(slot).split(next).into_iter().find(|(of, _)| *of == cell);
+            let own = outcome.next.into_iter().filter_map(here).map(|(_, own)| own).reduce(|a, b| a.or(&b));
             let Some(own) = own.map(|own| both(&own, known)) else { return entries };
             if own.is_within(&at) {
                 // Nothing more comes of it; what is not come by is cut.

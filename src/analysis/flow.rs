@@ -5,7 +5,7 @@ use crate::ir::{By, Drive, Envelope, ExprId, IdVec, Release, TimerId, VarId};
 
 use super::energy::Fall;
 use super::evaluate::{Configuration, Reader};
-use super::step::{Outcome, Stepper, shift};
+use super::step::{Beginning, Outcome, Stepper, shift};
 use super::values::{Interval, Values};
 use super::widen::within_bounds;
 
@@ -17,12 +17,12 @@ impl Stepper<'_> {
     pub(super) fn flowed(
         &self,
         next: &Configuration,
-        jumps: [Interval; 2],
+        beginning: Beginning,
         followed: &mut Followed,
         outcome: &mut Outcome,
     ) -> Option<Configuration> {
-        let Some(flowing) = self.flowing.filter(|_| jumps == [Interval::point(0.0); 2]) else {
-            return self.flow(next, jumps, outcome);
+        let Some(flowing) = self.flowing.filter(|_| !beginning.is_put) else {
+            return self.flow(next, beginning, outcome);
         };
         let same = |known: &Configuration| {
             let leaves = known.leaves.iter().zip(&next.leaves).zip(flowing);
@@ -33,7 +33,7 @@ impl Stepper<'_> {
         if let Some((_, found)) = followed.iter().find(|(known, _)| same(known)) {
             return found.clone();
         }
-        let found = self.flow(next, jumps, outcome);
+        let found = self.flow(next, beginning, outcome);
         followed.push((next.clone(), found.clone()));
         found
     }
@@ -53,11 +53,11 @@ impl Stepper<'_> {
         next.timers.pairs().map(later).collect()
     }
 
-    /// Flows, envelopes, clamps, and what a collision can do. Before, updates have put it as far as `jumps` from where it
-    /// was.
-    fn flow(&self, next: &Configuration, jumps: [Interval; 2], outcome: &mut Outcome) -> Option<Configuration> {
+    /// Flows, envelopes, clamps, and what a collision can do.
+    fn flow(&self, next: &Configuration, beginning: Beginning, outcome: &mut Outcome) -> Option<Configuration> {
         let entity = self.entity();
-        let reader = self.at(next);
+        let Beginning { jumps, is_put } = beginning;
+        let reader = self.flowing_at(next, is_put);
         let mut drives: IdVec<VarId, Drive> = entity.vars.ids().map(Drive::Coast).collect();
         let active = next.leaves.iter().flat_map(|l| &entity.leaves[*l].drives);
         for drive in entity.free.iter().chain(active) {
@@ -118,7 +118,8 @@ impl Stepper<'_> {
             moved.energy[var] = fall.and_then(|fall| Some((fall, self.fallen(next, &moved, var, fall)?)));
         }
         let mut own = jumps;
-        for (axis, speed) in outcome.speed.iter_mut().enumerate() {
+        let mut speeds = [0.0_f64; 2];
+        for (axis, speed) in speeds.iter_mut().enumerate() {
             let var = VarId(axis as u32);
             // Where the position itself is driven or cut, it moves as far as from one end to the other.
             let way = shift(next, &moved, var);
@@ -127,11 +128,20 @@ impl Stepper<'_> {
             let is_put = matches!(drives[var], Drive::Flow { degree: 0, .. })
                 || matches!(drives[var], Drive::Envelope(id, _) if entity.envelopes[id].degree == 0)
                 || entity.clamps.iter().any(|c| c.var == var && c.degree == 0);
-            *speed = speed.max(if is_put { far } else { velocity });
+            *speed = if is_put { far } else { velocity };
             let by_velocity = moved.vars[var][1].hull().map_or(Interval::point(0.0), |v| v.times(dt));
             own[axis] = own[axis].plus(if is_put { way } else { by_velocity });
         }
-        self.reader.surroundings.collide(self.slot, self.step, own, next, &mut moved);
+        let far = [0, 1].map(|axis| moved.vars[VarId(axis)][1].hull().map_or(0.0, |v| v.high.max(-v.low) * self.step));
+        let contact = self.reader.surroundings.collide(self.slot, own, far[0].max(far[1]), &mut moved);
+        let greatest = |known: &mut [f64; 2]| *known = [known[0].max(speeds[0]), known[1].max(speeds[1])];
+        greatest(&mut outcome.speed);
+        if self.reader.surroundings.is_near_statics(self.slot, &contact) {
+            greatest(&mut outcome.near_speed);
+        }
+        for (known, at) in outcome.contact.iter_mut().zip(contact) {
+            *known = known.or(&at);
+        }
         let mut moved = within_bounds(self.reader.world, self.slot, moved);
         moved.sharpen();
         (!moved.is_impossible()).then_some(moved)
@@ -159,7 +169,7 @@ impl Stepper<'_> {
             }
             let at = moved.vars[var][0].hull()?;
             for (end, is_low) in [(clamp.low, true), (clamp.high, false)] {
-                let end = end.and_then(|end| self.at(next).number(end).hull());
+                let end = end.and_then(|end| self.flowing_at(next, true).number(end).hull());
                 energy = end.map_or(energy, |end| fall.cut(energy, at, end, is_low));
             }
         }

@@ -18,6 +18,7 @@
 
 mod barred;
 mod birth;
+mod cells;
 mod energy;
 mod evaluate;
 mod findings;
@@ -41,7 +42,7 @@ use crate::ir::{ExprId, GoalId, IdVec, Program, SlotId, World, WorldId};
 use crate::watch::{Unwatched, Watch};
 
 use barred::Barred;
-use evaluate::{Overall, Reader};
+use evaluate::{Overall, Phase, Reader};
 use fixpoint::Analysis;
 use supply::Limits;
 use surroundings::Surroundings;
@@ -135,6 +136,6 @@ impl ConfigurationSpace {
         world: &'a World,
         me: Option<(SlotId, &'a Configuration)>,
     ) -> Reader<'a> {
-        Reader { program, world, slots: &self.overall, surroundings: &self.surroundings, pinned: None, me }
+        Reader { program, world, slots: &self.overall, surroundings: &self.surroundings, pinned: None, me, phase: Phase::Discrete }
     }
 }

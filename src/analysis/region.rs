@@ -2,16 +2,16 @@
 //! those where it is put, found by flooding the plane of its positions (Lozano-Pérez, *Spatial planning: a configuration
 //! space approach*, IEEE Transactions on Computers 1983: what blocks it grows by the size of its collider).
 //!
-//! A step moves it by at most so much, and a push may leave it inside of something by at most as much again. So free
-//! places hang together that are not further apart than four such steps; thicker walls are not passed.
+//! It is never inside of what blocks it, if it does not begin there. A step moves it by at most `far` px along each axis,
+//! so that it is no deeper than that inside of what it meets, and is pushed out by no more than that: free places hang
+//! together that are not further apart than two such steps, and thicker walls are not passed.
 //!
-//! That fails where two things push against each other: of two pushes along an axis the deeper one wins, so that a body
-//! wriggles through a slit that is up to two steps too narrow for it. Where it could come to one, nothing is said; where
-//! one of the two is no part of the plane, it may be left inside of the other twice as deep.
+//! That fails where a push ends inside of something else, or where two things push against each other: between two things
+//! that leave a gap which is too narrow by up to two steps. Where it could come near to one, nothing is said.
 
 use crate::ir::{Bounds, Push, SpaceId, TagSet};
 
-use super::scene::{Extent, Kind, ROUNDING, Scene};
+use super::scene::{Extent, Kind, ROUNDING, Scene, TOLERANCE};
 use super::tiles::Tiles;
 use super::values::{Interval, Values};
 
@@ -60,75 +60,76 @@ impl Region {
 
 impl Scene<'_> {
     /// Where instances of a kind that begin in some boxes can get in a space, if a step moves them by at most `far` px
-    /// along each axis. None if there is too much to look at.
+    /// along each axis. None if there is too much to look at, or if pushes could leave them inside of something.
     pub fn flooded(&self, kind: usize, space: SpaceId, seeds: &[[Interval; 2]], far: f64) -> Option<Region> {
         let of = &self.kinds[kind];
         let players = of.slots.iter().all(|s| self.world.slots[*s].player.is_some());
         let bounds = self.world.spaces[space].bounds.filter(|_| players);
-        let blocking = self.blocking(of, space);
+        let blockers = self.blockers(of, space);
+        let blocking: Vec<_> = blockers.iter().filter(|b| b.is_solid).map(|b| b.sides).collect();
         let plane = Plane::new(&blocking, bounds)?;
-        // What pushes and is no part of the plane pushes on, against what is.
-        let deep = if self.is_pushed_unseen(kind, space) { 2.0 * far } else { far };
-        let apart = 4.0 * deep + 4.0 * ROUNDING;
+        let apart = 2.0 * far + TOLERANCE + 4.0 * ROUNDING;
         let reached = plane.flood(seeds, apart);
-        if has_slit(&blocking, &reached, far, apart) {
+        if has_narrow_gap(&blockers, &reached, far, apart) {
             return None;
         }
-        // A push can leave it a little inside of what blocks it.
-        let wide = |i: Interval| Interval { low: i.low - deep - ROUNDING, high: i.high + deep + ROUNDING };
-        let strips: Vec<[Interval; 2]> = reached.into_iter().map(|strip| strip.map(wide)).collect();
-        Region::new(strips)
+        let wide = |i: Interval| Interval { low: i.low - ROUNDING, high: i.high + ROUNDING };
+        Region::new(reached.into_iter().map(|strip| strip.map(wide)).collect())
     }
 
-    /// Whether anything blocks that is not among [`Scene::blocking`]: an instance, a cloud, a collider that comes and goes.
-    fn is_pushed_unseen(&self, kind: usize, space: SpaceId) -> bool {
-        let tiles = Tiles::new(self.world, space);
-        let solids = self.world.spaces[space].solids.iter().map(|s| s.tags);
-        let tags: Vec<TagSet> = tiles.tags.iter().copied().chain(solids).collect();
-        let bodies = &self.kinds[kind].bodies;
-        let by_instances =
-            self.pairs[kind].iter().any(|p| p.meeting.response.push != Push::Sense && !bodies[p.mine].kinematic);
-        by_instances
-            || bodies.iter().filter(|b| !b.kinematic).any(|body| {
-                let meets = |push: &dyn Fn(Push) -> bool| {
-                    tags.iter().any(|t| self.world.meeting(body.tags, *t).is_some_and(|m| push(m.response.push)))
-                };
-                let is_seen = body.is_steady && body.extent.is_some();
-                meets(&|push| push == Push::FromAbove) || !is_seen && meets(&|push| push != Push::Sense)
-            })
-    }
-
-    /// The positions at which a collider that is always there lies inside of what blocks it and never moves.
-    fn blocking(&self, kind: &Kind, space: SpaceId) -> Vec<[Interval; 2]> {
+    /// What never moves and pushes a collider that is always there.
+    fn blockers(&self, kind: &Kind, space: SpaceId) -> Vec<Blocker> {
         let tiles = Tiles::new(self.world, space);
         let mut out = Vec::new();
         for body in kind.bodies.iter().filter(|b| !b.kinematic && b.is_steady) {
             let Some(extent) = body.extent else { continue };
-            let blocks = |t: TagSet| self.world.meeting(body.tags, t).is_some_and(|m| m.response.push == Push::Block);
-            let solids = self.world.spaces[space].solids.iter().filter(|s| blocks(s.tags));
-            out.extend(solids.map(|s| grown(s.bounds, extent)));
-            let kinds: Vec<bool> = tiles.tags.iter().map(|t| blocks(*t)).collect();
-            out.extend(tiles.boxes(|kind| kinds[kind]).map(|b| grown(b, extent)));
+            let push = |t: TagSet| self.world.meeting(body.tags, t).map_or(Push::Sense, |m| m.response.push);
+            let blocker = |bounds: Bounds, push: Push| Blocker {
+                sides: grown(bounds, extent),
+                is_solid: push == Push::Block,
+            };
+            let solids = self.world.spaces[space].solids.iter().map(|s| (push(s.tags), s.bounds));
+            let solids = solids.filter(|(push, _)| *push != Push::Sense);
+            out.extend(solids.map(|(push, bounds)| blocker(bounds, push)));
+            for wanted in [Push::Block, Push::FromAbove] {
+                let kinds: Vec<bool> = tiles.tags.iter().map(|t| push(*t) == wanted).collect();
+                let boxes = tiles.boxes(|kind| kinds[kind]);
+                out.extend(boxes.map(|bounds| blocker(bounds, wanted)));
+            }
         }
-        out.retain(|[x, y]| x.low < x.high && y.low < y.high);
+        out.retain(|b| b.sides.iter().all(|side| side.low < side.high));
         out
     }
 }
 
-/// Whether two boxes that push against each other, overlapping by no more than two steps, lie near to what is reached.
-fn has_slit(blocking: &[[Interval; 2]], reached: &[[Interval; 2]], far: f64, apart: f64) -> bool {
-    let thickest = 2.0 * far + 4.0 * ROUNDING;
+/// Positions at which a collider lies inside of what pushes it.
+struct Blocker {
+    sides: [Interval; 2],
+    /// Whether it pushes to all sides.
+    is_solid: bool,
+}
+
+/// Whether two things leave a gap that is too narrow by no more than two steps, near to what is reached: they push against
+/// each other, or a push by one of them ends inside of the other.
+fn has_narrow_gap(blockers: &[Blocker], reached: &[[Interval; 2]], far: f64, apart: f64) -> bool {
+    let thickest = 2.0 * far + TOLERANCE + 4.0 * ROUNDING;
     let near = |a: Interval, b: Interval| a.low - apart <= b.high && b.low - apart <= a.high;
-    let mut boxes = blocking.to_vec();
+    let mut order: Vec<&Blocker> = blockers.iter().collect();
     [0, 1].into_iter().any(|axis| {
-        boxes.sort_by(|a, b| a[axis].low.total_cmp(&b[axis].low));
-        boxes.iter().any(|a| {
-            let first = boxes.partition_point(|b| b[axis].low < a[axis].high - thickest);
-            let after = boxes.partition_point(|b| b[axis].low < a[axis].high);
-            boxes.get(first..after).unwrap_or_default().iter().any(|b| {
-                let slit = [0, 1].map(|i| a[i].and(b[i]));
-                let [Some(x), Some(y)] = slit else { return false };
-                a[axis].low < b[axis].low && reached.iter().any(|r| near(r[0], x) && near(r[1], y))
+        let across = 1 - axis;
+        order.sort_by(|a, b| a.sides[axis].low.total_cmp(&b.sides[axis].low));
+        order.iter().any(|a| {
+            let side = a.sides[axis];
+            let first = order.partition_point(|b| b.sides[axis].low < side.high - thickest);
+            let after = order.partition_point(|b| b.sides[axis].low < side.high);
+            order.get(first..after).unwrap_or_default().iter().any(|b| {
+                if side.low >= b.sides[axis].low || !near(a.sides[across], b.sides[across]) {
+                    return false;
+                }
+                let mut gap = [side; 2];
+                gap[axis] = Interval { low: b.sides[axis].low, high: side.high };
+                gap[across] = a.sides[across].or(b.sides[across]);
+                reached.iter().any(|r| near(r[0], gap[0]) && near(r[1], gap[1]))
             })
         })
     })

@@ -7,6 +7,7 @@ use crate::ir::{
     Push, Shape, Side, SlotId, SpaceId, TagSet, VarId, World,
 };
 
+use super::cells::{Cells, near_statics};
 use super::region::Region;
 use super::step::Landing;
 use super::tiles::Tiles;
@@ -18,8 +19,20 @@ pub(super) const ROUNDING: f64 = 1e-6;
 /// More places than that where instances are put are not told apart.
 const MOST_SEEDS: usize = 64;
 
-/// What is no deeper inside of something counts as outside, px.
-const INSIDE: f64 = 0.001;
+/// How far inside of a platform something may have stood that comes from above, px; as the simulator has it.
+pub(super) const TOLERANCE: f64 = 0.001;
+/// Beyond this coordinates are too coarse for what is known of pushes to hold, px.
+const MAX_COORDINATE: f64 = (1_u64 << 26) as f64;
+
+/// How much rounding can shift where edges meet at some coordinates, px.
+pub(super) fn rounding(at: f64) -> f64 {
+    ROUNDING + at.abs() * 1e-12
+}
+
+/// An interval, and what is so near to it that only rounding tells them apart.
+pub(super) fn rounded(i: Interval) -> Interval {
+    Interval { low: i.low - rounding(i.low), high: i.high + rounding(i.high) }
+}
 
 /// A box relative to a position, px: of both axes, from its low to its high end.
 pub(super) type Extent = [Interval; 2];
@@ -44,8 +57,10 @@ pub(super) struct Kind {
     pub bodies: Vec<Body>,
     /// Whether something can put an instance inside of what pushes it, or through it.
     pub jumps: bool,
-    /// Whether a collider can be there that was not.
-    pub appears: bool,
+    /// Where its instances are told apart.
+    pub cells: Cells,
+    /// The positions at which an instance can meet anything that never moves; everywhere if that is not known.
+    pub near: Option<Extent>,
 }
 
 /// A body of a kind meets a body of another.
@@ -82,6 +97,8 @@ pub(super) struct Statics {
     pub slips: bool,
     /// Whether a push can end anywhere: the body that is pushed is not always the same.
     pub anywhere: bool,
+    /// Whether what is pushed is always there.
+    pub is_steady: bool,
 }
 
 /// The kinds of a world, and what they meet.
@@ -156,7 +173,11 @@ impl<'a> Scene<'a> {
             if number == scene.kinds.len() {
                 let bodies = scene.bodies(s.entity, &s.params.iter().map(|p| Values::point(*p)).collect());
                 let jumps = drives_position(program, s.entity);
-                scene.kinds.push(Kind { entity: s.entity, slots: Vec::new(), bodies, jumps, appears: false });
+                let cells = Cells::whole();
+                let mut kind = Kind { entity: s.entity, slots: Vec::new(), bodies, jumps, cells, near: None };
+                kind.near = near_statics(world, &kind);
+                kind.cells = Cells::around(&kind);
+                scene.kinds.push(kind);
             }
             scene.kinds[number].slots.push(slot);
             scene.of.push(number);
@@ -169,6 +190,7 @@ impl<'a> Scene<'a> {
     pub fn reshape(&mut self, slot: SlotId, params: &IdVec<ParamId, Values>) {
         let kind = self.of[slot];
         self.kinds[kind].bodies = self.bodies(self.kinds[kind].entity, params);
+        self.kinds[kind].near = near_statics(self.world, &self.kinds[kind]);
         self.statics.retain(|(k, _), _| *k != kind);
         self.regions.retain(|(k, _), _| *k != kind);
     }
@@ -263,11 +285,6 @@ impl<'a> Scene<'a> {
         self.program.entities[entity].colliders.iter().map(body).collect()
     }
 
-    /// Whether instances of a kind are there from the start, or not at all.
-    pub fn is_settled(&self, kind: usize) -> bool {
-        self.kinds[kind].slots.iter().all(|slot| self.world.slots[*slot].is_fixed)
-    }
-
     /// The size of a body along both axes, px; infinite where it is not always the same.
     pub fn size(body: &Body) -> [f64; 2] {
         body.extent.map_or([f64::INFINITY; 2], |e| e.map(|i| i.high - i.low))
@@ -317,6 +334,7 @@ impl<'a> Scene<'a> {
             out.stops |= meeting.response.stop;
             out.slips |= !meeting.response.stop;
             out.anywhere |= body.extent.is_none();
+            out.is_steady &= body.is_steady;
             for axis in 0..2 {
                 out.thinnest[axis] = out.thinnest[axis].min(sizes[axis]);
                 out.longest[axis] = out.longest[axis].max(sizes[axis] + own[axis]);
@@ -357,51 +375,32 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// Whether what is put somewhere in a space can lie inside of what never moves and pushes it, deeper than a push
-    /// across may leave it there: by a step of `far` px.
-    pub fn is_inside(&self, kind: usize, space: SpaceId, landing: &Landing, far: f64) -> bool {
+    /// Whether what is put somewhere in a space can lie inside of what never moves and pushes it.
+    pub fn is_inside(&self, kind: usize, space: SpaceId, landing: &Landing) -> bool {
         let [x, y] = landing.at;
         let tiles = Tiles::new(self.world, space);
         let bodies = self.kinds[kind].bodies.iter().enumerate();
-        let meant = bodies.filter(|(id, b)| !b.kinematic && landing.collider.is_none_or(|c| c.index() == *id));
-        meant.map(|(_, body)| body).any(|body| {
+        let mut meant = bodies.filter(|(id, b)| !b.kinematic && landing.collider.is_none_or(|c| c.index() == *id));
+        meant.any(|(_, body)| {
             let blocks =
                 |tags: TagSet| self.world.meeting(body.tags, tags).is_some_and(|m| m.response.push != Push::Sense);
             let solids = self.world.spaces[space].solids.iter().filter(|s| blocks(s.tags));
             let kinds: Vec<bool> = tiles.tags.iter().map(|t| blocks(*t)).collect();
             let Some(extent) = body.extent else { return kinds.contains(&true) || solids.count() > 0 };
             let wide = |at: Interval, e: Interval| Interval {
-                low: at.low + e.low + far + INSIDE,
-                high: at.high + e.high - far - INSIDE,
+                low: at.low + e.low + rounding(at.low),
+                high: at.high + e.high - rounding(at.high),
             };
             let (x, y) = (wide(x, extent[0]), wide(y, extent[1]));
             let overlaps = |b: Bounds| x.low < b.right && b.left < x.high && y.low < b.top && b.bottom < y.high;
             solids.into_iter().any(|s| overlaps(s.bounds)) || tiles.within(x, y).any(|kind| kinds[kind])
-        }) || self.is_inside_another(kind, space, landing, far)
+        })
     }
 
-    /// Whether it can lie inside of an instance that pushes it, if that stays where it is at first.
-    fn is_inside_another(&self, kind: usize, space: SpaceId, landing: &Landing, far: f64) -> bool {
-        let at = landing.at;
-        let me = &self.kinds[kind];
-        let pushing = |p: &&Pair| {
-            let meant = landing.collider.is_none_or(|c| c.index() == p.mine);
-            let is_other = p.kind != kind || me.slots.len() > 1;
-            meant && is_other && p.meeting.response.push != Push::Sense && !me.bodies[p.mine].kinematic
-        };
-        self.pairs[kind].iter().filter(pushing).any(|pair| {
-            let theirs = &self.kinds[pair.kind];
-            let boxes = self.kinds[kind].bodies[pair.mine].extent.zip(theirs.bodies[pair.theirs].extent);
-            let Some((mine, other)) = boxes else { return true };
-            let there = theirs.slots.iter().map(|s| &self.world.slots[*s]);
-            there.into_iter().filter(|s| s.origin != Origin::Free && s.space == space).any(|s| {
-                (0..2).all(|axis| {
-                    let from = s.vars[VarId(axis as u32)][0];
-                    let (low, high) = (from + other[axis].low + far + INSIDE, from + other[axis].high - far - INSIDE);
-                    low < at[axis].high + mine[axis].high && at[axis].low + mine[axis].low < high
-                })
-            })
-        })
+    /// Whether coordinates are small enough everywhere for what is known of pushes to hold to the last bit.
+    pub fn is_precise(&self, kind: usize) -> bool {
+        let near = self.kinds[kind].near.iter().flatten();
+        near.flat_map(|i| [i.low, i.high]).all(|x| x.abs() < MAX_COORDINATE)
     }
 }
 
@@ -418,18 +417,18 @@ impl Default for Statics {
             stops: false,
             slips: false,
             anywhere: false,
+            is_steady: true,
         }
     }
 }
 
-fn along(bounds: Bounds) -> [(f64, f64); 2] {
+pub(super) fn along(bounds: Bounds) -> [(f64, f64); 2] {
     [(bounds.left, bounds.right), (bounds.bottom, bounds.top)]
 }
 
 /// Where an instance is while a box of its own meets something from `low` to `high`.
 pub(super) fn near(extent: Option<Extent>, axis: usize, (low, high): (f64, f64)) -> Interval {
-    extent
-        .map_or(Interval::ALL, |e| Interval { low: low - e[axis].high - ROUNDING, high: high - e[axis].low + ROUNDING })
+    extent.map_or(Interval::ALL, |e| rounded(Interval { low: low - e[axis].high, high: high - e[axis].low }))
 }
 
 /// Where something from `low` to `high` pushes an instance, by the low end of its box or by the high one.
@@ -438,7 +437,7 @@ fn edge(extent: Extent, axis: usize, end: usize, (low, high): (f64, f64)) -> Int
         0 => high - extent[axis].low,
         _ => low - extent[axis].high,
     };
-    Interval { low: at - ROUNDING, high: at + ROUNDING }
+    rounded(Interval::point(at))
 }
 
 /// Puts intervals in order and joins those that meet.

@@ -5,11 +5,11 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use crate::ir::{
-    Actions, ColliderId, EdgeId, Entity, GroupId, Id, IdVec, LeafId, Link, ModeId, Place, RefValue, SlotId, SpaceId,
+    Actions, ColliderId, EdgeId, Entity, Expr, ExprId, GroupId, Id, IdVec, LeafId, Link, ModeId, Place, RefValue, SlotId, SpaceId,
     SpawnId, Subject, Update, VarId,
 };
 
-use super::evaluate::{Configuration, Numbers, Reader};
+use super::evaluate::{Configuration, Phase, Reader};
 use super::flow::Followed;
 use super::values::{Interval, Values};
 
@@ -26,10 +26,12 @@ pub(super) struct Outcome {
     pub can_end: bool,
     /// Of both axes, how fast it moves before anything stops it, px/s.
     pub speed: [f64; 2],
-    /// Whether a collider can be there that was not.
-    pub appears: bool,
-    /// What updates make of it.
-    pub between: Vec<Arc<Numbers>>,
+    /// The same, where that leads to where there is something that never moves.
+    pub near_speed: [f64; 2],
+    /// What the discrete phase makes of it, where that changes anything.
+    pub between: Vec<Configuration>,
+    /// Where it is when contacts are found, px.
+    pub contact: [Values; 2],
     /// Where updates and links put it.
     pub landings: Vec<Landing>,
 }
@@ -63,6 +65,15 @@ pub(super) struct Stepper<'a> {
     pub moving: &'a IdVec<EdgeId, bool>,
 }
 
+/// How the continuous phase begins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Beginning {
+    /// How far updates have put the instance from where its contacts were found, px.
+    pub jumps: [Interval; 2],
+    /// Whether updates or a link have put it anywhere.
+    pub is_put: bool,
+}
+
 /// A way that the groups decided so far can go: what each takes, and what the configuration is then.
 type Way = (Vec<Option<EdgeId>>, Configuration);
 
@@ -76,6 +87,14 @@ impl<'a> Stepper<'a> {
         'a: 'c,
     {
         Reader { me: Some((self.slot, from)), ..self.reader }
+    }
+
+    /// What the continuous phase reads.
+    pub fn flowing_at<'c>(&self, from: &'c Configuration, is_put: bool) -> Reader<'c>
+    where
+        'a: 'c,
+    {
+        Reader { phase: Phase::Continuous { is_put }, ..self.at(from) }
     }
 
     /// All that can come of a configuration; none if there is too much to tell.
@@ -199,20 +218,24 @@ impl<'a> Stepper<'a> {
         let moved: Vec<Configuration> =
             nexts.iter().flat_map(|next| links.iter().map(|link| self.through(*link, next, put))).collect();
         outcome.landings.extend(moved.iter().filter_map(Landing::of));
+        let is_put = put != [false; 2];
         let jumps = |next: &Configuration| {
             [0, 1].map(|axis| if put[axis as usize] { shift(at, next, VarId(axis)) } else { Interval::point(0.0) })
         };
-        let mut nexts: Vec<_> = nexts.into_iter().map(|next| (jumps(&next), next)).collect();
+        let mut nexts: Vec<_> =
+            nexts.into_iter().map(|next| (Beginning { jumps: jumps(&next), is_put }, next)).collect();
         // What carried it stays behind.
-        nexts.extend(moved.into_iter().map(|next| ([Interval::point(0.0); 2], next)));
+        let linked = Beginning { jumps: [Interval::point(0.0); 2], is_put: true };
+        nexts.extend(moved.into_iter().map(|next| (linked, next)));
+        // Others read it in this step even if it ends.
+        let changed = nexts.iter().filter(|(_, next)| !next.shares(at) || next.leaves != at.leaves);
+        outcome.between.extend(changed.map(|(_, next)| next.clone()));
         outcome.can_end |= ends;
         if ends {
             return;
         }
-        let changed = nexts.iter().filter(|(_, next)| !next.shares(at));
-        outcome.between.extend(changed.map(|(_, next)| Arc::clone(&next.numbers)));
-        for (jumps, next) in nexts {
-            if let Some(mut moved) = self.flowed(&next, jumps, followed, outcome) {
+        for (beginning, next) in nexts {
+            if let Some(mut moved) = self.flowed(&next, beginning, followed, outcome) {
                 moved.leaves.clone_from(&next.leaves);
                 moved.timers = self.time(&next);
                 outcome.next.push(moved);
@@ -220,14 +243,18 @@ impl<'a> Stepper<'a> {
         }
     }
 
-    /// A collider that was not there can be so inside of something.
+    /// A collider that was not there can be so inside of something. Its guard is read as contacts are found, before pushes:
+    /// what moves may turn out otherwise by then.
     fn activations(&self, from: &Configuration, outcome: &mut Outcome) {
+        let program = self.reader.program;
         let guarded = self.entity().colliders.pairs().filter_map(|(id, c)| Some((id, c, c.guard?)));
         for (id, collider, guard) in guarded.filter(|(.., g)| self.at(from).truth(*g).can_fail) {
-            let on = outcome.next.iter().filter(|next| self.at(next).truth(guard).can_hold);
+            let is_steady = |id: &ExprId| !matches!(program.exprs[*id], Expr::Var(..) | Expr::Near { .. });
+            let is_settled = program.with_operands(vec![guard]).iter().all(is_steady);
+            let can_be_on = |next: &&Configuration| !is_settled || self.at(next).truth(guard).can_hold;
+            let on = outcome.next.iter().filter(can_be_on);
             let landings = on.filter_map(Landing::of).map(|l| Landing { collider: Some(id), ..l });
             let landings: Vec<Landing> = landings.collect();
-            outcome.appears |= !landings.is_empty();
             if !collider.kinematic {
                 outcome.landings.extend(landings);
             }

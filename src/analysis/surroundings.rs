@@ -5,11 +5,11 @@
 
 use std::collections::BTreeSet;
 
-use crate::ir::{Id, IdVec, Push, SlotId, SpaceId, TagSet, Touch, TouchId, VarId};
+use crate::ir::{Id, IdVec, Origin, Push, SlotId, SpaceId, TagSet, Touch, TouchId, VarId};
 
 use super::evaluate::{Configuration, Overall};
 use super::region::Region;
-use super::scene::{Body, Edges, Pair, ROUNDING, Scene, disjoin, face, near, rounded_step, sides_of};
+use super::scene::{Body, Edges, Pair, ROUNDING, Scene, TOLERANCE, disjoin, face, near, rounded, sides_of};
 use super::values::{Interval, Values};
 
 /// What is known of the contacts of every slot.
@@ -26,21 +26,20 @@ pub(super) struct Contacts {
     places: Vec<[Values; 2]>,
     /// Where a push can put the instance.
     edges: Edges,
-    /// So, where it is not deep inside of anything.
+    /// So, where it is never deep inside of anything.
     faces: Edges,
-    /// Of both axes, the size of the thinnest thing that pushes it, px.
-    thinnest: [f64; 2],
-    /// Of both axes, how far a push can be where it is deep inside of something, px.
+    /// Of both axes, how far a push can be at most, px: it ends beside what pushes.
     longest: [f64; 2],
     is_pushed: bool,
-    /// How far a push across may leave it inside of something, px.
-    sunk: f64,
+    /// The positions at which anything that pushes can be met.
+    near: Option<[Interval; 2]>,
+    /// The same, of what never moves alone.
+    near_statics: Option<[Interval; 2]>,
+    /// Whether it is never inside of what pushes it when a step begins, so that a push takes it no further than the step
+    /// has.
+    is_gentle: bool,
     /// Whether pushes can end anywhere.
     anywhere: bool,
-    /// Of both axes, how fast what pushes it can move, px/s.
-    pushers: [f64; 2],
-    /// Whether it can be deep inside of something: what is put somewhere, or pushed.
-    may_penetrate: bool,
     /// Whether a push stops the velocity into the surface.
     stops: bool,
     /// Whether pushes can leave the velocity, or end anywhere: by what can move, too.
@@ -56,23 +55,30 @@ struct Crowd {
     /// How many there can be.
     count: usize,
     spaces: BTreeSet<SpaceId>,
-    position: [Values; 2],
-    /// px/s
-    speed: [f64; 2],
+    /// Where they are when contacts are found, px.
+    contact: [Values; 2],
+    /// How far a step takes them along an axis where there is something that never moves, px.
+    near_step: f64,
+    /// Of both axes, how far a step takes them, what carries them included; px.
+    displacement: [f64; 2],
+    /// How far a push can be, px, if it is gentle.
+    gentle: Option<f64>,
     /// Of both axes, how far a push can be, px.
     push: [f64; 2],
-    /// How far a step takes it along an axis, px, if it is held by what never moves and never inside of it.
-    held: Option<f64>,
-    /// Whether each is in one place for ever.
-    stays: bool,
 }
 
 impl Surroundings {
     /// From what the slots can be. The scene must be prepared for their kinds in their spaces.
     pub fn new(scene: &mut Scene<'_>, slots: &IdVec<SlotId, Overall>) -> Self {
-        let mut crowds: Vec<Crowd> = scene.kinds.iter().map(|kind| Crowd::new(&kind.slots, slots)).collect();
+        let step = scene.world.step.seconds();
+        let mut crowds: Vec<Crowd> = scene.kinds.iter().map(|kind| Crowd::new(&kind.slots, slots, step)).collect();
+        carry(scene, &mut crowds);
         for kind in 0..crowds.len() {
-            (crowds[kind].push, crowds[kind].held) = pushable(scene, kind, &crowds);
+            crowds[kind].gentle = gentle(scene, kind, &crowds);
+            crowds[kind].push = match crowds[kind].gentle {
+                Some(far) => [far; 2],
+                None => longest(scene, kind, &crowds),
+            };
         }
         let mut out = Surroundings::default();
         let mut known: Vec<(usize, &BTreeSet<SpaceId>)> = Vec::new();
@@ -81,8 +87,9 @@ impl Surroundings {
             let number = known.iter().position(|k| *k == key).unwrap_or_else(|| {
                 known.push(key);
                 let mut contacts = contacts(scene, key.0, key.1, &crowds);
-                if let Some(far) = crowds[key.0].held {
-                    let region = |space: &SpaceId| Some((*space, scene.region(key.0, *space, far)?.clone()));
+                if contacts.is_gentle {
+                    let step = crowds[key.0].near_step;
+                    let region = |space: &SpaceId| Some((*space, scene.region(key.0, *space, step)?.clone()));
                     contacts.regions = key.1.iter().map(region).collect::<Option<_>>().unwrap_or_default();
                 }
                 out.contacts.push(contacts);
@@ -109,16 +116,10 @@ impl Surroundings {
         &self.contacts[self.of[slot]]
     }
 
-    /// What a collision can do: `before` as the movement began, `moved` after it; `own` is how far the instance has gone
-    /// by itself along both axes since the last collision.
-    pub fn collide(
-        &self,
-        slot: SlotId,
-        step: f64,
-        own: [Interval; 2],
-        before: &Configuration,
-        moved: &mut Configuration,
-    ) {
+    /// The collision phase: `moved` is what the continuous phase leads to; `own` is how far the instance has gone by itself
+    /// along both axes since the last collision, and `step` how far velocities have taken it in this one, px. Returns
+    /// where it is when contacts are found.
+    pub fn collide(&self, slot: SlotId, own: [Interval; 2], step: f64, moved: &mut Configuration) -> [Values; 2] {
         let contacts = self.of(slot);
         for ((axis, places), own) in (0..).zip(&contacts.carried).zip(own) {
             if let Some(places) = places {
@@ -128,10 +129,11 @@ impl Surroundings {
                 moved.energy[var] = None;
             }
         }
-        if !contacts.is_pushed {
-            return;
+        let contact = [moved.vars[VarId(0)][0], moved.vars[VarId(1)][0]];
+        if !contacts.is_pushed || !is_near(contacts.near, &contact) {
+            return contact;
         }
-        self.push(contacts, step, before, moved);
+        contacts.push_out(step, moved);
         if !contacts.regions.is_empty() {
             let (x, y) = (moved.vars[VarId(0)][0], moved.vars[VarId(1)][0]);
             let cut = moved.spaces.iter().map(|space| self.within_region(slot, *space, &x, &y));
@@ -140,6 +142,12 @@ impl Surroundings {
             moved.vars[VarId(0)][0] = x;
             moved.vars[VarId(1)][0] = y;
         }
+        contact
+    }
+
+    /// Whether an instance at some positions can meet something that never moves.
+    pub fn is_near_statics(&self, slot: SlotId, at: &[Values; 2]) -> bool {
+        is_near(self.of(slot).near_statics, at)
     }
 
     /// What is left of the positions of an instance in a space where it can get.
@@ -147,48 +155,45 @@ impl Surroundings {
         let mut regions = self.of(slot).regions.iter();
         regions.find(|(s, _)| *s == space).map_or([*x, *y], |(_, region)| region.cut(x, y))
     }
+}
 
-    fn push(&self, contacts: &Contacts, step: f64, before: &Configuration, moved: &mut Configuration) {
-        let speed = |axis: usize| moved.vars[VarId(axis as u32)][1].hull().map_or(0.0, |v| v.high.max(-v.low));
-        let far = [0, 1].map(|axis| (speed(axis) + contacts.pushers[axis]) * step);
-        let deep = contacts.may_penetrate || (0..2).any(|axis| far[axis] + ROUNDING >= contacts.thinnest[axis]);
-        // What comes in along one axis is pushed out along the other where that is less.
-        let far = far[0].max(far[1]) + contacts.sunk + ROUNDING;
+/// Whether positions lie within a box.
+fn is_near(within: Option<[Interval; 2]>, at: &[Values; 2]) -> bool {
+    within.is_some_and(|near| (0..2).all(|axis| !at[axis].within(near[axis]).is_none()))
+}
+
+impl Contacts {
+    /// Pushes out what overlaps something. Of the pushes along an axis the deepest counts, so that it ends where edges
+    /// meet whatever else pushes.
+    fn push_out(&self, step: f64, moved: &mut Configuration) {
         for axis in 0..2 {
             let var = VarId(axis as u32);
-            let way = before.vars[var][0].hull().zip(moved.vars[var][0].hull()).map(|(a, b)| a.or(b));
-            let Some(way) = way else { continue };
-            let far = far + if deep { contacts.longest[axis] } else { 0.0 };
-            let within = Interval { low: way.low - far, high: way.high + far };
+            let far = if self.is_gentle { step + TOLERANCE + ROUNDING } else { self.longest[axis] };
             let [position, velocity, _] = &mut moved.vars[var];
-            let Some(free) = velocity.hull() else { continue };
-            let pushed = contacts.push(axis, within, deep, position);
+            let (Some(way), Some(free)) = (position.hull(), velocity.hull()) else { continue };
+            let within = rounded(Interval { low: way.low - far, high: way.high + far });
+            let pushed = self.push(axis, within, position);
             if pushed == [None; 2] {
                 continue;
             }
-            if contacts.stops {
+            if self.stops {
                 *velocity = velocity.or(&Values::point(0.0));
             }
-            let slow = contacts.pushers[axis];
             moved.energy[var] = match moved.energy[var] {
-                Some((fall, energy)) if !contacts.is_loose && contacts.stops => {
-                    Some((fall, fall.pushed(energy, pushed, free, slow)))
-                }
+                Some((fall, energy)) if !self.is_loose && self.stops => Some((fall, fall.pushed(energy, pushed, free))),
                 _ => None,
             };
         }
     }
-}
 
-impl Contacts {
     /// Adds to a position where pushes within an interval can put it; gives what is around them, by the low and by the
     /// high side.
-    fn push(&self, axis: usize, within: Interval, deep: bool, position: &mut Values) -> [Option<Interval>; 2] {
+    fn push(&self, axis: usize, within: Interval, position: &mut Values) -> [Option<Interval>; 2] {
         if self.anywhere {
             *position = Values::all();
             return [Some(Interval::ALL); 2];
         }
-        let edges = if deep { &self.edges } else { &self.faces };
+        let edges = if self.is_gentle { &self.faces } else { &self.edges };
         let ends = edges[axis].each_ref().map(|edges| between(edges, within));
         let around = |edges: &[Interval]| Some(Interval { low: edges.first()?.low, high: edges.last()?.high });
         let hulls = ends.map(around);
@@ -210,23 +215,18 @@ fn between(edges: &[Interval], within: Interval) -> &[Interval] {
 }
 
 impl Crowd {
-    fn new(of: &[SlotId], slots: &IdVec<SlotId, Overall>) -> Crowd {
+    fn new(of: &[SlotId], slots: &IdVec<SlotId, Overall>, step: f64) -> Crowd {
         let live = || of.iter().map(|s| &slots[*s]).filter(|o| o.can_live);
-        let all = |axis: u32, degree: usize| {
-            Values::any(live().filter_map(|o| o.vars.get(VarId(axis))).flat_map(|v| v[degree].intervals().to_vec()))
-        };
-        let speed = |axis: usize| live().map(|o| o.speed[axis]).fold(0.0, f64::max);
+        let contact = |axis: usize| Values::any(live().flat_map(|o| o.contact[axis].intervals().to_vec()));
+        let far = |axis: usize| live().map(|o| o.speed[axis]).fold(0.0, f64::max) * step;
         Crowd {
             count: live().count(),
             spaces: live().flat_map(|o| o.spaces.iter().copied()).collect(),
-            position: [all(0, 0), all(1, 0)],
-            speed: [speed(0), speed(1)],
+            contact: [contact(0), contact(1)],
+            near_step: live().flat_map(|o| o.near_speed).fold(0.0, f64::max) * step,
+            displacement: [far(0), far(1)],
+            gentle: None,
             push: [0.0; 2],
-            held: None,
-            stays: live().all(|o| {
-                let is_fixed = |axis| o.vars.get(VarId(axis)).is_some_and(|v| v[0].constant().is_some());
-                is_fixed(0) && is_fixed(1) && o.spaces.len() == 1
-            }),
         }
     }
 }
@@ -240,46 +240,75 @@ fn met<'s>(scene: &'s Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: 
     scene.pairs[me].iter().filter(there).collect()
 }
 
-/// Whether what pushes a body can do so while that stands still: then it may push it into a wall, or be inside of it.
-fn can_come_over(scene: &Scene<'_>, pair: &Pair, crowds: &[Crowd]) -> bool {
-    let theirs = &scene.kinds[pair.kind].bodies[pair.theirs];
-    let crowd = &crowds[pair.kind];
-    let moves = crowd.speed != [0.0; 2] || !crowd.stays;
-    let appears = scene.kinds[pair.kind].appears;
-    moves || !theirs.kinematic || appears || theirs.extent.is_none() || !scene.is_settled(pair.kind)
+/// Whether a pair pushes the first of the two.
+fn pushes(scene: &Scene<'_>, me: usize, pair: &Pair) -> bool {
+    pair.meeting.response.push != Push::Sense && !scene.kinds[me].bodies[pair.mine].kinematic
 }
 
-/// Of both axes, how far instances of a kind can be pushed in a step, px.
-fn pushable(scene: &Scene<'_>, me: usize, crowds: &[Crowd]) -> ([f64; 2], Option<f64>) {
+/// Adds to what a step moves those that are carried how far it moves what carries them, which may be carried itself.
+fn carry(scene: &Scene<'_>, crowds: &mut [Crowd]) {
+    let own: Vec<[f64; 2]> = crowds.iter().map(|c| c.displacement).collect();
+    let rounds = crowds.len() + 1;
+    for round in 0..=rounds {
+        let mut changed = false;
+        for me in 0..crowds.len() {
+            let carriers = met(scene, me, &crowds[me].spaces, crowds).into_iter();
+            let carriers: Vec<usize> =
+                carriers.filter(|p| p.meeting.response.carry && pushes(scene, me, p)).map(|p| p.kind).collect();
+            for axis in 0..2 {
+                let most = carriers.iter().map(|c| crowds[*c].displacement[axis]).fold(0.0, f64::max);
+                // What still grows after as many rounds as there are kinds carries itself.
+                let sum = own[me][axis] + most;
+                if sum > crowds[me].displacement[axis] {
+                    crowds[me].displacement[axis] = if round == rounds { f64::INFINITY } else { sum };
+                    changed = true;
+                }
+            }
+        }
+        if !changed {
+            return;
+        }
+    }
+}
+
+/// How far a push can take instances of a kind, px, if they are never inside of what pushes them when a step begins: a
+/// push is then no longer than the step was. Nothing may push them but what never moves, which must be thicker than a
+/// step, and leave no gaps that are a little too narrow.
+fn gentle(scene: &mut Scene<'_>, me: usize, crowds: &[Crowd]) -> Option<f64> {
     let (kind, crowd) = (&scene.kinds[me], &crowds[me]);
-    let step = scene.world.step.seconds();
-    let mut is_pushed = false;
-    let mut deep = kind.jumps;
-    let (mut far, mut longest) = (crowd.speed.map(|s| s * step), [0.0_f64; 2]);
-    for found in crowd.spaces.iter().filter_map(|s| scene.statics(me, *s)).filter(|s| s.pushes) {
-        is_pushed = true;
-        deep |= found.anywhere;
+    let far = crowd.near_step;
+    let by_instances = met(scene, me, &crowd.spaces, crowds).into_iter().any(|pair| pushes(scene, me, pair));
+    if kind.jumps || by_instances || !far.is_finite() || !scene.is_precise(me) {
+        return None;
+    }
+    let statics = crowd.spaces.iter().filter_map(|s| scene.statics(me, *s)).filter(|s| s.pushes);
+    for found in statics {
+        let is_thin = found.thinnest.iter().any(|thinnest| far + TOLERANCE + ROUNDING >= *thinnest);
+        if found.anywhere || is_thin || !found.is_steady {
+            return None;
+        }
+    }
+    let spaces = crowd.spaces.clone();
+    let is_known = spaces.iter().all(|space| scene.region(me, *space, far).is_some());
+    is_known.then_some(far + TOLERANCE + ROUNDING)
+}
+
+/// Of both axes, how far a push can be, px: it ends beside what pushes.
+fn longest(scene: &Scene<'_>, me: usize, crowds: &[Crowd]) -> [f64; 2] {
+    let (kind, crowd) = (&scene.kinds[me], &crowds[me]);
+    let mut longest = [0.0_f64; 2];
+    for found in crowd.spaces.iter().filter_map(|s| scene.statics(me, *s)) {
         for axis in 0..2 {
             longest[axis] = longest[axis].max(found.longest[axis]);
-            deep |= far[axis] + ROUNDING >= found.thinnest[axis];
         }
     }
-    for pair in met(scene, me, &crowd.spaces, crowds) {
+    for pair in met(scene, me, &crowd.spaces, crowds).into_iter().filter(|pair| pushes(scene, me, pair)) {
         let (mine, theirs) = (&kind.bodies[pair.mine], &scene.kinds[pair.kind].bodies[pair.theirs]);
-        if pair.meeting.response.push == Push::Sense || mine.kinematic {
-            continue;
-        }
-        is_pushed = true;
-        deep |= can_come_over(scene, pair, crowds) || mine.extent.is_none();
         for axis in 0..2 {
             longest[axis] = longest[axis].max(Scene::size(mine)[axis] + Scene::size(theirs)[axis]);
-            far[axis] = far[axis].max((crowd.speed[axis] + crowds[pair.kind].speed[axis]) * step);
         }
     }
-    let far = far[0].max(far[1]);
-    let push =
-        |axis: usize| if is_pushed { 2.0 * far + ROUNDING + if deep { longest[axis] } else { 0.0 } } else { 0.0 };
-    ([0, 1].map(push), (is_pushed && !deep).then_some(far))
+    longest
 }
 
 fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[Crowd]) -> Contacts {
@@ -289,15 +318,19 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
     let statics: Vec<_> = spaces.iter().filter_map(|s| scene.statics(me, *s)).collect();
     let pairs = met(scene, me, spaces, crowds);
     let body = |pair: &Pair| (&kind.bodies[pair.mine], &scene.kinds[pair.kind].bodies[pair.theirs]);
-    let mut out = Contacts { thinnest: [f64::INFINITY; 2], ..Contacts::default() };
+    let mut out = Contacts {
+        longest: crowds[me].push,
+        is_gentle: crowds[me].gentle.is_some(),
+        near: kind.near,
+        near_statics: kind.near,
+        ..Contacts::default()
+    };
     for found in &statics {
         out.is_pushed |= found.pushes;
         out.stops |= found.stops;
         out.is_loose |= found.slips;
         out.anywhere |= found.anywhere;
         for axis in 0..2 {
-            out.thinnest[axis] = out.thinnest[axis].min(found.thinnest[axis]);
-            out.longest[axis] = out.longest[axis].max(found.longest[axis]);
             for end in 0..2 {
                 out.edges[axis][end].extend(&found.edges[axis][end]);
                 out.faces[axis][end].extend(&found.faces[axis][end]);
@@ -306,32 +339,24 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
     }
     let mut carried: [Vec<Interval>; 2] = [Vec::new(), Vec::new()];
     let mut is_moved_by_movers = false;
-    for pair in pairs.iter().filter(|p| p.meeting.response.push != Push::Sense) {
+    for pair in pairs.iter().filter(|p| pushes(scene, me, p)) {
         let (mine, theirs) = body(pair);
-        if mine.kinematic {
-            continue;
-        }
         out.is_pushed = true;
         out.stops |= pair.meeting.response.stop;
         out.is_loose |= !pair.meeting.response.stop || !theirs.kinematic;
         is_moved_by_movers |= !theirs.kinematic;
-        out.may_penetrate |= can_come_over(scene, pair, crowds);
         let crowd = &crowds[pair.kind];
-        // Both can be pushed after they have met; the carrier can be put elsewhere.
-        let step = scene.world.step.seconds();
-        let slack = [0, 1].map(|a| crowds[me].push[a] + crowd.push[a] + crowd.speed[a] * step);
+        // It may have been pushed since it stood on the carrier.
+        let slack = [0, 1].map(|axis| crowds[me].push[axis] + crowd.displacement[axis]);
         pushed_by(&mut out, &mut carried, pair, (mine, theirs), crowd, slack);
     }
     for edges in out.edges.iter_mut().chain(&mut out.faces).flatten() {
         disjoin(edges);
     }
-    out.may_penetrate |= kind.jumps || out.anywhere;
-    out.sunk = rounded_step(crowds[me].held.unwrap_or(0.0));
     out.carried = carried.map(|c| if c.is_empty() { None } else { Some(Values::any(c)) });
     if out.anywhere {
         out.carried = out.carried.map(|c| c.map(|_| Values::all()));
     }
-    let deep = out.may_penetrate || (0..2).any(|a| crowds[me].push[a] >= out.thinnest[a]);
     let places = |(id, touch): (TouchId, &Touch)| {
         let asks = |pair: &&&Pair| {
             let (mine, theirs) = body(pair);
@@ -340,27 +365,29 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
         let asked: Vec<&&Pair> = pairs.iter().filter(asks).collect();
         let mut places = [0, 1].map(|axis| {
             // Contacts are found before anything is pushed.
-            let moved = crowds[me].push[axis];
-            let wide = |i: Interval, by: f64| Interval { low: i.low - by, high: i.high + by };
+            let moved = if out.is_pushed { crowds[me].push[axis] } else { 0.0 };
+            let wide = |i: Interval, by: f64| rounded(Interval { low: i.low - by, high: i.high + by });
             let of_statics = statics.iter().filter_map(|s| s.places.get(id.index())).flat_map(|p| &p[axis]);
             let of_others = asked.iter().flat_map(|pair| {
                 let (mine, theirs) = body(pair);
-                let crowd = &crowds[pair.kind];
                 let extent = theirs.extent.map_or(Interval::ALL, |e| e[axis]);
-                let at = crowd.position[axis].intervals().iter();
-                at.map(move |at| {
-                    let place = near(mine.extent, axis, (at.low + extent.low, at.high + extent.high));
-                    wide(place, moved + crowd.push[axis])
-                })
+                let at = crowds[pair.kind].contact[axis].intervals().iter();
+                at.map(move |at| near(mine.extent, axis, (at.low + extent.low, at.high + extent.high)))
             });
-            Values::any(of_statics.map(|p| wide(*p, moved)).chain(of_others))
+            Values::any(of_statics.copied().chain(of_others).map(|place| wide(place, moved)))
         });
-        let pushes = |p: &&&Pair| p.meeting.response.push != Push::Sense && !body(p).0.kinematic;
-        let by_all = statics.iter().all(|s| s.pushed.get(id.index()) == Some(&true)) && asked.iter().all(pushes);
+        let is_pushing = |p: &&&Pair| pushes(scene, me, p);
+        let by_all = statics.iter().all(|s| s.pushed.get(id.index()) == Some(&true)) && asked.iter().all(is_pushing);
         if let (Some(side), true) = (touch.side, by_all && !is_moved_by_movers && !out.anywhere) {
             let (axis, end) = face(side);
-            let edges = if deep { &out.edges } else { &out.faces };
-            places[axis] = places[axis].and(&Values::any(edges[axis][end].iter().copied()));
+            // A push to the other side may have won; before the first step nothing is pushed.
+            let ends: Vec<Interval> = match out.is_gentle {
+                true => out.faces[axis][end].clone(),
+                false => out.edges[axis].iter().flatten().copied().collect(),
+            };
+            let first = kind.slots.iter().map(|s| &scene.world.slots[*s]).filter(|s| s.origin != Origin::Free);
+            let first = first.map(|s| Interval::point(s.vars[VarId(axis as u32)][0]));
+            places[axis] = places[axis].and(&Values::any(ends.into_iter().chain(first)));
         }
         places
     };
@@ -379,18 +406,17 @@ fn pushed_by(
 ) {
     let (Some(extent), Some(other)) = (mine.extent, theirs.extent) else {
         out.anywhere = true;
+        out.near = Some([Interval::ALL; 2]);
         return;
     };
+    let mut reaches = [Interval::ALL; 2];
     for axis in 0..2 {
-        out.pushers[axis] = out.pushers[axis].max(crowd.speed[axis]);
-        let sizes = other[axis].high - other[axis].low;
-        out.thinnest[axis] = out.thinnest[axis].min(sizes);
-        out.longest[axis] = out.longest[axis].max(sizes + extent[axis].high - extent[axis].low);
-        let Some(at) = crowd.position[axis].hull() else { continue };
+        let Some(at) = crowd.contact[axis].hull() else { continue };
         let reach = near(mine.extent, axis, (at.low + other[axis].low, at.high + other[axis].high));
+        reaches[axis] = reach;
         for side in sides_of(pair.meeting).filter(|s| face(*s).0 == axis) {
             let end = face(side).1;
-            // By its low and high edges, wherever it is; what moves itself can be pushed from there to anywhere near.
+            // By its low and high edges, wherever it is; what moves itself goes half the way.
             let edges: Vec<Interval> = match theirs.kinematic {
                 false => vec![reach],
                 true => {
@@ -398,8 +424,8 @@ fn pushed_by(
                         0 => other[axis].high - extent[axis].low,
                         _ => other[axis].low - extent[axis].high,
                     };
-                    let at = crowd.position[axis].intervals().iter();
-                    at.map(|i| Interval { low: i.low + offset - ROUNDING, high: i.high + offset + ROUNDING }).collect()
+                    let at = crowd.contact[axis].intervals().iter();
+                    at.map(|i| rounded(Interval { low: i.low + offset, high: i.high + offset })).collect()
                 }
             };
             out.edges[axis][end].extend(&edges);
@@ -409,4 +435,5 @@ fn pushed_by(
             carried[axis].push(Interval { low: reach.low - slack[axis], high: reach.high + slack[axis] });
         }
     }
+    out.near = Some(out.near.map_or(reaches, |near| [near[0].or(reaches[0]), near[1].or(reaches[1])]));
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::ir::{Bounds, DiscreteId, IdVec, SlotId, VarId, World};
+use crate::ir::{Bounds, DiscreteId, IdVec, ParamId, SlotId, VarId, World};
 
 use super::evaluate::{Configuration, Numbers};
 use super::values::{Interval, Values};
@@ -66,6 +66,7 @@ impl Thresholds {
 pub(super) struct Patience {
     vars: IdVec<VarId, [u8; 3]>,
     discretes: IdVec<DiscreteId, u8>,
+    params: IdVec<ParamId, u8>,
     energy: IdVec<VarId, u8>,
 }
 
@@ -74,6 +75,7 @@ impl Patience {
         Patience {
             vars: at.vars.iter().map(|_| [0; 3]).collect(),
             discretes: at.discretes.iter().map(|_| 0).collect(),
+            params: at.params.iter().map(|_| 0).collect(),
             energy: at.energy.iter().map(|_| 0).collect(),
         }
     }
@@ -100,6 +102,10 @@ impl Patience {
         }
         for (id, old) in old.discretes.pairs() {
             wider((&mut self.discretes[id], weight), old, &mut numbers.discretes[id], thresholds, || None);
+        }
+        for (id, old) in old.params.pairs() {
+            // Each generation of a chain of spawns is a change, which comes from the configuration itself.
+            wider((&mut self.params[id], 2), old, &mut numbers.params[id], thresholds, || None);
         }
         // Time goes on until something ends it.
         for (id, old) in old.timers.pairs() {
@@ -170,6 +176,7 @@ pub(super) fn both(a: &Configuration, b: &Configuration) -> Configuration {
     let mut out = a.clone();
     out.vars = a.vars.iter().zip(b.vars.iter()).map(|(a, b)| [0, 1, 2].map(|d| a[d].and(&b[d]))).collect();
     out.discretes = a.discretes.iter().zip(b.discretes.iter()).map(|(a, b)| a.and(b)).collect();
+    out.params = a.params.iter().zip(b.params.iter()).map(|(a, b)| a.and(b)).collect();
     out.timers = a.timers.iter().zip(b.timers.iter()).map(|(a, b)| a.and(*b).unwrap_or(*a)).collect();
     out.spaces = Arc::new(a.spaces.intersection(&b.spaces).copied().collect());
     out
@@ -195,6 +202,9 @@ pub(super) fn extended(at: &Configuration, own: &Configuration, known: &Configur
     }
     for (id, known) in known.discretes.pairs() {
         out.discretes[id] = values(&at.discretes[id], &own.discretes[id], known);
+    }
+    for (id, known) in known.params.pairs() {
+        out.params[id] = values(&at.params[id], &own.params[id], known);
     }
     for (id, known) in known.timers.pairs() {
         if own.timers[id].high > at.timers[id].high {

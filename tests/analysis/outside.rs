@@ -1,7 +1,7 @@
 //! Whether a state lies outside of what a world can be. The tests of the analysis and the fuzz targets share it.
 
-use hypedc::analysis::ConfigurationSpace;
-use hypedc::ir::{GoalId, Program, VarId};
+use hypedc::analysis::{Configuration, ConfigurationSpace};
+use hypedc::ir::{GoalId, Program};
 use hypedc::sim::Simulator;
 
 /// What of a state is outside, if anything is.
@@ -20,37 +20,42 @@ pub fn outside(program: &Program, sim: &Simulator<'_>, space: &ConfigurationSpac
             continue;
         }
         let leaves = || entity.groups.ids().map(|g| layout.leaf(state, g));
-        let here = found.configurations.iter().find(|c| leaves().eq(c.leaves.iter().copied()));
         let modes = || {
             let modes = leaves().map(|l| entity.modes[entity.leaves[l].mode].path.as_str());
             format!("{} in {:?}", s.name, modes.collect::<Vec<_>>())
         };
-        let Some(at) = here else {
+        let mut here = found.configurations.iter().filter(|c| leaves().eq(c.leaves.iter().copied())).peekable();
+        if here.peek().is_none() {
             return Some(format!("{}: it cannot be in these modes", modes()));
-        };
-        for (var, values) in at.vars.pairs() {
-            for (degree, values) in (0u8..).zip(values) {
-                let value = layout.var(state, var, degree);
-                if !values.contains(value) {
-                    let name = format!("{}{}", entity.vars[var], "'".repeat(usize::from(degree)));
-                    return Some(format!("{}: {name} is {value}, not in {values}", modes()));
+        }
+        // What of the state is outside of a configuration, if anything is.
+        let beyond = |at: &Configuration| {
+            for (var, values) in at.vars.pairs() {
+                for (degree, values) in (0u8..).zip(values) {
+                    let value = layout.var(state, var, degree);
+                    if !values.contains(value) {
+                        let name = format!("{}{}", entity.vars[var], "'".repeat(usize::from(degree)));
+                        return Some(format!("{name} is {value}, not in {values}"));
+                    }
                 }
             }
-        }
-        for (id, values) in at.discretes.pairs() {
-            let value = f64::from(layout.discrete(state, id));
-            if !values.contains(value) {
-                return Some(format!("{}: {} is {value}, not in {values}", modes(), entity.discretes[id].name));
+            for (id, values) in at.discretes.pairs() {
+                let value = f64::from(layout.discrete(state, id));
+                if !values.contains(value) {
+                    return Some(format!("{} is {value}, not in {values}", entity.discretes[id].name));
+                }
             }
-        }
-        for (id, count) in at.timers.pairs() {
-            let value = layout.timer(state, id);
-            if !count.contains(f64::from(value)) {
-                return Some(format!("{}: timer {id} counts {value}, not in {count}", modes()));
+            for (id, count) in at.timers.pairs() {
+                let value = layout.timer(state, id);
+                if !count.contains(f64::from(value)) {
+                    return Some(format!("timer {id} counts {value}, not in {count}"));
+                }
             }
-        }
-        if !at.spaces.contains(&layout.space(state)) {
-            return Some(format!("{}: in another space", modes()));
+            (!at.spaces.contains(&layout.space(state))).then(|| "in another space".to_string())
+        };
+        let found: Option<Vec<String>> = here.map(beyond).collect();
+        if let Some(what) = found {
+            return Some(format!("{}: {}", modes(), what.join(" or ")));
         }
     }
     None
@@ -66,10 +71,5 @@ pub fn ruled_out(program: &Program, sim: &Simulator<'_>, space: &ConfigurationSp
 
 /// Whether a search would go on: no player is below or beside its space.
 pub fn goes_on(sim: &Simulator<'_>, state: &[u8]) -> bool {
-    sim.world().players.iter().all(|p| {
-        let layout = &sim.world().layout.slots[p.slot];
-        let bounds = sim.world().spaces[layout.space(state)].bounds;
-        let (x, y) = (layout.var(state, VarId(0), 0), layout.var(state, VarId(1), 0));
-        !layout.alive(state) || bounds.is_none_or(|b| (b.left..=b.right).contains(&x) && y >= b.bottom)
-    })
+    sim.left_bounds(state).is_none()
 }

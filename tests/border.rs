@@ -135,9 +135,10 @@ fn searches_go_as_far_as_anything_is_compared_with() {
         let program = program(compile_text(&format!(
             "entity Walker {{
                 param far = 300
+                param speed = 100
                 axis horizontal
                 collider body: rect(0, 0, 16, 16)
-                x' = 100 * horizontal
+                x' = speed * horizontal
                 initial mode walking {{ {edge} }}
                 mode gone {{ }}
             }}
@@ -210,7 +211,7 @@ fn no_way_is_called_the_shortest_where_another_may_lead_around() {
 
 #[test]
 fn a_search_can_begin_outside() {
-    let program = meadow("", "goal back: hero.x > 0 and hero.x < 1");
+    let program = meadow("", "goal back: hero.x > -0.5 and hero.x < 0.5");
     let sim = Simulator::new(&program, WORLD);
     let problem = Problem::new(&sim, GoalId(0)).after(script(&program, "horizontal=-1*300")).unwrap();
     let outcome = ask(&problem, Planner::BestFirst, Some((1, 1)));
@@ -272,7 +273,7 @@ fn sim_ends_where_a_player_leaves_the_bounds() {
 #[test]
 fn reach_tells_where_it_stopped() {
     let file = "tests/border/open.hyped";
-    let (out, _, _) = hypedc(&["reach", file, "--planner", "exhaustive", "--min-hold", "10f"]);
+    let (out, _, _) = hypedc(&["reach", file, "--planner", "exhaustive"]);
     assert!(out.contains("not found"), "{out}");
     assert!(out.contains("left the search window of `main` (x in -32..128, y >= -32)"), "{out}");
     assert!(out.contains("add `bounds` to end runs there"), "{out}");

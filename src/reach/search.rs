@@ -123,10 +123,10 @@ pub fn search(
         let verdict = Verdict::Unreachable(Argument::Exhaustion { states: 0, hold: 0 });
         return Ok(Outcome::of(verdict, settings.planner.name()));
     }
-    let metric = Metric::measuring(problem.sim, space, settings.sampling, settings.measure);
+    let windows = Windows::new(problem, space, &starts);
+    let metric = Metric::measuring(problem.sim, space, (settings.sampling, windows.extent), settings.measure);
     let is_led = matches!(settings.planner, Planner::Auto | Planner::Lead) || problem.time().is_some();
     let distances = if is_led { Distances::new(problem, space) } else { None };
-    let windows = Windows::new(problem, space, &starts);
     let build = Builder {
         problem,
         measures: (&metric, &windows),

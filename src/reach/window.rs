@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 
 use crate::analysis::ConfigurationSpace;
 use crate::ir::{
-    Arithmetic, Bounds, Drive, Entity, EntityId, Expr, ExprId, Id, IdVec, Origin, Place, Slot, SlotId, SpaceId,
+    Arithmetic, Bounds, Drive, Entity, EntityId, Expr, ExprId, Id, IdVec, Origin, Place, Slot, SlotId, Space, SpaceId,
     Subject, Update, VarId,
 };
 
@@ -33,6 +33,8 @@ pub struct Window {
 pub(super) struct Windows {
     /// Of each space; none where `bounds` end a run, and where there is nothing to measure it by.
     of: Vec<Option<Window>>,
+    /// A rectangle around all spaces that have bounds or a map; without margins.
+    pub extent: Option<Bounds>,
 }
 
 impl Windows {
@@ -51,7 +53,13 @@ impl Windows {
             };
             Some(Window { area, is_settled: is_settled_beyond(problem, space, id, area) })
         };
-        Windows { of: world.spaces.ids().zip(&things.spaces).map(window).collect() }
+        let extent = |(space, contents): (&Space, &Contents)| {
+            space.bounds.or_else(|| contents.hull().filter(|_| space.map.is_some()))
+        };
+        Windows {
+            of: world.spaces.ids().zip(&things.spaces).map(window).collect(),
+            extent: world.spaces.iter().zip(&things.spaces).filter_map(extent).reduce(Bounds::join),
+        }
     }
 
     /// The window of a space.

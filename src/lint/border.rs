@@ -70,7 +70,8 @@ fn goals(checked: &Checked, world: &World, found: &mut Diagnostics) {
         };
         let within = Within { of: &of, params: None, step: step(world) };
         if within.never_holds(&goal.predicate) {
-            found.report(BeyondBounds { what: format!("the goal `{}`", goal.name.text), at: goal.predicate.span });
+            found
+                .report(BeyondBounds { what: format!("the goal `{}` holds", goal.name.text), at: goal.predicate.span });
         }
     }
 }
@@ -87,7 +88,7 @@ fn links(checked: &Checked, world: &World, found: &mut Diagnostics) {
         for link in &space.links {
             let [x, y, width, height] = link.from;
             if area.excludes(x, x + width, y + height) {
-                found.report(BeyondBounds { what: "this link".into(), at: link.span });
+                found.report(BeyondBounds { what: "this link is followed".into(), at: link.span });
             }
         }
     }
@@ -116,7 +117,7 @@ fn guards(checked: &Checked, id: EntityId, found: &mut Diagnostics) {
             Within { of: &of, params: Some(*params), step: *step }.never_holds(term)
         };
         if players.iter().all(never) {
-            found.report(BeyondBounds { what: "this".into(), at: term.span });
+            found.report(BeyondBounds { what: "this holds".into(), at: term.span });
         }
     }
 }

@@ -285,7 +285,7 @@ impl Fact for LinkNowhere {
 
 /// What can only happen out of the bounds of a space.
 pub struct BeyondBounds {
-    /// What: `this`, `this link`, ``the goal `name` ``.
+    /// What, and what it does: `this holds`, `this link is followed`.
     pub what: String,
     /// Where it stands.
     pub at: Span,
@@ -293,7 +293,7 @@ pub struct BeyondBounds {
 
 impl Fact for BeyondBounds {
     fn word(self) -> Diagnostic {
-        Diagnostic::new(Code::BeyondBounds, format!("{} can only happen out of `bounds`, where a run ends", self.what))
+        Diagnostic::new(Code::BeyondBounds, format!("{} only out of `bounds`, where a run has ended", self.what))
             .at(self.at, "out of bounds")
             .help("make the bounds larger, or leave them out: a run then ends at no border")
     }

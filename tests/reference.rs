@@ -220,7 +220,7 @@ fn compiled(text: &str, block: &Block, all: &[Block]) -> Compilation {
     check_with(Path::new("example.hyped"), level, &PageFiles { main: text, others })
 }
 
-/// Runs a world; gives the code of the error that ended it early, if one did, and the claims that do not hold then.
+/// Runs a world to the end of the inputs, or to where a player leaves the bounds; gives the code of the error that ended it early, if one did, and the claims that do not hold then.
 fn run(program: &Program, world: WorldId, inputs: Option<&str>) -> (Option<Code>, Vec<String>) {
     let script = inputs.unwrap_or("-*120");
     let file = SourceMap::new().add("inputs", script);
@@ -230,6 +230,9 @@ fn run(program: &Program, world: WorldId, inputs: Option<&str>) -> (Option<Code>
     let mut scratch = sim.scratch();
     let mut state = sim.initial(&mut scratch).unwrap();
     for input in script.inputs() {
+        if sim.left_bounds(&state).is_some() {
+            break;
+        }
         if sim.step(&mut state, input, &mut scratch).is_err() {
             return (Some(Code::Fault), Vec::new());
         }

@@ -7,7 +7,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::analysis::{Configuration, ConfigurationSpace, Interval, SlotSpace, Values, configuration_space};
-use crate::ir::{Entity, Id, Program, SlotId, World, WorldId};
+use crate::ir::{Bounds, Entity, Id, Program, SlotId, World, WorldId};
 use crate::reach::{Problem, Proof};
 use crate::sim::Simulator;
 
@@ -108,6 +108,7 @@ pub(super) fn run(args: &BoundsArgs) -> io::Result<Answer> {
             "world": asked.world.name,
             "dimensions": asked.dimensions(),
             "slots": asked.space.slots.ids().map(|slot| slot_json(&asked, slot)).collect::<Vec<_>>(),
+            "borders": borders(&asked),
             "goals": goals.iter().map(|(name, why)| goal_json(name, why.as_deref())).collect::<Vec<_>>(),
         });
         serde_json::to_writer_pretty(&mut out, &result)?;
@@ -116,6 +117,7 @@ pub(super) fn run(args: &BoundsArgs) -> io::Result<Answer> {
     }
     writeln!(out, "{}, world {}", args.file.display(), asked.world.name)?;
     write_table(&mut out, &asked)?;
+    write_borders(&mut out, &borders(&asked))?;
     let mut proven = false;
     for (goal, why) in goals {
         match why {
@@ -133,6 +135,57 @@ pub(super) fn run(args: &BoundsArgs) -> io::Result<Answer> {
         writeln!(out, "a run ends where a player leaves the bounds of its space, below or beside")?;
     }
     Ok(Answer::Yes)
+}
+
+/// Where runs of a world end, for each player and each space that it can be in.
+fn borders(asked: &Asked<'_>) -> Vec<Border> {
+    let mut borders = Vec::new();
+    for player in asked.world.players.iter() {
+        let moves = !asked.entity(player.slot).follows.is_empty();
+        let first = asked.world.slots[player.slot].space;
+        for (_, space) in asked.world.spaces.pairs().filter(|(id, _)| moves || *id == first) {
+            let bounds = space.bounds.map(|Bounds { left, right, bottom, top: _ }| End { left, right, bottom });
+            let player = asked.world.slots[player.slot].name.clone();
+            borders.push(Border { player, space: space.name.clone(), bounds });
+        }
+    }
+    borders
+}
+
+/// Where runs end because of a player in a space.
+#[derive(Debug, Serialize)]
+struct Border {
+    player: String,
+    space: String,
+    /// None: at no border.
+    bounds: Option<End>,
+}
+
+/// Below and beside these numbers, px, a run ends.
+#[derive(Debug, PartialEq, Serialize)]
+struct End {
+    left: f64,
+    right: f64,
+    bottom: f64,
+}
+
+/// The borders as lines, spaces with the same in one.
+fn write_borders(out: &mut impl Write, borders: &[Border]) -> io::Result<()> {
+    for group in borders.chunk_by(|a, b| a.player == b.player && a.bounds == b.bounds) {
+        let Some(Border { player, bounds, .. }) = group.first() else { continue };
+        let names: Vec<String> = group.iter().map(|border| format!("`{}`", border.space)).collect();
+        let names = match names.as_slice() {
+            [one, .., last] if names.len() > 3 => format!("{one} to {last}"),
+            _ => names.join(", "),
+        };
+        match bounds {
+            None => writeln!(out, "{player} in {names}: a run ends at no border")?,
+            Some(End { left, right, bottom }) => {
+                writeln!(out, "{player} in {names}: a run ends where x < {left}, x > {right} or y < {bottom}")?;
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Each goal, with the reasons why it cannot hold if there are any.

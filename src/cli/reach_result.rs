@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use crate::ir::{NeverId, Program, World, WorldId};
-use crate::reach::{Argument, Count, End, Outcome, Restart, Settings, Target, Verdict};
+use crate::ir::{Bounds, NeverId, Program, World, WorldId};
+use crate::reach::{Argument, Count, Cut, End, Outcome, Restart, Settings, Target, Verdict};
 use crate::sim::Simulator;
 
 use super::args::ReachArgs;
@@ -147,6 +147,32 @@ pub(super) struct CoverageResult {
     pub half: Count,
 }
 
+/// Branches that were given up because a player left the search window of a space.
+#[derive(Serialize)]
+pub(super) struct CutResult {
+    pub space: String,
+    pub left: f64,
+    pub right: f64,
+    pub bottom: f64,
+    pub branches: u64,
+}
+
+impl CutResult {
+    fn new(world: &World, &Cut { space, window, branches }: &Cut) -> Self {
+        let Bounds { left, right, bottom, top: _ } = window;
+        CutResult { space: world.spaces[space].name.clone(), left, right, bottom, branches }
+    }
+
+    fn human(&self) -> String {
+        let CutResult { space, left, right, bottom, branches } = self;
+        let branches = if *branches == 1 { "1 branch".to_string() } else { format!("{branches} branches") };
+        format!(
+            "    {branches} left the search window of `{space}` (x in {left}..{right}, y >= {bottom}), beyond which \
+             nothing was searched; add `bounds` to end runs there\n"
+        )
+    }
+}
+
 /// The answer to one question.
 #[derive(Serialize)]
 pub(super) struct Answered {
@@ -174,6 +200,8 @@ pub(super) struct Answered {
     pub seconds: f64,
     /// Where nothing was found: for how many steps inputs are held that are proven to lead nowhere, and to how many states.
     pub exhausted: Option<(u16, u64)>,
+    /// Where nothing was found: what was given up at search windows.
+    pub cuts: Vec<CutResult>,
     pub coverage: CoverageResult,
     pub violations: Vec<Violation>,
     pub stopped: bool,
@@ -241,6 +269,10 @@ impl Answered {
             simulated_steps: s.steps,
             seconds,
             exhausted: outcome.exhausted,
+            cuts: match outcome.verdict {
+                Verdict::NotFound => outcome.cuts.iter().map(|cut| CutResult::new(world, cut)).collect(),
+                _ => Vec::new(),
+            },
             coverage: CoverageResult {
                 place: crate::reach::PLACE,
                 places: covered.all.places,
@@ -357,6 +389,7 @@ impl Answered {
                     "    inputs that are held for {hold} steps each lead nowhere: all their {states} states were visited\n"
                 ));
             }
+            self.cuts.iter().for_each(|cut| out.push_str(&cut.human()));
             let longer = if self.is_spent { " (`--nodes N`, `--seconds S`)" } else { "" };
             out.push_str(&format!("    this proves nothing: a longer search{longer} may find a way\n"));
         }

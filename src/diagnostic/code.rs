@@ -107,6 +107,7 @@ codes! {
     NoPlayer Warning "W0503" "no player gives the inputs of an entity"
     PlacedInside Warning "W0504" "an instance begins inside of what blocks it"
     UnknownSetting Warning "W0505" "a level sets what an entity does not have"
+    BeyondBounds Warning "W0506" "something can only happen out of bounds, where a run ends"
     SpawnRefused Warning "W0601" "a spawn found no free slot"
     GuardByValue Warning "W0701" "by its values, a guard never or always holds"
     ModeByValue Warning "W0702" "by the values, a mode is never entered"

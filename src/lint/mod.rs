@@ -3,6 +3,7 @@
 //! They look at a checked program without errors, so that none of them is only the shadow of an error. What follows
 //! from values that variables can have over time is not looked for here, only what the text alone tells.
 
+mod border;
 mod guard;
 mod modes;
 mod range;
@@ -29,5 +30,6 @@ pub fn lint(checked: &Checked, root: FileId) -> Diagnostics {
     world::players(checked, &mut found);
     world::places(checked, &mut found);
     world::links(checked, &mut found);
+    border::border(checked, &mut found);
     found
 }

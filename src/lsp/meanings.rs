@@ -342,8 +342,8 @@ const MEANINGS: &[Meaning] = &[
     ),
     means(
         "bounds",
-        "Where the space ends: a search gives up where a player leaves it below or at a side. Without it, the map's \
-         rectangle.",
+        "Where runs end: in the step in which a player is below the rectangle or beside it. Without it, a run ends at \
+         no border.",
         "bounds rect(-32, 0, 512, 256)",
     ),
 ];

@@ -6,7 +6,7 @@
 use std::collections::BTreeSet;
 
 use crate::analysis::{Configuration, Interval, SlotSpace, Values};
-use crate::ir::{Bounds, Entity, GroupId, Id, LeafId, Program, SlotId, Space, SpaceId, VarId, World};
+use crate::ir::{Bounds, Entity, GroupId, Id, LeafId, Program, SlotId, SpaceId, VarId, World};
 
 use super::draw::{Combination, Draw, Leaf, SlotDraw};
 use super::metric::{Coordinate, Quantity, SlotPart};
@@ -50,10 +50,10 @@ pub(super) fn of_slot(
     world: &World,
     slot: SlotId,
     space: &SlotSpace,
-    sampling: Sampling,
+    (sampling, extent): (Sampling, Option<Bounds>),
 ) -> (Vec<Coordinate>, SlotPart) {
     let entity = &program.entities[world.slots[slot].entity];
-    let all = boxes(world, entity, slot);
+    let all = boxes(world, entity, slot, extent);
     match sampling {
         Sampling::Reduced if !space.is_given_up => reduced(entity, slot, space, &all),
         _ => naive(world, entity, slot, all),
@@ -172,14 +172,14 @@ fn positive(unit: f64) -> f64 {
 }
 
 /// Every variable of a slot, its derivatives, the discrete ones and the timers, in a box.
-fn boxes(world: &World, entity: &Entity, slot: SlotId) -> Vec<Coordinate> {
+fn boxes(world: &World, entity: &Entity, slot: SlotId, extent: Option<Bounds>) -> Vec<Coordinate> {
     let mut all = Vec::new();
     let mut add = |quantity: Quantity, low: f64, high: f64| {
         all.push(Coordinate { quantity, low, high, unit: positive(high - low) });
     };
     for var in entity.vars.ids() {
         for degree in 0..3u8 {
-            let (low, high) = if degree == 0 { positions(world, var) } else { (-SPEED, SPEED) };
+            let (low, high) = if degree == 0 { positions(world, var, extent) } else { (-SPEED, SPEED) };
             add(Quantity::Var(slot, var, degree), low, high);
         }
     }
@@ -194,16 +194,14 @@ fn boxes(world: &World, entity: &Entity, slot: SlotId) -> Vec<Coordinate> {
     all
 }
 
-/// The range in which positions are sampled, px: the level, or a box around what is placed. Other continuous variables
-/// have none of their own.
-fn positions(world: &World, var: VarId) -> (f64, f64) {
-    if var.index() > 1 {
-        return (-SPEED, SPEED);
-    }
-    let side = |b: Bounds| if var.index() == 0 { (b.left, b.right) } else { (b.bottom, b.top) };
-    let around = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
-    if let Some(range) = world.spaces.iter().filter_map(Space::extent).map(side).reduce(around) {
-        return range;
+/// The range in which positions are sampled, px: an extent, or a box around what is placed. Other continuous variables have
+/// none of their own.
+fn positions(world: &World, var: VarId, extent: Option<Bounds>) -> (f64, f64) {
+    match (var.index(), extent) {
+        (0, Some(Bounds { left, right, .. })) => return (left, right),
+        (1, Some(Bounds { bottom, top, .. })) => return (bottom, top),
+        (0 | 1, None) => {}
+        _ => return (-SPEED, SPEED),
     }
     let placed = || world.slots.iter().map(|s| s.vars[var][0]);
     let low = placed().fold(f64::INFINITY, f64::min).min(0.0);

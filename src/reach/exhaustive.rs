@@ -156,7 +156,9 @@ impl<'a> Exhaustive<'a> {
             *layer_end = self.ground.tree.len();
         }
         // Starts that are not the initial state have had steps of different number.
-        let is_shortest = matches!(self.order, Order::Breadth { .. }) && self.ground.starts() == 1;
+        let is_first = matches!(self.order, Order::Breadth { .. }) && self.ground.starts() == 1;
+        // A shorter way may lead around outside of the search window.
+        let is_shortest = is_first && self.ground.notes.cuts.is_empty();
         let (choice, steps) = self.found.take()?;
         self.ground.plan(choice, steps, is_shortest.then_some(self.ground.hold.0))
     }
@@ -184,7 +186,8 @@ impl Searcher for Exhaustive<'_> {
                 // Within a time, what was reached late may have been left that could also be reached soon.
                 let is_early = matches!(self.order, Order::Breadth { .. }) && self.ground.starts() == 1;
                 let is_timely = self.ground.problem.time().is_none() || is_early;
-                let is_proof = !self.ground.controls.truncated && self.ground.notes.fault.is_none() && is_timely;
+                let is_whole = !self.ground.controls.truncated && self.ground.notes.cuts.is_empty();
+                let is_proof = is_whole && self.ground.notes.fault.is_none() && is_timely;
                 let states = self.ground.tree.len() as u64;
                 return if is_proof { Ending::Exhausted(states, self.ground.hold.0) } else { Ending::Spent };
             }

@@ -4,16 +4,17 @@
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
-use crate::ir::NeverId;
+use crate::ir::{NeverId, SpaceId};
 use crate::sim::{Fault, Input, Scratch, Script};
 
 use super::controls::ControlSets;
 use super::coverage::Coverage;
 use super::metric::{Metric, Point};
-use super::outcome::{Plan, Statistics, Visited};
+use super::outcome::{Cut, Plan, Statistics, Visited};
 use super::problem::{Death, Problem, Standing, Start};
 use super::strategy::Choice;
 use super::tree::{NodeId, Tree};
+use super::window::Windows;
 
 /// How an extension ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,6 +43,8 @@ pub(super) struct Notes {
     /// The finest inputs by which all states were visited without an answer: for how many steps they are held, and how
     /// many states there are.
     pub exhausted: Option<(u16, u64)>,
+    /// Branches given up at search windows, beyond which something that is asked for may happen.
+    pub cuts: Vec<Cut>,
 }
 
 impl Notes {
@@ -60,10 +63,19 @@ impl Notes {
         let before = self.record.len() as u32;
         self.record.extend(other.record.iter().map(|v| Visited { parent: v.parent + before, ..*v }));
         self.is_truncated |= other.is_truncated;
+        other.cuts.iter().for_each(|cut| self.cut(*cut));
         self.exhausted = match (self.exhausted, other.exhausted) {
             (Some(a), Some(b)) => Some(if b.0 < a.0 { b } else { a }),
             (a, b) => a.or(b),
         };
+    }
+
+    /// Counts branches that were given up.
+    fn cut(&mut self, cut: Cut) {
+        match self.cuts.iter_mut().find(|known| known.space == cut.space) {
+            Some(known) => known.branches += cut.branches,
+            None => self.cuts.push(cut),
+        }
     }
 }
 
@@ -73,6 +85,7 @@ pub struct Ground<'a> {
     pub problem: &'a Problem<'a>,
     /// The space that is sampled.
     pub metric: &'a Metric,
+    windows: &'a Windows,
     /// The tree that grows.
     pub tree: Tree,
     /// Where all that is drawn comes from.
@@ -95,7 +108,7 @@ impl<'a> Ground<'a> {
     /// Ground for a search from some starts.
     pub(super) fn new(
         problem: &'a Problem<'a>,
-        metric: &'a Metric,
+        (metric, windows): (&'a Metric, &'a Windows),
         controls: ControlSets,
         starts: Vec<Start>,
         hold: (u16, u16),
@@ -105,6 +118,7 @@ impl<'a> Ground<'a> {
         Ground {
             problem,
             metric,
+            windows,
             tree: Tree::new(size),
             rng,
             controls,
@@ -222,6 +236,7 @@ impl<'a> Ground<'a> {
         self.work.copy_from_slice(self.tree.state(choice.node));
         let set = self.tree.set(choice.node);
         let left = self.problem.time().map_or(u32::MAX, |most| most.saturating_sub(self.tree.depth(choice.node)));
+        let mut was_beyond = self.windows.left(self.problem, &self.work).is_some();
         for step in 1..=choice.hold {
             if u32::from(step) > left {
                 return Extension::Dead;
@@ -230,7 +245,14 @@ impl<'a> Ground<'a> {
             let input: &Input = &self.controls.inputs(set)[choice.input];
             let stepped = self.problem.sim.step(&mut self.work, input, &mut self.scratch);
             match stepped.and_then(|()| self.problem.judge(&self.work)) {
-                Ok(Standing::Open) => {}
+                // What is compared with a position is so in the next step: whatever the speed, one is made beyond.
+                Ok(Standing::Open) => match self.windows.left(self.problem, &self.work) {
+                    Some(space) if was_beyond => {
+                        self.note_cut(space);
+                        return Extension::Dead;
+                    }
+                    left => was_beyond = left.is_some(),
+                },
                 Ok(Standing::Goal) => return Extension::Goal(step),
                 Ok(Standing::Dead(death)) => {
                     self.note_death(choice, step, death);
@@ -246,6 +268,12 @@ impl<'a> Ground<'a> {
             }
         }
         Extension::Open
+    }
+
+    fn note_cut(&mut self, space: SpaceId) {
+        if let Some(window) = self.windows.of(space).filter(|window| !window.is_settled) {
+            self.notes.cut(Cut { space, window: window.area, branches: 1 });
+        }
     }
 
     fn note_death(&mut self, choice: Choice, step: u16, death: Death) {

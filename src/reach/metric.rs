@@ -5,7 +5,7 @@
 use rand::Rng;
 
 use crate::analysis::ConfigurationSpace;
-use crate::ir::{DiscreteId, GroupId, Id, SlotId, TimerId, VarId, World};
+use crate::ir::{Bounds, DiscreteId, GroupId, Id, SlotId, Space, TimerId, VarId, World};
 use crate::sim::Simulator;
 
 use super::bounds::{self, Sampling};
@@ -140,16 +140,23 @@ impl Point {
 impl Metric {
     /// The space of a world, sampled from the chosen bounds and measured by all of it.
     pub fn new(sim: &Simulator<'_>, space: &ConfigurationSpace, sampling: Sampling) -> Self {
-        Metric::measuring(sim, space, sampling, Measure::Full)
+        let extent = sim.world().spaces.iter().filter_map(Space::extent).reduce(Bounds::join);
+        Metric::measuring(sim, space, (sampling, extent), Measure::Full)
     }
 
-    /// The space of a world, sampled from the chosen bounds.
-    pub fn measuring(sim: &Simulator<'_>, space: &ConfigurationSpace, sampling: Sampling, measure: Measure) -> Self {
+    /// The space of a world, sampled from the chosen bounds; positions that nothing bounds from an extent, or else from
+    /// around what is placed.
+    pub fn measuring(
+        sim: &Simulator<'_>,
+        space: &ConfigurationSpace,
+        (sampling, extent): (Sampling, Option<Bounds>),
+        measure: Measure,
+    ) -> Self {
         let players: Vec<SlotId> = sim.world().players.iter().map(|p| p.slot).collect();
         let mut metric = Metric { reals: Vec::new(), modes: 0, slots: Vec::new(), players };
         for slot in sim.world().slots.ids() {
             let (mut coordinates, mut part) =
-                bounds::of_slot(sim.program(), sim.world(), slot, &space.slots[slot], sampling);
+                bounds::of_slot(sim.program(), sim.world(), slot, &space.slots[slot], (sampling, extent));
             if measure == Measure::Positions {
                 if !metric.players.contains(&slot) {
                     continue;

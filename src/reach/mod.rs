@@ -1,7 +1,8 @@
 //! Reachability: can the player bring about a goal, and how?
 //!
 //! The analysis is asked first: a goal that holds in no state that it allows is proven unreachable. It allows all that
-//! a search could come to, since both end a run where a player leaves the bounds of its space.
+//! a run could come to: both end one where a player leaves the bounds that are written for its space. Where there are none,
+//! a search stops at a window of its own (`window.rs`), and proves nothing if it did.
 //!
 //! Then searchers grow trees of states ([`search`]). Those that sample share one loop (`sampler.rs`), to which a planner
 //! adds a strategy (`planners/`); `exhaustive.rs` visits each state once and can prove a "no"; `portfolio.rs` lets several
@@ -31,6 +32,7 @@ mod shorten;
 mod strategy;
 mod tree;
 mod whereabouts;
+mod window;
 
 pub use bounds::Sampling;
 pub use controls::MAX_CONTROLS;
@@ -38,12 +40,13 @@ pub use coverage::{Count, Covered, PLACE};
 pub use hasten::hasten;
 pub use metric::{Coordinate, Measure, Metric, Point, Quantity};
 pub use nearest::{Index, Neighbour};
-pub use outcome::{Argument, End, Outcome, Plan, Statistics, Verdict, Visited};
+pub use outcome::{Argument, Cut, End, Outcome, Plan, Statistics, Verdict, Visited};
 pub use planners::Planner;
 pub use problem::{BadStart, Death, Problem, Standing, Start, Target};
 pub use proof::{Part, Proof};
 pub use search::{Limits, Restart, Settings, search};
 pub use shorten::shorten;
+pub use window::Window;
 
 use crate::analysis::ConfigurationSpace;
 use crate::sim::Fault;

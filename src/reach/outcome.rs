@@ -1,6 +1,6 @@
 //! How a search ends, and what it took.
 
-use crate::ir::{NeverId, SpaceId};
+use crate::ir::{Bounds, NeverId, SpaceId};
 use crate::sim::{Fault, Script};
 
 use super::coverage::Covered;
@@ -53,7 +53,7 @@ pub struct Statistics {
     pub trees: u64,
     /// Extensions simulated.
     pub extensions: u64,
-    /// Extensions that ended in a `never`, out of bounds or in a fault.
+    /// Extensions that ended in a `never`, out of bounds, out of the search window or in a fault.
     pub failures: u64,
     /// Steps simulated.
     pub steps: u64,
@@ -94,6 +94,17 @@ pub enum End {
     Stopped,
 }
 
+/// Branches that a search gave up because a player left the window of a space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cut {
+    /// The space.
+    pub space: SpaceId,
+    /// Its window.
+    pub window: Bounds,
+    /// How many.
+    pub branches: u64,
+}
+
 /// The end of a search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
@@ -110,6 +121,8 @@ pub struct Outcome {
     /// Where nothing was found: the finest inputs of which at least it is proven, by exhaustion, that they lead nowhere;
     /// for how many steps they are held, and how many states they lead to.
     pub exhausted: Option<(u16, u64)>,
+    /// What was given up at search windows though what is asked for may happen beyond: then no "no" is proven.
+    pub cuts: Vec<Cut>,
     /// The first way found that broke each `never`.
     pub violations: Vec<(NeverId, Script)>,
     /// All nodes of all trees, if they were to be recorded.
@@ -130,6 +143,7 @@ impl Outcome {
             statistics: Statistics::default(),
             covered: Covered::default(),
             exhausted: None,
+            cuts: Vec::new(),
             violations: Vec::new(),
             record: Vec::new(),
             truncated: false,

@@ -19,7 +19,7 @@ pub enum Death {
     Never(NeverId),
     /// What the question asks to do without holds.
     Avoided,
-    /// A player's position lies below or beside its space's bounds.
+    /// A player's position lies below or beside the bounds that are written for its space.
     Outside,
 }
 
@@ -87,6 +87,11 @@ impl<'s> Problem<'s> {
         self
     }
 
+    /// The predicates that may not hold on the way.
+    pub(super) fn avoided(&self) -> &[ExprId] {
+        &self.avoided
+    }
+
     /// How many steps it may take at most, from where a search begins.
     #[must_use]
     pub fn within(mut self, steps: u32) -> Self {
@@ -144,8 +149,9 @@ impl<'s> Problem<'s> {
         }
     }
 
-    /// Judges a state: `never` first, then the bounds of the space, then the goal. The order matters: a state out of
-    /// bounds is the end of a run, which the analysis does not look at.
+    /// Judges a state: `never` first, then the bounds that are written, then the goal. The order matters: a state out of
+    /// bounds is the end of a run, which the analysis does not look at. Where a search itself stops ([`super::Window`]) is
+    /// no part of it.
     ///
     /// # Errors
     /// A [`Fault`] if a predicate breaks a rule.

@@ -21,6 +21,7 @@ use super::portfolio::{Portfolio, Refinement};
 use super::problem::{Problem, Standing, Start};
 use super::sampler::Sampler;
 use super::searcher::{Ending, Searcher};
+use super::window::Windows;
 
 /// How a search goes about it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -122,10 +123,18 @@ pub fn search(
         let verdict = Verdict::Unreachable(Argument::Exhaustion { states: 0, hold: 0 });
         return Ok(Outcome::of(verdict, settings.planner.name()));
     }
-    let metric = Metric::measuring(problem.sim, space, settings.sampling, settings.measure);
+    let windows = Windows::new(problem, space, &starts);
+    let metric = Metric::measuring(problem.sim, space, (settings.sampling, windows.extent), settings.measure);
     let is_led = matches!(settings.planner, Planner::Auto | Planner::Lead) || problem.time().is_some();
     let distances = if is_led { Distances::new(problem, space) } else { None };
-    let build = Builder { problem, metric: &metric, distances: distances.as_ref(), settings, limits, starts: &starts };
+    let build = Builder {
+        problem,
+        measures: (&metric, &windows),
+        distances: distances.as_ref(),
+        settings,
+        limits,
+        starts: &starts,
+    };
     let trees: Vec<Box<dyn Searcher + '_>> = (0..settings.trees.max(1)).map(|tree| build.searcher(tree)).collect();
     Ok(Forest { trees, settings, limits, watch }.grow())
 }
@@ -133,7 +142,7 @@ pub fn search(
 /// Builds searchers.
 struct Builder<'b, 'a> {
     problem: &'a Problem<'a>,
-    metric: &'a Metric,
+    measures: (&'a Metric, &'a Windows),
     distances: Option<&'a Distances>,
     settings: &'b Settings,
     limits: &'b Limits,
@@ -182,9 +191,9 @@ impl<'a> Builder<'_, 'a> {
         let rng = Pcg64::seed_from_u64(seed);
         starts.rotate_left(tree % self.starts.len().max(1));
         let ground = |controls| {
-            Ground::new(self.problem, self.metric, controls, starts, hold, rng).recording(self.settings.records)
+            Ground::new(self.problem, self.measures, controls, starts, hold, rng).recording(self.settings.records)
         };
-        match planner.strategy(self.problem, self.metric, self.distances) {
+        match planner.strategy(self.problem, self.measures.0, self.distances) {
             Some(strategy) => {
                 let restart = match self.settings.restart {
                     Restart::ByPlanner => Some(planner.restart()),
@@ -291,6 +300,7 @@ impl Forest<'_, '_> {
             statistics: notes.statistics,
             covered: notes.coverage.covered(),
             exhausted: notes.exhausted,
+            cuts: notes.cuts,
             violations: notes.violations,
             record: notes.record,
             truncated: notes.is_truncated,

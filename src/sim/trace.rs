@@ -123,11 +123,12 @@ impl<'s> TraceLines<'s> {
         }
         let world = self.sim.world();
         let holds = |expr| self.sim.holds(state, expr).unwrap_or(false);
+        let is_running = self.sim.left_bounds(state).is_none();
         let line = Line {
             step,
             inputs,
             instances: Instances { sim: self.sim, state },
-            goals: world.goals.iter().filter(|g| holds(g.holds)).map(|g| g.name.as_str()).collect(),
+            goals: world.goals.iter().filter(|g| is_running && holds(g.holds)).map(|g| g.name.as_str()).collect(),
             never: world.nevers.iter().filter(|n| holds(n.holds)).map(|n| n.name.as_str()).collect(),
         };
         Ok(format!("{}\n", serde_json::to_string(&line)?))
@@ -189,8 +190,10 @@ impl<'s> TraceLines<'s> {
             cells.extend(entity.refs.ids().map(target));
             cells.extend(entity.timers.ids().map(|t| world.step.times(layout.timer(state, t)).to_string()));
         }
-        let predicates = world.goals.iter().chain(world.nevers.iter());
-        cells.extend(predicates.map(|p| self.sim.holds(state, p.holds).unwrap_or(false).to_string()));
+        let holds = |expr| self.sim.holds(state, expr).unwrap_or(false);
+        let is_running = self.sim.left_bounds(state).is_none();
+        cells.extend(world.goals.iter().map(|goal| (is_running && holds(goal.holds)).to_string()));
+        cells.extend(world.nevers.iter().map(|never| holds(never.holds).to_string()));
         cells
     }
 }

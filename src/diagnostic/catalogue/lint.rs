@@ -282,3 +282,19 @@ impl Fact for LinkNowhere {
             .note(format!("`{}` reaches from x = {left} to {right} px and from y = {bottom} to {top} px", self.space))
     }
 }
+
+/// What can only happen out of the bounds of a space.
+pub struct BeyondBounds {
+    /// What, and what it does: `this holds`, `this link is followed`.
+    pub what: String,
+    /// Where it stands.
+    pub at: Span,
+}
+
+impl Fact for BeyondBounds {
+    fn word(self) -> Diagnostic {
+        Diagnostic::new(Code::BeyondBounds, format!("{} only out of `bounds`, where a run has ended", self.what))
+            .at(self.at, "out of bounds")
+            .help("make the bounds larger, or leave them out: a run then ends at no border")
+    }
+}

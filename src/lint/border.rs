@@ -1,0 +1,186 @@
+//! What can only happen out of bounds, where a run has ended: guards, goals, links.
+
+use std::collections::BTreeSet;
+
+use crate::diagnostic::Diagnostics;
+use crate::diagnostic::catalogue::lint::BeyondBounds;
+use crate::sema::checked::{Checked, CompareOp, Entity, Origin, Subject, Term, TermKind, World};
+use crate::sema::ids::{EntityId, IdVec, ParamId, SlotId};
+use crate::sema::{ConstantContext, evaluate};
+
+/// Where a player can be as long as its run lasts; px. Above is open sky.
+#[derive(Debug, Clone, Copy)]
+struct Area {
+    left: f64,
+    right: f64,
+    bottom: f64,
+}
+
+impl Area {
+    fn new([x, y, width, _]: [f64; 4]) -> Self {
+        Area { left: x, right: x + width, bottom: y }
+    }
+
+    fn join(self, other: Area) -> Self {
+        Area {
+            left: self.left.min(other.left),
+            right: self.right.max(other.right),
+            bottom: self.bottom.min(other.bottom),
+        }
+    }
+
+    /// Whether a rectangle, from the least to the greatest x and up to a y, lies wholly outside.
+    fn excludes(self, left: f64, right: f64, top: f64) -> bool {
+        right < self.left || left > self.right || top < self.bottom
+    }
+}
+
+/// Reports what can only happen out of bounds.
+pub(super) fn border(checked: &Checked, found: &mut Diagnostics) {
+    for world in checked.worlds.iter() {
+        goals(checked, world, found);
+        links(checked, world, found);
+    }
+    let entities: BTreeSet<EntityId> =
+        checked.worlds.iter().flat_map(|w| w.players.iter().map(|p| w.instances[p.slot].entity)).collect();
+    for entity in entities {
+        guards(checked, entity, found);
+    }
+}
+
+fn follows_links(entity: &Entity) -> bool {
+    entity.modes.iter().any(|mode| !mode.follows.is_empty())
+}
+
+/// Where a player can be; none if it is nobody's, or if there are no bounds in a space that it can come to.
+fn area(checked: &Checked, world: &World, slot: SlotId) -> Option<Area> {
+    world.players.iter().find(|player| player.slot == slot)?;
+    let instance = &world.instances[slot];
+    let moves = follows_links(&checked.entities[instance.entity]);
+    let spaces = world.spaces.pairs().filter(|(id, _)| moves || *id == instance.space);
+    let areas: Option<Vec<Area>> = spaces.map(|(_, space)| space.bounds.map(Area::new)).collect();
+    areas?.into_iter().reduce(Area::join)
+}
+
+fn goals(checked: &Checked, world: &World, found: &mut Diagnostics) {
+    for goal in world.goals.iter() {
+        let of = |subject: Subject| match subject {
+            Subject::Slot(slot) => area(checked, world, slot),
+            _ => None,
+        };
+        let within = Within { of: &of, params: None, step: step(world) };
+        if within.never_holds(&goal.predicate) {
+            found
+                .report(BeyondBounds { what: format!("the goal `{}` holds", goal.name.text), at: goal.predicate.span });
+        }
+    }
+}
+
+/// Links that no player can come to, where nobody else follows links.
+fn links(checked: &Checked, world: &World, found: &mut Diagnostics) {
+    let is_player = |slot: SlotId| world.players.iter().any(|player| player.slot == slot);
+    let followers = world.instances.pairs().filter(|(_, i)| follows_links(&checked.entities[i.entity]));
+    if !followers.into_iter().all(|(slot, _)| is_player(slot)) {
+        return;
+    }
+    for space in world.spaces.iter() {
+        let Some(area) = space.bounds.map(Area::new) else { continue };
+        for link in &space.links {
+            let [x, y, width, height] = link.from;
+            if area.excludes(x, x + width, y + height) {
+                found.report(BeyondBounds { what: "this link is followed".into(), at: link.span });
+            }
+        }
+    }
+}
+
+/// Comparisons in the guards of an entity whose instances are all players, that hold for none of them.
+fn guards(checked: &Checked, id: EntityId, found: &mut Diagnostics) {
+    let entity = &checked.entities[id];
+    let mut players = Vec::new();
+    for world in checked.worlds.iter() {
+        for (slot, instance) in world.instances.pairs().filter(|(_, instance)| instance.entity == id) {
+            let Some(area) = area(checked, world, slot).filter(|_| instance.origin == Origin::Named) else { return };
+            players.push((area, &instance.params, step(world)));
+        }
+    }
+    let edges = entity.edges.iter().map(|edge| &edge.guard);
+    let follows = entity.modes.iter().flat_map(|mode| &mode.follows).filter_map(|follow| follow.guard.as_ref());
+    let mut open: Vec<&Term> = edges.chain(follows).collect();
+    while let Some(term) = open.pop() {
+        if let TermKind::And(a, b) | TermKind::Or(a, b) = &term.kind {
+            open.extend([&**a, &**b]);
+            continue;
+        }
+        let never = |(area, params, step): &(Area, &IdVec<ParamId, f64>, f64)| {
+            let of = |subject: Subject| (subject == Subject::Me).then_some(*area);
+            Within { of: &of, params: Some(*params), step: *step }.never_holds(term)
+        };
+        if players.iter().all(never) {
+            found.report(BeyondBounds { what: "this holds".into(), at: term.span });
+        }
+    }
+}
+
+fn step(world: &World) -> f64 {
+    world.step.0 as f64 / world.step.1 as f64
+}
+
+/// What holds as long as players are within bounds.
+struct Within<'a> {
+    /// Where what a subject stands for can be, as far as that is known.
+    of: &'a dyn Fn(Subject) -> Option<Area>,
+    params: Option<&'a IdVec<ParamId, f64>>,
+    step: f64,
+}
+
+impl Within<'_> {
+    fn constant(&self, term: &Term) -> Option<f64> {
+        evaluate(term, ConstantContext { params: self.params, step: Some(self.step) }).ok()
+    }
+
+    /// Whether a predicate can only hold out of bounds.
+    fn never_holds(&self, term: &Term) -> bool {
+        match &term.kind {
+            TermKind::And(a, b) => self.never_holds(a) || self.never_holds(b),
+            TermKind::Or(a, b) => self.never_holds(a) && self.never_holds(b),
+            TermKind::Compare(op, a, b) => self.never_compares(*op, a, b) || self.never_compares(flipped(*op), b, a),
+            TermKind::Near { of, x, y, radius } => {
+                let Some(area) = (self.of)(*of) else { return false };
+                let numbers = [x, y, radius].map(|term| self.constant(term));
+                matches!(numbers, [Some(x), Some(y), Some(r)] if area.excludes(x - r, x + r, y + r))
+            }
+            _ => false,
+        }
+    }
+
+    /// Whether a position compares so with a number only out of bounds.
+    fn never_compares(&self, op: CompareOp, position: &Term, number: &Term) -> bool {
+        let TermKind::Var(subject, var, 0) = position.kind else { return false };
+        let (Some(area), Some(number)) = ((self.of)(subject), self.constant(number)) else { return false };
+        let (least, greatest) = match var.0 {
+            0 => (area.left, area.right),
+            1 => (area.bottom, f64::INFINITY),
+            _ => return false,
+        };
+        match op {
+            CompareOp::Less => number <= least,
+            CompareOp::AtMost => number < least,
+            CompareOp::Greater => number >= greatest,
+            CompareOp::AtLeast => number > greatest,
+            CompareOp::Equal => number < least || number > greatest,
+            CompareOp::Unequal => false,
+        }
+    }
+}
+
+/// The comparison with its sides changed.
+fn flipped(op: CompareOp) -> CompareOp {
+    match op {
+        CompareOp::Less => CompareOp::Greater,
+        CompareOp::AtMost => CompareOp::AtLeast,
+        CompareOp::Greater => CompareOp::Less,
+        CompareOp::AtLeast => CompareOp::AtMost,
+        CompareOp::Equal | CompareOp::Unequal => op,
+    }
+}

@@ -1,0 +1,317 @@
+//! The search window: how far a search follows players in a space whose author wrote no `bounds`.
+//!
+//! Such a run ends at no border, so a search has to stop somewhere: beyond all that the space holds and all positions that
+//! the program compares with. What lies beyond is not searched, and a search that stops there proves nothing, unless
+//! [`is_settled_beyond`] says that nothing which is asked for can happen there.
+
+use std::collections::BTreeSet;
+
+use crate::analysis::ConfigurationSpace;
+use crate::ir::{
+    Arithmetic, Bounds, Drive, Entity, EntityId, Expr, ExprId, Id, IdVec, Origin, Place, Slot, SlotId, Space, SpaceId,
+    Subject, Update, VarId,
+};
+
+use super::coverage::PLACE;
+use super::problem::{Problem, Start};
+use super::whereabouts::extent;
+
+/// The margin of a window, in bodies of the largest player.
+const BODIES: f64 = 2.0;
+
+/// How far a search follows players in a space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Window {
+    /// Its sides and its lower end; it is open above.
+    pub area: Bounds,
+    /// Whether nothing that is asked for can happen beyond it.
+    pub is_settled: bool,
+}
+
+/// The windows of the spaces of a world.
+#[derive(Debug)]
+pub(super) struct Windows {
+    /// Of each space; none where `bounds` end a run, and where there is nothing to measure it by.
+    of: Vec<Option<Window>>,
+    /// A rectangle around all spaces that have bounds or a map; without margins.
+    pub extent: Option<Bounds>,
+}
+
+impl Windows {
+    /// For a question that is asked from some starts.
+    pub fn new(problem: &Problem<'_>, space: &ConfigurationSpace, starts: &[Start]) -> Self {
+        let world = problem.sim.world();
+        let things = Things::new(problem, starts);
+        let margin = margin(problem);
+        let window = |(id, contents): (SpaceId, &Contents)| {
+            let hull = contents.hull().filter(|_| world.spaces[id].bounds.is_none())?;
+            let area = Bounds {
+                left: hull.left - margin,
+                right: hull.right + margin,
+                bottom: hull.bottom - margin,
+                top: hull.top + margin,
+            };
+            Some(Window { area, is_settled: is_settled_beyond(problem, space, id, area) })
+        };
+        let extent = |(space, contents): (&Space, &Contents)| {
+            space.bounds.or_else(|| contents.hull().filter(|_| space.map.is_some()))
+        };
+        Windows {
+            of: world.spaces.ids().zip(&things.spaces).map(window).collect(),
+            extent: world.spaces.iter().zip(&things.spaces).filter_map(extent).reduce(Bounds::join),
+        }
+    }
+
+    /// The window of a space.
+    pub fn of(&self, space: SpaceId) -> Option<&Window> {
+        self.of[space.index()].as_ref()
+    }
+
+    /// The space whose window a player is out of.
+    pub fn left(&self, problem: &Problem<'_>, state: &[u8]) -> Option<SpaceId> {
+        let sim = problem.sim;
+        problem.players().iter().find_map(|&slot| {
+            let space = sim.space(state, slot);
+            let window = self.of(space)?;
+            let is_alive = sim.world().layout.slots[slot].alive(state);
+            (is_alive && window.area.is_left_at(sim.position(state, slot))).then_some(space)
+        })
+    }
+}
+
+/// Whether nothing that is asked for can happen once a player has been out of a window, then or later, so that a search
+/// which stops there misses nothing. Proofs by exhaustion rest on it; false is always right.
+pub(super) fn is_settled_beyond(
+    _problem: &Problem<'_>,
+    _space: &ConfigurationSpace,
+    _id: SpaceId,
+    _window: Bounds,
+) -> bool {
+    false
+}
+
+/// How far around all that is known a window reaches, px.
+fn margin(problem: &Problem<'_>) -> f64 {
+    let (program, world) = (problem.sim.program(), problem.sim.world());
+    let bodies = problem.players().iter().flat_map(|&player| {
+        let colliders = program.entities[world.slots[player].entity].colliders.iter();
+        colliders.filter_map(move |collider| extent(problem, player, collider))
+    });
+    let largest = bodies.map(|b| (b.right - b.left).max(b.top - b.bottom)).fold(0.0, f64::max);
+    let tiles = world.spaces.iter().filter_map(|space| space.map.as_ref()).map(|map| map.tile.0.max(map.tile.1));
+    tiles.fold(PLACE, f64::max).max(BODIES * largest)
+}
+
+/// What there is in the spaces of a world.
+struct Things<'a> {
+    problem: &'a Problem<'a>,
+    spaces: Vec<Contents>,
+}
+
+/// What there is in a space.
+#[derive(Debug, Clone, Default)]
+struct Contents {
+    /// A rectangle around what it holds; none if it holds nothing.
+    held: Option<Bounds>,
+    /// The positions along both axes that the program compares with, or puts something at.
+    numbers: [Vec<f64>; 2],
+    /// Where players begin.
+    begin: Option<Bounds>,
+}
+
+impl Contents {
+    /// The rectangle around all of it; none if it holds nothing.
+    fn hull(&self) -> Option<Bounds> {
+        let hull = joined(self.begin, self.held?)?;
+        let least = |axis: usize, than: f64| self.numbers[axis].iter().copied().fold(than, f64::min);
+        let greatest = |axis: usize, than: f64| self.numbers[axis].iter().copied().fold(than, f64::max);
+        Some(Bounds {
+            left: least(0, hull.left),
+            right: greatest(0, hull.right),
+            bottom: least(1, hull.bottom),
+            top: greatest(1, hull.top),
+        })
+    }
+}
+
+impl<'a> Things<'a> {
+    fn new(problem: &'a Problem<'a>, starts: &[Start]) -> Self {
+        let spaces = vec![Contents::default(); problem.sim.world().spaces.len()];
+        let mut things = Things { problem, spaces };
+        things.add_geometry();
+        things.add_instances();
+        things.add_code();
+        things.add_questions();
+        for (start, &player) in starts.iter().flat_map(|s| problem.players().iter().map(move |p| (s, p))) {
+            let (x, y) = problem.sim.position(&start.state, player);
+            let begin = &mut things.spaces[problem.sim.space(&start.state, player).index()].begin;
+            *begin = joined(*begin, Bounds::new([x, y, 0.0, 0.0]));
+        }
+        things
+    }
+
+    fn add_geometry(&mut self) {
+        for (id, space) in self.problem.sim.world().spaces.pairs() {
+            let solids = space.solids.iter().map(|solid| solid.bounds);
+            let links = space.links.iter().map(|link| link.from);
+            for thing in space.map_rectangle().into_iter().chain(solids).chain(links) {
+                self.hold(id, thing);
+            }
+            for link in &space.links {
+                self.hold(link.space, link.to);
+            }
+        }
+    }
+
+    /// Placed instances, players apart: those say nothing about where a space ends.
+    fn add_instances(&mut self) {
+        let problem = self.problem;
+        let world = problem.sim.world();
+        let placed = world.slots.pairs().filter(|(_, s)| s.origin != Origin::Free && s.player.is_none());
+        for (id, slot) in placed {
+            let (x, y) = first_position(slot);
+            let colliders = problem.sim.program().entities[slot.entity].colliders.iter();
+            for body in colliders.filter_map(|collider| extent(problem, id, collider)) {
+                let Bounds { left, right, bottom, top } = body;
+                let body = Bounds { left: x + left, right: x + right, bottom: y + bottom, top: y + top };
+                self.hold(slot.space, body);
+            }
+        }
+    }
+
+    /// The positions that the code of entities knows.
+    fn add_code(&mut self) {
+        let (program, world) = (self.problem.sim.program(), self.problem.sim.world());
+        let used: BTreeSet<EntityId> = world.slots.iter().map(|slot| slot.entity).collect();
+        for entity in used {
+            let (from, to) = program.entities[entity].code;
+            let code: Vec<ExprId> = (from.0..to.0).map(ExprId).collect();
+            let put = positions_put(&program.entities[entity]);
+            for slot in world.slots.ids().filter(|slot| world.slots[*slot].entity == entity) {
+                code.iter().for_each(|&id| self.add_comparison(id, Some(slot)));
+                for &(var, value) in &put {
+                    if let Some(value) = self.constant(value, Some(slot)) {
+                        self.note(Some(slot), var, value);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The positions that is asked about, and those on which links depend.
+    fn add_questions(&mut self) {
+        let problem = self.problem;
+        let world = problem.sim.world();
+        let links = world.spaces.iter().flat_map(|space| &space.links).filter_map(|link| link.guard);
+        let nevers = world.nevers.iter().map(|never| never.holds);
+        let mut open: Vec<ExprId> = links.chain(nevers).chain([problem.predicate()]).collect();
+        open.extend(problem.avoided());
+        while let Some(id) = open.pop() {
+            match problem.sim.program().exprs[id] {
+                Expr::And(a, b) | Expr::Or(a, b) => open.extend([a, b]),
+                Expr::Not(a) => open.push(a),
+                _ => self.add_comparison(id, None),
+            }
+        }
+    }
+
+    /// What an expression compares a position with, if it is a comparison in the code of a slot, or in that of the world.
+    fn add_comparison(&mut self, id: ExprId, me: Option<SlotId>) {
+        match self.problem.sim.program().exprs[id] {
+            Expr::Compare(_, a, b) => {
+                for (side, other) in [(a, b), (b, a)] {
+                    if let (Some((of, var, shift)), Some(value)) = (self.position(side, me), self.constant(other, me)) {
+                        self.note(of, var, value - shift);
+                    }
+                }
+            }
+            Expr::Near { of, x, y, radius } => {
+                let Some(radius) = self.constant(radius, me) else { return };
+                for (var, middle) in [(VarId(0), x), (VarId(1), y)] {
+                    let Some(middle) = self.constant(middle, me) else { continue };
+                    for value in [middle - radius, middle + radius] {
+                        self.note(slot_of(of, me), var, value);
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// Whose position along which axis an expression is, up to a constant that is added to it.
+    fn position(&self, id: ExprId, me: Option<SlotId>) -> Option<(Option<SlotId>, VarId, f64)> {
+        match self.problem.sim.program().exprs[id] {
+            Expr::Var(of, var, 0) if var.index() < 2 => Some((slot_of(of, me), var, 0.0)),
+            Expr::Arithmetic(op @ (Arithmetic::Add | Arithmetic::Subtract), a, b) => {
+                if let (Some((of, var, shift)), Some(value)) = (self.position(a, me), self.constant(b, me)) {
+                    let value = if op == Arithmetic::Add { value } else { -value };
+                    return Some((of, var, shift + value));
+                }
+                let (of, var, shift) = self.position(b, me).filter(|_| op == Arithmetic::Add)?;
+                Some((of, var, shift + self.constant(a, me)?))
+            }
+            _ => None,
+        }
+    }
+
+    /// The value of an expression that is always the same in a slot, or in the world.
+    fn constant(&self, id: ExprId, me: Option<SlotId>) -> Option<f64> {
+        let world = self.problem.sim.world();
+        // A slot that can be used again has no parameters that are known now.
+        let none = IdVec::new();
+        let params = me.map(|slot| &world.slots[slot]).filter(|slot| slot.is_fixed).map_or(&none, |slot| &slot.params);
+        self.problem.sim.program().constant(id, params, world.step)
+    }
+
+    /// Notes a position along an axis, in each space in which a slot can be; all of them for one that is not known.
+    fn note(&mut self, slot: Option<SlotId>, var: VarId, value: f64) {
+        let (program, world) = (self.problem.sim.program(), self.problem.sim.world());
+        let stays = slot
+            .map(|id| &world.slots[id])
+            .filter(|slot| slot.origin != Origin::Free && program.entities[slot.entity].follows.is_empty());
+        for id in world.spaces.ids().filter(|id| stays.is_none_or(|slot| slot.space == *id)) {
+            self.spaces[id.index()].numbers[var.index()].push(value);
+        }
+    }
+
+    fn hold(&mut self, space: SpaceId, thing: Bounds) {
+        let held = &mut self.spaces[space.index()].held;
+        *held = joined(*held, thing);
+    }
+}
+
+/// The positions along both axes that an entity gives to something, or keeps itself within.
+fn positions_put(entity: &Entity) -> Vec<(VarId, ExprId)> {
+    let actions = entity.edges.iter().map(|edge| &edge.actions).chain(entity.modes.iter().map(|mode| &mode.entry));
+    let actions = actions.chain(entity.follows.iter().map(|follow| &follow.actions));
+    let updates = actions.flat_map(|a| &a.updates).chain(entity.spawns.iter().flat_map(|spawn| &spawn.updates));
+    let updated = updates.filter_map(|&Update { place, value }| match place {
+        Place::Var(var, 0) => Some((var, value)),
+        _ => None,
+    });
+    let drives = entity.free.iter().chain(entity.leaves.iter().flat_map(|leaf| &leaf.drives));
+    let driven = drives.filter_map(|drive| match *drive {
+        Drive::Flow { var, degree: 0, value } => Some((var, value)),
+        _ => None,
+    });
+    let clamps = entity.clamps.iter().filter(|clamp| clamp.degree == 0);
+    let clamped = clamps.flat_map(|c| c.low.into_iter().chain(c.high).map(|end| (c.var, end)));
+    updated.chain(driven).chain(clamped).filter(|(var, _)| var.index() < 2).collect()
+}
+
+/// The slot that a subject of some slot's code, or of the world's, stands for; none if it can be several.
+fn slot_of(subject: Subject, me: Option<SlotId>) -> Option<SlotId> {
+    match subject {
+        Subject::Me => me,
+        Subject::Slot(slot) => Some(slot),
+        Subject::Ref(_) | Subject::Touched(_) => None,
+    }
+}
+
+fn first_position(slot: &Slot) -> (f64, f64) {
+    (slot.vars[VarId(0)][0], slot.vars[VarId(1)][0])
+}
+
+fn joined(known: Option<Bounds>, more: Bounds) -> Option<Bounds> {
+    Some(known.map_or(more, |known| known.join(more)))
+}

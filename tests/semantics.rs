@@ -5,7 +5,7 @@
 mod support;
 
 use hypedc::ir::{Program, SlotId, VarId, WorldId};
-use hypedc::sim::{Scratch, Simulator, parse_script};
+use hypedc::sim::{Input, Scratch, Simulator, parse_script};
 use hypedc::source::SourceMap;
 use support::{compile_text, program};
 
@@ -618,4 +618,20 @@ fn a_first_value_that_a_spawn_gives_is_not_worked_out_beside() {
     let mut run = Run::new(&program);
     run.step("-");
     assert_eq!((run.var("Shot#1", "c"), run.discrete("Shot#1", "n")), (5.0, 7));
+fn what_a_clamp_hides_stops_the_run_too() {
+    // The position stays in its bounds while its derivatives leave the numbers.
+    let fault = |entity: &str| {
+        let p = alone(entity);
+        let sim = Simulator::new(&p, WorldId(0));
+        let mut scratch = sim.scratch();
+        let mut state = sim.initial(&mut scratch).unwrap();
+        let steps = 1..=100;
+        let failed = steps.map(|_| sim.step(&mut state, &Input::default(), &mut scratch)).find_map(Result::err);
+        failed.map(|fault| fault.fact(&p, WorldId(0), 1).what)
+    };
+    let speed = "clamp x in -8..8 var f = 1 mode m { f'' = 0 x'' = 1e308 }";
+    assert_eq!(fault(speed).unwrap(), "`x'` left the finite numbers");
+    assert_eq!(fault("clamp x in -8..8 clamp x' in -9..9 mode m { x'' = 1e308 }"), None, "all of it is bounded");
+    // Huge numbers whose sum is none are numbers.
+    assert_eq!(fault("x' = 1e307 mode m { when true { x := 1.6e308 } }"), None);
 }

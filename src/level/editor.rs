@@ -8,8 +8,9 @@ use crate::diagnostic::catalogue::world::BadLevel;
 use crate::source::{FileId, Files, SourceMap, Span};
 
 use super::drawn::{Drawn, Meaning};
-use super::node::Node;
-use super::{ldtk, tiled};
+use super::node::{Node, Trouble};
+use super::tiled::Broken;
+use super::{MAX_LENGTH, ldtk, tiled};
 
 /// The editor of a level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,12 +81,33 @@ pub fn drawn(
         Format::Tiled => tiled::tiled(&root, file, sources, &beside, meaning),
         Format::Ldtk => ldtk::ldtk(&root, part, file, sources, &beside, meaning),
     });
-    match read {
+    match read.and_then(|level| within_limits(level, file)) {
         Ok(level) => Some(level),
         Err((file, trouble)) => {
             let at = Span::new(file, trouble.at.start, trouble.at.end);
             trouble.why.into_iter().for_each(|why| diagnostics.report(BadLevel { at, why }));
             None
+        }
+    }
+}
+
+/// A level that is no larger than levels may be, and in which nothing lies farther away.
+fn within_limits(level: Drawn, file: FileId) -> Result<Drawn, Broken> {
+    let is_far = |length: f64| length.is_nan() || length.abs() > MAX_LENGTH;
+    let size = [level.columns as f64 * level.tile.0, level.rows as f64 * level.tile.1];
+    if let Some(size) = size.into_iter().find(|size| is_far(*size)) {
+        let why = format!("a level of {size} px: at most {MAX_LENGTH} px are possible");
+        return Err((file, Trouble::new(0..0, why)));
+    }
+    let rectangles = level.rectangles.iter().map(|(_, [x, y, width, height], at)| {
+        ([*x, *y, x + width, y + height].into_iter().find(|length| is_far(*length)), at)
+    });
+    let positions = level.things.iter().map(|t| ([t.position.0, t.position.1].into_iter().find(|p| is_far(*p)), &t.at));
+    match rectangles.chain(positions).find_map(|(far, at)| Some((far?, at))) {
+        None => Ok(level),
+        Some((far, at)) => {
+            let why = format!("something at {far} px: at most {MAX_LENGTH} px from the origin are possible");
+            Err((at.file, Trouble::new(at.range(), why)))
         }
     }
 }

@@ -22,6 +22,8 @@ use serde::Serialize;
 pub const MAX_TILES: usize = 4_000_000;
 /// The most things, and the most rectangles, that a level of an editor may have.
 pub const MAX_THINGS: usize = 100_000;
+/// Positions, sizes and edges in a level are at most so far from 0, px: whatever is added to them stays a number.
+pub const MAX_LENGTH: f64 = 1e12;
 
 /// A grid of tiles. Column 0 is the leftmost, row 0 the lowest; its lower-left corner is the space's origin.
 #[derive(Debug, Clone, PartialEq, Serialize)]

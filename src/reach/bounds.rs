@@ -168,7 +168,7 @@ fn finite(values: &Values, within: &Coordinate) -> Values {
 }
 
 fn positive(unit: f64) -> f64 {
-    if unit > 0.0 { unit } else { 1.0 }
+    if unit > 0.0 { unit.min(f64::MAX) } else { 1.0 }
 }
 
 /// Every variable of a slot, its derivatives, the discrete ones and the timers, in a box.

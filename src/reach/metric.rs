@@ -201,7 +201,7 @@ impl Metric {
     pub(super) fn projection(&self) -> Vec<Projected> {
         let is_player = |slot: SlotId| self.players.contains(&slot);
         let real = |c: &Coordinate| {
-            let width = (c.high - c.low).max(f64::MIN_POSITIVE);
+            let width = (c.high - c.low).clamp(f64::MIN_POSITIVE, f64::MAX);
             let (level, cells, counts) = match c.quantity {
                 Quantity::Var(slot, var, 0) if is_player(slot) && var.index() < 2 => {
                     (1, (width / PLACE).max(1.0), false)
@@ -212,7 +212,9 @@ impl Metric {
                 Quantity::Timer(..) => (2, 4.0, false),
                 Quantity::Var(..) => (2, 2.0, false),
             };
-            (level, Some(((cells * c.unit / width) as f32, c.scaled(c.low))), counts)
+            // Beyond all numbers there is one cell.
+            let cells = Some((cells * c.unit / width) as f32).filter(|cells| cells.is_finite()).unwrap_or(1.0);
+            (level, Some((cells, c.scaled(c.low))), counts)
         };
         let modes = |part: &SlotPart| {
             let others = part.modes() - usize::from(part.space);

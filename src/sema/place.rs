@@ -47,7 +47,7 @@ impl Checker<'_> {
         let mut given = Vec::new();
         for ((value, e), var) in at.iter_mut().zip([&place.x, &place.y]).zip([X, Y]) {
             if let Some(term) = self.number(e, &scope) {
-                *value = self.evaluated(&term, constants);
+                *value = self.evaluated(&term, constants).and_then(|value| self.length(value, e.span));
                 given.push((Given::Var(var, 0), term));
             }
         }

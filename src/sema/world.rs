@@ -3,7 +3,8 @@
 use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::OutOfRange;
 use crate::diagnostic::catalogue::world::{BadPlayer, BadStep, BadTile};
-use crate::level::InlineTile;
+use crate::level::{InlineTile, MAX_LENGTH};
+use crate::source::Span;
 use crate::syntax::ast::{self, Expr, Name, SpaceItem, WorldItem};
 use crate::syntax::occurrence::NameKind;
 
@@ -182,7 +183,7 @@ impl Checker<'_> {
         let value = self.evaluated(&term, ConstantContext::LITERALS)?;
         lengths.push(term);
         if value > 0.0 {
-            return Some(value);
+            return self.length(value, e.span);
         }
         self.diagnostics.report(OutOfRange {
             at: e.span,
@@ -272,9 +273,20 @@ impl Checker<'_> {
                     range: "what is above 0 px".into(),
                 });
             }
+            *slot = slot.and_then(|value| self.length(value, e.span));
         }
         let [x, y, width, height] = known;
         Some([x?, y?, width?, height?])
+    }
+
+    /// A coordinate or a size in a world, if it is not too large.
+    pub(super) fn length(&mut self, value: f64, at: Span) -> Option<f64> {
+        if value.abs() <= MAX_LENGTH {
+            return Some(value);
+        }
+        let range = format!("-{MAX_LENGTH} px to {MAX_LENGTH} px");
+        self.diagnostics.report(OutOfRange { at, what: format!("{value} px"), range });
+        None
     }
 
     /// Ways into other spaces.

@@ -114,12 +114,16 @@ impl Simulator<'_> {
         let layout = &actor.layout;
         let values = layout.triples_mut(state, flows.len());
         start[actor.index()] = (triple(&values[0])[0], triple(&values[1])[0]);
-        let mut is_finite = true;
+        let mut sum = 0.0;
         if actor.is_bounded {
             let (all, bounds) = (&actor.entity.clamps, &clamps[actor.clamps.clone()]);
             for ((var, values), &flow) in (0u32..).map(VarId).zip(values.iter_mut()).zip(flows) {
                 let moved = moved(triple(values), flow, self.step, |v, degree| clip(all, bounds, var, degree, v));
+<<<<<<< HEAD
                 is_finite &= moved[0].is_finite() && moved[1].is_finite();
+=======
+                sum += total(moved);
+>>>>>>> 3c35d9a7c371ed8dbd945ccd85ccda39acb07446
                 set_triple(values, moved);
             }
         } else if let Some(limits) = &actor.code.limits {
@@ -129,18 +133,27 @@ impl Simulator<'_> {
                     v.max(low).min(high)
                 };
                 let moved = moved(triple(values), flow, self.step, within);
+<<<<<<< HEAD
                 is_finite &= moved[0].is_finite() && moved[1].is_finite();
+=======
+                sum += total(moved);
+>>>>>>> 3c35d9a7c371ed8dbd945ccd85ccda39acb07446
                 set_triple(values, moved);
             }
         } else {
             for (values, &flow) in values.iter_mut().zip(flows) {
                 let moved = moved(triple(values), flow, self.step, |v, _| v);
+<<<<<<< HEAD
                 is_finite &= moved[0].is_finite() && moved[1].is_finite();
+=======
+                sum += total(moved);
+>>>>>>> 3c35d9a7c371ed8dbd945ccd85ccda39acb07446
                 set_triple(values, moved);
             }
         }
-        if !is_finite {
-            return Err(diverged(actor, values));
+        // Whatever is not finite makes a sum that is not; so may a sum of numbers that all are.
+        if !f64::is_finite(sum) {
+            diverged(actor, values)?;
         }
         if !actor.entity.timers.is_empty() {
             self.count_timers(state, actor);
@@ -189,11 +202,27 @@ fn moved(
     [clip(position + velocity * dt, 0), velocity, acceleration]
 }
 
-/// The first variable that went beyond all numbers.
+/// A variable and its derivatives in one number, which is finite only if all of them are.
+#[inline(always)]
+fn total([position, velocity, acceleration]: [f64; 3]) -> f64 {
+    position + velocity + acceleration
+}
+
+/// Fails if a variable or a derivative is not finite: with the first one.
 #[cold]
+<<<<<<< HEAD
 fn diverged(actor: &Actor<'_>, values: &[[u8; 24]]) -> Fault {
     let var = values.iter().position(|v| !triple(v).iter().all(|x| x.is_finite())).unwrap_or(0);
     Fault { slot: actor.id, kind: FaultKind::Diverged(VarId(var as u32)) }
+=======
+fn diverged(actor: &Actor<'_>, values: &[[u8; 24]]) -> Result<(), Fault> {
+    for (var, values) in (0..).map(VarId).zip(values) {
+        if let Some(degree) = triple(values).iter().position(|v| !v.is_finite()) {
+            return Err(Fault { slot: actor.id, kind: FaultKind::Diverged(var, degree as u8) });
+        }
+    }
+    Ok(())
+>>>>>>> 3c35d9a7c371ed8dbd945ccd85ccda39acb07446
 }
 
 /// A value within all clamps of its variable.

@@ -10,8 +10,8 @@ pub enum FaultKind {
     NotFinite(ExprId, [f64; 2]),
     /// A division by zero; the number is the dividend.
     DivisionByZero(ExprId, f64),
-    /// A variable left the finite numbers while it was integrated.
-    Diverged(VarId),
+    /// A variable, or its derivative of a degree, left the finite numbers while it was integrated.
+    Diverged(VarId, u8),
     /// An update gave a discrete variable a value outside of its range, or one that is not whole.
     OutOfRange(ExprId, EntityId, DiscreteId, f64),
     /// An expression reads an instance that is not there.
@@ -42,9 +42,9 @@ impl Fault {
             FaultKind::DivisionByZero(expr, a) => {
                 (program.spans.exprs[expr], "division by zero".to_string(), vec![value("the dividend", a)])
             }
-            FaultKind::Diverged(var) => (
+            FaultKind::Diverged(var, degree) => (
                 program.spans.entities[slot.entity].vars[var],
-                format!("`{}` left the finite numbers", entity.vars[var]),
+                format!("`{}{}` left the finite numbers", entity.vars[var], "'".repeat(usize::from(degree))),
                 Vec::new(),
             ),
             FaultKind::ReadNone(expr) => {

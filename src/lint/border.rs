@@ -68,7 +68,7 @@ fn goals(checked: &Checked, world: &World, found: &mut Diagnostics) {
             Subject::Slot(slot) => area(checked, world, slot),
             _ => None,
         };
-        let within = Within { of: &of, params: None, step: step(world) };
+        let within = Within { of: &of, params: None, step: world.step };
         if within.never_holds(&goal.predicate) {
             found
                 .report(BeyondBounds { what: format!("the goal `{}` holds", goal.name.text), at: goal.predicate.span });
@@ -101,7 +101,7 @@ fn guards(checked: &Checked, id: EntityId, found: &mut Diagnostics) {
     for world in checked.worlds.iter() {
         for (slot, instance) in world.instances.pairs().filter(|(_, instance)| instance.entity == id) {
             let Some(area) = area(checked, world, slot).filter(|_| instance.origin == Origin::Named) else { return };
-            players.push((area, &instance.params, step(world)));
+            players.push((area, &instance.params, world.step));
         }
     }
     let edges = entity.edges.iter().map(|edge| &edge.guard);
@@ -112,7 +112,7 @@ fn guards(checked: &Checked, id: EntityId, found: &mut Diagnostics) {
             open.extend([&**a, &**b]);
             continue;
         }
-        let never = |(area, params, step): &(Area, &IdVec<ParamId, f64>, f64)| {
+        let never = |(area, params, step): &(Area, &IdVec<ParamId, f64>, (u64, u64))| {
             let of = |subject: Subject| (subject == Subject::Me).then_some(*area);
             Within { of: &of, params: Some(*params), step: *step }.never_holds(term)
         };
@@ -122,16 +122,12 @@ fn guards(checked: &Checked, id: EntityId, found: &mut Diagnostics) {
     }
 }
 
-fn step(world: &World) -> f64 {
-    world.step.0 as f64 / world.step.1 as f64
-}
-
 /// What holds as long as players are within bounds.
 struct Within<'a> {
     /// Where what a subject stands for can be, as far as that is known.
     of: &'a dyn Fn(Subject) -> Option<Area>,
     params: Option<&'a IdVec<ParamId, f64>>,
-    step: f64,
+    step: (u64, u64),
 }
 
 impl Within<'_> {

@@ -119,11 +119,7 @@ impl Simulator<'_> {
             let (all, bounds) = (&actor.entity.clamps, &clamps[actor.clamps.clone()]);
             for ((var, values), &flow) in (0u32..).map(VarId).zip(values.iter_mut()).zip(flows) {
                 let moved = moved(triple(values), flow, self.step, |v, degree| clip(all, bounds, var, degree, v));
-<<<<<<< HEAD
-                is_finite &= moved[0].is_finite() && moved[1].is_finite();
-=======
                 sum += total(moved);
->>>>>>> 3c35d9a7c371ed8dbd945ccd85ccda39acb07446
                 set_triple(values, moved);
             }
         } else if let Some(limits) = &actor.code.limits {
@@ -133,21 +129,13 @@ impl Simulator<'_> {
                     v.max(low).min(high)
                 };
                 let moved = moved(triple(values), flow, self.step, within);
-<<<<<<< HEAD
-                is_finite &= moved[0].is_finite() && moved[1].is_finite();
-=======
                 sum += total(moved);
->>>>>>> 3c35d9a7c371ed8dbd945ccd85ccda39acb07446
                 set_triple(values, moved);
             }
         } else {
             for (values, &flow) in values.iter_mut().zip(flows) {
                 let moved = moved(triple(values), flow, self.step, |v, _| v);
-<<<<<<< HEAD
-                is_finite &= moved[0].is_finite() && moved[1].is_finite();
-=======
                 sum += total(moved);
->>>>>>> 3c35d9a7c371ed8dbd945ccd85ccda39acb07446
                 set_triple(values, moved);
             }
         }
@@ -210,11 +198,6 @@ fn total([position, velocity, acceleration]: [f64; 3]) -> f64 {
 
 /// Fails if a variable or a derivative is not finite: with the first one.
 #[cold]
-<<<<<<< HEAD
-fn diverged(actor: &Actor<'_>, values: &[[u8; 24]]) -> Fault {
-    let var = values.iter().position(|v| !triple(v).iter().all(|x| x.is_finite())).unwrap_or(0);
-    Fault { slot: actor.id, kind: FaultKind::Diverged(VarId(var as u32)) }
-=======
 fn diverged(actor: &Actor<'_>, values: &[[u8; 24]]) -> Result<(), Fault> {
     for (var, values) in (0..).map(VarId).zip(values) {
         if let Some(degree) = triple(values).iter().position(|v| !v.is_finite()) {
@@ -222,7 +205,6 @@ fn diverged(actor: &Actor<'_>, values: &[[u8; 24]]) -> Result<(), Fault> {
         }
     }
     Ok(())
->>>>>>> 3c35d9a7c371ed8dbd945ccd85ccda39acb07446
 }
 
 /// A value within all clamps of its variable.

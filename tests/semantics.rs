@@ -603,9 +603,9 @@ fn a_velocity_that_leaves_the_finite_numbers_stops_the_run_though_the_position_i
     )));
     let mut run = Run::new(&program);
     run.step("-");
-    let input = hypedc::sim::Input::nothing(0);
+    let input = Input::nothing(0);
     let fault = run.sim.step(&mut run.state, &input, &mut run.scratch).unwrap_err();
-    assert!(matches!(fault.kind, hypedc::sim::FaultKind::Diverged(VarId(0))), "{fault:?}");
+    assert!(matches!(fault.kind, hypedc::sim::FaultKind::Diverged(VarId(0), _)), "{fault:?}");
 }
 
 #[test]
@@ -618,6 +618,9 @@ fn a_first_value_that_a_spawn_gives_is_not_worked_out_beside() {
     let mut run = Run::new(&program);
     run.step("-");
     assert_eq!((run.var("Shot#1", "c"), run.discrete("Shot#1", "n")), (5.0, 7));
+}
+
+#[test]
 fn what_a_clamp_hides_stops_the_run_too() {
     // The position stays in its bounds while its derivatives leave the numbers.
     let fault = |entity: &str| {

@@ -19,7 +19,7 @@ fn kind(fault: FaultKind) -> Fault {
     match fault {
         FaultKind::NotFinite(..) => Fault::NotFinite,
         FaultKind::DivisionByZero(..) => Fault::DivisionByZero,
-        FaultKind::Diverged(_) => Fault::Diverged,
+        FaultKind::Diverged(..) => Fault::Diverged,
         FaultKind::OutOfRange(..) => Fault::OutOfRange,
         FaultKind::ReadNone(_) => Fault::ReadNone,
     }

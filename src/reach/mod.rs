@@ -46,7 +46,6 @@ pub use problem::{BadStart, Death, Problem, Standing, Start, Target};
 pub use proof::{Part, Proof};
 pub use search::{Limits, Restart, Settings, search};
 pub use shorten::shorten;
-pub use window::Window;
 
 use crate::analysis::ConfigurationSpace;
 use crate::sim::Fault;

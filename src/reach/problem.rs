@@ -150,8 +150,8 @@ impl<'s> Problem<'s> {
     }
 
     /// Judges a state: `never` first, then the bounds that are written, then the goal. The order matters: a state out of
-    /// bounds is the end of a run, which the analysis does not look at. Where a search itself stops ([`super::Window`]) is
-    /// no part of it.
+    /// bounds is the end of a run, which the analysis does not look at. Where a search itself stops (`window.rs`) is no
+    /// part of it.
     ///
     /// # Errors
     /// A [`Fault`] if a predicate breaks a rule.

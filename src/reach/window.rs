@@ -21,7 +21,7 @@ const BODIES: f64 = 2.0;
 
 /// How far a search follows players in a space.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Window {
+pub(super) struct Window {
     /// Its sides and its lower end; it is open above.
     pub area: Bounds,
     /// Whether nothing that is asked for can happen beyond it.

@@ -3,7 +3,7 @@
 use crate::ir::{Bounds, Origin, Program, SpaceId, World};
 
 use super::body::{Body, placed, position};
-use super::frame::{grown, is_proper, joined, shared};
+use super::frame::{grown, is_proper, shared};
 
 /// How many of the visited points are asked where most of them are.
 const SAMPLE: usize = 20_000;
@@ -39,7 +39,7 @@ impl Presence {
             bottom,
             top,
         });
-        let path = path.filter(finite).map(|[x, y]| Bounds::new([x, y, 0.0, 0.0])).reduce(joined);
+        let path = path.filter(finite).map(|[x, y]| Bounds::new([x, y, 0.0, 0.0])).reduce(Bounds::join);
         Presence { visits, visited, path }
     }
 }
@@ -49,7 +49,7 @@ pub(super) fn extent(program: &Program, world: &World, id: SpaceId, presence: &P
     let space = &world.spaces[id];
     let map = space.map_rectangle();
     let solids = space.solids.iter().map(|solid| solid.bounds).chain(space.links.iter().map(|link| link.from));
-    let level = map.into_iter().chain(solids).filter(|b| is_proper(*b)).reduce(joined);
+    let level = map.into_iter().chain(solids).filter(|b| is_proper(*b)).reduce(Bounds::join);
     let things = world.slots.pairs().filter(|(_, slot)| slot.origin != Origin::Free && slot.space == id);
     let things = things.flat_map(|(of, slot)| {
         let at = position(slot);
@@ -57,21 +57,21 @@ pub(super) fn extent(program: &Program, world: &World, id: SpaceId, presence: &P
         let boxes: Vec<Bounds> = parts.iter().map(|part| placed(part, slot)).collect();
         boxes.into_iter().chain([Bounds::new([at[0], at[1], 0.0, 0.0])])
     });
-    let things = things.filter(|b| is_proper(*b)).reduce(joined);
+    let things = things.filter(|b| is_proper(*b)).reduce(Bounds::join);
     let presence = [presence.visited.map(|b| (b, 0.5)), presence.path.map(|b| (b, 1.0)), things.map(|b| (b, 1.0))];
     let view = match level {
         // What is outside of the level is shown only as far as the level stays the main thing.
         Some(level) => presence.into_iter().flatten().fold(level, |view, (part, share)| {
             let room = share * shorter(level);
             let inside = shared(grown(part, body / 2.0), grown(level, room));
-            if is_proper(inside) { joined(view, inside) } else { view }
+            if is_proper(inside) { view.join(inside) } else { view }
         }),
         None => {
-            let content = presence.into_iter().flatten().map(|(part, _)| part).reduce(joined);
+            let content = presence.into_iter().flatten().map(|(part, _)| part).reduce(Bounds::join);
             let bounds = space.bounds.filter(|b| is_proper(*b));
             match (content, bounds) {
                 (Some(content), Some(bounds)) => {
-                    joined(content, shared(bounds, grown(content, longer(content).max(SIDE))))
+                    content.join(shared(bounds, grown(content, longer(content).max(SIDE))))
                 }
                 (content, bounds) => content.or(bounds).unwrap_or(Bounds::new([0.0; 4])),
             }

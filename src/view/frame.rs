@@ -65,16 +65,6 @@ impl Frame {
     }
 }
 
-/// The least rectangle around two.
-pub(super) fn joined(a: Bounds, b: Bounds) -> Bounds {
-    Bounds {
-        left: a.left.min(b.left),
-        right: a.right.max(b.right),
-        bottom: a.bottom.min(b.bottom),
-        top: a.top.max(b.top),
-    }
-}
-
 /// What two rectangles share; turned inside out where they share nothing.
 pub(super) fn shared(a: Bounds, b: Bounds) -> Bounds {
     Bounds {

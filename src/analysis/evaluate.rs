@@ -88,6 +88,11 @@ impl Between {
         Between { vars: none(vars).map(|v| [v; 3]).collect(), discretes: none(discretes).collect() }
     }
 
+    /// Of what can be anything but for its discrete variables.
+    pub fn anything(vars: usize, discretes: IdVec<DiscreteId, Values>) -> Self {
+        Between { vars: (0..vars).map(|_| [Values::all(); 3]).collect(), discretes }
+    }
+
     /// Adds what a way of a step leads to; gives whether that is more than before.
     pub fn add(&mut self, numbers: &Numbers) -> bool {
         let mut changed = false;

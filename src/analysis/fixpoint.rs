@@ -17,7 +17,7 @@ use super::supply::Limits;
 use super::surroundings::Surroundings;
 use super::values::{Interval, Values};
 use super::widen::{Patience, Thresholds, both, extended, within_bounds};
-use super::{ConfigurationSpace, SlotSpace};
+use super::{ConfigurationSpace, GivenUp, SlotSpace};
 
 /// More combinations of leaves than that are not told apart.
 pub(super) const MOST_CONFIGURATIONS: usize = 1_024;
@@ -39,6 +39,8 @@ pub(super) struct Slot {
     configurations: BTreeMap<Vec<LeafId>, Growing>,
     can_be_absent: bool,
     is_given_up: bool,
+    /// Why, if so.
+    why: Option<GivenUp>,
     pub params: IdVec<ParamId, Values>,
     /// px/s
     speed: [f64; 2],
@@ -69,6 +71,8 @@ pub(super) struct Analysis<'a> {
     pub effort: usize,
     /// Who may say that nobody waits for the result any more.
     watch: &'a dyn Watch,
+    /// Whether the watch said so.
+    is_stopped: bool,
     /// The numbers that the program compares with or writes, and where edges meet.
     thresholds: Thresholds,
 }
@@ -104,6 +108,7 @@ impl<'a> Analysis<'a> {
             surroundings: Surroundings::default(),
             effort,
             watch,
+            is_stopped: false,
             is_narrowing: false,
             is_read: program.entities.iter().any(reads_others),
             thresholds: Thresholds::default(),
@@ -160,7 +165,7 @@ impl<'a> Analysis<'a> {
             known.configurations.insert(found.leaves.clone(), Growing { at: found, patience, is_new: true });
             known.is_changed = true;
             if known.configurations.len() > MOST_CONFIGURATIONS {
-                self.give_up(slot);
+                self.give_up(slot, GivenUp::Combinations);
             }
             return true;
         };
@@ -201,7 +206,7 @@ impl<'a> Analysis<'a> {
                 discretes: self.limits[slot].clone(),
                 spaces: self.world.spaces.ids().collect(),
                 speed: [f64::INFINITY; 2],
-                between: known.between.clone(),
+                between: Between::anything(entity.vars.len(), self.limits[slot].clone()),
                 leaves: entity.leaves.ids().collect(),
             };
         }
@@ -251,6 +256,9 @@ impl<'a> Analysis<'a> {
         let reads_others: IdVec<SlotId, bool> = self.world.slots.ids().map(|s| reads_others(self.entity(s))).collect();
         let firsts: Vec<SlotId> = self.world.slots.ids().filter(|s| self.is_first(*s)).collect();
         let mut others_changed = true;
+        if self.effort == 0 {
+            return self.give_all_up();
+        }
         for round in 0.. {
             let before = std::mem::replace(&mut self.surroundings, Surroundings::new(&mut self.scene, &self.overall));
             let mut changed = false;
@@ -263,27 +271,40 @@ impl<'a> Analysis<'a> {
             }
             changed |= self.ends();
             others_changed = self.tell();
+            // What is left to be looked at then is not: that nothing changed says nothing.
+            if self.effort == 0 {
+                self.give_all_up();
+                return;
+            }
             if !changed && !others_changed {
                 break;
-            }
-            if self.effort == 0 {
-                firsts.iter().for_each(|slot| self.give_up(*slot));
-                self.tell();
-                return;
             }
         }
         self.is_narrowing = true;
         for _ in 0..NARROWINGS {
             self.narrow();
+            if self.is_stopped {
+                self.give_all_up();
+                return;
+            }
         }
     }
 
+    /// Everything is possible for all.
+    fn give_all_up(&mut self) {
+        let why = if self.is_stopped { GivenUp::Stopped } else { GivenUp::Effort };
+        let firsts: Vec<SlotId> = self.world.slots.ids().filter(|s| self.is_first(*s)).collect();
+        firsts.into_iter().for_each(|slot| self.give_up(slot, why));
+        self.tell();
+    }
+
     /// Everything is possible for a slot, and for what it can spawn.
-    fn give_up(&mut self, slot: SlotId) {
+    fn give_up(&mut self, slot: SlotId, why: GivenUp) {
         let known = &mut self.slots[slot];
         if std::mem::replace(&mut known.is_given_up, true) {
             return;
         }
+        known.why = Some(why);
         known.is_changed = true;
         for spawn in self.entity(slot).spawns.iter() {
             let made = |s: &SlotId| {
@@ -291,7 +312,16 @@ impl<'a> Analysis<'a> {
                 s.entity == spawn.entity && s.origin != Origin::Named
             };
             let made: Vec<SlotId> = self.world.slots.ids().filter(made).map(|s| self.first[s]).collect();
-            made.into_iter().for_each(|slot| self.give_up(slot));
+            for slot in made {
+                // Its parameters are what the spawner gives it.
+                let params: IdVec<ParamId, Values> = self.slots[slot].params.iter().map(|_| Values::all()).collect();
+                if self.slots[slot].params != params {
+                    self.scene.reshape(slot, &params);
+                    self.slots[slot].params = params;
+                    self.slots[slot].is_changed = true;
+                }
+                self.give_up(slot, why);
+            }
         }
     }
 
@@ -309,6 +339,7 @@ impl<'a> Analysis<'a> {
             }
             for leaves in due {
                 if self.watch.stop() {
+                    self.is_stopped = true;
                     self.effort = 0;
                     return true;
                 }
@@ -324,7 +355,7 @@ impl<'a> Analysis<'a> {
                         changed |= self.take(slot, &leaves, outcome);
                     }
                     None => {
-                        self.give_up(slot);
+                        self.give_up(slot, GivenUp::Combinations);
                         return true;
                     }
                 }
@@ -442,6 +473,10 @@ impl<'a> Analysis<'a> {
         let mut found: Vec<(SlotId, Vec<LeafId>, Outcome)> = Vec::new();
         for slot in self.world.slots.ids().filter(|s| self.is_first(*s) && !self.slots[*s].is_given_up) {
             for (leaves, growing) in &self.slots[slot].configurations {
+                if self.watch.stop() {
+                    self.is_stopped = true;
+                    return;
+                }
                 if let Some(outcome) = self.stepper(slot).run(&growing.at) {
                     found.push((slot, leaves.clone(), outcome));
                 }
@@ -466,6 +501,11 @@ impl<'a> Analysis<'a> {
             }
             let mut narrowed = std::mem::take(&mut self.slots[slot].configurations);
             for (leaves, growing) in &mut narrowed {
+                // All of it is given up then, whatever has been cut.
+                self.is_stopped |= self.watch.stop();
+                if self.is_stopped {
+                    break;
+                }
                 if let Some(known) = known.get(leaves) {
                     growing.at = self.restarted(slot, both(&growing.at, &known.at), &known.at);
                 }
@@ -501,10 +541,14 @@ impl<'a> Analysis<'a> {
                 configurations: found.configurations.values().map(|g| g.at.clone()).collect(),
                 can_be_absent: found.can_be_absent,
                 is_given_up: found.is_given_up,
+                why: found.why,
             }
         });
-        let slots = slots.collect();
-        let surroundings = Surroundings::new(&mut self.scene, &self.overall);
+        let slots: IdVec<SlotId, SlotSpace> = slots.collect();
+        let surroundings = match slots.iter().all(|s| s.is_given_up) {
+            true => Surroundings::unknown(&self.overall),
+            false => Surroundings::new(&mut self.scene, &self.overall),
+        };
         ConfigurationSpace { slots, overall: self.overall, surroundings }
     }
 }

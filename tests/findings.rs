@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use hypedc::analysis::{InvariantVerdict, configuration_space, invariants};
 use hypedc::compile::{Compilation, LevelFile, check_with, compile};
-use hypedc::diagnostic::{Code, Diagnostic};
+use hypedc::diagnostic::{Code, Diagnostic, render};
 use hypedc::ir::{
     EntityId, Expr, ExprId, Function, Origin, Program, SlotId, Subject, VarId, WorldId, arithmetic, call, compare,
 };
@@ -516,4 +516,61 @@ fn a_whole_number_below_a_fraction_is_not_lost() {
 }
 world A { space main { place a: Counter at (0, 0) } }";
     assert_eq!(codes(&[("counter.hyped", text)]), [""; 0]);
+}
+
+/// The findings of `check` about a text, as people see them.
+fn checked(text: &str) -> String {
+    let compiled = check_with(Path::new("test.hyped"), LevelFile::default(), &support::Text(text));
+    render::human(&compiled.sources, compiled.diagnostics.iter(), false)
+}
+
+/// An entity with so many groups that its combinations of modes are not told apart.
+fn tangled(inside: &str) -> String {
+    let groups: String = (1..12)
+        .map(|i| {
+            format!(
+                "group g{i} {{ mode a {{ when timer >= {i}frames -> b }} mode b {{ when timer >= {}frames -> a }} }}\n",
+                i + 1
+            )
+        })
+        .collect();
+    format!("entity Hero {{ {inside}\nx' = 60\n{groups} }}")
+}
+
+#[test]
+fn an_invariant_of_which_nothing_is_known_is_not_proven() {
+    let world = "world W { space main { place hero: Hero at (0, 0) } }";
+    let found = checked(&format!("{} {world}", tangled("invariant x <= 5")));
+    assert!(found.contains("W0703") && found.contains("1024 combinations of modes"), "{found}");
+    // What is broken at the start is seen whatever is given up.
+    let found = checked(&format!("{} {world}", tangled("invariant x > 5")));
+    assert!(found.contains("E0701"), "{found}");
+    let plain = "entity Hero { collider body: rect(0, 0, 16, 16); invariant x <= 40; x' = 60 }";
+    let open = "world W { tiles t 16 x 16 { '.': empty }; space main { map level t; place hero: Hero at (32, 0) } }";
+    let found = checked(&format!("{plain} {open}"));
+    assert!(found.contains("W0703") && found.contains("the map of `W` is not given"), "{found}");
+    let found = checked(&format!("{plain} {}", open.replace("(32, 0)", "(64, 0)")));
+    assert!(found.contains("E0701"), "{found}");
+    let found = checked(plain);
+    assert!(found.contains("W0703") && found.contains("no world has a `Hero`"), "{found}");
+    // One world is proven; the other is not looked at.
+    let still = "entity Hero { invariant x <= 40 }";
+    let found = checked(&format!("{still} {world} {}", open.replace("world W", "world V")));
+    assert!(found.contains("W0703"), "{found}");
+    assert_eq!(checked(&format!("{still} {world}")), "", "silence means proven");
+}
+
+#[test]
+fn what_an_entity_that_is_given_up_spawns_can_be_anything() {
+    let spawner = tangled("button go").replace(
+        "mode a { when timer >= 1frames -> b }",
+        "mode a { when timer >= 1frames -> b { spawn Shot(size = 4) } }",
+    );
+    assert!(spawner.contains("spawn"));
+    let text = format!(
+        "{spawner} entity Shot {{ param size = 8; invariant size > 5; x' = 1 }}
+         world W {{ limit Shot 2; space main {{ place hero: Hero at (0, 0) }} }}"
+    );
+    let found = checked(&text);
+    assert!(found.contains("W0703"), "{found}");
 }

@@ -632,9 +632,67 @@ fn what_a_clamp_hides_stops_the_run_too() {
         let failed = steps.map(|_| sim.step(&mut state, &Input::default(), &mut scratch)).find_map(Result::err);
         failed.map(|fault| fault.fact(&p, WorldId(0), 1).what)
     };
-    let speed = "clamp x in -8..8 var f = 1 mode m { f'' = 0 x'' = 1e308 }";
+    let speed = "clamp x in -8..8; mode m { x'' = 1e308 }";
     assert_eq!(fault(speed).unwrap(), "`x'` left the finite numbers");
-    assert_eq!(fault("clamp x in -8..8 clamp x' in -9..9 mode m { x'' = 1e308 }"), None, "all of it is bounded");
+    assert_eq!(fault("clamp x in -8..8; clamp x' in -9..9; mode m { x'' = 1e308 }"), None, "all of it is bounded");
     // Huge numbers whose sum is none are numbers.
-    assert_eq!(fault("x' = 1e307 mode m { when true { x := 1.6e308 } }"), None);
+    assert_eq!(fault("mode m { x' = 1e307; when true { x := 1.6e308 } }"), None);
+}
+
+/// A hero of 16 px in a world of rectangles and tiles.
+fn among(walls: &str, entity: &str, at: &str) -> Program {
+    program(compile_text(&format!(
+        "entity A {{ collider body: rect(0, 0, 16, 16)
+             {entity} }}
+         world W {{ step 1/60
+             collide body with wall: block
+             tiles t 16 x 16 {{ '.': empty; '#': wall }}
+             space main {{ {walls}
+                 place a: A at {at} }}
+             player 1: a }}"
+    )))
+}
+
+#[test]
+fn rectangles_that_touch_form_one_surface() {
+    // It falls fast onto the seam: across, it overlaps each of the two by less than along.
+    let falls = |walls: &str, x: f64| {
+        let p = among(walls, "y'' = -6000", &format!("({x}, 60)"));
+        let mut run = Run::new(&p);
+        run.step("-*60");
+        (run.var("a", "x"), run.var("a", "y"))
+    };
+    let two = "rect wall (0, 0, 64, 16)\nrect wall (64, 0, 64, 16)";
+    let tile = "map t \"\n........\n........\n####....\n\"\nrect wall (64, 0, 64, 16)";
+    let small = "rect wall (0, 0, 64, 16)\nrect wall (64, 8, 64, 8)\nrect wall (64, 0, 64, 8)";
+    let apart = "rect wall (0, 0, 64, 16)\nrect wall (64.0005, 0, 64, 16)";
+    let over = "rect wall (0, 0, 70, 16)\nrect wall (58, 0, 70, 16)";
+    for walls in [two, tile, small, apart, over] {
+        for x in 0..32 {
+            let x = 46.0 + f64::from(x) / 1.5;
+            assert_eq!(falls(walls, x), (x, 16.0), "{walls}");
+        }
+    }
+    // Along a wall of several parts nothing stumbles, whichever way it goes.
+    for (flow, at, along, across) in
+        [("x' = 300; y' = -60", "(0, 16)", "x", "y"), ("x' = 60; y' = -300", "(48, 200)", "y", "x")]
+    {
+        let part = |i: i32| match along {
+            "x" => format!("rect wall ({}, 0, 10, 16)\n", i * 10),
+            _ => format!("rect wall (64, {}, 16, 10)\n", i * 10),
+        };
+        let walls: String = (0..30).map(part).collect();
+        let p = among(&walls, flow, at);
+        let mut run = Run::new(&p);
+        let (from, side) = (run.var("a", along), run.var("a", across));
+        run.step("-*30");
+        assert!((run.var("a", along) - from).abs() > 149.0, "{along}: {} to {}", from, run.var("a", along));
+        assert_eq!(run.var("a", across), side);
+    }
+    // A face that is covered only where the body is not is open.
+    let lower = "rect wall (0, 0, 64, 64)\nrect wall (64, 0, 64, 16)";
+    let p = among(lower, "x' = -300", "(80, 30)");
+    let mut run = Run::new(&p);
+    run.step("-*30");
+    assert_eq!((run.var("a", "x"), run.var("a", "y")), (64.0, 30.0));
 }

@@ -5,9 +5,9 @@
 
 mod support;
 
-use std::cell::Cell;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use hypedc::analysis::{ConfigurationSpace, configuration_space, configuration_space_without};
 use hypedc::compile::{Barred, LevelFile, compile, compile_barred};
@@ -255,12 +255,12 @@ fn auto_finds_what_there_is_and_proves_what_it_can() {
 }
 
 /// Stops after it was asked so often.
-struct Patience(Cell<u32>);
+struct Patience(AtomicU32);
 
 impl Watch for Patience {
     fn stop(&self) -> bool {
-        self.0.set(self.0.get().saturating_sub(1));
-        self.0.get() == 0
+        self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| Some(left.saturating_sub(1))) == Ok(1)
+            || self.0.load(Ordering::Relaxed) == 0
     }
 }
 
@@ -271,7 +271,7 @@ fn shortens(question: &Question<'_>, problem: &Problem<'_>, plan: &Plan) {
         plan.script.steps[..held].iter().map(|s| s.count).min().unwrap_or(u32::MAX)
     };
     for least in [0, if plan.after == 0 { shortest(plan).min(10) } else { 0 }] {
-        let short = shorten(problem, plan, least, &Patience(Cell::new(12)));
+        let short = shorten(problem, plan, least, &Patience(AtomicU32::new(12)));
         question.replay(&short);
         let what = question.what;
         assert_eq!(short.after, plan.after, "{what}");

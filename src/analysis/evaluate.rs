@@ -110,6 +110,11 @@ impl Between {
         Between { vars, discretes: none(discretes).collect(), leaves: BTreeSet::new() }
     }
 
+    /// Of what can be anything but for its discrete variables, with so many leaves.
+    pub fn anything(vars: usize, discretes: IdVec<DiscreteId, Values>, leaves: BTreeSet<LeafId>) -> Self {
+        Between { vars: (0..vars).map(|_| [Values::all(); 3]).collect(), discretes, leaves }
+    }
+
     /// Adds what the discrete phase leads to; returns true if that is more than before.
     pub fn add(&mut self, at: &Configuration) -> bool {
         let mut changed = false;

@@ -18,7 +18,7 @@ use super::supply::Limits;
 use super::surroundings::Surroundings;
 use super::values::{Interval, Values};
 use super::widen::{Patience, Thresholds, both, extended, within_bounds};
-use super::{ConfigurationSpace, SlotSpace};
+use super::{ConfigurationSpace, GivenUp, SlotSpace};
 
 /// More combinations of leaves than that are not told apart.
 pub(super) const MOST_CONFIGURATIONS: usize = 1_024;
@@ -43,6 +43,8 @@ pub(super) struct Slot {
     configurations: BTreeMap<Key, Growing>,
     can_be_absent: bool,
     is_given_up: bool,
+    /// Why, if so.
+    why: Option<GivenUp>,
     pub params: IdVec<ParamId, Values>,
     /// px/s
     speed: [f64; 2],
@@ -84,6 +86,8 @@ pub(super) struct Analysis<'a> {
     pub effort: usize,
     /// Who may say that nobody waits for the result any more.
     watch: &'a dyn Watch,
+    /// Whether the watch said so.
+    is_stopped: bool,
     /// The numbers that the program compares with or writes, and where edges meet.
     thresholds: Thresholds,
 }
@@ -119,6 +123,7 @@ impl<'a> Analysis<'a> {
             surroundings: Surroundings::default(),
             effort,
             watch,
+            is_stopped: false,
             is_narrowing: false,
             is_read: program.entities.iter().any(reads_others),
             thresholds: Thresholds::default(),
@@ -190,7 +195,7 @@ impl<'a> Analysis<'a> {
             known.configurations.insert(key, Growing { at: found, patience, is_new: true });
             known.is_changed = true;
             if known.configurations.len() > MOST_CONFIGURATIONS && known.combinations() > MOST_CONFIGURATIONS {
-                self.give_up(slot);
+                self.give_up(slot, GivenUp::Combinations);
             }
             return true;
         };
@@ -241,7 +246,11 @@ impl<'a> Analysis<'a> {
                 spaces: self.world.spaces.ids().collect(),
                 speed: [f64::INFINITY; 2],
                 near_speed: [f64::INFINITY; 2],
-                between: known.between.clone(),
+                between: Between::anything(
+                    entity.vars.len(),
+                    self.limits[slot].clone(),
+                    entity.leaves.ids().collect(),
+                ),
                 leaves: entity.leaves.ids().collect(),
             };
         }
@@ -297,6 +306,9 @@ impl<'a> Analysis<'a> {
         let reads_others: IdVec<SlotId, bool> = self.world.slots.ids().map(|s| reads_others(self.entity(s))).collect();
         let firsts: Vec<SlotId> = self.world.slots.ids().filter(|s| self.is_first(*s)).collect();
         let mut others_changed = true;
+        if self.effort == 0 {
+            return self.give_all_up();
+        }
         for round in 0.. {
             let before = std::mem::replace(&mut self.surroundings, Surroundings::new(&mut self.scene, &self.overall));
             let mut changed = false;
@@ -309,27 +321,40 @@ impl<'a> Analysis<'a> {
             }
             changed |= self.ends();
             others_changed = self.tell();
+            // What is left to be looked at then is not: that nothing changed says nothing.
+            if self.effort == 0 {
+                self.give_all_up();
+                return;
+            }
             if !changed && !others_changed {
                 break;
-            }
-            if self.effort == 0 {
-                firsts.iter().for_each(|slot| self.give_up(*slot));
-                self.tell();
-                return;
             }
         }
         self.is_narrowing = true;
         for _ in 0..NARROWINGS {
             self.narrow();
+            if self.is_stopped {
+                self.give_all_up();
+                return;
+            }
         }
     }
 
+    /// Everything is possible for all.
+    fn give_all_up(&mut self) {
+        let why = if self.is_stopped { GivenUp::Stopped } else { GivenUp::Effort };
+        let firsts: Vec<SlotId> = self.world.slots.ids().filter(|s| self.is_first(*s)).collect();
+        firsts.into_iter().for_each(|slot| self.give_up(slot, why));
+        self.tell();
+    }
+
     /// Everything is possible for a slot, and for what it can spawn.
-    fn give_up(&mut self, slot: SlotId) {
+    fn give_up(&mut self, slot: SlotId, why: GivenUp) {
         let known = &mut self.slots[slot];
         if std::mem::replace(&mut known.is_given_up, true) {
             return;
         }
+        known.why = Some(why);
         known.is_changed = true;
         for spawn in self.entity(slot).spawns.iter() {
             let made = |s: &SlotId| {
@@ -337,7 +362,16 @@ impl<'a> Analysis<'a> {
                 s.entity == spawn.entity && s.origin != Origin::Named
             };
             let made: Vec<SlotId> = self.world.slots.ids().filter(made).map(|s| self.first[s]).collect();
-            made.into_iter().for_each(|slot| self.give_up(slot));
+            for slot in made {
+                // Its parameters are what the spawner gives it.
+                let params: IdVec<ParamId, Values> = self.slots[slot].params.iter().map(|_| Values::all()).collect();
+                if self.slots[slot].params != params {
+                    self.scene.reshape(slot, &params);
+                    self.slots[slot].params = params;
+                    self.slots[slot].is_changed = true;
+                }
+                self.give_up(slot, why);
+            }
         }
     }
 
@@ -355,6 +389,7 @@ impl<'a> Analysis<'a> {
             }
             for key in due {
                 if self.watch.stop() {
+                    self.is_stopped = true;
                     self.effort = 0;
                     return true;
                 }
@@ -370,7 +405,7 @@ impl<'a> Analysis<'a> {
                         changed |= self.take(slot, &key, outcome);
                     }
                     None => {
-                        self.give_up(slot);
+                        self.give_up(slot, GivenUp::Combinations);
                         return true;
                     }
                 }
@@ -488,6 +523,10 @@ impl<'a> Analysis<'a> {
         let mut found: Vec<(SlotId, Key, Outcome)> = Vec::new();
         for slot in self.world.slots.ids().filter(|s| self.is_first(*s) && !self.slots[*s].is_given_up) {
             for (key, growing) in &self.slots[slot].configurations {
+                if self.watch.stop() {
+                    self.is_stopped = true;
+                    return;
+                }
                 if let Some(outcome) = self.stepper(slot).run(&growing.at) {
                     found.push((slot, key.clone(), outcome));
                 }
@@ -514,6 +553,11 @@ impl<'a> Analysis<'a> {
             }
             let mut narrowed = std::mem::take(&mut self.slots[slot].configurations);
             for (key, growing) in &mut narrowed {
+                // All of it is given up then, whatever has been cut.
+                self.is_stopped |= self.watch.stop();
+                if self.is_stopped {
+                    break;
+                }
                 if let Some(known) = known.get(key) {
                     growing.at = self.restarted(slot, key.1, both(&growing.at, &known.at), &known.at);
                 }
@@ -556,10 +600,14 @@ impl<'a> Analysis<'a> {
                 configurations: found.configurations.values().map(|g| g.at.clone()).collect(),
                 can_be_absent: found.can_be_absent,
                 is_given_up: found.is_given_up,
+                why: found.why,
             }
         });
-        let slots = slots.collect();
-        let surroundings = Surroundings::new(&mut self.scene, &self.overall);
+        let slots: IdVec<SlotId, SlotSpace> = slots.collect();
+        let surroundings = match slots.iter().all(|s| s.is_given_up) {
+            true => Surroundings::unknown(&self.overall),
+            false => Surroundings::new(&mut self.scene, &self.overall),
+        };
         ConfigurationSpace { slots, overall: self.overall, surroundings }
     }
 }

@@ -50,6 +50,28 @@ use surroundings::Surroundings;
 /// After so many ways of steps a world is given up: everything can be anything.
 const MOST_EFFORT: usize = 300_000;
 
+/// Why everything is taken to be possible.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GivenUp {
+    /// There are too many combinations of leaves, or too many ways of a step.
+    Combinations,
+    /// The analysis takes too many steps.
+    Effort,
+    /// The watch stopped it.
+    Stopped,
+}
+
+impl GivenUp {
+    /// In words, of an analysis.
+    pub fn reason(self) -> String {
+        match self {
+            GivenUp::Combinations => format!("more than {} combinations of modes", fixpoint::MOST_CONFIGURATIONS),
+            GivenUp::Effort => "the world takes too many steps to analyse".to_string(),
+            GivenUp::Stopped => "the analysis was stopped".to_string(),
+        }
+    }
+}
+
 /// What a slot can be.
 #[derive(Debug, Clone)]
 pub struct SlotSpace {
@@ -59,6 +81,8 @@ pub struct SlotSpace {
     pub can_be_absent: bool,
     /// Whether there was too much to tell, so that everything is possible.
     pub is_given_up: bool,
+    /// Why, if so.
+    pub why: Option<GivenUp>,
 }
 
 /// What a world can be.
@@ -80,6 +104,17 @@ pub fn configuration_space(program: &Program, world: WorldId) -> ConfigurationSp
 pub fn configuration_space_without(program: &Program, world: WorldId, predicates: &[ExprId]) -> ConfigurationSpace {
     let limits = supply::limits(program, &program.worlds[world]);
     within_limits(program, world, predicates, limits, &mut { MOST_EFFORT }, &Unwatched)
+}
+
+/// As [`configuration_space_without`], until a watch stops it: then everything is possible.
+pub fn watched_space(
+    program: &Program,
+    world: WorldId,
+    predicates: &[ExprId],
+    watch: &dyn Watch,
+) -> ConfigurationSpace {
+    let limits = supply::limits(program, &program.worlds[world]);
+    within_limits(program, world, predicates, limits, &mut { MOST_EFFORT }, watch)
 }
 
 /// As [`configuration_space`], but whatever the number of things that can be picked up: that is a matter of the level.

@@ -352,6 +352,7 @@ impl<'a> Scene<'a> {
                 out.faces[axis][end].push(at);
             }
         }
+        let beside_solids = self.world.spaces[space].solids.iter().any(|s| pushing(s.tags).is_some());
         let meetings: Vec<Option<Meeting>> = tiles.tags.iter().map(|t| pushing(*t)).collect();
         let blocks: Vec<bool> = meetings.iter().map(|m| m.is_some_and(|m| m.response.push == Push::Block)).collect();
         for (kind, meeting) in meetings.iter().enumerate().filter_map(|(k, m)| Some((k, (*m)?))) {
@@ -363,9 +364,10 @@ impl<'a> Scene<'a> {
             for side in sides_of(meeting) {
                 let (axis, end) = face(side);
                 let all = tiles.lines(|at| tiles.kind(at) == Some(kind));
-                // What is open from one side pushes whatever covers it.
-                let covered =
-                    |at| meeting.response.push == Push::Block && tiles.neighbour(at, side).is_some_and(|k| blocks[k]);
+                // What is open from one side pushes whatever covers it. Beside a rectangle, what goes into a corner can be
+                // pushed to a face that is covered.
+                let covers = |at| tiles.neighbour(at, side).is_some_and(|k| blocks[k]);
+                let covered = |at| meeting.response.push == Push::Block && !beside_solids && covers(at);
                 let open = tiles.lines(|at| tiles.kind(at) == Some(kind) && !covered(at));
                 for (lines, edges) in [(all, &mut out.edges), (open, &mut out.faces)] {
                     let lines = if axis == 0 { lines.0 } else { lines.1 };

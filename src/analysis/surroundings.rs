@@ -100,6 +100,14 @@ impl Surroundings {
         out
     }
 
+    /// Where nothing is known.
+    pub fn unknown(slots: &IdVec<SlotId, Overall>) -> Self {
+        let near = Some([Interval::ALL; 2]);
+        let anywhere =
+            Contacts { anywhere: true, is_pushed: true, near, near_statics: near, ..Contacts::default() };
+        Surroundings { contacts: vec![anywhere], of: slots.iter().map(|_| 0).collect() }
+    }
+
     /// Along both axes, where an instance is while a contact question holds.
     pub fn places(&self, slot: SlotId, touch: TouchId) -> &[Values; 2] {
         const ANYWHERE: [Values; 2] = [Values::all(), Values::all()];

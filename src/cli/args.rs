@@ -341,7 +341,7 @@ pub(super) struct ReachArgs {
     /// The most nodes to grow for each goal; by itself 200000, or with `--seconds` as many as come.
     #[arg(long, value_name = "N", help_heading = "The budget")]
     pub nodes: Option<u64>,
-    /// The most seconds to take for each goal.
+    /// The most seconds to take for each goal; for the first one, with the analysis of the world.
     #[arg(long, value_name = "S", value_parser = seconds, help_heading = "The budget")]
     pub seconds: Option<f64>,
     /// The most memory that trees may take, MiB.

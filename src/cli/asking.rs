@@ -1,12 +1,13 @@
 //! What `hypedc reach` asks of a program with its level: goals, where to begin, how to search; and one answer after the
 //! other. Nothing here shows anything: what stands in the way is a [`Refusal`].
 
+use std::collections::BTreeSet;
 use std::fs::write;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use crate::analysis::{ConfigurationSpace, configuration_space_without};
+use crate::analysis::{ConfigurationSpace, watched_space};
 use crate::compile::Barred;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::{Diagnostics, Fact, render, similar};
@@ -104,15 +105,28 @@ pub(super) struct Asked {
 }
 
 impl<'a> Asking<'a> {
-    /// Works out what the world can be.
-    pub fn new(args: &'a ReachArgs, loaded: &'a Loaded, prepared: Prepared) -> Self {
+    /// Works out what the world can be, until it is stopped.
+    pub fn new(args: &'a ReachArgs, loaded: &'a Loaded, prepared: Prepared, watch: &dyn Watch) -> Self {
         let started = Instant::now();
         let (program, world) = (&loaded.program, prepared.world);
         // A run is over where a `never` holds.
         let nevers: Vec<ExprId> = program.worlds[world].nevers.iter().map(|never| never.holds).collect();
-        let space = configuration_space_without(program, world, &nevers);
+        let space = watched_space(program, world, &nevers, watch);
         let analysis_seconds = started.elapsed().as_secs_f64();
         Asking { args, loaded, sim: Simulator::new(program, world), space, prepared, analysis_seconds }
+    }
+
+    /// Of what everything is taken to be possible, and why: each entity once, with its first instance.
+    pub fn given_up(&self) -> Vec<String> {
+        let world = self.sim.world();
+        let mut seen = BTreeSet::new();
+        let mut out = Vec::new();
+        for (slot, space) in self.space.slots.pairs() {
+            let Some(why) = space.why.filter(|_| seen.insert(world.slots[slot].entity)) else { continue };
+            let (entity, slot) = (&self.loaded.program.entities[world.slots[slot].entity], &world.slots[slot]);
+            out.push(format!("{}: {}, as for {}", entity.name, why.reason(), slot.name));
+        }
+        out
     }
 
     pub fn settings(&self) -> &Settings {

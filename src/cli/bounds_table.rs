@@ -74,7 +74,8 @@ impl Slot<'_> {
     /// Everything after the name; with or without the place where it stands if it never moves.
     fn text(&self, place: bool) -> String {
         if self.space.is_given_up {
-            return "\n  too much to tell: everything is possible\n".to_string();
+            let why = self.space.why.map_or(String::new(), |why| format!(" ({})", why.reason()));
+            return format!("\n  too much to tell{why}: everything is possible\n");
         }
         if self.space.configurations.is_empty() {
             return ", never there\n".to_string();

@@ -117,7 +117,7 @@ impl Common<'_> {
         if open.is_empty() {
             return;
         }
-        let asking = Asking::new(self.args, &loaded, prepared);
+        let asking = Asking::new(self.args, &loaded, prepared, &LevelWatch::new(desk, self.args.seconds));
         for target in open {
             if desk.is_over() {
                 return;

@@ -29,15 +29,21 @@ pub(super) fn run(args: &ReachArgs) -> io::Result<Answer> {
             return Ok(Answer::Unasked);
         }
     };
-    let asking = Asking::new(args, &loaded, prepared);
     let program = &loaded.program;
+    // What the analysis takes is part of the time for the first goal.
+    let watch = CommandWatch::new("analysis", args.seconds);
+    let asking = Asking::new(args, &loaded, prepared, &watch);
+    watch.finish();
+    let mut seconds = args.seconds.map(|seconds| seconds - asking.analysis_seconds);
     let mut result = RunResult::new(args, program, world, asking.settings(), asking.analysis_seconds);
+    result.given_up = asking.given_up();
     if args.format == ResultFormat::Human {
         write!(io::stdout(), "{}", result.head())?;
     }
     let mut answer = Answer::Yes;
     for &target in asking.targets() {
-        let watch = CommandWatch::new(target_name(&program.worlds[world], target), args.seconds);
+        let watch = CommandWatch::new(target_name(&program.worlds[world], target), seconds);
+        seconds = args.seconds;
         let asked = asking.ask(target, &watch);
         watch.finish();
         let saved = asked.and_then(|mut asked| asking.save(&mut asked, None).map(|()| asked));

@@ -39,6 +39,8 @@ pub(super) struct RunResult {
     within: Option<String>,
     after: Vec<String>,
     analysis_seconds: f64,
+    /// Of what nothing is known, and why.
+    pub given_up: Vec<String>,
     nodes_limit: Option<u64>,
     seconds_limit: Option<f64>,
     memory_limit: u64,
@@ -70,6 +72,7 @@ impl RunResult {
             within: args.within.map(|time| time.to_string()),
             after: args.after.clone(),
             analysis_seconds,
+            given_up: Vec::new(),
             nodes_limit: args.nodes.or(args.seconds.is_none().then(|| nodes_limit(args))),
             seconds_limit: args.seconds,
             memory_limit: args.memory << 20,
@@ -92,7 +95,12 @@ impl RunResult {
             [only] => format!(", after {only}"),
             several => format!(", after {} scripts", several.len()),
         };
-        format!("{}, world {}, seed {}{naive}{metric}{without}{within}{after}\n", self.file, self.world, self.seed)
+        let given_up = self.given_up.iter().map(|why| format!("  everything is possible for {why}\n"));
+        let given_up: String = given_up.collect();
+        format!(
+            "{}, world {}, seed {}{naive}{metric}{without}{within}{after}\n{given_up}",
+            self.file, self.world, self.seed
+        )
     }
 
     /// What was broken on the way, whatever was asked for.

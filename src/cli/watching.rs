@@ -1,9 +1,8 @@
 //! The command line's watch: ctrl-C, a time budget, and a progress line on a terminal.
 
-use std::cell::Cell;
 use std::io::{self, IsTerminal};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -33,7 +32,7 @@ pub(super) struct CommandWatch {
     started: Instant,
     seconds: Option<f64>,
     bar: ProgressBar,
-    shown: Cell<Option<Instant>>,
+    shown: Mutex<Option<Instant>>,
 }
 
 impl CommandWatch {
@@ -45,7 +44,7 @@ impl CommandWatch {
         let style = ProgressStyle::with_template("{spinner} {prefix}  {pos} nodes  {msg}");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
         bar.set_prefix(what.to_string());
-        CommandWatch { interrupted: interrupted(), started: Instant::now(), seconds, bar, shown: Cell::new(None) }
+        CommandWatch { interrupted: interrupted(), started: Instant::now(), seconds, bar, shown: Mutex::new(None) }
     }
 
     /// Seconds since the start.
@@ -74,10 +73,11 @@ impl Watch for CommandWatch {
             return;
         }
         let now = Instant::now();
-        if self.shown.get().is_some_and(|last| now - last < Duration::from_millis(100)) {
+        let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
+        if shown.is_some_and(|last| now - last < Duration::from_millis(100)) {
             return;
         }
-        self.shown.set(Some(now));
+        *shown = Some(now);
         self.bar.set_position(progress.nodes);
         let elapsed = self.seconds();
         let speed = progress.nodes as f64 / elapsed.max(1e-3);

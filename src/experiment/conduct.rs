@@ -1,8 +1,8 @@
 //! Runs the searches of an experiment on several threads, each search on one. What is found does not depend on how many
 //! threads there are, but for what the budget of seconds cuts short.
 
-use std::cell::Cell;
 use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::crew::{self, Desk};
 use crate::reach::{End, Outcome, Verdict, search};
@@ -110,11 +110,11 @@ fn run(
     let q = &questions[question];
     let began = clock.seconds();
     let stop = || desk.is_over();
-    let watch = RunWatch { clock, until: began + design.seconds, stop: &stop, is_stopped: Cell::new(false) };
+    let watch = RunWatch { clock, until: began + design.seconds, stop: &stop, is_stopped: AtomicBool::new(false) };
     let settings = design.setups[setup].settings(seed);
     let outcome = search(&q.problem(), q.space, &settings, &design.limits, &watch)?;
     let seconds = clock.seconds() - began;
-    if watch.is_stopped.get() {
+    if watch.is_stopped.load(Ordering::Relaxed) {
         return Ok(None);
     }
     let path_steps = match &outcome.verdict {
@@ -140,14 +140,14 @@ fn finding(outcome: &Outcome) -> Finding {
 struct RunWatch<'w> {
     clock: &'w dyn Clock,
     until: f64,
-    stop: &'w dyn Fn() -> bool,
-    is_stopped: Cell<bool>,
+    stop: &'w (dyn Fn() -> bool + Sync),
+    is_stopped: AtomicBool,
 }
 
 impl Watch for RunWatch<'_> {
     fn stop(&self) -> bool {
         if (self.stop)() {
-            self.is_stopped.set(true);
+            self.is_stopped.store(true, Ordering::Relaxed);
             return true;
         }
         self.clock.seconds() >= self.until

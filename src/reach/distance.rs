@@ -7,6 +7,7 @@ use std::collections::VecDeque;
 
 use crate::analysis::ConfigurationSpace;
 use crate::ir::{Bounds, Id, Push, SlotId, SpaceId, TagSet, VarId};
+use crate::watch::Meter;
 
 use super::coverage::PLACE;
 use super::problem::Problem;
@@ -62,27 +63,31 @@ struct Grid {
 
 impl Distances {
     /// Of the first player of whom the goal says where it has to be.
-    pub fn new(problem: &Problem<'_>, space: &ConfigurationSpace) -> Option<Self> {
+    /// None if it is stopped.
+    pub fn new(problem: &Problem<'_>, space: &ConfigurationSpace, meter: &Meter<'_>) -> Option<Self> {
         let (player, goal) = wanted(problem)?;
         let mut grids = Vec::new();
         let mut count = 0;
         for id in problem.sim.world().spaces.ids() {
-            let grid = Grid::new(problem, player, id, &goal)?;
+            let grid = Grid::new(problem, player, id, &goal, meter)?;
             count += grid.columns * grid.rows;
             if count > MOST_PLACES {
                 return None;
             }
             grids.push(grid);
         }
-        let places = flood(&grids, problem, &goal, [1, 1, 1]);
+        let places = flood(&grids, problem, &goal, [1, 1, 1], meter);
         let far = places.iter().flatten().filter(|d| **d != FAR).max()? + 1;
         let pace = problem.time().map(|_| Pace {
-            places: [[1, 0, 0], [0, 1, 0]].map(|costs| flood(&grids, problem, &goal, costs)),
+            places: [[1, 0, 0], [0, 1, 0]].map(|costs| flood(&grids, problem, &goal, costs, meter)),
             steps: [VarId(0), VarId(1)].map(|var| {
                 let fastest = fastest(space, player, var) * problem.sim.world().step.seconds();
                 if fastest > 0.0 { PLACE / fastest } else { 0.0 }
             }),
         });
+        if meter.is_stopped() {
+            return None;
+        }
         Some(Distances { player, grids, places, far, pace })
     }
 
@@ -121,8 +126,15 @@ fn fastest(space: &ConfigurationSpace, player: SlotId, var: VarId) -> f64 {
     velocities.map(|v| v.low.abs().max(v.high.abs())).fold(0.0, f64::max)
 }
 
-/// What the cheapest way to the goal costs from each place; costs are 0 or 1 (breadth first with two ends).
-fn flood(grids: &[Grid], problem: &Problem<'_>, goal: &[Place], [across, along, through]: Costs) -> Field {
+/// What the cheapest way to the goal costs from each place; costs are 0 or 1 (breadth first with two ends). Cut short if
+/// it is stopped.
+fn flood(
+    grids: &[Grid],
+    problem: &Problem<'_>,
+    goal: &[Place],
+    [across, along, through]: Costs,
+    meter: &Meter<'_>,
+) -> Field {
     let mut field: Field = grids.iter().map(|grid| vec![FAR; grid.blocked.len()]).collect();
     let mut open: VecDeque<(SpaceId, usize, u32)> = VecDeque::new();
     for (space, grid) in grids.iter().enumerate() {
@@ -133,7 +145,11 @@ fn flood(grids: &[Grid], problem: &Problem<'_>, goal: &[Place], [across, along, 
         }
     }
     let spaces = &problem.sim.world().spaces;
+    let links = spaces.iter().map(|s| s.links.len() as u64).sum::<u64>();
     while let Some((space, cell, cost)) = open.pop_front() {
+        if meter.spend(8 + links) {
+            break;
+        }
         let known = &mut field[space.index()][cell];
         if *known <= cost {
             continue;
@@ -172,7 +188,7 @@ fn flood(grids: &[Grid], problem: &Problem<'_>, goal: &[Place], [across, along, 
 }
 
 impl Grid {
-    fn new(problem: &Problem<'_>, player: SlotId, id: SpaceId, goal: &[Place]) -> Option<Self> {
+    fn new(problem: &Problem<'_>, player: SlotId, id: SpaceId, goal: &[Place], meter: &Meter<'_>) -> Option<Self> {
         let world = problem.sim.world();
         let space = &world.spaces[id];
         let area = match space.bounds {
@@ -187,12 +203,12 @@ impl Grid {
         let (columns, rows) = (columns as usize, rows as usize);
         let places = columns * rows;
         let mut grid = Grid { left: area.left, bottom: area.bottom, columns, rows, blocked: vec![0; places] };
-        grid.block(problem, player, id);
+        grid.block(problem, player, id, meter);
         Some(grid)
     }
 
     /// Marks the positions at which the player lies inside of what never moves.
-    fn block(&mut self, problem: &Problem<'_>, player: SlotId, id: SpaceId) {
+    fn block(&mut self, problem: &Problem<'_>, player: SlotId, id: SpaceId, meter: &Meter<'_>) {
         let world = problem.sim.world();
         let entity = &problem.sim.program().entities[world.slots[player].entity];
         let blocks = |mine: TagSet, tags: TagSet| {
@@ -224,17 +240,17 @@ impl Grid {
         }
         let Some((tags, core)) = core else { return };
         for solid in solids(tags) {
-            self.mark(solid.bounds, core);
+            self.mark(solid.bounds, core, meter);
         }
         let Some(map) = &space.map else { return };
         let is_wall: Vec<bool> = kinds.iter().map(|kind| blocks(tags, *kind)).collect();
         for (cell, _) in map.cells.iter().enumerate().filter(|(_, kind)| is_wall[usize::from(**kind)]) {
-            self.mark(Bounds::new(map.rectangle(cell)), core);
+            self.mark(Bounds::new(map.rectangle(cell)), core, meter);
         }
     }
 
     /// Marks the positions at which a body overlaps a box.
-    fn mark(&mut self, wall: Bounds, body: Bounds) {
+    fn mark(&mut self, wall: Bounds, body: Bounds, meter: &Meter<'_>) {
         // Strictly between these positions it does.
         let (left, right) = (wall.left - body.right, wall.right - body.left);
         let (bottom, top) = (wall.bottom - body.top, wall.top - body.bottom);
@@ -247,6 +263,9 @@ impl Grid {
         };
         let across = range(left, right, self.left, self.columns);
         for y in range(bottom, top, self.bottom, self.rows) {
+            if meter.spend(across.len() as u64 + 8) {
+                return;
+            }
             for x in across.clone() {
                 let bit = (y % TRIED) * TRIED + x % TRIED;
                 self.blocked[(y / TRIED) * self.columns + x / TRIED] |= 1 << bit;

@@ -12,8 +12,6 @@ use std::hash::Hasher;
 use hashbrown::HashTable;
 use rustc_hash::FxHasher;
 
-use crate::watch::Watch;
-
 use super::ground::{Extension, Ground, Notes};
 use super::metric::Point;
 use super::outcome::Plan;
@@ -23,8 +21,8 @@ use super::searcher::{Ending, Searcher};
 use super::strategy::Choice;
 use super::tree::NodeId;
 
-/// How often the watch is asked, in extensions.
-const WATCH_EVERY: u64 = 256;
+/// What looking for a state among those that are known costs, in units of work.
+const TURN: u64 = 64;
 
 /// In which order states are extended.
 #[derive(Debug)]
@@ -64,7 +62,6 @@ pub(super) struct Exhaustive<'a> {
     next: (u32, usize),
     /// The shortest way in the layer that is looked at.
     found: Option<(Choice, u16)>,
-    extensions: u64,
     point: Point,
 }
 
@@ -79,7 +76,6 @@ impl<'a> Exhaustive<'a> {
             order,
             next: (0, 0),
             found: None,
-            extensions: 0,
             point: Point::default(),
         }
     }
@@ -165,7 +161,7 @@ impl<'a> Exhaustive<'a> {
 }
 
 impl Searcher for Exhaustive<'_> {
-    fn advance(&mut self, nodes: u64, watch: &dyn Watch) -> Ending {
+    fn advance(&mut self, nodes: u64) -> Ending {
         if self.ground.tree.is_empty() {
             self.plant();
         }
@@ -174,11 +170,11 @@ impl Searcher for Exhaustive<'_> {
         let mut patience = nodes.saturating_mul(16);
         while self.ground.notes.statistics.nodes < until && patience > 0 {
             patience -= 1;
-            self.extensions += 1;
-            if self.extensions.is_multiple_of(WATCH_EVERY) && watch.stop() {
+            let is_over = self.turn();
+            // What was cut short proves nothing.
+            if self.ground.meter.spend(TURN) {
                 return Ending::Stopped;
             }
-            let is_over = self.turn();
             if let Some(plan) = self.found() {
                 return Ending::Reached(plan);
             }

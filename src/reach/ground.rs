@@ -6,6 +6,7 @@ use rand_pcg::Pcg64;
 
 use crate::ir::{NeverId, SpaceId};
 use crate::sim::{Fault, Input, Scratch, Script};
+use crate::watch::{Meter, Watch};
 
 use super::controls::ControlSets;
 use super::coverage::Coverage;
@@ -90,6 +91,8 @@ pub struct Ground<'a> {
     pub tree: Tree,
     /// Where all that is drawn comes from.
     pub rng: Pcg64,
+    /// Counts what is done, and asks whether to go on.
+    pub(super) meter: Meter<'a>,
     pub(super) controls: ControlSets,
     pub(super) notes: Notes,
     /// For how many steps an input is held: from the least to the most.
@@ -113,6 +116,7 @@ impl<'a> Ground<'a> {
         starts: Vec<Start>,
         hold: (u16, u16),
         rng: Pcg64,
+        watch: &'a dyn Watch,
     ) -> Self {
         let size = problem.sim.world().layout.size;
         Ground {
@@ -121,6 +125,7 @@ impl<'a> Ground<'a> {
             windows,
             tree: Tree::new(size),
             rng,
+            meter: Meter::new(watch),
             controls,
             notes: Notes { coverage: Coverage::new(problem), ..Notes::default() },
             hold: (hold.0.max(1), hold.1.max(hold.0).max(1)),
@@ -243,7 +248,12 @@ impl<'a> Ground<'a> {
             }
             self.notes.statistics.steps += 1;
             let input: &Input = &self.controls.inputs(set)[choice.input];
+            let before = self.scratch.work();
             let stepped = self.problem.sim.step(&mut self.work, input, &mut self.scratch);
+            if self.meter.spend(self.scratch.work().wrapping_sub(before)) {
+                // All that is grown is kept as it is; this says nothing.
+                return Extension::Dead;
+            }
             match stepped.and_then(|()| self.problem.judge(&self.work)) {
                 // What is compared with a position is so in the next step: whatever the speed, one is made beyond.
                 Ok(Standing::Open) => match self.windows.left(self.problem, &self.work) {
@@ -327,8 +337,8 @@ impl<'a> Ground<'a> {
     pub(super) fn plan(&mut self, choice: Choice, steps: u16, shortest_by: Option<u16>) -> Option<Plan> {
         let after = self.start(choice.node).script.len();
         let script = self.script(choice, steps);
-        let length = replays_to(self.problem, &script, after, &mut self.scratch);
-        debug_assert_eq!(length, Some(script.len()), "a found path must replay");
+        let length = replays_to(self.problem, &script, after, &mut self.scratch, &self.meter);
+        debug_assert!(self.meter.is_stopped() || length == Some(script.len()), "a found path must replay");
         (length == Some(script.len())).then_some(Plan { steps: script.len(), script, after, shortest_by })
     }
 
@@ -345,8 +355,14 @@ impl<'a> Ground<'a> {
 }
 
 /// Runs a script from the initial state: after how many steps what is asked for holds for the first time, not looking at
-/// the first `skipped` ones; none if a branch ends before.
-pub(super) fn replays_to(problem: &Problem<'_>, script: &Script, skipped: u64, scratch: &mut Scratch) -> Option<u64> {
+/// the first `skipped` ones; none if a branch ends before, or if it is stopped.
+pub(super) fn replays_to(
+    problem: &Problem<'_>,
+    script: &Script,
+    skipped: u64,
+    scratch: &mut Scratch,
+    meter: &Meter<'_>,
+) -> Option<u64> {
     let mut state = problem.sim.initial(scratch).ok()?;
     let mut inputs = script.inputs();
     let mut step = 0;
@@ -358,7 +374,11 @@ pub(super) fn replays_to(problem: &Problem<'_>, script: &Script, skipped: u64, s
                 Standing::Dead(_) => return None,
             }
         }
+        let before = scratch.work();
         problem.sim.step(&mut state, inputs.next()?, scratch).ok()?;
+        if meter.spend(scratch.work().wrapping_sub(before)) {
+            return None;
+        }
         step += 1;
     }
 }

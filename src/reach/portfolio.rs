@@ -1,7 +1,5 @@
 //! A portfolio: several planners in turns, each of which is good at what others are not. The first answer counts.
 
-use crate::watch::Watch;
-
 use super::ground::Notes;
 use super::searcher::{Ending, Searcher};
 
@@ -47,7 +45,7 @@ impl<'a> Portfolio<'a> {
 }
 
 impl Searcher for Portfolio<'_> {
-    fn advance(&mut self, nodes: u64, watch: &dyn Watch) -> Ending {
+    fn advance(&mut self, nodes: u64) -> Ending {
         let until = self.nodes().saturating_add(nodes);
         loop {
             let left = until.saturating_sub(self.nodes());
@@ -64,7 +62,7 @@ impl Searcher for Portfolio<'_> {
             };
             let is_last = self.arms.len() == 1;
             let (_, arm) = &mut self.arms[at];
-            let ending = arm.advance(turn_ends.saturating_sub(arm.nodes()).min(left), watch);
+            let ending = arm.advance(turn_ends.saturating_sub(arm.nodes()).min(left));
             self.turn = (arm.nodes() < turn_ends).then_some((at, turn_ends));
             self.planner = arm.planner();
             match ending {
@@ -114,9 +112,9 @@ impl<'a> Refinement<'a> {
 }
 
 impl Searcher for Refinement<'_> {
-    fn advance(&mut self, nodes: u64, watch: &dyn Watch) -> Ending {
+    fn advance(&mut self, nodes: u64) -> Ending {
         let Some(stage) = self.stages.last_mut() else { return Ending::Spent };
-        let ending = stage.advance(nodes, watch);
+        let ending = stage.advance(nodes);
         let is_last = self.stages.len() == 1;
         match ending {
             // By coarse inputs a "no" means little; the next one is finer.

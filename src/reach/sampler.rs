@@ -6,8 +6,6 @@
 
 use rand::RngExt;
 
-use crate::watch::Watch;
-
 use super::distance::Distances;
 use super::ground::{Extension, Ground, Notes};
 use super::metric::Point;
@@ -19,8 +17,11 @@ use super::strategy::{Choice, Growth, Strategy};
 /// How many samples in a row a strategy may discard before its tree is given up.
 const MAX_FRUITLESS: u64 = 10_000;
 
-/// How often the watch is asked, in samples.
-const WATCH_EVERY: u64 = 64;
+/// What a sample costs, in units of work, beside being compared.
+const TRY: u64 = 512;
+
+/// So many coordinates are compared for a unit of work: indexes leave most nodes out.
+const COMPARED: u64 = 16;
 
 /// A tree that a strategy grows from samples, planted anew now and then.
 pub(super) struct Sampler<'a> {
@@ -38,7 +39,8 @@ pub(super) struct Sampler<'a> {
     /// What tells how long the rest of a way takes at least, where there is a time to keep.
     distances: Option<&'a Distances>,
     round: u64,
-    tries: u64,
+    /// How many coordinates a point has.
+    coordinates: u64,
     fruitless: u64,
     toward: Point,
     point: Point,
@@ -54,6 +56,7 @@ impl<'a> Sampler<'a> {
         distances: Option<&'a Distances>,
     ) -> Self {
         let region = GoalRegion::new(ground.problem, ground.metric);
+        let coordinates = ground.metric.coordinates().len() as u64 + 1;
         Sampler {
             strategy,
             name,
@@ -64,7 +67,7 @@ impl<'a> Sampler<'a> {
             distances: distances.filter(|_| ground.problem.time().is_some()),
             ground,
             round: 0,
-            tries: 0,
+            coordinates,
             fruitless: 0,
             toward: Point::default(),
             point: Point::default(),
@@ -138,11 +141,12 @@ impl<'a> Sampler<'a> {
 }
 
 impl Searcher for Sampler<'_> {
-    fn advance(&mut self, nodes: u64, watch: &dyn Watch) -> Ending {
+    fn advance(&mut self, nodes: u64) -> Ending {
         let until = self.ground.notes.statistics.nodes.saturating_add(nodes);
         while self.ground.notes.statistics.nodes < until {
-            self.tries += 1;
-            if self.tries.is_multiple_of(WATCH_EVERY) && watch.stop() {
+            // A sample is compared with nodes, at worst with all of them.
+            let compared = self.ground.tree.len() as u64 + 1;
+            if self.ground.meter.spend(TRY + self.coordinates * compared / COMPARED) {
                 return Ending::Stopped;
             }
             if self.is_over() {

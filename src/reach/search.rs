@@ -6,7 +6,7 @@ use rand_pcg::Pcg64;
 
 use crate::analysis::ConfigurationSpace;
 use crate::sim::Fault;
-use crate::watch::{Progress, Unwatched, Watch};
+use crate::watch::{Meter, Progress, Watch};
 
 use super::bounds::Sampling;
 use super::controls::ControlSets;
@@ -126,7 +126,7 @@ pub fn search(
     let windows = Windows::new(problem, space, &starts);
     let metric = Metric::measuring(problem.sim, space, (settings.sampling, windows.extent), settings.measure);
     let is_led = matches!(settings.planner, Planner::Auto | Planner::Lead) || problem.time().is_some();
-    let distances = if is_led { Distances::new(problem, space) } else { None };
+    let distances = if is_led { Distances::new(problem, space, &Meter::new(watch)) } else { None };
     let build = Builder {
         problem,
         measures: (&metric, &windows),
@@ -134,6 +134,7 @@ pub fn search(
         settings,
         limits,
         starts: &starts,
+        watch,
     };
     let trees: Vec<Box<dyn Searcher + '_>> = (0..settings.trees.max(1)).map(|tree| build.searcher(tree)).collect();
     Ok(Forest { trees, settings, limits, watch }.grow())
@@ -147,6 +148,7 @@ struct Builder<'b, 'a> {
     settings: &'b Settings,
     limits: &'b Limits,
     starts: &'b [Start],
+    watch: &'a dyn Watch,
 }
 
 impl<'a> Builder<'_, 'a> {
@@ -191,7 +193,8 @@ impl<'a> Builder<'_, 'a> {
         let rng = Pcg64::seed_from_u64(seed);
         starts.rotate_left(tree % self.starts.len().max(1));
         let ground = |controls| {
-            Ground::new(self.problem, self.measures, controls, starts, hold, rng).recording(self.settings.records)
+            Ground::new(self.problem, self.measures, controls, starts, hold, rng, self.watch)
+                .recording(self.settings.records)
         };
         match planner.strategy(self.problem, self.measures.0, self.distances) {
             Some(strategy) => {
@@ -269,13 +272,12 @@ impl Forest<'_, '_> {
     fn round(&mut self, nodes: u64) -> Vec<Ending> {
         let threads = self.settings.threads.clamp(1, self.trees.len());
         if threads == 1 {
-            let watch = self.watch;
-            return self.trees.iter_mut().map(|tree| tree.advance(nodes, watch)).collect();
+            return self.trees.iter_mut().map(|tree| tree.advance(nodes)).collect();
         }
         let per_thread = self.trees.len().div_ceil(threads);
         std::thread::scope(|scope| {
             let grow = |trees: &mut [Box<dyn Searcher + '_>]| {
-                trees.iter_mut().map(|tree| tree.advance(nodes, &Unwatched)).collect::<Vec<_>>()
+                trees.iter_mut().map(|tree| tree.advance(nodes)).collect::<Vec<_>>()
             };
             let workers: Vec<_> =
                 self.trees.chunks_mut(per_thread).map(|trees| scope.spawn(move || grow(trees))).collect();

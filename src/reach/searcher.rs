@@ -1,7 +1,5 @@
 //! A search that can be continued: what the planning loop, the exhaustion and the portfolio have in common.
 
-use crate::watch::Watch;
-
 use super::ground::Notes;
 use super::outcome::Plan;
 
@@ -23,7 +21,7 @@ pub(super) enum Ending {
 /// A search that can be continued.
 pub(super) trait Searcher: Send {
     /// Grows about so many nodes more.
-    fn advance(&mut self, nodes: u64, watch: &dyn Watch) -> Ending;
+    fn advance(&mut self, nodes: u64) -> Ending;
 
     /// The nodes grown so far.
     fn nodes(&self) -> u64;

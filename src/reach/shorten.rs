@@ -2,7 +2,7 @@
 //! to the goal. Every plan on the way is replayed.
 
 use crate::sim::{Script, ScriptStep};
-use crate::watch::Watch;
+use crate::watch::{Meter, Watch};
 
 use super::ground::replays_to;
 use super::outcome::Plan;
@@ -18,12 +18,13 @@ const MOST_STEPS: u64 = 10_000_000;
 pub fn shorten(problem: &Problem<'_>, plan: &Plan, least: u32, watch: &dyn Watch) -> Plan {
     let kept = plan.after;
     let mut scratch = problem.sim.scratch();
+    let meter = Meter::new(watch);
     let (prefix, mut best) = split(&plan.script, kept);
     // A script that ends with the goal at once, if it leads there.
     let mut attempt = |steps: &[ScriptStep]| -> Option<Vec<ScriptStep>> {
         let mut script = prefix.clone();
         steps.iter().for_each(|s| script.push(&s.input, s.count));
-        let length = replays_to(problem, &script, kept, &mut scratch)?;
+        let length = replays_to(problem, &script, kept, &mut scratch, &meter)?;
         let mut cut = Script::default();
         let mut left = length - kept;
         for step in steps {
@@ -44,7 +45,7 @@ pub fn shorten(problem: &Problem<'_>, plan: &Plan, least: u32, watch: &dyn Watch
         let mut at = 0;
         while at < best.len() && left > 0 {
             let found = variants(&best, at).into_iter().find_map(|steps| {
-                if watch.stop() {
+                if meter.spend(0) || watch.stop() {
                     left = 0;
                 }
                 if left == 0 || !better(&steps, &best) {

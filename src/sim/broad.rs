@@ -60,14 +60,14 @@ impl Broad {
     }
 }
 
-/// Whether there are so few pairs among the bodies of each kind that comparing them all costs less than sorting.
-pub(super) fn is_few(kinds: &Kinds, active: &[Vec<u32>]) -> bool {
+/// The number of pairs among the bodies of each kind, if there are so few that comparing them all costs less than sorting.
+pub(super) fn is_few(kinds: &Kinds, active: &[Vec<u32>]) -> Option<usize> {
     let pairs = |&(a, b): &(usize, usize)| match a == b {
         true => active[a].len() * active[a].len().saturating_sub(1) / 2,
         false => active[a].len() * active[b].len(),
     };
     let boxes = active.iter().map(Vec::len).sum::<usize>();
-    kinds.pairs.iter().map(pairs).sum::<usize>() <= boxes * PAIRS_PER_BOX
+    Some(kinds.pairs.iter().map(pairs).sum::<usize>()).filter(|pairs| *pairs <= boxes * PAIRS_PER_BOX)
 }
 
 /// Calls `visit` with every pair of active boxes of one space and of kinds that can meet that overlap or touch, the lower
@@ -112,8 +112,9 @@ impl Sweep {
         Sweep { entries: Vec::with_capacity(3 * boxes) }
     }
 
-    /// Calls `visit` with every pair of active boxes of one space that overlap or touch, the lower index first.
-    pub fn pairs(&mut self, boxes: &[Rect], mut visit: impl FnMut(usize, usize)) {
+    /// Calls `visit` with every pair of active boxes of one space that overlap or touch, the lower index first. Gives how
+    /// many pairs were looked at.
+    pub fn pairs(&mut self, boxes: &[Rect], mut visit: impl FnMut(usize, usize)) -> usize {
         let Sweep { entries } = self;
         entries.clear();
         let active = || boxes.iter().filter(|b| b.active);
@@ -127,19 +128,24 @@ impl Sweep {
             entries.extend(touched.map(|strip| Entry { space: b.space, strip, left, body, lowest }));
         }
         entries.sort_unstable();
+        let mut compared = entries.len();
         for (at, a) in entries.iter().enumerate() {
+            let mut seen = 0;
             let end = ordered(boxes[a.body as usize].right);
             for b in &entries[at + 1..] {
                 if b.left > end || (b.space, b.strip) != (a.space, a.strip) {
                     break;
                 }
+                seen += 1;
                 // Two boxes may share several strips; the lowest of these tells of them.
                 let (i, j) = (a.body as usize, b.body as usize);
                 if a.strip == a.lowest.max(b.lowest) && boxes[i].is_near(&boxes[j]) {
                     visit(i.min(j), i.max(j));
                 }
             }
+            compared += seen;
         }
+        compared
     }
 }
 

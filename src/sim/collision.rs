@@ -16,6 +16,7 @@ use super::actor::Actor;
 use super::broad::{Broad, Sweep, each, is_few};
 use super::contact::{Contact, Displacement, Rect, meet, opposite};
 use super::fault::Fault;
+use super::seam::Seams;
 use super::simulator::{Scratch as StepScratch, Simulator};
 use super::state::{Whereabouts, leaf_at, set_triple, triple};
 
@@ -32,6 +33,8 @@ pub(super) struct Collision {
     askers: Vec<usize>,
     /// The slots that can be pushed.
     movable: Vec<usize>,
+    /// For each space, what touches in it.
+    pub seams: Vec<Seams>,
 }
 
 /// A collider of a slot.
@@ -62,9 +65,9 @@ pub(super) struct Kind {
     /// For each space, for each kind of tile.
     pub tiles: Vec<Vec<Option<Encounter>>>,
     /// For each space, for each free-standing rectangle.
-    solids: Vec<Vec<Option<Encounter>>>,
+    pub solids: Vec<Vec<Option<Encounter>>>,
     /// For each space, whether any kind of tile can be met.
-    meets_tiles: Vec<bool>,
+    pub meets_tiles: Vec<bool>,
     /// For each space, whether any free-standing rectangle can be met.
     meets_solids: Vec<bool>,
 }
@@ -104,6 +107,9 @@ impl Encounter {
     }
 }
 
+/// What moving an instance or a box costs, in units of work.
+const MOVED: u64 = 4;
+
 /// Working memory.
 #[derive(Debug, Clone)]
 pub(super) struct Scratch {
@@ -113,6 +119,8 @@ pub(super) struct Scratch {
     active: Vec<Vec<u32>>,
     /// For each slot: where it is pushed.
     displacements: Vec<Displacement>,
+    /// How much was compared so far.
+    pub work: u64,
 }
 
 impl Collision {
@@ -186,7 +194,8 @@ impl Collision {
         };
         let askers = slots_with(&|e| !e.touches.is_empty());
         let movable = slots_with(&|e| e.colliders.iter().any(|c| !c.kinematic));
-        Collision { bodies, kinds, broad, carries, askers, movable }
+        let seams = world.spaces.iter().map(Seams::new).collect();
+        Collision { bodies, kinds, broad, carries, askers, movable, seams }
     }
 
     /// Working memory for this world.
@@ -196,6 +205,7 @@ impl Collision {
             sweep: Sweep::with_room(if matches!(self.broad, Broad::Kinds(_)) { self.bodies.len() } else { 0 }),
             active: self.broad.room(),
             displacements: vec![Displacement::default(); world.slots.len()],
+            work: 0,
         }
     }
 }
@@ -246,7 +256,8 @@ impl Simulator<'_> {
             self.carry(state, &scratch.start);
         }
         self.place_boxes(state, scratch)?;
-        let Scratch { boxes, sweep, active, displacements } = &mut scratch.collision;
+        let Scratch { boxes, sweep, active, displacements, work } = &mut scratch.collision;
+        *work = work.wrapping_add(MOVED * (self.actors.len() + boxes.len()) as u64);
         for &slot in &self.collision.askers {
             let Actor { entity, layout, .. } = &self.actors[slot];
             layout.clear_touches(state, entity.touches.len(), entity.bound);
@@ -257,6 +268,7 @@ impl Simulator<'_> {
         let bodies = &self.collision.bodies;
         match &self.collision.broad {
             Broad::Listed(pairs) => {
+                *work = work.wrapping_add(pairs.len() as u64);
                 for &(i, j) in pairs {
                     let (i, j) = (i as usize, j as usize);
                     if boxes[i].active && boxes[j].active && boxes[i].is_near(&boxes[j]) {
@@ -274,11 +286,14 @@ impl Simulator<'_> {
                         self.pair(state, (i, j), boxes, displacements);
                     }
                 };
-                if is_few(pairs, active) {
-                    each(pairs, active, boxes, &mut visit);
-                } else {
-                    sweep.pairs(boxes, visit);
-                }
+                let compared = match is_few(pairs, active) {
+                    Some(few) => {
+                        each(pairs, active, boxes, &mut visit);
+                        few
+                    }
+                    None => sweep.pairs(boxes, visit),
+                };
+                *work = work.wrapping_add(compared as u64);
             }
         }
         for (body, rect) in bodies.iter().zip(boxes.iter()) {
@@ -286,10 +301,12 @@ impl Simulator<'_> {
                 let kind = &self.collision.kinds[body.kind];
                 let at = body.slot.index();
                 if kind.meets_solids[rect.space as usize] {
+                    *work = work.wrapping_add(kind.solids[rect.space as usize].len() as u64);
                     self.collide_solids(state, body, rect, &mut displacements[at]);
                 }
                 if kind.meets_tiles[rect.space as usize] {
-                    self.collide_tiles(state, body, rect, &mut displacements[at]);
+                    let looked_at = self.collide_tiles(state, body, rect, &mut displacements[at]);
+                    *work = work.wrapping_add(looked_at as u64);
                 }
             }
         }
@@ -475,12 +492,40 @@ impl Simulator<'_> {
     fn collide_solids(&self, state: &mut [u8], body: &Body, rect: &Rect, displacement: &mut Displacement) {
         let space = rect.space as usize;
         let solids = &self.world().spaces[SpaceId(rect.space)].solids;
-        for (solid, with) in solids.iter().zip(&self.collision.kinds[body.kind].solids[space]) {
+        let kind = &self.collision.kinds[body.kind];
+        for (index, (solid, with)) in solids.iter().zip(&kind.solids[space]).enumerate() {
             let Some(with) = with else { continue };
             let Bounds { left, right, bottom, top } = solid.bounds;
             let other = Rect { left, right, bottom, top, active: true, ..Rect::default() };
-            let Some(contact) = meet(rect, &other, rect.back, with.meeting, |_| (false, false)) else { continue };
+            let mut corner = None;
+            let contact = meet(rect, &other, rect.back, with.meeting, |overlap| {
+                if !self.has_seam((kind, space), index) {
+                    return (false, false);
+                }
+                let covered = self.covered((kind, space), (rect, &other), overlap, (false, false));
+                if covered == (true, true) && overlap.came_around(rect.back) {
+                    corner = Some([overlap.horizontal(), overlap.vertical()]);
+                }
+                covered
+            });
+            let Some(contact) = contact else { continue };
             self.hit(state, body, with, contact, displacement);
+            self.hit_corner(body, with, corner, displacement);
+        }
+    }
+
+    /// What went into a corner is pushed out as what lies beside the corner would, had it touched that.
+    #[inline]
+    pub(super) fn hit_corner(
+        &self,
+        body: &Body,
+        with: &Encounter,
+        corner: Option<[Contact; 2]>,
+        displacement: &mut Displacement,
+    ) {
+        let blocked = with.meeting.response.push == Push::Block && !body.kinematic;
+        for contact in corner.into_iter().flatten().filter(|_| blocked) {
+            displacement.add(contact, with.meeting.response.stop);
         }
     }
 }

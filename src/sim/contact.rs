@@ -3,7 +3,7 @@
 use crate::ir::{Meeting, Push, Side};
 
 /// How far inside something may have stood that counts as outside of it, px.
-const TOLERANCE: f64 = 0.001;
+pub(super) const TOLERANCE: f64 = 0.001;
 
 /// A box in a space.
 #[derive(Debug, Clone, Copy, Default)]

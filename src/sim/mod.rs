@@ -16,6 +16,7 @@ mod fault;
 mod input;
 mod life;
 mod script;
+mod seam;
 mod simulator;
 pub mod state;
 mod tiles;

@@ -69,6 +69,14 @@ fn remembered(program: &Program) -> u64 {
     program.exprs.iter().map(bit).fold(0, |all, bit| all | bit)
 }
 
+impl Scratch {
+    /// How much work was done with it so far: a number that grows by about one for each pair of boxes that was compared,
+    /// each tile that was looked at and each part of an instance that was moved; it may wrap around.
+    pub fn work(&self) -> u64 {
+        self.collision.work
+    }
+}
+
 impl<'p> Simulator<'p> {
     /// Prepares a world.
     pub fn new(program: &'p Program, id: WorldId) -> Self {

@@ -23,9 +23,15 @@ impl Tiles<'_> {
 }
 
 impl Simulator<'_> {
-    /// A body and the tiles that it may touch.
-    pub(super) fn collide_tiles(&self, state: &mut [u8], body: &Body, rect: &Rect, displacement: &mut Displacement) {
-        let Some(map) = &self.world().spaces[SpaceId(rect.space)].map else { return };
+    /// A body and the tiles that it may touch; gives how many were looked at.
+    pub(super) fn collide_tiles(
+        &self,
+        state: &mut [u8],
+        body: &Body,
+        rect: &Rect,
+        displacement: &mut Displacement,
+    ) -> usize {
+        let Some(map) = &self.world().spaces[SpaceId(rect.space)].map else { return 0 };
         let encounters = &*self.collision.kinds[body.kind].tiles[rect.space as usize];
         let tiles = Tiles { map, encounters };
         let (width, height) = map.tile;
@@ -41,6 +47,7 @@ impl Simulator<'_> {
                 }
             }
         }
+        (high - low.min(high)) * (after - first.min(after))
     }
 
     /// A body and the tile of a cell.
@@ -73,7 +80,11 @@ impl Simulator<'_> {
                 Side::Above => row > 0 && tiles.blocks(at - map.columns),
                 _ => tiles.blocks(at + map.columns),
             };
-            let covered = (beside, over);
+            let mut covered = (beside, over);
+            if covered != (true, true) && self.is_beside_rect(rect.space as usize, at) {
+                let kind = &self.collision.kinds[body.kind];
+                covered = self.covered((kind, rect.space as usize), (rect, &tile), overlap, covered);
+            }
             if covered == (true, true) && overlap.came_around(rect.back) {
                 corner = Some([overlap.horizontal(), overlap.vertical()]);
             }
@@ -81,11 +92,7 @@ impl Simulator<'_> {
         });
         let Some(contact) = contact else { return };
         self.hit(state, body, with, contact, displacement);
-        // What went into a corner is pushed out as the tiles beside the corner would, had it touched them.
-        let blocked = with.meeting.response.push == Push::Block && !body.kinematic;
-        for contact in corner.into_iter().flatten().filter(|_| blocked) {
-            displacement.add(contact, with.meeting.response.stop);
-        }
+        self.hit_corner(body, with, corner, displacement);
     }
 }
 

@@ -2,15 +2,15 @@
 //! what a configuration holds.
 
 use crate::diagnostic::Diagnostics;
-use crate::diagnostic::catalogue::values::{Broken, Unproven};
+use crate::diagnostic::catalogue::values::{Broken, Unknown, Unproven};
 use crate::ir::{
     Actions, Drive, Entity, EntityId, ExprId, Group, IdVec, LeafId, ModeId, Origin, ParamId, Place, Program, SlotId,
     VarId, World, WorldId,
 };
 
-use super::super::ConfigurationSpace;
 use super::super::evaluate::Configuration;
 use super::super::values::Values;
+use super::super::{ConfigurationSpace, GivenUp};
 use super::judge::Reads;
 use super::{Subject, words};
 
@@ -112,14 +112,19 @@ pub(super) fn report(subject: &Subject<'_>, found: &mut Diagnostics) {
     for (index, &holds) in subject.entity.invariants.iter().enumerate() {
         let mut unproven = None;
         let mut broken = None;
-        for o in &subject.slots {
+        for o in subject.slots.iter().chain(&subject.given_up) {
             match verdict(scene.program, o.world, o.space, o.slot, holds) {
                 (InvariantVerdict::Broken, Some(at)) if broken.is_none() => broken = Some((o, at)),
                 (InvariantVerdict::NotProven, Some(at)) if unproven.is_none() => unproven = Some((o, at)),
                 _ => {}
             }
         }
-        let Some((o, at)) = broken.as_ref().or(unproven.as_ref()) else { continue };
+        let Some((o, at)) = broken.as_ref().or(unproven.as_ref()) else {
+            if let Some((instance, why, help)) = unknown(subject) {
+                found.report(Unknown { at: spans.invariants[index], instance, why, help });
+            }
+            continue;
+        };
         let values = words::read(subject, &Reads::of(scene.program, holds), &[(o, at)]);
         let values = (!values.is_empty()).then(|| words::listed(&values));
         let name = o.world.slots[o.slot].name.clone();
@@ -134,6 +139,29 @@ pub(super) fn report(subject: &Subject<'_>, found: &mut Diagnostics) {
         let modes: Vec<_> = modes.map(|m| (subject.entity.modes[m].path.clone(), spans.modes[m])).collect();
         found.report(Unproven { at: spans.invariants[index], values, modes, instance: name });
     }
+}
+
+/// Why nothing is known of some instance of an entity, if so: the instance, the reason, and a way out.
+fn unknown(subject: &Subject<'_>) -> Option<(Option<String>, String, String)> {
+    let name = &subject.entity.name;
+    let Some(o) = subject.given_up.first() else {
+        let help = || format!("place a `{name}` in a world to see whether it holds there");
+        return (!subject.is_anywhere).then(|| (None, format!("no world has a `{name}`"), help()));
+    };
+    let (instance, world) = (o.world.slots[o.slot].name.clone(), &o.world.name);
+    let (why, help) = match o.found.why {
+        _ if o.world.open.is_some() => {
+            (format!("the map of `{world}` is not given"), "give one with `--map PATH`".to_string())
+        }
+        Some(why @ GivenUp::Combinations) => {
+            (why.reason(), "split the entity, or let one group stand for several".to_string())
+        }
+        why => {
+            let why = why.unwrap_or(GivenUp::Effort).reason();
+            (why, format!("check a smaller world with a `{name}`"))
+        }
+    };
+    Some((Some(instance), why, help))
 }
 
 /// Of each group, whether it drives or updates any of what is read; a group alone always counts.

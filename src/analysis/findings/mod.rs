@@ -48,22 +48,23 @@ pub fn watched_findings(
     // Where nothing of the file is in a world, there is nothing to tell.
     let occurs = |w: &World| w.slots.iter().any(|s| is_ours(&s.entity));
     let free = freed(program);
-    let closed = program.worlds.pairs().filter(|(_, w)| w.open.is_none() && occurs(w));
-    // Of what is left when that is used up nothing is said.
+    let (mut worlds, mut unknown) = (Spaces::new(), Spaces::new());
     let mut effort = MOST_EFFORT;
-    let worlds = closed.map_while(|(id, _)| (effort > 0).then(|| (id, with_any_supply(&free, id, &mut effort, watch))));
-    let worlds = worlds.collect();
+    for (id, world) in program.worlds.pairs().filter(|(_, w)| occurs(w)) {
+        match world.open.is_none() && effort > 0 {
+            true => worlds.insert(id, with_any_supply(&free, id, &mut effort, watch)),
+            // Of the others it is known how they begin.
+            false => unknown.insert(id, with_any_supply(&free, id, &mut 0, watch)),
+        };
+    }
     if watch.stop() {
         return None;
     }
-    let scene = Scene { program: &free, original: program, worlds, sources, said: Said::new(said) };
+    let scene = Scene { program: &free, original: program, worlds, unknown, sources, said: Said::new(said) };
     let mut found = Diagnostics::new();
     for id in program.entities.ids().filter(is_ours) {
         let subject = scene.subject(id);
-        if subject.slots.is_empty() {
-            continue;
-        }
-        if subject.is_known {
+        if subject.is_known && !subject.slots.is_empty() {
             let explained = modes::modes(&subject, &mut found);
             guards::guards(&subject, &explained, &mut found);
             ranges::ranges(&subject, &mut found);
@@ -115,6 +116,8 @@ struct Scene<'a> {
     original: &'a Program,
     /// Those with all their maps.
     worlds: Spaces,
+    /// Those that were not looked at: everything is possible.
+    unknown: Spaces,
     sources: &'a SourceMap,
     said: Said,
 }
@@ -123,22 +126,27 @@ impl Scene<'_> {
     fn subject(&self, id: EntityId) -> Subject<'_> {
         let of = |w: &World| w.slots.iter().any(|s| s.entity == id);
         let mut slots = Vec::new();
+        let mut given_up = Vec::new();
         let mut is_known = true;
+        let mut is_anywhere = false;
         for (world_id, world) in self.program.worlds.pairs().filter(|(_, w)| of(w)) {
-            let Some(space) = self.worlds.get(&world_id) else {
-                // Its map is not given: whatever may happen there.
+            is_anywhere = true;
+            let Some(space) = self.worlds.get(&world_id).or_else(|| self.unknown.get(&world_id)) else {
                 is_known = false;
                 continue;
             };
             for slot in world.slots.ids().filter(|s| world.slots[*s].entity == id) {
                 let found = &space.slots[slot];
                 is_known &= !found.is_given_up;
-                if !found.is_given_up && !found.configurations.is_empty() {
-                    slots.push(Occurrence { world_id, world, space, slot, found });
+                let occurrence = Occurrence { world_id, world, space, slot, found };
+                if found.is_given_up {
+                    given_up.push(occurrence);
+                } else if !found.configurations.is_empty() {
+                    slots.push(occurrence);
                 }
             }
         }
-        Subject { scene: self, id, entity: &self.program.entities[id], slots, is_known }
+        Subject { scene: self, id, entity: &self.program.entities[id], slots, given_up, is_known, is_anywhere }
     }
 }
 
@@ -149,6 +157,10 @@ struct Subject<'a> {
     entity: &'a Entity,
     /// Where there can be an instance.
     slots: Vec<Occurrence<'a>>,
+    /// Where there may be an instance of which nothing is known.
+    given_up: Vec<Occurrence<'a>>,
+    /// Whether any world has it.
+    is_anywhere: bool,
     /// Whether that is all there is to know of it.
     is_known: bool,
 }

@@ -121,6 +121,28 @@ impl Fact for Unproven {
     }
 }
 
+/// An invariant of which nothing is known: there was nothing to look at, or too much.
+pub struct Unknown {
+    /// The invariant.
+    pub at: Span,
+    /// The instance, if there is one.
+    pub instance: Option<String>,
+    /// Why.
+    pub why: String,
+    /// A way out.
+    pub help: String,
+}
+
+impl Fact for Unknown {
+    fn word(self) -> Diagnostic {
+        let whose = self.instance.map_or(String::new(), |name| format!(" for `{name}`"));
+        Diagnostic::new(Code::UnprovenInvariant, format!("this invariant is not proven{whose}"))
+            .at(self.at, self.why)
+            .help(self.help)
+            .note("a run in which it breaks is reported, too (E0604)")
+    }
+}
+
 /// A discrete variable that an update can take out of its range, by the values of what the update reads.
 pub struct LeavesRange {
     /// The variable.

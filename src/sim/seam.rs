@@ -1,0 +1,197 @@
+//! Where rectangles and tiles meet: they form one surface, so that a face which another one covers gives no side.
+//!
+//! A face is asked about only where a body touches it, and only in the part that lies beside the body. It is covered if
+//! what blocks the same body lies on all of that part, right outside of it. Which rectangles have others beside them, and
+//! which tiles have rectangles beside them, is known beforehand: the rest costs nothing.
+
+use crate::ir::{Bounds, Push, Side, Space, SpaceId};
+
+use super::collision::{Encounter, Kind};
+use super::contact::{Overlap, Rect, TOLERANCE};
+use super::simulator::Simulator;
+
+/// What touches in a space, as far as it never moves.
+#[derive(Debug)]
+pub(super) struct Seams {
+    /// Of each rectangle, whether another one touches or overlaps it.
+    rects: Vec<bool>,
+    /// Of each cell of the map, whether a rectangle is near; empty if there are no rectangles.
+    cells: Vec<bool>,
+}
+
+/// The part of a face that lies beside a body.
+#[derive(Debug, Clone, Copy)]
+struct Face {
+    /// Whether it is a left or a right one.
+    is_upright: bool,
+    /// Where it lies across, px.
+    at: f64,
+    /// Whether it looks towards larger coordinates.
+    looks_up: bool,
+    /// From where to where it goes, px.
+    low: f64,
+    high: f64,
+}
+
+impl Seams {
+    pub fn new(space: &Space) -> Self {
+        let mut order: Vec<usize> = (0..space.solids.len()).collect();
+        let bounds = |at: usize| space.solids[at].bounds;
+        order.sort_by(|a, b| bounds(*a).left.total_cmp(&bounds(*b).left));
+        let mut rects = vec![false; order.len()];
+        // Those that begin before this one ends, up to one that is known to have a neighbour.
+        for (nth, &a) in order.iter().enumerate() {
+            for &b in order[nth + 1..].iter().take_while(|b| bounds(**b).left <= bounds(a).right + TOLERANCE) {
+                if rects[a] && rects[b] {
+                    continue;
+                }
+                let (a_is, b_is) = (bounds(a), bounds(b));
+                if b_is.bottom <= a_is.top + TOLERANCE && a_is.bottom <= b_is.top + TOLERANCE {
+                    rects[a] = true;
+                    rects[b] = true;
+                }
+            }
+        }
+        Seams { rects, cells: cells(space) }
+    }
+}
+
+/// The cells of a map that rectangles touch, by the sums of what begins and ends in each row and column.
+fn cells(space: &Space) -> Vec<bool> {
+    let Some(map) = space.map.as_ref().filter(|_| !space.solids.is_empty()) else { return Vec::new() };
+    let across = map.columns + 1;
+    let mut counts = vec![0i32; across * (map.rows + 1)];
+    for solid in &space.solids {
+        let range = |low: f64, high: f64, size: f64, count: usize| {
+            let first = ((low - TOLERANCE) / size).floor() - 1.0;
+            let after = ((high + TOLERANCE) / size).ceil() + 1.0;
+            (first.clamp(0.0, count as f64) as usize, after.clamp(0.0, count as f64) as usize)
+        };
+        let Bounds { left, right, bottom, top } = solid.bounds;
+        let (first, after) = range(left, right, map.tile.0, map.columns);
+        let (low, high) = range(bottom, top, map.tile.1, map.rows);
+        for (row, sign) in [(low, 1), (high, -1)] {
+            counts[row * across + first] += sign;
+            counts[row * across + after] -= sign;
+        }
+    }
+    for at in 1..counts.len() {
+        if at % across != 0 {
+            counts[at] += counts[at - 1];
+        }
+    }
+    for at in across..counts.len() {
+        counts[at] += counts[at - across];
+    }
+    let cell = |at: usize| counts[at / map.columns * across + at % map.columns] > 0;
+    (0..map.columns * map.rows).map(cell).collect()
+}
+
+impl Face {
+    /// The faces of a box that are turned to a body, the upright one and the level one.
+    fn turned(body: &Rect, other: &Rect, overlap: &Overlap) -> [Face; 2] {
+        let (left, right) = (body.left.max(other.left), body.right.min(other.right));
+        let (bottom, top) = (body.bottom.max(other.bottom), body.top.min(other.top));
+        let (across, up) = (overlap.x_side != Side::Right, overlap.y_side != Side::Above);
+        let at = |looks_up: bool, low: f64, high: f64| if looks_up { high } else { low };
+        [
+            Face {
+                is_upright: true,
+                at: at(across, other.left, other.right),
+                looks_up: across,
+                low: bottom,
+                high: top,
+            },
+            Face { is_upright: false, at: at(up, other.bottom, other.top), looks_up: up, low: left, high: right },
+        ]
+    }
+
+    /// What a box covers of the line of the face, if it lies right outside.
+    fn covered_by(&self, b: &Bounds) -> Option<(f64, f64)> {
+        let (across, along) = match self.is_upright {
+            true => ((b.left, b.right), (b.bottom, b.top)),
+            false => ((b.bottom, b.top), (b.left, b.right)),
+        };
+        let is_outside = match self.looks_up {
+            true => across.0 <= self.at + TOLERANCE && across.1 > self.at + TOLERANCE,
+            false => across.1 >= self.at - TOLERANCE && across.0 < self.at - TOLERANCE,
+        };
+        is_outside.then_some(along)
+    }
+}
+
+impl Simulator<'_> {
+    /// Of the upright and the level face of something that are turned to a body, whether neighbours cover them, as far as
+    /// that matters: the one along which the overlap is least, and the other one if that is covered.
+    pub(super) fn covered(
+        &self,
+        (kind, space): (&Kind, usize),
+        (body, other): (&Rect, &Rect),
+        overlap: &Overlap,
+        by_neighbour: (bool, bool),
+    ) -> (bool, bool) {
+        let [upright, level] = Face::turned(body, other, overlap);
+        let beside = || by_neighbour.0 || self.is_covered(kind, space, upright);
+        let over = || by_neighbour.1 || self.is_covered(kind, space, level);
+        match matches!(overlap.least().side, Side::Left | Side::Right) {
+            true if beside() => (true, over()),
+            true => (false, false),
+            false if over() => (beside(), true),
+            false => (false, false),
+        }
+    }
+
+    /// Whether anything can cover the faces of a rectangle.
+    pub(super) fn has_seam(&self, (kind, space): (&Kind, usize), solid: usize) -> bool {
+        self.collision.seams[space].rects[solid] || kind.meets_tiles[space]
+    }
+
+    /// Whether a rectangle can cover the faces of the tile of a cell.
+    pub(super) fn is_beside_rect(&self, space: usize, cell: usize) -> bool {
+        self.collision.seams[space].cells.get(cell).copied().unwrap_or(false)
+    }
+
+    #[cold]
+    fn is_covered(&self, kind: &Kind, space: usize, face: Face) -> bool {
+        let blocks = |met: &Option<Encounter>| met.is_some_and(|w| w.meeting.response.push == Push::Block);
+        let table = &self.world().spaces[SpaceId(space as u32)];
+        let (mut reach, mut is_met) = (face.low, false);
+        loop {
+            let before = reach;
+            let mut add = |(low, high): (f64, f64)| {
+                if low <= reach + TOLERANCE && high >= reach - TOLERANCE {
+                    is_met = true;
+                    reach = reach.max(high);
+                }
+            };
+            let blocking = table.solids.iter().zip(&kind.solids[space]).filter(|(_, met)| blocks(met));
+            blocking.filter_map(|(solid, _)| face.covered_by(&solid.bounds)).for_each(&mut add);
+            if let Some(map) = table.map.as_ref().filter(|_| kind.meets_tiles[space]) {
+                let (across, along) = match face.is_upright {
+                    true => ((map.tile.0, map.columns), (map.tile.1, map.rows)),
+                    false => ((map.tile.1, map.rows), (map.tile.0, map.columns)),
+                };
+                // The line of cells right outside of the face, and those of them that lie beside the body.
+                let line = match face.looks_up {
+                    true => ((face.at + TOLERANCE) / across.0).floor(),
+                    false => ((face.at - TOLERANCE) / across.0).ceil() - 1.0,
+                };
+                let cut = |at: f64| (at / along.0).floor().clamp(-1.0, along.1 as f64) as i64;
+                if line >= 0.0 && line < across.1 as f64 {
+                    for nth in (cut(face.low) - 1).max(0)..(cut(face.high) + 1).min(along.1 as i64) {
+                        let (column, row) = if face.is_upright { (line as i64, nth) } else { (nth, line as i64) };
+                        if map.kind(column, row).is_some_and(|tile| blocks(&kind.tiles[space][tile])) {
+                            add((nth as f64 * along.0, (nth + 1) as f64 * along.0));
+                        }
+                    }
+                }
+            }
+            if is_met && reach >= face.high - TOLERANCE {
+                return true;
+            }
+            if reach <= before {
+                return false;
+            }
+        }
+    }
+}

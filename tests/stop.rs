@@ -1,0 +1,225 @@
+//! Everything stops when asked, whatever a step costs, and takes any number without a panic.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod support;
+
+use std::fmt::Write;
+use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use hypedc::analysis::{GivenUp, configuration_space, watched_space};
+use hypedc::compile::{LevelFile, compile_with};
+use hypedc::diagnostic::render;
+use hypedc::ir::{GoalId, Program, WorldId};
+use hypedc::reach::{Limits, Planner, Problem, Settings, Verdict, reach};
+use hypedc::sim::{Input, Simulator};
+use hypedc::source::{Files, ReadError};
+use hypedc::watch::{WORK, Watch};
+use support::{compile_text, program};
+
+const WORLD: WorldId = WorldId(0);
+
+/// Counts how often it is asked, and stops the work after so many times.
+struct Counting {
+    asked: AtomicU64,
+    patience: u64,
+}
+
+impl Counting {
+    fn new(patience: u64) -> Self {
+        Counting { asked: AtomicU64::new(0), patience }
+    }
+
+    fn asked(&self) -> u64 {
+        self.asked.load(Ordering::Relaxed)
+    }
+}
+
+impl Watch for Counting {
+    fn stop(&self) -> bool {
+        self.asked.fetch_add(1, Ordering::Relaxed) + 1 >= self.patience
+    }
+}
+
+/// So many bodies in one place that push each other.
+fn crowd(count: usize) -> Program {
+    let mut places = String::new();
+    for i in 0..count {
+        writeln!(places, "place b{i}: Ball at ({}, 0)", i % 7).unwrap();
+    }
+    program(compile_text(&format!(
+        "entity Ball {{ button go; collider ball: rect(0, 0, 16, 16)
+            mode a {{ x' = 10; when touching(ball, ball) -> b }}
+            mode b {{ x' = if(held(go), -10, 5); when timer > 3frames -> a }} }}
+         world W {{ collide ball with ball: block
+            space main {{ {places} }}; player 1: b0; goal far: b0.x > 100000 }}"
+    )))
+}
+
+#[test]
+fn a_search_among_many_bodies_is_asked_by_work_done() {
+    let p = crowd(300);
+    let sim = Simulator::new(&p, WORLD);
+    let problem = Problem::new(&sim, GoalId(0));
+    let space = configuration_space(&p, WORLD);
+    for planner in [Planner::Auto, Planner::Rrt, Planner::RgRrt, Planner::Exhaustive] {
+        let watch = Counting::new(u64::MAX);
+        let settings = Settings { planner, ..Settings::default() };
+        let limits = Limits { nodes: 60, ..Limits::default() };
+        let outcome = reach(&problem, &space, &settings, &limits, &watch).unwrap();
+        let compared = outcome.statistics.steps * 300 * 299 / 2;
+        let between = compared / watch.asked().max(1);
+        assert!(between < 2 * WORK, "{}: {between} comparisons between two questions", planner.name());
+    }
+}
+
+#[test]
+fn a_search_ends_soon_after_it_is_told() {
+    let p = crowd(300);
+    let sim = Simulator::new(&p, WORLD);
+    let problem = Problem::new(&sim, GoalId(0));
+    let space = configuration_space(&p, WORLD);
+    for planner in [Planner::Auto, Planner::Rrt, Planner::RgRrt, Planner::Exhaustive, Planner::BestFirst] {
+        let watch = Counting::new(3);
+        let settings = Settings { planner, ..Settings::default() };
+        let outcome = reach(&problem, &space, &settings, &Limits::default(), &watch).unwrap();
+        assert!(matches!(outcome.verdict, Verdict::NotFound), "what is stopped proves nothing");
+        let steps = outcome.statistics.steps * 300 * 299 / 2;
+        assert!(steps < 8 * WORK, "{}: {steps} comparisons after all", planner.name());
+    }
+}
+
+#[test]
+fn an_analysis_that_is_stopped_knows_nothing() {
+    let p = crowd(40);
+    let all = Counting::new(u64::MAX);
+    watched_space(&p, WORLD, &[], &all);
+    assert!(all.asked() > 2);
+    for patience in 1..all.asked() {
+        let watch = Counting::new(patience);
+        let space = watched_space(&p, WORLD, &[], &watch);
+        assert!(space.slots.iter().all(|s| s.why == Some(GivenUp::Stopped)), "after {patience} questions");
+        assert!(space.can_hold(&p, WORLD, GoalId(0)));
+        assert!(watch.asked() <= patience + 2, "it ends at once");
+    }
+}
+
+/// A level beside a program.
+struct Beside<'a>(&'a str, &'a str);
+
+impl Files for Beside<'_> {
+    fn read(&self, path: &Path) -> Result<String, ReadError> {
+        match path.to_str() {
+            Some("test.hyped") => Ok(self.0.to_string()),
+            Some("level.ldtk" | "level.tmj") => Ok(self.1.to_string()),
+            _ => Err(ReadError::Unreadable("no such file".into())),
+        }
+    }
+}
+
+/// A program is refused, or analysed, run and searched.
+fn answered(text: &str, level: Option<(&str, &str)>) {
+    let (path, content) = level.unzip();
+    let given = LevelFile { map: path.map(Path::new), ..LevelFile::default() };
+    let compiled = compile_with(Path::new("test.hyped"), given, &Beside(text, content.unwrap_or_default()));
+    let shown = render::human(&compiled.sources, compiled.diagnostics.iter(), false);
+    let Some(p) = compiled.program else {
+        assert!(!shown.is_empty());
+        return;
+    };
+    let sim = Simulator::new(&p, WORLD);
+    let mut scratch = sim.scratch();
+    let Ok(mut state) = sim.initial(&mut scratch) else { return };
+    for _ in 0..20 {
+        if sim.step(&mut state, &Input::nothing(p.worlds[WORLD].players.len()), &mut scratch).is_err() {
+            break;
+        }
+    }
+    let space = configuration_space(&p, WORLD);
+    let problem = Problem::new(&sim, GoalId(0));
+    for planner in [Planner::Auto, Planner::RgRrt] {
+        let settings = Settings { planner, ..Settings::default() };
+        let limits = Limits { nodes: 40, ..Limits::default() };
+        let _ = reach(&problem, &space, &settings, &limits, &hypedc::watch::Unwatched);
+    }
+}
+
+/// What numbers are replaced by.
+const EXTREMES: [&str; 7] = ["1e308", "-1e308", "1e30", "1e11", "1e-300", "-0.0", "5e-324"];
+
+#[test]
+fn any_number_anywhere_is_taken_or_refused() {
+    // Each `#` is a number.
+    let text = "entity Hero { button go; param speed = #80
+        collider body: rect(#0, #0, #16, #16)
+        collider ring: circle(#4, #4, #4)
+        var z = #3
+        clamp y' in -200..#200
+        mode a { x' = if(held(go), speed, -speed); y'' = #-400; z' = #2; when touching(body, wall) -> b { x := #5 } }
+        mode b { x'' = #9; y' = #7; when timer > 2frames -> a; follow links } }
+        world W { collide body with wall: block; collide ring with wall: sense
+        tiles t #16 x #16 { '.': empty; '_': wall }
+        space main { map t \"\n....\n.__.\n____\n\"
+        rect wall (#0, #80, #99, #8)
+        bounds rect(#0, #0, #64, #48)
+        place hero: Hero at (#8, #32) { speed = #70; y' = #1 }
+        link rect(#0, #0, #8, #8) -> other at rect(#0, #0, #8, #8) }
+        space other { rect wall (#0, #-8, #99, #8) }
+        player 1: hero
+        goal g: near(hero, (#50, #40), #8) and hero.z < #99 }";
+    let parts: Vec<&str> = text.split('#').collect();
+    let is_number = |part: &&str| part.starts_with(|c: char| c.is_ascii_digit() || c == '-');
+    let numbers: Vec<usize> = (1..parts.len()).filter(|i| is_number(&parts[*i])).collect();
+    assert!(numbers.len() > 30);
+    let plain = text.replace('#', "");
+    let compiled = compile_text(&plain);
+    let shown = render::human(&compiled.sources, compiled.diagnostics.iter(), false);
+    assert!(compiled.program.is_some(), "{shown}");
+    for &at in &numbers {
+        for extreme in EXTREMES {
+            let mut out = parts[0].to_string();
+            for (i, part) in parts.iter().enumerate().skip(1) {
+                let rest = part.trim_start_matches(|c: char| c.is_ascii_digit() || c == '-');
+                match (i == at, is_number(part)) {
+                    (true, _) => write!(out, "{extreme}{rest}").unwrap(),
+                    (_, true) => out.push_str(part),
+                    (_, false) => out.push_str(part),
+                }
+            }
+            answered(&out, None);
+        }
+    }
+}
+
+#[test]
+fn any_number_in_a_level_is_taken_or_refused() {
+    let text = "entity H { collider body: rect(0, 0, 16, 16); mode m { x' = 10 } }
+        entity Slime { collider e: rect(0, 0, 8, 8) }
+        world W { collide body with wall, e: block
+        space main { map level
+        place h: H at (16, 16) }
+        player 1: h; goal g: h.x > 1000 }";
+    let ldtk = "{ \"jsonVersion\": \"1.5.3\", \"defs\": { \"layers\": [{ \"uid\": 7, \"intGridValues\":
+        [{ \"value\": 1, \"identifier\": \"wall\" }] }] }, \"levels\": [{ \"identifier\": \"A\", \"layerInstances\":
+        [{ \"__identifier\": \"Ground\", \"__type\": \"IntGrid\", \"layerDefUid\": 7, \"__cWid\": 3, \"__cHei\": 2,
+        \"__gridSize\": SIDE, \"intGridCsv\": [0,0,0,1,1,1] }, { \"__identifier\": \"Things\", \"__type\": \"Entities\",
+        \"__cWid\": 3, \"__cHei\": 2, \"__gridSize\": SIDE, \"__pxTotalOffsetX\": MOVED,
+        \"entityInstances\": [{ \"__identifier\": \"Slime\", \"px\": [AT, AT], \"width\": SIZE, \"height\": SIZE,
+        \"__pivot\": [1, 1], \"fieldInstances\": [] }] }] }] }";
+    for part in ["SIDE", "MOVED", "AT", "SIZE"] {
+        for extreme in EXTREMES {
+            let rest = [("SIDE", "16"), ("MOVED", "0"), ("AT", "8"), ("SIZE", "8")];
+            let level = ldtk.replace(part, extreme);
+            let level = rest.iter().fold(level, |level, (name, value)| level.replace(name, value));
+            answered(text, Some(("level.ldtk", &level)));
+        }
+    }
+    let far = compile_with(
+        Path::new("test.hyped"),
+        LevelFile { map: Some(Path::new("level.ldtk")), ..LevelFile::default() },
+        &Beside(text, &ldtk.replace("SIDE", "1e300").replace("MOVED", "0").replace("AT", "8").replace("SIZE", "8")),
+    );
+    let found = render::short(&far.sources, far.diagnostics.iter());
+    assert!(found.contains("E0507") && found.contains("at most 1000000000000 px"), "{found}");
+}

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use crate::ir::{
     Arithmetic, CompareOp, DiscreteId, Entity, Expr, ExprId, Function, Id, IdVec, LeafId, ParamId, Program, SlotId,
-    SpaceId, Subject, TimerId, VarId, World, call,
+    SpaceId, Subject, TimerId, TouchId, VarId, World, call,
 };
 
 use super::energy::Fall;
@@ -157,6 +157,15 @@ impl Truth {
     }
 }
 
+/// Of all that an instance can be, the part in which a world's predicate is read.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Pinned<'a> {
+    /// A part of its region.
+    Part(SpaceId, [Interval; 2]),
+    /// A configuration.
+    At(&'a Configuration),
+}
+
 /// What an expression is read against.
 #[derive(Clone, Copy)]
 pub(super) struct Reader<'a> {
@@ -165,8 +174,8 @@ pub(super) struct Reader<'a> {
     pub slots: &'a IdVec<SlotId, Overall>,
     /// What is known of each slot's contacts.
     pub surroundings: &'a Surroundings,
-    /// In a world's predicate: an instance, and the part of its region that it is looked at in.
-    pub pinned: Option<(SlotId, SpaceId, [Interval; 2])>,
+    /// In a world's predicate: an instance, and what it is looked at in.
+    pub pinned: Option<(SlotId, Pinned<'a>)>,
     /// The instance that `Subject::Me` stands for, none in a world's predicate.
     pub me: Option<(SlotId, &'a Configuration)>,
     /// When it is read.
@@ -205,7 +214,7 @@ impl<'a> Reader<'a> {
     /// A position of an instance, within the part of its region that it is looked at in.
     fn in_part(&self, slot: SlotId, axis: usize, at: &Values) -> Values {
         match self.pinned {
-            Some((pinned, _, part)) if pinned == slot => at.within(part[axis]),
+            Some((pinned, Pinned::Part(_, part))) if pinned == slot => at.within(part[axis]),
             _ => *at,
         }
     }
@@ -229,8 +238,22 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// The configuration in which a subject is read, if it is read in one.
     fn mine(&self, of: Subject) -> Option<&'a Configuration> {
-        self.me.filter(|_| of == Subject::Me).map(|(_, c)| c)
+        self.configured(of).map(|(_, at)| at)
+    }
+
+    fn configured(&self, of: Subject) -> Option<(SlotId, &'a Configuration)> {
+        match (of, self.pinned) {
+            (Subject::Me, _) => self.me,
+            (Subject::Slot(slot), Some((pinned, Pinned::At(at)))) if pinned == slot => Some((slot, at)),
+            _ => None,
+        }
+    }
+
+    /// Where an instance of a configuration is when a contact question of its own holds.
+    fn touched(&self, slot: SlotId, id: TouchId, at: &Configuration) -> Option<Vec<[Interval; 2]>> {
+        self.surroundings.touched(slot, id, &self.entity(slot).touches[id], at)
     }
 
     fn is_played(&self) -> bool {
@@ -247,7 +270,10 @@ impl<'a> Reader<'a> {
                 let own = self.me.and_then(|(me, c)| c.params.get(p).or(self.slots[me].params.get(p)));
                 own.copied().unwrap_or(Values::all())
             }
-            Expr::Param(of, p) => self.read(of, |o| o.params.get(p).cloned()),
+            Expr::Param(of, p) => match self.mine(of).and_then(|c| c.params.get(p)) {
+                Some(values) => *values,
+                None => self.read(of, |o| o.params.get(p).cloned()),
+            },
             Expr::Var(of, var, degree) => match self.mine(of) {
                 Some(c) => c.vars[var][usize::from(degree)],
                 None if degree == 0 && var.index() < 2 => self.position(of, var.index()),
@@ -343,6 +369,18 @@ impl<'a> Reader<'a> {
             Expr::Button(..) => Truth { can_hold: self.is_played(), can_fail: true },
             // The contacts are those of where it was before.
             Expr::Touching(Subject::Me, _) if self.phase == (Phase::Continuous { is_put: true }) => Truth::EITHER,
+            Expr::Touching(of, touch)
+                if self.configured(of).is_some_and(|(s, c)| self.touched(s, touch, c).is_some()) =>
+            {
+                let boxes =
+                    self.configured(of).and_then(|(slot, at)| self.touched(slot, touch, at)).unwrap_or_default();
+                let can = |c: &Configuration| {
+                    let meets =
+                        |b: &[Interval; 2]| (0..2).all(|a| !c.vars[VarId(a)][0].within(b[a as usize]).is_none());
+                    boxes.iter().any(meets)
+                };
+                Truth { can_hold: self.mine(of).is_some_and(can), can_fail: true }
+            }
             Expr::Touching(of, touch) => {
                 let can = |slot: &SlotId| {
                     let vars = self.mine(of).map_or(&self.slots[*slot].vars, |c| &c.vars);
@@ -353,13 +391,14 @@ impl<'a> Reader<'a> {
                 };
                 Truth { can_hold: self.candidates(of).iter().any(can), can_fail: true }
             }
+            Expr::Alive(slot) if self.mine(Subject::Slot(slot)).is_some() => Truth::of(true),
             Expr::Alive(slot) => {
                 let Overall { can_live, can_be_absent, .. } = self.slots[slot];
                 Truth { can_hold: can_live, can_fail: can_be_absent }
             }
             Expr::InMode(of, mode) => {
                 let leaves = |slot: SlotId| self.entity(slot).modes[mode].leaves;
-                if let (Some(c), Some((me, _))) = (self.mine(of), self.me) {
+                if let Some((me, c)) = self.configured(of) {
                     let (first, after) = leaves(me);
                     return Truth::of(c.leaves.iter().any(|l| first <= *l && *l < after));
                 }
@@ -371,10 +410,17 @@ impl<'a> Reader<'a> {
                 };
                 Truth { can_hold: self.candidates(of).iter().any(of_mode), can_fail: true }
             }
-            Expr::InSpace(Subject::Slot(slot), space) if self.pinned.is_some_and(|(pinned, ..)| pinned == slot) => {
-                Truth::of(self.pinned.is_some_and(|(_, here, _)| here == space))
-            }
             Expr::InSpace(of, space) => {
+                match (of, self.pinned) {
+                    (Subject::Slot(slot), Some((pinned, Pinned::Part(here, _)))) if pinned == slot => {
+                        return Truth::of(here == space);
+                    }
+                    (Subject::Slot(slot), Some((pinned, Pinned::At(at)))) if pinned == slot => {
+                        let can_hold = at.spaces.contains(&space);
+                        return Truth { can_hold, can_fail: !can_hold || at.spaces.len() > 1 };
+                    }
+                    _ => {}
+                }
                 let spaces = |slot: &SlotId| self.slots[*slot].spaces.contains(&space);
                 Truth { can_hold: self.candidates(of).iter().any(spaces), can_fail: true }
             }
@@ -435,6 +481,17 @@ impl<'a> Reader<'a> {
                 let (left, right) = (reader.number(a), reader.number(b));
                 self.cut(at, a, op, &right);
                 self.cut(at, b, op.mirrored(), &left);
+                !at.is_impossible()
+            }
+            (Expr::Touching(Subject::Me, touch), true) if self.touched(me, touch, at).is_some() => {
+                let boxes = self.touched(me, touch, at).unwrap_or_default();
+                let meets = |b: &&[Interval; 2]| (0..2).all(|a| !at.vars[VarId(a)][0].within(b[a as usize]).is_none());
+                let met: Vec<[Interval; 2]> = boxes.iter().filter(meets).copied().collect();
+                for axis in 0..2 {
+                    let var = VarId(axis);
+                    let places = Values::any(met.iter().map(|b| b[axis as usize]));
+                    at.set(var, 0, at.vars[var][0].and(&places));
+                }
                 !at.is_impossible()
             }
             (Expr::Touching(Subject::Me, touch), true) => {

@@ -10,7 +10,7 @@ use crate::ir::{
 use crate::watch::Watch;
 
 use super::barred::Barred;
-use super::evaluate::{Between, Configuration, Overall, Reader};
+use super::evaluate::{Between, Configuration, Joined, Overall, Reader};
 use super::scene::{Scene, rounded_step};
 use super::step::{Landing, Outcome, Stepper};
 use super::supply::Limits;
@@ -55,6 +55,8 @@ pub(super) struct Analysis<'a> {
     pub world: &'a World,
     pub slots: IdVec<SlotId, Slot>,
     pub overall: IdVec<SlotId, Overall>,
+    /// What they are together.
+    joined: Joined,
     pub scene: Scene<'a>,
     pub surroundings: Surroundings,
     /// Of each slot the one that is looked at for it: slots in which nothing is at first are alike.
@@ -100,6 +102,7 @@ impl<'a> Analysis<'a> {
             program,
             world,
             overall: IdVec::new(),
+            joined: Joined::default(),
             slots,
             first: first.collect(),
             scene: Scene::new(program, world),
@@ -237,6 +240,7 @@ impl<'a> Analysis<'a> {
             };
             if overall != self.overall[slot] {
                 self.overall[slot] = overall;
+                self.joined.forget();
                 changed = true;
             }
         }
@@ -370,6 +374,7 @@ impl<'a> Analysis<'a> {
             program: self.program,
             world: self.world,
             slots: &self.overall,
+            joined: &self.joined,
             surroundings: &self.surroundings,
             pinned: None,
             me,
@@ -549,7 +554,7 @@ impl<'a> Analysis<'a> {
             true => Surroundings::unknown(&self.overall),
             false => Surroundings::new(&mut self.scene, &self.overall),
         };
-        ConfigurationSpace { slots, overall: self.overall, surroundings }
+        ConfigurationSpace { slots, overall: self.overall, joined: Joined::default(), surroundings }
     }
 }
 

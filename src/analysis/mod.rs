@@ -41,7 +41,7 @@ use crate::ir::{ExprId, GoalId, IdVec, Program, SlotId, World, WorldId};
 use crate::watch::{Unwatched, Watch};
 
 use barred::Barred;
-use evaluate::{Overall, Reader};
+use evaluate::{Joined, Overall, Reader};
 use fixpoint::Analysis;
 use supply::Limits;
 use surroundings::Surroundings;
@@ -90,6 +90,7 @@ pub struct ConfigurationSpace {
     /// Of each slot.
     pub slots: IdVec<SlotId, SlotSpace>,
     overall: IdVec<SlotId, Overall>,
+    joined: Joined,
     surroundings: Surroundings,
 }
 
@@ -170,6 +171,14 @@ impl ConfigurationSpace {
         world: &'a World,
         me: Option<(SlotId, &'a Configuration)>,
     ) -> Reader<'a> {
-        Reader { program, world, slots: &self.overall, surroundings: &self.surroundings, pinned: None, me }
+        Reader {
+            program,
+            world,
+            slots: &self.overall,
+            joined: &self.joined,
+            surroundings: &self.surroundings,
+            pinned: None,
+            me,
+        }
     }
 }

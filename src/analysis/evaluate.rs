@@ -1,13 +1,13 @@
 //! Expressions over what variables can be: the values a number can have, the ways a guard can turn out, and what is left
 //! of a configuration where it turns out one way.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::{Deref, DerefMut};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::ir::{
-    Arithmetic, CompareOp, DiscreteId, Entity, Expr, ExprId, Function, Id, IdVec, LeafId, ParamId, Program, SlotId,
-    SpaceId, Subject, TimerId, TouchId, VarId, World, call,
+    Arithmetic, CompareOp, DiscreteId, Entity, EntityId, Expr, ExprId, Function, Id, IdVec, LeafId, ParamId, Program,
+    SlotId, SpaceId, Subject, TimerId, TouchId, VarId, World, call,
 };
 
 use super::energy::Fall;
@@ -166,12 +166,44 @@ pub(super) enum Pinned<'a> {
     At(&'a Configuration),
 }
 
+/// What can be read of whichever instance a reference refers to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Part {
+    Param(ParamId),
+    /// Within a step or between steps.
+    Var(VarId, usize, bool),
+    Discrete(DiscreteId, bool),
+}
+
+/// What the instances of an entity, or all of them, can be together: joined once for all who read it, as long as what
+/// is known of the slots stays the same.
+#[derive(Debug, Default)]
+pub(super) struct Joined {
+    values: Mutex<BTreeMap<(Option<EntityId>, Part), Values>>,
+    alive: Mutex<BTreeMap<Option<EntityId>, Arc<[SlotId]>>>,
+}
+
+impl Joined {
+    /// More is known of the slots.
+    pub fn forget(&mut self) {
+        *self = Joined::default();
+    }
+}
+
+impl Clone for Joined {
+    fn clone(&self) -> Self {
+        Joined::default()
+    }
+}
+
 /// What an expression is read against.
 #[derive(Clone, Copy)]
 pub(super) struct Reader<'a> {
     pub program: &'a Program,
     pub world: &'a World,
     pub slots: &'a IdVec<SlotId, Overall>,
+    /// What they are together.
+    pub joined: &'a Joined,
     /// What is known of each slot's contacts.
     pub surroundings: &'a Surroundings,
     /// In a world's predicate: an instance, and what it is looked at in.
@@ -188,27 +220,48 @@ impl<'a> Reader<'a> {
     }
 
     /// The slots that a subject can stand for.
-    fn candidates(&self, of: Subject) -> Vec<SlotId> {
-        let alive = |slot: &SlotId| self.slots[*slot].can_live;
+    fn candidates(&self, of: Subject) -> Arc<[SlotId]> {
         match (of, self.me) {
-            (Subject::Me, Some((me, _))) => vec![me],
-            (Subject::Slot(slot), _) => vec![slot],
-            (Subject::Ref(id), Some((me, _))) => {
-                let entity = self.entity(me).refs[id].entity;
-                let fits = |slot: &SlotId| entity.is_none_or(|e| self.world.slots[*slot].entity == e);
-                self.world.slots.ids().filter(fits).filter(alive).collect()
+            (Subject::Me, Some((me, _))) => Arc::new([me]),
+            (Subject::Slot(slot), _) => Arc::new([slot]),
+            _ => {
+                let entity = self.entity_of(of);
+                let mut known = self.joined.alive.lock().unwrap_or_else(PoisonError::into_inner);
+                let fits = |slot: &SlotId| {
+                    entity.is_none_or(|e| self.world.slots[*slot].entity == e) && self.slots[*slot].can_live
+                };
+                let alive = known.entry(entity).or_insert_with(|| self.world.slots.ids().filter(fits).collect());
+                Arc::clone(alive)
             }
-            _ => self.world.slots.ids().filter(alive).collect(),
+        }
+    }
+
+    /// The entity of all that a reference can refer to; none if it can be any.
+    fn entity_of(&self, of: Subject) -> Option<EntityId> {
+        match (of, self.me) {
+            (Subject::Ref(id), Some((me, _))) => self.entity(me).refs[id].entity,
+            _ => None,
         }
     }
 
     /// What `read` finds, of any instance that a subject can stand for; those that do not have it are not meant.
-    fn read(&self, of: Subject, read: impl Fn(&Overall) -> Option<Values>) -> Values {
-        let found = self.candidates(of).into_iter().filter_map(|slot| read(&self.slots[slot]));
+    fn read(&self, of: Subject, part: Part, read: impl Fn(&Overall) -> Option<Values>) -> Values {
+        let is_one = matches!((of, self.me), (Subject::Me, Some(_)) | (Subject::Slot(_), _));
+        let key = (self.entity_of(of), part);
+        let known = || self.joined.values.lock().unwrap_or_else(PoisonError::into_inner);
+        if !is_one && let Some(values) = known().get(&key) {
+            return *values;
+        }
+        let candidates = self.candidates(of);
+        let found = candidates.iter().filter_map(|slot| read(&self.slots[*slot]));
         // Where there is no instance, zeros are read.
         let absent = matches!(of, Subject::Slot(slot) if self.slots[slot].can_be_absent);
         let zero = absent.then(|| Interval::point(0.0));
-        Values::any(found.flat_map(|v| v.intervals().to_vec()).chain(zero))
+        let values = Values::any(found.flat_map(|v| v.intervals().to_vec()).chain(zero));
+        if !is_one {
+            known().insert(key, values);
+        }
+        values
     }
 
     /// A position of an instance, within the part of its region that it is looked at in.
@@ -219,9 +272,14 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// Whether others are read as the discrete phase has left them.
+    fn is_within_step(&self) -> bool {
+        self.phase != Phase::Discrete
+    }
+
     /// What the discrete phase makes of another instance, if that is what is read.
     fn between<'o>(&self, o: &'o Overall) -> Option<&'o Between> {
-        (self.phase != Phase::Discrete).then_some(&o.between)
+        self.is_within_step().then_some(&o.between)
     }
 
     /// A variable of another instance.
@@ -232,9 +290,10 @@ impl<'a> Reader<'a> {
 
     fn position(&self, of: Subject, axis: usize) -> Values {
         let at = |o: &Overall| self.var(o, VarId(axis as u32), 0);
+        let part = Part::Var(VarId(axis as u32), 0, self.is_within_step());
         match of {
-            Subject::Slot(slot) => self.read(of, |o| Some(self.in_part(slot, axis, &at(o)?))),
-            _ => self.read(of, at),
+            Subject::Slot(slot) => self.read(of, part, |o| Some(self.in_part(slot, axis, &at(o)?))),
+            _ => self.read(of, part, at),
         }
     }
 
@@ -272,16 +331,19 @@ impl<'a> Reader<'a> {
             }
             Expr::Param(of, p) => match self.mine(of).and_then(|c| c.params.get(p)) {
                 Some(values) => *values,
-                None => self.read(of, |o| o.params.get(p).cloned()),
+                None => self.read(of, Part::Param(p), |o| o.params.get(p).cloned()),
             },
             Expr::Var(of, var, degree) => match self.mine(of) {
                 Some(c) => c.vars[var][usize::from(degree)],
                 None if degree == 0 && var.index() < 2 => self.position(of, var.index()),
-                None => self.read(of, |o| self.var(o, var, usize::from(degree))),
+                None => {
+                    let degree = usize::from(degree);
+                    self.read(of, Part::Var(var, degree, self.is_within_step()), |o| self.var(o, var, degree))
+                }
             },
             Expr::Discrete(of, id) => match self.mine(of) {
                 Some(c) => c.discretes[id],
-                None => self.read(of, |o| {
+                None => self.read(of, Part::Discrete(id, self.is_within_step()), |o| {
                     let between = self.between(o).and_then(|b| b.discretes.get(id));
                     Some(o.discretes.get(id)?.or(between.unwrap_or(&Values::none())))
                 }),

@@ -11,7 +11,7 @@ use crate::watch::Watch;
 
 use super::barred::Barred;
 use super::cells::{CellId, Cells};
-use super::evaluate::{Between, Configuration, Overall, Phase, Reader};
+use super::evaluate::{Between, Configuration, Joined, Overall, Phase, Reader};
 use super::scene::Scene;
 use super::step::{Landing, Outcome, Stepper};
 use super::supply::Limits;
@@ -70,6 +70,8 @@ pub(super) struct Analysis<'a> {
     pub world: &'a World,
     pub slots: IdVec<SlotId, Slot>,
     pub overall: IdVec<SlotId, Overall>,
+    /// What they are together.
+    joined: Joined,
     pub scene: Scene<'a>,
     pub surroundings: Surroundings,
     /// Of each slot the one that is looked at for it: slots in which nothing is at first are alike.
@@ -115,6 +117,7 @@ impl<'a> Analysis<'a> {
             program,
             world,
             overall: IdVec::new(),
+            joined: Joined::default(),
             slots,
             first: first.collect(),
             scene,
@@ -283,6 +286,7 @@ impl<'a> Analysis<'a> {
                     self.slots[slot].configurations.values_mut().for_each(|g| g.is_new = true);
                 }
                 self.overall[slot] = overall;
+                self.joined.forget();
                 changed = true;
             }
         }
@@ -416,6 +420,7 @@ impl<'a> Analysis<'a> {
             program: self.program,
             world: self.world,
             slots: &self.overall,
+            joined: &self.joined,
             surroundings: &self.surroundings,
             pinned: None,
             me,
@@ -600,7 +605,7 @@ impl<'a> Analysis<'a> {
             true => Surroundings::unknown(&self.overall),
             false => Surroundings::new(&mut self.scene, &self.overall),
         };
-        ConfigurationSpace { slots, overall: self.overall, surroundings, finer: None }
+        ConfigurationSpace { slots, overall: self.overall, joined: Joined::default(), surroundings, finer: None }
     }
 }
 

@@ -43,7 +43,7 @@ use crate::ir::{ExprId, GoalId, IdVec, Program, SlotId, World, WorldId};
 use crate::watch::{Unwatched, Watch};
 
 use barred::Barred;
-use evaluate::{Overall, Phase, Pinned, Reader};
+use evaluate::{Joined, Overall, Phase, Pinned, Reader};
 use fixpoint::Analysis;
 use scene::Scene;
 use supply::Limits;
@@ -96,6 +96,7 @@ pub struct ConfigurationSpace {
     /// Of each slot.
     pub slots: IdVec<SlotId, SlotSpace>,
     overall: IdVec<SlotId, Overall>,
+    joined: Joined,
     surroundings: Surroundings,
     /// The same with players told apart by place, where that was asked for and could be done.
     finer: Option<Box<ConfigurationSpace>>,
@@ -217,6 +218,7 @@ impl ConfigurationSpace {
             program,
             world,
             slots: &self.overall,
+            joined: &self.joined,
             surroundings: &self.surroundings,
             pinned: None,
             me,

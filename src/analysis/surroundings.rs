@@ -181,6 +181,25 @@ impl Surroundings {
 }
 
 impl Contacts {
+    /// Along an axis, over which positions a push may take an instance that moves at most so fast, px/s: towards higher
+    /// and towards lower coordinates. None if it can be taken anywhere.
+    pub fn helped(&self, axis: usize, speed: [f64; 2], step: f64) -> Option<[Vec<Interval>; 2]> {
+        if self.anywhere || self.carried[axis].is_some() || speed.iter().any(|s| !s.is_finite()) {
+            return None;
+        }
+        if !self.is_pushed {
+            return Some([Vec::new(), Vec::new()]);
+        }
+        let far = [0, 1].map(|a| (speed[a] + self.pushers[a]) * step);
+        let deep = self.may_penetrate || (0..2).any(|a| far[a] + ROUNDING >= self.thinnest[a]);
+        // What comes in along one axis is pushed out along the other where that is less.
+        let far = far[0].max(far[1]) + self.sunk + ROUNDING + if deep { self.longest[axis] } else { 0.0 };
+        let [low, high] = if deep { &self.edges[axis] } else { &self.faces[axis] };
+        let up = low.iter().map(|e| Interval { low: e.low - far, high: e.high + ROUNDING }).collect();
+        let down = high.iter().map(|e| Interval { low: e.low - ROUNDING, high: e.high + far }).collect();
+        Some([up, down])
+    }
+
     /// Adds to a position where pushes within an interval can put it; gives what is around them, by the low and by the
     /// high side.
     fn push(&self, axis: usize, within: Interval, deep: bool, position: &mut Values) -> [Option<Interval>; 2] {

@@ -3,7 +3,7 @@
 use crate::watch::Watch;
 
 use super::ground::Notes;
-use super::outcome::Plan;
+use super::outcome::{Exhaustion, Plan};
 
 /// How a part of a search ended.
 #[derive(Debug)]
@@ -14,8 +14,8 @@ pub(super) enum Ending {
     Stopped,
     /// It has found a way.
     Reached(Plan),
-    /// There is nothing more to try: all states were visited, so many, by inputs held for so many steps.
-    Exhausted(u64, u16),
+    /// There is nothing more to try: all states were visited that any inputs of the question lead to.
+    Exhausted(Exhaustion),
     /// It has nothing more to try, but that proves nothing.
     Spent,
 }
@@ -24,6 +24,11 @@ pub(super) enum Ending {
 pub(super) trait Searcher: Send {
     /// Grows about so many nodes more.
     fn advance(&mut self, nodes: u64, watch: &dyn Watch) -> Ending;
+
+    /// A way that it has found but not yet answered with, as there might be a shorter one. Asked where a search ends.
+    fn pending(&mut self, _watch: &dyn Watch) -> Option<Plan> {
+        None
+    }
 
     /// The nodes grown so far.
     fn nodes(&self) -> u64;

@@ -12,8 +12,8 @@ use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::{Diagnostics, Fact, render, similar};
 use crate::ir::{ExprId, GoalId, NeverId, World, WorldId};
 use crate::reach::{
-    BadStart, Death, End, Limits, Measure, Outcome, Plan, Planner, Problem, Sampling, Settings, Target, Verdict, Visited,
-    hasten, passed, reach, shorten,
+    BadStart, Death, End, Limits, Measure, Outcome, Plan, Planner, Problem, Sampling, Settings, Target, Verdict,
+    Visited, hasten, passed, reach, shorten,
 };
 use crate::sim::{Script, Simulator, parse_script};
 use crate::source::SourceMap;
@@ -162,14 +162,14 @@ impl<'a> Asking<'a> {
         let started = Instant::now();
         let outcome = reach(&problem, &self.space, self.settings(), &self.limits(), watch);
         let seconds = started.elapsed().as_secs_f64();
-        let outcome = outcome
-            .map_err(|fault| Refusal::of(fault.fact(&self.loaded.program, self.sim.world_id(), 0)))?;
+        let outcome = outcome.map_err(|fault| Refusal::of(fault.fact(&self.loaded.program, self.sim.world_id(), 0)))?;
         Ok(Found { target, problem: Some(problem), outcome, seconds })
     }
 
     /// Makes a way faster and simpler, if that is asked for.
     pub fn minimize(&self, found: &mut Found<'_>, watch: &dyn Watch) {
-        let (Some(problem), Verdict::Reached(plan), true) = (&found.problem, &found.outcome.verdict, self.args.minimize)
+        let (Some(problem), Verdict::Reached(plan), true) =
+            (&found.problem, &found.outcome.verdict, self.args.minimize)
         else {
             return;
         };

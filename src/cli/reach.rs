@@ -11,7 +11,7 @@ use super::asking::{Asking, Found, Prepared, Refusal, barred, target_name};
 use super::corpus;
 use super::reach_result::RunResult;
 use super::report::{choose_world, load_barred, show_fact};
-use super::watching::CommandWatch;
+use super::watching::{CommandWatch, Interrupt};
 
 pub(super) fn run(args: &ReachArgs) -> io::Result<Answer> {
     if corpus::is_asked(args) {
@@ -92,7 +92,7 @@ fn find<'q>(args: &ReachArgs, asking: &'q Asking<'_>, world: &World) -> Result<V
         }
     }
     // These replay ways that were found, which are short.
-    let watch = CommandWatch::new("", None);
+    let watch = Interrupt::new();
     asking.exchange(&mut all, &watch);
     for ((found, &target), seconds) in all.iter_mut().zip(targets).zip(left) {
         let watch = CommandWatch::new(target_name(world, target), seconds);
@@ -103,6 +103,5 @@ fn find<'q>(args: &ReachArgs, asking: &'q Asking<'_>, world: &World) -> Result<V
     while asking.exchange(&mut all, &watch) {
         all.iter_mut().for_each(|found| asking.simplify(found, &watch));
     }
-    watch.finish();
     Ok(all)
 }

@@ -96,7 +96,10 @@ impl RunResult {
             several => format!(", after {} scripts", several.len()),
         };
         let hold = self.min_hold.as_ref().map_or(String::new(), |time| format!(", inputs held for at least {time}"));
-        format!("{}, world {}, seed {}{naive}{metric}{without}{within}{hold}{after}\n", self.file, self.world, self.seed)
+        format!(
+            "{}, world {}, seed {}{naive}{metric}{without}{within}{hold}{after}\n",
+            self.file, self.world, self.seed
+        )
     }
 
     /// What was broken on the way, beside what was asked for.
@@ -107,7 +110,10 @@ impl RunResult {
         for violation in self.goals.iter().flat_map(|goal| &goal.violations) {
             if seen.insert(&violation.never) {
                 let Violation { never, steps, inputs } = violation;
-                out.push_str(&format!("  never {never}: can be violated, counterexample: {}\n", counted(*steps, "step")));
+                out.push_str(&format!(
+                    "  never {never}: can be violated, counterexample: {}\n",
+                    counted(*steps, "step")
+                ));
                 out.push_str(&format!("    inputs  {inputs}\n"));
             }
         }

@@ -2,6 +2,7 @@
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
+use std::ops::ControlFlow;
 use std::path::Path;
 
 use crate::compile::LevelFile;
@@ -14,12 +15,14 @@ use crate::sim::{
     parse_script,
 };
 use crate::source::Files;
+use crate::watch::Watch;
 
 use super::Answer;
 use super::args::{SimArgs, TraceFormatName};
 use super::disk::Disk;
 use super::replay;
 use super::report::{Loaded, choose_world, level_sha256, load, plain_error, program_sha256, show, show_fact};
+use super::watching::Interrupt;
 
 pub(super) fn run(args: &SimArgs) -> io::Result<Answer> {
     if let Some(trace) = &args.replay {
@@ -64,10 +67,11 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Answer> {
         None => None,
     };
     let mut report = Report::new(&sim);
-    let result = drive(&sim, &script, frames, &mut |step, input, state, scratch| {
+    let ended = drive(&sim, &script, frames, &Interrupt::new(), &mut |step, input, state, scratch| {
         report.observe(step, state);
         report.note(step, scratch, state);
-        trace.as_mut().map_or(Ok(()), |t| t.state(step, input, state))
+        trace.as_mut().map_or(Ok(()), |t| t.state(step, input, state))?;
+        Ok(ControlFlow::Continue(()))
     })?;
     if let Some(trace) = trace {
         trace.finish()?;
@@ -79,9 +83,16 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Answer> {
     show(&loaded.sources, &report.findings(&loaded.program, world))?;
     let missed = expected.missed(&report);
     missed.iter().try_for_each(|why| plain_error(why))?;
-    if let Err((fault, step)) = result {
-        show_fact(&loaded.sources, fault.fact(&loaded.program, world, step))?;
-        return Ok(Answer::No);
+    match ended {
+        Ended::Done | Ended::Enough => {}
+        Ended::Fault(fault, step) => {
+            show_fact(&loaded.sources, fault.fact(&loaded.program, world, step))?;
+            return Ok(Answer::No);
+        }
+        Ended::Stopped(step) => {
+            plain_error(&format!("stopped after step {step} of {frames}"))?;
+            return Ok(Answer::No);
+        }
     }
     Ok(if report.violated() || !missed.is_empty() { Answer::No } else { Answer::Yes })
 }
@@ -205,31 +216,54 @@ fn script(args: &SimArgs, loaded: &mut Loaded, world: WorldId) -> io::Result<Opt
     Ok((!found.has_errors()).then_some(script))
 }
 
-/// Shown the number of a step, its input and the state after it.
-pub(super) type See<'a> = dyn FnMut(u64, &Input, &[u8], &Scratch) -> io::Result<()> + 'a;
+/// Shown the number of a step, its input and the state after it; says whether that is enough.
+pub(super) type See<'a> = dyn FnMut(u64, &Input, &[u8], &Scratch) -> io::Result<ControlFlow<()>> + 'a;
 
-/// Runs so many steps and shows every state, the initial one first. A fault comes with its step.
+/// How a run ended.
+pub(super) enum Ended {
+    /// After all of its steps.
+    Done,
+    /// Whoever saw it has seen enough.
+    Enough,
+    /// By a run-time error at a step.
+    Fault(Fault, u64),
+    /// By the watch, after a step.
+    Stopped(u64),
+}
+
+/// Once in so many steps the watch is asked.
+const WATCH_EVERY: u64 = 256;
+
+/// Runs so many steps and shows every state, the initial one first.
 pub(super) fn drive(
     sim: &Simulator<'_>,
     script: &Script,
     frames: u64,
+    watch: &dyn Watch,
     see: &mut See<'_>,
-) -> io::Result<Result<(), (Fault, u64)>> {
+) -> io::Result<Ended> {
     let mut scratch = sim.scratch();
     let nothing = Input::nothing(sim.world().players.len());
     let mut state = match sim.initial(&mut scratch) {
         Ok(state) => state,
-        Err(fault) => return Ok(Err((fault, 0))),
+        Err(fault) => return Ok(Ended::Fault(fault, 0)),
     };
-    see(0, &nothing, &state, &scratch)?;
+    if see(0, &nothing, &state, &scratch)?.is_break() {
+        return Ok(Ended::Enough);
+    }
     let inputs = script.inputs().chain(std::iter::repeat(&nothing));
     for (step, input) in (1..=frames).zip(inputs) {
         if let Err(fault) = sim.step(&mut state, input, &mut scratch) {
-            return Ok(Err((fault, step)));
+            return Ok(Ended::Fault(fault, step));
         }
-        see(step, input, &state, &scratch)?;
+        if see(step, input, &state, &scratch)?.is_break() {
+            return Ok(Ended::Enough);
+        }
+        if step.is_multiple_of(WATCH_EVERY) && watch.stop() {
+            return Ok(Ended::Stopped(step));
+        }
     }
-    Ok(Ok(()))
+    Ok(Ended::Done)
 }
 
 /// What happened during a run.

@@ -77,7 +77,8 @@ impl Hold {
         let most = Time::read(high)?;
         // The unit may stand behind both.
         let unit = high.trim_start_matches(|c: char| !c.is_alphabetic());
-        let least = Time::read(low).or_else(|why| if unit.is_empty() { Err(why) } else { Time::read(&format!("{low}{unit}")) })?;
+        let least = Time::read(low)
+            .or_else(|why| if unit.is_empty() { Err(why) } else { Time::read(&format!("{low}{unit}")) })?;
         Ok(Hold { least, most })
     }
 

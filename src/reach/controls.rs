@@ -131,7 +131,9 @@ fn entity_reads_between(program: &Program, entity: &Entity) -> bool {
     let mut by_sign = Vec::new();
     for (_, expr) in code() {
         match *expr {
-            Expr::Compare(_, a, b) if is_zero(b) || is_zero(a) => by_sign.extend([a, b].into_iter().filter(|id| axis_of(*id).is_some())),
+            Expr::Compare(_, a, b) if is_zero(b) || is_zero(a) => {
+                by_sign.extend([a, b].into_iter().filter(|id| axis_of(*id).is_some()))
+            }
             Expr::Call(Function::Sign, [a, ..]) if axis_of(a).is_some() => by_sign.push(a),
             _ => {}
         }

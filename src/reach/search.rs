@@ -23,8 +23,8 @@ use super::outcome::{Argument, End, Outcome, Plan, Verdict};
 use super::planners::Planner;
 use super::portfolio::{Portfolio, Refinement};
 use super::problem::{Problem, Start};
-use super::seam::{Settled, settled};
 use super::sampler::Sampler;
+use super::seam::{Settled, settled};
 use super::searcher::{Ending, Searcher};
 
 /// How a search goes about it.

@@ -265,7 +265,8 @@ proptest! {
     ) {
         let examples = files("examples", "hyped").into_iter().chain(files("tests/questions", "hyped"));
         let all: Vec<PathBuf> = examples.chain(files("tests/verdicts", "hyped")).collect();
-        let program = program(compile(which.get(&all), &Disk));
+        let path: &PathBuf = which.get(&all);
+        let program = program(compile(path, &Disk));
         prop_assume!(!program.worlds.is_empty() && program.worlds[WORLD].open.is_none());
         let sim = Simulator::new(&program, WORLD);
         let nevers: Vec<_> = sim.world().nevers.iter().map(|n| n.holds).collect();
@@ -297,7 +298,7 @@ proptest! {
                     }
                     let Some([x, y]) = space.within_steps(&program, WORLD, slot, [first.0, first.1], steps) else { continue };
                     let at = sim.position(&state, slot);
-                    prop_assert!(x.contains(at.0) && y.contains(at.1), "{:?}: {:?} after {steps}, not in {x:?} {y:?}", which.get(&all), at);
+                    prop_assert!(x.contains(at.0) && y.contains(at.1), "{:?}: {:?} after {steps}, not in {x:?} {y:?}", path, at);
                 }
             }
         }

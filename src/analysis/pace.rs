@@ -26,8 +26,10 @@ impl ConfigurationSpace {
         let table = &program.worlds[world];
         let entity = &program.entities[table.slots[slot].entity];
         let goes_through = !entity.follows.is_empty() && table.spaces.iter().any(|s| !s.links.is_empty());
-        let is_known = !self.slots[slot].is_given_up && table.slots[slot].origin == Origin::Named;
-        if goes_through || !is_known {
+        let of = table.slots[slot].entity;
+        let is_spawned = table.slots[slot].origin != Origin::Named
+            && program.entities.iter().any(|e| e.spawns.iter().any(|spawn| spawn.entity == of));
+        if goes_through || is_spawned || self.slots[slot].is_given_up {
             return None;
         }
         let step = table.step.seconds();

@@ -180,6 +180,9 @@ impl<'a> Asking<'a> {
     /// Takes for each question the shortest way that was found for any: what a way to a goal passes on is reached, too.
     /// Gives whether that has changed anything.
     pub fn exchange(&self, all: &mut [Found<'_>], watch: &dyn Watch) -> bool {
+        if all.len() < 2 {
+            return false;
+        }
         let mut ways: Vec<(Script, u64, &'static str)> = Vec::new();
         for found in all.iter() {
             let violations = found.outcome.violations.iter().map(|(_, script)| script);

@@ -210,6 +210,9 @@ pub(super) struct Answered {
     pub out_of_memory: bool,
     #[serde(skip)]
     pub is_spent: bool,
+    /// Whether the planner has nothing more to try.
+    #[serde(skip)]
+    pub is_over: bool,
     pub inputs_left_out: bool,
     /// The parent of each node, and where the first player is: space, x, y. Null if it was not asked for.
     pub tree: Option<Vec<(u32, u32, f32, f32)>>,
@@ -288,6 +291,7 @@ impl Answered {
             is_shortest: plan.map(|p| p.is_shortest),
             reads_between: outcome.reads_between,
             is_spent: outcome.end == End::Nodes,
+            is_over: outcome.end == End::Answered,
             inputs: plan.map(|p| p.script.text(sim.program(), sim.world_id())),
             planner: outcome.planner,
             nodes: s.nodes,
@@ -417,8 +421,15 @@ impl Answered {
                     counted(states, "state")
                 ));
             }
-            let longer = if self.is_spent { " (`--nodes N`, `--seconds S`)" } else { "" };
-            out.push_str(&format!("    this proves nothing: a longer search{longer} may find a way\n"));
+            out.push_str(&match (self.is_over, self.is_spent) {
+                (true, _) => format!(
+                    "    this proves nothing; `{by}` has nothing more to try, another `--planner` may find a way\n"
+                ),
+                (_, true) => {
+                    "    this proves nothing: a longer search (`--nodes N`, `--seconds S`) may find a way\n".to_string()
+                }
+                _ => "    this proves nothing: a longer search may find a way\n".to_string(),
+            });
         }
         out
     }

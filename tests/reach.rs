@@ -563,6 +563,9 @@ fn what_takes_too_long_does_not_count() {
     }
     assert!(matches!(walk_within(100, Planner::Exhaustive, 1, true), Verdict::Reached(plan) if plan.steps == 100));
     for seed in 1..=10 {
-        assert!(matches!(walk_within(130, Planner::Auto, seed, true), Verdict::Reached(plan) if plan.steps <= 130), "{seed}");
+        assert!(
+            matches!(walk_within(130, Planner::Auto, seed, true), Verdict::Reached(plan) if plan.steps <= 130),
+            "{seed}"
+        );
     }
 }

@@ -524,13 +524,7 @@ impl<'a> Analysis<'a> {
     }
 
     /// What a configuration can be that begins with what comes in, if it was known to be no more than `known`.
-    fn restarted(
-        &self,
-        slot: SlotId,
-        cell: CellId,
-        entries: Configuration,
-        known: &Configuration,
-    ) -> Configuration {
+    fn restarted(&self, slot: SlotId, cell: CellId, entries: Configuration, known: &Configuration) -> Configuration {
         let mut at = entries.clone();
         for _ in 0..MOST_EXTENSIONS {
             let Some(outcome) = self.stepper(slot).run_on(&at) else { break };

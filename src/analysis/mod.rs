@@ -136,6 +136,14 @@ impl ConfigurationSpace {
         world: &'a World,
         me: Option<(SlotId, &'a Configuration)>,
     ) -> Reader<'a> {
-        Reader { program, world, slots: &self.overall, surroundings: &self.surroundings, pinned: None, me, phase: Phase::Discrete }
+        Reader {
+            program,
+            world,
+            slots: &self.overall,
+            surroundings: &self.surroundings,
+            pinned: None,
+            me,
+            phase: Phase::Discrete,
+        }
     }
 }

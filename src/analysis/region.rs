@@ -84,10 +84,8 @@ impl Scene<'_> {
         for body in kind.bodies.iter().filter(|b| !b.kinematic && b.is_steady) {
             let Some(extent) = body.extent else { continue };
             let push = |t: TagSet| self.world.meeting(body.tags, t).map_or(Push::Sense, |m| m.response.push);
-            let blocker = |bounds: Bounds, push: Push| Blocker {
-                sides: grown(bounds, extent),
-                is_solid: push == Push::Block,
-            };
+            let blocker =
+                |bounds: Bounds, push: Push| Blocker { sides: grown(bounds, extent), is_solid: push == Push::Block };
             let solids = self.world.spaces[space].solids.iter().map(|s| (push(s.tags), s.bounds));
             let solids = solids.filter(|(push, _)| *push != Push::Sense);
             out.extend(solids.map(|(push, bounds)| blocker(bounds, push)));

@@ -81,7 +81,7 @@ impl Generator<'_> {
     }
 
     fn chance(&mut self, percent: usize) -> bool {
-        self.choices.next().is_some_and(|c| usize::from(*c) % 100 < percent)
+        self.choices.next().is_some_and(|c| usize::from(*c) % 100 >= 100 - percent)
     }
 
     fn one<'s>(&mut self, of: &[&'s str]) -> &'s str {
@@ -523,9 +523,12 @@ impl Generator<'_> {
     fn question(&mut self, who: &str, role: Role, has_foe: bool, has_cellar: bool) -> String {
         let mut out = String::new();
         let _ = match self.pick(16) {
-            0..=2 => write!(out, "{who} in {}", self.mode_of(role)),
-            3 => write!(out, "{who}.x >= {}", self.length()),
-            4 => write!(out, "{who}.x < {}", self.length()),
+            0..=3 => {
+                let modes: Vec<String> =
+                    self.modes[role as usize].iter().flat_map(|g| &g[g.len().min(2) - 1..]).cloned().collect();
+                write!(out, "{who} in {}", modes[self.pick(modes.len())])
+            }
+            4 => write!(out, "{who}.x {} {}", self.one(&[">=", "<"]), self.length()),
             5 => write!(out, "{who}.y > {}", self.length()),
             6 => write!(out, "{who}.y < {}", self.length()),
             7 => write!(out, "{who}.n == 1"),

@@ -2,7 +2,7 @@
 
 use hypedc::analysis::configuration_space;
 use hypedc::compile::Study;
-use hypedc::ir::{ExprId, Program, WorldId};
+use hypedc::ir::{Program, WorldId};
 use hypedc::reach::{Limits, Planner, Problem, Settings, Target, Verdict, search};
 use hypedc::sim::{Script, Simulator};
 use hypedc::watch::Unwatched;
@@ -68,21 +68,20 @@ pub fn check(study: &Study, judge: Judge, most: usize, tally: &mut Tally) -> Res
     }
 }
 
-/// All that is asked of a world: what it is called, and as whom the planner and the analysis know it.
-fn questions(program: &Program, world: WorldId) -> Vec<(String, Target, ExprId)> {
+/// All that is asked of a world: what it is called, and as what the planner knows it.
+fn questions(program: &Program, world: WorldId) -> Vec<(String, Target)> {
     let world = &program.worlds[world];
-    let goals = world.goals.pairs().map(|(id, goal)| (goal.name.clone(), Target::Goal(id), goal.holds));
-    let nevers = world.nevers.pairs().map(|(id, never)| (never.name.clone(), Target::Never(id), never.holds));
+    let goals = world.goals.pairs().map(|(id, goal)| (goal.name.clone(), Target::Goal(id)));
+    let nevers = world.nevers.pairs().map(|(id, never)| (never.name.clone(), Target::Never(id)));
     goals.chain(nevers).collect()
 }
 
 fn analysed(program: &Program, world: WorldId, explored: &Explored, tally: &mut Tally) -> Result<(), String> {
     let space = configuration_space(program, world);
-    for ((name, target, predicate), way) in questions(program, world).into_iter().zip(&explored.ways) {
-        let can_hold = match target {
-            Target::Goal(goal) => space.can_hold(program, world, goal),
-            Target::Never(_) => space.can_turn_out(program, world, predicate, true),
-        };
+    for ((name, target), way) in questions(program, world).into_iter().zip(&explored.ways) {
+        // A `never` is looked at out of bounds, too, of which the analysis says nothing.
+        let Target::Goal(goal) = target else { continue };
+        let can_hold = space.can_hold(program, world, goal);
         match way {
             Some(way) if !can_hold => {
                 let way = written(program, world, way);
@@ -107,7 +106,7 @@ fn exhausted(
     let space = configuration_space(program, world);
     let settings = Settings { planner: Planner::Exhaustive, hold: Some((1, 1)), ..Settings::default() };
     let limits = Limits { nodes: 4 * most as u64, ..Limits::default() };
-    for ((name, target, _), way) in questions(program, world).into_iter().zip(&explored.ways) {
+    for ((name, target), way) in questions(program, world).into_iter().zip(&explored.ways) {
         let problem = Problem::asking(&sim, target);
         let Ok(outcome) = search(&problem, &space, &settings, &limits, &Unwatched) else {
             if explored.states > 0 || !explored.faulted {

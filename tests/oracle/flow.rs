@@ -16,7 +16,7 @@ impl Oracle<'_> {
             if start.things[slot].is_none() || !passing.acts(slot) {
                 continue;
             }
-            self.flow(start, state, slot, frames)?;
+            self.flow(start, state, slot, frames, passing)?;
             let thing = state.things[slot].as_mut().unwrap();
             thing.timers.values_mut().for_each(|count| *count += 1);
         }
@@ -24,10 +24,18 @@ impl Oracle<'_> {
     }
 
     /// Lets the variables of one instance flow.
-    fn flow(&self, start: &State, state: &mut State, slot: usize, frames: &[Frame]) -> Result<(), Fault> {
+    fn flow(
+        &self,
+        start: &State,
+        state: &mut State,
+        slot: usize,
+        frames: &[Frame],
+        passing: &Passing,
+    ) -> Result<(), Fault> {
         let (entity, dt) = (self.entity(slot), self.dt());
         let was = start.things[slot].as_ref().unwrap();
-        let code = self.played(start, slot, frames);
+        let joint = passing.joint.get(&slot).map(|j| (&j.0, &j.1));
+        let code = Code { joint, ..self.played(start, slot, frames) };
         // From the outermost level to the innermost: what comes later replaces what was before.
         let mut drives: BTreeMap<VarId, &Drive> = entity.drives.iter().map(|d| (d.var, d)).collect();
         for mode in was.modes.iter().flatten() {

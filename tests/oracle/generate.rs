@@ -327,10 +327,10 @@ impl Generator<'_> {
             4 => format!("x' := {}", self.speed()),
             5 => "f := not f".into(),
             6 => "n := if(n > 0, 0, 1)".into(),
-            7 if self.has_shot && self.role != Role::Shot => {
+            7 if self.has_shot && (self.role != Role::Shot || self.chance(40)) => {
                 let given = match self.pick(5) {
                     0 => String::new(),
-                    1 => "(s = -s)".into(),
+                    1 => self.one(&["(s = -s)", "(s = s + s)", "(x = x + l, s = l / 0.25s)"]).into(),
                     2 => format!("(x = x + l, s = {})", self.speed()),
                     3 => format!("(y = {}, n = 1)", self.length()),
                     _ => format!("(x' = {}, s = s, f = f)", self.speed()),

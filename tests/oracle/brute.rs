@@ -1,6 +1,6 @@
 //! All that can happen in a small world: breadth first over all inputs of single steps, each state once.
 
-use std::collections::{BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 use hypedc::sema::checked::{Action, By, DriveBy, Entity, Release, Side, Term, TermKind, Type};
 use hypedc::sema::ids::{Id, ModeId, TagId};
@@ -211,7 +211,7 @@ fn key(oracle: &Oracle<'_>, reads: &[Reads], state: &State) -> Vec<u64> {
 fn reads(oracle: &Oracle<'_>, slot: usize) -> Reads {
     let entity = oracle.entity(slot);
     let mut reads = Reads { timers: Vec::new(), questions: Vec::new(), presses: BTreeSet::new() };
-    let mut times: HashMap<ModeId, Option<f64>> = HashMap::new();
+    let mut times: BTreeMap<ModeId, Option<f64>> = BTreeMap::new();
     let mut see = |term: &Term| walk(term, &mut |term| note(oracle, term, &mut times, &mut reads));
     terms(entity, &mut see);
     for question in oracle.world.goals.iter().chain(oracle.world.nevers.iter()) {
@@ -231,7 +231,7 @@ fn reads(oracle: &Oracle<'_>, slot: usize) -> Reads {
     reads
 }
 
-fn note(oracle: &Oracle<'_>, term: &Term, times: &mut HashMap<ModeId, Option<f64>>, reads: &mut Reads) -> bool {
+fn note(oracle: &Oracle<'_>, term: &Term, times: &mut BTreeMap<ModeId, Option<f64>>, reads: &mut Reads) -> bool {
     match &term.kind {
         TermKind::Compare(_, a, b) => {
             for (timer, other) in [(a, b), (b, a)] {

@@ -51,7 +51,6 @@ impl Oracle<'_> {
                 peaks.insert(id.0, peak);
             }
         }
-        let mut levels: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
         for var in entity.vars.ids() {
             let [mut x, mut v, mut a] = was.vars[var.index()];
             let clip = |degree: u8, mut value: f64| {
@@ -71,11 +70,9 @@ impl Oracle<'_> {
                 None => None,
                 Some(Drive { degree, by: DriveBy::Flow(term), .. }) => Some((*degree, code.value(term)?)),
                 Some(Drive { degree, by: DriveBy::Envelope(id), .. }) => {
-                    if !levels.contains_key(&id.0) {
-                        levels.insert(id.0, self.envelope(&code, slot, id.0, &entity.envelopes[*id])?.0);
-                    }
                     let component = entity.envelopes[*id].vars.iter().position(|v| *v == var).unwrap();
-                    Some((*degree, levels[&id.0][component]))
+                    let (level, _) = self.envelope(&code, slot, id.0, &entity.envelopes[*id])?;
+                    Some((*degree, level[component]))
                 }
             };
             match given {

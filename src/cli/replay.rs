@@ -10,7 +10,7 @@ use crate::sim::{Simulator, TraceFormat, TraceHeader, TraceLines, first_differen
 use super::Answer;
 use super::args::SimArgs;
 use super::report::{choose_world, load, plain_error, show, show_fact};
-use super::sim::{drive, header};
+use super::sim::{RunEnd, drive, header};
 
 pub(super) fn run(path: &Path, args: &SimArgs) -> io::Result<Answer> {
     let mut trace = match Trace::open(path) {
@@ -45,7 +45,7 @@ pub(super) fn run(path: &Path, args: &SimArgs) -> io::Result<Answer> {
         TraceFormat::Csv => trace.compare("the columns", &columns, &crate::tabular::csv::line(&columns))?,
     };
     let mut steps = 0;
-    let result = drive(&sim, &script, old.steps, &mut |step, input, state, _| {
+    let end = drive(&sim, &script, old.steps, &mut |step, input, state, _| {
         steps = step;
         if difference.is_none() {
             let line = lines.state(step, input, state)?;
@@ -77,7 +77,7 @@ pub(super) fn run(path: &Path, args: &SimArgs) -> io::Result<Answer> {
         None => writeln!(out, "{}: all {steps} steps are the same", path.display())?,
     }
     drop(out);
-    if let (Err((fault, step)), None) = (result, &difference) {
+    if let (RunEnd::Fault(fault, step), None) = (end, &difference) {
         // It stopped there when the trace was made, too.
         show_fact(&loaded.sources, fault.fact(&loaded.program, world, step))?;
     }

@@ -64,7 +64,7 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Answer> {
         None => None,
     };
     let mut report = Report::new(&sim);
-    let result = drive(&sim, &script, frames, &mut |step, input, state, scratch| {
+    let end = drive(&sim, &script, frames, &mut |step, input, state, scratch| {
         report.observe(step, state);
         report.note(step, scratch, state);
         trace.as_mut().map_or(Ok(()), |t| t.state(step, input, state))
@@ -79,7 +79,7 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Answer> {
     show(&loaded.sources, &report.findings(&loaded.program, world))?;
     let missed = expected.missed(&report);
     missed.iter().try_for_each(|why| plain_error(why))?;
-    if let Err((fault, step)) = result {
+    if let RunEnd::Fault(fault, step) = end {
         show_fact(&loaded.sources, fault.fact(&loaded.program, world, step))?;
         return Ok(Answer::No);
     }
@@ -205,31 +205,48 @@ fn script(args: &SimArgs, loaded: &mut Loaded, world: WorldId) -> io::Result<Opt
     Ok((!found.has_errors()).then_some(script))
 }
 
+/// How a run ended.
+pub(super) enum RunEnd {
+    /// All steps were run.
+    Steps,
+    /// A player left the bounds of its space.
+    LeftBounds,
+    /// A run-time error at a step.
+    Fault(Fault, u64),
+}
+
 /// Shown the number of a step, its input and the state after it.
 pub(super) type See<'a> = dyn FnMut(u64, &Input, &[u8], &Scratch) -> io::Result<()> + 'a;
 
-/// Runs so many steps and shows every state, the initial one first. A fault comes with its step.
+/// Runs at most so many steps and shows every state, the initial one first.
 pub(super) fn drive(
     sim: &Simulator<'_>,
     script: &Script,
     frames: u64,
     see: &mut See<'_>,
-) -> io::Result<Result<(), (Fault, u64)>> {
+) -> io::Result<RunEnd> {
     let mut scratch = sim.scratch();
     let nothing = Input::nothing(sim.world().players.len());
     let mut state = match sim.initial(&mut scratch) {
         Ok(state) => state,
-        Err(fault) => return Ok(Err((fault, 0))),
+        Err(fault) => return Ok(RunEnd::Fault(fault, 0)),
     };
-    see(0, &nothing, &state, &scratch)?;
-    let inputs = script.inputs().chain(std::iter::repeat(&nothing));
-    for (step, input) in (1..=frames).zip(inputs) {
-        if let Err(fault) = sim.step(&mut state, input, &mut scratch) {
-            return Ok(Err((fault, step)));
-        }
+    let mut inputs = script.inputs().chain(std::iter::repeat(&nothing));
+    let mut input = &nothing;
+    for step in 0.. {
         see(step, input, &state, &scratch)?;
+        if sim.left_bounds(&state).is_some() {
+            return Ok(RunEnd::LeftBounds);
+        }
+        if step == frames {
+            break;
+        }
+        input = inputs.next().unwrap_or(&nothing);
+        if let Err(fault) = sim.step(&mut state, input, &mut scratch) {
+            return Ok(RunEnd::Fault(fault, step + 1));
+        }
     }
-    Ok(Ok(()))
+    Ok(RunEnd::Steps)
 }
 
 /// What happened during a run.
@@ -241,6 +258,8 @@ struct Report<'s> {
     broken: Option<(u64, SlotId, usize)>,
     /// Each spawn that was refused, with the first step at which it was.
     refused: Vec<(u64, SlotId, SpawnId)>,
+    /// The player who has left the bounds, which ends the run.
+    left: Option<SlotId>,
     steps: u64,
     last: Vec<u8>,
 }
@@ -254,6 +273,7 @@ impl<'s> Report<'s> {
             nevers: vec![None; world.nevers.len()],
             broken: None,
             refused: Vec::new(),
+            left: None,
             steps: 0,
             last: Vec::new(),
         }
@@ -261,7 +281,9 @@ impl<'s> Report<'s> {
 
     fn observe(&mut self, step: u64, state: &[u8]) {
         let world = self.sim.world();
-        let goals = self.goals.iter_mut().zip(world.goals.iter());
+        self.left = self.sim.left_bounds(state);
+        // Out of bounds a `never` counts, a goal does not.
+        let goals = self.goals.iter_mut().zip(world.goals.iter()).filter(|_| self.left.is_none());
         for (first, predicate) in goals.chain(self.nevers.iter_mut().zip(world.nevers.iter())) {
             if first.is_none() && self.sim.holds(state, predicate.holds) == Ok(true) {
                 *first = Some(step);
@@ -356,6 +378,11 @@ impl<'s> Report<'s> {
                 format!("{} = {target}", reference.name)
             }));
             out.push_str(&format!("  {:width$}  {}  {}\n", slot.name, modes.join(", "), values.join(", ")));
+        }
+        if let Some(slot) = self.left {
+            let (player, space) = (&world.slots[slot].name, &world.spaces[self.sim.space(&self.last, slot)].name);
+            let step = self.steps;
+            out.push_str(&format!("  the run ends at step {step}: {player} has left the bounds of `{space}`\n"));
         }
         for (first, goal) in self.goals.iter().zip(world.goals.iter()) {
             out.push_str(&match first {

@@ -125,7 +125,6 @@ pub(super) fn lower(program: &mut Program, w: &checked::World, predicates: Predi
 }
 
 fn space(s: &checked::Space, guards: &[Option<ExprId>]) -> Space {
-    let of_map = s.map.as_ref().map(|m| [0.0, 0.0, m.size().0, m.size().1]);
     Space {
         name: s.name.text.clone(),
         map: s.map.clone(),
@@ -134,7 +133,7 @@ fn space(s: &checked::Space, guards: &[Option<ExprId>]) -> Space {
             .iter()
             .map(|solid| Solid { tags: solid.tags.iter().copied().collect(), bounds: Bounds::new(solid.rect) })
             .collect(),
-        bounds: s.bounds.or(of_map).map(Bounds::new),
+        bounds: s.bounds.map(Bounds::new),
         links: s
             .links
             .iter()

@@ -63,11 +63,22 @@ pub struct Space {
     pub map: Option<TileMap<TagId>>,
     /// Free-standing static geometry.
     pub solids: Vec<Solid>,
-    /// Where a player may be: a branch of a search ends below and beside; none where there is neither a map nor a word
-    /// of it.
+    /// The bounds that are written: a run ends where a player leaves them below or beside. None: it ends at no border.
     pub bounds: Option<Bounds>,
     /// Ways into other spaces.
     pub links: Vec<Link>,
+}
+
+impl Space {
+    /// The rectangle that the map covers. A run does not end at it.
+    pub fn map_rectangle(&self) -> Option<Bounds> {
+        self.map.as_ref().map(|map| Bounds::new([0.0, 0.0, map.size().0, map.size().1]))
+    }
+
+    /// What is taken for the size of the space where one is needed: the written bounds, or the map's rectangle.
+    pub fn extent(&self) -> Option<Bounds> {
+        self.bounds.or_else(|| self.map_rectangle())
+    }
 }
 
 /// A way into another space: from a place to the same place relative to another rectangle.
@@ -109,6 +120,22 @@ impl Bounds {
     /// From the lower-left corner, the width and the height.
     pub fn new([x, y, width, height]: [f64; 4]) -> Self {
         Bounds { left: x, right: x + width, bottom: y, top: y + height }
+    }
+
+    /// The smallest rectangle around both.
+    #[must_use]
+    pub fn join(self, other: Bounds) -> Self {
+        Bounds {
+            left: self.left.min(other.left),
+            right: self.right.max(other.right),
+            bottom: self.bottom.min(other.bottom),
+            top: self.top.max(other.top),
+        }
+    }
+
+    /// Returns true if a position lies below or beside; above is open sky.
+    pub fn is_left_at(&self, (x, y): (f64, f64)) -> bool {
+        !((self.left..=self.right).contains(&x) && y >= self.bottom)
     }
 }
 

@@ -6,7 +6,7 @@
 use std::collections::BTreeSet;
 
 use crate::analysis::{Configuration, Interval, SlotSpace, Values};
-use crate::ir::{Bounds, Entity, GroupId, Id, LeafId, Program, SlotId, SpaceId, VarId, World};
+use crate::ir::{Bounds, Entity, GroupId, Id, LeafId, Program, SlotId, Space, SpaceId, VarId, World};
 
 use super::draw::{Combination, Draw, Leaf, SlotDraw};
 use super::metric::{Coordinate, Quantity, SlotPart};
@@ -200,9 +200,9 @@ fn positions(world: &World, var: VarId) -> (f64, f64) {
     if var.index() > 1 {
         return (-SPEED, SPEED);
     }
-    let side = |b: &Bounds| if var.index() == 0 { (b.left, b.right) } else { (b.bottom, b.top) };
+    let side = |b: Bounds| if var.index() == 0 { (b.left, b.right) } else { (b.bottom, b.top) };
     let around = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
-    if let Some(range) = world.spaces.iter().filter_map(|s| s.bounds.as_ref()).map(side).reduce(around) {
+    if let Some(range) = world.spaces.iter().filter_map(Space::extent).map(side).reduce(around) {
         return range;
     }
     let placed = || world.slots.iter().map(|s| s.vars[var][0]);

@@ -273,7 +273,8 @@ impl Grid {
     }
 }
 
-/// A box around what is known to be in a space without bounds.
+/// A box around what is known to be in a space without bounds. Around a map there are no places but those that something
+/// lies at: ways around the outside are seldom possible, and always short.
 fn around(problem: &Problem<'_>, player: SlotId, id: SpaceId, goal: &[Place]) -> Bounds {
     let world = problem.sim.world();
     let space = &world.spaces[id];
@@ -290,18 +291,20 @@ fn around(problem: &Problem<'_>, player: SlotId, id: SpaceId, goal: &[Place]) ->
     });
     let links = space.links.iter().map(|l| l.from);
     let into = world.spaces.iter().flat_map(|s| &s.links).filter(|l| l.space == id).map(|l| l.to);
-    let first = point(begin[0], begin[1]);
     let all = space.solids.iter().map(|s| s.bounds).chain(goals).chain(links).chain(into);
-    let hull = all.fold(first, |a, b| Bounds {
-        left: a.left.min(b.left),
-        right: a.right.max(b.right),
-        bottom: a.bottom.min(b.bottom),
-        top: a.top.max(b.top),
-    });
-    Bounds {
-        left: hull.left - MARGIN,
-        right: hull.right + MARGIN,
-        bottom: hull.bottom - MARGIN,
-        top: hull.top + MARGIN,
+    match space.map_rectangle() {
+        Some(map) => {
+            let hull = all.fold(map, Bounds::join);
+            Bounds { top: hull.top + MARGIN, ..hull }
+        }
+        None => {
+            let hull = all.fold(point(begin[0], begin[1]), Bounds::join);
+            Bounds {
+                left: hull.left - MARGIN,
+                right: hull.right + MARGIN,
+                bottom: hull.bottom - MARGIN,
+                top: hull.top + MARGIN,
+            }
+        }
     }
 }

@@ -163,25 +163,12 @@ impl<'s> Problem<'s> {
         if let Some(never) = self.sim.violated(state)? {
             return Ok(Standing::Dead(Death::Never(never)));
         }
-        if !self.in_bounds(state) {
+        if self.sim.left_bounds(state).is_some() {
             return Ok(Standing::Dead(Death::Outside));
         }
         Ok(match self.target {
             Target::Goal(goal) if self.sim.goal(state, goal)? => Standing::Goal,
             _ => Standing::Open,
-        })
-    }
-
-    /// Whether every player is within its space: at or above the bounds' lower edge, between their sides. Above there is
-    /// no bound, and where there is neither a map nor a `bounds` there is none at all.
-    fn in_bounds(&self, state: &[u8]) -> bool {
-        self.players.iter().all(|&slot| {
-            if !self.sim.world().layout.slots[slot].alive(state) {
-                return true;
-            }
-            let Some(bounds) = self.sim.world().spaces[self.sim.space(state, slot)].bounds else { return true };
-            let (x, y) = self.sim.position(state, slot);
-            (bounds.left..=bounds.right).contains(&x) && y >= bounds.bottom
         })
     }
 }

@@ -289,6 +289,17 @@ impl<'p> Simulator<'p> {
         Ok(None)
     }
 
+    /// The first player whose position lies below or beside the bounds written for its space. The run ends in such a
+    /// state: a `never` that holds in it counts, a goal does not. Without `bounds` a run ends at no border.
+    pub fn left_bounds(&self, state: &[u8]) -> Option<SlotId> {
+        self.world.players.iter().map(|player| player.slot).find(|&slot| {
+            self.layout(slot).alive(state)
+                && self.world.spaces[self.space(state, slot)]
+                    .bounds
+                    .is_some_and(|bounds| bounds.is_left_at(self.position(state, slot)))
+        })
+    }
+
     /// A slot's position, px.
     pub fn position(&self, state: &[u8], slot: SlotId) -> (f64, f64) {
         let layout = self.layout(slot);

@@ -47,7 +47,7 @@ impl Presence {
 /// The part of a space that is shown; `body` is the size of the player.
 pub(super) fn extent(program: &Program, world: &World, id: SpaceId, presence: &Presence, body: f64) -> Bounds {
     let space = &world.spaces[id];
-    let map = space.map.as_ref().map(|map| Bounds::new([0.0, 0.0, map.size().0, map.size().1]));
+    let map = space.map_rectangle();
     let solids = space.solids.iter().map(|solid| solid.bounds).chain(space.links.iter().map(|link| link.from));
     let level = map.into_iter().chain(solids).filter(|b| is_proper(*b)).reduce(joined);
     let things = world.slots.pairs().filter(|(_, slot)| slot.origin != Origin::Free && slot.space == id);

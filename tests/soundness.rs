@@ -15,6 +15,7 @@ mod soundness {
     pub mod generate;
     pub mod run;
     pub mod shrink;
+    pub mod witness;
 }
 
 use std::collections::BTreeMap;
@@ -29,12 +30,13 @@ use soundness::frame::Frame;
 use soundness::generate::program;
 use soundness::run::{Refuted, Runs, run};
 use soundness::shrink::shrunk;
+use soundness::witness::with_witnesses;
 
 const STEPS: usize = 160;
 const RUNS: u64 = 3;
 
 /// Runs a program at random.
-fn refuted(text: &str, seed: u64) -> Option<(Refuted, String)> {
+fn refuted(text: &str, seed: u64, samples: Option<&mut Option<String>>) -> Option<(Refuted, String)> {
     let compilation = compiled(text);
     let program = compilation.program.as_ref()?;
     let world = program.worlds.ids().next()?;
@@ -42,8 +44,13 @@ fn refuted(text: &str, seed: u64) -> Option<(Refuted, String)> {
     let claims = Claims::of(&compilation, program, world);
     if std::env::var("HYPEDC_TIMES").is_ok() {
         let slots = program.worlds[world].slots.len();
-        println!("{seed}: {:.3} s, {slots} slots, {} configurations, {} claims, {} given up", clock.elapsed().as_secs_f64(),
-            claims.space.slots.iter().map(|s| s.configurations.len()).sum::<usize>(), claims.count(), claims.space.slots.iter().filter(|s| s.is_given_up).count());
+        println!("{seed}: {:.3} s, {slots} slots, {} configurations, {} claims, {} given up, {:?} bounded", clock.elapsed().as_secs_f64(),
+            claims.space.slots.iter().map(|s| s.configurations.len()).sum::<usize>(), claims.count(), claims.space.slots.iter().filter(|s| s.is_given_up).count(),
+            {
+                let all: Vec<_> = claims.space.slots.iter().flat_map(|s| s.configurations.iter()).flat_map(|c| [c.vars[hypedc::ir::VarId(0)][0].hull(), c.vars[hypedc::ir::VarId(1)][0].hull()]).flatten().collect();
+                let bounded = all.iter().filter(|i| i.low.is_finite() && i.high.is_finite()).count();
+                100 * bounded / all.len().max(1)
+            });
     }
     let sim = Simulator::new(program, world);
     let mut runs = Runs::default();
@@ -53,6 +60,9 @@ fn refuted(text: &str, seed: u64) -> Option<(Refuted, String)> {
             let script = refuted.script.text(program, world);
             return Some((refuted, script));
         }
+    }
+    if let Some(samples) = samples {
+        *samples = with_witnesses(text, program, &program.worlds[world], &runs.samples, seed);
     }
     None
 }
@@ -96,7 +106,13 @@ fn hunt() {
         let text = program(&choices(seed), Frame::default());
         compiled_count += 1;
         let start = clock.elapsed().as_secs_f64();
-        let result = refuted(&text, seed);
+        let mut more = None;
+        let mut text = text;
+        let mut result = refuted(&text, seed, Some(&mut more));
+        if let (None, Some(more)) = (&result, more) {
+            result = refuted(&more, seed, None);
+            text = more;
+        }
         let took = clock.elapsed().as_secs_f64() - start;
         if took > slowest.0 {
             slowest = (took, seed);
@@ -109,9 +125,9 @@ fn hunt() {
         if *known > most {
             continue;
         }
-        let mut fails = |text: &str| refuted(text, seed).is_some_and(|(r, _)| r.violation.class == class);
+        let mut fails = |text: &str| refuted(text, seed, None).is_some_and(|(r, _)| r.violation.class == class);
         let small = shrunk(&text, &mut fails);
-        let Some((last, script)) = refuted(&small, seed) else { continue };
+        let Some((last, script)) = refuted(&small, seed, None) else { continue };
         let report = format!(
             "// {}: {}\n// world {seed}; inputs: {script}\n{small}",
             last.violation.class, last.violation.what

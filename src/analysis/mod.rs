@@ -81,6 +81,17 @@ pub fn configuration_space_without(program: &Program, world: WorldId, predicates
     within_limits(program, world, predicates, limits, &mut { MOST_EFFORT }, &Unwatched)
 }
 
+/// As [`configuration_space_without`]; a world that the watch stops is given up.
+pub fn watched_configuration_space(
+    program: &Program,
+    world: WorldId,
+    predicates: &[ExprId],
+    watch: &dyn Watch,
+) -> ConfigurationSpace {
+    let limits = supply::limits(program, &program.worlds[world]);
+    within_limits(program, world, predicates, limits, &mut { MOST_EFFORT }, watch)
+}
+
 /// As [`configuration_space`], but whatever the number of things that can be picked up: that is a matter of the level.
 /// Takes what it needs from an effort; a world that needs more than is left is given up.
 fn with_any_supply(program: &Program, world: WorldId, effort: &mut usize, watch: &dyn Watch) -> ConfigurationSpace {

@@ -61,7 +61,8 @@ impl Arena {
     }
 }
 
-const STEPS: [&str; 9] = ["1/60", "1/30", "1/10", "1/60", "1/240", "1/4", "20ms", "1/50", "1/8"];
+const STEPS: [&str; 12] =
+    ["1/60", "1/30", "1/10", "1/60", "1/240", "1/4", "20ms", "1/50", "1/8", "1/60", "1/60", "1/30"];
 const RESPONSES: [&str; 9] = [
     "block",
     "sense",
@@ -272,8 +273,9 @@ impl Generator<'_> {
         let count = |size: f64| (size / 8.0) as usize + 2;
         let x = 8.0 * self.draw.pick(count(self.arena.width())) as f64;
         let y = 8.0 * self.draw.pick(count(self.arena.height())) as f64;
-        let by = |g: &mut Self| [0.0, 0.0, 0.0, 0.0, 0.0005, -0.0005, 0.5, 3.0, -8.0, 0.000_000_001][g.draw.pick(10)];
-        let far = if self.draw.chance(1) { 1e9 } else { 0.0 };
+        let extremes = self.palette.extremes;
+        let by = |g: &mut Self| [0.0, 0.0, 0.0, 0.0, 0.0, 0.5, 3.0, 0.0005, -0.0005, 0.000_000_001][g.draw.pick(if extremes { 10 } else { 8 })];
+        let far = if extremes && self.draw.chance(2) { 1e9 } else { 0.0 };
         (x + by(self) + far, y + by(self))
     }
 

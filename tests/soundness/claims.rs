@@ -1,12 +1,16 @@
 //! What the analysis says of a world, and whether a state is against it.
 
-use hypedc::analysis::{ConfigurationSpace, InvariantVerdict, configuration_space, configuration_space_without};
-use hypedc::analysis::{findings, invariants};
+use std::cell::Cell;
+
+use hypedc::analysis::{
+    ConfigurationSpace, InvariantVerdict, invariants, watched_configuration_space, watched_findings,
+};
 use hypedc::compile::Compilation;
 use hypedc::diagnostic::Code;
 use hypedc::ir::{EntityId, ExprId, GoalId, ModeId, NeverId, Program, WorldId};
 use hypedc::sim::{Input, Simulator};
 use hypedc::source::{FileId, Span};
+use hypedc::watch::Watch;
 
 use super::eye::{Eye, Nobody};
 use crate::outside::outside;
@@ -33,6 +37,23 @@ pub struct Standing {
     /// No `never` has held.
     pub is_allowed: bool,
 }
+
+/// Gives a world up that takes long to look at: thousands of others are looked at in that time.
+struct Patience(Cell<u32>);
+
+impl Watch for Patience {
+    fn stop(&self) -> bool {
+        self.0.set(self.0.get().saturating_sub(1));
+        self.0.get() == 0
+    }
+}
+
+fn patience() -> Patience {
+    Patience(Cell::new(MOST_LOOKS))
+}
+
+/// Combinations of modes that are looked at, each time that more is known of it.
+const MOST_LOOKS: u32 = 400;
 
 /// Everything that is claimed of a world.
 pub struct Claims {
@@ -61,9 +82,9 @@ struct GuardClaim {
 impl Claims {
     pub fn of(compilation: &Compilation, program: &Program, world: WorldId) -> Self {
         let table = &program.worlds[world];
-        let space = configuration_space(program, world);
+        let space = watched_configuration_space(program, world, &[], &patience());
         let nevers: Vec<ExprId> = table.nevers.iter().map(|n| n.holds).collect();
-        let within = (!nevers.is_empty()).then(|| configuration_space_without(program, world, &nevers));
+        let within = (!nevers.is_empty()).then(|| watched_configuration_space(program, world, &nevers, &patience()));
         let unreachable = |space: &ConfigurationSpace| -> Vec<GoalId> {
             table.goals.ids().filter(|g| !space.can_hold(program, world, *g)).collect()
         };
@@ -90,7 +111,8 @@ impl Claims {
 
     /// Adds what `hypedc check` says, and what it says by saying nothing.
     fn check(&mut self, compilation: &Compilation, program: &Program, world: WorldId) {
-        let found = findings(program, &compilation.sources, FileId(0), &compilation.diagnostics);
+        let (sources, said) = (&compilation.sources, &compilation.diagnostics);
+        let Some((found, _)) = watched_findings(program, sources, FileId(0), said, &patience()) else { return };
         let places = |code: Code| -> Vec<(Span, bool)> {
             let all = found.iter().filter(|d| d.code == code);
             all.filter_map(|d| Some((d.primary.as_ref()?.span, d.message.ends_with("always holds")))).collect()

@@ -32,6 +32,7 @@ pub struct Plan {
 pub struct Generator<'c> {
     pub draw: Draw<'c>,
     pub axes: Axes,
+    pub palette: Palette,
     pub out: String,
     pub plans: Vec<Plan>,
     pub arena: Arena,
@@ -43,6 +44,64 @@ pub struct Generator<'c> {
     /// What the expression that is written may ask: inputs, contacts, others.
     may: May,
     depth: usize,
+}
+
+/// What a program may use: each world does without most of it, so that what it does use shows, and much can be proven
+/// of it (Groce, Zhang, Eide, Chen, Regehr, *Swarm testing*, ISSTA 2012).
+#[derive(Clone, Copy)]
+pub struct Palette {
+    /// Numbers that are tiny or huge, and a little off.
+    pub extremes: bool,
+    /// Expressions of several parts.
+    nodes: bool,
+    /// References, and what others have.
+    others: bool,
+    /// Envelopes.
+    envelopes: bool,
+    /// Updates of positions.
+    jumps: bool,
+    /// Updates of speeds and accelerations.
+    kicks: bool,
+    /// Variables beside the position.
+    charges: bool,
+    /// Spawning.
+    spawns: bool,
+    /// Destroying.
+    ends: bool,
+    clamps: bool,
+    /// Colliders that come and go, or change.
+    shapes: bool,
+    /// Guards that read positions and speeds.
+    senses: bool,
+    /// Accelerations.
+    forces: bool,
+    /// Inputs in values and guards.
+    inputs: bool,
+    /// Contacts in guards.
+    contacts: bool,
+}
+
+impl Palette {
+    fn draw(draw: &mut Draw<'_>) -> Self {
+        let mut on = |percent: usize| draw.chance(percent);
+        Palette {
+            extremes: on(25),
+            nodes: on(40),
+            others: on(40),
+            envelopes: on(30),
+            jumps: on(40),
+            kicks: on(40),
+            charges: on(45),
+            spawns: on(35),
+            ends: on(35),
+            clamps: on(30),
+            shapes: on(30),
+            senses: on(50),
+            forces: on(50),
+            inputs: on(60),
+            contacts: on(70),
+        }
+    }
 }
 
 /// What an expression may read.
@@ -65,14 +124,16 @@ const NAMES: [(&str, &str); 3] = [("A", "a"), ("B", "b"), ("C", "c")];
 /// The text of a program.
 pub fn program(choices: &[u16], frame: Frame) -> String {
     let mut draw = Draw::new(choices);
+    let palette = Palette::draw(&mut draw);
     let arena = Arena::draw(&mut draw);
     let axes = Axes::new(frame, arena.width(), arena.tile);
     let count = [1, 2, 2, 3][draw.pick(4)];
     let mut plans: Vec<Plan> = (0..count).map(|index| plan(&mut draw, index)).collect();
-    plans[0].is_played = draw.chance(75);
+    plans[0].is_played = draw.chance(75) && palette.inputs;
     let mut g = Generator {
         draw,
         axes,
+        palette,
         out: String::new(),
         plans,
         arena,
@@ -130,7 +191,7 @@ impl Generator<'_> {
     }
 
     pub fn number(&mut self, dim: Dim) -> String {
-        let rare = self.draw.chance(8);
+        let rare = self.palette.extremes && self.draw.chance(15);
         let of: &[&str] = match (dim, rare) {
             (Dim::Length, false) => &["16", "0", "8", "40", "64", "-8", "3", "24", "100", "7.5", "1"],
             (Dim::Length, true) => &["0.0005", "15.9995", "1000000000", "0.000000001", "-0.000000001", "-0", "-1000"],
@@ -149,7 +210,7 @@ impl Generator<'_> {
     /// An expression of a dimension.
     pub fn value(&mut self, dim: Dim) -> String {
         self.depth += 1;
-        let is_leaf = self.depth > 3 || self.draw.chance(70);
+        let is_leaf = self.depth > 3 || !self.palette.nodes || self.draw.chance(60);
         let out = if is_leaf { self.leaf(dim) } else { self.node(dim) };
         self.depth -= 1;
         out
@@ -180,7 +241,7 @@ impl Generator<'_> {
                 Dim::Pure => axis,
             };
         }
-        if self.may == May::All && self.draw.chance(25) {
+        if self.may == May::All && self.palette.others && self.draw.chance(25) {
             return self.read_other(dim);
         }
         let timed = matches!(self.may, May::All) && self.group.is_some() && self.draw.chance(25);
@@ -188,11 +249,15 @@ impl Generator<'_> {
             let name = g.draw.one(of).to_string();
             g.axes.read("", &name)
         };
+        if !self.palette.senses && self.draw.chance(80) {
+            return param.into();
+        }
         match dim {
             Dim::Length if timed => self.draw.one(&["speed * timer", "speed * timer / 2"]).into(),
             Dim::Length if self.draw.chance(15) => "size * count".into(),
             Dim::Length if self.draw.chance(6) => self.draw.one(&["tile", "wide", "width"]).into(),
-            Dim::Length => own(self, &["x", "y", "q", "q"]),
+            Dim::Length if self.palette.charges => own(self, &["x", "y", "q", "q"]),
+            Dim::Length => own(self, &["x", "y"]),
             Dim::Speed if timed => "force * timer".into(),
             Dim::Speed if self.draw.chance(15) => "speed * count".into(),
             Dim::Speed => own(self, &["x'", "y'", "q'"]),
@@ -200,7 +265,8 @@ impl Generator<'_> {
             Dim::Force => own(self, &["force * n", "x''", "y''", "q''"]),
             Dim::Time if timed => "timer".into(),
             Dim::Time => "delay".into(),
-            Dim::Pure => self.draw.one(&["count", "heat", "count"]).into(),
+            Dim::Pure if self.palette.charges => self.draw.one(&["count", "heat", "count"]).into(),
+            Dim::Pure => "count".into(),
         }
     }
 
@@ -341,7 +407,7 @@ impl Generator<'_> {
     }
 
     fn any_guard(&mut self) -> String {
-        if self.depth <= 3 && self.draw.chance(22) {
+        if self.depth <= 3 && self.draw.chance(if self.palette.nodes { 30 } else { 8 }) {
             let a = self.guard();
             return match self.draw.pick(4) {
                 0 | 1 => format!("({a} and {})", self.guard()),
@@ -356,7 +422,19 @@ impl Generator<'_> {
             return format!("{param} {op} {}", self.number(dim));
         }
         let asks = self.may == May::All;
-        match self.draw.pick(17) {
+        let mut kind = self.draw.pick(17);
+        let p = self.palette;
+        let is_off = match kind {
+            3..=5 => !p.senses,
+            8..=10 => !p.contacts,
+            14 => !p.others,
+            15 | 16 => !p.charges,
+            _ => false,
+        };
+        if is_off {
+            kind = self.draw.pick(2);
+        }
+        match kind {
             0 | 1 if asks && self.group.is_some() => format!("timer {op} {}", self.number(Dim::Time)),
             2 if matches!(self.may, May::All | May::Own) && !self.plan().modes.is_empty() => {
                 let mode = self.mode_of(self.me).unwrap_or_default();
@@ -383,15 +461,16 @@ impl Generator<'_> {
                 format!("{} {op} {}", self.axes.axis(axis), self.draw.one(&["0", "0.5", "-1"]))
             }
             8..=10 if asks => self.touching(),
-            11 => format!("count {op} {}", self.draw.pick(4)),
             12 => self.draw.one(&["flag", "colour == red", "colour != blue", "flag == true", "not flag"]).into(),
             13 if !self.plan().modes.is_empty() && self.may != May::Values => {
                 let mode = self.mode_of(self.me).unwrap_or_default();
                 format!("in {mode}")
             }
             14 if asks => self.about_other(),
+            11 | 0 | 1 => format!("count {op} {}", self.draw.pick(4)),
             15 => format!("{} < q <= {}", self.number(Dim::Length), self.number(Dim::Length)),
-            _ => format!("heat {op} {}", self.value(Dim::Pure)),
+            16 => format!("heat {op} {}", self.value(Dim::Pure)),
+            _ => self.draw.one(&["not flag", "flag", "count < 3", "true"]).into(),
         }
     }
 
@@ -439,7 +518,23 @@ impl Generator<'_> {
             "count", "x'", "y'", "x", "y", "flag", "colour", "q", "q'", "heat", "y''", "friend", "foe", "spawn",
             "spawn", "destroy",
         ];
-        let place = self.draw.one(&places);
+        let p = self.palette;
+        let is_on = |place: &str| match place {
+            "x" | "y" => p.jumps,
+            "x'" | "y'" | "y''" => p.kicks,
+            "q" | "q'" | "heat" => p.charges,
+            "friend" | "foe" => p.others,
+            "spawn" => p.spawns,
+            "destroy" => p.ends,
+            _ => true,
+        };
+        let mut place = self.draw.one(&places);
+        if !is_on(place) {
+            place = self.draw.one(&places);
+        }
+        if !is_on(place) {
+            place = self.draw.one(&["count", "flag", "colour"]);
+        }
         let set = |g: &Self, value: String| format!("{place} := {}", g.axes.write(place, &value));
         let update = match place {
             "count" => {
@@ -548,7 +643,7 @@ impl Generator<'_> {
     /// What drives a variable.
     fn flow(&mut self, variable: &str) -> String {
         let played = self.plan().is_played;
-        if self.draw.chance(55) {
+        if self.draw.chance(60) || !self.palette.nodes && self.draw.chance(50) {
             // What games do.
             let text = match (variable, self.draw.pick(6)) {
                 ("x", 0..=2) if played => format!("speed * {}", self.axes.axis("horizontal")),
@@ -558,10 +653,11 @@ impl Generator<'_> {
                     let speed = self.draw.one(&["speed", "0", "-30"]);
                     return format!("y' = {speed}");
                 }
-                ("y", _) => {
+                ("y", _) if self.palette.forces => {
                     let force = self.draw.one(&["-400", "force", "-force", "-100"]);
                     return format!("y'' = {force}");
                 }
+                ("y", _) => self.draw.one(&["0", "speed", "-speed", "-60"]).into(),
                 _ => self.draw.one(&["speed", "30", "-60"]).into(),
             };
             return format!("{variable}' = {}", self.axes.write(&format!("{variable}'"), &text));
@@ -571,7 +667,7 @@ impl Generator<'_> {
                 let value = self.value(Dim::Speed);
                 format!("{variable}' = {}", self.axes.write(&format!("{variable}'"), &value))
             }
-            1 => {
+            1 if self.palette.forces => {
                 let value = self.value(Dim::Force);
                 format!("{variable}'' = {}", self.axes.write(&format!("{variable}''"), &value))
             }
@@ -584,7 +680,8 @@ impl Generator<'_> {
                 let value = format!("40 + size * {turn}(q / size)");
                 format!("{variable} = {}", self.axes.write(variable, &value))
             }
-            _ => self.envelope(variable),
+            _ if self.palette.envelopes => self.envelope(variable),
+            _ => format!("{variable}' = {}", self.draw.one(&["0", "30", "-30"])),
         }
     }
 
@@ -670,7 +767,10 @@ impl Generator<'_> {
         let (kinematic, tag) = (if plan.is_kinematic { "kinematic " } else { "" }, plan.tag);
         if self.draw.chance(90) {
             let shape = self.shape();
-            let guard = if self.draw.chance(15) { format!(" when {}", self.guard()) } else { String::new() };
+            let guard = match self.palette.shapes && self.draw.chance(40) {
+                true => format!(" when {}", self.guard()),
+                false => String::new(),
+            };
             let more = self.draw.one(&["", "", "", "", ", \"thin ice\"", ", cloud"]);
             self.line(format!("{kinematic}collider {tag}{more}: {shape}{guard}"));
         }
@@ -681,7 +781,7 @@ impl Generator<'_> {
             self.line(format!("{kinematic}collider {tag}: {shape}{guard}"));
         }
         self.may = May::Values;
-        for _ in 0..[0, 0, 1, 2][self.draw.pick(4)] {
+        for _ in 0..if self.palette.clamps { self.draw.pick(3) } else { 0 } {
             let clamp = self.clamp();
             self.line(clamp);
         }
@@ -696,7 +796,7 @@ impl Generator<'_> {
             self.line("use Drift(pace = speed)");
         }
         for variable in ["x", "y", "q"] {
-            if self.draw.chance(if variable == "q" { 20 } else { 50 }) {
+            if self.draw.chance(if variable == "q" { 15 } else { 45 }) && (variable != "q" || self.palette.charges) {
                 let flow = self.flow(variable);
                 self.line(flow);
             }
@@ -731,7 +831,8 @@ impl Generator<'_> {
         let (x, y) = (self.draw.one(&["0", "-4", "8"]), self.draw.one(&["0", "-8", "4"]));
         let width = self.draw.one(&["16", "8", "24", "size", "48", "4"]);
         let height = self.draw.one(&["16", "8", "size", "30", "4"]);
-        match self.draw.pick(9) {
+        let changes = self.palette.shapes;
+        match self.draw.pick(if changes { 9 } else { 7 }) {
             0..=4 => format!("rect({}, {y}, {width}, {height})", self.axes.beside(x, width)),
             5 | 6 => {
                 let radius = self.draw.one(&["8", "4", "size", "12"]);
@@ -813,12 +914,12 @@ impl Generator<'_> {
     }
 
     fn mode_body(&mut self, siblings: &[String], own: usize, driven: &[&str]) {
-        if driven.len() >= 2 && self.plan().is_played && self.draw.chance(10) {
+        if driven.len() >= 2 && self.plan().is_played && self.palette.envelopes && self.draw.chance(25) {
             let vector = self.vector();
             self.line(vector);
         } else {
             for variable in driven {
-                if self.draw.chance(if *variable == "q" { 30 } else { 55 }) {
+                if self.draw.chance(if *variable == "q" { 30 } else { 60 }) && (*variable != "q" || self.palette.charges) {
                     let flow = self.flow(variable);
                     self.line(flow);
                 }
@@ -834,7 +935,7 @@ impl Generator<'_> {
             let updates = if self.draw.chance(30) { self.updates(None, 2) } else { String::new() };
             self.line(format!("follow links{guard} {updates}"));
         }
-        if self.draw.chance(8) {
+        if self.palette.others && self.draw.chance(15) {
             let foe = NAMES[self.any_plan()].1;
             let target = siblings[self.draw.pick(siblings.len())].clone();
             self.line(format!("when lost(foe_{foe}) -> {target}"));
@@ -846,7 +947,7 @@ impl Generator<'_> {
             let updates = if self.draw.chance(50) { self.updates(None, 2) } else { String::new() };
             self.line(format!("when timer >= {time} -> {target} {updates}"));
         }
-        if self.draw.chance(15) {
+        if self.palette.spawns && self.draw.chance(30) {
             let generation = self.spawn();
             let guard = self.draw.one(&["timer >= 0.2s", "timer >= delay", "count < 2", "touching(wall)", "n > 0"]);
             let after = self.draw.one(&["; destroy self", "", "; count := min(count + 1, 3)"]);
@@ -859,7 +960,7 @@ impl Generator<'_> {
 
     fn edge(&mut self, siblings: &[String]) {
         let group = self.group.unwrap_or(0);
-        let is_named = self.draw.chance(20);
+        let is_named = self.palette.contacts && self.draw.chance(20);
         let (guard, named) = if group > 0 && self.draw.chance(15) {
             let earlier = self.draw.pick(group);
             let all = self.plan().modes[earlier].clone();

@@ -1,6 +1,5 @@
 //! Random runs of a world, held against what is claimed of it.
 
-use hypedc::ir::VarId;
 use hypedc::sim::{Input, PlayerInput, Script, Simulator};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -21,16 +20,6 @@ pub struct Runs {
     pub states: usize,
     /// Reached states, drawn at random.
     pub samples: Vec<Vec<u8>>,
-}
-
-/// Whether every player is within its bounds.
-pub fn is_inside(sim: &Simulator<'_>, state: &[u8]) -> bool {
-    sim.world().players.iter().all(|p| {
-        let layout = &sim.world().layout.slots[p.slot];
-        let bounds = sim.world().spaces[layout.space(state)].bounds;
-        let (x, y) = (layout.var(state, VarId(0), 0), layout.var(state, VarId(1), 0));
-        !layout.alive(state) || bounds.is_none_or(|b| (b.left..=b.right).contains(&x) && y >= b.bottom)
-    })
 }
 
 /// Draws inputs that are held for some steps.
@@ -81,7 +70,7 @@ pub fn run(sim: &Simulator<'_>, claims: &Claims, steps: usize, seed: u64, runs: 
     let mut beyond = 0;
     for step in 0..steps {
         standing.is_allowed &= sim.violated(&state) == Ok(None);
-        standing.is_inside &= is_inside(sim, &state);
+        standing.is_inside &= sim.left_bounds(&state).is_none();
         beyond += u32::from(!standing.is_inside);
         runs.states += 1;
         if step % 16 == 0 && standing.is_inside {

@@ -15,6 +15,7 @@ mod soundness {
     pub mod generate;
     pub mod run;
     pub mod shrink;
+    pub mod tally;
     pub mod witness;
 }
 
@@ -28,8 +29,9 @@ use soundness::choices::choices;
 use soundness::files::compiled;
 use soundness::frame::Frame;
 use soundness::generate::program;
-use soundness::run::{Refuted, Runs, run};
+use soundness::run::{Inputs, Refuted, Runs, exhaust, run};
 use soundness::shrink::shrunk;
+use soundness::tally::Tally;
 use soundness::witness::with_witnesses;
 
 const STEPS: usize = 160;
@@ -61,10 +63,27 @@ fn refuted(text: &str, seed: u64, samples: Option<&mut Option<String>>) -> Optio
             return Some((refuted, script));
         }
     }
+    if seed % 4 == 0 {
+        exhaust(&sim, &claims, 300, [1, 4, 12][(seed / 4 % 3) as usize], &mut runs);
+        if let Some(refuted) = runs.refuted {
+            let script = refuted.script.text(program, world);
+            return Some((refuted, script));
+        }
+    }
     if let Some(samples) = samples {
         *samples = with_witnesses(text, program, &program.worlds[world], &runs.samples, seed);
     }
     None
+}
+
+/// Mistakes that show in the same way, and as early, are most often the same.
+fn class_of(refuted: &Refuted) -> String {
+    let when = match refuted.script.len() {
+        0 => " at the start",
+        1 => " in the first step",
+        _ => "",
+    };
+    format!("{}{when}", refuted.violation.class)
 }
 
 fn env(name: &str, otherwise: u64) -> u64 {
@@ -119,13 +138,13 @@ fn hunt() {
         }
         let Some((refuted_by, _)) = result else { continue };
         found += 1;
-        let class = refuted_by.violation.class.clone();
+        let class = class_of(&refuted_by);
         let known = classes.entry(class.clone()).or_default();
         *known += 1;
         if *known > most {
             continue;
         }
-        let mut fails = |text: &str| refuted(text, seed, None).is_some_and(|(r, _)| r.violation.class == class);
+        let mut fails = |text: &str| refuted(text, seed, None).is_some_and(|(r, _)| class_of(&r) == class);
         let small = shrunk(&text, &mut fails);
         let Some((last, script)) = refuted(&small, seed, None) else { continue };
         let report = format!(
@@ -140,4 +159,50 @@ fn hunt() {
     }
     println!("{compiled_count} worlds, {found} refuted, {:.1} s, slowest {slowest:?}; {classes:#?}", clock.elapsed().as_secs_f64());
     let _ = WorldId(0);
+}
+
+/// Everything that the language has happens in the suite's worlds.
+#[test]
+fn every_construct_happens() {
+    let mut tally = Tally::default();
+    for seed in 0..env("HYPEDC_WORLDS", 1_500) {
+        let text = program(&choices(seed), Frame::default());
+        let Some(program) = compiled(&text).program else { continue };
+        tally.read(&text);
+        let sim = Simulator::new(&program, WorldId(0));
+        let mut scratch = sim.scratch();
+        let Ok(mut state) = sim.initial(&mut scratch) else { continue };
+        let mut inputs = Inputs::new(seed, sim.world().players.len());
+        for _ in 0..120 {
+            let before = state.clone();
+            let input = inputs.next();
+            if let Err(fault) = sim.step(&mut state, input, &mut scratch) {
+                tally.stopped(&fault);
+                break;
+            }
+            tally.watch(&sim, &before, input, &state, &scratch);
+        }
+    }
+    let (rules, events) = (tally.rules(), tally.events());
+    for (name, count) in rules.iter().chain(&events) {
+        println!("{count:>10}  {name}");
+    }
+    let none: Vec<&String> = rules.iter().chain(&events).filter(|(_, count)| *count == 0).map(|(name, _)| name).collect();
+    assert!(none.is_empty(), "never: {none:?}");
+}
+
+#[test]
+fn temporary_known() {
+    let Ok(folder) = std::env::var("HYPEDC_KNOWN") else { return };
+    let mut paths: Vec<_> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
+    paths.sort();
+    for path in paths.iter().filter(|p| p.extension().is_some_and(|e| e == "hyped")) {
+        let text = std::fs::read_to_string(path).unwrap();
+        let found = (0..20).find_map(|seed| {
+            let mut more = None;
+            let found = refuted(&text, seed, Some(&mut more));
+            found.or_else(|| refuted(&more?, seed, None))
+        });
+        println!("{}: {}", path.file_name().unwrap().to_str().unwrap(), found.map_or("-".into(), |(r, _)| format!("{}: {}", r.violation.class, r.violation.what)));
+    }
 }

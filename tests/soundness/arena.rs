@@ -18,6 +18,8 @@ pub struct Arena {
     has_boss: bool,
     /// The instances that are placed, each with the number of its entity.
     places: Vec<usize>,
+    /// Where the last one was placed.
+    last: (f64, f64),
 }
 
 /// What a room is made of.
@@ -43,6 +45,7 @@ impl Arena {
             second: [Nothing, Map, Rects, OpenMap, File][draw.pick(5)],
             has_boss: draw.chance(10),
             places: Vec::new(),
+            last: (16.0, 16.0),
         }
     }
 
@@ -63,7 +66,7 @@ impl Arena {
 
 const STEPS: [&str; 12] =
     ["1/60", "1/30", "1/10", "1/60", "1/240", "1/4", "20ms", "1/50", "1/8", "1/60", "1/60", "1/30"];
-const RESPONSES: [&str; 9] = [
+const RESPONSES: [&str; 10] = [
     "block",
     "sense",
     "block",
@@ -73,6 +76,7 @@ const RESPONSES: [&str; 9] = [
     "block from above, carry",
     "block, keep velocity, carry",
     "block",
+    "sense, carry",
 ];
 
 impl Generator<'_> {
@@ -149,7 +153,7 @@ impl Generator<'_> {
                 lines.push(format!("{tag} with \"thin ice\": {}", self.draw.one(&RESPONSES)));
             }
             for other in &tags[index..] {
-                if self.draw.chance(60) {
+                if self.draw.chance(65) {
                     let (a, b) = if self.draw.chance(50) { (tag, other) } else { (other, tag) };
                     lines.push(format!("{a} with {b}: {}", self.draw.one(&RESPONSES)));
                 }
@@ -286,7 +290,13 @@ impl Generator<'_> {
     }
 
     fn place_one(&mut self, index: usize, plan: usize) {
-        let (x, y) = self.spot();
+        let (mut x, mut y) = self.spot();
+        if self.draw.chance(50) {
+            // Next to another one, or on it.
+            let by = [16.0, 0.0, -16.0, 24.0, 8.0, -8.0];
+            (x, y) = (self.arena.last.0 + by[self.draw.pick(6)], self.arena.last.1 + by[self.draw.pick(5)]);
+        }
+        self.arena.last = (x, y);
         let mut settings = Vec::new();
         if self.draw.chance(20) {
             let speed = self.draw.one(&["30", "-60", "0", "200", "-7.5"]);

@@ -373,7 +373,7 @@ impl Generator<'_> {
 
     /// What one of mine can touch.
     fn other_tag(&mut self) -> String {
-        let mut tags = vec!["wall", "cloud", "\"thin ice\""];
+        let mut tags = vec!["wall", "wall", "wall", "cloud", "\"thin ice\""];
         tags.extend(self.plans.iter().map(|p| p.tag));
         tags.extend(self.plans.iter().map(|p| p.tag));
         self.draw.one(&tags).into()
@@ -560,15 +560,17 @@ impl Generator<'_> {
                 };
                 set(self, value)
             }
+            "heat" if p.extremes && self.draw.chance(15) => "heat := (heat + 1) * 1000000000 * 1000000000".into(),
             "heat" => format!("heat := {}", self.value(Dim::Pure)),
             "y''" => format!("y'' := {}", self.value(Dim::Force)),
             "flag" => format!("flag := {}", self.guard()),
             "colour" => format!("colour := {}", self.draw.one(&["green", "blue", "red"])),
             "friend" => {
-                let value = match self.draw.pick(4) {
-                    0 if named.is_some() => "seen".into(),
+                let value = match self.draw.pick(5) {
+                    _ if named.is_some() && self.draw.chance(60) => "seen".into(),
                     1 => "none".into(),
                     2 => self.spawn(),
+                    3 => format!("foe_{}", NAMES[self.any_plan()].1),
                     _ => "self".into(),
                 };
                 format!("friend := {value}")
@@ -586,7 +588,7 @@ impl Generator<'_> {
             }
             "spawn" => self.spawn(),
             _ => match self.draw.pick(4) {
-                0 if named.is_some() => "destroy seen".into(),
+                _ if named.is_some() && self.draw.chance(60) => "destroy seen".into(),
                 1 => "destroy friend".into(),
                 2 => format!("destroy foe_{}", NAMES[self.any_plan()].1),
                 _ => "destroy self".into(),
@@ -617,6 +619,12 @@ impl Generator<'_> {
             let value = self.draw.one(&["speed", "-speed", "speed * 2", "speed + 10"]).to_string();
             let value = if self.draw.chance(30) { self.value(Dim::Speed) } else { value };
             given.push(format!("speed = {value}"));
+        }
+        if self.draw.chance(15) {
+            // Around, from one to the next.
+            given.retain(|g| !g.starts_with("speed"));
+            given.push("speed = -turn".into());
+            given.push("turn = speed".into());
         }
         if self.draw.chance(30) {
             given.push(format!("n = {}", self.draw.one(&["n - 1", "n + 1", "-n", "n", "count"])));
@@ -657,7 +665,7 @@ impl Generator<'_> {
                     let force = self.draw.one(&["-400", "force", "-force", "-100"]);
                     return format!("y'' = {force}");
                 }
-                ("y", _) => self.draw.one(&["0", "speed", "-speed", "-60"]).into(),
+                ("y", _) => self.draw.one(&["0", "speed", "-speed", "-60", "turn"]).into(),
                 _ => self.draw.one(&["speed", "30", "-60"]).into(),
             };
             return format!("{variable}' = {}", self.axes.write(&format!("{variable}'"), &text));
@@ -828,8 +836,10 @@ impl Generator<'_> {
     }
 
     fn shape(&mut self) -> String {
+        let is_plain = self.draw.chance(60);
         let (x, y) = (self.draw.one(&["0", "-4", "8"]), self.draw.one(&["0", "-8", "4"]));
-        let width = self.draw.one(&["16", "8", "24", "size", "48", "4"]);
+        let (x, y) = if is_plain { ("0", "0") } else { (x, y) };
+        let width = self.draw.one(&["16", "16", "8", "24", "size", "48", "4"]);
         let height = self.draw.one(&["16", "8", "size", "30", "4"]);
         let changes = self.palette.shapes;
         match self.draw.pick(if changes { 9 } else { 7 }) {
@@ -940,6 +950,11 @@ impl Generator<'_> {
             let target = siblings[self.draw.pick(siblings.len())].clone();
             self.line(format!("when lost(foe_{foe}) -> {target}"));
         }
+        if siblings.len() > 1 && self.palette.contacts && self.draw.chance(25) {
+            let target = &siblings[(own + 1) % siblings.len()];
+            let touching = self.touching();
+            self.line(format!("when {touching} -> {target}"));
+        }
         // Without this most worlds stay in their first mode.
         if siblings.len() > 1 && self.draw.chance(60) {
             let target = &siblings[(own + 1) % siblings.len()];
@@ -1010,7 +1025,8 @@ impl Generator<'_> {
                 out.push_str(item);
             }
         }
-        let members: [(&str, &str); 16] = [
+        let members: [(&str, &str); 17] = [
+            ("turn", "param turn: px/s = 0\n"),
             ("size", "param size: px = 16\n"),
             ("speed", "param speed: px/s = 60\n"),
             ("force", "param force: px/s^2 = 200\n"),

@@ -1,5 +1,8 @@
-//! Random runs of a world, held against what is claimed of it.
+//! Runs of a world, held against what is claimed of it: at random, and all that there are of a tiny world.
 
+use std::collections::HashSet;
+
+use hypedc::ir::Entity;
 use hypedc::sim::{Input, PlayerInput, Script, Simulator};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -86,5 +89,81 @@ pub fn run(sim: &Simulator<'_>, claims: &Claims, steps: usize, seed: u64, runs: 
         if beyond > BEYOND || sim.step(&mut state, input, &mut scratch).is_err() {
             return;
         }
+    }
+}
+
+/// More inputs than that, of all players together, are not tried one by one.
+const MOST_INPUTS: usize = 36;
+
+/// All inputs that the players of a world can give, axes at their ends or in the middle; none if there are too many.
+fn all_inputs(sim: &Simulator<'_>) -> Option<Vec<Input>> {
+    let mut all = vec![Input::default()];
+    for player in sim.world().players.iter() {
+        let entity: &Entity = &sim.program().entities[sim.world().slots[player.slot].entity];
+        let buttons = 1_u64 << entity.buttons.len().min(2);
+        let values: &[f64] = &[0.0, 1.0, -1.0];
+        let axes = |count: usize, at: usize| if at < count { values } else { &values[..1] };
+        let count = entity.axes.len();
+        let mut next = Vec::new();
+        for input in &all {
+            for buttons in 0..buttons {
+                for x in axes(count, 0) {
+                    for y in axes(count, 1) {
+                        let mut more = input.clone();
+                        more.0.push(PlayerInput { buttons, axes: [*x, *y, 0.0, 0.0] });
+                        next.push(more);
+                    }
+                }
+            }
+        }
+        all = next;
+        if all.len() > MOST_INPUTS {
+            return None;
+        }
+    }
+    Some(all)
+}
+
+/// Runs a world with all inputs there are, each held for some steps, breadth first, up to a number of states.
+pub fn exhaust(sim: &Simulator<'_>, claims: &Claims, most: usize, hold: u32, runs: &mut Runs) {
+    let mut scratch = sim.scratch();
+    let (Some(inputs), Ok(start)) = (all_inputs(sim), sim.initial(&mut scratch)) else { return };
+    let mut known: HashSet<Vec<u8>> = HashSet::new();
+    // Each with where it comes from: a state's number and an input's.
+    let mut open: Vec<(Vec<u8>, bool, usize, usize)> = vec![(start, true, 0, 0)];
+    let mut at = 0;
+    while at < open.len() && open.len() < most {
+        for (number, input) in inputs.iter().enumerate() {
+            let (mut state, mut is_allowed) = (open[at].0.clone(), open[at].1);
+            for step in 0..hold {
+                is_allowed &= sim.violated(&state) == Ok(None);
+                let is_inside = sim.left_bounds(&state).is_none();
+                let standing = Standing { is_inside, is_allowed };
+                runs.states += 1;
+                let violation =
+                    claims.refuted(sim, &state, standing).or_else(|| claims.refuted_by_step(sim, &state, input));
+                if let Some(violation) = violation {
+                    let mut way = vec![];
+                    let mut back = at;
+                    while back != 0 {
+                        way.push(open[back].3);
+                        back = open[back].2;
+                    }
+                    let mut script = Script::default();
+                    way.iter().rev().for_each(|input| script.push(&inputs[*input], hold));
+                    script.push(input, step);
+                    runs.refuted = Some(Refuted { violation, script });
+                    return;
+                }
+                if !is_inside || sim.step(&mut state, input, &mut scratch).is_err() {
+                    state.clear();
+                    break;
+                }
+            }
+            if !state.is_empty() && known.insert([state.as_slice(), &[u8::from(is_allowed)]].concat()) {
+                open.push((state, is_allowed, at, number));
+            }
+        }
+        at += 1;
     }
 }

@@ -353,7 +353,7 @@ impl Generator<'_> {
     fn questions(&mut self) {
         for index in 0..2 + self.draw.pick(3) {
             let predicate = self.predicate();
-            self.world_line(format!("goal g{index}: {predicate}"));
+            self.world_line(format!("goal goal{index}: {predicate}"));
         }
         if self.draw.chance(35) {
             let predicate = self.predicate();

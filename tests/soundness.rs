@@ -1,9 +1,20 @@
-//! What the analysis says that cannot be, against worlds that are made to do it.
+//! What the analysis says that cannot be, against worlds that are made to do it: random ones with every construct of the
+//! language, and changed ones whose verdicts hang by a thread. Claims are what variables, modes, timers and spaces can be,
+//! goals that are proven unreachable, invariants, and what `check` says of guards and modes.
+//!
+//! `HYPEDC_LONG=1 HYPEDC_WORLDS=1000000 cargo test --test soundness nothing -- --nocapture` looks at that many worlds of
+//! each kind, and tells of every 10,000th. The number of a world is its seed: `HYPEDC_FROM=N` goes on where another run
+//! was stopped, and several processes can share the numbers. A violation is printed as soon as it is found, as a program
+//! of a few lines with the inputs that lead there.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "it says how much it has seen")]
 
+#[path = "mutation/mutate.rs"]
+#[allow(dead_code, reason = "the lines of changes are not told")]
+mod mutate;
 #[path = "analysis/outside.rs"]
+#[allow(dead_code, reason = "how runs end is told by the simulator")]
 mod outside;
 mod soundness {
     pub mod alike;
@@ -15,165 +26,78 @@ mod soundness {
     pub mod files;
     pub mod frame;
     pub mod generate;
+    pub mod hunt;
+    pub mod mutants;
     pub mod run;
     pub mod shrink;
     pub mod tally;
     pub mod witness;
 }
+mod support;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-use hypedc::diagnostic::render;
 use hypedc::ir::WorldId;
 use hypedc::sim::Simulator;
 use soundness::alike::Otherwise;
-use soundness::claims::{Claims, Standing};
-use soundness::consecution::consecution;
 use soundness::choices::choices;
+use soundness::claims::Claims;
+use soundness::consecution::consecution;
 use soundness::files::compiled;
 use soundness::frame::Frame;
 use soundness::generate::program;
-use soundness::run::{Inputs, Refuted, Runs, exhaust, run};
-use soundness::shrink::shrunk;
+use soundness::hunt::{Source, hunt, refuted_by};
+use soundness::mutants::originals;
+use soundness::run::{Inputs, Runs, run};
 use soundness::tally::Tally;
-use soundness::witness::with_witnesses;
+use support::files;
 
-const STEPS: usize = 160;
-const RUNS: u64 = 3;
-
-/// Runs a program at random.
-fn refuted(text: &str, seed: u64, samples: Option<&mut Option<String>>) -> Option<(Refuted, String)> {
-    let compilation = compiled(text);
-    let program = compilation.program.as_ref()?;
-    let world = program.worlds.ids().next()?;
-    let clock = std::time::Instant::now();
-    let claims = Claims::of(&compilation, program, world);
-    if std::env::var("HYPEDC_TIMES").is_ok() {
-        let slots = program.worlds[world].slots.len();
-        println!("{seed}: {:.3} s, {slots} slots, {} configurations, {} claims, {} given up, {:?} bounded", clock.elapsed().as_secs_f64(),
-            claims.space.slots.iter().map(|s| s.configurations.len()).sum::<usize>(), claims.count(), claims.space.slots.iter().filter(|s| s.is_given_up).count(),
-            {
-                let all: Vec<_> = claims.space.slots.iter().flat_map(|s| s.configurations.iter()).flat_map(|c| [c.vars[hypedc::ir::VarId(0)][0].hull(), c.vars[hypedc::ir::VarId(1)][0].hull()]).flatten().collect();
-                let bounded = all.iter().filter(|i| i.low.is_finite() && i.high.is_finite()).count();
-                100 * bounded / all.len().max(1)
-            });
+/// The numbers of the worlds to look at: some from the first on, or as the environment says.
+fn seeds(usual: u64) -> std::ops::Range<u64> {
+    let number = |name: &str| std::env::var(name).ok().and_then(|v| v.parse().ok());
+    if std::env::var_os("HYPEDC_LONG").is_none() {
+        return 0..usual;
     }
-    let sim = Simulator::new(program, world);
-    let mut runs = Runs::default();
-    for turn in 0..RUNS {
-        run(&sim, &claims, STEPS, seed.wrapping_mul(31).wrapping_add(turn), &mut runs);
-        if let Some(refuted) = runs.refuted {
-            let script = refuted.script.text(program, world);
-            return Some((refuted, script));
-        }
-    }
-    if seed % 4 == 0 {
-        exhaust(&sim, &claims, 300, [1, 4, 12][(seed / 4 % 3) as usize], &mut runs);
-        if let Some(refuted) = runs.refuted {
-            let script = refuted.script.text(program, world);
-            return Some((refuted, script));
-        }
-    }
-    if let Some(samples) = samples {
-        *samples = with_witnesses(text, program, &program.worlds[world], &runs.samples, seed);
-    }
-    None
+    let from: u64 = number("HYPEDC_FROM").unwrap_or(0);
+    from..from + number("HYPEDC_WORLDS").unwrap_or(20 * usual)
 }
 
-/// Mistakes that show in the same way, and as early, are most often the same.
-fn class_of(refuted: &Refuted) -> String {
-    let when = match refuted.script.len() {
-        0 => " at the start",
-        1 => " in the first step",
-        _ => "",
-    };
-    format!("{}{when}", refuted.violation.class)
-}
-
-fn env(name: &str, otherwise: u64) -> u64 {
-    std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(otherwise)
+/// Looks at worlds of a kind; almost all compile, and no claim is refuted.
+fn holds(source: &Source, usual: u64, compiles: u64) {
+    let hunt = hunt(source, seeds(usual));
+    let (worlds, compiled) = (hunt.worlds, hunt.compiled);
+    println!("{worlds} worlds, {compiled} compile, {} claims, {} states: {:?}", hunt.claims, hunt.states, hunt.classes);
+    assert!(compiled * 100 >= worlds * compiles, "{compiled} of {worlds} compile");
+    assert!(hunt.reports.is_empty(), "{:?}\n\n{}", hunt.classes, hunt.reports.join("\n"));
 }
 
 #[test]
-fn programs_compile() {
-    let mut failed: BTreeMap<String, (usize, u64)> = BTreeMap::new();
-    let count = 500;
-    let mut good = 0;
-    for seed in 0..count {
-        let text = program(&choices(seed), Frame::default());
-        let compilation = compiled(&text);
-        if compilation.program.is_some() {
-            good += 1;
-            continue;
-        }
-        let said = render::human(&compilation.sources, compilation.diagnostics.iter().filter(|d| d.severity == hypedc::diagnostic::Severity::Error), false);
-        let first = said.lines().take(6).collect::<Vec<_>>().join("\n");
-        failed.entry(said.lines().next().unwrap_or("").to_string()).or_insert((0, seed)).0 += 1;
-        if seed < 60 {
-            println!("{seed}: {first}");
-        }
-    }
-    println!("{good} of {count}; {failed:#?}");
+fn nothing_that_is_claimed_of_random_worlds_is_false() {
+    holds(&Source::Drawn, 700, 90);
 }
 
 #[test]
-fn hunt() {
-    let (from, count) = (env("HYPEDC_FROM", 0), env("HYPEDC_WORLDS", 300));
-    let mut classes: BTreeMap<String, usize> = BTreeMap::new();
-    let most = env("HYPEDC_SHRINK", 2) as usize;
-    let out = std::env::var("HYPEDC_OUT").ok();
-    let (mut compiled_count, mut found) = (0, 0);
-    let clock = std::time::Instant::now();
-    let mut slowest = (0.0, 0);
-    for seed in from..from + count {
-        let text = program(&choices(seed), Frame::default());
-        compiled_count += 1;
-        if compiled_count % 1_000 == 0 {
-            println!("{compiled_count} worlds to {seed}, {found} refuted, {:.0} s; {classes:?}", clock.elapsed().as_secs_f64());
-        }
-        let start = clock.elapsed().as_secs_f64();
-        let mut more = None;
-        let mut text = text;
-        let mut result = refuted(&text, seed, Some(&mut more));
-        if let (None, Some(more)) = (&result, more) {
-            result = refuted(&more, seed, None);
-            text = more;
-        }
-        let took = clock.elapsed().as_secs_f64() - start;
-        if took > slowest.0 {
-            slowest = (took, seed);
-        }
-        let Some((refuted_by, _)) = result else { continue };
-        found += 1;
-        let class = class_of(&refuted_by);
-        let known = classes.entry(class.clone()).or_default();
-        *known += 1;
-        let most = if class.contains(" at the start") { 1 } else { most };
-        if *known > most {
-            continue;
-        }
-        let mut fails = |text: &str| refuted(text, seed, None).is_some_and(|(r, _)| class_of(&r) == class);
-        let small = shrunk(&text, &mut fails);
-        let Some((last, script)) = refuted(&small, seed, None) else { continue };
-        let report = format!(
-            "// {}: {}\n// world {seed}; inputs: {script}\n{small}",
-            last.violation.class, last.violation.what
-        );
-        println!("{report}");
-        if let Some(folder) = &out {
-            let name = class.replace(|c: char| !c.is_alphanumeric(), "_");
-            std::fs::write(format!("{folder}/{name}-{seed}.hyped"), &report).unwrap();
-        }
-    }
-    println!("{compiled_count} worlds, {found} refuted, {:.1} s, slowest {slowest:?}; {classes:#?}", clock.elapsed().as_secs_f64());
-    let _ = WorldId(0);
+fn nothing_that_is_claimed_of_changed_worlds_is_false() {
+    holds(&Source::Changed(originals()), 1_500, 60);
 }
 
-/// Everything that the language has happens in the suite's worlds.
+/// Of these programs something false was said once.
+#[test]
+fn what_was_false_once_is_not_said_again() {
+    let mut again = Vec::new();
+    for path in files("tests/soundness/known", "hyped") {
+        let text = std::fs::read_to_string(&path).unwrap();
+        let refuted = (0..8).find_map(|seed| refuted_by(&text, seed));
+        again.extend(refuted.map(|r| format!("{}: {}", path.display(), r.violation.what)));
+    }
+    assert!(again.is_empty(), "{}", again.join("\n"));
+}
+
+/// Everything that the language has stands in the random worlds, and happens when they run.
 #[test]
 fn every_construct_happens() {
     let mut tally = Tally::default();
-    for seed in 0..env("HYPEDC_WORLDS", 1_500) {
+    for seed in seeds(1_500) {
         let text = program(&choices(seed), Frame::default());
         let Some(program) = compiled(&text).program else { continue };
         tally.read(&text);
@@ -191,87 +115,75 @@ fn every_construct_happens() {
             tally.watch(&sim, &before, input, &state, &scratch);
         }
     }
-    let (rules, events) = (tally.rules(), tally.events());
-    for (name, count) in rules.iter().chain(&events) {
+    let all: Vec<(String, usize)> = tally.rules().into_iter().chain(tally.events()).collect();
+    for (name, count) in &all {
         println!("{count:>10}  {name}");
     }
-    let none: Vec<&String> = rules.iter().chain(&events).filter(|(_, count)| *count == 0).map(|(name, _)| name).collect();
-    assert!(none.is_empty(), "never: {none:?}");
+    let never: Vec<&String> = all.iter().filter(|(_, count)| *count == 0).map(|(name, _)| name).collect();
+    assert!(never.is_empty(), "never: {never:?}");
+    let names: Vec<&str> = all.iter().map(|(name, _)| name.as_str()).collect();
+    insta::assert_snapshot!(names.join("\n"));
 }
 
-#[test]
-fn temporary_known() {
-    let Ok(folder) = std::env::var("HYPEDC_KNOWN") else { return };
-    let mut paths: Vec<_> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
-    paths.sort();
-    for path in paths.iter().filter(|p| p.extension().is_some_and(|e| e == "hyped")) {
-        let text = std::fs::read_to_string(path).unwrap();
-        let found = (0..20).find_map(|seed| {
-            let mut more = None;
-            let found = refuted(&text, seed, Some(&mut more));
-            found.or_else(|| refuted(&more?, seed, None))
-        });
-        println!("{}: {}", path.file_name().unwrap().to_str().unwrap(), found.map_or("-".into(), |(r, _)| format!("{}: {}", r.violation.class, r.violation.what)));
-    }
-}
-
+/// Steps states that are possible by the claims; what is not possible then is told. It is a hint: no run may ever be in
+/// the state before.
 #[test]
 fn possible_states_lead_to_possible_ones() {
-    let mut classes: BTreeMap<String, (usize, u64)> = BTreeMap::new();
+    let mut hints: BTreeMap<String, (usize, String)> = BTreeMap::new();
     let (mut states, mut stepped) = (0, 0);
-    let from = env("HYPEDC_FROM", 0);
-    for seed in from..from + env("HYPEDC_WORLDS", 300) {
+    for seed in seeds(150) {
         let compilation = compiled(&program(&choices(seed), Frame::default()));
         let Some(program) = &compilation.program else { continue };
         let claims = Claims::of(&compilation, program, WorldId(0));
         let sim = Simulator::new(program, WorldId(0));
         let mut runs = Runs::default();
-        run(&sim, &claims, STEPS, seed, &mut runs);
+        run(&sim, &claims, 160, seed, &mut runs);
+        // What is false of reached states is told elsewhere.
         if runs.refuted.is_some() {
             continue;
         }
         let drawn = consecution(&sim, &claims, &runs.samples, 100, seed);
         states += drawn.states;
         stepped += drawn.stepped;
-        let mut said = std::collections::BTreeSet::new();
+        let mut classes = BTreeSet::new();
         for hint in drawn.hints {
-            if said.insert(hint.class.clone()) {
-                println!("{seed}: {}: {}", hint.class, hint.what);
-                classes.entry(hint.class).or_insert((0, seed)).0 += 1;
+            if classes.insert(hint.class.clone()) {
+                hints.entry(hint.class).or_insert((0, format!("world {seed}: {}", hint.what))).0 += 1;
             }
         }
     }
-    println!("{states} states, {stepped} stepped; hints in worlds: {classes:#?}");
+    println!("{states} states, {stepped} stepped; hints by class, with their worlds:\n{hints:#?}");
+    assert!(stepped * 4 >= states && stepped > 0, "{stepped} of {states}");
 }
 
 #[test]
 fn the_same_world_written_otherwise_is_judged_alike() {
-    let mut differ: BTreeMap<Otherwise, (usize, usize, Vec<String>)> = BTreeMap::new();
-    let from = env("HYPEDC_FROM", 0);
-    for seed in from..from + env("HYPEDC_WORLDS", 200) {
+    let mut differ: BTreeMap<Otherwise, (usize, Vec<String>)> = BTreeMap::new();
+    for seed in seeds(150) {
         let choices = choices(seed);
         let verdicts = |text: &str| {
             let compilation = compiled(text);
             let program = compilation.program.as_ref()?;
             let claims = Claims::of(&compilation, program, WorldId(0));
+            // How long it takes to look at a world depends on how it is written.
             let is_given_up = claims.space.slots.iter().any(|s| s.is_given_up);
             (!is_given_up).then(|| claims.verdicts(program, WorldId(0)))
         };
         let Some(plain) = verdicts(&program(&choices, Frame::default())) else { continue };
         for way in Otherwise::ALL {
-            let Some(text) = way.written(&choices) else { continue };
-            if compiled(&text).program.is_none() { println!("{seed}: {way:?} does not compile"); }
-            let Some(other) = verdicts(&text) else { continue };
-            let entry = differ.entry(way).or_default();
-            entry.0 += plain.len();
-            for ((name, a), (_, b)) in plain.iter().zip(&other).filter(|(a, b)| a.1 != b.1) {
-                entry.1 += 1;
-                entry.2.push(format!("{seed} {name}: {a} {b}"));
-            }
+            let Some(other) = way.written(&choices).and_then(|text| verdicts(&text)) else { continue };
+            let (count, found) = differ.entry(way).or_default();
+            *count += plain.len();
+            let others = plain.iter().zip(&other).filter(|(a, b)| a.1 != b.1);
+            found.extend(others.map(|((name, a), (_, b))| format!("{seed} {name}: {a}, then {b}")));
         }
     }
-    for (way, (count, other, examples)) in differ {
-        println!("{way:?}: {other} of {count} verdicts differ: {:?}", &examples[..examples.len().min(12)]);
+    println!("{differ:#?}");
+    for way in Otherwise::ALL {
+        let (count, found) = &differ[&way];
+        // Rounding and the numbers at which growing ends stay differ with the frame.
+        let most = if matches!(way, Otherwise::Mirrored | Otherwise::Shifted) { count / 50 } else { 0 };
+        assert!(found.len() <= most, "{way:?}: {found:#?}");
+        assert!(*count > 0, "{way:?}: nothing to compare");
     }
-    let _ = Standing { is_inside: true, is_allowed: true };
 }

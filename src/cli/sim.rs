@@ -219,12 +219,7 @@ pub(super) enum RunEnd {
 pub(super) type See<'a> = dyn FnMut(u64, &Input, &[u8], &Scratch) -> io::Result<()> + 'a;
 
 /// Runs at most so many steps and shows every state, the initial one first.
-pub(super) fn drive(
-    sim: &Simulator<'_>,
-    script: &Script,
-    frames: u64,
-    see: &mut See<'_>,
-) -> io::Result<RunEnd> {
+pub(super) fn drive(sim: &Simulator<'_>, script: &Script, frames: u64, see: &mut See<'_>) -> io::Result<RunEnd> {
     let mut scratch = sim.scratch();
     let nothing = Input::nothing(sim.world().players.len());
     let mut state = match sim.initial(&mut scratch) {

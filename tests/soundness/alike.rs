@@ -36,7 +36,8 @@ impl Otherwise {
             // What refers to whatever there is could refer to that one.
             Otherwise::Watched if words(&text).any(|w| matches!(w, "friend" | "seen")) => None,
             Otherwise::Watched => {
-                let with = text.replace("world W {", "entity Bystander { collider bystander: rect(0, 0, 16, 16) }\nworld W {");
+                let with =
+                    text.replace("world W {", "entity Bystander { collider bystander: rect(0, 0, 16, 16) }\nworld W {");
                 Some(with.replace("space main {", "space main {\nplace bystander: Bystander at (100000, 100000)"))
             }
         }
@@ -46,8 +47,8 @@ impl Otherwise {
 /// Names that may change, but for those of questions; tags are names of tiles and of files, too.
 fn is_own(word: &str) -> bool {
     const OWN: [&str; 22] = [
-        "A", "B", "C", "size", "speed", "force", "delay", "turn", "q", "heat", "count", "flag", "colour", "red", "green", "blue",
-        "friend", "foe_a", "foe_b", "foe_c", "seen", "boss",
+        "A", "B", "C", "size", "speed", "force", "delay", "turn", "q", "heat", "count", "flag", "colour", "red",
+        "green", "blue", "friend", "foe_a", "foe_b", "foe_c", "seen", "boss",
     ];
     let is_numbered = |first: char| word.strip_prefix(first).is_some_and(|rest| rest.parse::<u32>().is_ok());
     OWN.contains(&word) || ['m', 'i', 'g', 'p'].into_iter().any(is_numbered)

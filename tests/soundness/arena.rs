@@ -41,7 +41,7 @@ impl Arena {
             columns: 5 + draw.pick(5),
             rows: 4 + draw.pick(3),
             links: draw.chance(25),
-            main: [Map, Map, OpenMap, Rects, Floor, Nothing, Rects, OpenMap][draw.pick(8)],
+            main: [Map, Map, Rects, OpenMap, Rects, Floor, Nothing, Map][draw.pick(8)],
             second: [Nothing, Map, Rects, OpenMap, File][draw.pick(5)],
             has_boss: draw.chance(10),
             places: Vec::new(),
@@ -66,7 +66,7 @@ impl Arena {
 
 const STEPS: [&str; 12] =
     ["1/60", "1/30", "1/10", "1/60", "1/240", "1/4", "20ms", "1/50", "1/8", "1/60", "1/60", "1/30"];
-const RESPONSES: [&str; 10] = [
+const RESPONSES: [&str; 9] = [
     "block",
     "sense",
     "block",
@@ -76,7 +76,6 @@ const RESPONSES: [&str; 10] = [
     "block from above, carry",
     "block, keep velocity, carry",
     "block",
-    "sense, carry",
 ];
 
 impl Generator<'_> {
@@ -132,7 +131,7 @@ impl Generator<'_> {
         let count = self.plans.len();
         let mut places = vec![0];
         places.extend(1..count);
-        for _ in 0..[0, 0, 1, 2][self.draw.pick(4)] {
+        for _ in 0..[0, 0, 0, 1, 2][self.draw.pick(5)] {
             places.push(self.draw.pick(count));
         }
         self.arena.places = places;
@@ -202,7 +201,8 @@ impl Generator<'_> {
         }
         for _ in 0..[0, 0, 1, 2, 3][self.draw.pick(5)] {
             let (x, y) = self.spot();
-            let (width, height) = ([16.0, 4.0, 48.0, 8.0][self.draw.pick(4)], [8.0, 16.0, 3.0, 40.0][self.draw.pick(4)]);
+            let (width, height) =
+                ([16.0, 4.0, 48.0, 8.0][self.draw.pick(4)], [8.0, 16.0, 3.0, 40.0][self.draw.pick(4)]);
             self.rect([x, y, width, height]);
         }
         if self.draw.chance(20) {
@@ -278,7 +278,9 @@ impl Generator<'_> {
         let x = 8.0 * self.draw.pick(count(self.arena.width())) as f64;
         let y = 8.0 * self.draw.pick(count(self.arena.height())) as f64;
         let extremes = self.palette.extremes;
-        let by = |g: &mut Self| [0.0, 0.0, 0.0, 0.0, 0.0, 0.5, 3.0, 0.0005, -0.0005, 0.000_000_001][g.draw.pick(if extremes { 10 } else { 8 })];
+        let by = |g: &mut Self| {
+            [0.0, 0.0, 0.0, 0.0, 0.5, 3.0, 0.0005, -0.0005, 0.000_000_001][g.draw.pick(if extremes { 9 } else { 6 })]
+        };
         let far = if extremes && self.draw.chance(2) { 1e9 } else { 0.0 };
         (x + by(self) + far, y + by(self))
     }
@@ -291,7 +293,7 @@ impl Generator<'_> {
 
     fn place_one(&mut self, index: usize, plan: usize) {
         let (mut x, mut y) = self.spot();
-        if self.draw.chance(50) {
+        if index > 0 && self.draw.chance(50) {
             // Next to another one, or on it.
             let by = [16.0, 0.0, -16.0, 24.0, 8.0, -8.0];
             (x, y) = (self.arena.last.0 + by[self.draw.pick(6)], self.arena.last.1 + by[self.draw.pick(5)]);
@@ -303,14 +305,22 @@ impl Generator<'_> {
             settings.push(format!("speed = {speed}"));
         }
         if self.draw.chance(15) {
-            settings.push(self.draw.one(&["n = 0", "n = 3", "n = -1", "size = 8", "size = 24", "delay = 0.1", "force = -400"]).into());
+            settings.push(
+                self.draw
+                    .one(&["n = 0", "n = 3", "n = -1", "size = 8", "size = 24", "delay = 0.1", "force = -400"])
+                    .into(),
+            );
         }
         if self.draw.chance(15) {
             let speed = self.draw.one(&["60", "-60", "200"]);
             settings.push(format!("x' = {}", self.axes.write("x'", speed)));
         }
         if self.draw.chance(15) {
-            settings.push(self.draw.one(&["count = 2", "y' = 100", "q = 12", "flag = true", "colour = blue", "y'' = -400"]).into());
+            settings.push(
+                self.draw
+                    .one(&["count = 2", "y' = 100", "q = 12", "flag = true", "colour = blue", "y'' = -400"])
+                    .into(),
+            );
         }
         let others = self.arena.places.len();
         if self.draw.chance(50) {

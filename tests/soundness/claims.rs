@@ -128,7 +128,8 @@ impl Claims {
             }
             let never = spans.modes.pairs().filter(|(_, span)| modes.iter().any(|(at, _)| at == *span));
             self.modes.extend(never.map(|(mode, _)| (id, mode)));
-            let silent = spans.invariants.iter().enumerate().filter(|(_, span)| !doubted.iter().any(|(at, _)| at == *span));
+            let silent =
+                spans.invariants.iter().enumerate().filter(|(_, span)| !doubted.iter().any(|(at, _)| at == *span));
             self.silent.extend(silent.map(|(index, _)| (id, index)));
             for (edge, e) in entity.edges.pairs() {
                 let leaves: Vec<_> = entity
@@ -176,11 +177,17 @@ impl Claims {
             }
             let holds = |goal: &&GoalId| sim.goal(state, **goal) == Ok(true);
             if let Some(goal) = self.goals.iter().find(holds) {
-                return Some(Violation::new("goal", format!("{} holds, which is proven never to", world.goals[*goal].name)));
+                return Some(Violation::new(
+                    "goal",
+                    format!("{} holds, which is proven never to", world.goals[*goal].name),
+                ));
             }
             let holds = |never: &&NeverId| sim.holds(state, world.nevers[**never].holds) == Ok(true);
             if let Some(never) = self.nevers.iter().find(holds) {
-                return Some(Violation::new("never", format!("{} holds, which is proven never to", world.nevers[*never].name)));
+                return Some(Violation::new(
+                    "never",
+                    format!("{} holds, which is proven never to", world.nevers[*never].name),
+                ));
             }
             if standing.is_allowed
                 && let Some(within) = &self.within
@@ -190,7 +197,10 @@ impl Claims {
                 }
                 let holds = |goal: &&GoalId| sim.goal(state, **goal) == Ok(true);
                 if let Some(goal) = self.goals_within.iter().find(holds) {
-                    return Some(Violation::new("goal without", format!("{} holds, with no never before", world.goals[*goal].name)));
+                    return Some(Violation::new(
+                        "goal without",
+                        format!("{} holds, with no never before", world.goals[*goal].name),
+                    ));
                 }
             }
         }
@@ -207,7 +217,10 @@ impl Claims {
                 let m = &entity.modes[*mode];
                 let leaf = layout.leaf(state, m.group);
                 if m.leaves.0 <= leaf && leaf < m.leaves.1 {
-                    return Some(Violation::new("mode", format!("{} is in {}, which is never entered", s.name, m.path)));
+                    return Some(Violation::new(
+                        "mode",
+                        format!("{} is in {}, which is never entered", s.name, m.path),
+                    ));
                 }
             }
         }
@@ -244,7 +257,10 @@ impl Claims {
                 if eye.truth(claim.part) == Some(!claim.holds) {
                     let name = &world.slots[slot].name;
                     let verb = if claim.holds { "always" } else { "never" };
-                    return Some(Violation::new("guard", format!("{name}: a guard that {verb} holds turns out otherwise")));
+                    return Some(Violation::new(
+                        "guard",
+                        format!("{name}: a guard that {verb} holds turns out otherwise"),
+                    ));
                 }
             }
         }

@@ -125,7 +125,8 @@ fn change(layout: &SlotLayout, at: &Configuration, limits: &[u32], all: bool, st
 
 /// An end of an interval, or something within.
 fn value(values: &Values, now: f64, rng: &mut Pcg64) -> f64 {
-    let Some(Interval { low, high }) = values.intervals().get(rng.random_range(0..values.intervals().len().max(1))).copied()
+    let Some(Interval { low, high }) =
+        values.intervals().get(rng.random_range(0..values.intervals().len().max(1))).copied()
     else {
         return now;
     };

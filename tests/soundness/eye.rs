@@ -211,7 +211,8 @@ impl<'a> Eye<'a> {
     pub fn decide(&self, group: hypedc::ir::GroupId) -> Option<Move> {
         let entity = self.entity(self.me);
         let from = self.world.layout.slots[self.me].leaf(self.state, group);
-        let edge = entity.leaves[from].edges.iter().copied().find(|e| self.truth(entity.edges[*e].guard) == Some(true))?;
+        let edge =
+            entity.leaves[from].edges.iter().copied().find(|e| self.truth(entity.edges[*e].guard) == Some(true))?;
         let target = entity.edges[edge].target?;
         let mut at = &entity.modes[target];
         while at.chooses {

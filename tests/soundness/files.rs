@@ -8,7 +8,10 @@ use hypedc::source::{Files, ReadError};
 const FILES: [(&str, &str); 5] = [
     ("parts.hyped", "const width = 96\n"),
     ("levels/room.txt", "######\n#.a..#\n######\n"),
-    ("levels/legend.json", r##"{"tiles": {"#": ["wall", "solid"], ".": ["passable", "empty"], "a": ["passable", "empty"]}}"##),
+    (
+        "levels/legend.json",
+        r##"{"tiles": {"#": ["wall", "solid"], ".": ["passable", "empty"], "a": ["passable", "empty"]}}"##,
+    ),
     (
         "levels/cave.tmx",
         r#"<?xml version="1.0" encoding="UTF-8"?>

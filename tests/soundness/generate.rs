@@ -127,7 +127,7 @@ pub fn program(choices: &[u16], frame: Frame) -> String {
     let palette = Palette::draw(&mut draw);
     let arena = Arena::draw(&mut draw);
     let axes = Axes::new(frame, arena.width(), arena.tile);
-    let count = [1, 2, 2, 3][draw.pick(4)];
+    let count = [1, 2, 1, 2, 3][draw.pick(5)];
     let mut plans: Vec<Plan> = (0..count).map(|index| plan(&mut draw, index)).collect();
     plans[0].is_played = draw.chance(75) && palette.inputs;
     let mut g = Generator {
@@ -655,8 +655,8 @@ impl Generator<'_> {
             // What games do.
             let text = match (variable, self.draw.pick(6)) {
                 ("x", 0..=2) if played => format!("speed * {}", self.axes.axis("horizontal")),
-                ("x", _) => self.draw.one(&["speed", "-speed", "speed * n", "60", "0"]).into(),
-                ("y", 0) if played => "speed * vertical".into(),
+                ("x", _) => self.draw.one(&["speed", "-speed", "speed * n", "60", "-60"]).into(),
+                ("y", 0 | 5) if played => "speed * vertical".into(),
                 ("y", 1) => {
                     let speed = self.draw.one(&["speed", "0", "-30"]);
                     return format!("y' = {speed}");
@@ -757,11 +757,18 @@ impl Generator<'_> {
 
     fn vector(&mut self) -> String {
         let directions = self.draw.one(&["", " directions 4", " directions 8", " directions 3", " directions any"]);
-        let attack = self.draw.one(&["", "attack accel 500; ", "attack instant; ", "attack over 0.1s to 200; decay accel 100; "]);
+        let attack = self.draw.one(&[
+            "",
+            "attack accel 500; ",
+            "attack instant; ",
+            "attack over 0.1s to 200; decay accel 100; ",
+        ]);
         let release = self.draw.one(&["", "; release accel 300", "; release hold", "; release over 0.2s to 20"]);
         let guard = if self.draw.chance(20) { format!("; while {}", self.guard()) } else { String::new() };
         let sustain = self.draw.one(&["90", "speed", "0", "-60"]);
-        format!("envelope (x', y') by (horizontal, vertical){directions} {{ {attack}sustain {sustain}{release}{guard} }}")
+        format!(
+            "envelope (x', y') by (horizontal, vertical){directions} {{ {attack}sustain {sustain}{release}{guard} }}"
+        )
     }
 
     // ---- entities --------------------------------------------------------------------------------------------
@@ -929,14 +936,17 @@ impl Generator<'_> {
             self.line(vector);
         } else {
             for variable in driven {
-                if self.draw.chance(if *variable == "q" { 30 } else { 60 }) && (*variable != "q" || self.palette.charges) {
+                if self.draw.chance(if *variable == "q" { 30 } else { 70 })
+                    && (*variable != "q" || self.palette.charges)
+                {
                     let flow = self.flow(variable);
                     self.line(flow);
                 }
             }
         }
         if self.draw.chance(12) {
-            let entry = self.draw.one(&["count := 1", "heat := heat + 1", "flag := not flag", "colour := green", "y' := 120"]);
+            let entry =
+                self.draw.one(&["count := 1", "heat := heat + 1", "flag := not flag", "colour := green", "y' := 120"]);
             self.line(entry);
         }
         if self.draw.chance(if self.arena.links { 60 } else { 5 }) {
@@ -1016,7 +1026,10 @@ impl Generator<'_> {
             ("tile", "const tile = 16\n"),
             ("wide", "const wide: px = 3 * 8\n"),
             ("pull", "const pull: px*s^-2 = -150\n"),
-            ("Blink", "behavior Blink(t) {\nmode on { when timer >= t -> off }\nmode off { when timer >= t -> on }\n}\n"),
+            (
+                "Blink",
+                "behavior Blink(t) {\nmode on { when timer >= t -> off }\nmode off { when timer >= t -> on }\n}\n",
+            ),
             ("Drift", "behavior Drift(pace) {\ncontinuous drift = 0\ndrift' = pace\n}\n"),
             ("width", "import \"parts.hyped\"\n"),
         ];

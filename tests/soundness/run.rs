@@ -14,6 +14,8 @@ use super::claims::{Claims, Standing, Violation};
 pub struct Refuted {
     pub violation: Violation,
     pub script: Script,
+    /// The script as text.
+    pub inputs: String,
 }
 
 /// What came of some runs.
@@ -82,7 +84,7 @@ pub fn run(sim: &Simulator<'_>, claims: &Claims, steps: usize, seed: u64, runs: 
         let input = inputs.next();
         let violation = claims.refuted(sim, &state, standing).or_else(|| claims.refuted_by_step(sim, &state, input));
         if let Some(violation) = violation {
-            runs.refuted = Some(Refuted { violation, script });
+            runs.refuted = Some(Refuted { violation, script, inputs: String::new() });
             return;
         }
         script.push(input, 1);
@@ -152,7 +154,7 @@ pub fn exhaust(sim: &Simulator<'_>, claims: &Claims, most: usize, hold: u32, run
                     let mut script = Script::default();
                     way.iter().rev().for_each(|input| script.push(&inputs[*input], hold));
                     script.push(input, step);
-                    runs.refuted = Some(Refuted { violation, script });
+                    runs.refuted = Some(Refuted { violation, script, inputs: String::new() });
                     return;
                 }
                 if !is_inside || sim.step(&mut state, input, &mut scratch).is_err() {

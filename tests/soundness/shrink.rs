@@ -190,7 +190,17 @@ fn simpler(line: &str) -> Vec<String> {
             }
         }
     }
-    for word in ["not ", "kinematic ", "initial ", ", keep velocity", ", carry", " from above", ", cloud", ", \"thin ice\"", "-"] {
+    for word in [
+        "not ",
+        "kinematic ",
+        "initial ",
+        ", keep velocity",
+        ", carry",
+        " from above",
+        ", cloud",
+        ", \"thin ice\"",
+        "-",
+    ] {
         for (start, _) in line.match_indices(word) {
             if word != "-" || line[start + 1..].starts_with(|c: char| c.is_alphanumeric() || c == '(') {
                 add(start, start + word.len(), "");
@@ -219,9 +229,23 @@ fn simpler(line: &str) -> Vec<String> {
             start += 1;
             continue;
         }
-        let end = (start..bytes.len()).find(|i| !(bytes[*i].is_ascii_digit() || bytes[*i] == b'.')).unwrap_or(bytes.len());
+        let end =
+            (start..bytes.len()).find(|i| !(bytes[*i].is_ascii_digit() || bytes[*i] == b'.')).unwrap_or(bytes.len());
         let number = &line[start..end];
-        let cost = |n: &str| (n.len(), n.parse::<f64>().map_or(9, |x| if x == 0.0 { 0 } else if x == 1.0 { 1 } else { 2 }));
+        let cost = |n: &str| {
+            (
+                n.len(),
+                n.parse::<f64>().map_or(9, |x| {
+                    if x == 0.0 {
+                        0
+                    } else if x == 1.0 {
+                        1
+                    } else {
+                        2
+                    }
+                }),
+            )
+        };
         for with in ["0", "1", "16", "60"] {
             if cost(with) < cost(number) {
                 add(start, end, with);
@@ -257,7 +281,13 @@ fn operand_ends(line: &str, left: usize, right: usize) -> (usize, usize) {
             _ => {}
         }
         let rest = &line.get(i..left).unwrap_or("");
-        if depth == 0 && (rest.starts_with("= ") || rest.starts_with("when ") || rest.starts_with(": ") || rest.starts_with("> ") || rest.starts_with("< ")) {
+        if depth == 0
+            && (rest.starts_with("= ")
+                || rest.starts_with("when ")
+                || rest.starts_with(": ")
+                || rest.starts_with("> ")
+                || rest.starts_with("< "))
+        {
             from = i + rest.find(' ').map_or(0, |s| s + 1);
             break;
         }
@@ -279,7 +309,11 @@ fn operand_ends(line: &str, left: usize, right: usize) -> (usize, usize) {
             _ => {}
         }
         let rest = line.get(i..).unwrap_or("");
-        if depth == 0 && [" -> ", " {", " and ", " or ", " < ", " > ", " <= ", " >= ", " == ", " != "].iter().any(|w| rest.starts_with(w)) {
+        if depth == 0
+            && [" -> ", " {", " and ", " or ", " < ", " > ", " <= ", " >= ", " == ", " != "]
+                .iter()
+                .any(|w| rest.starts_with(w))
+        {
             to = i;
             break;
         }

@@ -4,8 +4,8 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 
 use hypedc::ir::{
-    Actions, By, ColliderId, Domain, Drive, Expr, Id, Origin, Place, Push, RefValue, Release, Shape, SlotId, Subject, TagSet,
-    VarId,
+    Actions, By, ColliderId, Domain, Drive, Expr, Id, Origin, Place, Push, RefValue, Release, Shape, SlotId, Subject,
+    TagSet, VarId,
 };
 use hypedc::sim::{Fault, FaultKind, Input, Scratch, Simulator};
 use pest::Parser;
@@ -78,7 +78,13 @@ impl Tally {
             !["only_", "bad_", "skip"].iter().any(|p| name.starts_with(p))
                 && !["statement", "opening_word", "reserved"].contains(&name.as_str())
         };
-        names.filter(is_of_texts).map(|name| { let count = self.rules.get(&name).copied().unwrap_or(0); (name, count) }).collect()
+        names
+            .filter(is_of_texts)
+            .map(|name| {
+                let count = self.rules.get(&name).copied().unwrap_or(0);
+                (name, count)
+            })
+            .collect()
     }
 
     /// The events that there can be, each with its count.
@@ -88,7 +94,13 @@ impl Tally {
         names.extend(ATOMS.iter().flat_map(|a| [format!("{a}: true"), format!("{a}: false")]));
         let others: Vec<String> = events.keys().filter(|name| !names.contains(name)).cloned().collect();
         assert!(others.is_empty(), "events without a place in the table: {others:?}");
-        names.into_iter().map(|name| { let count = events.get(&name).copied().unwrap_or(0); (name, count) }).collect()
+        names
+            .into_iter()
+            .map(|name| {
+                let count = events.get(&name).copied().unwrap_or(0);
+                (name, count)
+            })
+            .collect()
     }
 
     /// Notes what happens in a step.
@@ -201,7 +213,11 @@ impl Tally {
                 let is_open = follow.guard.is_none_or(|g| eye.truth(g) == Some(true));
                 if is_open && layout.alive(after) && layout.space(before) != layout.space(after) {
                     let links = &world.spaces[layout.space(before)].links;
-                    self.note(if follow.guard.is_some() { "a link is followed on a guard" } else { "a link is followed" });
+                    self.note(if follow.guard.is_some() {
+                        "a link is followed on a guard"
+                    } else {
+                        "a link is followed"
+                    });
                     if links.iter().any(|l| l.guard.is_some()) {
                         self.note("a link with a guard is open");
                     }
@@ -280,20 +296,29 @@ impl Tally {
                     }
                 }
                 Drive::Flow { degree, value, .. } => {
-                    self.note(["a flow of a position", "a flow of a velocity", "a flow of an acceleration"][usize::from(degree.min(2))]);
+                    self.note(
+                        ["a flow of a position", "a flow of a velocity", "a flow of an acceleration"]
+                            [usize::from(degree.min(2))],
+                    );
                     let _ = eye.number(value);
                 }
                 Drive::Envelope(id, component) => {
                     let envelope = &entity.envelopes[id];
                     self.note(&format!("an envelope {}", by_name(&envelope.by)));
                     let var = envelope.vars[usize::from(component)];
-                    let (old, new) = (layout.var(before, var, envelope.degree), layout.var(after, var, envelope.degree));
+                    let (old, new) =
+                        (layout.var(before, var, envelope.degree), layout.var(after, var, envelope.degree));
                     if let Some(guard) = envelope.guard
                         && let Some(holds) = eye.truth(guard)
                     {
                         self.turned_out("while", holds);
                     }
-                    self.watch_envelope(envelope, [old, new], envelope.peak.is_some() && layout.peak(after, id) != 0, &eye);
+                    self.watch_envelope(
+                        envelope,
+                        [old, new],
+                        envelope.peak.is_some() && layout.peak(after, id) != 0,
+                        &eye,
+                    );
                 }
             }
         }
@@ -353,8 +378,15 @@ impl Tally {
                     if let Some(is_there) = guard {
                         self.turned_out("collider when", is_there);
                     }
-                    if guard != Some(false) && let Some(sides) = self.sides(&eye, id) {
-                        bodies.push(Body { slot: Some(slot), is_kinematic: collider.kinematic, tags: collider.tags, sides });
+                    if guard != Some(false)
+                        && let Some(sides) = self.sides(&eye, id)
+                    {
+                        bodies.push(Body {
+                            slot: Some(slot),
+                            is_kinematic: collider.kinematic,
+                            tags: collider.tags,
+                            sides,
+                        });
                     }
                 }
             }
@@ -414,7 +446,8 @@ impl Tally {
         }
         let response = meeting.response;
         if response.push == Push::Block && !a.is_kinematic {
-            let side = if x < y { usize::from(a.sides[0] < b.sides[0]) } else { 2 + usize::from(a.sides[2] < b.sides[2]) };
+            let side =
+                if x < y { usize::from(a.sides[0] < b.sides[0]) } else { 2 + usize::from(a.sides[2] < b.sides[2]) };
             pushed[side] = true;
         }
         if !is_first {
@@ -445,34 +478,141 @@ impl Tally {
 
 /// What happens without a truth value.
 const EVENTS: &[&str] = &[
-    "own parameter", "parameter of another", "own variable", "variable of another", "own discrete", "discrete of another",
-    "axis at 0", "axis at an end", "axis at a fraction", "timer at 0", "timer that counts", "+", "-", "*", "/",
-    "min", "max", "abs", "sign", "clamp()", "floor", "ceil", "round", "sqrt", "sin", "cos", "atan2",
-    "an edge", "an edge without a target", "an edge that starts a mode anew", "an edge into a mode with modes",
-    "an entry update", "a link is followed", "a link is followed on a guard", "a link with a guard is open",
-    "updates as a link is followed", "an update of a position", "an update of a variable", "an update of a velocity",
-    "an update of an acceleration", "an update of a whole number", "an update of a truth value", "an update of a name",
-    "a reference is cleared", "a reference is set to self", "a reference is set to what is touched",
-    "a reference is set to another", "a spawn", "a spawn into a reference", "a spawn is refused",
-    "a spawn by what was spawned, parameters from its own", "destroy self", "destroy what is touched", "destroy a reference",
-    "an instance begins", "an instance ends", "a player leaves its bounds", "a second player", "carried along",
-    "on a carrier that stands", "on a carrier that is carried", "an acceleration that goes on", "a flow of a position",
-    "a flow of a velocity", "a flow of an acceleration", "an envelope by a button", "an envelope by an axis",
-    "an envelope by two axes, any direction", "an envelope by two axes, directions", "an envelope fixed",
-    "a fixed envelope moves", "a fixed envelope stays", "an attack", "a decay", "a sustain", "a sustain after a peak",
-    "a release", "a release that holds", "a release that is over", "a clamp of a position at its low end",
-    "a clamp of a position at its high end", "a clamp of a velocity at its low end", "a clamp of a velocity at its high end",
-    "meets: sense", "meets: sense, carry", "meets: block", "meets: block, carry", "meets: block, keep velocity",
-    "meets: block, keep velocity, carry", "meets: block from above", "meets: block from above, carry",
-    "a movable and a wall", "a kinematic one and a wall", "two movable ones", "two kinematic ones",
-    "a movable and a kinematic one", "deep inside of what blocks", "pushed from two sides",
-    "a collider whose size is an expression", "a circle", "stops: not finite", "stops: division by zero", 
+    "own parameter",
+    "parameter of another",
+    "own variable",
+    "variable of another",
+    "own discrete",
+    "discrete of another",
+    "axis at 0",
+    "axis at an end",
+    "axis at a fraction",
+    "timer at 0",
+    "timer that counts",
+    "+",
+    "-",
+    "*",
+    "/",
+    "min",
+    "max",
+    "abs",
+    "sign",
+    "clamp()",
+    "floor",
+    "ceil",
+    "round",
+    "sqrt",
+    "sin",
+    "cos",
+    "atan2",
+    "an edge",
+    "an edge without a target",
+    "an edge that starts a mode anew",
+    "an edge into a mode with modes",
+    "an entry update",
+    "a link is followed",
+    "a link is followed on a guard",
+    "a link with a guard is open",
+    "updates as a link is followed",
+    "an update of a position",
+    "an update of a variable",
+    "an update of a velocity",
+    "an update of an acceleration",
+    "an update of a whole number",
+    "an update of a truth value",
+    "an update of a name",
+    "a reference is cleared",
+    "a reference is set to self",
+    "a reference is set to what is touched",
+    "a reference is set to another",
+    "a spawn",
+    "a spawn into a reference",
+    "a spawn is refused",
+    "a spawn by what was spawned, parameters from its own",
+    "destroy self",
+    "destroy what is touched",
+    "destroy a reference",
+    "an instance begins",
+    "an instance ends",
+    "a player leaves its bounds",
+    "a second player",
+    "carried along",
+    "on a carrier that stands",
+    "on a carrier that is carried",
+    "an acceleration that goes on",
+    "a flow of a position",
+    "a flow of a velocity",
+    "a flow of an acceleration",
+    "an envelope by a button",
+    "an envelope by an axis",
+    "an envelope by two axes, any direction",
+    "an envelope by two axes, directions",
+    "an envelope fixed",
+    "a fixed envelope moves",
+    "a fixed envelope stays",
+    "an attack",
+    "a decay",
+    "a sustain",
+    "a sustain after a peak",
+    "a release",
+    "a release that holds",
+    "a release that is over",
+    "a clamp of a position at its low end",
+    "a clamp of a position at its high end",
+    "a clamp of a velocity at its low end",
+    "a clamp of a velocity at its high end",
+    "meets: sense",
+    "meets: block",
+    "meets: block, carry",
+    "meets: block, keep velocity",
+    "meets: block, keep velocity, carry",
+    "meets: block from above",
+    "meets: block from above, carry",
+    "a movable and a wall",
+    "a kinematic one and a wall",
+    "two movable ones",
+    "two kinematic ones",
+    "a movable and a kinematic one",
+    "deep inside of what blocks",
+    "pushed from two sides",
+    "a collider whose size is an expression",
+    "a circle",
+    "stops: not finite",
+    "stops: division by zero",
     "stops: out of range",
 ];
 
 /// What turns out one way or the other.
 const ATOMS: &[&str] = &[
-    "<", "<=", ">", ">=", "==", "!=", "and", "or", "not", "if", "pressed", "held", "released", "touching",
-    "touching on a side", "touching as", "entering", "exiting", "is none", "is ENTITY", "in MODE", "in MODE of another",
-    "inside", "near", "alive", "goal", "never", "invariant", "while", "initial when", "collider when",
+    "<",
+    "<=",
+    ">",
+    ">=",
+    "==",
+    "!=",
+    "and",
+    "or",
+    "not",
+    "if",
+    "pressed",
+    "held",
+    "released",
+    "touching",
+    "touching on a side",
+    "touching as",
+    "entering",
+    "exiting",
+    "is none",
+    "is ENTITY",
+    "in MODE",
+    "in MODE of another",
+    "inside",
+    "near",
+    "alive",
+    "goal",
+    "never",
+    "invariant",
+    "while",
+    "initial when",
+    "collider when",
 ];

@@ -68,8 +68,12 @@ fn part(program: &Program, world: &World, state: &[u8], rng: &mut Pcg64) -> Opti
             Some(format!("{who}.{} == {value}", discrete.name))
         }
         _ => {
-            let held: Vec<usize> =
-                entity.touches.ids().filter(|t| layout.touch(state, *t)).map(|t| entity.touches[t].other.index()).collect();
+            let held: Vec<usize> = entity
+                .touches
+                .ids()
+                .filter(|t| layout.touch(state, *t))
+                .map(|t| entity.touches[t].other.index())
+                .collect();
             let tag = held.get(rng.random_range(0..held.len().max(1)))?;
             let name = &program.tags[hypedc::ir::TagId(*tag as u32)];
             Some(format!("{who} touching \"{name}\""))

@@ -328,7 +328,7 @@ impl Generator<'_> {
             settings.push(format!("friend = p{to}"));
         }
         for of in 0..self.plans.len() {
-            let found = (0..others).filter(|p| self.arena.places[*p] == of).next_back();
+            let found = (0..others).rfind(|p| self.arena.places[*p] == of);
             if let Some(to) = found.filter(|_| self.draw.chance(60)) {
                 settings.push(format!("foe_{} = p{to}", self.plans[of].name.to_lowercase()));
             }

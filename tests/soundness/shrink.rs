@@ -294,8 +294,8 @@ fn operand_ends(line: &str, left: usize, right: usize) -> (usize, usize) {
     }
     let mut depth = 0;
     let mut to = line.len();
-    for i in right..line.len() {
-        match bytes[i] {
+    for (i, byte) in bytes.iter().enumerate().skip(right) {
+        match byte {
             b'(' => depth += 1,
             b')' if depth == 0 => {
                 to = i;
@@ -352,8 +352,8 @@ fn arguments(line: &str, open: usize, close: usize) -> Vec<(usize, usize)> {
     let mut depth = 0;
     let mut from = open + 1;
     let mut out = Vec::new();
-    for i in open + 1..close {
-        match bytes[i] {
+    for (i, byte) in bytes.iter().enumerate().take(close).skip(open + 1) {
+        match byte {
             b'(' => depth += 1,
             b')' => depth -= 1,
             b',' if depth == 0 => {

@@ -239,13 +239,13 @@ fn auto_finds_what_there_is_and_proves_what_it_can() {
         let can_be = matches!(case.answer, Answer::Reachable | Answer::Fine);
         assert_eq!(is_reached, can_be, "{} {}: {:?}", case.file, case.goal, outcome.verdict);
         let verdict = match outcome.verdict {
-            Verdict::Reached(_) => "reached".into(),
-            Verdict::NotFound => "not found".into(),
-            Verdict::Unreachable(Argument::Analysis(_)) => "unreachable, by the analysis".into(),
-            Verdict::Unreachable(Argument::Exhaustion(_)) => "unreachable, by exhaustion".into(),
-            Verdict::Unreachable(Argument::Over) => "unreachable, as every run is over".into(),
-            Verdict::Unreachable(Argument::Distance(_)) => "unreachable, as it is too far".into(),
-            Verdict::Exhausted(_) => "exhausted".into(),
+            Verdict::Reached(_) => "reached",
+            Verdict::NotFound => "not found",
+            Verdict::Unreachable(Argument::Analysis(_)) => "unreachable, by the analysis",
+            Verdict::Unreachable(Argument::Exhaustion(_)) => "unreachable, by exhaustion",
+            Verdict::Unreachable(Argument::Over) => "unreachable, as every run is over",
+            Verdict::Unreachable(Argument::Distance(_)) => "unreachable, as it is too far",
+            Verdict::Exhausted(_) => "exhausted",
         };
         let fine = if hold.is_some() { " (inputs of 1 step)" } else { "" };
         writeln!(lines, "{} {}{fine}: {verdict}", case.file, case.goal).unwrap();

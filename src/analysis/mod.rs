@@ -10,8 +10,8 @@
 //! What is assumed: inputs can be anything at any time; references can refer to any instance of their entity; joint
 //! transitions can happen or not. Positions are known from levels in three ways: a push ends where edges meet and a
 //! contact tells where both are (`surroundings`), and what moves in small steps among walls stays where it can get
-//! (`region`). Speed and height under a constant acceleration are tied to each other (`energy`). What can be used up once
-//! bounds what counts it (`supply`).
+//! (`region`); how far something gets in a number of steps is `pace`. Speed and height under a constant acceleration are
+//! tied to each other (`energy`). What can be used up once bounds what counts it (`supply`).
 //!
 //! What is lost: else variables are not related to each other, nor instances. An entity with more than a thousand
 //! combinations of leaves, or a world that takes too many steps to look at, is given up: everything is possible then.
@@ -25,6 +25,7 @@ mod findings;
 mod fixpoint;
 mod flow;
 mod local;
+mod pace;
 mod region;
 mod scene;
 mod step;

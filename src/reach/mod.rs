@@ -4,16 +4,19 @@
 //! a run could come to: both end one where a player leaves the bounds that are written for its space. Where there are none,
 //! a search stops at a window of its own (`window.rs`), and proves nothing if it did.
 //!
+//! It is also asked how soon a goal can hold at the earliest, where there is a time to keep.
+//!
 //! Then searchers grow trees of states ([`search`]). Those that sample share one loop (`sampler.rs`), to which a planner
 //! adds a strategy (`planners/`); `exhaustive.rs` visits each state once and can prove a "no"; `portfolio.rs` lets several
 //! take turns. A found path is replayed in the simulator before it is reported, and can be made faster (`hasten.rs`) and simpler
-//! (`shorten.rs`).
+//! (`shorten.rs`); what is found for one question can answer another one (`exchange.rs`).
 
 mod bounds;
 mod controls;
 mod coverage;
 mod distance;
 mod draw;
+mod exchange;
 mod exhaustive;
 mod ground;
 mod hasten;
@@ -26,6 +29,7 @@ mod problem;
 mod proof;
 mod region;
 mod sampler;
+mod seam;
 mod search;
 mod searcher;
 mod shorten;
@@ -37,13 +41,14 @@ mod window;
 pub use bounds::Sampling;
 pub use controls::MAX_CONTROLS;
 pub use coverage::{Count, Covered, PLACE};
+pub use exchange::passed;
 pub use hasten::hasten;
 pub use metric::{Coordinate, Measure, Metric, Point, Quantity};
 pub use nearest::{Index, Neighbour};
-pub use outcome::{Argument, Cut, End, Outcome, Plan, Statistics, Verdict, Visited};
+pub use outcome::{Argument, Cut, End, Exhaustion, Outcome, Plan, Statistics, Verdict, Visited};
 pub use planners::Planner;
 pub use problem::{BadStart, Death, Problem, Standing, Start, Target};
-pub use proof::{Part, Proof};
+pub use proof::{Part, Proof, TooFar};
 pub use search::{Limits, Restart, Settings, search};
 pub use shorten::shorten;
 
@@ -65,6 +70,9 @@ pub fn reach(
     if let Some(proof) = Proof::of(problem, space) {
         problem.sim.initial(&mut problem.sim.scratch())?;
         return Ok(Outcome::of(Verdict::Unreachable(Argument::Analysis(proof)), "analysis"));
+    }
+    if let Some(far) = TooFar::of(problem, space)? {
+        return Ok(Outcome::of(Verdict::Unreachable(Argument::Distance(far)), "analysis"));
     }
     search(problem, space, settings, limits, watch)
 }

@@ -53,10 +53,15 @@ pub use search::{Limits, Restart, Settings, search};
 pub use shorten::shorten;
 
 use crate::analysis::ConfigurationSpace;
+use crate::ir::ExprId;
 use crate::sim::Fault;
 use crate::watch::Watch;
 
-/// Asks the analysis whether what is asked for can hold at all; if so, searches for a way to it.
+/// Nodes of a first glance: what is found within them needs no closer look by the analysis.
+const GLANCE: u64 = 4_000;
+
+/// Asks the analysis whether what is asked for can hold at all; if so, searches for a way to it. What a glance does not find
+/// is looked at more closely before the search goes on: by place, which takes longer (only where the planner is `auto`).
 ///
 /// # Errors
 /// A [`Fault`] if the initial state breaks a rule.
@@ -73,6 +78,18 @@ pub fn reach(
     }
     if let Some(far) = TooFar::of(problem, space)? {
         return Ok(Outcome::of(Verdict::Unreachable(Argument::Distance(far)), "analysis"));
+    }
+    if settings.planner == Planner::Auto && limits.nodes > GLANCE && matches!(problem.target, Target::Goal(_)) {
+        let glance = search(problem, space, settings, &Limits { nodes: GLANCE, ..*limits }, watch)?;
+        if glance.verdict != Verdict::NotFound || glance.end != End::Nodes {
+            return Ok(glance);
+        }
+        let (program, world) = (problem.sim.program(), problem.sim.world_id());
+        let nevers: Vec<ExprId> = problem.sim.world().nevers.iter().map(|never| never.holds).collect();
+        let closer = space.clone().by_place(program, world, &nevers, watch);
+        if let Some(proof) = Proof::of(problem, &closer) {
+            return Ok(Outcome::of(Verdict::Unreachable(Argument::Analysis(proof)), "analysis"));
+        }
     }
     search(problem, space, settings, limits, watch)
 }

@@ -77,7 +77,7 @@ fn questions(program: &Program, world: WorldId) -> Vec<(String, Target)> {
 }
 
 fn analysed(program: &Program, world: WorldId, explored: &Explored, tally: &mut Tally) -> Result<(), String> {
-    let space = configuration_space(program, world);
+    let space = configuration_space(program, world).by_place(program, world, &[], &Unwatched);
     for ((name, target), way) in questions(program, world).into_iter().zip(&explored.ways) {
         // A `never` is looked at out of bounds, too, of which the analysis says nothing.
         let Target::Goal(goal) = target else { continue };
@@ -116,7 +116,7 @@ fn exhausted(
         };
         match (&outcome.verdict, way) {
             (Verdict::Reached(plan), Some(way)) => {
-                let is_shortest = plan.shortest_by == Some(1) || plan.steps == 0;
+                let is_shortest = plan.is_shortest || plan.steps == 0;
                 if plan.steps != way.len() as u64 || !is_shortest {
                     let (theirs, way) = (plan.script.text(program, world), written(program, world, way));
                     return Err(format!("{name}: `{theirs}` as the shortest way, but `{way}` is"));
@@ -128,11 +128,11 @@ fn exhausted(
                     return Err(format!("{name}: `{way}` as a way, but there is none"));
                 }
             }
-            (Verdict::Unreachable(_), Some(way)) => {
+            (Verdict::Unreachable(_) | Verdict::Exhausted(_), Some(way)) => {
                 let way = written(program, world, way);
                 return Err(format!("{name}: ruled out by exhaustion, but `{way}` leads to it"));
             }
-            (Verdict::Unreachable(_), None) => tally.proven += usize::from(explored.is_closed),
+            (Verdict::Unreachable(_) | Verdict::Exhausted(_), None) => tally.proven += usize::from(explored.is_closed),
             (Verdict::NotFound, _) => {}
         }
     }

@@ -1,6 +1,6 @@
 //! What the analysis says of a world, and whether a state is against it.
 
-use std::cell::Cell;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use hypedc::analysis::{ConfigurationSpace, InvariantVerdict, invariants, watched_findings, watched_space};
 use hypedc::compile::Compilation;
@@ -37,17 +37,17 @@ pub struct Standing {
 }
 
 /// Gives a world up that takes long to look at: thousands of others are looked at in that time.
-struct Patience(Cell<u32>);
+struct Patience(AtomicU32);
 
 impl Watch for Patience {
     fn stop(&self) -> bool {
-        self.0.set(self.0.get().saturating_sub(1));
-        self.0.get() == 0
+        let before = self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| Some(left.saturating_sub(1)));
+        before.is_ok_and(|left| left <= 1)
     }
 }
 
 fn patience() -> Patience {
-    Patience(Cell::new(MOST_LOOKS))
+    Patience(AtomicU32::new(MOST_LOOKS))
 }
 
 /// Combinations of modes that are looked at, each time that more is known of it.

@@ -155,7 +155,7 @@ impl Tally {
     /// Notes why a run stops.
     pub fn stopped(&self, fault: &Fault) {
         self.note(match fault.kind {
-            FaultKind::NotFinite(..) | FaultKind::Diverged(_) => "stops: not finite",
+            FaultKind::NotFinite(..) | FaultKind::Diverged(..) => "stops: not finite",
             FaultKind::DivisionByZero(..) => "stops: division by zero",
             FaultKind::OutOfRange(..) => "stops: out of range",
             // The checker sees to it that this does not happen.

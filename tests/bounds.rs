@@ -101,5 +101,6 @@ fn json_has_every_combination() {
     assert_eq!(json["goals"][0], serde_json::json!({ "goal": "arrive", "verdict": "not ruled out", "argument": null }));
     let link: Value = serde_json::from_str(&bounds(&["examples/car.hyped", "--format", "json"])).unwrap();
     let y = &link["slots"][0]["combinations"][0]["variables"][1]["value"];
-    assert_eq!(y[0][0], 0.0);
+    // An end that is open: the car may leave the map.
+    assert!(y[0][0].is_null(), "{y}");
 }

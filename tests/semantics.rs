@@ -696,3 +696,9 @@ fn rectangles_that_touch_form_one_surface() {
     run.step("-*30");
     assert_eq!((run.var("a", "x"), run.var("a", "y")), (64.0, 30.0));
 }
+
+#[test]
+fn a_world_without_a_space_has_no_slots() {
+    let p = program(compile_text("entity A { mode only { when true { spawn A } } } world W { limit A 1 }"));
+    assert_eq!(p.worlds[WorldId(0)].slots.len(), 0);
+}

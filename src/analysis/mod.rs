@@ -11,10 +11,34 @@
 //! transitions can happen or not. Positions are known from levels in three ways: a push ends where edges meet and a
 //! contact tells where both are (`surroundings`), and what moves in small steps among walls stays where it can get
 //! (`region`); how far something gets in a number of steps is `pace`. Speed and height under a constant acceleration are
-//! tied to each other (`energy`). What can be used up once bounds what counts it (`supply`).
+//! tied to each other (`energy`). What can be used up once bounds what counts it (`supply`). Players can be told apart by
+//! place (`cells`, `local`).
 //!
 //! What is lost: else variables are not related to each other, nor instances. An entity with more than a thousand
 //! combinations of leaves, or a world that takes too many steps to look at, is given up: everything is possible then.
+//!
+//! # The phases of a step
+//!
+//! The analysis takes a step in the order of the simulator's phases. Each row sets a phase beside its abstraction, and names
+//! what holds the two together, beside the random runs of `tests/analysis.rs`, the harness in `tests/soundness` and the
+//! interpreter in `tests/oracle`, which look at all of them.
+//!
+//! | simulator | here | told apart or given up | tests |
+//! |---|---|---|---|
+//! | `Simulator::initial`: contacts are found, nothing is pushed | `birth::begin`: the first positions are places of contacts | what begins inside of something is pushed anywhere beside it | `found/*initial*`, `*slight*` |
+//! | input: buttons, axes | `Reader::truth`, `number`: anything, if there is a player | – | oracle, exhaustive |
+//! | discrete: `decide`, edges in order, first guard that holds | `Stepper::choices`: refined by each guard in turn | others are read as the step began (`Phase::Discrete`) | `verdicts/*` |
+//! | discrete: `take`, entries, updates, timers anew | `Stepper::take`, `enter`, `act` | ways of groups are joined beyond 512 | `found.rs` |
+//! | `life::change`: destroy, spawn | `outcome.can_end`, `birth::spawn`: parameters are part of what a spawned instance can be | which slot is taken is not known | `found/spawnchain*`, `pair`, `home` |
+//! | what dies is read until the step ends | `Between`: what the discrete phase makes of it, modes included | – | `found/*dying*` |
+//! | `life::change`: links | `Stepper::through` | – | `found/linkout`, `found.rs` |
+//! | continuous: flows, envelopes, clamps | `flow::flow`: contacts are those of the last collision (`Phase::Continuous`) | of others, all they are within a step | `found/*stale*`, `*clamp*` |
+//! | `collision::carry` | `Surroundings::collide`: near what carries it, moved by as much, carriers of carriers included | positions of the two are not related | `tests/semantics.rs`, oracle |
+//! | contacts, where everything is before pushes | `Overall::contact`, `places` | – | `found/false-pushed-pusher` |
+//! | pushes: along an axis the deepest counts | `Contacts::push_out`: it ends at an edge of what it meets | instances that push each other; overlaps; gaps a little too narrow: anywhere beside it | `found/false-opposite-pushes`, `verdicts/slit*` |
+//! | velocities into surfaces become 0 | the same, beside the old one | energies: only of what never moves | `found/false-clamped*` |
+//! | `life::bury`: references become none | references may always be none | – | oracle |
+//! | observation: `never`, then written bounds, then `goal` | `barred`, `widen::within_bounds`, `can_turn_out` | – | `tests/border.rs` |
 
 mod barred;
 mod birth;

@@ -197,7 +197,9 @@ impl Checker<'_> {
                 self.diagnostics.report(OverLimit { at: limit.span, name, living, limit: count as usize, one: last });
                 continue;
             }
-            for _ in living..count as usize {
+            // Without a space there is nobody to spawn anything, and nowhere to be.
+            let has_space = syntax.items.iter().any(|item| matches!(item, WorldItem::Space(_)));
+            for _ in (living..count as usize).filter(|_| has_space) {
                 let name = self.unnamed(population, entity, limit.span);
                 let made = self.free_instance(entity, name, limit.span);
                 self.populate(population, made);

@@ -143,6 +143,7 @@ fn exhaustion_agrees_with_a_search_step_by_step() {
                         proven += 1;
                     }
                     (Verdict::Unreachable(Argument::Over), None) => {}
+                    (Verdict::NotFound, None) if !outcome.cuts.is_empty() => {}
                     // A button or an axis that nothing reads makes no difference here, and a run-time error proves nothing.
                     other => panic!("{what}, {planner:?}: {other:?}"),
                 }

@@ -134,7 +134,7 @@ fn exhaustion_agrees_with_a_search_step_by_step() {
                         found += 1;
                         assert!(holds(&plan.script, 0, least), "{what}: {:?}", plan.script);
                         if planner == Planner::Exhaustive {
-                            assert_eq!((plan.steps, plan.is_shortest), (steps, true), "{what}");
+                            assert_eq!((plan.steps, plan.is_shortest), (steps, outcome.cuts.is_empty()), "{what}");
                         }
                         assert!(!plan.is_shortest || plan.steps == steps, "{what}");
                     }
@@ -143,6 +143,7 @@ fn exhaustion_agrees_with_a_search_step_by_step() {
                         proven += 1;
                     }
                     (Verdict::Unreachable(Argument::Over), None) => {}
+                    (Verdict::NotFound, None) if !outcome.cuts.is_empty() => {}
                     // A button or an axis that nothing reads makes no difference here, and a run-time error proves nothing.
                     other => panic!("{what}, {planner:?}: {other:?}"),
                 }
@@ -371,8 +372,7 @@ fn a_never_is_proven_or_not_answered() {
         &["never away: not answered, no way to break it was found\n", "this proves nothing"],
     );
     has(&["reach", STEPS, "--never", "left"], 1, &["never left: violated"]);
-    let (code, text) = told(&["reach", PIT_PROOF, "--never", "hurt", "--planner", "exhaustive", "--nodes", "400000"]);
-    assert!(code == 1 && !text.contains("proven"), "{text}");
+    has(&["reach", PIT_PROOF, "--never", "hurt", "--planner", "exhaustive"], 1, &["never hurt: violated"]);
     let (_, text) = told(&["reach", STEPS, "--never", "away", "--planner", "exhaustive", "--format", "json"]);
     let json: Value = serde_json::from_str(&text).unwrap();
     assert_eq!((&json["version"], &json["goals"][0]["verdict"]), (&4.into(), &"proven-unreachable".into()));

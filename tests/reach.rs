@@ -193,6 +193,7 @@ fn jumper(goal: &str) -> Program {
                      ..........
                      ##########
                  \"
+                 bounds rect(0, 0, 160, 80)
                  place hero: Hero at (8, 16)
              }}
              player 1: hero

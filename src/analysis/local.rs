@@ -132,15 +132,15 @@ impl Surfaces {
     /// Where pushes of at most `far` px can end that find an instance in a box of positions.
     pub fn edges(&self, at: [Interval; 2], far: f64, out: &mut Edges) {
         for surface in self.around(at).filter(|s| s.is_pushing) {
-            for axis in 0..2 {
-                for end in 0..2 {
+            for (axis, out) in out.iter_mut().enumerate() {
+                for (end, out) in out.iter_mut().enumerate() {
                     let Some(edge) = surface.edges[axis][end].filter(|_| surface.is_open[axis][end]) else { continue };
                     let from = match end {
                         0 => Interval { low: edge - far, high: edge },
                         _ => Interval { low: edge, high: edge + far },
                     };
                     if rounded(from).and(at[axis]).is_some() {
-                        out[axis][end].push(rounded(Interval::point(edge)));
+                        out.push(rounded(Interval::point(edge)));
                     }
                 }
             }

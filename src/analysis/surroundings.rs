@@ -340,10 +340,10 @@ fn carry(scene: &Scene<'_>, crowds: &mut [Crowd]) {
             let carriers = met(scene, me, &crowds[me].spaces, crowds).into_iter();
             let carriers: Vec<usize> =
                 carriers.filter(|p| p.meeting.response.carry && pushes(scene, me, p)).map(|p| p.kind).collect();
-            for axis in 0..2 {
+            for (axis, own) in own[me].iter().enumerate() {
                 let most = carriers.iter().map(|c| crowds[*c].displacement[axis]).fold(0.0, f64::max);
                 // What still grows after as many rounds as there are kinds carries itself.
-                let sum = own[me][axis] + most;
+                let sum = own + most;
                 if sum > crowds[me].displacement[axis] {
                     crowds[me].displacement[axis] = if round == rounds { f64::INFINITY } else { sum };
                     changed = true;
@@ -383,14 +383,14 @@ fn longest(scene: &Scene<'_>, me: usize, crowds: &[Crowd]) -> [f64; 2] {
     let (kind, crowd) = (&scene.kinds[me], &crowds[me]);
     let mut longest = [0.0_f64; 2];
     for found in crowd.spaces.iter().filter_map(|s| scene.statics(me, *s)) {
-        for axis in 0..2 {
-            longest[axis] = longest[axis].max(found.longest[axis]);
+        for (longest, found) in longest.iter_mut().zip(found.longest) {
+            *longest = longest.max(found);
         }
     }
     for pair in met(scene, me, &crowd.spaces, crowds).into_iter().filter(|pair| pushes(scene, me, pair)) {
         let (mine, theirs) = (&kind.bodies[pair.mine], &scene.kinds[pair.kind].bodies[pair.theirs]);
-        for axis in 0..2 {
-            longest[axis] = longest[axis].max(Scene::size(mine)[axis] + Scene::size(theirs)[axis]);
+        for (axis, longest) in longest.iter_mut().enumerate() {
+            *longest = longest.max(Scene::size(mine)[axis] + Scene::size(theirs)[axis]);
         }
     }
     longest

@@ -24,6 +24,7 @@ mod evaluate;
 mod findings;
 mod fixpoint;
 mod flow;
+mod membership;
 mod region;
 mod scene;
 mod step;
@@ -35,6 +36,7 @@ mod widen;
 
 pub use evaluate::{Configuration, Numbers};
 pub use findings::{InvariantVerdict, Spaces, findings, invariants, watched_findings};
+pub use membership::{Beyond, Membership, Outside, Reading};
 pub use values::{Interval, Values};
 
 use crate::ir::{ExprId, GoalId, IdVec, Program, SlotId, World, WorldId};

@@ -8,6 +8,9 @@
 //! adds a strategy (`planners/`); `exhaustive.rs` visits each state once and can prove a "no"; `portfolio.rs` lets several
 //! take turns. A found path is replayed in the simulator before it is reported, and can be made faster (`hasten.rs`) and simpler
 //! (`shorten.rs`).
+//!
+//! Every state that is made on the way is held against what the analysis says (`guard.rs`). One that lies outside shows that
+//! the analysis is wrong about this world: no proof that rests on it is given then.
 
 mod bounds;
 mod controls;
@@ -16,6 +19,7 @@ mod distance;
 mod draw;
 mod exhaustive;
 mod ground;
+mod guard;
 mod hasten;
 mod metric;
 mod nearest;
@@ -37,6 +41,7 @@ mod window;
 pub use bounds::Sampling;
 pub use controls::MAX_CONTROLS;
 pub use coverage::{Count, Covered, PLACE};
+pub use guard::{Guard, Refutation};
 pub use hasten::hasten;
 pub use metric::{Coordinate, Measure, Metric, Point, Quantity};
 pub use nearest::{Index, Neighbour};
@@ -49,7 +54,9 @@ pub use shorten::shorten;
 
 use crate::analysis::ConfigurationSpace;
 use crate::sim::Fault;
-use crate::watch::Watch;
+use crate::watch::{Meter, Watch};
+
+use guard::guarded;
 
 /// Asks the analysis whether what is asked for can hold at all; if so, searches for a way to it.
 ///
@@ -62,9 +69,16 @@ pub fn reach(
     limits: &Limits,
     watch: &dyn Watch,
 ) -> Result<Outcome, Fault> {
-    if let Some(proof) = Proof::of(problem, space) {
-        problem.sim.initial(&mut problem.sim.scratch())?;
-        return Ok(Outcome::of(Verdict::Unreachable(Argument::Analysis(proof)), "analysis"));
-    }
-    search(problem, space, settings, limits, watch)
+    guarded(problem, space, settings, |problem| {
+        let Some(proof) = Proof::of(problem, space) else {
+            return search(problem, space, settings, limits, watch);
+        };
+        let starts = problem.starts()?;
+        let mut outcome = Outcome::of(Verdict::Unreachable(Argument::Analysis(proof)), "analysis");
+        if let Some(guard) = problem.guard() {
+            starts.iter().for_each(|start| guard.follow(problem, &start.script, &Meter::new(watch)));
+            outcome.refute_by(guard);
+        }
+        Ok(outcome)
+    })
 }

@@ -4,6 +4,7 @@ use crate::ir::{Bounds, NeverId, SpaceId};
 use crate::sim::{Fault, Script};
 
 use super::coverage::Covered;
+use super::guard::{Guard, Refutation};
 use super::proof::Proof;
 
 /// The answer to "can this be reached?".
@@ -57,6 +58,8 @@ pub struct Statistics {
     pub failures: u64,
     /// Steps simulated.
     pub steps: u64,
+    /// States held against what the world can be.
+    pub checked: u64,
 }
 
 impl Statistics {
@@ -67,6 +70,7 @@ impl Statistics {
         self.extensions += other.extensions;
         self.failures += other.failures;
         self.steps += other.steps;
+        self.checked += other.checked;
     }
 }
 
@@ -131,9 +135,39 @@ pub struct Outcome {
     pub truncated: bool,
     /// The first run-time error met, with the step of its path (from 1): a mistake of the program.
     pub fault: Option<(Fault, u64)>,
+    /// A run into a state which the analysis says that there is not: it is wrong about this world.
+    pub refuted: Option<Refutation>,
+    /// Whether there was a proof, which rests on what is refuted: then there is no answer.
+    pub is_withdrawn: bool,
+}
+
+impl Argument {
+    /// Whether it rests on what the analysis says the world can be.
+    fn rests_on_analysis(&self) -> bool {
+        match self {
+            Argument::Analysis(_) => true,
+            Argument::Exhaustion { .. } => false,
+        }
+    }
 }
 
 impl Outcome {
+    /// Takes back what rests on an analysis that is refuted, be it by the search for another answer.
+    pub fn refute(&mut self, refutation: &Refutation) {
+        self.refuted.get_or_insert_with(|| refutation.clone());
+        if matches!(&self.verdict, Verdict::Unreachable(argument) if argument.rests_on_analysis()) {
+            self.verdict = Verdict::NotFound;
+            self.is_withdrawn = true;
+        }
+    }
+
+    /// As [`Outcome::refute`], if a guard has found something.
+    pub(super) fn refute_by(&mut self, guard: &Guard) {
+        if let Some(refutation) = guard.refutation() {
+            self.refute(&refutation);
+        }
+    }
+
     /// A verdict before any work.
     pub(super) fn of(verdict: Verdict, planner: &'static str) -> Self {
         Outcome {
@@ -148,6 +182,8 @@ impl Outcome {
             record: Vec::new(),
             truncated: false,
             fault: None,
+            refuted: None,
+            is_withdrawn: false,
         }
     }
 }

@@ -14,6 +14,7 @@ use super::coverage::mixed;
 use super::distance::Distances;
 use super::exhaustive::Exhaustive;
 use super::ground::{Ground, Notes};
+use super::guard::guarded;
 use super::metric::{Measure, Metric};
 use super::outcome::{Argument, End, Outcome, Plan, Verdict};
 use super::planners::Planner;
@@ -46,6 +47,8 @@ pub struct Settings {
     pub threads: usize,
     /// Whether all nodes are recorded, for pictures.
     pub records: bool,
+    /// Whether all states are held against what the world can be, where a problem has no [`Guard`](super::Guard) of its own.
+    pub checks: bool,
 }
 
 impl Default for Settings {
@@ -61,6 +64,7 @@ impl Default for Settings {
             trees: 1,
             threads: 1,
             records: false,
+            checks: true,
         }
     }
 }
@@ -106,8 +110,27 @@ pub fn search(
     limits: &Limits,
     watch: &dyn Watch,
 ) -> Result<Outcome, Fault> {
+    guarded(problem, space, settings, |problem| {
+        let mut outcome = search_guarded(problem, space, settings, limits, watch)?;
+        if let Some(guard) = problem.guard() {
+            outcome.refute_by(guard);
+        }
+        Ok(outcome)
+    })
+}
+
+fn search_guarded(
+    problem: &Problem<'_>,
+    space: &ConfigurationSpace,
+    settings: &Settings,
+    limits: &Limits,
+    watch: &dyn Watch,
+) -> Result<Outcome, Fault> {
     let mut starts = Vec::new();
     for start in problem.starts()? {
+        if let Some(guard) = problem.guard() {
+            guard.follow(problem, &start.script, &Meter::new(watch));
+        }
         match problem.judge(&start.state)? {
             Standing::Open => starts.push(start),
             Standing::Dead(_) => {}
@@ -307,6 +330,8 @@ impl Forest<'_, '_> {
             record: notes.record,
             truncated: notes.is_truncated,
             fault: notes.fault,
+            refuted: None,
+            is_withdrawn: false,
         }
     }
 }

@@ -11,8 +11,8 @@
 mod support;
 mod yardstick;
 
-use std::cell::{Cell, RefCell};
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 use std::time::Duration;
 
 use allocation_counter::measure;
@@ -94,15 +94,16 @@ struct Batch {
 
 /// Lets the tree written by hand grow as much as the search whenever the search tells how far it is.
 struct Turns<W> {
-    by_hand: RefCell<Tree<W>>,
-    batches: RefCell<Vec<Batch>>,
-    since: Cell<ThreadTime>,
+    by_hand: Mutex<Tree<W>>,
+    batches: Mutex<Vec<Batch>>,
+    /// Of the thread's time.
+    since: Mutex<Duration>,
 }
 
 impl<W: Planned> Turns<W> {
     fn new(seed: u64) -> Self {
-        let (by_hand, batches) = (RefCell::new(Tree::new(seed)), RefCell::default());
-        Turns { by_hand, batches, since: Cell::new(ThreadTime::now()) }
+        let (by_hand, batches) = (Mutex::new(Tree::new(seed)), Mutex::default());
+        Turns { by_hand, batches, since: Mutex::new(ThreadTime::now().as_duration()) }
     }
 }
 
@@ -112,13 +113,13 @@ impl<W: Planned> Watch for Turns<W> {
     }
 
     fn progress(&self, progress: Progress) {
-        let interpreted = self.since.get().elapsed();
-        let mut batches = self.batches.borrow_mut();
+        let interpreted = ThreadTime::now().as_duration() - *self.since.lock().unwrap();
+        let mut batches = self.batches.lock().unwrap();
         let (from, to) = (batches.last().map_or(0, |batch| batch.to), progress.nodes);
         let before = ThreadTime::now();
-        self.by_hand.borrow_mut().grow_to(to as usize);
+        self.by_hand.lock().unwrap().grow_to(to as usize);
         batches.push(Batch { from, to, interpreted, by_hand: before.elapsed() });
-        self.since.set(ThreadTime::now());
+        *self.since.lock().unwrap() = ThreadTime::now().as_duration();
     }
 }
 
@@ -146,7 +147,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 fn compare<W: Planned>(world: &World) {
     for (size, seeds) in SIZES {
         let runs: Vec<[f64; 2]> =
-            (1..=seeds).map(|seed| rates(&grow::<W>(world, seed, size).0.batches.borrow(), size)).collect();
+            (1..=seeds).map(|seed| rates(&grow::<W>(world, seed, size).0.batches.lock().unwrap(), size)).collect();
         let [interpreted, by_hand] = [0, 1].map(|which| median(runs.iter().map(|rates| rates[which]).collect()));
         let ratio = median(runs.iter().map(|[interpreted, by_hand]| interpreted / by_hand).collect());
         println!("{:<6} {size:>8} {seeds:>6} {interpreted:>12.0} {by_hand:>12.0} {ratio:>8.2}", world.name);
@@ -179,9 +180,9 @@ fn weigh<W: Planned>(world: &World) {
 /// That the tree written by hand is one, and takes the nearest nodes.
 fn check<W: Planned>(world: &World) {
     let (turns, _) = grow::<W>(world, 1, 1_000);
-    let [interpreted, by_hand] = rates(&turns.batches.borrow(), 1_000);
+    let [interpreted, by_hand] = rates(&turns.batches.lock().unwrap(), 1_000);
     assert!(interpreted > 0.0 && by_hand > 0.0, "{}", world.name);
-    let mut tree = turns.by_hand.borrow_mut();
+    let mut tree = turns.by_hand.lock().unwrap();
     assert_eq!(tree.len(), 1_024, "{}", world.name);
     assert!((0..tree.len()).all(|node| tree.replays(node)), "{}", world.name);
     for _ in 0..200 {

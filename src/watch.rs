@@ -35,7 +35,7 @@ impl Watch for Unwatched {
 }
 
 /// After so much work a watch is asked; a unit is about as much as comparing two boxes, some nanoseconds.
-pub const WORK: u64 = 1 << 20;
+pub const WORK: u64 = 1 << 18;
 
 /// Counts work, and asks a watch each time that [`WORK`] of it is done.
 pub struct Meter<'w> {

@@ -8,6 +8,8 @@
 
 #[path = "properties/generate.rs"]
 mod any_program;
+#[path = "analysis/by_place.rs"]
+mod by_place;
 #[path = "analysis/false_verdicts.rs"]
 mod false_verdicts;
 #[path = "analysis/found.rs"]

@@ -78,3 +78,27 @@ fn bytes_without_end_get_an_answer() {
         }
     }
 }
+
+#[test]
+fn names_of_a_set_are_kept_once() {
+    let text = |n: usize| {
+        let names: Vec<String> = (0..n).map(|i| format!("n{i}")).collect();
+        let edges: String = (0..n).map(|i| format!("when d == n{i} {{ d := n{} }}\n", (i + 1) % n)).collect();
+        format!("entity A {{ discrete d: {{{}}} = n0\nmode m {{ {edges} }} }}\n", names.join(", "))
+    };
+    let most = |n: usize| {
+        let text = text(n);
+        allocation_counter::measure(|| drop(compile_text(&text))).bytes_max
+    };
+    let (few, many) = (most(400), most(1_600));
+    assert!(many < few * 6, "four times the text takes {few} and {many} bytes");
+}
+
+#[test]
+fn a_text_of_too_many_tokens_is_refused_before_it_is_read() {
+    let text = format!("entity A {{ mode m {{\n{} }} }}\n", "when d<1{d:=1}\n".repeat(600_000));
+    let mut found = Vec::new();
+    let taken = allocation_counter::measure(|| found = codes(&text));
+    assert_eq!(found, ["E0003"]);
+    assert!(taken.bytes_max < 40 * text.len() as u64, "{} bytes", taken.bytes_max);
+}

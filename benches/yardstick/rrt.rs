@@ -25,7 +25,7 @@ const GOAL_EVERY: u32 = 20;
 pub type Point = [f32; MOST_ROWS];
 
 /// A world that an RRT can be grown in.
-pub trait Planned: ByHand {
+pub trait Planned: ByHand + Send {
     /// How many coordinates its points have, modes included.
     const ROWS: usize;
     /// Where samples are drawn towards.

@@ -1,13 +1,13 @@
 //! Expressions over what variables can be: the values a number can have, the ways a guard can turn out, and what is left
 //! of a configuration where it turns out one way.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::{Deref, DerefMut};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::ir::{
-    Arithmetic, CompareOp, DiscreteId, Entity, Expr, ExprId, Function, Id, IdVec, LeafId, ParamId, Program, SlotId,
-    SpaceId, Subject, TimerId, VarId, World, call,
+    Arithmetic, CompareOp, DiscreteId, Entity, EntityId, Expr, ExprId, Function, Id, IdVec, LeafId, ParamId, Program,
+    SlotId, SpaceId, Subject, TimerId, TouchId, VarId, World, call,
 };
 
 use super::energy::Fall;
@@ -157,16 +157,57 @@ impl Truth {
     }
 }
 
+/// Of all that an instance can be, the part in which a world's predicate is read.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Pinned<'a> {
+    /// A part of its region.
+    Part(SpaceId, [Interval; 2]),
+    /// A configuration.
+    At(&'a Configuration),
+}
+
+/// What can be read of whichever instance a reference refers to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Part {
+    Param(ParamId),
+    /// Within a step or between steps.
+    Var(VarId, usize, bool),
+    Discrete(DiscreteId, bool),
+}
+
+/// What the instances of an entity, or all of them, can be together: joined once for all who read it, as long as what
+/// is known of the slots stays the same.
+#[derive(Debug, Default)]
+pub(super) struct Joined {
+    values: Mutex<BTreeMap<(Option<EntityId>, Part), Values>>,
+    alive: Mutex<BTreeMap<Option<EntityId>, Arc<[SlotId]>>>,
+}
+
+impl Joined {
+    /// More is known of the slots.
+    pub fn forget(&mut self) {
+        *self = Joined::default();
+    }
+}
+
+impl Clone for Joined {
+    fn clone(&self) -> Self {
+        Joined::default()
+    }
+}
+
 /// What an expression is read against.
 #[derive(Clone, Copy)]
 pub(super) struct Reader<'a> {
     pub program: &'a Program,
     pub world: &'a World,
     pub slots: &'a IdVec<SlotId, Overall>,
+    /// What they are together.
+    pub joined: &'a Joined,
     /// What is known of each slot's contacts.
     pub surroundings: &'a Surroundings,
-    /// In a world's predicate: an instance, and the part of its region that it is looked at in.
-    pub pinned: Option<(SlotId, SpaceId, [Interval; 2])>,
+    /// In a world's predicate: an instance, and what it is looked at in.
+    pub pinned: Option<(SlotId, Pinned<'a>)>,
     /// The instance that `Subject::Me` stands for, none in a world's predicate.
     pub me: Option<(SlotId, &'a Configuration)>,
     /// When it is read.
@@ -179,40 +220,66 @@ impl<'a> Reader<'a> {
     }
 
     /// The slots that a subject can stand for.
-    fn candidates(&self, of: Subject) -> Vec<SlotId> {
-        let alive = |slot: &SlotId| self.slots[*slot].can_live;
+    fn candidates(&self, of: Subject) -> Arc<[SlotId]> {
         match (of, self.me) {
-            (Subject::Me, Some((me, _))) => vec![me],
-            (Subject::Slot(slot), _) => vec![slot],
-            (Subject::Ref(id), Some((me, _))) => {
-                let entity = self.entity(me).refs[id].entity;
-                let fits = |slot: &SlotId| entity.is_none_or(|e| self.world.slots[*slot].entity == e);
-                self.world.slots.ids().filter(fits).filter(alive).collect()
+            (Subject::Me, Some((me, _))) => Arc::new([me]),
+            (Subject::Slot(slot), _) => Arc::new([slot]),
+            _ => {
+                let entity = self.entity_of(of);
+                let mut known = self.joined.alive.lock().unwrap_or_else(PoisonError::into_inner);
+                let fits = |slot: &SlotId| {
+                    entity.is_none_or(|e| self.world.slots[*slot].entity == e) && self.slots[*slot].can_live
+                };
+                let alive = known.entry(entity).or_insert_with(|| self.world.slots.ids().filter(fits).collect());
+                Arc::clone(alive)
             }
-            _ => self.world.slots.ids().filter(alive).collect(),
+        }
+    }
+
+    /// The entity of all that a reference can refer to; none if it can be any.
+    fn entity_of(&self, of: Subject) -> Option<EntityId> {
+        match (of, self.me) {
+            (Subject::Ref(id), Some((me, _))) => self.entity(me).refs[id].entity,
+            _ => None,
         }
     }
 
     /// What `read` finds, of any instance that a subject can stand for; those that do not have it are not meant.
-    fn read(&self, of: Subject, read: impl Fn(&Overall) -> Option<Values>) -> Values {
-        let found = self.candidates(of).into_iter().filter_map(|slot| read(&self.slots[slot]));
+    fn read(&self, of: Subject, part: Part, read: impl Fn(&Overall) -> Option<Values>) -> Values {
+        let is_one = matches!((of, self.me), (Subject::Me, Some(_)) | (Subject::Slot(_), _));
+        let key = (self.entity_of(of), part);
+        let known = || self.joined.values.lock().unwrap_or_else(PoisonError::into_inner);
+        if !is_one && let Some(values) = known().get(&key) {
+            return *values;
+        }
+        let candidates = self.candidates(of);
+        let found = candidates.iter().filter_map(|slot| read(&self.slots[*slot]));
         // Where there is no instance, zeros are read.
         let absent = matches!(of, Subject::Slot(slot) if self.slots[slot].can_be_absent);
         let zero = absent.then(|| Interval::point(0.0));
-        Values::any(found.flat_map(|v| v.intervals().to_vec()).chain(zero))
+        let values = Values::any(found.flat_map(|v| v.intervals().to_vec()).chain(zero));
+        if !is_one {
+            known().insert(key, values);
+        }
+        values
     }
 
     /// A position of an instance, within the part of its region that it is looked at in.
     fn in_part(&self, slot: SlotId, axis: usize, at: &Values) -> Values {
         match self.pinned {
-            Some((pinned, _, part)) if pinned == slot => at.within(part[axis]),
+            Some((pinned, Pinned::Part(_, part))) if pinned == slot => at.within(part[axis]),
             _ => *at,
         }
     }
 
+    /// Whether others are read as the discrete phase has left them.
+    fn is_within_step(&self) -> bool {
+        self.phase != Phase::Discrete
+    }
+
     /// What the discrete phase makes of another instance, if that is what is read.
     fn between<'o>(&self, o: &'o Overall) -> Option<&'o Between> {
-        (self.phase != Phase::Discrete).then_some(&o.between)
+        self.is_within_step().then_some(&o.between)
     }
 
     /// A variable of another instance.
@@ -223,14 +290,29 @@ impl<'a> Reader<'a> {
 
     fn position(&self, of: Subject, axis: usize) -> Values {
         let at = |o: &Overall| self.var(o, VarId(axis as u32), 0);
+        let part = Part::Var(VarId(axis as u32), 0, self.is_within_step());
         match of {
-            Subject::Slot(slot) => self.read(of, |o| Some(self.in_part(slot, axis, &at(o)?))),
-            _ => self.read(of, at),
+            Subject::Slot(slot) => self.read(of, part, |o| Some(self.in_part(slot, axis, &at(o)?))),
+            _ => self.read(of, part, at),
         }
     }
 
+    /// The configuration in which a subject is read, if it is read in one.
     fn mine(&self, of: Subject) -> Option<&'a Configuration> {
-        self.me.filter(|_| of == Subject::Me).map(|(_, c)| c)
+        self.configured(of).map(|(_, at)| at)
+    }
+
+    fn configured(&self, of: Subject) -> Option<(SlotId, &'a Configuration)> {
+        match (of, self.pinned) {
+            (Subject::Me, _) => self.me,
+            (Subject::Slot(slot), Some((pinned, Pinned::At(at)))) if pinned == slot => Some((slot, at)),
+            _ => None,
+        }
+    }
+
+    /// Where an instance of a configuration is when a contact question of its own holds.
+    fn touched(&self, slot: SlotId, id: TouchId, at: &Configuration) -> Option<Vec<[Interval; 2]>> {
+        self.surroundings.touched(slot, id, &self.entity(slot).touches[id], at)
     }
 
     fn is_played(&self) -> bool {
@@ -247,15 +329,21 @@ impl<'a> Reader<'a> {
                 let own = self.me.and_then(|(me, c)| c.params.get(p).or(self.slots[me].params.get(p)));
                 own.copied().unwrap_or(Values::all())
             }
-            Expr::Param(of, p) => self.read(of, |o| o.params.get(p).cloned()),
+            Expr::Param(of, p) => match self.mine(of).and_then(|c| c.params.get(p)) {
+                Some(values) => *values,
+                None => self.read(of, Part::Param(p), |o| o.params.get(p).cloned()),
+            },
             Expr::Var(of, var, degree) => match self.mine(of) {
                 Some(c) => c.vars[var][usize::from(degree)],
                 None if degree == 0 && var.index() < 2 => self.position(of, var.index()),
-                None => self.read(of, |o| self.var(o, var, usize::from(degree))),
+                None => {
+                    let degree = usize::from(degree);
+                    self.read(of, Part::Var(var, degree, self.is_within_step()), |o| self.var(o, var, degree))
+                }
             },
             Expr::Discrete(of, id) => match self.mine(of) {
                 Some(c) => c.discretes[id],
-                None => self.read(of, |o| {
+                None => self.read(of, Part::Discrete(id, self.is_within_step()), |o| {
                     let between = self.between(o).and_then(|b| b.discretes.get(id));
                     Some(o.discretes.get(id)?.or(between.unwrap_or(&Values::none())))
                 }),
@@ -343,6 +431,18 @@ impl<'a> Reader<'a> {
             Expr::Button(..) => Truth { can_hold: self.is_played(), can_fail: true },
             // The contacts are those of where it was before.
             Expr::Touching(Subject::Me, _) if self.phase == (Phase::Continuous { is_put: true }) => Truth::EITHER,
+            Expr::Touching(of, touch)
+                if self.configured(of).is_some_and(|(s, c)| self.touched(s, touch, c).is_some()) =>
+            {
+                let boxes =
+                    self.configured(of).and_then(|(slot, at)| self.touched(slot, touch, at)).unwrap_or_default();
+                let can = |c: &Configuration| {
+                    let meets =
+                        |b: &[Interval; 2]| (0..2).all(|a| !c.vars[VarId(a)][0].within(b[a as usize]).is_none());
+                    boxes.iter().any(meets)
+                };
+                Truth { can_hold: self.mine(of).is_some_and(can), can_fail: true }
+            }
             Expr::Touching(of, touch) => {
                 let can = |slot: &SlotId| {
                     let vars = self.mine(of).map_or(&self.slots[*slot].vars, |c| &c.vars);
@@ -353,13 +453,14 @@ impl<'a> Reader<'a> {
                 };
                 Truth { can_hold: self.candidates(of).iter().any(can), can_fail: true }
             }
+            Expr::Alive(slot) if self.mine(Subject::Slot(slot)).is_some() => Truth::of(true),
             Expr::Alive(slot) => {
                 let Overall { can_live, can_be_absent, .. } = self.slots[slot];
                 Truth { can_hold: can_live, can_fail: can_be_absent }
             }
             Expr::InMode(of, mode) => {
                 let leaves = |slot: SlotId| self.entity(slot).modes[mode].leaves;
-                if let (Some(c), Some((me, _))) = (self.mine(of), self.me) {
+                if let Some((me, c)) = self.configured(of) {
                     let (first, after) = leaves(me);
                     return Truth::of(c.leaves.iter().any(|l| first <= *l && *l < after));
                 }
@@ -371,10 +472,17 @@ impl<'a> Reader<'a> {
                 };
                 Truth { can_hold: self.candidates(of).iter().any(of_mode), can_fail: true }
             }
-            Expr::InSpace(Subject::Slot(slot), space) if self.pinned.is_some_and(|(pinned, ..)| pinned == slot) => {
-                Truth::of(self.pinned.is_some_and(|(_, here, _)| here == space))
-            }
             Expr::InSpace(of, space) => {
+                match (of, self.pinned) {
+                    (Subject::Slot(slot), Some((pinned, Pinned::Part(here, _)))) if pinned == slot => {
+                        return Truth::of(here == space);
+                    }
+                    (Subject::Slot(slot), Some((pinned, Pinned::At(at)))) if pinned == slot => {
+                        let can_hold = at.spaces.contains(&space);
+                        return Truth { can_hold, can_fail: !can_hold || at.spaces.len() > 1 };
+                    }
+                    _ => {}
+                }
                 let spaces = |slot: &SlotId| self.slots[*slot].spaces.contains(&space);
                 Truth { can_hold: self.candidates(of).iter().any(spaces), can_fail: true }
             }
@@ -435,6 +543,17 @@ impl<'a> Reader<'a> {
                 let (left, right) = (reader.number(a), reader.number(b));
                 self.cut(at, a, op, &right);
                 self.cut(at, b, op.mirrored(), &left);
+                !at.is_impossible()
+            }
+            (Expr::Touching(Subject::Me, touch), true) if self.touched(me, touch, at).is_some() => {
+                let boxes = self.touched(me, touch, at).unwrap_or_default();
+                let meets = |b: &&[Interval; 2]| (0..2).all(|a| !at.vars[VarId(a)][0].within(b[a as usize]).is_none());
+                let met: Vec<[Interval; 2]> = boxes.iter().filter(meets).copied().collect();
+                for axis in 0..2 {
+                    let var = VarId(axis);
+                    let places = Values::any(met.iter().map(|b| b[axis as usize]));
+                    at.set(var, 0, at.vars[var][0].and(&places));
+                }
                 !at.is_impossible()
             }
             (Expr::Touching(Subject::Me, touch), true) => {

@@ -11,7 +11,7 @@ use crate::watch::Watch;
 
 use super::barred::Barred;
 use super::cells::{CellId, Cells};
-use super::evaluate::{Between, Configuration, Overall, Phase, Reader};
+use super::evaluate::{Between, Configuration, Joined, Overall, Phase, Reader};
 use super::scene::Scene;
 use super::step::{Landing, Outcome, Stepper};
 use super::supply::Limits;
@@ -70,6 +70,8 @@ pub(super) struct Analysis<'a> {
     pub world: &'a World,
     pub slots: IdVec<SlotId, Slot>,
     pub overall: IdVec<SlotId, Overall>,
+    /// What they are together.
+    joined: Joined,
     pub scene: Scene<'a>,
     pub surroundings: Surroundings,
     /// Of each slot the one that is looked at for it: slots in which nothing is at first are alike.
@@ -93,8 +95,8 @@ pub(super) struct Analysis<'a> {
 }
 
 impl<'a> Analysis<'a> {
-    pub fn new(program: &'a Program, barred: Barred<'a>, limits: Limits, effort: usize, watch: &'a dyn Watch) -> Self {
-        let world = barred.world;
+    pub fn new(scene: Scene<'a>, barred: Barred<'a>, limits: Limits, effort: usize, watch: &'a dyn Watch) -> Self {
+        let (program, world) = (barred.program, barred.world);
         let slots: IdVec<SlotId, Slot> = world
             .slots
             .iter()
@@ -115,9 +117,10 @@ impl<'a> Analysis<'a> {
             program,
             world,
             overall: IdVec::new(),
+            joined: Joined::default(),
             slots,
             first: first.collect(),
-            scene: Scene::new(program, world),
+            scene,
             limits,
             barred,
             surroundings: Surroundings::default(),
@@ -173,7 +176,7 @@ impl<'a> Analysis<'a> {
             return false;
         }
         let mut changed = false;
-        for (cell, found) in self.cells(slot).split(found) {
+        for (cell, found) in self.cells(slot).split(found, self.surroundings.is_gentle(slot)) {
             let is_own = from.is_some_and(|(leaves, of)| *of == cell && *leaves == found.leaves);
             if !(is_own && self.is_narrowing) {
                 changed |= self.grow_in(slot, cell, found, is_own);
@@ -246,11 +249,7 @@ impl<'a> Analysis<'a> {
                 spaces: self.world.spaces.ids().collect(),
                 speed: [f64::INFINITY; 2],
                 near_speed: [f64::INFINITY; 2],
-                between: Between::anything(
-                    entity.vars.len(),
-                    self.limits[slot].clone(),
-                    entity.leaves.ids().collect(),
-                ),
+                between: Between::anything(entity.vars.len(), self.limits[slot].clone(), entity.leaves.ids().collect()),
                 leaves: entity.leaves.ids().collect(),
             };
         }
@@ -287,6 +286,7 @@ impl<'a> Analysis<'a> {
                     self.slots[slot].configurations.values_mut().for_each(|g| g.is_new = true);
                 }
                 self.overall[slot] = overall;
+                self.joined.forget();
                 changed = true;
             }
         }
@@ -420,6 +420,7 @@ impl<'a> Analysis<'a> {
             program: self.program,
             world: self.world,
             slots: &self.overall,
+            joined: &self.joined,
             surroundings: &self.surroundings,
             pinned: None,
             me,
@@ -568,17 +569,13 @@ impl<'a> Analysis<'a> {
     }
 
     /// What a configuration can be that begins with what comes in, if it was known to be no more than `known`.
-    fn restarted(
-        &self,
-        slot: SlotId,
-        cell: CellId,
-        entries: Configuration,
-        known: &Configuration,
-    ) -> Configuration {
+    fn restarted(&self, slot: SlotId, cell: CellId, entries: Configuration, known: &Configuration) -> Configuration {
         let mut at = entries.clone();
         for _ in 0..MOST_EXTENSIONS {
             let Some(outcome) = self.stepper(slot).run_on(&at) else { break };
-            let here = |next| self.cells(slot).split(next).into_iter().find(|(of, _)| *of == cell);
+            let here = |next| {
+                self.cells(slot).split(next, self.surroundings.is_gentle(slot)).into_iter().find(|(of, _)| *of == cell)
+            };
             let own = outcome.next.into_iter().filter_map(here).map(|(_, own)| own).reduce(|a, b| a.or(&b));
             let Some(own) = own.map(|own| both(&own, known)) else { return entries };
             if own.is_within(&at) {
@@ -608,7 +605,7 @@ impl<'a> Analysis<'a> {
             true => Surroundings::unknown(&self.overall),
             false => Surroundings::new(&mut self.scene, &self.overall),
         };
-        ConfigurationSpace { slots, overall: self.overall, surroundings }
+        ConfigurationSpace { slots, overall: self.overall, joined: Joined::default(), surroundings, finer: None }
     }
 }
 

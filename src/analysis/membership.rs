@@ -18,6 +18,10 @@ use super::{ConfigurationSpace, SlotSpace};
 
 /// With more combinations of leaves than that, those that can be are looked through one by one.
 const MOST_KEYS: usize = 1 << 16;
+/// So few rows are looked through one by one.
+const FEW_ROWS: u32 = 8;
+/// The most bins of a grid along an axis.
+const MOST_BINS: usize = 256;
 /// In every space.
 const ANYWHERE: u32 = u32::MAX;
 
@@ -80,6 +84,8 @@ pub struct Membership {
     tables: Vec<Table>,
     /// The table of each slot.
     of: IdVec<SlotId, usize>,
+    /// The same with players told apart by place: proofs rest on both.
+    finer: Option<Box<Membership>>,
 }
 
 /// A number of an instance.
@@ -134,6 +140,14 @@ struct Row {
     spaces: u32,
 }
 
+/// The rows of a combination of leaves.
+#[derive(Debug, Clone, Copy, Default)]
+struct Bunch {
+    rows: (u32, u32),
+    /// Where they are looked up by place, if they are many: 1 plus the number of the grid.
+    grid: u32,
+}
+
 /// A variable that falls.
 #[derive(Debug, Clone, Copy)]
 struct Falling {
@@ -152,10 +166,11 @@ struct Table {
     /// What each leaf adds to the key of a combination.
     weights: Vec<usize>,
     /// The rows of each key; empty if there are too many keys.
-    by_key: Vec<(u32, u32)>,
+    by_key: Vec<Bunch>,
     /// The combinations of leaves with their rows, where there are too many keys.
-    listed: Vec<(Vec<LeafId>, (u32, u32))>,
+    listed: Vec<(Vec<LeafId>, Bunch)>,
     rows: Vec<Row>,
+    grids: Vec<Grid>,
     checks: Vec<Check>,
     parts: Vec<Interval>,
     falls: Vec<Falling>,
@@ -185,7 +200,8 @@ impl ConfigurationSpace {
             tables.len() - 1
         });
         let of = of.collect();
-        Membership { tables, of }
+        let finer = self.finer.as_ref().map(|finer| Box::new(finer.membership(program, world)));
+        Membership { tables, of, finer }
     }
 
     /// Whether all that is known of two slots is the very same.
@@ -221,6 +237,7 @@ impl ConfigurationSpace {
             params.pairs().for_each(|(id, values)| out.check(Place::Param(id), *values));
             let checks = (first, out.checks.len() as u32);
             out.rows.push(Row { hull: [Interval::ALL; 2], checks, falls: (0, 0), spaces: ANYWHERE });
+            out.by_key.push(Bunch { rows: (0, 1), grid: 0 });
             return out;
         }
         let mut order: Vec<&Configuration> = configurations.iter().collect();
@@ -231,15 +248,15 @@ impl ConfigurationSpace {
             for at in alike {
                 out.row(at, &params, world.spaces.len());
             }
-            let range = (first, out.rows.len() as u32);
+            let bunch = out.bunch((first, out.rows.len() as u32));
             let Some(leaves) = alike.first().map(|c| &c.leaves) else { continue };
             match keys {
                 Some(count) => {
-                    out.by_key.resize(count, (0, 0));
+                    out.by_key.resize(count, Bunch::default());
                     let key: usize = leaves.iter().map(|leaf| out.weights[leaf.index()]).sum();
-                    out.by_key[key] = range;
+                    out.by_key[key] = bunch;
                 }
-                None => out.listed.push((leaves.clone(), range)),
+                None => out.listed.push((leaves.clone(), bunch)),
             }
         }
         let regions = self.surroundings.regions(slot);
@@ -289,6 +306,8 @@ impl Table {
 
     fn row(&mut self, at: &Configuration, params: &IdVec<ParamId, Values>, spaces: usize) {
         let (checks, falls) = (self.checks.len() as u32, self.falls.len() as u32);
+        // First of all what tells configurations of the same leaves apart.
+        at.discretes.pairs().for_each(|(id, values)| self.check(Place::Discrete(id), *values));
         for (var, values) in at.vars.pairs() {
             for (degree, values) in (0..).zip(values) {
                 // One interval of a position is in the hull.
@@ -297,7 +316,6 @@ impl Table {
                 }
             }
         }
-        at.discretes.pairs().for_each(|(id, values)| self.check(Place::Discrete(id), *values));
         at.timers.pairs().for_each(|(id, count)| self.check(Place::Timer(id), Values::from(*count)));
         for (id, values) in params.pairs() {
             // Those of the configuration are among those of the slot.
@@ -327,21 +345,43 @@ impl Table {
         number as u32
     }
 
+    /// Looks many rows up by place.
+    fn bunch(&mut self, rows: (u32, u32)) -> Bunch {
+        if rows.1 - rows.0 > FEW_ROWS
+            && let Some(grid) = Grid::new(slice(&self.rows, rows))
+        {
+            self.grids.push(grid);
+            return Bunch { rows, grid: self.grids.len() as u32 };
+        }
+        Bunch { rows, grid: 0 }
+    }
+
     /// The rows of an instance's leaves.
     #[inline]
-    fn rows_of(&self, of: &impl Reading) -> &[Row] {
+    fn bunch_of(&self, of: &impl Reading) -> Bunch {
         if self.any_leaves {
-            return &self.rows;
+            return self.by_key.first().copied().unwrap_or_default();
         }
         let leaves = (0..self.groups).map(|group| of.leaf(GroupId(group as u32)));
-        let range = if self.listed.is_empty() {
+        let bunch = if self.listed.is_empty() {
             let key: usize = leaves.map(|leaf| self.weights.get(leaf.index()).map_or(0, |w| *w)).sum();
-            self.by_key.get(key).copied().unwrap_or((0, 0))
+            self.by_key.get(key).copied().unwrap_or_default()
         } else {
             let found = self.listed.iter().find(|(known, _)| leaves.clone().eq(known.iter().copied()));
-            found.map_or((0, 0), |(_, range)| *range)
+            found.map_or(Bunch::default(), |(_, bunch)| *bunch)
         };
-        slice(&self.rows, range)
+        bunch
+    }
+
+    /// Whether an instance is in one of the rows of its leaves.
+    #[inline]
+    fn is_in_rows(&self, at: [f64; 2], of: &impl Reading) -> bool {
+        let bunch = self.bunch_of(of);
+        let rows = slice(&self.rows, bunch.rows);
+        match self.grids.get((bunch.grid as usize).wrapping_sub(1)) {
+            None => rows.iter().any(|row| self.is_in_row(row, at, of)),
+            Some(grid) => grid.around(at).iter().any(|row| self.is_in_row(&rows[*row as usize], at, of)),
+        }
     }
 
     #[inline]
@@ -381,7 +421,7 @@ impl Table {
     #[inline]
     fn contains(&self, of: &impl Reading) -> bool {
         let at = [of.real(0), of.real(3)];
-        self.rows_of(of).iter().any(|row| self.is_in_row(row, at, of))
+        self.is_in_rows(at, of)
             && self.is_in_region(at, of)
             && self.are_contacts_in_place(at, of)
     }
@@ -427,7 +467,7 @@ impl Table {
         if self.contains(of) {
             return Vec::new();
         }
-        let rows = self.rows_of(of);
+        let rows = slice(&self.rows, self.bunch_of(of).rows);
         if rows.is_empty() {
             let modes = (0..self.groups).map(|group| mode(entity, of.leaf(GroupId(group as u32)))).collect::<Vec<_>>();
             let (variable, value) = ("combination of modes".to_string(), modes.join(", "));
@@ -469,17 +509,22 @@ impl Membership {
     /// Whether there can be no instance in a slot.
     #[inline]
     pub fn can_be_absent(&self, slot: SlotId) -> bool {
-        self.tables[self.of[slot]].can_be_absent
+        self.tables[self.of[slot]].can_be_absent && self.finer.as_ref().is_none_or(|finer| finer.can_be_absent(slot))
     }
 
     /// Whether an instance is inside.
     #[inline]
     pub fn contains(&self, slot: SlotId, of: &impl Reading) -> bool {
-        self.tables[self.of[slot]].contains(of)
+        self.tables[self.of[slot]].contains(of) && self.finer.as_ref().is_none_or(|finer| finer.contains(slot, of))
     }
 
     /// What of a slot is outside, if anything is; `of` is none where there is no instance.
     pub fn outside(&self, program: &Program, world: WorldId, slot: SlotId, of: Option<&impl Reading>) -> Option<Outside> {
+        let here = self.outside_here(program, world, slot, of);
+        here.or_else(|| self.finer.as_ref().and_then(|finer| finer.outside(program, world, slot, of)))
+    }
+
+    fn outside_here(&self, program: &Program, world: WorldId, slot: SlotId, of: Option<&impl Reading>) -> Option<Outside> {
         let (world, table) = (&program.worlds[world], &self.tables[self.of[slot]]);
         let entity = &program.entities[world.slots[slot].entity];
         let instance = world.slots[slot].name.clone();
@@ -512,6 +557,64 @@ impl Falling {
             let (position, velocity) = self.reals(of);
             let margined = self.fall.energy(Interval::point(position), Interval::point(velocity));
             margined.and(self.energy).is_some()
+        }
+    }
+}
+
+/// Rows by where they are: the plane around all their ends, in bins of the same size; what lies beyond belongs to the bins at
+/// the border.
+#[derive(Debug, Clone)]
+struct Grid {
+    low: [f64; 2],
+    /// Bins for each px.
+    scale: [f64; 2],
+    count: usize,
+    /// The first item of each bin, row by row, and the end of the last.
+    starts: Vec<u32>,
+    items: Vec<u32>,
+}
+
+impl Grid {
+    /// None if the rows have no finite ends to tell them apart.
+    fn new(rows: &[Row]) -> Option<Grid> {
+        let ends = |axis: usize| {
+            let ends = rows.iter().flat_map(move |row| [row.hull[axis].low, row.hull[axis].high]);
+            let ends = ends.filter(|x| x.is_finite()).map(Interval::point);
+            ends.reduce(Interval::or)
+        };
+        let around = [ends(0)?, ends(1)?];
+        let count = ((rows.len() as f64).sqrt() as usize).clamp(1, MOST_BINS);
+        let scale = around.map(|i| if i.low < i.high { count as f64 / (i.high - i.low) } else { 0.0 });
+        let mut grid = Grid { low: around.map(|i| i.low), scale, count, starts: Vec::new(), items: Vec::new() };
+        let mut bins: Vec<Vec<u32>> = vec![Vec::new(); count * count];
+        for (number, row) in (0..).zip(rows).filter(|(_, row)| row.hull.iter().all(|i| i.low <= i.high)) {
+            let range = |axis: usize| grid.bin(axis, row.hull[axis].low)..=grid.bin(axis, row.hull[axis].high);
+            for up in range(1) {
+                range(0).for_each(|across| bins[up * count + across].push(number));
+            }
+        }
+        for bin in bins {
+            grid.starts.push(grid.items.len() as u32);
+            grid.items.extend(bin);
+        }
+        grid.starts.push(grid.items.len() as u32);
+        Some(grid)
+    }
+
+    /// It never decreases as `x` grows, so that what is in an interval is in a bin between those of its ends.
+    #[inline]
+    fn bin(&self, axis: usize, x: f64) -> usize {
+        // A cast puts what is too low at 0.
+        (((x - self.low[axis]) * self.scale[axis]) as usize).min(self.count - 1)
+    }
+
+    /// The rows that can be at a place, and others.
+    #[inline]
+    fn around(&self, at: [f64; 2]) -> &[u32] {
+        let bin = self.bin(1, at[1]) * self.count + self.bin(0, at[0]);
+        match self.starts.get(bin..bin + 2) {
+            Some(&[from, to]) => slice(&self.items, (from, to)),
+            _ => &[],
         }
     }
 }

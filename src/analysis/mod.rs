@@ -24,6 +24,7 @@ mod evaluate;
 mod findings;
 mod fixpoint;
 mod flow;
+mod local;
 mod membership;
 mod region;
 mod scene;
@@ -44,10 +45,14 @@ use crate::ir::{ExprId, GoalId, IdVec, Program, SlotId, World, WorldId};
 use crate::watch::{Unwatched, Watch};
 
 use barred::Barred;
-use evaluate::{Overall, Phase, Reader};
+use evaluate::{Joined, Overall, Phase, Pinned, Reader};
 use fixpoint::Analysis;
+use scene::Scene;
 use supply::Limits;
 use surroundings::Surroundings;
+
+/// So where players are told apart by place.
+const MOST_EFFORT_BY_PLACE: usize = 400_000;
 
 /// After so many ways of steps a world is given up: everything can be anything.
 const MOST_EFFORT: usize = 300_000;
@@ -93,7 +98,10 @@ pub struct ConfigurationSpace {
     /// Of each slot.
     pub slots: IdVec<SlotId, SlotSpace>,
     overall: IdVec<SlotId, Overall>,
+    joined: Joined,
     surroundings: Surroundings,
+    /// The same with players told apart by place, where that was asked for and could be done.
+    finer: Option<Box<ConfigurationSpace>>,
 }
 
 /// Finds what a world can be.
@@ -134,13 +142,38 @@ fn within_limits(
     watch: &dyn Watch,
 ) -> ConfigurationSpace {
     let barred = Barred { program, world: &program.worlds[world], predicates };
-    let mut analysis = Analysis::new(program, barred, limits, *effort, watch);
+    let scene = Scene::new(program, barred.world);
+    let mut analysis = Analysis::new(scene, barred, limits, *effort, watch);
     analysis.run();
     *effort = analysis.effort;
     analysis.finish()
 }
 
 impl ConfigurationSpace {
+    /// Tells players apart by place, too, as long as none of some predicates holds: what they cannot come to step by step
+    /// is shown then. That takes longer; nothing changes if there is no player of whom it can be done, or if there is too
+    /// much to look at.
+    #[must_use]
+    pub fn by_place(mut self, program: &Program, world: WorldId, predicates: &[ExprId], watch: &dyn Watch) -> Self {
+        let table = &program.worlds[world];
+        let mut scene = Scene::new(program, table);
+        if scene.refine() {
+            let barred = Barred { program, world: table, predicates };
+            let limits = supply::limits(program, table);
+            let mut analysis = Analysis::new(scene, barred, limits, MOST_EFFORT_BY_PLACE, watch);
+            analysis.run();
+            let finer = analysis.finish();
+            let is_known = finer.slots.iter().all(|s| !s.is_given_up);
+            self.finer = is_known.then(|| Box::new(finer));
+        }
+        self
+    }
+
+    /// What is known in most detail.
+    pub fn finest(&self) -> &ConfigurationSpace {
+        self.finer.as_deref().unwrap_or(self)
+    }
+
     /// Whether a goal can hold in some state; if not, it is proven that it cannot be reached.
     pub fn can_hold(&self, program: &Program, world: WorldId, goal: GoalId) -> bool {
         self.can_turn_out(program, world, program.worlds[world].goals[goal].holds, true)
@@ -149,6 +182,9 @@ impl ConfigurationSpace {
     /// Whether a predicate of the world, or a part of one, can hold (or fail) in some state.
     pub fn can_turn_out(&self, program: &Program, world: WorldId, predicate: ExprId, holds: bool) -> bool {
         let table = &program.worlds[world];
+        if self.finer.as_ref().is_some_and(|f| !f.can_turn_out(program, world, predicate, holds)) {
+            return false;
+        }
         let reader = self.reader(program, table, None);
         let can = |reader: &Reader<'_>| {
             let truth = reader.truth(predicate);
@@ -161,9 +197,16 @@ impl ConfigurationSpace {
             let absent = self.overall[slot].can_be_absent;
             regions.is_empty()
                 || absent
-                || parts.any(|(space, part)| can(&Reader { pinned: Some((slot, space, part)), ..reader }))
+                || parts.any(|(space, part)| can(&Reader { pinned: Some((slot, Pinned::Part(space, part))), ..reader }))
         };
-        can(&reader) && table.players.iter().map(|p| p.slot).all(in_parts)
+        // So it is in one of its configurations.
+        let in_configurations = |slot: SlotId| {
+            let SlotSpace { configurations, can_be_absent, is_given_up, .. } = &self.slots[slot];
+            let at = |at| can(&Reader { pinned: Some((slot, Pinned::At(at))), ..reader });
+            *can_be_absent || *is_given_up || configurations.iter().any(at)
+        };
+        let players = || table.players.iter().map(|p| p.slot);
+        can(&reader) && players().all(in_parts) && players().all(in_configurations)
     }
 
     /// What expressions are read against: those of an instance in one of its configurations, or those of the world.
@@ -173,6 +216,15 @@ impl ConfigurationSpace {
         world: &'a World,
         me: Option<(SlotId, &'a Configuration)>,
     ) -> Reader<'a> {
-        Reader { program, world, slots: &self.overall, surroundings: &self.surroundings, pinned: None, me, phase: Phase::Discrete }
+        Reader {
+            program,
+            world,
+            slots: &self.overall,
+            joined: &self.joined,
+            surroundings: &self.surroundings,
+            pinned: None,
+            me,
+            phase: Phase::Discrete,
+        }
     }
 }

@@ -77,6 +77,11 @@ impl Scene<'_> {
         Region::new(reached.into_iter().map(|strip| strip.map(wide)).collect())
     }
 
+    /// The positions at which a collider that is always there lies inside of what blocks it and never moves.
+    pub fn blocking(&self, kind: &Kind, space: SpaceId) -> Vec<[Interval; 2]> {
+        self.blockers(kind, space).into_iter().filter(|b| b.is_solid).map(|b| b.sides).collect()
+    }
+
     /// What never moves and pushes a collider that is always there.
     fn blockers(&self, kind: &Kind, space: SpaceId) -> Vec<Blocker> {
         let tiles = Tiles::new(self.world, space);
@@ -84,10 +89,8 @@ impl Scene<'_> {
         for body in kind.bodies.iter().filter(|b| !b.kinematic && b.is_steady) {
             let Some(extent) = body.extent else { continue };
             let push = |t: TagSet| self.world.meeting(body.tags, t).map_or(Push::Sense, |m| m.response.push);
-            let blocker = |bounds: Bounds, push: Push| Blocker {
-                sides: grown(bounds, extent),
-                is_solid: push == Push::Block,
-            };
+            let blocker =
+                |bounds: Bounds, push: Push| Blocker { sides: grown(bounds, extent), is_solid: push == Push::Block };
             let solids = self.world.spaces[space].solids.iter().map(|s| (push(s.tags), s.bounds));
             let solids = solids.filter(|(push, _)| *push != Push::Sense);
             out.extend(solids.map(|(push, bounds)| blocker(bounds, push)));

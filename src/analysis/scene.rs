@@ -1,6 +1,7 @@
 //! What the colliders of a world can meet, as far as it never changes: bodies of one kind share it, per space.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use crate::ir::{
     Actions, Bounds, Drive, EdgeId, Entity, EntityId, Expr, Group, Id, IdVec, Meeting, Origin, ParamId, Place, Program,
@@ -8,6 +9,7 @@ use crate::ir::{
 };
 
 use super::cells::{Cells, near_statics};
+use super::local::Surfaces;
 use super::region::Region;
 use super::step::Landing;
 use super::tiles::Tiles;
@@ -59,8 +61,10 @@ pub(super) struct Kind {
     pub jumps: bool,
     /// Where its instances are told apart.
     pub cells: Cells,
-    /// The positions at which an instance can meet anything that never moves; everywhere if that is not known.
+    /// The positions at which an instance can meet anything that never moves.
     pub near: Option<Extent>,
+    /// Where its cells are fine: what never moves, in each space.
+    pub surfaces: Vec<(SpaceId, Arc<Surfaces>)>,
 }
 
 /// A body of a kind meets a body of another.
@@ -174,7 +178,8 @@ impl<'a> Scene<'a> {
                 let bodies = scene.bodies(s.entity, &s.params.iter().map(|p| Values::point(*p)).collect());
                 let jumps = drives_position(program, s.entity);
                 let cells = Cells::whole();
-                let mut kind = Kind { entity: s.entity, slots: Vec::new(), bodies, jumps, cells, near: None };
+                let (slots, surfaces) = (Vec::new(), Vec::new());
+                let mut kind = Kind { entity: s.entity, slots, bodies, jumps, cells, near: None, surfaces };
                 kind.near = near_statics(world, &kind);
                 kind.cells = Cells::around(&kind);
                 scene.kinds.push(kind);
@@ -184,6 +189,27 @@ impl<'a> Scene<'a> {
         }
         scene.pair_up();
         scene
+    }
+
+    /// Tells players apart by place; returns false if there are none of whom that can be done.
+    pub fn refine(&mut self) -> bool {
+        let mut is_refined = false;
+        for number in 0..self.kinds.len() {
+            let kind = &self.kinds[number];
+            if kind.slots.iter().any(|s| self.world.slots[*s].player.is_none()) {
+                continue;
+            }
+            let surfaces = self.world.spaces.ids().map(|s| Some((s, Arc::new(Surfaces::new(self.world, kind, s)?))));
+            let Some(surfaces) = surfaces.collect::<Option<Vec<_>>>() else { continue };
+            let blocking = |space| self.blocking(kind, space);
+            let entity = &self.program.entities[kind.entity];
+            if let Some(cells) = Cells::fine(kind, entity, &surfaces, blocking) {
+                self.kinds[number].cells = cells;
+                self.kinds[number].surfaces = surfaces;
+                is_refined = true;
+            }
+        }
+        is_refined
     }
 
     /// The parameters of the slots of a kind can be more than before.
@@ -434,12 +460,15 @@ pub(super) fn near(extent: Option<Extent>, axis: usize, (low, high): (f64, f64))
 }
 
 /// Where something from `low` to `high` pushes an instance, by the low end of its box or by the high one.
-fn edge(extent: Extent, axis: usize, end: usize, (low, high): (f64, f64)) -> Interval {
-    let at = match end {
+pub(super) fn edge_at(extent: Extent, axis: usize, end: usize, (low, high): (f64, f64)) -> f64 {
+    match end {
         0 => high - extent[axis].low,
         _ => low - extent[axis].high,
-    };
-    rounded(Interval::point(at))
+    }
+}
+
+fn edge(extent: Extent, axis: usize, end: usize, sides: (f64, f64)) -> Interval {
+    rounded(Interval::point(edge_at(extent, axis, end, sides)))
 }
 
 /// Puts intervals in order and joins those that meet.

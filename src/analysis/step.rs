@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use crate::ir::{
-    Actions, ColliderId, EdgeId, Entity, Expr, ExprId, GroupId, Id, IdVec, LeafId, Link, ModeId, Place, RefValue, SlotId, SpaceId,
-    SpawnId, Subject, Update, VarId,
+    Actions, ColliderId, EdgeId, Entity, Expr, ExprId, GroupId, Id, IdVec, LeafId, Link, ModeId, Place, RefValue,
+    SlotId, SpaceId, SpawnId, Subject, Update, VarId,
 };
 
 use super::evaluate::{Configuration, Phase, Reader};

@@ -4,10 +4,12 @@
 //! edges meet, and a contact with a blocking surface tells where the body is.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use crate::ir::{Id, IdVec, Origin, Push, SlotId, SpaceId, TagSet, Touch, TouchId, VarId};
 
 use super::evaluate::{Configuration, Overall};
+use super::local::Surfaces;
 use super::region::Region;
 use super::scene::{Body, Edges, Pair, ROUNDING, Scene, TOLERANCE, disjoin, face, near, rounded, sides_of};
 use super::values::{Interval, Values};
@@ -48,6 +50,12 @@ pub(super) struct Contacts {
     carried: [Option<Values>; 2],
     /// Where it can get, in each of its spaces.
     regions: Vec<(SpaceId, Region)>,
+    /// Where it is told apart by place: what never moves, in each space.
+    surfaces: Vec<(SpaceId, Arc<Surfaces>)>,
+    /// Of each contact question, along both axes, where the instance is when it holds of another one.
+    places_of_others: Vec<[Values; 2]>,
+    /// How far a push can be in a step, px.
+    pushed: f64,
 }
 
 /// What is known of all instances of a kind.
@@ -103,8 +111,7 @@ impl Surroundings {
     /// Where nothing is known.
     pub fn unknown(slots: &IdVec<SlotId, Overall>) -> Self {
         let near = Some([Interval::ALL; 2]);
-        let anywhere =
-            Contacts { anywhere: true, is_pushed: true, near, near_statics: near, ..Contacts::default() };
+        let anywhere = Contacts { anywhere: true, is_pushed: true, near, near_statics: near, ..Contacts::default() };
         Surroundings { contacts: vec![anywhere], of: slots.iter().map(|_| 0).collect() }
     }
 
@@ -112,6 +119,34 @@ impl Surroundings {
     pub fn places(&self, slot: SlotId, touch: TouchId) -> &[Values; 2] {
         const ANYWHERE: [Values; 2] = [Values::all(), Values::all()];
         self.of(slot).places.get(touch.index()).unwrap_or(&ANYWHERE)
+    }
+
+    /// Boxes around where an instance of a configuration is while a contact question holds; none if it is not told apart
+    /// by place.
+    pub fn touched(&self, slot: SlotId, id: TouchId, touch: &Touch, at: &Configuration) -> Option<Vec<[Interval; 2]>> {
+        let contacts = self.of(slot);
+        if contacts.surfaces.is_empty() || !contacts.is_gentle {
+            return None;
+        }
+        let hulls = [at.vars[VarId(0)][0].hull(), at.vars[VarId(1)][0].hull()];
+        let mut out = Vec::new();
+        let [Some(x), Some(y)] = hulls else { return Some(out) };
+        let others = contacts.places_of_others.get(id.index())?;
+        if let (Some(x), Some(y)) = (others[0].within(x).hull(), others[1].within(y).hull()) {
+            out.push([x, y]);
+        }
+        // What is named is an instance.
+        if !touch.bound {
+            for (_, surfaces) in contacts.surfaces.iter().filter(|(space, _)| at.spaces.contains(space)) {
+                surfaces.touched(touch, [x, y], contacts.pushed, &mut out);
+            }
+        }
+        Some(out)
+    }
+
+    /// Whether an instance is never inside of what pushes it.
+    pub fn is_gentle(&self, slot: SlotId) -> bool {
+        self.of.get(slot).is_some_and(|of| self.contacts[*of].is_gentle)
     }
 
     /// Where an instance can get, in each of the spaces it can be in; none if that is not known.
@@ -174,13 +209,20 @@ impl Contacts {
     /// Pushes out what overlaps something. Of the pushes along an axis the deepest counts, so that it ends where edges
     /// meet whatever else pushes.
     fn push_out(&self, step: f64, moved: &mut Configuration) {
+        let far = step + TOLERANCE + ROUNDING;
+        let local = self.local_edges(far, moved);
         for axis in 0..2 {
             let var = VarId(axis as u32);
-            let far = if self.is_gentle { step + TOLERANCE + ROUNDING } else { self.longest[axis] };
+            let far = if self.is_gentle { far } else { self.longest[axis] };
             let [position, velocity, _] = &mut moved.vars[var];
             let (Some(way), Some(free)) = (position.hull(), velocity.hull()) else { continue };
             let within = rounded(Interval { low: way.low - far, high: way.high + far });
-            let pushed = self.push(axis, within, position);
+            let edges = match &local {
+                Some(edges) => edges,
+                None if self.is_gentle => &self.faces,
+                None => &self.edges,
+            };
+            let pushed = self.push(&edges[axis], within, position);
             if pushed == [None; 2] {
                 continue;
             }
@@ -194,15 +236,29 @@ impl Contacts {
         }
     }
 
+    /// Where what never moves near to an instance can push it, if it is told apart by place.
+    fn local_edges(&self, far: f64, at: &Configuration) -> Option<Edges> {
+        if self.surfaces.is_empty() || !self.is_gentle {
+            return None;
+        }
+        let mut out = Edges::default();
+        if let (Some(x), Some(y)) = (at.vars[VarId(0)][0].hull(), at.vars[VarId(1)][0].hull()) {
+            for (_, surfaces) in self.surfaces.iter().filter(|(space, _)| at.spaces.contains(space)) {
+                surfaces.edges([x, y], far, &mut out);
+            }
+        }
+        out.iter_mut().flatten().for_each(disjoin);
+        Some(out)
+    }
+
     /// Adds to a position where pushes within an interval can put it; gives what is around them, by the low and by the
     /// high side.
-    fn push(&self, axis: usize, within: Interval, position: &mut Values) -> [Option<Interval>; 2] {
+    fn push(&self, edges: &[Vec<Interval>; 2], within: Interval, position: &mut Values) -> [Option<Interval>; 2] {
         if self.anywhere {
             *position = Values::all();
             return [Some(Interval::ALL); 2];
         }
-        let edges = if self.is_gentle { &self.faces } else { &self.edges };
-        let ends = edges[axis].each_ref().map(|edges| between(edges, within));
+        let ends = edges.each_ref().map(|edges| between(edges, within));
         let around = |edges: &[Interval]| Some(Interval { low: edges.first()?.low, high: edges.last()?.high });
         let hulls = ends.map(around);
         if hulls.iter().flatten().any(|hull| !Values::from(*hull).is_within(position)) {
@@ -331,6 +387,8 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
         is_gentle: crowds[me].gentle.is_some(),
         near: kind.near,
         near_statics: kind.near,
+        surfaces: kind.surfaces.clone(),
+        pushed: crowds[me].gentle.unwrap_or(f64::INFINITY),
         ..Contacts::default()
     };
     for found in &statics {
@@ -365,6 +423,27 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
     if out.anywhere {
         out.carried = out.carried.map(|c| c.map(|_| Values::all()));
     }
+    // Boxes in which it touches another instance.
+    let others = |touch: &Touch| {
+        let asked = pairs.iter().filter(|pair| {
+            let (mine, theirs) = body(pair);
+            mine.tags.meets(touch.mine) && theirs.tags.meets(TagSet::of(touch.other))
+        });
+        let asked: Vec<_> = asked.collect();
+        [0, 1].map(|axis| {
+            let moved = if out.is_pushed { crowds[me].push[axis] } else { 0.0 };
+            Values::any(asked.iter().flat_map(|pair| {
+                let (mine, theirs) = body(pair);
+                let extent = theirs.extent.map_or(Interval::ALL, |e| e[axis]);
+                let at = crowds[pair.kind].contact[axis].intervals().iter();
+                at.map(move |at| {
+                    let place = near(mine.extent, axis, (at.low + extent.low, at.high + extent.high));
+                    rounded(Interval { low: place.low - moved, high: place.high + moved })
+                })
+            }))
+        })
+    };
+    let places_of_others: Vec<[Values; 2]> = entity.touches.iter().map(others).collect();
     let places = |(id, touch): (TouchId, &Touch)| {
         let asks = |pair: &&&Pair| {
             let (mine, theirs) = body(pair);
@@ -376,13 +455,8 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
             let moved = if out.is_pushed { crowds[me].push[axis] } else { 0.0 };
             let wide = |i: Interval, by: f64| rounded(Interval { low: i.low - by, high: i.high + by });
             let of_statics = statics.iter().filter_map(|s| s.places.get(id.index())).flat_map(|p| &p[axis]);
-            let of_others = asked.iter().flat_map(|pair| {
-                let (mine, theirs) = body(pair);
-                let extent = theirs.extent.map_or(Interval::ALL, |e| e[axis]);
-                let at = crowds[pair.kind].contact[axis].intervals().iter();
-                at.map(move |at| near(mine.extent, axis, (at.low + extent.low, at.high + extent.high)))
-            });
-            Values::any(of_statics.copied().chain(of_others).map(|place| wide(place, moved)))
+            let of_others = places_of_others[id.index()][axis];
+            Values::any(of_statics.map(|place| wide(*place, moved)).chain(of_others.intervals().iter().copied()))
         });
         let is_pushing = |p: &&&Pair| pushes(scene, me, p);
         let by_all = statics.iter().all(|s| s.pushed.get(id.index()) == Some(&true)) && asked.iter().all(is_pushing);
@@ -400,6 +474,7 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
         places
     };
     out.places = entity.touches.pairs().map(places).collect();
+    out.places_of_others = places_of_others;
     out
 }
 

@@ -37,6 +37,15 @@ impl<'a> Tiles<'a> {
         self.map?.cells.get(at).map(|k| usize::from(*k))
     }
 
+    /// The box of a cell, by its number.
+    pub fn bounds(&self, at: usize) -> Bounds {
+        let [width, height] = self.size();
+        let columns = self.count().0.max(1);
+        let (column, row) = ((at % columns) as f64, (at / columns) as f64);
+        let (left, bottom) = (column * width, row * height);
+        Bounds { left, right: left + width, bottom, top: bottom + height }
+    }
+
     /// The tags of the tile in a cell.
     pub fn tag(&self, at: usize) -> TagSet {
         self.kind(at).and_then(|k| self.tags.get(k).copied()).unwrap_or_default()

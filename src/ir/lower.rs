@@ -43,7 +43,7 @@ fn shell(e: &checked::Entity) -> Entity {
         name: d.name.text.clone(),
         domain: match &d.ty {
             checked::Type::Bool => Domain::Bool,
-            checked::Type::Set(names) => Domain::Set(names.clone()),
+            checked::Type::Set(names) => Domain::Set(names.to_vec()),
             checked::Type::Int | checked::Type::Real | checked::Type::Ref(_) => Domain::Int,
         },
         range: d.range,

@@ -106,7 +106,8 @@ impl Prover<'_> {
 
     /// All that a variable can be; none where nothing is known.
     fn values(&self, quantity: Quantity) -> Option<Values> {
-        let of = |slot: SlotId| -> Option<&SlotSpace> { Some(&self.space.slots[slot]).filter(|s| !s.is_given_up) };
+        let of =
+            |slot: SlotId| -> Option<&SlotSpace> { Some(&self.space.finest().slots[slot]).filter(|s| !s.is_given_up) };
         let mut all: Vec<Interval> = Vec::new();
         let slot = match quantity {
             Quantity::Var(slot, ..) | Quantity::Discrete(slot, _) | Quantity::Timer(slot, _) => of(slot)?,

@@ -48,8 +48,8 @@ pub enum Type {
     Int,
     /// `true` or `false`.
     Bool,
-    /// One of a list of names, kept as its index.
-    Set(Vec<String>),
+    /// One of a list of names, kept as its index. All that are of the type share the list.
+    Set(Arc<[String]>),
     /// An instance of an entity (of any, if none), or none.
     Ref(Option<EntityId>),
 }

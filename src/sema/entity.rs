@@ -1,6 +1,7 @@
 //! Entities: declarations first (the skeleton, which other entities and worlds may refer to), bodies second.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use crate::diagnostic::catalogue::file::TooMany;
 use crate::diagnostic::catalogue::structure::MixedGroups;
@@ -222,12 +223,12 @@ impl<'a> Checker<'a> {
             Domain::Set(names) => {
                 let mut table: Table<()> = Table::new("value");
                 names.iter().for_each(|n| self.declared(NameKind::Value, n));
-                let fresh: Vec<String> = names
+                let fresh: Arc<[String]> = names
                     .iter()
                     .filter(|n| table.declare(n, (), &mut self.diagnostics))
                     .map(|n| n.text.clone())
                     .collect();
-                self.choices.entry(fresh.clone()).or_default().extend(names.iter().cloned());
+                self.choices.entry(Arc::clone(&fresh)).or_default().extend(names.iter().cloned());
                 let last = fresh.len().saturating_sub(1) as i32;
                 (Type::Set(fresh), (0, last))
             }

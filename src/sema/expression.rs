@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use crate::diagnostic::catalogue::names::UnknownName;
 use crate::diagnostic::catalogue::syntax::Misplaced;
@@ -365,8 +366,8 @@ impl Checker<'_> {
         if let (Some(Type::Set(values)), 0) = (wanted, path.primes)
             && let Some(index) = values.iter().position(|v| *v == name.text)
         {
-            self.seen_choice(&Type::Set(values.clone()), name);
-            return make(TermKind::Number(index as f64), Type::Set(values.clone()));
+            self.seen_choice(values, name);
+            return make(TermKind::Number(index as f64), Type::Set(Arc::clone(values)));
         }
         if let (Some(entity), Some(names)) = (scope.entity, scope.names) {
             if let Some(&id) = names.params.get(&name.text) {

@@ -30,6 +30,7 @@ mod unused;
 mod world;
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::file::TooMany;
@@ -116,7 +117,7 @@ struct Checker<'a> {
     /// The names of the modes of entities that others ask.
     mode_names: std::collections::BTreeMap<EntityId, std::rc::Rc<mode::ModeNames>>,
     /// Where the values of sets are declared, by all values of the set: equal sets are one type.
-    choices: std::collections::BTreeMap<Vec<String>, Vec<ast::Name>>,
+    choices: std::collections::BTreeMap<Arc<[String]>, Vec<ast::Name>>,
     /// What the names of values mean in entities that others read or set.
     values: std::collections::BTreeMap<EntityId, std::rc::Rc<std::collections::BTreeMap<String, checked::Given>>>,
 }

@@ -5,7 +5,7 @@ use crate::syntax::ast::{Name, Path};
 use crate::syntax::occurrence::{NameKind, Role};
 
 use super::Checker;
-use super::checked::{Entity, Given, Subject, Type};
+use super::checked::{Entity, Given, Subject};
 use super::expression::{Scope, WorldNames};
 use super::ids::{EntityId, TagId};
 use super::mode::ModeNames;
@@ -91,8 +91,7 @@ impl Checker<'_> {
     }
 
     /// A value of a set.
-    pub(super) fn seen_choice(&mut self, ty: &Type, name: &Name) {
-        let Type::Set(values) = ty else { return };
+    pub(super) fn seen_choice(&mut self, values: &[String], name: &Name) {
         let places = self.choices.get(values).into_iter().flatten().filter(|n| n.text == name.text);
         for declared in places.map(|n| n.span).collect::<Vec<_>>() {
             self.seen(NameKind::Value, name.span, declared);

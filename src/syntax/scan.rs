@@ -5,7 +5,9 @@
 //! is still checked. The mended text differs from the source by inserted lines; [`Scan::position`] maps back.
 
 use crate::diagnostic::Diagnostics;
-use crate::diagnostic::catalogue::syntax::{ExpressionTooLong, LongWord, NestingTooDeep, UnterminatedMap};
+use crate::diagnostic::catalogue::syntax::{
+    ExpressionTooLong, LongWord, NestingTooDeep, TooManyTokens, UnterminatedMap,
+};
 use crate::source::{FileId, Span};
 
 use super::ast::Comment;
@@ -17,6 +19,8 @@ pub const MAX_NESTING: usize = 64;
 pub const MAX_OPERATORS: usize = 256;
 /// How many bytes a name or a number may have.
 pub const MAX_WORD: usize = 255;
+/// How many words, numbers and signs a file may have: what is made of each takes far more memory than its text.
+pub const MAX_TOKENS: usize = 4_000_000;
 
 /// What the scan leaves for the parser.
 pub(super) struct Scan {
@@ -99,6 +103,7 @@ struct Scanner<'a> {
     within_limits: bool,
     /// Open parentheses of each open brace, outermost first.
     parens: Vec<usize>,
+    tokens: usize,
     operators: usize,
     /// A newline came since the last token, outside parentheses.
     newline: bool,
@@ -127,6 +132,7 @@ impl<'a> Scanner<'a> {
             explained: Vec::new(),
             within_limits: true,
             parens: vec![0],
+            tokens: 0,
             operators: 0,
             newline: false,
             continues: false,
@@ -183,6 +189,11 @@ impl<'a> Scanner<'a> {
 
     /// Takes the token at `i` and gives the byte after it.
     fn token(&mut self, i: usize) -> usize {
+        self.tokens += 1;
+        if self.tokens == MAX_TOKENS + 1 {
+            self.within_limits = false;
+            self.diagnostics.report(TooManyTokens { at: Span::new(self.file, i, i + 1), limit: MAX_TOKENS });
+        }
         let rest = &self.bytes[i..];
         let word = word_length(rest);
         let is_word = |w: &str| word == w.len() && rest.starts_with(w.as_bytes());

@@ -30,9 +30,10 @@ impl Script {
     fn player(&self, rng: &mut Pcg64) -> PlayerInput {
         match self {
             Script::Constant(buttons, axis) => PlayerInput { buttons: *buttons, axes: [*axis; 4] },
-            Script::Random(_) => {
-                PlayerInput { buttons: rng.random(), axes: std::array::from_fn(|_| f64::from(rng.random_range(-1..=1))) }
-            }
+            Script::Random(_) => PlayerInput {
+                buttons: rng.random(),
+                axes: std::array::from_fn(|_| f64::from(rng.random_range(-1..=1))),
+            },
         }
     }
 }

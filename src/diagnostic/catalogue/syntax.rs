@@ -73,6 +73,24 @@ impl Fact for LongWord {
     }
 }
 
+/// More words, numbers and signs than a file may have.
+pub struct TooManyTokens {
+    /// The first one too many.
+    pub at: Span,
+    /// How many are read.
+    pub limit: usize,
+}
+
+impl Fact for TooManyTokens {
+    fn word(self) -> Diagnostic {
+        let message = format!("this file has more than {} words, numbers and signs", self.limit);
+        Diagnostic::new(Code::TooLarge, message)
+            .at(self.at, "too many from here on")
+            .help("put parts of it into files of their own, and `import` them")
+            .note("nothing of this file was checked")
+    }
+}
+
 /// More brackets open than are supported.
 pub struct NestingTooDeep {
     /// The first bracket too many.

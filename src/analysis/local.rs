@@ -1,0 +1,198 @@
+//! What never moves around a place: which contacts there can be, and where pushes end. The rest of the analysis looks at
+//! both axes one by one, which is enough as long as positions are not told apart; by place, a floor counts only above it.
+
+use std::collections::BTreeMap;
+
+use crate::ir::{Push, SpaceId, TagSet, Touch};
+
+use super::scene::{Body, Edges, Kind, along, edge_at, face, near, rounded, sides_of};
+use super::tiles::Tiles;
+use super::values::Interval;
+use crate::ir::{Bounds, Meeting, Side, World};
+
+/// More surfaces than that are not looked at one by one.
+const MAX_SURFACES: usize = 1 << 14;
+/// The size of a bucket in which surfaces are looked up, px.
+const BUCKET: f64 = 32.0;
+/// With more buckets than that under a box, all surfaces are looked at.
+const MAX_BUCKETS: usize = 256;
+
+/// Something that never moves, as one collider meets it.
+#[derive(Debug, Clone, PartialEq)]
+struct Surface {
+    /// The positions at which both touch.
+    near: [Interval; 2],
+    tags: TagSet,
+    /// The tags of the collider.
+    mine: TagSet,
+    /// Whether it pushes the collider, and to all sides.
+    is_pushing: bool,
+    is_solid: bool,
+    /// Along both axes, where a push by the low and by the high side of the collider ends; none to sides that it does not
+    /// push to.
+    edges: [[Option<f64>; 2]; 2],
+    /// Whether that face is open: no neighbour covers it.
+    is_open: [[bool; 2]; 2],
+}
+
+/// What a kind meets in a space.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Surfaces {
+    all: Vec<Surface>,
+    buckets: BTreeMap<(i64, i64), Vec<u32>>,
+}
+
+impl Surfaces {
+    /// None if there are too many, or if a collider is not always the same.
+    pub fn new(world: &World, kind: &Kind, space: SpaceId) -> Option<Surfaces> {
+        let mut out = Surfaces::default();
+        let tiles = Tiles::new(world, space);
+        let solids = &world.spaces[space].solids;
+        for body in &kind.bodies {
+            let meetings: Vec<Option<Meeting>> = tiles.tags.iter().map(|t| world.meeting(body.tags, *t)).collect();
+            if meetings.iter().all(Option::is_none) && solids.iter().all(|s| world.meeting(body.tags, s.tags).is_none())
+            {
+                continue;
+            }
+            if body.extent.is_none() || !body.is_steady {
+                return None;
+            }
+            let pushes = |m: &Option<Meeting>| m.is_some_and(|m| m.response.push == Push::Block);
+            let blocks: Vec<bool> = meetings.iter().map(pushes).collect();
+            let has_solids = solids.iter().any(|s| pushes(&world.meeting(body.tags, s.tags)));
+            let covered = |at: usize, side: Side| {
+                let is_covered = tiles.neighbour(at, side).is_some_and(|kind| blocks[kind]);
+                is_covered && !has_solids
+            };
+            for at in 0..tiles.count().0 * tiles.count().1 {
+                let Some(kind) = tiles.kind(at) else { continue };
+                let Some(meeting) = meetings[kind] else { continue };
+                let is_block = meeting.response.push == Push::Block;
+                out.add(body, tiles.tags[kind], meeting, tiles.bounds(at), |side| is_block && covered(at, side))?;
+            }
+            for solid in solids {
+                let Some(meeting) = world.meeting(body.tags, solid.tags) else { continue };
+                out.add(body, solid.tags, meeting, solid.bounds, |_| false)?;
+            }
+        }
+        Some(out)
+    }
+
+    fn add(
+        &mut self,
+        body: &Body,
+        tags: TagSet,
+        meeting: Meeting,
+        bounds: Bounds,
+        covered: impl Fn(Side) -> bool,
+    ) -> Option<()> {
+        let (extent, sides) = (body.extent?, along(bounds));
+        let is_pushing = meeting.response.push != Push::Sense && !body.kinematic;
+        let mut surface = Surface {
+            near: [0, 1].map(|axis| near(Some(extent), axis, sides[axis])),
+            tags,
+            mine: body.tags,
+            is_pushing,
+            is_solid: meeting.response.push == Push::Block,
+            edges: [[None; 2]; 2],
+            is_open: [[false; 2]; 2],
+        };
+        for side in sides_of(meeting).filter(|_| is_pushing) {
+            let (axis, end) = face(side);
+            surface.edges[axis][end] = Some(edge_at(extent, axis, end, sides[axis]));
+            surface.is_open[axis][end] = !covered(side);
+        }
+        let number = self.all.len() as u32;
+        let [columns, rows] = surface.near.map(buckets);
+        for row in rows.0..=rows.1 {
+            for column in columns.0..=columns.1 {
+                self.buckets.entry((row, column)).or_default().push(number);
+            }
+        }
+        self.all.push(surface);
+        (self.all.len() <= MAX_SURFACES).then_some(())
+    }
+
+    /// The surfaces that can be touched from a box of positions.
+    fn around(&self, at: [Interval; 2]) -> impl Iterator<Item = &Surface> {
+        let [columns, rows] = at.map(buckets);
+        let span = |(low, high): (i64, i64)| high.saturating_sub(low).saturating_add(1).max(1) as usize;
+        let mut numbers: Vec<u32> = if span(columns).saturating_mul(span(rows)) > MAX_BUCKETS {
+            (0..self.all.len() as u32).collect()
+        } else {
+            let cells = (rows.0..=rows.1).flat_map(|row| (columns.0..=columns.1).map(move |column| (row, column)));
+            cells.filter_map(|cell| self.buckets.get(&cell)).flatten().copied().collect()
+        };
+        numbers.sort_unstable();
+        numbers.dedup();
+        let touches = move |s: &&Surface| (0..2).all(|axis| s.near[axis].and(at[axis]).is_some());
+        numbers.into_iter().filter_map(|n| self.all.get(n as usize)).filter(touches)
+    }
+
+    /// Where pushes of at most `far` px can end that find an instance in a box of positions.
+    pub fn edges(&self, at: [Interval; 2], far: f64, out: &mut Edges) {
+        for surface in self.around(at).filter(|s| s.is_pushing) {
+            for axis in 0..2 {
+                for end in 0..2 {
+                    let Some(edge) = surface.edges[axis][end].filter(|_| surface.is_open[axis][end]) else { continue };
+                    let from = match end {
+                        0 => Interval { low: edge - far, high: edge },
+                        _ => Interval { low: edge, high: edge + far },
+                    };
+                    if rounded(from).and(at[axis]).is_some() {
+                        out[axis][end].push(rounded(Interval::point(edge)));
+                    }
+                }
+            }
+        }
+    }
+
+    /// Boxes of positions in which an instance is, after pushes of at most `far` px, when a contact question holds.
+    pub fn touched(&self, touch: &Touch, at: [Interval; 2], far: f64, out: &mut Vec<[Interval; 2]>) {
+        let wide = |i: Interval| rounded(Interval { low: i.low - far, high: i.high + far });
+        let asked = |s: &&&Surface| s.mine.meets(touch.mine) && s.tags.meets(TagSet::of(touch.other));
+        let mut add = |within: [Interval; 2]| {
+            if let (Some(x), Some(y)) = (within[0].and(at[0]), within[1].and(at[1]))
+                && !out.contains(&[x, y])
+            {
+                out.push([x, y]);
+            }
+        };
+        let around: Vec<&Surface> = self.around(at.map(wide)).collect();
+        for surface in around.iter().filter(asked) {
+            let within = surface.near.map(wide);
+            if let Some((axis, end)) = touch.side.map(face).filter(|_| surface.is_pushing) {
+                // It is pushed at least to this edge. A face that is covered gives a side only in a corner, where one across
+                // is covered, too.
+                let across = surface.is_open[1 - axis];
+                let is_corner = surface.is_solid && across != [true; 2];
+                let Some(edge) = surface.edges[axis][end].filter(|_| surface.is_open[axis][end] || is_corner) else {
+                    continue;
+                };
+                // The deepest push to that side has the last word.
+                let end_of_push = rounded(match end {
+                    0 => Interval { low: edge, high: edge + far },
+                    _ => Interval { low: edge - far, high: edge },
+                });
+                let pushes = around.iter().filter(|s| s.is_pushing).filter_map(|s| s.edges[axis][end]);
+                for edge in pushes.filter(|e| end_of_push.contains(*e)) {
+                    let mut within = within;
+                    within[axis] = rounded(Interval::point(edge));
+                    add(within);
+                }
+                continue;
+            }
+            add(within);
+        }
+    }
+
+    /// Where pushes end along an axis, by the low and by the high side of colliders.
+    pub fn lines(&self, axis: usize) -> [Vec<f64>; 2] {
+        [0, 1].map(|end| self.all.iter().filter_map(|s| s.edges[axis][end]).collect())
+    }
+}
+
+/// From the first to the last bucket under an interval; a cast stops at the ends of its type.
+fn buckets(i: Interval) -> (i64, i64) {
+    ((i.low / BUCKET).floor() as i64, (i.high / BUCKET).floor() as i64)
+}

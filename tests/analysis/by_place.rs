@@ -1,0 +1,147 @@
+//! What a player cannot come to although nothing is in its way: too high, too far, not with what it has. And the same with
+//! a little more speed, height or width, where it can: the search finds a way there.
+
+use hypedc::analysis::configuration_space;
+use hypedc::ir::{GoalId, WorldId};
+use hypedc::reach::{Limits, Problem, Settings, Verdict, search};
+use hypedc::sim::Simulator;
+use hypedc::watch::Unwatched;
+
+use crate::support::{compile_text, program};
+
+const HERO: &str = "entity Hero {
+    param speed = 90
+    param gravity = -700
+    param jump_speed = JUMP
+    param cut_speed = 80
+    axis horizontal
+    button jump
+    collider body: rect(1, 0, 14, 15)
+    clamp y' >= -300
+    mode alive {
+        x' = speed * horizontal
+        y'' = gravity
+        when y < -32 -> dead
+        initial mode ground {
+            when pressed(jump) -> rising { y' := jump_speed }
+            when not touching(body, wall, below) -> falling
+        }
+        mode air {
+            when touching(body, wall, below) and y' <= 0 -> ground
+            mode falling { }
+            mode rising {
+                when not held(jump) -> falling { y' := min(y', cut_speed) }
+                when y' <= 0 -> falling
+            }
+        }
+    }
+    mode dead { x' = 0; y' = 0 }
+}";
+
+fn world(map: &str, goal: &str, jump: u32) -> String {
+    HERO.replace("JUMP", &jump.to_string())
+        + &format!(
+            "
+world W {{
+    step 1/60
+    collide body with wall: block
+    tiles t 16 x 16 {{ '.': empty; '#': wall }}
+    space main {{
+        map t \"{map}        \"
+        place hero: Hero at (16, 32)
+    }}
+    player 1: hero
+    goal there: {goal}
+}}"
+        )
+}
+
+/// Whether a goal is ruled out, and whether a search finds a way.
+fn verdicts(text: &str) -> (bool, bool) {
+    let program = program(compile_text(text));
+    let space = configuration_space(&program, WorldId(0)).by_place(&program, WorldId(0), &[], &Unwatched);
+    let is_ruled_out = !space.can_hold(&program, WorldId(0), GoalId(0));
+    let sim = Simulator::new(&program, WorldId(0));
+    let problem = Problem::new(&sim, GoalId(0));
+    let limits = Limits { nodes: if is_ruled_out { 2_000 } else { 60_000 }, ..Limits::default() };
+    let outcome = search(&problem, &space, &Settings::default(), &limits, &Unwatched).unwrap();
+    (is_ruled_out, matches!(outcome.verdict, Verdict::Reached(_)))
+}
+
+const WALL: &str = "
+            ............
+            ............
+            ......#.....
+            ......#.....
+            ......#.....
+            ......#.....
+            ############
+            ############
+";
+const PIT: &str = "
+            ............
+            ............
+            ......#.....
+            ......#.....
+            ......#.....
+            ......#.....
+            ###..#######
+            ###..#######
+";
+
+#[test]
+fn a_wall_is_too_high() {
+    for map in [WALL, PIT] {
+        // A jump of 300 rises by 64 px less half a step, one of 310 by more.
+        for (jump, can) in [(100, false), (230, false), (290, false), (310, true)] {
+            let (is_ruled_out, is_reached) = verdicts(&world(map, "hero.x > 120 and hero.y > 20", jump));
+            assert_eq!((is_ruled_out, is_reached), (!can, can), "{jump} {map}");
+        }
+    }
+}
+
+#[test]
+fn a_ledge_is_too_high() {
+    let map = "
+            ............
+            ............
+            ............
+            ........####
+            ............
+            ............
+            ############
+            ############
+";
+    for (jump, can) in [(200, false), (230, false), (250, false), (320, true)] {
+        let (is_ruled_out, is_reached) = verdicts(&world(map, "hero.x > 140 and hero.y > 76", jump));
+        assert_eq!((is_ruled_out, is_reached), (!can, can), "{jump}");
+    }
+}
+
+#[test]
+fn a_gap_is_too_narrow() {
+    let map = |gap: u32| {
+        format!(
+            "
+world W {{
+    step 1/60
+    collide body with wall: block
+    space main {{
+        rect wall (0, 0, 192, 32)
+        rect wall (96, {}, 16, 200)
+        rect wall (-16, 0, 16, 300)
+        rect wall (192, 0, 16, 300)
+        place hero: Hero at (16, 32)
+    }}
+    player 1: hero
+    goal there: hero.x > 120
+}}",
+            32 + gap
+        )
+    };
+    for (gap, can) in [(3, false), (4, false), (15, true), (16, true)] {
+        let text = HERO.replace("JUMP", "230") + &map(gap);
+        let (is_ruled_out, is_reached) = verdicts(&text);
+        assert_eq!((is_ruled_out, is_reached), (!can, can), "{gap}");
+    }
+}

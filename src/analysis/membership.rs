@@ -8,7 +8,10 @@ use std::collections::HashMap;
 use std::fmt;
 use std::sync::Arc;
 
-use crate::ir::{DiscreteId, Entity, GroupId, Id, IdVec, LeafId, ParamId, Program, SlotId, SpaceId, TimerId, TouchId, VarId, World, WorldId};
+use crate::ir::{
+    DiscreteId, Entity, GroupId, Id, IdVec, LeafId, ParamId, Program, SlotId, SpaceId, TimerId, TouchId, VarId, World,
+    WorldId,
+};
 
 use super::energy::Fall;
 use super::evaluate::Configuration;
@@ -394,7 +397,11 @@ impl Table {
     #[inline]
     fn is_in_spaces(&self, row: &Row, space: SpaceId) -> bool {
         row.spaces == ANYWHERE
-            || self.space_sets.get(row.spaces as usize).and_then(|set| set.get(space.index())).is_some_and(|is_in| *is_in)
+            || self
+                .space_sets
+                .get(row.spaces as usize)
+                .and_then(|set| set.get(space.index()))
+                .is_some_and(|is_in| *is_in)
     }
 
     #[inline]
@@ -421,9 +428,7 @@ impl Table {
     #[inline]
     fn contains(&self, of: &impl Reading) -> bool {
         let at = [of.real(0), of.real(3)];
-        self.is_in_rows(at, of)
-            && self.is_in_region(at, of)
-            && self.are_contacts_in_place(at, of)
+        self.is_in_rows(at, of) && self.is_in_region(at, of) && self.are_contacts_in_place(at, of)
     }
 
     /// What keeps an instance from being in a row, and after how many checks.
@@ -457,7 +462,9 @@ impl Table {
         let falling = slice(&self.falls, row.falls).iter().find(|falling| !falling.is_kept(of))?;
         let name = &entity.vars[falling.var];
         let Fall { acceleration, step } = falling.fall;
-        let variable = format!("energy of {name} ({name}' * {name}' + {acceleration} * {step} * {name}' - 2 * {acceleration} * {name})");
+        let variable = format!(
+            "energy of {name} ({name}' * {name}' + {acceleration} * {step} * {name}' - 2 * {acceleration} * {name})"
+        );
         let beyond = Beyond { variable, value: falling.now(of).to_string(), allowed: whole(&[falling.energy]) };
         Some((rank + 1, beyond))
     }
@@ -493,9 +500,10 @@ impl Table {
             let allowed = region.map_or(String::new(), |region| region.text(at));
             return vec![Beyond { variable: "position".to_string(), value, allowed }];
         }
-        let misplaced = self.contacts.iter().filter(|(touch, places)| {
-            of.touch(*touch) && !(places[0].contains(at[0]) && places[1].contains(at[1]))
-        });
+        let misplaced = self
+            .contacts
+            .iter()
+            .filter(|(touch, places)| of.touch(*touch) && !(places[0].contains(at[0]) && places[1].contains(at[1])));
         let beyond = misplaced.map(|(touch, places)| Beyond {
             variable: format!("position while contact question {} holds", touch.index()),
             value: value.clone(),
@@ -519,12 +527,24 @@ impl Membership {
     }
 
     /// What of a slot is outside, if anything is; `of` is none where there is no instance.
-    pub fn outside(&self, program: &Program, world: WorldId, slot: SlotId, of: Option<&impl Reading>) -> Option<Outside> {
+    pub fn outside(
+        &self,
+        program: &Program,
+        world: WorldId,
+        slot: SlotId,
+        of: Option<&impl Reading>,
+    ) -> Option<Outside> {
         let here = self.outside_here(program, world, slot, of);
         here.or_else(|| self.finer.as_ref().and_then(|finer| finer.outside(program, world, slot, of)))
     }
 
-    fn outside_here(&self, program: &Program, world: WorldId, slot: SlotId, of: Option<&impl Reading>) -> Option<Outside> {
+    fn outside_here(
+        &self,
+        program: &Program,
+        world: WorldId,
+        slot: SlotId,
+        of: Option<&impl Reading>,
+    ) -> Option<Outside> {
         let (world, table) = (&program.worlds[world], &self.tables[self.of[slot]]);
         let entity = &program.entities[world.slots[slot].entity];
         let instance = world.slots[slot].name.clone();

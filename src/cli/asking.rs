@@ -13,8 +13,8 @@ use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::{Diagnostics, Fact, render, similar};
 use crate::ir::{ExprId, GoalId, NeverId, World, WorldId};
 use crate::reach::{
-    BadStart, Death, Limits, Measure, Outcome, Planner, Problem, Sampling, Settings, Target, Verdict, Visited, hasten,
-    reach, shorten,
+    BadStart, Death, Guard, Limits, Measure, Outcome, Planner, Problem, Refutation, Sampling, Settings, Target,
+    Verdict, Visited, hasten, reach, shorten,
 };
 use crate::sim::{Script, Simulator, parse_script};
 use crate::source::SourceMap;
@@ -23,6 +23,7 @@ use crate::watch::Watch;
 
 use super::args::{MetricName, ReachArgs, SampleBounds, Time};
 use super::reach_result::{Answered, Violation};
+use super::refuted::{Occasion, Refuted};
 use super::report::{Loaded, plain_error, show};
 use super::sim::save_script;
 
@@ -93,9 +94,18 @@ pub(super) struct Asking<'a> {
     loaded: &'a Loaded,
     sim: Simulator<'a>,
     space: ConfigurationSpace,
+    /// Holds all states that are made for any of the questions against the space, unless that is not wished.
+    guard: Option<Guard>,
     prepared: Prepared,
     /// What the analysis of the world took, s.
     pub analysis_seconds: f64,
+}
+
+/// What a search has found about a question.
+pub(super) struct Found {
+    pub target: Target,
+    pub outcome: Outcome,
+    pub seconds: f64,
 }
 
 /// An answer, and how it was found.
@@ -113,7 +123,33 @@ impl<'a> Asking<'a> {
         let nevers: Vec<ExprId> = program.worlds[world].nevers.iter().map(|never| never.holds).collect();
         let space = watched_space(program, world, &nevers, watch);
         let analysis_seconds = started.elapsed().as_secs_f64();
-        Asking { args, loaded, sim: Simulator::new(program, world), space, prepared, analysis_seconds }
+        Asking::resting_on(args, loaded, prepared, space, analysis_seconds)
+    }
+
+    /// Rests its proofs on what the world can be.
+    fn resting_on(
+        args: &'a ReachArgs,
+        loaded: &'a Loaded,
+        prepared: Prepared,
+        space: ConfigurationSpace,
+        analysis_seconds: f64,
+    ) -> Self {
+        let (program, world) = (&loaded.program, prepared.world);
+        let guard = (!args.no_check_states).then(|| Guard::new(&space, program, world));
+        Asking { args, loaded, sim: Simulator::new(program, world), space, guard, prepared, analysis_seconds }
+    }
+
+    /// A run that shows that the analysis is wrong about this world, if the search for any of the answers has met one.
+    pub fn refutation(&self) -> Option<Refutation> {
+        self.guard.as_ref().and_then(Guard::refutation)
+    }
+
+    /// As results have it, with a file from which it can be seen again.
+    pub fn refuted(&self, level: Option<&Path>, command: String) -> Option<Refuted> {
+        let (program, world) = (&self.loaded.program, self.sim.world_id());
+        let mut refuted = Refuted::new(program, world, &self.refutation()?);
+        refuted.write(program, world, &Occasion { file: &self.args.file, level, seed: self.args.seed, command });
+        Some(refuted)
     }
 
     /// Of what everything is taken to be possible, and why: each entity once, with its first instance.
@@ -137,8 +173,8 @@ impl<'a> Asking<'a> {
         &self.prepared.targets
     }
 
-    /// Asks one question.
-    pub fn ask(&self, target: Target, watch: &dyn Watch) -> Result<Asked, Refusal> {
+    /// Searches for an answer to one question.
+    pub fn find(&self, target: Target, watch: &dyn Watch) -> Result<Found, Refusal> {
         let problem = self.problem(target)?;
         let (program, world) = (&self.loaded.program, self.sim.world_id());
         let limits = Limits { nodes: nodes_limit(self.args), memory: self.args.memory << 20 };
@@ -151,6 +187,16 @@ impl<'a> Asking<'a> {
             let plan = hasten(&problem, &self.space, self.settings(), &limits, plan, watch);
             outcome.verdict = Verdict::Reached(shorten(&problem, &plan, u32::from(least), watch));
         }
+        Ok(Found { target, outcome, seconds })
+    }
+
+    /// The answer to show, once all questions have been asked: what one search has met may refute what was proven before.
+    pub fn answer(&self, found: Found) -> Asked {
+        let (program, world) = (&self.loaded.program, self.sim.world_id());
+        let Found { target, mut outcome, seconds } = found;
+        if let Some(refutation) = self.refutation() {
+            outcome.refute(&refutation);
+        }
         let mut answered = Answered::new(self.loaded, &self.sim, target, &outcome, seconds);
         let script = |script: &Script| script.text(program, world);
         answered.violations = outcome
@@ -162,13 +208,16 @@ impl<'a> Asking<'a> {
         if self.args.tree {
             answered.tree = Some(outcome.record.iter().map(|v| (v.parent, v.space.0, v.at[0], v.at[1])).collect());
         }
-        Ok(Asked { answered, outcome })
+        Asked { answered, outcome }
     }
 
     /// The question of a target.
     fn problem(&self, target: Target) -> Result<Problem<'_>, Refusal> {
         let world = self.sim.world();
         let mut problem = Problem::asking(&self.sim, target);
+        if let Some(guard) = &self.guard {
+            problem = problem.guarded(guard);
+        }
         if self.args.without.is_some()
             && let Some(never) = world.nevers.iter().last()
         {
@@ -310,6 +359,7 @@ fn settings(args: &ReachArgs, world: &World) -> Result<Settings, Refusal> {
         trees: usize::from(args.trees),
         threads: usize::from(args.threads),
         records: args.svg.is_some() || args.tree,
+        checks: !args.no_check_states,
         ..Settings::default()
     })
 }

@@ -8,6 +8,7 @@ use super::args::{ReachArgs, ResultFormat};
 use super::asking::{Asking, Prepared, barred, target_name};
 use super::corpus;
 use super::reach_result::RunResult;
+use super::refuted::command_line;
 use super::report::{choose_world, load_barred, show_fact};
 use super::watching::CommandWatch;
 
@@ -41,19 +42,35 @@ pub(super) fn run(args: &ReachArgs) -> io::Result<Answer> {
         write!(io::stdout(), "{}", result.head())?;
     }
     let mut answer = Answer::Yes;
+    let mut all = Vec::new();
     for &target in asking.targets() {
         let watch = CommandWatch::new(target_name(&program.worlds[world], target), seconds);
         seconds = args.seconds;
-        let asked = asking.ask(target, &watch);
+        let found = asking.find(target, &watch);
         watch.finish();
-        let saved = asked.and_then(|mut asked| asking.save(&mut asked, None).map(|()| asked));
-        let asked = match saved {
-            Ok(asked) => asked,
+        match found {
+            Ok(found) => all.push(found),
             Err(refusal) => {
                 refusal.show(&loaded.sources)?;
                 return Ok(Answer::Unasked);
             }
-        };
+        }
+        if watch.is_interrupted() {
+            answer = answer.max(Answer::No);
+            break;
+        }
+    }
+    result.refuted = asking.refuted(args.map.first().map(AsRef::as_ref), command_line());
+    if result.refuted.is_some() {
+        answer = answer.max(Answer::No);
+    }
+    for found in all {
+        let target = found.target;
+        let mut asked = asking.answer(found);
+        if let Err(refusal) = asking.save(&mut asked, None) {
+            refusal.show(&loaded.sources)?;
+            return Ok(Answer::Unasked);
+        }
         if let Some((fault, step)) = asked.outcome.fault {
             show_fact(&loaded.sources, fault.fact(program, world, step))?;
         }
@@ -65,10 +82,6 @@ pub(super) fn run(args: &ReachArgs) -> io::Result<Answer> {
             answer = answer.max(Answer::No);
         }
         result.add(answered);
-        if watch.is_interrupted() {
-            answer = answer.max(Answer::No);
-            break;
-        }
     }
     match args.format {
         ResultFormat::Human => write!(io::stdout(), "{}", result.tail())?,

@@ -11,6 +11,7 @@ use crate::sim::Simulator;
 
 use super::args::ReachArgs;
 use super::asking::nodes_limit;
+use super::refuted::Refuted;
 
 use super::report::{Loaded, program_sha256};
 use super::values;
@@ -45,6 +46,8 @@ pub(super) struct RunResult {
     seconds_limit: Option<f64>,
     memory_limit: u64,
     goals: Vec<Answered>,
+    /// How a search has shown that the analysis is wrong about this world; null if none has.
+    pub refuted: Option<Refuted>,
 }
 
 impl RunResult {
@@ -77,6 +80,7 @@ impl RunResult {
             seconds_limit: args.seconds,
             memory_limit: args.memory << 20,
             goals: Vec::new(),
+            refuted: None,
         }
     }
 
@@ -114,6 +118,7 @@ impl RunResult {
                 out.push_str(&format!("    inputs  {inputs}\n"));
             }
         }
+        out.extend(self.refuted.as_ref().map(Refuted::human));
         out
     }
 }
@@ -205,6 +210,8 @@ pub(super) struct Answered {
     pub extensions: u64,
     pub failures: u64,
     pub simulated_steps: u64,
+    /// States held against what the analysis says the world can be.
+    pub checked_states: u64,
     pub seconds: f64,
     /// Where nothing was found: for how many steps inputs are held that are proven to lead nowhere, and to how many states.
     pub exhausted: Option<(u16, u64)>,
@@ -248,6 +255,9 @@ impl Answered {
         if argument.is_some() && values::is_bounded(world) && kind == "goal" {
             reasons.push("a run ends where a player leaves the bounds of its space, below or beside".to_string());
         }
+        if outcome.is_withdrawn {
+            reasons.push("the analysis is wrong about this world, as shown below: its proof is withdrawn".to_string());
+        }
         let s = &outcome.statistics;
         let covered = &outcome.covered;
         Answered {
@@ -256,6 +266,7 @@ impl Answered {
             verdict: match (&outcome.verdict, kind) {
                 (Verdict::Reached(_), "goal") => "reached",
                 (Verdict::Reached(_), _) => "violated",
+                (Verdict::NotFound, _) if outcome.is_withdrawn => "not answered",
                 (Verdict::NotFound, _) => "not found",
                 (Verdict::Unreachable(_), _) => "proven-unreachable",
             },
@@ -275,6 +286,7 @@ impl Answered {
             extensions: s.extensions,
             failures: s.failures,
             simulated_steps: s.steps,
+            checked_states: s.checked,
             seconds,
             exhausted: outcome.exhausted,
             cuts: match outcome.verdict {

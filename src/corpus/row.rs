@@ -38,6 +38,9 @@ pub enum Verdict {
     /// No way was found; this proves nothing.
     #[serde(rename = "not found")]
     NotFound,
+    /// No way to break the `never` was found, or a proof was withdrawn; this proves nothing.
+    #[serde(rename = "not answered")]
+    NotAnswered,
     /// There is no way, for a reason that the row has.
     #[serde(rename = "proven-unreachable")]
     ProvenUnreachable,
@@ -48,8 +51,14 @@ pub enum Verdict {
 
 impl Verdict {
     /// All of them, best first where a goal is asked for.
-    pub const ALL: [Verdict; 5] =
-        [Verdict::Reached, Verdict::Violated, Verdict::NotFound, Verdict::ProvenUnreachable, Verdict::Error];
+    pub const ALL: [Verdict; 6] = [
+        Verdict::Reached,
+        Verdict::Violated,
+        Verdict::NotFound,
+        Verdict::NotAnswered,
+        Verdict::ProvenUnreachable,
+        Verdict::Error,
+    ];
 
     /// As it is written in rows.
     pub fn name(self) -> &'static str {
@@ -57,6 +66,7 @@ impl Verdict {
             Verdict::Reached => "reached",
             Verdict::Violated => "violated",
             Verdict::NotFound => "not found",
+            Verdict::NotAnswered => "not answered",
             Verdict::ProvenUnreachable => "proven-unreachable",
             Verdict::Error => "error",
         }
@@ -236,6 +246,10 @@ pub struct Row {
     pub inputs_left_out: bool,
     /// The first run-time error met: a mistake of the program that the search went around.
     pub fault: Option<String>,
+    /// How the search, or that for another goal of the level, has shown that the analysis is wrong about the level: a mistake
+    /// of `hypedc`. None if none has.
+    #[serde(default)]
+    pub refuted: Option<String>,
     /// What depends on the machine.
     pub timing: Timing,
 }
@@ -274,6 +288,7 @@ impl Row {
             out_of_memory: false,
             inputs_left_out: false,
             fault: None,
+            refuted: None,
             timing: Timing::default(),
         }
     }
@@ -288,9 +303,10 @@ impl Row {
         match (self.verdict, &self.error, &self.argument) {
             (Verdict::Error, Some(error), _) => error.lines().next().unwrap_or_default().to_string(),
             (Verdict::ProvenUnreachable, _, Some(argument)) => argument.clone(),
-            (Verdict::NotFound, ..) if self.stopped => "the time is spent".to_string(),
-            (Verdict::NotFound, ..) if self.out_of_memory => "the memory is full".to_string(),
-            (Verdict::NotFound, ..) => format!("not among {} nodes", self.nodes),
+            _ if self.refuted.is_some() => self.refuted.clone().unwrap_or_default(),
+            (Verdict::NotFound | Verdict::NotAnswered, ..) if self.stopped => "the time is spent".to_string(),
+            (Verdict::NotFound | Verdict::NotAnswered, ..) if self.out_of_memory => "the memory is full".to_string(),
+            (Verdict::NotFound | Verdict::NotAnswered, ..) => format!("not among {} nodes", self.nodes),
             (Verdict::Violated, ..) => "there is a way to break it".to_string(),
             _ => String::new(),
         }

@@ -7,7 +7,9 @@
 use std::sync::{Mutex, PoisonError};
 
 use crate::analysis::{ConfigurationSpace, Membership, Outside, Reading};
-use crate::ir::{DiscreteId, GroupId, Id, LeafId, ParamId, Program, SlotLayout, SpaceId, TimerId, TouchId, World, WorldId};
+use crate::ir::{
+    DiscreteId, GroupId, Id, LeafId, ParamId, Program, SlotLayout, SpaceId, TimerId, TouchId, World, WorldId,
+};
 use crate::sim::{Script, Simulator, state};
 use crate::watch::{Meter, Unwatched};
 

@@ -152,10 +152,15 @@ impl Argument {
 }
 
 impl Outcome {
+    /// Whether it is a proof that rests on what the analysis says the world can be.
+    pub fn rests_on_analysis(&self) -> bool {
+        matches!(&self.verdict, Verdict::Unreachable(argument) if argument.rests_on_analysis())
+    }
+
     /// Takes back what rests on an analysis that is refuted, be it by the search for another answer.
     pub fn refute(&mut self, refutation: &Refutation) {
         self.refuted.get_or_insert_with(|| refutation.clone());
-        if matches!(&self.verdict, Verdict::Unreachable(argument) if argument.rests_on_analysis()) {
+        if self.rests_on_analysis() {
             self.verdict = Verdict::NotFound;
             self.is_withdrawn = true;
         }

@@ -10,6 +10,7 @@ use crate::analysis::{Configuration, ConfigurationSpace, Interval, SlotSpace, Va
 use crate::ir::{Bounds, Entity, Id, Program, SlotId, World, WorldId};
 use crate::reach::{Problem, Proof};
 use crate::sim::Simulator;
+use crate::watch::Unwatched;
 
 use super::Answer;
 use super::args::{BoundsArgs, ResultFormat};
@@ -97,6 +98,11 @@ pub(super) fn run(args: &BoundsArgs) -> io::Result<Answer> {
     let Some(loaded) = load(&args.file, args.level.file())? else { return Ok(Answer::Unasked) };
     let Some(id) = choose_world(&loaded, &args.file, args.world.as_deref())? else { return Ok(Answer::Unasked) };
     let space = configuration_space(&loaded.program, id);
+    let is_open = |goal| space.can_hold(&loaded.program, id, goal);
+    let space = match loaded.program.worlds[id].goals.ids().any(is_open) {
+        true => space.by_place(&loaded.program, id, &[], &Unwatched),
+        false => space,
+    };
     let asked = Asked { program: &loaded.program, world: &loaded.program.worlds[id], space: &space };
     let goals = goals(&loaded, id, &space);
     let mut out = io::stdout().lock();

@@ -127,7 +127,7 @@ impl<'a> Asking<'a> {
     }
 
     /// Rests its proofs on what the world can be.
-    fn resting_on(
+    pub fn resting_on(
         args: &'a ReachArgs,
         loaded: &'a Loaded,
         prepared: Prepared,

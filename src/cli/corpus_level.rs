@@ -108,9 +108,12 @@ impl Common<'_> {
         let blank =
             |target: usize| Row { program_sha256: Some(program_sha256.clone()), ..blank(target, String::new()) };
         let kept = |target: usize| self.record.same(&blank(target)).filter(|kept| self.has_files(level, &kept.row));
+        // A search for another goal may refute what a proof of an earlier run rests on.
+        let is_searched = (0..self.targets.len()).any(|target| kept(target).is_none());
+        let rests_on_analysis = |kept: &Kept| kept.row.answered_by.as_deref() == Some("analysis");
         let mut open = Vec::new();
         for target in 0..self.targets.len() {
-            match kept(target) {
+            match kept(target).filter(|kept| !(is_searched && rests_on_analysis(kept))) {
                 Some(kept) => desk.hand_in(Done::Kept(target, Box::new(kept.clone()))),
                 None => open.push(target),
             }

@@ -366,14 +366,13 @@ impl Table {
             return self.by_key.first().copied().unwrap_or_default();
         }
         let leaves = (0..self.groups).map(|group| of.leaf(GroupId(group as u32)));
-        let bunch = if self.listed.is_empty() {
+        if self.listed.is_empty() {
             let key: usize = leaves.map(|leaf| self.weights.get(leaf.index()).map_or(0, |w| *w)).sum();
             self.by_key.get(key).copied().unwrap_or_default()
         } else {
             let found = self.listed.iter().find(|(known, _)| leaves.clone().eq(known.iter().copied()));
             found.map_or(Bunch::default(), |(_, bunch)| *bunch)
-        };
-        bunch
+        }
     }
 
     /// Whether an instance is in one of the rows of its leaves.

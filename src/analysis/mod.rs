@@ -25,6 +25,7 @@ mod findings;
 mod fixpoint;
 mod flow;
 mod local;
+mod lookup;
 mod membership;
 mod region;
 mod scene;

@@ -4,6 +4,7 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, Sender};
+use std::thread;
 
 /// Where a task meets whoever asked for it.
 pub struct Desk<'d, T> {
@@ -38,19 +39,29 @@ pub fn work<T: Send>(
 ) {
     let (next, is_broken_off) = (AtomicUsize::new(0), AtomicBool::new(false));
     let is_over = || is_broken_off.load(Ordering::Relaxed) || stop();
-    std::thread::scope(|scope| {
+    thread::scope(|scope| {
         let (sender, results) = mpsc::channel();
-        for _ in 0..threads.clamp(1, tasks.max(1)) {
-            let (sender, next, is_over) = (sender.clone(), &next, &is_over);
-            scope.spawn(move || {
-                while !is_over() {
-                    let at = next.fetch_add(1, Ordering::Relaxed);
-                    if at >= tasks {
-                        return;
-                    }
-                    task(at, &Desk { task: at, sender: &sender, is_over });
+        let (next, is_over) = (&next, &is_over);
+        let work = move |sender: Sender<(usize, T)>| {
+            while !is_over() {
+                let at = next.fetch_add(1, Ordering::Relaxed);
+                if at >= tasks {
+                    return;
                 }
-            });
+                task(at, &Desk { task: at, sender: &sender, is_over });
+            }
+        };
+        let mut is_alone = true;
+        for _ in 0..threads.clamp(1, tasks.max(1)) {
+            let sender = sender.clone();
+            // The threads that the system gives do it all, and without any this one does.
+            if thread::Builder::new().spawn_scoped(scope, move || work(sender)).is_err() {
+                break;
+            }
+            is_alone = false;
+        }
+        if is_alone {
+            work(sender.clone());
         }
         drop(sender);
         while let Ok((at, result)) = results.recv() {

@@ -11,7 +11,7 @@ use std::process::Command;
 use hypedc::analysis::configuration_space;
 use hypedc::compile::compile;
 use hypedc::ir::{GoalId, NeverId, Program, WorldId};
-use hypedc::reach::{Argument, Death, Limits, Outcome, Planner, Problem, Settings, Standing, Target, Verdict, reach};
+use hypedc::reach::{Death, Exhaustion, Limits, Outcome, Planner, Problem, Settings, Standing, Target, Verdict, reach};
 use hypedc::sim::{Script, Simulator, parse_script};
 use hypedc::source::SourceMap;
 use hypedc::watch::Unwatched;
@@ -97,7 +97,13 @@ fn nothing_is_proven_where_a_search_stopped_by_itself() {
     let sim = Simulator::new(&program, WORLD);
     let space = configuration_space(&program, WORLD);
     let problem = Problem::new(&sim, GoalId(0));
-    for (planner, hold) in [(Planner::Exhaustive, (10, 10)), (Planner::BestFirst, (10, 10)), (Planner::Auto, (1, 40))] {
+    for (planner, hold) in [
+        (Planner::Exhaustive, (10, 10)),
+        (Planner::Exhaustive, (1, 1)),
+        (Planner::BestFirst, (10, 10)),
+        (Planner::BestFirst, (1, 1)),
+        (Planner::Auto, (1, 40)),
+    ] {
         let settings = Settings { planner, hold: Some(hold), ..Settings::default() };
         let limits = Limits { nodes: 20_000, ..Limits::default() };
         // Without the analysis, which proves it.
@@ -117,7 +123,7 @@ fn nothing_is_proven_where_a_search_stopped_by_itself() {
     let limits = Limits { nodes: 20_000, ..Limits::default() };
     let problem = Problem::new(&sim, GoalId(0));
     let outcome = hypedc::reach::search(&problem, &space, &settings, &limits, &Unwatched).unwrap();
-    assert!(matches!(outcome.verdict, Verdict::Unreachable(Argument::Exhaustion { states: 1.., .. })), "{outcome:?}");
+    assert!(matches!(outcome.verdict, Verdict::Exhausted(Exhaustion { states: 1.., .. })), "{outcome:?}");
     assert_eq!(outcome.cuts, []);
 }
 
@@ -197,16 +203,16 @@ fn no_way_is_called_the_shortest_where_another_may_lead_around() {
     for (more, is_known) in [("", true), ("bounds rect(0, 0, 80, 32)", true)] {
         let program = meadow(more, asked);
         let sim = Simulator::new(&program, WORLD);
-        let outcome = ask(&Problem::new(&sim, GoalId(0)), Planner::Exhaustive, Some((2, 2)));
+        let outcome = ask(&Problem::new(&sim, GoalId(0)), Planner::Exhaustive, None);
         let Verdict::Reached(plan) = outcome.verdict else { panic!("{more}: {outcome:?}") };
-        assert_eq!(plan.shortest_by.is_some(), is_known, "{more}");
+        assert_eq!(plan.is_shortest, is_known, "{more}");
     }
     // Here the way to the other side is long enough that some have left the window before.
     let program = meadow("", "goal right: hero.x > 120");
     let sim = Simulator::new(&program, WORLD);
-    let outcome = ask(&Problem::new(&sim, GoalId(0)), Planner::Exhaustive, Some((2, 2)));
+    let outcome = ask(&Problem::new(&sim, GoalId(0)), Planner::Exhaustive, None);
     let Verdict::Reached(plan) = outcome.verdict else { panic!("{outcome:?}") };
-    assert_eq!(plan.shortest_by, None, "{:?}", outcome.cuts);
+    assert!(!plan.is_shortest, "{:?}", outcome.cuts);
 }
 
 #[test]

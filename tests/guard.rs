@@ -148,7 +148,7 @@ fn replayed_ways_are_looked_at() {
         let guard = Guard::new(&space, &program, WORLD);
         let problem = Problem::new(&sim, FAR).guarded(&guard);
         match way {
-            0 => drop(shorten(&problem, &plan, 1, &Unwatched)),
+            0 => drop(shorten(&problem, &plan, &Unwatched)),
             _ => drop(hasten(&problem, &space, &unchecked, &limits(500), &plan, &Unwatched)),
         }
         assert!(guard.refutation().is_some(), "{way}");

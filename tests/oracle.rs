@@ -66,7 +66,7 @@ fn hold(worlds: u64, generate: fn(&[u16]) -> String, check: impl Fn(&Study, u64)
         max_shrink_iters: 400,
         ..ProptestConfig::default()
     };
-    let choices = (prop::collection::vec(any::<u16>(), 0..500), any::<u64>());
+    let choices = (prop::collection::vec(any::<u16>(), 40..500), any::<u64>());
     let result = TestRunner::new(config).run(&choices, |(choices, seed)| {
         let study = study_text(&generate(&choices));
         if study.compilation.program.is_none() {
@@ -79,7 +79,8 @@ fn hold(worlds: u64, generate: fn(&[u16]) -> String, check: impl Fn(&Study, u64)
         Err(TestError::Fail(_, (choices, seed))) => {
             let fails = |text: &str| {
                 let study = study_text(text);
-                study.compilation.program.is_some().then(|| check(&study, seed).err()).flatten()
+                let has_world = study.compilation.program.as_ref().is_some_and(|p| !p.worlds.is_empty());
+                has_world.then(|| check(&study, seed).err()).flatten()
             };
             let text = shortened(&generate(&choices), &|text| fails(text).is_some());
             panic!("{text}\nseed {seed}: {}", fails(&text).unwrap());
@@ -155,7 +156,7 @@ fn true_verdicts(judge: Judge) -> Tally {
     let percent = |part: usize, of: usize| 100 * part / of.max(1);
     assert!(percent(tally.worlds, worlds as usize) >= 80, "{tally:?}");
     assert!(percent(tally.closed, tally.worlds) >= 40, "{tally:?}");
-    assert!(percent(tally.later, tally.goals) >= 15, "{tally:?}");
+    assert!(percent(tally.later, tally.goals) >= 10, "{tally:?}");
     assert!(percent(tally.unreachable, tally.goals) >= 15, "{tally:?}");
     tally
 }
@@ -192,5 +193,20 @@ fn states_are_the_same_to_the_bit() {
         }
     }
     println!("{worlds} worlds, {steps} steps, {faults} faults, {} differ", wrong.len());
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Worlds of which something false was said once, cut down; a comment tells what.
+#[test]
+fn what_was_found_is_judged_right() {
+    let mut wrong = Vec::new();
+    for path in files("tests/oracle/found", "hyped") {
+        let study = study(Path::new(&path), &Disk);
+        assert!(study.compilation.program.is_some(), "{} does not compile", path.display());
+        for judge in [Judge::Analysis, Judge::Exhaustion] {
+            let told = verdict::check(&study, judge, 3_000, &mut Tally::default());
+            wrong.extend(told.err().map(|why| format!("{}: {why}", path.display())));
+        }
+    }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }

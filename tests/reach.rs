@@ -529,7 +529,7 @@ fn what_is_walled_off_is_proven_unreachable() {
 }
 
 /// What takes longest to reach takes a hundred steps; there is time for as many as are given.
-fn walk_within(steps: u32, planner: Planner, seed: u64) -> Verdict {
+fn walk_within(steps: u32, planner: Planner, seed: u64, analysed: bool) -> Verdict {
     let text = "entity Walker {\n    param speed = 60\n    axis move\n    collider body: rect(0, 0, 8, 8)\n    x' = speed * move\n    y' = 0\n}\n\
         world Hall {\n    step 1/60\n    space main {\n        bounds rect (-50, 0, 300, 50)\n        \
         place walker: Walker at (0, 10)\n    }\n    player 1: walker\n    goal far: walker.x > 99.5\n}\n";
@@ -538,7 +538,8 @@ fn walk_within(steps: u32, planner: Planner, seed: u64) -> Verdict {
     let problem = Problem::new(&sim, GoalId(0)).within(steps);
     let space = configuration_space(&program, WORLD);
     let settings = Settings { seed, planner, ..Settings::default() };
-    let outcome = reach(&problem, &space, &settings, &Limits { nodes: 20_000, ..Limits::default() }, &Unwatched);
+    let ask = if analysed { reach } else { grow };
+    let outcome = ask(&problem, &space, &settings, &Limits { nodes: 20_000, ..Limits::default() }, &Unwatched);
     let verdict = outcome.unwrap().verdict;
     if let Verdict::Reached(plan) = &verdict {
         replay(&program, 0, plan);
@@ -549,14 +550,22 @@ fn walk_within(steps: u32, planner: Planner, seed: u64) -> Verdict {
 #[test]
 fn what_takes_too_long_does_not_count() {
     for planner in Planner::ALL {
-        match walk_within(99, planner, 1) {
-            Verdict::Unreachable(_) => assert!([Planner::Exhaustive, Planner::Auto].contains(&planner), "{planner:?}"),
-            Verdict::NotFound => assert!(![Planner::Exhaustive, Planner::Auto].contains(&planner), "{planner:?}"),
-            Verdict::Reached(plan) => panic!("{planner:?}: {}", plan.steps),
+        let is_exhaustive = [Planner::Exhaustive, Planner::Auto].contains(&planner);
+        for analysed in [true, false] {
+            match walk_within(99, planner, 1, analysed) {
+                Verdict::Unreachable(Argument::Distance(far)) => assert!(analysed && far.least == 100, "{planner:?}"),
+                // How far the axis is moved is read, too.
+                Verdict::Exhausted(_) => assert!(is_exhaustive && !analysed, "{planner:?}"),
+                Verdict::NotFound => assert!(!is_exhaustive && !analysed, "{planner:?}"),
+                other => panic!("{planner:?}: {other:?}"),
+            }
         }
     }
-    assert!(matches!(walk_within(100, Planner::Exhaustive, 1), Verdict::Reached(plan) if plan.steps == 100));
+    assert!(matches!(walk_within(100, Planner::Exhaustive, 1, true), Verdict::Reached(plan) if plan.steps == 100));
     for seed in 1..=10 {
-        assert!(matches!(walk_within(130, Planner::Auto, seed), Verdict::Reached(plan) if plan.steps <= 130), "{seed}");
+        assert!(
+            matches!(walk_within(130, Planner::Auto, seed, true), Verdict::Reached(plan) if plan.steps <= 130),
+            "{seed}"
+        );
     }
 }

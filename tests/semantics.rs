@@ -596,7 +596,7 @@ fn lines_of_the_same_strength_hold_in_both_directions() {
 
 #[test]
 fn a_velocity_that_leaves_the_finite_numbers_stops_the_run_though_the_position_is_clamped() {
-    let huge = "1".to_string() + &"0".repeat(308);
+    let huge = format!("1{0} * 1{0}", "0".repeat(154));
     let program = program(compile_text(&format!(
         "entity A {{ clamp x in 0..10; x'' = {huge} }}
          world W {{ step 1; space main {{ place a: A at (0, 0) }} }}"

@@ -162,12 +162,10 @@ fn agrees(case: &Case, outcome: &Outcome, how: &str) {
             Question { what: &what, program: &case.program, world: case.world, target }.replay(plan);
             assert!(matches!(case.answer, Answer::Reachable | Answer::Fine), "{what}: reached");
         }
-        Verdict::Unreachable(Argument::Analysis(_)) => assert_eq!(case.answer, Answer::Unreachable, "{what}"),
-        Verdict::Unreachable(Argument::Exhaustion { hold, .. }) => match case.answer {
-            Answer::Reachable => panic!("{what}: exhausted"),
-            Answer::Fine => assert!(*hold > 1, "{what}: exhausted by inputs of one step"),
-            Answer::Steered | Answer::Unreachable => {}
-        },
+        Verdict::Unreachable(_) => assert_eq!(case.answer, Answer::Unreachable, "{what}"),
+        Verdict::Exhausted(_) => {
+            assert!(matches!(case.answer, Answer::Steered | Answer::Unreachable), "{what}: exhausted");
+        }
     }
 }
 
@@ -241,12 +239,13 @@ fn auto_finds_what_there_is_and_proves_what_it_can() {
         let can_be = matches!(case.answer, Answer::Reachable | Answer::Fine);
         assert_eq!(is_reached, can_be, "{} {}: {:?}", case.file, case.goal, outcome.verdict);
         let verdict = match outcome.verdict {
-            Verdict::Reached(_) => "reached".into(),
-            Verdict::NotFound => "not found".into(),
-            Verdict::Unreachable(Argument::Analysis(_)) => "unreachable, by the analysis".into(),
-            Verdict::Unreachable(Argument::Exhaustion { hold, .. }) => {
-                format!("unreachable, by exhaustion of inputs of {hold} steps")
-            }
+            Verdict::Reached(_) => "reached",
+            Verdict::NotFound => "not found",
+            Verdict::Unreachable(Argument::Analysis(_)) => "unreachable, by the analysis",
+            Verdict::Unreachable(Argument::Exhaustion(_)) => "unreachable, by exhaustion",
+            Verdict::Unreachable(Argument::Over) => "unreachable, as every run is over",
+            Verdict::Unreachable(Argument::Distance(_)) => "unreachable, as it is too far",
+            Verdict::Exhausted(_) => "exhausted",
         };
         let fine = if hold.is_some() { " (inputs of 1 step)" } else { "" };
         writeln!(lines, "{} {}{fine}: {verdict}", case.file, case.goal).unwrap();
@@ -271,7 +270,8 @@ fn shortens(question: &Question<'_>, problem: &Problem<'_>, plan: &Plan) {
         plan.script.steps[..held].iter().map(|s| s.count).min().unwrap_or(u32::MAX)
     };
     for least in [0, if plan.after == 0 { shortest(plan).min(10) } else { 0 }] {
-        let short = shorten(problem, plan, least, &Patience(AtomicU32::new(12)));
+        let held = problem.clone().holding(least as u16);
+        let short = shorten(&held, plan, &Patience(AtomicU32::new(12)));
         question.replay(&short);
         let what = question.what;
         assert_eq!(short.after, plan.after, "{what}");

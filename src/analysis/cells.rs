@@ -24,7 +24,7 @@ pub(super) type CellId = u32;
 /// How far beyond what can be met a cell ends, px.
 const MARGIN: f64 = 1.0;
 /// More cells than that are not told apart.
-const MAX_CELLS: usize = 12_000;
+const MAX_CELLS: usize = 4_000;
 /// Lines that are this near to each other are one, px.
 const THIN: f64 = 4.0 * ROUNDING;
 /// A discrete variable of more values is not told apart, nor are more combinations of them.

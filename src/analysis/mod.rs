@@ -10,8 +10,8 @@
 //! What is assumed: inputs can be anything at any time; references can refer to any instance of their entity; joint
 //! transitions can happen or not. Positions are known from levels in three ways: a push ends where edges meet and a
 //! contact tells where both are (`surroundings`), and what moves in small steps among walls stays where it can get
-//! (`region`). Speed and height under a constant acceleration are tied to each other (`energy`). What can be used up once
-//! bounds what counts it (`supply`).
+//! (`region`); how far something gets in a number of steps is `pace`. Speed and height under a constant acceleration are
+//! tied to each other (`energy`). What can be used up once bounds what counts it (`supply`).
 //!
 //! What is lost: else variables are not related to each other, nor instances. An entity with more than a thousand
 //! combinations of leaves, or a world that takes too many steps to look at, is given up: everything is possible then.
@@ -27,6 +27,7 @@ mod flow;
 mod local;
 mod lookup;
 mod membership;
+mod pace;
 mod region;
 mod scene;
 mod step;
@@ -53,7 +54,7 @@ use supply::Limits;
 use surroundings::Surroundings;
 
 /// So where players are told apart by place.
-const MOST_EFFORT_BY_PLACE: usize = 400_000;
+const MOST_EFFORT_BY_PLACE: usize = 40_000;
 
 /// After so many ways of steps a world is given up: everything can be anything.
 const MOST_EFFORT: usize = 300_000;

@@ -251,6 +251,27 @@ impl Contacts {
         Some(out)
     }
 
+    /// Along an axis, over which positions a push may take an instance that moves at most so fast, px/s: towards higher
+    /// and towards lower coordinates. None if it can be taken anywhere.
+    pub fn helped(&self, axis: usize, speed: [f64; 2], step: f64) -> Option<[Vec<Interval>; 2]> {
+        if self.anywhere || self.carried[axis].is_some() || speed.iter().any(|s| !s.is_finite()) {
+            return None;
+        }
+        if !self.is_pushed {
+            return Some([Vec::new(), Vec::new()]);
+        }
+        // What comes in along one axis is pushed out along the other where that is less. What is inside of something goes
+        // to beside it.
+        let far = match self.is_gentle {
+            true => speed[0].max(speed[1]) * step + TOLERANCE + ROUNDING,
+            false => self.longest[axis] + ROUNDING,
+        };
+        let [low, high] = if self.is_gentle { &self.faces[axis] } else { &self.edges[axis] };
+        let up = low.iter().map(|e| Interval { low: e.low - far, high: e.high + ROUNDING }).collect();
+        let down = high.iter().map(|e| Interval { low: e.low - ROUNDING, high: e.high + far }).collect();
+        Some([up, down])
+    }
+
     /// Adds to a position where pushes within an interval can put it; gives what is around them, by the low and by the
     /// high side.
     fn push(&self, edges: &[Vec<Interval>; 2], within: Interval, position: &mut Values) -> [Option<Interval>; 2] {

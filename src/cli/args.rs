@@ -1,6 +1,5 @@
 //! The arguments, as data.
 
-use std::fmt;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -10,6 +9,7 @@ use crate::reach::{Planner, Restart};
 
 use super::corpus_args::CorpusArgs;
 use super::experiment_args::ExperimentArgs;
+use super::time::{Hold, Time};
 
 /// Compiles, simulates and analyses action-game entities written as hybrid automata.
 #[derive(Debug, Parser)]
@@ -279,7 +279,10 @@ pub(super) enum TraceFormatName {
 
 #[derive(Debug, Args)]
 #[command(after_help = "Scripts are those of `hypedc sim`. A predicate is one of the program's language, such as \
-`hero.keys > 0` or `hero in running`.
+`hero.keys > 0` or `hero in running`. A time is written `30s`, `500ms` or `30frames` (steps of the world).
+
+Exit codes: 0 if every question is answered as wished (a goal reached, a `never` proven); 1 if an answer is no, or there is \
+none (a goal not found or proven unreachable, a `never` violated or not answered); 2 if a question could not be asked.
 
 Every state that a search makes is held against what the analysis says the world can be. If one lies outside, the analysis is \
 wrong about this world: no proof that rests on it is given, a file `hypedc-refuted-WORLD-SEED.txt` tells how to see it again, and \
@@ -312,7 +315,8 @@ pub(super) struct ReachArgs {
     /// Begins in the state that an input script leads to; several make several beginnings.
     #[arg(long, value_name = "SCRIPT", allow_hyphen_values = true, help_heading = "The question")]
     pub after: Vec<String>,
-    /// Admits only inputs that change after so long at the earliest, such as `12frames` or `200ms`.
+    /// Admits only inputs that are held for so long at least, such as `12frames` or `200ms`. An input is what all players give
+    /// together; once the time is over, it can change at any step.
     #[arg(long, value_name = "TIME", value_parser = Time::read, help_heading = "The question")]
     pub min_hold: Option<Time>,
     /// Who searches.
@@ -324,10 +328,11 @@ pub(super) struct ReachArgs {
     /// What distances are measured in.
     #[arg(long, value_enum, value_name = "METRIC", default_value = "full", help_heading = "The search")]
     pub metric: MetricName,
-    /// For how many steps an input is held: `10`, or `10..60` to draw it for each extension. By itself, a planner holds
-    /// them for 10, `coverage` and `lead` for 4..60.
-    #[arg(long, value_name = "N|A..B", value_parser = hold, help_heading = "The search")]
-    pub hold: Option<(u16, u16)>,
+    /// For how long planners hold an input: `10frames`, or `10frames..1s` to draw it for each extension. By itself, a planner
+    /// holds them for 10 steps, `coverage` and `lead` for 4 to 60; `exhaustive` and `best-first` for as short as the question
+    /// admits.
+    #[arg(long, value_name = "TIME|A..B", value_parser = Hold::read, help_heading = "The search")]
+    pub hold: Option<Hold>,
     /// The nodes of the shortest tree before a new one is begun, or `never`. By itself, `lead` takes 100000, `coverage` 20000,
     /// others 2000.
     #[arg(long, value_name = "N|never", value_parser = restart, help_heading = "The search")]
@@ -393,38 +398,6 @@ pub(super) enum MetricName {
     Xy,
 }
 
-/// A time, as steps or as seconds.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Time {
-    /// `12frames`
-    Steps(u16),
-    /// `0.2s`, `200ms`
-    Seconds(f64),
-}
-
-impl fmt::Display for Time {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Time::Steps(steps) => write!(f, "{steps}frames"),
-            Time::Seconds(seconds) => write!(f, "{seconds}s"),
-        }
-    }
-}
-
-impl Time {
-    fn read(text: &str) -> Result<Time, String> {
-        let number = |text: &str| text.parse::<f64>().ok().filter(|x| x.is_finite() && *x >= 0.0);
-        let steps = text.strip_suffix("frames").or(text.strip_suffix("frame")).unwrap_or(text);
-        let found = match (steps.parse::<u16>(), text.strip_suffix("ms"), text.strip_suffix('s')) {
-            (Ok(steps), ..) => Some(Time::Steps(steps)),
-            (_, Some(ms), _) => number(ms).map(|ms| Time::Seconds(ms / 1000.0)),
-            (_, _, Some(s)) => number(s).map(Time::Seconds),
-            _ => None,
-        };
-        found.ok_or_else(|| "a time such as `12frames`, `0.2s` or `200ms`".to_string())
-    }
-}
-
 /// `16x16`, or `16` for both sides.
 fn tile(text: &str) -> Result<(f64, f64), String> {
     let side = |text: &str| text.trim().parse::<f64>().ok().filter(|side| side.is_finite() && *side > 0.0);
@@ -444,14 +417,6 @@ fn planner() -> clap::builder::PossibleValuesParser {
     clap::builder::PossibleValuesParser::new(
         Planner::ALL.map(|p| clap::builder::PossibleValue::new(p.name()).help(p.summary())),
     )
-}
-
-pub(super) fn hold(text: &str) -> Result<(u16, u16), String> {
-    let (low, high) = text.split_once("..").unwrap_or((text, text));
-    match (low.parse(), high.parse()) {
-        (Ok(low), Ok(high)) if 1 <= low && low <= high => Ok((low, high)),
-        _ => Err("a number of steps such as `10`, or a range such as `10..60`".to_string()),
-    }
 }
 
 #[derive(Debug, Args)]

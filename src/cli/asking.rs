@@ -13,19 +13,20 @@ use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::{Diagnostics, Fact, render, similar};
 use crate::ir::{ExprId, GoalId, NeverId, World, WorldId};
 use crate::reach::{
-    BadStart, Death, Guard, Limits, Measure, Outcome, Planner, Problem, Refutation, Sampling, Settings, Target,
-    Verdict, Visited, hasten, reach, shorten,
+    BadStart, Death, End, Guard, Limits, Measure, Outcome, Plan, Planner, Problem, Refutation, Sampling, Settings,
+    Target, Verdict, Visited, hasten, passed, reach, shorten,
 };
 use crate::sim::{Script, Simulator, parse_script};
 use crate::source::SourceMap;
 use crate::view::{Node, Search, Stop, search_svg};
 use crate::watch::Watch;
 
-use super::args::{MetricName, ReachArgs, SampleBounds, Time};
-use super::reach_result::{Answered, Violation};
+use super::args::{MetricName, ReachArgs, SampleBounds};
+use super::reach_result::{Answered, Question, Violation};
 use super::refuted::{Occasion, Refuted};
 use super::report::{Loaded, plain_error, show};
 use super::sim::save_script;
+use super::time::{Time, held};
 
 /// What the predicate of `--without` is called.
 const WITHOUT: &str = "without";
@@ -75,6 +76,8 @@ pub(super) struct Prepared {
     world: WorldId,
     pub targets: Vec<Target>,
     pub settings: Settings,
+    /// For how many steps an input is held at least.
+    pub least_hold: u16,
     /// Where searches begin.
     after: Vec<Script>,
 }
@@ -82,9 +85,10 @@ pub(super) struct Prepared {
 impl Prepared {
     pub fn new(args: &ReachArgs, loaded: &mut Loaded, world: WorldId) -> Result<Self, Refusal> {
         let table = &loaded.program.worlds[world];
-        let (targets, settings) = (choose_targets(table, args)?, settings(args, table)?);
+        let (targets, least_hold) = (choose_targets(table, args)?, least_hold(args, table)?);
+        let settings = settings(args, table, least_hold)?;
         let after = read_scripts(loaded, world, &args.after)?;
-        Ok(Prepared { world, targets, settings, after })
+        Ok(Prepared { world, targets, settings, least_hold, after })
     }
 }
 
@@ -101,11 +105,22 @@ pub(super) struct Asking<'a> {
     pub analysis_seconds: f64,
 }
 
-/// What a search has found about a question.
-pub(super) struct Found {
-    pub target: Target,
+/// What was found about a question.
+pub(super) struct Found<'q> {
+    target: Target,
+    /// None if it was stopped before it could be asked.
+    problem: Option<Problem<'q>>,
     pub outcome: Outcome,
-    pub seconds: f64,
+    seconds: f64,
+}
+
+impl Found<'_> {
+    fn plan(&self) -> Option<&Plan> {
+        match &self.outcome.verdict {
+            Verdict::Reached(plan) => Some(plan),
+            Verdict::NotFound | Verdict::Unreachable(_) | Verdict::Exhausted(_) => None,
+        }
+    }
 }
 
 /// An answer, and how it was found.
@@ -173,31 +188,101 @@ impl<'a> Asking<'a> {
         &self.prepared.targets
     }
 
-    /// Searches for an answer to one question.
-    pub fn find(&self, target: Target, watch: &dyn Watch) -> Result<Found, Refusal> {
-        let problem = self.problem(target)?;
-        let (program, world) = (&self.loaded.program, self.sim.world_id());
-        let limits = Limits { nodes: nodes_limit(self.args), memory: self.args.memory << 20 };
+    /// Searches for an answer to one question, whatever else is asked.
+    pub fn find_alone(&self, target: Target, watch: &dyn Watch) -> Result<Found<'_>, Refusal> {
+        let mut found = self.find(target, watch)?;
+        self.minimize(&mut found, watch);
+        Ok(found)
+    }
+
+    /// Searches for an answer.
+    pub fn find(&self, target: Target, watch: &dyn Watch) -> Result<Found<'_>, Refusal> {
         let started = Instant::now();
-        let outcome = reach(&problem, &self.space, self.settings(), &limits, watch);
+        let Some(problem) = self.problem(target, watch)? else {
+            let (outcome, seconds) = (Outcome::stopped(self.settings().planner), started.elapsed().as_secs_f64());
+            return Ok(Found { target, problem: None, outcome, seconds });
+        };
+        let started = Instant::now();
+        let outcome = reach(&problem, &self.space, self.settings(), &self.limits(), watch);
         let seconds = started.elapsed().as_secs_f64();
-        let mut outcome: Outcome = outcome.map_err(|fault| Refusal::of(fault.fact(program, world, 0)))?;
-        if let (true, Verdict::Reached(plan)) = (self.args.minimize, &outcome.verdict) {
-            let least = self.args.min_hold.map_or(1, |time| steps(time, self.sim.world()));
-            let plan = hasten(&problem, &self.space, self.settings(), &limits, plan, watch);
-            outcome.verdict = Verdict::Reached(shorten(&problem, &plan, u32::from(least), watch));
+        let outcome = outcome.map_err(|fault| Refusal::of(fault.fact(&self.loaded.program, self.sim.world_id(), 0)))?;
+        Ok(Found { target, problem: Some(problem), outcome, seconds })
+    }
+
+    /// Makes a way faster and simpler, if that is asked for.
+    pub fn minimize(&self, found: &mut Found<'_>, watch: &dyn Watch) {
+        let (Some(problem), Verdict::Reached(plan), true) =
+            (&found.problem, &found.outcome.verdict, self.args.minimize)
+        else {
+            return;
+        };
+        let plan = hasten(problem, &self.space, self.settings(), &self.limits(), plan, watch);
+        found.outcome.verdict = Verdict::Reached(shorten(problem, &plan, watch));
+    }
+
+    /// Takes for each question the shortest way that was found for any: what a way to a goal passes on is reached, too.
+    /// Gives whether that has changed anything.
+    pub fn exchange(&self, all: &mut [Found<'_>], watch: &dyn Watch) -> bool {
+        if all.len() < 2 {
+            return false;
         }
-        Ok(Found { target, outcome, seconds })
+        let mut ways: Vec<(Script, u64, &'static str)> = Vec::new();
+        for found in all.iter() {
+            let violations = found.outcome.violations.iter().map(|(_, script)| script);
+            for script in found.plan().map(|plan| &plan.script).into_iter().chain(violations) {
+                if let Some(after) = self.given(script)
+                    && !ways.iter().any(|(known, ..)| known == script)
+                {
+                    ways.push((script.clone(), after, found.outcome.planner));
+                }
+            }
+        }
+        let mut changed = false;
+        for found in all {
+            let Some(problem) = &found.problem else { continue };
+            for (script, after, planner) in &ways {
+                let steps = |plan: &Plan| plan.steps - plan.after;
+                let known = match &found.outcome.verdict {
+                    Verdict::Reached(plan) => Some(steps(plan)),
+                    _ => None,
+                };
+                let plan = passed(problem, script, *after, watch);
+                let Some(plan) = plan.filter(|plan| known.is_none_or(|known| steps(plan) < known)) else { continue };
+                let outcome = &mut found.outcome;
+                (outcome.verdict, outcome.end, outcome.planner) = (Verdict::Reached(plan), End::Answered, *planner);
+                changed = true;
+            }
+        }
+        changed
+    }
+
+    /// Simplifies a way that may come from another question, if that is asked for.
+    pub fn simplify(&self, found: &mut Found<'_>, watch: &dyn Watch) {
+        if let (Some(problem), Verdict::Reached(plan), true) =
+            (&found.problem, &found.outcome.verdict, self.args.minimize)
+        {
+            found.outcome.verdict = Verdict::Reached(shorten(problem, plan, watch));
+        }
+    }
+
+    /// How many of the first steps of a found script were given with `--after`.
+    fn given(&self, script: &Script) -> Option<u64> {
+        if self.prepared.after.is_empty() {
+            return Some(0);
+        }
+        let lengths = self.prepared.after.iter().filter(|given| script.first(given.len()) == **given).map(Script::len);
+        lengths.max()
     }
 
     /// The answer to show, once all questions have been asked: what one search has met may refute what was proven before.
-    pub fn answer(&self, found: Found) -> Asked {
+    pub fn answer(&self, found: Found<'_>) -> Asked {
         let (program, world) = (&self.loaded.program, self.sim.world_id());
-        let Found { target, mut outcome, seconds } = found;
+        let Found { target, mut outcome, seconds, .. } = found;
         if let Some(refutation) = self.refutation() {
             outcome.refute(&refutation);
         }
-        let mut answered = Answered::new(self.loaded, &self.sim, target, &outcome, seconds);
+        let asked = Question { least_hold: self.prepared.least_hold, within: self.within() };
+        let mut answered = Answered::new(self.loaded, &self.sim, target, asked, &outcome, seconds);
         let script = |script: &Script| script.text(program, world);
         answered.violations = outcome
             .violations
@@ -211,10 +296,19 @@ impl<'a> Asking<'a> {
         Asked { answered, outcome }
     }
 
-    /// The question of a target.
-    fn problem(&self, target: Target) -> Result<Problem<'_>, Refusal> {
+    fn limits(&self) -> Limits {
+        Limits { nodes: nodes_limit(self.args), memory: self.args.memory << 20 }
+    }
+
+    /// How many steps a way may take.
+    fn within(&self) -> Option<u32> {
+        self.args.within.map(|time| time.room(self.sim.world()))
+    }
+
+    /// The question of a target; none if the watch stopped a script that leads to where it begins.
+    fn problem(&self, target: Target, watch: &dyn Watch) -> Result<Option<Problem<'_>>, Refusal> {
         let world = self.sim.world();
-        let mut problem = Problem::asking(&self.sim, target);
+        let mut problem = Problem::asking(&self.sim, target).holding(self.prepared.least_hold);
         if let Some(guard) = &self.guard {
             problem = problem.guarded(guard);
         }
@@ -223,27 +317,31 @@ impl<'a> Asking<'a> {
         {
             problem = problem.without(never.holds);
         }
-        if let Some(time) = self.args.within {
-            problem = problem.within(whole_steps(time, world));
+        if let Some(steps) = self.within() {
+            problem = problem.within(steps);
         }
         for (script, text) in self.prepared.after.iter().zip(&self.args.after) {
-            problem = problem.after(script.clone()).map_err(|bad| match bad {
-                BadStart::Fault(fault, step) => {
-                    Refusal::of(fault.fact(&self.loaded.program, self.sim.world_id(), step))
+            let (death, step) = match problem.after_watched(script.clone(), watch) {
+                Ok(begun) => {
+                    problem = begun;
+                    continue;
                 }
-                BadStart::Over(death, step) => {
-                    let why = match death {
-                        Death::Never(id) => format!("`never {}` holds", world.nevers[id].name),
-                        Death::Avoided => "the predicate of `--without` holds".to_string(),
-                        Death::Outside => "the player is out of bounds".to_string(),
-                    };
-                    let why = format!("`--after \"{text}\"` leads nowhere: {why} after step {step}");
-                    let help = Some("give a script whose run is not over at its end".to_string());
-                    Refusal::of(NoQuestion { why, near: None, help })
+                Err(BadStart::Stopped) => return Ok(None),
+                Err(BadStart::Fault(fault, step)) => {
+                    return Err(Refusal::of(fault.fact(&self.loaded.program, self.sim.world_id(), step)));
                 }
-            })?;
+                Err(BadStart::Over(death, step)) => (death, step),
+            };
+            let why = match death {
+                Death::Never(id) => format!("`never {}` holds", world.nevers[id].name),
+                Death::Avoided => "the predicate of `--without` holds".to_string(),
+                Death::Outside => "the player is out of bounds".to_string(),
+            };
+            let why = format!("`--after \"{text}\"` leads nowhere: {why} after step {step}");
+            let help = Some("give a script whose run is not over at its end".to_string());
+            return Err(Refusal::of(NoQuestion { why, near: None, help }));
         }
-        Ok(problem)
+        Ok(Some(problem))
     }
 
     /// Writes the files that are asked for: the inputs, if a path was found, and the picture. Of several levels the name of
@@ -272,7 +370,7 @@ impl<'a> Asking<'a> {
         let nodes: Vec<Node> = outcome.record.iter().map(node).collect();
         let path = match &outcome.verdict {
             Verdict::Reached(plan) => self.stops(&plan.script),
-            Verdict::NotFound | Verdict::Unreachable(_) => Vec::new(),
+            Verdict::NotFound | Verdict::Unreachable(_) | Verdict::Exhausted(_) => Vec::new(),
         };
         let (goal, notes) = (answered.goal.as_str(), answered.notes());
         let search = Search { goal, verdict: answered.verdict(), nodes: &nodes, path: &path, notes: &notes };
@@ -314,34 +412,20 @@ pub(super) fn nodes_limit(args: &ReachArgs) -> u64 {
     args.nodes.unwrap_or(if args.seconds.is_some() { u64::MAX } else { Limits::default().nodes })
 }
 
-/// How many whole steps of a world a time has room for.
-fn whole_steps(time: Time, world: &World) -> u32 {
-    match time {
-        Time::Steps(steps) => u32::from(steps),
-        // What is a whole number of steps but for rounding is one.
-        Time::Seconds(seconds) => (seconds / world.step.seconds() + 1e-6).floor() as u32,
-    }
-}
-
-/// A time in steps of a world, at least one.
-fn steps(time: Time, world: &World) -> u16 {
-    match time {
-        Time::Steps(steps) => steps.max(1),
-        Time::Seconds(seconds) => (seconds / world.step.seconds()).ceil().clamp(1.0, f64::from(u16::MAX)) as u16,
-    }
+/// For how many steps of a world an input is held at least.
+fn least_hold(args: &ReachArgs, world: &World) -> Result<u16, Refusal> {
+    let steps = args.min_hold.map_or(1, |time: Time| time.steps(world));
+    u16::try_from(steps).map_err(|_| Refusal::Plain(format!("`--min-hold` is at most {} steps", u16::MAX)))
 }
 
 /// How to search.
-fn settings(args: &ReachArgs, world: &World) -> Result<Settings, Refusal> {
+fn settings(args: &ReachArgs, world: &World, least_hold: u16) -> Result<Settings, Refusal> {
     let planner = Planner::named(&args.planner).unwrap_or_default();
-    let mut hold = args.hold;
-    if let Some(least) = args.min_hold.map(|time| steps(time, world)) {
-        let (low, high) = hold.unwrap_or(planner.hold());
-        if args.hold.is_some() && high < least {
-            let why = format!("`--hold` is at most {high} steps, `--min-hold` at least {least}");
-            return Err(Refusal::Plain(why));
-        }
-        hold = Some((low.max(least), high.max(least)));
+    let hold = args.hold.map(|hold| held(hold.steps(world))).transpose();
+    let hold = hold.map_err(|why| Refusal::Plain(format!("`--hold`: {why}")))?;
+    if let Some((_, high)) = hold.filter(|(_, high)| *high < least_hold) {
+        let why = format!("`--hold` is at most {high} steps, `--min-hold` at least {least_hold}");
+        return Err(Refusal::Plain(why));
     }
     Ok(Settings {
         seed: args.seed,

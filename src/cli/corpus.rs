@@ -2,7 +2,7 @@
 //! [`super::corpus_level`]'s; what rows are and mean is [`crate::corpus`]'s.
 
 use std::collections::BTreeSet;
-use std::fs::{File, read, read_dir, write};
+use std::fs::{File, read_dir, write};
 use std::io::{self, IsTerminal, Write};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -14,14 +14,17 @@ use serde::Serialize;
 
 use crate::corpus::{Comparison, Kept, Key, Kind, Record, Row, junit, summary, table};
 use crate::crew::{self, Desk};
+use crate::diagnostic::catalogue::file::Unreadable;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::reach::Target;
+use crate::source::SourceMap;
 
 use super::Answer;
 use super::args::{ReachArgs, ResultFormat};
 use super::asking::{Prepared, Refusal, barred, target_name};
 use super::corpus_files::{CsvFile, RecordFile};
 use super::corpus_level::{Common, Done, Level, row_settings};
+use super::disk::{open, rows};
 use super::report::{find_world, has_maps, load_barred, plain_error};
 use super::watching::interrupted;
 
@@ -107,7 +110,9 @@ impl Files {
 
 /// The rows of an older run.
 fn baseline(path: &Path) -> Result<Record, String> {
-    let text = read(path).map_err(|error| format!("cannot read `{}`: {error}", path.display()))?;
+    let cannot = |why: String| format!("cannot read `{}`: {why}", path.display());
+    let mut file = open(path).map_err(|error| Refusal::of(Unreadable::named(path, error)).text(&SourceMap::new()))?;
+    let text = rows(&mut file).map_err(cannot)?;
     Record::read(&text).map_err(|bad| format!("`{}` is no baseline; {bad}", path.display()))
 }
 

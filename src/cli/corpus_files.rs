@@ -3,13 +3,14 @@
 
 use std::collections::BTreeSet;
 use std::fs::{File, TryLockError};
-use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use crate::corpus::{CSV_HEADER, Kept, Key, Record, Row, csv_line};
+use crate::source::ReadError;
 use crate::tabular::csv;
 
-use super::disk::replace;
+use super::disk::{is_regular, replace, rows as disk_rows};
 
 /// The file of rows, open for more.
 pub(super) struct RecordFile {
@@ -28,6 +29,11 @@ impl RecordFile {
     /// Why it cannot be added to: it is another file, or someone else is adding to it.
     pub fn open(path: &Path) -> Result<Self, String> {
         let cannot = |what: &str, error: io::Error| format!("cannot {what} `{}`: {error}", path.display());
+        if path.exists()
+            && let Err(ReadError::Unreadable(why)) = is_regular(path)
+        {
+            return Err(format!("cannot write `{}`: {why}", path.display()));
+        }
         let mut file = File::options()
             .read(true)
             .write(true)
@@ -39,8 +45,7 @@ impl RecordFile {
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
             return Err(format!("another `hypedc` is writing to `{}`", path.display()));
         }
-        let mut text = Vec::new();
-        file.read_to_end(&mut text).map_err(|error| cannot("read", error))?;
+        let text = disk_rows(&mut file).map_err(|why| format!("cannot read `{}`: {why}", path.display()))?;
         let found = Record::read(&text).map_err(|bad| format!("`{}` is left as it is; {bad}", path.display()))?;
         let was_cut = found.whole < text.len();
         let mut mend = || -> io::Result<()> {
@@ -74,9 +79,8 @@ impl RecordFile {
     pub fn finish(mut self, rows: &[&Kept]) -> Result<usize, String> {
         let cannot = |why: String| format!("cannot write `{}`: {why}", self.path.display());
         let text: String = rows.iter().map(|kept| format!("{}\n", kept.line)).collect();
-        let mut old = Vec::new();
-        let read = self.file.rewind().and_then(|()| self.file.read_to_end(&mut old));
-        read.map_err(|error| cannot(error.to_string()))?;
+        self.file.rewind().map_err(|error| cannot(error.to_string()))?;
+        let old = disk_rows(&mut self.file).map_err(cannot)?;
         if old != text.as_bytes() {
             replace(&self.path, &text).map_err(cannot)?;
         }

@@ -144,7 +144,7 @@ impl Common<'_> {
             }
             let watch = LevelWatch::new(desk, self.args.seconds);
             let began = cpu_seconds();
-            let found = asking.find(asking.targets()[target], &watch);
+            let found = asking.find_alone(asking.targets()[target], &watch);
             let cpu = began.zip(cpu_seconds()).map(|(from, to)| to - from);
             if desk.is_over() {
                 // It may have been cut short.
@@ -196,9 +196,11 @@ fn row(blank: Row, asked: Asked) -> Row {
         is_as_wished: a.is_as_wished,
         error: None,
         argument: a.argument,
-        proven_by_hold: a.proven_by_hold,
         steps: a.steps,
-        shortest_by: a.shortest_by,
+        is_shortest: a.is_shortest,
+        states: a.states,
+        least_steps: a.least_steps,
+        reads_between: a.reads_between,
         inputs: a.inputs,
         answered_by: Some(a.planner.to_string()),
         nodes: a.nodes,

@@ -1,7 +1,8 @@
-//! Files from and to the disk.
+//! Files from and to the disk. All that the command line reads comes through here: regular files of bounded size. A device
+//! has no end, and whoever opens a pipe waits for its other end.
 
-use std::fs::File;
-use std::io::{self, Read, Write};
+use std::fs::{File, FileType};
+use std::io::{self, BufRead, Read, Write};
 use std::path::{Path, PathBuf};
 
 use crate::source::{Files, MAX_FILE_BYTES, ReadError, decode};
@@ -19,13 +20,52 @@ impl Files for Disk {
     }
 }
 
+/// Opens a regular file for reading.
+///
+/// # Errors
+/// [`ReadError::Unreadable`] if it cannot be opened or is something else.
+pub(super) fn open(path: &Path) -> Result<File, ReadError> {
+    // Before it is opened: that alone may wait for ever.
+    is_regular(path)?;
+    File::open(path).map_err(unreadable)
+}
+
+/// Whether there is a regular file at a path, perhaps through links.
+///
+/// # Errors
+/// [`ReadError::Unreadable`] if not.
+pub(super) fn is_regular(path: &Path) -> Result<(), ReadError> {
+    let kind = std::fs::metadata(path).map_err(unreadable)?.file_type();
+    match kind.is_file() {
+        true => Ok(()),
+        false => Err(ReadError::Unreadable(format!("it is {}, not a regular file", name(kind)))),
+    }
+}
+
+/// What something is that is no regular file.
+fn name(kind: FileType) -> &'static str {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::FileTypeExt;
+        if kind.is_fifo() {
+            return "a named pipe";
+        }
+        if kind.is_char_device() || kind.is_block_device() {
+            return "a device";
+        }
+        if kind.is_socket() {
+            return "a socket";
+        }
+    }
+    if kind.is_dir() { "a folder" } else { "something else" }
+}
+
 /// The bytes of a file.
 ///
 /// # Errors
 /// [`ReadError`] if it cannot be read or is too large.
 pub(super) fn bytes(path: &Path) -> Result<Vec<u8>, ReadError> {
-    let unreadable = |e| ReadError::Unreadable(reason(&e));
-    let file = File::open(path).map_err(unreadable)?;
+    let file = open(path)?;
     let size = file.metadata().map_err(unreadable)?.len();
     if size > MAX_FILE_BYTES as u64 {
         return Err(ReadError::TooLarge(size));
@@ -39,10 +79,47 @@ pub(super) fn bytes(path: &Path) -> Result<Vec<u8>, ReadError> {
 /// [`ReadError`] if it cannot be read. Of one that is too large no more than that is read.
 pub(super) fn all(stream: impl Read) -> Result<Vec<u8>, ReadError> {
     let mut bytes = Vec::new();
-    // A device may say it is empty and never end.
     let limit = MAX_FILE_BYTES as u64 + 1;
-    stream.take(limit).read_to_end(&mut bytes).map_err(|e| ReadError::Unreadable(reason(&e)))?;
+    stream.take(limit).read_to_end(&mut bytes).map_err(unreadable)?;
     Ok(bytes)
+}
+
+/// A file of rows may be larger than a program, but not larger than this, bytes.
+const MAX_ROWS_BYTES: u64 = 1 << 30;
+
+/// All bytes of a file of rows.
+///
+/// # Errors
+/// Why it cannot be read, in a few words.
+pub(super) fn rows(file: &mut File) -> Result<Vec<u8>, String> {
+    let mut bytes = Vec::new();
+    file.take(MAX_ROWS_BYTES + 1).read_to_end(&mut bytes).map_err(|e| reason(&e))?;
+    match bytes.len() as u64 > MAX_ROWS_BYTES {
+        true => Err(format!("it is larger than {} MiB", MAX_ROWS_BYTES >> 20)),
+        false => Ok(bytes),
+    }
+}
+
+/// The next line of a text, without its end; none at the end of the text.
+///
+/// # Errors
+/// Why it cannot be read, in a few words. Of a line that is too long no more than that is read.
+pub(super) fn line(text: &mut impl BufRead) -> Result<Option<String>, String> {
+    let mut line = Vec::new();
+    let limit = MAX_FILE_BYTES as u64 + 1;
+    text.by_ref().take(limit).read_until(b'\n', &mut line).map_err(|e| reason(&e))?;
+    if line.len() > MAX_FILE_BYTES {
+        return Err(format!("a line is longer than {} MiB", MAX_FILE_BYTES >> 20));
+    }
+    if line.is_empty() {
+        return Ok(None);
+    }
+    let line = String::from_utf8(line).map_err(|_| "it is not UTF-8 text".to_string())?;
+    Ok(Some(line.trim_end_matches(['\n', '\r']).to_string()))
+}
+
+fn unreadable(error: io::Error) -> ReadError {
+    ReadError::Unreadable(reason(&error))
 }
 
 /// Puts a text in place of a file in one go: it is written beside it first, so that nothing is lost on the way.

@@ -8,7 +8,8 @@ use clap::{Args, Subcommand, ValueEnum};
 use crate::experiment::Setup;
 use crate::reach::{Measure, Planner, Sampling};
 
-use super::args::{LevelArgs, hold, seconds};
+use super::args::{LevelArgs, seconds};
+use super::time::{Hold, held};
 
 /// What `--planners` calls all of them.
 const ALL: &str = "all";
@@ -89,9 +90,9 @@ pub(super) struct ExperimentOptions {
     /// What distances are measured in.
     #[arg(long, value_enum, value_name = "METRIC", default_value = "full")]
     pub metric: MetricChoice,
-    /// For how many steps an input is held: `10`, or `10..60` to draw it for each extension. If none is given, as each
-    /// planner does by itself.
-    #[arg(long, value_name = "N|A..B", value_parser = hold)]
+    /// For how many steps an input is held: `10frames`, or `10..60frames` to draw it for each extension. If none is given, as
+    /// each planner does by itself.
+    #[arg(long, value_name = "STEPS|A..B", value_parser = hold)]
     pub hold: Option<(u16, u16)>,
     /// The most seconds of CPU time that a run may take.
     #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = seconds, help_heading = "The budget")]
@@ -169,6 +170,12 @@ pub(super) enum ExperimentFormat {
     Csv,
     /// Settings, runs and rows.
     Json,
+}
+
+/// Steps alone: those of several worlds need not last as long.
+fn hold(text: &str) -> Result<(u16, u16), String> {
+    let steps = Hold::read(text)?.frames();
+    held(steps.ok_or("a number of steps such as `10frames`, or a range such as `10..60frames`")?)
 }
 
 fn planners() -> PossibleValuesParser {

@@ -8,7 +8,7 @@ use crate::compile::{Compilation, LevelFile, compile_with};
 use crate::diagnostic::fix::{by_file, mended, together};
 use crate::source::{FileId, SourceMap, Span, decode};
 
-use super::disk::Disk;
+use super::disk::{Disk, bytes};
 use super::report::plain_error;
 
 /// A fix can bring the next mistake to light; no program needs more rounds than this.
@@ -58,7 +58,7 @@ fn write(sources: &SourceMap, file: FileId, edits: &[(Span, &str)]) -> Result<()
     let source = sources.file(file);
     // A link stays one: what it leads to is replaced.
     let path = source.path.canonicalize().map_err(|e| e.to_string())?;
-    let bytes = fs::read(&path).map_err(|e| e.to_string())?;
+    let bytes = bytes(&path).map_err(|_| "it has changed meanwhile".to_string())?;
     if decode(bytes.clone()).ok().as_deref() != Some(source.text()) {
         return Err("it has changed meanwhile".to_string());
     }
@@ -78,7 +78,7 @@ fn replace(path: &Path, new: &[u8], old: &[u8]) -> io::Result<()> {
         file.write_all(new)?;
         file.set_permissions(fs::metadata(path)?.permissions())?;
         file.sync_all()?;
-        if fs::read(path)? != old {
+        if bytes(path).ok().as_deref() != Some(old) {
             return Err(io::Error::other("it has changed meanwhile"));
         }
         fs::rename(&beside, path)

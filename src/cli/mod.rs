@@ -1,5 +1,6 @@
 //! The command line: one file per subcommand. The only part that talks to the terminal, looks at a clock, reads the
-//! disk and chooses an exit code: 0 as wished, 1 the answer is no, 2 the question could not be asked.
+//! disk and chooses an exit code: 0 every question is answered as wished, 1 an answer is no or there is none, 2 a question could not
+//! be asked.
 
 #![allow(clippy::disallowed_methods, reason = "seconds are a matter of the command line")]
 
@@ -30,6 +31,7 @@ mod refuted;
 mod replay;
 mod report;
 mod sim;
+mod time;
 mod values;
 mod watching;
 
@@ -45,7 +47,8 @@ use args::{Arguments, Command};
 enum Answer {
     /// As wished.
     Yes,
-    /// The answer is no: errors, a goal not reached, a `never` violated, a layout that is not canonical.
+    /// An answer is no, or there is none: errors, a goal not reached, a `never` violated or not answered, a layout that is not
+    /// canonical.
     No,
     /// The question could not be asked.
     Unasked,

@@ -3,16 +3,16 @@
 
 use std::io::{self, Write};
 
-use crate::ir::WorldId;
+use crate::ir::{World, WorldId};
 
 use super::Answer;
 use super::args::{ReachArgs, ResultFormat};
-use super::asking::{Asking, Prepared, barred, target_name};
+use super::asking::{Asking, Found, Prepared, Refusal, barred, target_name};
 use super::corpus;
 use super::reach_result::RunResult;
 use super::refuted::command_line;
 use super::report::{Loaded, choose_world, load_barred, show_fact};
-use super::watching::CommandWatch;
+use super::watching::{CommandWatch, Interrupt};
 
 pub(super) fn run(args: &ReachArgs) -> io::Result<Answer> {
     if corpus::is_asked(args) {
@@ -42,37 +42,24 @@ pub(super) fn run(args: &ReachArgs) -> io::Result<Answer> {
 /// Asks all questions, then shows the answers: a search can refute what was proven before.
 fn answer_all(args: &ReachArgs, loaded: &Loaded, world: WorldId, asking: &Asking<'_>) -> io::Result<Answer> {
     let program = &loaded.program;
-    let mut seconds = args.seconds.map(|seconds| seconds - asking.analysis_seconds);
     let mut result = RunResult::new(args, program, world, asking.settings(), asking.analysis_seconds);
     result.given_up = asking.given_up();
     if args.format == ResultFormat::Human {
         write!(io::stdout(), "{}", result.head())?;
     }
-    let mut answer = Answer::Yes;
-    let mut all = Vec::new();
-    for &target in asking.targets() {
-        let watch = CommandWatch::new(target_name(&program.worlds[world], target), seconds);
-        seconds = args.seconds;
-        let found = asking.find(target, &watch);
-        watch.finish();
-        match found {
-            Ok(found) => all.push(found),
-            Err(refusal) => {
-                refusal.show(&loaded.sources)?;
-                return Ok(Answer::Unasked);
-            }
+    let found = match find(args, asking, &program.worlds[world]) {
+        Ok(found) => found,
+        Err(refusal) => {
+            refusal.show(&loaded.sources)?;
+            return Ok(Answer::Unasked);
         }
-        if watch.is_interrupted() {
-            answer = answer.max(Answer::No);
-            break;
-        }
-    }
+    };
+    let mut answer = if found.len() < asking.targets().len() { Answer::No } else { Answer::Yes };
     result.refuted = asking.refuted(args.map.first().map(AsRef::as_ref), command_line());
     if result.refuted.is_some() {
         answer = answer.max(Answer::No);
     }
-    for found in all {
-        let target = found.target;
+    for (found, &target) in found.into_iter().zip(asking.targets()) {
         let mut asked = asking.answer(found);
         if let Err(refusal) = asking.save(&mut asked, None) {
             refusal.show(&loaded.sources)?;
@@ -99,6 +86,40 @@ fn answer_all(args: &ReachArgs, loaded: &Loaded, world: WorldId, asking: &Asking
         }
     }
     Ok(answer)
+}
+
+/// What is found about each question, until it is interrupted. A way that is found for one may answer others.
+fn find<'q>(args: &ReachArgs, asking: &'q Asking<'_>, world: &World) -> Result<Vec<Found<'q>>, Refusal> {
+    let targets = asking.targets();
+    let mut all: Vec<Found<'q>> = Vec::new();
+    let mut is_interrupted = false;
+    let mut left: Vec<Option<f64>> = Vec::new();
+    let mut seconds = args.seconds.map(|seconds| seconds - asking.analysis_seconds);
+    for &target in targets {
+        let watch = CommandWatch::new(target_name(world, target), seconds);
+        let found = asking.find(target, &watch);
+        watch.finish();
+        is_interrupted |= watch.is_interrupted();
+        left.push(seconds.map(|limit| (limit - watch.seconds()).max(0.0)));
+        seconds = args.seconds;
+        all.push(found?);
+        if is_interrupted {
+            return Ok(all);
+        }
+    }
+    // These replay ways that were found, which are short.
+    let watch = Interrupt::new();
+    asking.exchange(&mut all, &watch);
+    for ((found, &target), seconds) in all.iter_mut().zip(targets).zip(left) {
+        let watch = CommandWatch::new(target_name(world, target), seconds);
+        asking.minimize(found, &watch);
+        watch.finish();
+    }
+    // Each round makes a way shorter.
+    while asking.exchange(&mut all, &watch) {
+        all.iter_mut().for_each(|found| asking.simplify(found, &watch));
+    }
+    Ok(all)
 }
 
 #[cfg(test)]

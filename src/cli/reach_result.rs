@@ -5,8 +5,9 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
+use crate::analysis::{Interval, Values};
 use crate::ir::{Bounds, NeverId, Program, World, WorldId};
-use crate::reach::{Argument, Count, Cut, End, Outcome, Restart, Settings, Target, Verdict};
+use crate::reach::{Argument, Count, Cut, End, Exhaustion, Outcome, Restart, Settings, Target, TooFar, Verdict};
 use crate::sim::Simulator;
 
 use super::args::ReachArgs;
@@ -17,7 +18,7 @@ use super::report::{Loaded, program_sha256};
 use super::values;
 
 /// The version of the JSON result.
-const RESULT_VERSION: u32 = 3;
+const RESULT_VERSION: u32 = 4;
 
 /// All answers of one run of the command.
 #[derive(Serialize)]
@@ -38,6 +39,7 @@ pub(super) struct RunResult {
     trees: usize,
     without: Option<String>,
     within: Option<String>,
+    min_hold: Option<String>,
     after: Vec<String>,
     analysis_seconds: f64,
     /// Of what nothing is known, and why.
@@ -73,6 +75,7 @@ impl RunResult {
             trees: settings.trees,
             without: args.without.clone(),
             within: args.within.map(|time| time.to_string()),
+            min_hold: args.min_hold.map(|time| time.to_string()),
             after: args.after.clone(),
             analysis_seconds,
             given_up: Vec::new(),
@@ -99,22 +102,27 @@ impl RunResult {
             [only] => format!(", after {only}"),
             several => format!(", after {} scripts", several.len()),
         };
+        let hold = self.min_hold.as_ref().map_or(String::new(), |time| format!(", inputs held for at least {time}"));
         let given_up = self.given_up.iter().map(|why| format!("  everything is possible for {why}\n"));
         let given_up: String = given_up.collect();
         format!(
-            "{}, world {}, seed {}{naive}{metric}{without}{within}{after}\n{given_up}",
+            "{}, world {}, seed {}{naive}{metric}{without}{within}{hold}{after}\n{given_up}",
             self.file, self.world, self.seed
         )
     }
 
-    /// What was broken on the way, whatever was asked for.
+    /// What was broken on the way, beside what was asked for.
     pub fn tail(&self) -> String {
-        let mut seen = BTreeSet::new();
+        let asked = self.goals.iter().filter(|goal| goal.kind == "never").map(|goal| &goal.goal);
+        let mut seen: BTreeSet<&String> = asked.collect();
         let mut out = String::new();
         for violation in self.goals.iter().flat_map(|goal| &goal.violations) {
             if seen.insert(&violation.never) {
                 let Violation { never, steps, inputs } = violation;
-                out.push_str(&format!("  never {never}: can happen, as after {steps} steps\n"));
+                out.push_str(&format!(
+                    "  never {never}: can be violated, counterexample: {}\n",
+                    counted(*steps, "step")
+                ));
                 out.push_str(&format!("    inputs  {inputs}\n"));
             }
         }
@@ -186,6 +194,20 @@ impl CutResult {
     }
 }
 
+/// `1 step`, `2 steps`
+fn counted(count: u64, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
+/// What ways a question admits.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Question {
+    /// For how many steps an input is held at least.
+    pub least_hold: u16,
+    /// How many steps a way may take.
+    pub within: Option<u32>,
+}
+
 /// The answer to one question.
 #[derive(Serialize)]
 pub(super) struct Answered {
@@ -193,15 +215,19 @@ pub(super) struct Answered {
     pub kind: &'static str,
     pub goal: String,
     pub verdict: &'static str,
-    /// Why it is proven unreachable.
+    /// Why there is no way.
     pub argument: Option<String>,
-    /// If it is proven by exhaustion: for how many steps inputs are held.
-    pub proven_by_hold: Option<u16>,
+    /// If all states were visited: how many there are.
+    pub states: Option<u64>,
+    /// If it takes more steps than it may: how many at least.
+    pub least_steps: Option<u64>,
     /// Number of steps and length of the path; none if there is none.
     pub steps: Option<u64>,
     pub seconds_of_play: Option<f64>,
-    /// If no path of inputs held for so many steps each is shorter: for how many.
-    pub shortest_by: Option<u16>,
+    /// Whether no inputs that the question admits (with axes at -1, 0 and 1) take fewer steps; null if there is no path.
+    pub is_shortest: Option<bool>,
+    /// Whether axes between -1, 0 and 1, which no search tries, can make a difference.
+    pub reads_between: bool,
     pub inputs: Option<String>,
     /// Who had the answer.
     pub planner: &'static str,
@@ -213,7 +239,8 @@ pub(super) struct Answered {
     /// States held against what the analysis says the world can be.
     pub checked_states: u64,
     pub seconds: f64,
-    /// Where nothing was found: for how many steps inputs are held that are proven to lead nowhere, and to how many states.
+    /// Where nothing was found: the finest inputs that change only every so many steps and were all tried, and to how many
+    /// states they lead.
     pub exhausted: Option<(u16, u64)>,
     /// Where nothing was found: what was given up at search windows.
     pub cuts: Vec<CutResult>,
@@ -223,6 +250,9 @@ pub(super) struct Answered {
     pub out_of_memory: bool,
     #[serde(skip)]
     pub is_spent: bool,
+    /// Whether the planner has nothing more to try.
+    #[serde(skip)]
+    pub is_over: bool,
     pub inputs_left_out: bool,
     /// The parent of each node, and where the first player is: space, x, y. Null if it was not asked for.
     pub tree: Option<Vec<(u32, u32, f32, f32)>>,
@@ -232,12 +262,24 @@ pub(super) struct Answered {
     pub drawn: Option<PathBuf>,
     #[serde(skip)]
     pub reasons: Vec<String>,
+    /// What was asked, behind the verdict: ` within 60 steps`.
+    #[serde(skip)]
+    asked: String,
+    #[serde(skip)]
+    least_hold: u16,
     #[serde(skip)]
     pub is_as_wished: bool,
 }
 
 impl Answered {
-    pub fn new(loaded: &Loaded, sim: &Simulator<'_>, target: Target, outcome: &Outcome, seconds: f64) -> Self {
+    pub fn new(
+        loaded: &Loaded,
+        sim: &Simulator<'_>,
+        target: Target,
+        question: Question,
+        outcome: &Outcome,
+        seconds: f64,
+    ) -> Self {
         let world = sim.world();
         let (kind, goal) = match target {
             Target::Goal(id) => ("goal", &world.goals[id].name),
@@ -245,14 +287,18 @@ impl Answered {
         };
         let plan = match &outcome.verdict {
             Verdict::Reached(plan) => Some(plan),
-            Verdict::NotFound | Verdict::Unreachable(_) => None,
+            Verdict::NotFound | Verdict::Unreachable(_) | Verdict::Exhausted(_) => None,
         };
         let mut reasons = match &outcome.verdict {
             Verdict::Unreachable(argument) => why(loaded, world, argument),
-            _ => Vec::new(),
+            Verdict::Exhausted(all) => vec![
+                visited(*all),
+                "values of axes between these were not tried, and can make a difference".to_string(),
+            ],
+            Verdict::Reached(_) | Verdict::NotFound => Vec::new(),
         };
         let argument = (!reasons.is_empty()).then(|| reasons.join("; "));
-        if argument.is_some() && values::is_bounded(world) && kind == "goal" {
+        if argument.is_some() && values::is_bounded(world) {
             reasons.push("a run ends where a player leaves the bounds of its space, below or beside".to_string());
         }
         if outcome.is_withdrawn {
@@ -260,25 +306,36 @@ impl Answered {
         }
         let s = &outcome.statistics;
         let covered = &outcome.covered;
+        let Question { least_hold, within } = question;
+        let hold = format!(" by inputs that are held for at least {least_hold} steps");
+        let within = within.map(|steps| format!(" within {}", counted(u64::from(steps), "step")));
         Answered {
             kind,
             goal: goal.clone(),
-            verdict: match (&outcome.verdict, kind) {
-                (Verdict::Reached(_), "goal") => "reached",
-                (Verdict::Reached(_), _) => "violated",
+            verdict: match (&outcome.verdict, target) {
+                (Verdict::Reached(_), Target::Goal(_)) => "reached",
+                (Verdict::Reached(_), Target::Never(_)) => "violated",
                 (Verdict::NotFound, _) if outcome.is_withdrawn => "not answered",
-                (Verdict::NotFound, _) => "not found",
+                (Verdict::NotFound, Target::Goal(_)) => "not found",
+                (Verdict::NotFound, Target::Never(_)) => "not answered",
                 (Verdict::Unreachable(_), _) => "proven-unreachable",
+                (Verdict::Exhausted(_), _) => "exhausted",
             },
             argument,
-            steps: plan.map(|p| p.steps),
-            seconds_of_play: plan.map(|p| p.steps as f64 * world.step.seconds()),
-            shortest_by: plan.and_then(|p| p.shortest_by),
-            proven_by_hold: match outcome.verdict {
-                Verdict::Unreachable(Argument::Exhaustion { states: 1.., hold }) => Some(hold),
+            states: match outcome.verdict {
+                Verdict::Unreachable(Argument::Exhaustion(all)) | Verdict::Exhausted(all) => Some(all.states),
                 _ => None,
             },
+            least_steps: match outcome.verdict {
+                Verdict::Unreachable(Argument::Distance(far)) => Some(far.least),
+                _ => None,
+            },
+            steps: plan.map(|p| p.steps),
+            seconds_of_play: plan.map(|p| p.steps as f64 * world.step.seconds()),
+            is_shortest: plan.map(|p| p.is_shortest),
+            reads_between: outcome.reads_between,
             is_spent: outcome.end == End::Nodes,
+            is_over: outcome.end == End::Answered,
             inputs: plan.map(|p| p.script.text(sim.program(), sim.world_id())),
             planner: outcome.planner,
             nodes: s.nodes,
@@ -309,9 +366,11 @@ impl Answered {
             saved: None,
             drawn: None,
             reasons,
-            is_as_wished: match kind {
-                "goal" => plan.is_some(),
-                _ => plan.is_none(),
+            asked: format!("{}{}", within.unwrap_or_default(), if least_hold > 1 { hold } else { String::new() }),
+            least_hold,
+            is_as_wished: match target {
+                Target::Goal(_) => plan.is_some(),
+                Target::Never(_) => matches!(outcome.verdict, Verdict::Unreachable(_)),
             },
         }
     }
@@ -340,28 +399,29 @@ impl Answered {
 
     /// As text.
     pub fn human(&self, target: Target) -> String {
-        let (kind, goal) = (self.kind, &self.goal);
-        let mut out = match (self.verdict, target) {
-            ("proven-unreachable", _) if self.planner == "analysis" => {
-                format!("  {kind} {goal}: proven unreachable, in no state that the world can be in\n")
+        let (kind, goal, asked) = (self.kind, &self.goal, &self.asked);
+        let is_never = matches!(target, Target::Never(_));
+        let verdict = match self.verdict {
+            // The analysis looks at states, however they are come to.
+            "proven-unreachable" if self.planner == "analysis" && self.least_steps.is_none() => {
+                "proven unreachable, in no state that the world can be in".to_string()
             }
-            ("proven-unreachable", _) => match self.proven_by_hold {
-                Some(hold @ 2..) => {
-                    format!("  {kind} {goal}: proven unreachable by inputs that are held for {hold} steps each\n")
-                }
-                _ => format!("  {kind} {goal}: proven unreachable\n"),
-            },
-            ("not found", Target::Never(_)) => format!("  {kind} {goal}: no way to break it was found\n"),
-            (verdict, _) => format!("  {kind} {goal}: {verdict}\n"),
+            "proven-unreachable" if is_never => format!("proven, there is no way to break it{asked}"),
+            "proven-unreachable" => format!("proven unreachable{asked}"),
+            "exhausted" if is_never => format!("not answered, no way to break it with axes at -1, 0 and 1{asked}"),
+            "exhausted" => format!("no way with axes at -1, 0 and 1{asked}"),
+            "not answered" if !is_never => "not answered".to_string(),
+            "not answered" => "not answered, no way to break it was found".to_string(),
+            verdict => verdict.to_string(),
         };
+        let mut out = format!("  {kind} {goal}: {verdict}\n");
         self.reasons.iter().for_each(|reason| out.push_str(&format!("    {reason}\n")));
         if let (Some(steps), Some(seconds)) = (self.steps, self.seconds_of_play) {
-            let shortest = match self.shortest_by {
-                Some(1) => ", as few as there can be".to_string(),
-                Some(hold) => format!(", as few as inputs that are held for {hold} steps each can do"),
-                None => String::new(),
+            let shortest = match self.is_shortest {
+                Some(true) => self.shortest(),
+                _ => "not proven shortest".to_string(),
             };
-            out.push_str(&format!("    path    {steps} steps ({seconds:.2} s of play){shortest}\n"));
+            out.push_str(&format!("    path    {} ({seconds:.2} s of play), {shortest}\n", counted(steps, "step")));
         }
         if let Some(inputs) = self.inputs.as_ref().filter(|i| !i.is_empty()) {
             out.push_str(&format!("    inputs  {inputs}\n"));
@@ -375,12 +435,13 @@ impl Answered {
         if self.nodes == 0 {
             return out;
         }
-        let (trees, by) = (if self.trees == 1 { "tree" } else { "trees" }, self.planner);
+        let (nodes, trees, by) = (counted(self.nodes, "node"), counted(self.trees, "tree"), self.planner);
         out.push_str(&format!(
-            "    search  {} nodes in {} {trees}, {:.3} s; {} of {} extensions failed ({by})\n",
-            self.nodes, self.trees, self.seconds, self.failures, self.extensions
+            "    search  {nodes} in {trees}, {:.3} s; {} of {} extensions failed ({by})\n",
+            self.seconds, self.failures, self.extensions
         ));
-        if self.verdict == "not found" {
+        let is_open = ["not found", "not answered"].contains(&self.verdict);
+        if is_open {
             let c = &self.coverage;
             out.push_str(&format!(
                 "    covered {} places of {} px, {} combinations of modes, {} of both; in the second half {}, {} and {} of \
@@ -403,17 +464,39 @@ impl Answered {
         if self.inputs_left_out {
             out.push_str("    some combinations of buttons were left out: there are too many\n");
         }
-        if self.verdict == "not found" {
+        if is_open {
             if let Some((hold, states)) = self.exhausted {
                 out.push_str(&format!(
-                    "    inputs that are held for {hold} steps each lead nowhere: all their {states} states were visited\n"
+                    "    inputs that change only every {hold} steps (axes at -1, 0 and 1) lead to {}, not there; others may\n",
+                    counted(states, "state")
                 ));
             }
             self.cuts.iter().for_each(|cut| out.push_str(&cut.human()));
-            let longer = if self.is_spent { " (`--nodes N`, `--seconds S`)" } else { "" };
-            out.push_str(&format!("    this proves nothing: a longer search{longer} may find a way\n"));
+            out.push_str(&match (self.is_over, self.is_spent) {
+                // All planners stop at the search window.
+                (true, _) if !self.cuts.is_empty() => "    this proves nothing\n".to_string(),
+                (true, _) => format!(
+                    "    this proves nothing; `{by}` has nothing more to try, another `--planner` may find a way\n"
+                ),
+                (_, true) => {
+                    "    this proves nothing: a longer search (`--nodes N`, `--seconds S`) may find a way\n".to_string()
+                }
+                _ => "    this proves nothing: a longer search may find a way\n".to_string(),
+            });
         }
         out
+    }
+}
+
+impl Answered {
+    /// Among which ways the path is a shortest one.
+    fn shortest(&self) -> String {
+        let axes = if self.reads_between { " with axes at -1, 0 and 1" } else { "" };
+        let hold = match self.least_hold {
+            1 => String::new(),
+            steps => format!(" by inputs that are held for at least {steps} steps"),
+        };
+        format!("shortest{axes}{hold}")
     }
 }
 
@@ -421,12 +504,26 @@ impl Answered {
 fn why(loaded: &Loaded, world: &World, argument: &Argument) -> Vec<String> {
     match argument {
         Argument::Analysis(proof) => values::reasons(&loaded.sources, &loaded.program, world, proof),
-        Argument::Exhaustion { states: 0, .. } => vec!["every run is over before it begins".to_string()],
-        Argument::Exhaustion { states, hold } => {
-            let held = if *hold == 1 { "a step".to_string() } else { format!("{hold} steps") };
-            vec![format!(
-                "all {states} states were visited that inputs lead to which are held for {held} each (axes at -1, 0, 1)"
-            )]
+        Argument::Distance(TooFar { player, within: [x, y], least }) => {
+            let name = &world.slots[*player].name;
+            let range = |axis: &str, at: &Interval| values::relation(&format!("{name}.{axis}"), &Values::from(*at));
+            let seconds = *least as f64 * world.step.seconds();
+            vec![
+                format!("by then {} and {}, where it cannot hold", range("x", x), range("y", y)),
+                format!("it takes at least {} ({seconds:.2} s)", counted(*least, "step")),
+            ]
         }
+        Argument::Exhaustion(all) => vec![visited(*all)],
+        Argument::Over => vec!["every run is over before it begins".to_string()],
     }
+}
+
+/// What an exhaustion has looked at.
+fn visited(Exhaustion { states, least_hold }: Exhaustion) -> String {
+    let held = match least_hold {
+        1 => "that can change at every step".to_string(),
+        steps => format!("that are held for at least {steps} steps"),
+    };
+    let states = if states == 1 { "the only state was".to_string() } else { format!("all {states} states were") };
+    format!("{states} visited to which inputs lead {held}: all buttons, axes at -1, 0 and 1")
 }

@@ -1,22 +1,35 @@
 //! `hypedc sim --replay`: runs a trace again by what its header says, and tells where the first difference is.
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Write};
+use std::io::{self, BufReader, Write};
+use std::ops::ControlFlow;
 use std::path::Path;
 
 use crate::compile::LevelFile;
+use crate::diagnostic::catalogue::file::Unreadable;
 use crate::sim::{Simulator, TraceFormat, TraceHeader, TraceLines, first_difference, parse_script};
+use crate::source::SourceMap;
 
 use super::Answer;
 use super::args::SimArgs;
+use super::disk::{line, open};
 use super::report::{choose_world, load, plain_error, show, show_fact};
-use super::sim::{RunEnd, drive, header};
+use super::sim::{Ended, drive, header};
+use super::watching::Interrupt;
 
 pub(super) fn run(path: &Path, args: &SimArgs) -> io::Result<Answer> {
-    let mut trace = match Trace::open(path) {
+    let file = match open(path) {
+        Ok(file) => file,
+        Err(error) => {
+            show_fact(&SourceMap::new(), Unreadable::named(path, error))?;
+            return Ok(Answer::Unasked);
+        }
+    };
+    let cannot = |why: &str| plain_error(&format!("cannot replay `{}`: {why}", path.display()));
+    let mut trace = match Trace::open(file) {
         Ok(trace) => trace,
         Err(why) => {
-            plain_error(&format!("cannot replay `{}`: {why}", path.display()))?;
+            cannot(&why)?;
             return Ok(Answer::Unasked);
         }
     };
@@ -42,21 +55,33 @@ pub(super) fn run(path: &Path, args: &SimArgs) -> io::Result<Answer> {
     let columns = lines.columns();
     let mut difference = match trace.format {
         TraceFormat::Jsonl => None,
-        TraceFormat::Csv => trace.compare("the columns", &columns, &crate::tabular::csv::line(&columns))?,
+        TraceFormat::Csv => trace.compare("the columns", &columns, &crate::tabular::csv::line(&columns)),
     };
     let mut steps = 0;
-    let end = drive(&sim, &script, old.steps, &mut |step, input, state, _| {
+    let ended = drive(&sim, &script, old.steps, &Interrupt::new(), &mut |step, input, state, _| {
         steps = step;
         if difference.is_none() {
             let line = lines.state(step, input, state)?;
-            difference = trace.compare(&format!("step {step}"), &columns, line.trim_end_matches('\n'))?;
+            difference = trace.compare(&format!("step {step}"), &columns, line.trim_end_matches('\n'));
         }
-        Ok(())
+        Ok(if difference.is_some() || trace.broken.is_some() {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        })
     })?;
+    if let Ended::Stopped(step) = ended {
+        plain_error(&format!("stopped after step {step} of {}", old.steps))?;
+        return Ok(Answer::No);
+    }
     if difference.is_none()
-        && let Some(line) = trace.line()?
+        && let Some(line) = trace.line()
     {
         difference = Some(format!("the trace goes on where the run is over: {line}"));
+    }
+    if let Some(why) = &trace.broken {
+        cannot(why)?;
+        return Ok(Answer::Unasked);
     }
     let mut out = io::stdout().lock();
     let is_same = now.program_sha256 == old.program_sha256;
@@ -77,7 +102,7 @@ pub(super) fn run(path: &Path, args: &SimArgs) -> io::Result<Answer> {
         None => writeln!(out, "{}: all {steps} steps are the same", path.display())?,
     }
     drop(out);
-    if let (RunEnd::Fault(fault, step), None) = (end, &difference) {
+    if let (Ended::Fault(fault, step), None) = (ended, &difference) {
         // It stopped there when the trace was made, too.
         show_fact(&loaded.sources, fault.fact(&loaded.program, world, step))?;
     }
@@ -89,32 +114,33 @@ struct Trace {
     header: TraceHeader,
     format: TraceFormat,
     lines: BufReader<File>,
+    /// Why it cannot be read any further.
+    broken: Option<String>,
 }
 
 impl Trace {
-    fn open(path: &Path) -> Result<Self, String> {
-        let mut lines = BufReader::new(File::open(path).map_err(|error| error.to_string())?);
-        let mut first = String::new();
-        lines.read_line(&mut first).map_err(|error| error.to_string())?;
-        let (header, format) = TraceHeader::read(first.trim_end_matches(['\n', '\r']))?;
-        Ok(Trace { header, format, lines })
+    fn open(file: File) -> Result<Self, String> {
+        let mut lines = BufReader::new(file);
+        let first = line(&mut lines)?.unwrap_or_default();
+        let (header, format) = TraceHeader::read(&first)?;
+        Ok(Trace { header, format, lines, broken: None })
     }
 
-    /// The next line.
-    fn line(&mut self) -> io::Result<Option<String>> {
-        let mut line = String::new();
-        let count = self.lines.read_line(&mut line)?;
-        line.truncate(line.trim_end_matches(['\n', '\r']).len());
-        Ok((count > 0).then_some(line))
+    /// The next line; none at the end, and where it cannot be read.
+    fn line(&mut self) -> Option<String> {
+        line(&mut self.lines).unwrap_or_else(|why| {
+            self.broken = Some(why);
+            None
+        })
     }
 
     /// Compares the next line with what it should be; tells where it differs first.
-    fn compare(&mut self, place: &str, columns: &[String], expected: &str) -> io::Result<Option<String>> {
-        let Some(line) = self.line()? else { return Ok(Some(format!("the trace ends before {place}"))) };
+    fn compare(&mut self, place: &str, columns: &[String], expected: &str) -> Option<String> {
+        let Some(line) = self.line() else { return Some(format!("the trace ends before {place}")) };
         if line == expected {
-            return Ok(None);
+            return None;
         }
         let (what, old, new) = first_difference(self.format, columns, &line, expected);
-        Ok(Some(format!("{place} is the first that differs, in {what}: {old} in the trace, {new} now")))
+        Some(format!("{place} is the first that differs, in {what}: {old} in the trace, {new} now"))
     }
 }

@@ -2,6 +2,7 @@
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
+use std::ops::ControlFlow;
 use std::path::Path;
 
 use crate::compile::LevelFile;
@@ -14,12 +15,14 @@ use crate::sim::{
     parse_script,
 };
 use crate::source::Files;
+use crate::watch::Watch;
 
 use super::Answer;
 use super::args::{SimArgs, TraceFormatName};
 use super::disk::Disk;
 use super::replay;
 use super::report::{Loaded, choose_world, level_sha256, load, plain_error, program_sha256, show, show_fact};
+use super::watching::Interrupt;
 
 pub(super) fn run(args: &SimArgs) -> io::Result<Answer> {
     if let Some(trace) = &args.replay {
@@ -64,10 +67,11 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Answer> {
         None => None,
     };
     let mut report = Report::new(&sim);
-    let end = drive(&sim, &script, frames, &mut |step, input, state, scratch| {
+    let ended = drive(&sim, &script, frames, &Interrupt::new(), &mut |step, input, state, scratch| {
         report.observe(step, state);
         report.note(step, scratch, state);
-        trace.as_mut().map_or(Ok(()), |t| t.state(step, input, state))
+        trace.as_mut().map_or(Ok(()), |t| t.state(step, input, state))?;
+        Ok(ControlFlow::Continue(()))
     })?;
     if let Some(trace) = trace {
         trace.finish()?;
@@ -79,9 +83,16 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Answer> {
     show(&loaded.sources, &report.findings(&loaded.program, world))?;
     let missed = expected.missed(&report);
     missed.iter().try_for_each(|why| plain_error(why))?;
-    if let RunEnd::Fault(fault, step) = end {
-        show_fact(&loaded.sources, fault.fact(&loaded.program, world, step))?;
-        return Ok(Answer::No);
+    match ended {
+        Ended::Done | Ended::LeftBounds | Ended::Enough => {}
+        Ended::Fault(fault, step) => {
+            show_fact(&loaded.sources, fault.fact(&loaded.program, world, step))?;
+            return Ok(Answer::No);
+        }
+        Ended::Stopped(step) => {
+            plain_error(&format!("stopped after step {step} of {frames}"))?;
+            return Ok(Answer::No);
+        }
     }
     Ok(if report.violated() || !missed.is_empty() { Answer::No } else { Answer::Yes })
 }
@@ -205,43 +216,61 @@ fn script(args: &SimArgs, loaded: &mut Loaded, world: WorldId) -> io::Result<Opt
     Ok((!found.has_errors()).then_some(script))
 }
 
+/// Shown the number of a step, its input and the state after it; says whether that is enough.
+pub(super) type See<'a> = dyn FnMut(u64, &Input, &[u8], &Scratch) -> io::Result<ControlFlow<()>> + 'a;
+
 /// How a run ended.
-pub(super) enum RunEnd {
-    /// All steps were run.
-    Steps,
+pub(super) enum Ended {
+    /// After all of its steps.
+    Done,
     /// A player left the bounds of its space.
     LeftBounds,
-    /// A run-time error at a step.
+    /// Whoever saw it has seen enough.
+    Enough,
+    /// By a run-time error at a step.
     Fault(Fault, u64),
+    /// By the watch, after a step.
+    Stopped(u64),
 }
 
-/// Shown the number of a step, its input and the state after it.
-pub(super) type See<'a> = dyn FnMut(u64, &Input, &[u8], &Scratch) -> io::Result<()> + 'a;
+/// Once in so many steps the watch is asked.
+const WATCH_EVERY: u64 = 256;
 
 /// Runs at most so many steps and shows every state, the initial one first.
-pub(super) fn drive(sim: &Simulator<'_>, script: &Script, frames: u64, see: &mut See<'_>) -> io::Result<RunEnd> {
+pub(super) fn drive(
+    sim: &Simulator<'_>,
+    script: &Script,
+    frames: u64,
+    watch: &dyn Watch,
+    see: &mut See<'_>,
+) -> io::Result<Ended> {
     let mut scratch = sim.scratch();
     let nothing = Input::nothing(sim.world().players.len());
     let mut state = match sim.initial(&mut scratch) {
         Ok(state) => state,
-        Err(fault) => return Ok(RunEnd::Fault(fault, 0)),
+        Err(fault) => return Ok(Ended::Fault(fault, 0)),
     };
     let mut inputs = script.inputs().chain(std::iter::repeat(&nothing));
     let mut input = &nothing;
     for step in 0.. {
-        see(step, input, &state, &scratch)?;
+        if see(step, input, &state, &scratch)?.is_break() {
+            return Ok(Ended::Enough);
+        }
         if sim.left_bounds(&state).is_some() {
-            return Ok(RunEnd::LeftBounds);
+            return Ok(Ended::LeftBounds);
         }
         if step == frames {
             break;
         }
+        if (step + 1).is_multiple_of(WATCH_EVERY) && watch.stop() {
+            return Ok(Ended::Stopped(step));
+        }
         input = inputs.next().unwrap_or(&nothing);
         if let Err(fault) = sim.step(&mut state, input, &mut scratch) {
-            return Ok(RunEnd::Fault(fault, step + 1));
+            return Ok(Ended::Fault(fault, step + 1));
         }
     }
-    Ok(RunEnd::Steps)
+    Ok(Ended::Done)
 }
 
 /// What happened during a run.

@@ -1,4 +1,4 @@
-//! The command line's watch: ctrl-C, a time budget, and a progress line on a terminal.
+//! The command line's watches: ctrl-C, a time budget, and a progress line on a terminal.
 
 use std::io::{self, IsTerminal};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -24,6 +24,21 @@ pub(super) fn interrupted() -> &'static Arc<AtomicBool> {
         });
         flag
     })
+}
+
+/// Watches what only ctrl-C ends.
+pub(super) struct Interrupt(&'static AtomicBool);
+
+impl Interrupt {
+    pub fn new() -> Self {
+        Interrupt(interrupted())
+    }
+}
+
+impl Watch for Interrupt {
+    fn stop(&self) -> bool {
+        self.0.load(Ordering::SeqCst)
+    }
 }
 
 /// Watches one search.

@@ -5,7 +5,7 @@ use crate::tabular::{Cell, Column, Table, csv};
 use super::row::{Row, Verdict};
 
 /// The columns of the CSV, one line a row; the fields are those of [`Row`], and what depends on the machine comes last.
-pub const CSV_HEADER: [&str; 46] = [
+pub const CSV_HEADER: [&str; 48] = [
     "row",
     "level",
     "kind",
@@ -21,8 +21,10 @@ pub const CSV_HEADER: [&str; 46] = [
     "inputs",
     "argument",
     "error",
-    "proven_by_hold",
-    "shortest_by",
+    "states",
+    "least_steps",
+    "is_shortest",
+    "reads_between",
     "answered_by",
     "trees",
     "extensions",
@@ -79,8 +81,10 @@ pub fn csv_line(row: &Row) -> String {
         text(&row.inputs),
         text(&row.argument),
         text(&row.error),
-        number(row.proven_by_hold),
-        number(row.shortest_by),
+        number(row.states),
+        number(row.least_steps),
+        number(row.is_shortest),
+        row.reads_between.to_string(),
         text(&row.answered_by),
         row.trees.to_string(),
         row.extensions.to_string(),

@@ -4,7 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 /// The version of the rows.
-pub const ROW_VERSION: u32 = 1;
+pub const ROW_VERSION: u32 = 2;
 
 /// What is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -35,12 +35,15 @@ pub enum Verdict {
     /// There is a way to break the `never`.
     #[serde(rename = "violated")]
     Violated,
-    /// No way was found; this proves nothing.
+    /// No way to the goal was found; this proves nothing.
     #[serde(rename = "not found")]
     NotFound,
-    /// No way to break the `never` was found, or a proof was withdrawn; this proves nothing.
+    /// No way to break the `never` was found; this proves nothing.
     #[serde(rename = "not answered")]
     NotAnswered,
+    /// No inputs with axes at -1, 0 and 1 do it; values between, which can make a difference, were not tried.
+    #[serde(rename = "exhausted")]
+    Exhausted,
     /// There is no way, for a reason that the row has.
     #[serde(rename = "proven-unreachable")]
     ProvenUnreachable,
@@ -51,11 +54,12 @@ pub enum Verdict {
 
 impl Verdict {
     /// All of them, best first where a goal is asked for.
-    pub const ALL: [Verdict; 6] = [
+    pub const ALL: [Verdict; 7] = [
         Verdict::Reached,
         Verdict::Violated,
         Verdict::NotFound,
         Verdict::NotAnswered,
+        Verdict::Exhausted,
         Verdict::ProvenUnreachable,
         Verdict::Error,
     ];
@@ -67,6 +71,7 @@ impl Verdict {
             Verdict::Violated => "violated",
             Verdict::NotFound => "not found",
             Verdict::NotAnswered => "not answered",
+            Verdict::Exhausted => "exhausted",
             Verdict::ProvenUnreachable => "proven-unreachable",
             Verdict::Error => "error",
         }
@@ -134,7 +139,7 @@ pub struct Coverage {
     pub places_with_modes: u64,
 }
 
-/// Inputs that are proven to lead nowhere.
+/// Inputs that change only every so many steps, all of which were tried. It says nothing of others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Exhausted {
     /// For how many steps they are held.
@@ -206,18 +211,22 @@ pub struct Row {
     pub settings: Settings,
     /// The answer.
     pub verdict: Verdict,
-    /// Whether that is as wished: a goal reached, a `never` not violated.
+    /// Whether that is as wished: a goal reached, a `never` proven.
     pub is_as_wished: bool,
     /// Why there is no answer: what is wrong with the program, the level or where the search begins.
     pub error: Option<String>,
     /// Why it is proven unreachable.
     pub argument: Option<String>,
-    /// If that is by exhaustion: for how many steps inputs are held.
-    pub proven_by_hold: Option<u16>,
+    /// If all states were visited: how many there are.
+    pub states: Option<u64>,
+    /// If it takes more steps than it may: how many at least.
+    pub least_steps: Option<u64>,
     /// The steps of the path; none if there is none.
     pub steps: Option<u64>,
-    /// If no path of inputs held for so many steps each is shorter: for how many.
-    pub shortest_by: Option<u16>,
+    /// Whether no inputs that the question admits, with axes at -1, 0 and 1, take fewer steps; none if there is no path.
+    pub is_shortest: Option<bool>,
+    /// Whether axes between -1, 0 and 1, which no search tries, can make a difference.
+    pub reads_between: bool,
     /// The path, as a script.
     pub inputs: Option<String>,
     /// Which planner had the answer; `analysis` if nothing was searched.
@@ -234,7 +243,7 @@ pub struct Row {
     pub simulated_steps: u64,
     /// What was covered.
     pub coverage: Coverage,
-    /// Where nothing was found: inputs of which that is proven.
+    /// Where nothing was found: inputs that change only every so many steps and were all tried.
     pub exhausted: Option<Exhausted>,
     /// Each `never` that was broken on the way.
     pub violations: Vec<Broken>,
@@ -271,9 +280,11 @@ impl Row {
             is_as_wished: false,
             error: Some(error),
             argument: None,
-            proven_by_hold: None,
+            states: None,
+            least_steps: None,
             steps: None,
-            shortest_by: None,
+            is_shortest: None,
+            reads_between: false,
             inputs: None,
             answered_by: None,
             nodes: 0,
@@ -302,7 +313,7 @@ impl Row {
     pub fn reason(&self) -> String {
         match (self.verdict, &self.error, &self.argument) {
             (Verdict::Error, Some(error), _) => error.lines().next().unwrap_or_default().to_string(),
-            (Verdict::ProvenUnreachable, _, Some(argument)) => argument.clone(),
+            (Verdict::ProvenUnreachable | Verdict::Exhausted, _, Some(argument)) => argument.clone(),
             _ if self.refuted.is_some() => self.refuted.clone().unwrap_or_default(),
             (Verdict::NotFound | Verdict::NotAnswered, ..) if self.stopped => "the time is spent".to_string(),
             (Verdict::NotFound | Verdict::NotAnswered, ..) if self.out_of_memory => "the memory is full".to_string(),

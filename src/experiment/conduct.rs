@@ -131,6 +131,7 @@ fn finding(outcome: &Outcome) -> Finding {
     match (&outcome.verdict, outcome.end) {
         (Verdict::Reached(_), _) => Finding::Reached,
         (Verdict::Unreachable(_), _) => Finding::Unreachable,
+        (Verdict::Exhausted(_), _) => Finding::Exhausted,
         (Verdict::NotFound, End::Memory) => Finding::OutOfMemory,
         (Verdict::NotFound, _) => Finding::NotFound,
     }

@@ -29,6 +29,8 @@ pub enum Finding {
     OutOfMemory,
     /// With a proof, by trying all there is, that there is no way.
     Unreachable,
+    /// All states were visited that inputs with axes at -1, 0 and 1 lead to; values between make a difference.
+    Exhausted,
 }
 
 impl Finding {
@@ -39,6 +41,7 @@ impl Finding {
             Finding::NotFound => "not-found",
             Finding::OutOfMemory => "out-of-memory",
             Finding::Unreachable => "proven-unreachable",
+            Finding::Exhausted => "exhausted",
         }
     }
 }

@@ -1,9 +1,9 @@
 //! The inputs worth trying: buttons up or down, axes at -1, 0 and 1. Either those that an active mode reads, or all that
-//! anything ever reads.
+//! anything ever reads; and whether axes between make a difference.
 
 use std::collections::BTreeMap;
 
-use crate::ir::{Inputs, LeafId};
+use crate::ir::{By, Entity, Expr, ExprId, Function, Id, Inputs, LeafId, Program};
 use crate::sim::{Input, PlayerInput};
 
 use super::problem::Problem;
@@ -64,6 +64,21 @@ impl ControlSets {
         &self.sets[usize::from(set)]
     }
 
+    /// An input without the buttons and axes that nothing ever reads.
+    pub fn relevant(&self, problem: &Problem<'_>, input: &Input) -> Input {
+        let (program, world) = (problem.sim.program(), problem.sim.world());
+        let mut input = input.clone();
+        for (given, &slot) in input.0.iter_mut().zip(problem.players()) {
+            let reads = all_inputs(&program.entities[world.slots[slot].entity]);
+            given.buttons &= reads.buttons;
+            for (axis, value) in given.axes.iter_mut().enumerate().filter(|(axis, _)| reads.axes >> axis & 1 == 0) {
+                debug_assert!(axis < 8);
+                *value = 0.0;
+            }
+        }
+        input
+    }
+
     /// The inputs for the leaves of the key, and whether some were left out.
     fn inputs_of(&self, problem: &Problem<'_>) -> (Vec<Input>, bool) {
         let mut whole = true;
@@ -74,7 +89,7 @@ impl ControlSets {
             let entity = &program.entities[world.slots[slot].entity];
             let mut reads: Inputs = entity.inputs;
             if self.is_complete {
-                reads = entity.leaves.iter().fold(reads, |reads, leaf| reads.with(leaf.inputs));
+                reads = all_inputs(entity);
             } else {
                 for leaf in leaves.by_ref().take(entity.groups.len()) {
                     reads = reads.with(entity.leaves[*leaf].inputs);
@@ -90,6 +105,64 @@ impl ControlSets {
         }
         (all, !whole)
     }
+}
+
+/// All that an entity ever reads.
+fn all_inputs(entity: &Entity) -> Inputs {
+    entity.leaves.iter().fold(entity.inputs, |reads, leaf| reads.with(leaf.inputs))
+}
+
+/// Whether a player's entity reads more of an axis than its sign, so that values between -1, 0 and 1 can lead elsewhere.
+/// Two axes that are read only as the nearest of some directions, all of which their ends make, count as read by sign.
+pub(super) fn reads_between(problem: &Problem<'_>) -> bool {
+    let (program, world) = (problem.sim.program(), problem.sim.world());
+    problem.players().iter().any(|&slot| entity_reads_between(program, &program.entities[world.slots[slot].entity]))
+}
+
+fn entity_reads_between(program: &Program, entity: &Entity) -> bool {
+    let axis_of = |id: ExprId| match program.exprs[id] {
+        Expr::Axis(axis) => Some(axis),
+        _ => None,
+    };
+    let is_zero = |id: ExprId| matches!(program.exprs[id], Expr::Number(0.0));
+    let (first, after) = entity.code;
+    let code = || program.exprs.pairs().skip(first.index()).take(after.index().saturating_sub(first.index()));
+    // An axis has one reader; one that is no operand drives something by itself.
+    let mut by_sign = Vec::new();
+    for (_, expr) in code() {
+        match *expr {
+            Expr::Compare(_, a, b) if is_zero(b) || is_zero(a) => {
+                by_sign.extend([a, b].into_iter().filter(|id| axis_of(*id).is_some()))
+            }
+            Expr::Call(Function::Sign, [a, ..]) if axis_of(a).is_some() => by_sign.push(a),
+            _ => {}
+        }
+    }
+    if code().any(|(id, _)| axis_of(id).is_some() && !by_sign.contains(&id)) {
+        return true;
+    }
+    let signs = by_sign.into_iter().filter_map(axis_of);
+    let by_axis = entity.envelopes.iter().filter_map(|e| if let By::Axis(axis) = e.by { Some(axis) } else { None });
+    let signs: Vec<_> = signs.chain(by_axis).collect();
+    let mut directions: Vec<(&[_; 2], &Vec<[f64; 2]>)> = Vec::new();
+    for envelope in entity.envelopes.iter() {
+        if let By::Axes(axes, ways) = &envelope.by {
+            let is_known = directions.contains(&(axes, ways));
+            let is_shared = directions.iter().any(|(others, _)| others.iter().any(|axis| axes.contains(axis)));
+            if !is_known && is_shared || axes.iter().any(|axis| signs.contains(axis)) || !ends_make(ways) {
+                return true;
+            }
+            directions.push((axes, ways));
+        }
+    }
+    false
+}
+
+/// Whether axes at their ends make each of some directions: upright, level, and halfway between.
+fn ends_make(ways: &[[f64; 2]]) -> bool {
+    const NEAR: f64 = 1e-9;
+    let is_made = |[x, y]: &[f64; 2]| x.abs() < NEAR || y.abs() < NEAR || (x.abs() - y.abs()).abs() < NEAR;
+    !ways.is_empty() && ways.iter().all(is_made)
 }
 
 /// Every input so far with every variant of one more button or axis; false where that would be more than

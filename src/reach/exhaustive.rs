@@ -1,12 +1,20 @@
-//! Exhaustion: all that can be done when inputs change every so many steps, each state once. Many worlds are finite under
-//! a fixed step; then "no" is proven for that granularity of inputs. Breadth first, the first way that is found is a
-//! shortest one; best first, what is nearest to the goal goes on.
+//! Exhaustion: all that can be done, each state once. Many worlds are finite under a fixed step; then "no" is proven.
+//! Breadth first by steps, the first way that is found is a shortest one; best first, what is nearest to the goal goes on.
+//!
+//! The inputs of a question are those that are held for at least so many steps and then change at any step: an automaton
+//! beside the world. Its states are the steps that an input must still be held and, where that matters, the input. While it
+//! must be held there is nothing to choose, so that a node is only where it need not be any more: from there the input goes
+//! on for a step, or another one begins and is held for as long as it must be. What a new input leads to does not depend on
+//! the one before; of each state it is looked at once. Where inputs may change at every step, a node is a state alone.
+//!
+//! Inputs that change only every so many steps lead to fewer states, which are soon visited; that they lead nowhere tells
+//! nothing of others.
 //!
 //! States are the same if all their bytes are: everything that the next step reads is part of a state (`sim/state.rs`).
 //! Inputs are all that anything ever reads.
 
 use std::cmp::{Ordering, Reverse};
-use std::collections::BinaryHeap;
+use std::collections::{BinaryHeap, VecDeque};
 use std::hash::Hasher;
 
 use hashbrown::HashTable;
@@ -14,24 +22,101 @@ use rustc_hash::FxHasher;
 
 use super::ground::{Extension, Ground, Notes};
 use super::metric::Point;
-use super::outcome::Plan;
+use super::outcome::{Exhaustion, Plan};
 use super::planners::Planner;
 use super::region::GoalRegion;
 use super::searcher::{Ending, Searcher};
 use super::strategy::Choice;
-use super::tree::NodeId;
+use super::tree::{NodeId, Tree};
 
 /// What looking for a state among those that are known costs, in units of work.
 const TURN: u64 = 64;
+/// No input is held.
+const NONE: u16 = u16::MAX;
 
-/// In which order states are extended.
+/// When inputs change.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Change {
+    /// At any step once they were held for so many: all that a question admits.
+    After(u16),
+    /// Only every so many steps.
+    Every(u16),
+}
+
+impl Change {
+    /// For how many steps an input is held that begins.
+    fn hold(self) -> u16 {
+        match self {
+            Change::After(steps) | Change::Every(steps) => steps.max(1),
+        }
+    }
+
+    /// Whether the input that is held can go on where another one would have to be held anew.
+    fn goes_on(self) -> bool {
+        matches!(self, Change::After(2..))
+    }
+}
+
+/// In which order nodes are extended.
 #[derive(Debug)]
 enum Order {
-    /// In that in which they were reached: by the number of inputs on the way. After the nodes of a layer, which ends
-    /// here, a way that was found is a shortest one.
-    Breadth { layer_end: usize },
+    /// By the number of steps that lead there (Dial, *Algorithm 360: Shortest-path forest with topological ordering*, 1969): the
+    /// nodes of each number, from the number of the first on.
+    Breadth { first: u32, layers: VecDeque<Layer> },
     /// Those nearest to the goal first.
     Best(BinaryHeap<Reverse<Ranked>>),
+}
+
+/// The nodes that a number of steps lead to, and how many of them were taken.
+#[derive(Debug, Default)]
+struct Layer {
+    nodes: Vec<u32>,
+    taken: usize,
+}
+
+impl Order {
+    fn push(&mut self, node: NodeId, depth: u32, distance: f32) {
+        match self {
+            Order::Breadth { first, layers } => {
+                if layers.is_empty() {
+                    *first = depth;
+                }
+                // Starts come in any order.
+                while depth < *first {
+                    layers.push_front(Layer::default());
+                    *first -= 1;
+                }
+                let at = (depth - *first) as usize;
+                if at >= layers.len() {
+                    layers.resize_with(at + 1, Layer::default);
+                }
+                layers[at].nodes.push(node.0);
+            }
+            Order::Best(open) => open.push(Reverse(Ranked(distance, node.0))),
+        }
+    }
+
+    fn pop(&mut self) -> Option<NodeId> {
+        match self {
+            Order::Breadth { first, layers } => loop {
+                let layer = layers.front_mut()?;
+                if let Some(&node) = layer.nodes.get(layer.taken) {
+                    layer.taken += 1;
+                    return Some(NodeId(node));
+                }
+                layers.pop_front();
+                *first += 1;
+            },
+            Order::Best(open) => open.pop().map(|Reverse(best)| NodeId(best.1)),
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        match self {
+            Order::Breadth { layers, .. } => layers.iter().map(|layer| layer.nodes.capacity() * 4).sum(),
+            Order::Best(open) => open.capacity() * size_of::<Ranked>(),
+        }
+    }
 }
 
 /// A node and its squared distance to the goal.
@@ -52,111 +137,191 @@ impl PartialOrd for Ranked {
     }
 }
 
+/// The node that is extended.
+#[derive(Debug, Clone, Copy)]
+struct Turn {
+    node: NodeId,
+    /// Whether the input that is held is still to go on.
+    goes_on: bool,
+    /// The inputs that are still to begin: from the first to before the second.
+    begins: (usize, usize),
+}
+
 /// All states that were reached.
 pub(super) struct Exhaustive<'a> {
     ground: Ground<'a>,
     region: GoalRegion,
+    change: Change,
+    /// The nodes, by state and input that is held.
     known: HashTable<u32>,
+    /// Where inputs that are held can go on: a node of each state at which others have begun.
+    begun: HashTable<u32>,
+    /// Where inputs that are held can go on: that of each node.
+    held: Vec<u16>,
     order: Order,
-    /// The node to extend, and its next input.
-    next: (u32, usize),
-    /// The shortest way in the layer that is looked at.
-    found: Option<(Choice, u16)>,
+    turn: Option<Turn>,
+    /// The fewest steps of a way so far, with its last choice and the steps of that.
+    found: Option<(u32, Choice, u16)>,
     point: Point,
 }
 
 impl<'a> Exhaustive<'a> {
     /// Breadth first, or the nearest to the goal first.
-    pub fn new(ground: Ground<'a>, best_first: bool) -> Self {
-        let order = if best_first { Order::Best(BinaryHeap::new()) } else { Order::Breadth { layer_end: 0 } };
+    pub fn new(ground: Ground<'a>, change: Change, best_first: bool) -> Self {
+        let order = match best_first {
+            true => Order::Best(BinaryHeap::new()),
+            false => Order::Breadth { first: 0, layers: VecDeque::new() },
+        };
         Exhaustive {
             region: GoalRegion::new(ground.problem, ground.metric),
             ground,
+            change,
             known: HashTable::new(),
+            begun: HashTable::new(),
+            held: Vec::new(),
             order,
-            next: (0, 0),
+            turn: None,
             found: None,
             point: Point::default(),
         }
+    }
+
+    fn is_breadth_first(&self) -> bool {
+        matches!(self.order, Order::Breadth { .. })
     }
 
     fn plant(&mut self) {
         self.ground.notes.statistics.trees += 1;
         for start in 0..self.ground.starts() {
             let root = self.ground.plant(start, false);
-            self.note(root, hashed(self.ground.tree.state(root)));
-        }
-        match &mut self.order {
-            Order::Breadth { layer_end } => *layer_end = self.ground.tree.len(),
-            Order::Best(open) => self.next = (open.pop().map_or(0, |Reverse(best)| best.1), 0),
+            let held = match self.change.goes_on() {
+                true => self.ground.held_at_start(root).unwrap_or(NONE),
+                false => NONE,
+            };
+            let hash = hashed(self.ground.tree.state(root), held);
+            self.keep(root, held, hash);
         }
     }
 
-    /// Keeps a new node, whose state has this hash.
-    fn note(&mut self, node: NodeId, hash: u64) {
+    /// Keeps a new node with the input that is held there.
+    fn keep(&mut self, node: NodeId, held: u16, hash: u64) {
         let tree = &self.ground.tree;
-        self.known.insert_unique(hash, node.0, |id| hashed(tree.state(NodeId(*id))));
-        if let Order::Best(open) = &mut self.order {
-            self.ground.point(node, &mut self.point);
-            open.push(Reverse(Ranked(self.region.distance(&self.point), node.0)));
+        let distance = match self.order {
+            Order::Breadth { .. } => 0.0,
+            Order::Best(_) => {
+                self.ground.point(node, &mut self.point);
+                self.region.distance(&self.point)
+            }
+        };
+        self.order.push(node, tree.depth(node), distance);
+        if self.change.goes_on() {
+            self.held.push(held);
+        }
+        let held = &self.held;
+        let rehash = |id: &u32| hashed(tree.state(NodeId(*id)), held_by(held, *id));
+        match find(&mut self.known, tree, held, hash, node) {
+            // It was reached later before.
+            Some(later) => *later = node.0,
+            None => {
+                self.known.insert_unique(hash, node.0, rehash);
+            }
         }
     }
 
-    /// Extends a node by its next input; gives whether nothing is left to extend.
-    fn turn(&mut self) -> bool {
-        let node = NodeId(self.next.0);
-        let choice = Choice { node, input: self.next.1, hold: self.ground.hold.0 };
+    /// The next node to extend; none if nothing is left.
+    fn next(&mut self) -> Option<Turn> {
+        loop {
+            let node = self.order.pop()?;
+            let inputs = self.ground.inputs(node);
+            if !self.change.goes_on() {
+                return Some(Turn { node, goes_on: false, begins: (0, inputs) });
+            }
+            let tree = &self.ground.tree;
+            let (state, held) = (tree.state(node), held_by(&self.held, node.0));
+            let hash = hashed(state, held);
+            if find(&mut self.known, tree, &self.held, hash, node).is_none_or(|known| *known != node.0) {
+                // It was reached sooner since.
+                continue;
+            }
+            let hash = hashed(state, NONE);
+            let is_new = self.begun.find(hash, |id| tree.state(NodeId(*id)) == state).is_none();
+            if is_new {
+                self.begun.insert_unique(hash, node.0, |id| hashed(tree.state(NodeId(*id)), NONE));
+            }
+            return Some(Turn { node, goes_on: held != NONE, begins: (0, if is_new { inputs } else { 0 }) });
+        }
+    }
+
+    /// Extends a node by its next input.
+    fn extend(&mut self, turn: &mut Turn) {
+        let node = turn.node;
+        let choice = if std::mem::take(&mut turn.goes_on) {
+            Choice { node, input: usize::from(held_by(&self.held, node.0)), hold: 1 }
+        } else {
+            turn.begins.0 += 1;
+            Choice { node, input: turn.begins.0 - 1, hold: self.change.hold() }
+        };
+        let depth = self.ground.tree.depth(node);
         match self.ground.extend(choice) {
             Extension::Dead => {}
             Extension::Goal(steps) => {
-                if self.found.is_none_or(|(_, known)| steps < known) {
-                    self.found = Some((choice, steps));
+                let total = depth + u32::from(steps);
+                if self.found.is_none_or(|(known, ..)| total < known) {
+                    self.found = Some((total, choice, steps));
                 }
             }
             Extension::Open => {
                 let state = self.ground.reached();
-                let tree = &self.ground.tree;
-                let hash = hashed(state);
-                let is_known = self.known.find(hash, |id| tree.state(NodeId(*id)) == state).is_some();
-                if !is_known {
+                let held = if self.change.goes_on() { choice.input as u16 } else { NONE };
+                let (tree, all) = (&self.ground.tree, &self.held);
+                let hash = hashed(state, held);
+                let is_same = |id: &u32| held_by(all, *id) == held && tree.state(NodeId(*id)) == state;
+                let known = self.known.find(hash, is_same);
+                // A longer hold may lead there before a shorter one that began later.
+                let later = |id: &u32| tree.depth(NodeId(*id)) > depth + u32::from(choice.hold);
+                if known.is_none_or(|id| self.is_breadth_first() && later(id)) {
                     let id = self.ground.add(choice, false);
-                    self.note(id, hash);
+                    self.keep(id, held, hash);
                 }
             }
-        }
-        self.next.1 += 1;
-        if self.next.1 < self.ground.inputs(node) {
-            return false;
-        }
-        match &mut self.order {
-            Order::Breadth { .. } => {
-                self.next = (self.next.0 + 1, 0);
-                self.next.0 as usize == self.ground.tree.len()
-            }
-            Order::Best(open) => match open.pop() {
-                Some(Reverse(best)) => {
-                    self.next = (best.1, 0);
-                    false
-                }
-                None => true,
-            },
         }
     }
 
-    /// A way that was found, as soon as there can be no shorter one, or at once where that is not asked for.
-    fn found(&mut self) -> Option<Plan> {
-        if let Order::Breadth { layer_end } = &mut self.order {
-            if (self.next.0 as usize) < *layer_end {
-                return None;
-            }
-            *layer_end = self.ground.tree.len();
-        }
+    /// Whether nothing was left out of what was looked at: a way may lead around outside of a search window.
+    fn is_complete(&self) -> bool {
+        let notes = &self.ground.notes;
+        !self.ground.controls.truncated && notes.fault.is_none() && notes.cuts.is_empty()
+    }
+
+    /// The way that was found, if it is the answer: as soon as there can be no shorter one, where `least` is the least number
+    /// of steps that another could take; best first at once.
+    fn answer(&mut self, least: u32) -> Option<Plan> {
+        let (_, choice, steps) = self.found.take_if(|(total, ..)| {
+            let is_best_first = matches!(self.order, Order::Best(_));
+            is_best_first || *total <= least
+        })?;
         // Starts that are not the initial state have had steps of different number.
-        let is_first = matches!(self.order, Order::Breadth { .. }) && self.ground.starts() == 1;
-        // A shorter way may lead around outside of the search window.
-        let is_shortest = is_first && self.ground.notes.cuts.is_empty();
-        let (choice, steps) = self.found.take()?;
-        self.ground.plan(choice, steps, is_shortest.then_some(self.ground.hold.0))
+        let is_alone = self.ground.starts() == 1;
+        let is_all = matches!(self.change, Change::After(_)) && self.is_complete();
+        let is_shortest = self.is_breadth_first() && is_alone && is_all;
+        self.ground.plan(choice, steps, is_shortest)
+    }
+
+    /// How it ends where nothing is left to extend.
+    fn exhausted(&mut self) -> Ending {
+        // Within a time, what was reached late may have been left that could also be reached soon.
+        let is_timely = self.ground.problem.time().is_none() || self.is_breadth_first();
+        if !self.is_complete() || !is_timely {
+            return Ending::Spent;
+        }
+        let states = if self.change.goes_on() { self.begun.len() } else { self.ground.tree.len() } as u64;
+        match self.change {
+            Change::After(steps) => Ending::Exhausted(Exhaustion { states, least_hold: steps }),
+            Change::Every(steps) => {
+                self.ground.notes.exhausted = Some((steps, states));
+                Ending::Spent
+            }
+        }
     }
 }
 
@@ -170,25 +335,35 @@ impl Searcher for Exhaustive<'_> {
         let mut patience = nodes.saturating_mul(16);
         while self.ground.notes.statistics.nodes < until && patience > 0 {
             patience -= 1;
-            let is_over = self.turn();
             // What was cut short proves nothing.
             if self.ground.meter.spend(TURN) {
                 return Ending::Stopped;
             }
-            if let Some(plan) = self.found() {
+            let Some(mut turn) = self.turn.or_else(|| self.next()) else {
+                if let Some(plan) = self.answer(u32::MAX) {
+                    return Ending::Reached(plan);
+                }
+                return self.exhausted();
+            };
+            // All nodes that are left are at least as far away as this one.
+            if let Some(plan) = self.answer(self.ground.tree.depth(turn.node) + 1) {
                 return Ending::Reached(plan);
             }
-            if is_over {
-                // Within a time, what was reached late may have been left that could also be reached soon.
-                let is_early = matches!(self.order, Order::Breadth { .. }) && self.ground.starts() == 1;
-                let is_timely = self.ground.problem.time().is_none() || is_early;
-                let is_whole = !self.ground.controls.truncated && self.ground.notes.cuts.is_empty();
-                let is_proof = is_whole && self.ground.notes.fault.is_none() && is_timely;
-                let states = self.ground.tree.len() as u64;
-                return if is_proof { Ending::Exhausted(states, self.ground.hold.0) } else { Ending::Spent };
+            let is_open = |turn: &Turn| turn.goes_on || turn.begins.0 < turn.begins.1;
+            if is_open(&turn) {
+                self.extend(&mut turn);
             }
+            self.turn = Some(turn).filter(is_open);
         }
-        Ending::Paused
+        match self.answer(0) {
+            Some(plan) => Ending::Reached(plan),
+            None => Ending::Paused,
+        }
+    }
+
+    fn pending(&mut self) -> Option<Plan> {
+        let (_, choice, steps) = self.found.take()?;
+        self.ground.plan(choice, steps, false)
     }
 
     fn nodes(&self) -> u64 {
@@ -204,11 +379,8 @@ impl Searcher for Exhaustive<'_> {
     }
 
     fn bytes(&self) -> usize {
-        let open = match &self.order {
-            Order::Breadth { .. } => 0,
-            Order::Best(open) => open.capacity() * size_of::<Ranked>(),
-        };
-        self.ground.bytes() + self.known.capacity() * 5 + open
+        let tables = (self.known.capacity() + self.begun.capacity()) * 5;
+        self.ground.bytes() + tables + self.held.capacity() * 2 + self.order.bytes()
     }
 
     fn planner(&self) -> &'static str {
@@ -219,8 +391,22 @@ impl Searcher for Exhaustive<'_> {
     }
 }
 
-fn hashed(state: &[u8]) -> u64 {
+/// The input that is held at a node.
+fn held_by(held: &[u16], node: u32) -> u16 {
+    held.get(node as usize).copied().unwrap_or(NONE)
+}
+
+fn hashed(state: &[u8], held: u16) -> u64 {
     let mut hasher = FxHasher::default();
     hasher.write(state);
+    if held != NONE {
+        hasher.write_u16(held);
+    }
     hasher.finish()
+}
+
+/// The entry of a node's state and input.
+fn find<'t>(known: &'t mut HashTable<u32>, tree: &Tree, held: &[u16], hash: u64, node: NodeId) -> Option<&'t mut u32> {
+    let (state, mine) = (tree.state(node), held_by(held, node.0));
+    known.find_mut(hash, |id| held_by(held, *id) == mine && tree.state(NodeId(*id)) == state)
 }

@@ -6,13 +6,13 @@ use rand_pcg::Pcg64;
 
 use crate::ir::{NeverId, SpaceId};
 use crate::sim::{Fault, Input, Scratch, Script};
-use crate::watch::{Meter, Watch};
+use crate::watch::{Meter, Unwatched, Watch};
 
 use super::controls::ControlSets;
 use super::coverage::Coverage;
 use super::metric::{Metric, Point};
 use super::outcome::{Cut, Plan, Statistics, Visited};
-use super::problem::{Death, Problem, Standing, Start, Target};
+use super::problem::{Death, Problem, REPLAY_WATCH, Standing, Start, Target};
 use super::strategy::Choice;
 use super::tree::{NodeId, Tree};
 use super::window::Windows;
@@ -41,8 +41,8 @@ pub(super) struct Notes {
     pub is_truncated: bool,
     /// Every node, if nodes are recorded.
     pub record: Vec<Visited>,
-    /// The finest inputs by which all states were visited without an answer: for how many steps they are held, and how
-    /// many states there are.
+    /// Where all states were visited without an answer that inputs lead to which change only every so many steps, the
+    /// finest such inputs: for how many steps they are held, and how many states there are. Proves nothing of others.
     pub exhausted: Option<(u16, u64)>,
     /// Branches given up at search windows, beyond which something that is asked for may happen.
     pub cuts: Vec<Cut>,
@@ -130,7 +130,10 @@ impl<'a> Ground<'a> {
             meter: Meter::new(watch),
             controls,
             notes: Notes { coverage: Coverage::new(problem), ..Notes::default() },
-            hold: (hold.0.max(1), hold.1.max(hold.0).max(1)),
+            hold: {
+                let least = hold.0.max(problem.least_hold());
+                (least, hold.1.max(least))
+            },
             starts,
             roots: Vec::new(),
             scratch: problem.sim.scratch(),
@@ -161,6 +164,11 @@ impl<'a> Ground<'a> {
         self.starts.len()
     }
 
+    /// The states to begin in, each with the steps that have led there from where the search began.
+    pub(super) fn start_states(&self) -> impl Iterator<Item = (&[u8], u32)> {
+        self.starts.iter().map(|start| (start.state.as_slice(), start.steps()))
+    }
+
     /// Forgets the tree.
     pub(super) fn clear(&mut self) {
         self.tree.clear();
@@ -172,10 +180,10 @@ impl<'a> Ground<'a> {
 
     /// Begins a tree at a start.
     pub(super) fn plant(&mut self, start: usize, inputs_one_by_one: bool) -> NodeId {
-        let state = &self.starts[start].state;
+        let (state, depth) = (&self.starts[start].state, self.starts[start].steps());
         let set = self.controls.of(self.problem, state);
         let inputs = if inputs_one_by_one { self.controls.inputs(set).len() } else { 0 };
-        let root = self.tree.plant(state, set, inputs);
+        let root = self.tree.plant(state, depth, set, inputs);
         self.roots.push((root, start));
         self.notes.statistics.nodes += 1;
         self.notes.coverage.visit(self.problem, state);
@@ -359,12 +367,25 @@ impl<'a> Ground<'a> {
     }
 
     /// A way to what is asked for, which a choice brings about after so many steps; replayed.
-    pub(super) fn plan(&mut self, choice: Choice, steps: u16, shortest_by: Option<u16>) -> Option<Plan> {
-        let after = self.start(choice.node).script.len();
+    pub(super) fn plan(&mut self, choice: Choice, steps: u16, is_shortest: bool) -> Option<Plan> {
+        let after = self.start(choice.node).after;
         let script = self.script(choice, steps);
-        let length = replays_to(self.problem, &script, after, &mut self.scratch, &self.meter);
-        debug_assert!(self.meter.is_stopped() || length == Some(script.len()), "a found path must replay");
-        (length == Some(script.len())).then_some(Plan { steps: script.len(), script, after, shortest_by })
+        // What was found before the watch stopped all is an answer, if it is soon replayed.
+        let patience = Meter::new(&Unwatched);
+        let is_late = self.meter.is_stopped() && script.len() < REPLAY_WATCH;
+        let meter = if is_late { &patience } else { &self.meter };
+        let length = replays_to(self.problem, &script, after, &mut self.scratch, meter);
+        debug_assert!(meter.is_stopped() || length == Some(script.len()), "a found path must replay");
+        (length == Some(script.len())).then_some(Plan { steps: script.len(), script, after, is_shortest })
+    }
+
+    /// The input of a node's start that is still held there, as an index into the node's control set; none at an initial
+    /// state, and where it is none of that set.
+    pub(super) fn held_at_start(&self, root: NodeId) -> Option<u16> {
+        let last = &self.start(root).script.steps.last()?.input;
+        let inputs = self.controls.inputs(self.tree.set(root));
+        let read = self.controls.relevant(self.problem, last);
+        inputs.iter().position(|input| *input == read).map(|index| index as u16)
     }
 
     /// Adds what was noted.

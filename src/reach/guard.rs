@@ -109,7 +109,7 @@ impl Guard {
     }
 
     /// Keeps the shortest, so that it does not matter which thread comes first.
-    fn note(&self, new: Refutation) {
+    pub(super) fn note(&self, new: Refutation) {
         let mut known = self.refutation.lock().unwrap_or_else(PoisonError::into_inner);
         let order = |r: &Refutation| (r.steps, format!("{:?}", r.script));
         if known.as_ref().is_none_or(|known| order(&new) < order(known)) {

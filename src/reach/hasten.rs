@@ -32,7 +32,7 @@ pub fn hasten(
     let planner = if settings.planner == Planner::Auto { Planner::Lead } else { settings.planner };
     let (mut left, mut round, mut tried) = (limits.nodes, 0, 0);
     // A plan that is known to be the shortest is.
-    while let Some(percent) = TIMES.get(tried).filter(|_| best.shortest_by.is_none() && left > 0 && !watch.stop()) {
+    while let Some(percent) = TIMES.get(tried).filter(|_| !best.is_shortest && left > 0 && !watch.stop()) {
         let steps = (best.steps - best.after) * percent / 100;
         if steps == 0 {
             break;

@@ -4,10 +4,12 @@
 //! a run could come to: both end one where a player leaves the bounds that are written for its space. Where there are none,
 //! a search stops at a window of its own (`window.rs`), and proves nothing if it did.
 //!
+//! It is also asked how soon a goal can hold at the earliest, where there is a time to keep.
+//!
 //! Then searchers grow trees of states ([`search`]). Those that sample share one loop (`sampler.rs`), to which a planner
 //! adds a strategy (`planners/`); `exhaustive.rs` visits each state once and can prove a "no"; `portfolio.rs` lets several
 //! take turns. A found path is replayed in the simulator before it is reported, and can be made faster (`hasten.rs`) and simpler
-//! (`shorten.rs`).
+//! (`shorten.rs`); what is found for one question can answer another one (`exchange.rs`).
 //!
 //! Every state that is made on the way is held against what the analysis says (`guard.rs`). One that lies outside shows that
 //! the analysis is wrong about this world: no proof that rests on it is given then.
@@ -17,6 +19,7 @@ mod controls;
 mod coverage;
 mod distance;
 mod draw;
+mod exchange;
 mod exhaustive;
 mod ground;
 mod guard;
@@ -30,6 +33,7 @@ mod problem;
 mod proof;
 mod region;
 mod sampler;
+mod seam;
 mod search;
 mod searcher;
 mod shorten;
@@ -41,24 +45,30 @@ mod window;
 pub use bounds::Sampling;
 pub use controls::MAX_CONTROLS;
 pub use coverage::{Count, Covered, PLACE};
+pub use exchange::passed;
 pub use guard::{Guard, Refutation};
 pub use hasten::hasten;
 pub use metric::{Coordinate, Measure, Metric, Point, Quantity};
 pub use nearest::{Index, Neighbour};
-pub use outcome::{Argument, Cut, End, Outcome, Plan, Statistics, Verdict, Visited};
+pub use outcome::{Argument, Cut, End, Exhaustion, Outcome, Plan, Statistics, Verdict, Visited};
 pub use planners::Planner;
 pub use problem::{BadStart, Death, Problem, Standing, Start, Target};
-pub use proof::{Part, Proof};
+pub use proof::{Part, Proof, TooFar};
 pub use search::{Limits, Restart, Settings, search};
 pub use shorten::shorten;
 
 use crate::analysis::ConfigurationSpace;
+use crate::ir::ExprId;
 use crate::sim::Fault;
 use crate::watch::{Meter, Watch};
 
 use guard::guarded;
 
-/// Asks the analysis whether what is asked for can hold at all; if so, searches for a way to it.
+/// Nodes of a first glance: what is found within them needs no closer look by the analysis.
+const GLANCE: u64 = 4_000;
+
+/// Asks the analysis whether what is asked for can hold at all; if so, searches for a way to it. What a glance does not find
+/// is looked at more closely before the search goes on: by place, which takes longer (only where the planner is `auto`).
 ///
 /// # Errors
 /// A [`Fault`] if the initial state breaks a rule.
@@ -70,15 +80,49 @@ pub fn reach(
     watch: &dyn Watch,
 ) -> Result<Outcome, Fault> {
     guarded(problem, space, settings, |problem| {
-        let Some(proof) = Proof::of(problem, space) else {
-            return search(problem, space, settings, limits, watch);
-        };
-        let starts = problem.starts()?;
-        let mut outcome = Outcome::of(Verdict::Unreachable(Argument::Analysis(proof)), "analysis");
+        let mut outcome = reach_guarded(problem, space, settings, limits, watch)?;
         if let Some(guard) = problem.guard() {
-            starts.iter().for_each(|start| guard.follow(problem, &start.script, &Meter::new(watch)));
+            if outcome.rests_on_analysis() {
+                problem.starts()?.iter().for_each(|start| guard.follow(problem, &start.script, &Meter::new(watch)));
+            }
             outcome.refute_by(guard);
         }
         Ok(outcome)
     })
+}
+
+fn reach_guarded(
+    problem: &Problem<'_>,
+    space: &ConfigurationSpace,
+    settings: &Settings,
+    limits: &Limits,
+    watch: &dyn Watch,
+) -> Result<Outcome, Fault> {
+    if let Some(proof) = Proof::of(problem, space) {
+        problem.sim.initial(&mut problem.sim.scratch())?;
+        return Ok(Outcome::of(Verdict::Unreachable(Argument::Analysis(proof)), "analysis"));
+    }
+    if let Some(far) = TooFar::of(problem, space)? {
+        return Ok(Outcome::of(Verdict::Unreachable(Argument::Distance(far)), "analysis"));
+    }
+    if settings.planner == Planner::Auto && limits.nodes > GLANCE && matches!(problem.target, Target::Goal(_)) {
+        let glance = search(problem, space, settings, &Limits { nodes: GLANCE, ..*limits }, watch)?;
+        if glance.verdict != Verdict::NotFound || glance.end != End::Nodes {
+            return Ok(glance);
+        }
+        let (program, world) = (problem.sim.program(), problem.sim.world_id());
+        let nevers: Vec<ExprId> = problem.sim.world().nevers.iter().map(|never| never.holds).collect();
+        let closer = space.clone().by_place(program, world, &nevers, watch);
+        if let Some(proof) = Proof::of(problem, &closer) {
+            if let Some(guard) = problem.guard() {
+                // What the glance saw was held against less than the proof rests on: it is looked at again.
+                let closely = Guard::new(&closer, program, world);
+                let again = problem.clone().guarded(&closely);
+                search(&again, space, settings, &Limits { nodes: GLANCE, ..*limits }, watch)?;
+                closely.refutation().into_iter().for_each(|refutation| guard.note(refutation));
+            }
+            return Ok(Outcome::of(Verdict::Unreachable(Argument::Analysis(proof)), "analysis"));
+        }
+    }
+    search(problem, space, settings, limits, watch)
 }

@@ -5,7 +5,8 @@ use crate::sim::{Fault, Script};
 
 use super::coverage::Covered;
 use super::guard::{Guard, Refutation};
-use super::proof::Proof;
+use super::planners::Planner;
+use super::proof::{Proof, TooFar};
 
 /// The answer to "can this be reached?".
 #[derive(Debug, Clone, PartialEq)]
@@ -16,6 +17,9 @@ pub enum Verdict {
     NotFound,
     /// No, and this is why.
     Unreachable(Argument),
+    /// Not by any inputs with axes at -1, 0 and 1; the world also reads how far an axis is moved, and values between were
+    /// not tried.
+    Exhausted(Exhaustion),
 }
 
 /// Why something cannot be reached.
@@ -23,13 +27,21 @@ pub enum Verdict {
 pub enum Argument {
     /// It holds in no state that the world can be in; nothing was searched.
     Analysis(Proof),
-    /// All that a player can do was tried with inputs that change only every so many steps, and axes at -1, 0 and 1.
-    Exhaustion {
-        /// How many different states there are.
-        states: u64,
-        /// For how many steps each input is held.
-        hold: u16,
-    },
+    /// It is too far away for the time that there is; nothing was searched.
+    Distance(TooFar),
+    /// All that a player can do was tried.
+    Exhaustion(Exhaustion),
+    /// Every run is over before it begins.
+    Over,
+}
+
+/// All states were visited that inputs lead to: each combination of all buttons that are read and all axes at -1, 0 and 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Exhaustion {
+    /// How many different states there are.
+    pub states: u64,
+    /// For how many steps each input is held at least.
+    pub least_hold: u16,
 }
 
 /// A way to what was asked for.
@@ -41,8 +53,8 @@ pub struct Plan {
     pub steps: u64,
     /// How many of the first steps lead to where the search began.
     pub after: u64,
-    /// If no way of inputs that are held for so many steps each takes fewer steps: for how many.
-    pub shortest_by: Option<u16>,
+    /// Whether no inputs that the question admits, with axes at -1, 0 and 1, take fewer steps from where the search began.
+    pub is_shortest: bool,
 }
 
 /// What a search did.
@@ -122,8 +134,8 @@ pub struct Outcome {
     pub statistics: Statistics,
     /// What was covered.
     pub covered: Covered,
-    /// Where nothing was found: the finest inputs of which at least it is proven, by exhaustion, that they lead nowhere;
-    /// for how many steps they are held, and how many states they lead to.
+    /// Where nothing was found: the finest inputs that change only every so many steps and were all tried; for how many steps
+    /// they are held, and how many states they lead to. It says nothing of inputs that change at other steps.
     pub exhausted: Option<(u16, u64)>,
     /// What was given up at search windows though what is asked for may happen beyond: then no "no" is proven.
     pub cuts: Vec<Cut>,
@@ -135,6 +147,8 @@ pub struct Outcome {
     pub truncated: bool,
     /// The first run-time error met, with the step of its path (from 1): a mistake of the program.
     pub fault: Option<(Fault, u64)>,
+    /// Whether an axis is read for more than its sign, so that axes at -1, 0 and 1 are not all there is.
+    pub reads_between: bool,
     /// A run into a state which the analysis says that there is not: it is wrong about this world.
     pub refuted: Option<Refutation>,
     /// Whether there was a proof, which rests on what is refuted: then there is no answer.
@@ -145,8 +159,8 @@ impl Argument {
     /// Whether it rests on what the analysis says the world can be.
     fn rests_on_analysis(&self) -> bool {
         match self {
-            Argument::Analysis(_) => true,
-            Argument::Exhaustion { .. } => false,
+            Argument::Analysis(_) | Argument::Distance(_) => true,
+            Argument::Exhaustion(_) | Argument::Over => false,
         }
     }
 }
@@ -173,6 +187,11 @@ impl Outcome {
         }
     }
 
+    /// Of a search that was stopped before it began.
+    pub fn stopped(planner: Planner) -> Self {
+        Outcome { end: End::Stopped, ..Outcome::of(Verdict::NotFound, planner.name()) }
+    }
+
     /// A verdict before any work.
     pub(super) fn of(verdict: Verdict, planner: &'static str) -> Self {
         Outcome {
@@ -187,6 +206,7 @@ impl Outcome {
             record: Vec::new(),
             truncated: false,
             fault: None,
+            reads_between: false,
             refuted: None,
             is_withdrawn: false,
         }

@@ -1,6 +1,7 @@
 //! A portfolio: several planners in turns, each of which is good at what others are not. The first answer counts.
 
 use super::ground::Notes;
+use super::outcome::Plan;
 use super::searcher::{Ending, Searcher};
 
 /// A turn of the first round, nodes for each share; turns grow with what was spent, so that few are taken.
@@ -66,12 +67,24 @@ impl Searcher for Portfolio<'_> {
             self.turn = (arm.nodes() < turn_ends).then_some((at, turn_ends));
             self.planner = arm.planner();
             match ending {
-                Ending::Paused if !is_last && arm.bytes() as u64 > self.memory => self.retire(at),
+                Ending::Paused if !is_last && arm.bytes() as u64 > self.memory => match arm.pending() {
+                    Some(plan) => return Ending::Reached(plan),
+                    None => self.retire(at),
+                },
                 Ending::Paused => {}
                 Ending::Spent => self.retire(at),
-                Ending::Stopped | Ending::Reached(_) | Ending::Exhausted(..) => return ending,
+                Ending::Stopped | Ending::Reached(_) | Ending::Exhausted(_) => return ending,
             }
         }
+    }
+
+    fn pending(&mut self) -> Option<Plan> {
+        let Portfolio { arms, planner, .. } = self;
+        arms.iter_mut().find_map(|(_, arm)| {
+            let plan = arm.pending()?;
+            *planner = arm.planner();
+            Some(plan)
+        })
     }
 
     fn nodes(&self) -> u64 {
@@ -96,7 +109,7 @@ impl Searcher for Portfolio<'_> {
     }
 }
 
-/// Searches one after the other, each of which can tell more than the one before: what the last one proves counts.
+/// Searches one after the other, each of which can tell more than the one before.
 pub(super) struct Refinement<'a> {
     /// The last is the one at work.
     stages: Vec<Box<dyn Searcher + 'a>>,
@@ -117,18 +130,19 @@ impl Searcher for Refinement<'_> {
         let ending = stage.advance(nodes);
         let is_last = self.stages.len() == 1;
         match ending {
-            // By coarse inputs a "no" means little; the next one is finer.
-            Ending::Exhausted(..) | Ending::Spent if !is_last => {
+            // The next one is finer.
+            Ending::Spent if !is_last => {
                 if let Some(stage) = self.stages.pop() {
                     stage.report(&mut self.done);
-                }
-                if let Ending::Exhausted(states, hold) = ending {
-                    self.done.exhausted = Some((hold, states));
                 }
                 Ending::Paused
             }
             ending => ending,
         }
+    }
+
+    fn pending(&mut self) -> Option<Plan> {
+        self.stages.last_mut()?.pending()
     }
 
     fn nodes(&self) -> u64 {

@@ -2,8 +2,12 @@
 
 use crate::ir::{ExprId, GoalId, NeverId, SlotId};
 use crate::sim::{Fault, Script, Simulator};
+use crate::watch::{Unwatched, Watch};
 
 use super::guard::Guard;
+
+/// A replay asks its watch once in so many steps.
+pub(super) const REPLAY_WATCH: u64 = 256;
 
 /// What is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,8 +45,17 @@ pub enum Standing {
 pub struct Start {
     /// From the world's initial state on; empty where the search begins there.
     pub script: Script,
+    /// How many of its steps are given; during those after them its last input is held for as long as it must be.
+    pub after: u64,
     /// What it leads to.
     pub state: Vec<u8>,
+}
+
+impl Start {
+    /// How many steps of it are not given.
+    pub(super) fn steps(&self) -> u32 {
+        u32::try_from(self.script.len() - self.after).unwrap_or(u32::MAX)
+    }
 }
 
 /// Why an input script leads to no start.
@@ -52,6 +65,8 @@ pub enum BadStart {
     Fault(Fault, u64),
     /// The run is over at a step (0: before the first).
     Over(Death, u64),
+    /// The watch stopped the replay.
+    Stopped,
 }
 
 /// A world and what is asked of it.
@@ -65,6 +80,8 @@ pub struct Problem<'s> {
     avoided: Vec<ExprId>,
     /// After so many steps from where it begins it is too late.
     within: Option<u32>,
+    /// Each input is held for at least so many steps.
+    least_hold: u16,
     players: Vec<SlotId>,
     /// Looks at the states that are made for an answer.
     guard: Option<&'s Guard>,
@@ -81,7 +98,16 @@ impl<'s> Problem<'s> {
     /// Asks for a goal, or for a way to break a `never`.
     pub fn asking(sim: &'s Simulator<'s>, target: Target) -> Self {
         let players = sim.world().players.iter().map(|p| p.slot).collect();
-        Problem { sim, target, players, guard: None, avoided: Vec::new(), within: None, starts: Vec::new() }
+        Problem {
+            sim,
+            target,
+            players,
+            guard: None,
+            avoided: Vec::new(),
+            within: None,
+            least_hold: 1,
+            starts: Vec::new(),
+        }
     }
 
     /// Where it may not lead: a predicate of the world must never hold.
@@ -121,11 +147,32 @@ impl<'s> Problem<'s> {
         self.within
     }
 
+    /// Admits only inputs that are held for at least so many steps (an input is what all players give together). Once
+    /// the hold is over, an input can change at any step. What is asked for can come about during a hold.
+    #[must_use]
+    pub fn holding(mut self, steps: u16) -> Self {
+        self.least_hold = steps.max(1);
+        self
+    }
+
+    /// For how many steps an input is held at least.
+    pub fn least_hold(&self) -> u16 {
+        self.least_hold
+    }
+
     /// Begins where a script leads, too; without any, a search begins in the initial state.
     ///
     /// # Errors
     /// Where the run ends on the way.
-    pub fn after(mut self, script: Script) -> Result<Self, BadStart> {
+    pub fn after(self, script: Script) -> Result<Self, BadStart> {
+        self.after_watched(script, &Unwatched)
+    }
+
+    /// As [`Problem::after`], with a watch over the replay of the script.
+    ///
+    /// # Errors
+    /// Where the run ends on the way, or the watch stops it.
+    pub fn after_watched(mut self, script: Script, watch: &dyn Watch) -> Result<Self, BadStart> {
         let mut scratch = self.sim.scratch();
         let mut state = self.sim.initial(&mut scratch).map_err(|f| BadStart::Fault(f, 0))?;
         let over = |state: &[u8], step: u64| match self.judge(state) {
@@ -134,11 +181,14 @@ impl<'s> Problem<'s> {
             Err(fault) => Err(BadStart::Fault(fault, step)),
         };
         over(&state, 0)?;
-        for (input, step) in script.inputs().zip(1..) {
+        for (input, step) in script.inputs().zip(1_u64..) {
+            if step.is_multiple_of(REPLAY_WATCH) && watch.stop() {
+                return Err(BadStart::Stopped);
+            }
             self.sim.step(&mut state, input, &mut scratch).map_err(|f| BadStart::Fault(f, step))?;
             over(&state, step)?;
         }
-        self.starts.push(Start { script, state });
+        self.starts.push(Start { after: script.len(), script, state });
         Ok(self)
     }
 
@@ -150,7 +200,8 @@ impl<'s> Problem<'s> {
         if !self.starts.is_empty() {
             return Ok(self.starts.clone());
         }
-        Ok(vec![Start { script: Script::default(), state: self.sim.initial(&mut self.sim.scratch())? }])
+        let state = self.sim.initial(&mut self.sim.scratch())?;
+        Ok(vec![Start { script: Script::default(), after: 0, state }])
     }
 
     /// The slots that players control.

@@ -3,6 +3,7 @@
 
 use crate::analysis::{ConfigurationSpace, Interval, SlotSpace, Values};
 use crate::ir::{Expr, ExprId, SlotId, Subject, VarId};
+use crate::sim::Fault;
 
 use super::metric::Quantity;
 use super::problem::{Problem, Target};
@@ -38,6 +39,61 @@ impl Proof {
         let prover = Prover { problem, space };
         prover.explain(problem.predicate(), true, &mut proof.parts);
         Some(proof)
+    }
+}
+
+/// A goal that is too far away for the time that there is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TooFar {
+    /// The player that would have to get there.
+    pub player: SlotId,
+    /// Where it can be at most by then, along both axes.
+    pub within: [Interval; 2],
+    /// How many steps it takes at least.
+    pub least: u64,
+}
+
+/// What takes more steps than this at least is looked at no closer.
+const MOST_STEPS: u64 = 1 << 32;
+
+impl TooFar {
+    /// Whether the analysis shows that no player can be where the goal holds within the time that there is.
+    ///
+    /// # Errors
+    /// A [`Fault`] if the initial state breaks a rule.
+    pub fn of(problem: &Problem<'_>, space: &ConfigurationSpace) -> Result<Option<TooFar>, Fault> {
+        let (Some(time), Target::Goal(_)) = (problem.time(), problem.target) else { return Ok(None) };
+        let starts = problem.starts()?;
+        let (sim, predicate) = (problem.sim, problem.predicate());
+        let within = |player: SlotId, state: &[u8], steps: u64| {
+            let (x, y) = sim.position(state, player);
+            space.within_steps(sim.program(), sim.world_id(), player, [x, y], steps)
+        };
+        // Whether it can hold so soon, as far as is known of a player.
+        let can = |player: SlotId, steps: u64| {
+            starts.iter().any(|start| {
+                within(player, &start.state, steps).is_none_or(|part| {
+                    let part = (player, sim.space(&start.state, player), part);
+                    space.can_hold_in(sim.program(), sim.world_id(), predicate, part)
+                })
+            })
+        };
+        let time = u64::from(time);
+        let found = problem.players().iter().find(|player| !can(**player, time)).map(|&player| {
+            let (mut low, mut high) = (time, time.saturating_mul(2).max(1));
+            while high < MOST_STEPS && !can(player, high) {
+                (low, high) = (high, high * 2);
+            }
+            // It cannot after `low` steps; after `high` perhaps.
+            while low + 1 < high {
+                let middle = low.midpoint(high);
+                if can(player, middle) { high = middle } else { low = middle }
+            }
+            let parts = starts.iter().filter_map(|start| within(player, &start.state, time));
+            let hull = parts.reduce(|a, b| [a[0].or(b[0]), a[1].or(b[1])]);
+            TooFar { player, within: hull.unwrap_or([Interval::ALL; 2]), least: low + 1 }
+        });
+        Ok(found)
     }
 }
 

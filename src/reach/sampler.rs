@@ -17,6 +17,10 @@ use super::strategy::{Choice, Growth, Strategy};
 /// How many samples in a row a strategy may discard before its tree is given up.
 const MAX_FRUITLESS: u64 = 10_000;
 
+/// So many trees in a row may stay without a node beside their roots before nothing more is tried: all that is possible there
+/// ends at once, or has no time left.
+const MAX_BARREN: u64 = 1_000;
+
 /// What a sample costs, in units of work, beside being compared.
 const TRY: u64 = 512;
 
@@ -42,6 +46,8 @@ pub(super) struct Sampler<'a> {
     /// How many coordinates a point has.
     coordinates: u64,
     fruitless: u64,
+    /// How many trees in a row have stayed without a node beside their roots.
+    barren: u64,
     toward: Point,
     point: Point,
 }
@@ -69,6 +75,7 @@ impl<'a> Sampler<'a> {
             round: 0,
             coordinates,
             fruitless: 0,
+            barren: 0,
             toward: Point::default(),
             point: Point::default(),
         }
@@ -78,6 +85,7 @@ impl<'a> Sampler<'a> {
     fn plant(&mut self) {
         self.round += 1;
         self.fruitless = 0;
+        self.barren = if self.ground.tree.len() == 1 { self.barren + 1 } else { 0 };
         self.allowance = self.restart.map_or(u64::MAX, |shortest| shortest.max(2).saturating_mul(luby(self.round)));
         self.ground.clear();
         let start = (self.round - 1) as usize % self.ground.starts().max(1);
@@ -104,13 +112,23 @@ impl<'a> Sampler<'a> {
         self.strategy.choose(&mut self.ground, &self.toward)
     }
 
-    /// Whether the last simulation led to where the rest of the way takes longer than there is time.
-    fn is_too_late(&self, choice: Choice) -> bool {
+    /// Whether the rest of the way from a state takes longer than there is time after so many steps.
+    fn is_too_late(&self, state: &[u8], depth: u32) -> bool {
         let (Some(most), Some(distances)) = (self.ground.problem.time(), self.distances) else { return false };
-        let (sim, state) = (self.ground.problem.sim, self.ground.reached());
+        let sim = self.ground.problem.sim;
         let (x, y) = sim.position(state, distances.player);
         let rest = distances.least_steps(sim.space(state, distances.player), x, y);
-        self.ground.tree.depth(choice.node) + u32::from(choice.hold) + rest > most
+        depth.saturating_add(rest) > most
+    }
+
+    /// Whether all starts are too far away from the goal for the time that there is, as far as `lead` can tell: then every
+    /// tree would stay without a node.
+    fn is_hopeless(&self) -> bool {
+        let tree = &self.ground.tree;
+        self.barren >= MAX_BARREN
+            || self.barren >= self.ground.starts() as u64
+                && !tree.is_empty()
+                && self.ground.start_states().all(|(state, depth)| self.is_too_late(state, depth))
     }
 
     /// One turn of the loop.
@@ -123,7 +141,12 @@ impl<'a> Sampler<'a> {
         self.fruitless = 0;
         match self.ground.extend(choice) {
             // From there, the goal is too far away for the time that is left.
-            Extension::Open if self.is_too_late(choice) => {
+            Extension::Open
+                if self.is_too_late(
+                    self.ground.reached(),
+                    self.ground.tree.depth(choice.node) + u32::from(choice.hold),
+                ) =>
+            {
                 self.strategy.learn(&mut self.ground, Some(choice), Growth::Failed);
             }
             Extension::Open => {
@@ -133,7 +156,7 @@ impl<'a> Sampler<'a> {
             }
             Extension::Dead => self.strategy.learn(&mut self.ground, Some(choice), Growth::Failed),
             Extension::Goal(steps) => {
-                return self.ground.plan(choice, steps, None);
+                return self.ground.plan(choice, steps, false);
             }
         }
         None
@@ -151,6 +174,9 @@ impl Searcher for Sampler<'_> {
             }
             if self.is_over() {
                 self.plant();
+                if self.is_hopeless() {
+                    return Ending::Spent;
+                }
             } else if let Some(plan) = self.turn() {
                 return Ending::Reached(plan);
             }

@@ -1,6 +1,9 @@
 //! A whole search: builds the searchers that the settings ask for, lets them grow until there is an answer or the budget
 //! is spent, several of them in parallel, and tells what came of it.
 
+use std::sync::Mutex;
+use std::thread;
+
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 
@@ -9,18 +12,19 @@ use crate::sim::Fault;
 use crate::watch::{Meter, Progress, Watch};
 
 use super::bounds::Sampling;
-use super::controls::ControlSets;
+use super::controls::{ControlSets, reads_between};
 use super::coverage::mixed;
 use super::distance::Distances;
-use super::exhaustive::Exhaustive;
+use super::exhaustive::{Change, Exhaustive};
 use super::ground::{Ground, Notes};
 use super::guard::guarded;
 use super::metric::{Measure, Metric};
 use super::outcome::{Argument, End, Outcome, Plan, Verdict};
 use super::planners::Planner;
 use super::portfolio::{Portfolio, Refinement};
-use super::problem::{Problem, Standing, Start};
+use super::problem::{Problem, Start};
 use super::sampler::Sampler;
+use super::seam::{Settled, settled};
 use super::searcher::{Ending, Searcher};
 use super::window::Windows;
 
@@ -126,25 +130,28 @@ fn search_guarded(
     limits: &Limits,
     watch: &dyn Watch,
 ) -> Result<Outcome, Fault> {
-    let mut starts = Vec::new();
+    let (mut starts, mut fault) = (Vec::new(), None);
     for start in problem.starts()? {
-        if let Some(guard) = problem.guard() {
-            guard.follow(problem, &start.script, &Meter::new(watch));
-        }
-        match problem.judge(&start.state)? {
-            Standing::Open => starts.push(start),
-            Standing::Dead(_) => {}
-            Standing::Goal => {
-                let steps = start.script.len();
-                let plan = Plan { steps, script: start.script, after: steps, shortest_by: None };
+        match settled(problem, start, watch)? {
+            Settled::Open(start) => starts.push(start),
+            Settled::Over => {}
+            Settled::Fault(at, step) => fault = fault.or(Some((at, step))),
+            Settled::Stopped => return Ok(Outcome::stopped(settings.planner)),
+            Settled::Goal { script, after } => {
+                let steps = script.len();
+                // Only what must be held anyway comes before.
+                let is_shortest = problem.starts()?.len() == 1;
+                let plan = Plan { steps, script, after, is_shortest };
                 return Ok(Outcome::of(Verdict::Reached(plan), settings.planner.name()));
             }
         }
     }
     if starts.is_empty() {
-        // Every run is over before it begins.
-        let verdict = Verdict::Unreachable(Argument::Exhaustion { states: 0, hold: 0 });
-        return Ok(Outcome::of(verdict, settings.planner.name()));
+        let verdict = if fault.is_some() { Verdict::NotFound } else { Verdict::Unreachable(Argument::Over) };
+        return Ok(Outcome { fault, ..Outcome::of(verdict, settings.planner.name()) });
+    }
+    if let Some(guard) = problem.guard() {
+        starts.iter().for_each(|start| guard.follow(problem, &start.script, &Meter::new(watch)));
     }
     let windows = Windows::new(problem, space, &starts);
     let metric = Metric::measuring(problem.sim, space, (settings.sampling, windows.extent), settings.measure);
@@ -160,7 +167,7 @@ fn search_guarded(
         watch,
     };
     let trees: Vec<Box<dyn Searcher + '_>> = (0..settings.trees.max(1)).map(|tree| build.searcher(tree)).collect();
-    Ok(Forest { trees, settings, limits, watch }.grow())
+    Ok(Forest { trees, settings, limits, watch, fault, reads_between: reads_between(problem) }.grow())
 }
 
 /// Builds searchers.
@@ -197,28 +204,35 @@ impl<'a> Builder<'_, 'a> {
         }
     }
 
-    /// Exhaustions by finer and finer inputs, down to those that are asked for.
+    /// Exhaustions by inputs that change only every so many steps, finer and finer, down to all that the question admits.
     fn refinement(&self, tree: usize) -> Refinement<'a> {
-        let finest = self.settings.hold.map_or(1, |hold| hold.0);
-        let mut holds: Vec<u16> = [10, 5, 2, 1].into_iter().filter(|hold| *hold > finest).collect();
-        holds.push(finest);
+        let least = self.problem.least_hold();
+        let coarse = COARSE.into_iter().filter(|hold| *hold > least).chain((least > 1).then_some(least));
+        let changes = coarse.map(Change::Every).chain([Change::After(least)]);
         // Within a time, only what goes in the order of time proves anything.
-        let planner = if self.problem.time().is_some() { Planner::Exhaustive } else { Planner::BestFirst };
-        let stages = holds.into_iter().map(|hold| self.one(planner, tree, Some((hold, hold))));
+        let best_first = self.problem.time().is_none();
+        let stages =
+            changes.map(|change| Box::new(self.exhaustive(tree, change, best_first)) as Box<dyn Searcher + 'a>);
         Refinement::new(stages.collect())
+    }
+
+    fn exhaustive(&self, tree: usize, change: Change, best_first: bool) -> Exhaustive<'a> {
+        Exhaustive::new(self.ground(tree, ControlSets::complete(), (1, 1)), change, best_first)
+    }
+
+    /// What a tree stands on. Trees begin at different starts and with different seeds, of which the first is the one that is
+    /// given.
+    fn ground(&self, tree: usize, controls: ControlSets, hold: (u16, u16)) -> Ground<'a> {
+        let mut starts = self.starts.to_vec();
+        starts.rotate_left(tree % self.starts.len().max(1));
+        let seed = if tree == 0 { self.settings.seed } else { mixed(self.settings.seed, tree as u64) };
+        let rng = Pcg64::seed_from_u64(seed);
+        Ground::new(self.problem, self.measures, controls, starts, hold, rng, self.watch)
+            .recording(self.settings.records)
     }
 
     fn one(&self, planner: Planner, tree: usize, hold: Option<(u16, u16)>) -> Box<dyn Searcher + 'a> {
         let hold = hold.unwrap_or(planner.hold());
-        // Trees begin at different starts and with different seeds, of which the first is the one that is given.
-        let mut starts = self.starts.to_vec();
-        let seed = if tree == 0 { self.settings.seed } else { mixed(self.settings.seed, tree as u64) };
-        let rng = Pcg64::seed_from_u64(seed);
-        starts.rotate_left(tree % self.starts.len().max(1));
-        let ground = |controls| {
-            Ground::new(self.problem, self.measures, controls, starts, hold, rng, self.watch)
-                .recording(self.settings.records)
-        };
         match planner.strategy(self.problem, self.measures.0, self.distances) {
             Some(strategy) => {
                 let restart = match self.settings.restart {
@@ -226,14 +240,21 @@ impl<'a> Builder<'_, 'a> {
                     Restart::After(nodes) => Some(nodes),
                     Restart::Never => None,
                 };
-                let ground = ground(ControlSets::default());
+                let ground = self.ground(tree, ControlSets::default(), hold);
                 let (bias, distances) = (self.settings.goal_bias, self.distances);
                 Box::new(Sampler::new(ground, strategy, planner.name(), bias, restart, distances))
             }
-            None => Box::new(Exhaustive::new(ground(ControlSets::complete()), planner == Planner::BestFirst)),
+            None => {
+                let least = self.problem.least_hold();
+                let change = if hold.0 > least { Change::Every(hold.0) } else { Change::After(least) };
+                Box::new(self.exhaustive(tree, change, planner == Planner::BestFirst))
+            }
         }
     }
 }
+
+/// Inputs that change only every so many steps lead to few states, so that ways to the goal are soon found among them.
+const COARSE: [u16; 3] = [10, 5, 2];
 
 /// The sampling planners that `auto` takes in turns, with their shares of the nodes: by measurement, the first solves most
 /// goals at a place soonest, the second most others, the third some that these do not. Beside them, an exhaustion with a
@@ -251,6 +272,10 @@ struct Forest<'f, 'a> {
     settings: &'f Settings,
     limits: &'f Limits,
     watch: &'f dyn Watch,
+    /// The first run-time error before any tree has begun, with its step.
+    fault: Option<(Fault, u64)>,
+    /// Whether values of axes between -1, 0 and 1 can make a difference.
+    reads_between: bool,
 }
 
 impl Forest<'_, '_> {
@@ -261,11 +286,11 @@ impl Forest<'_, '_> {
             let nodes: u64 = self.trees.iter().map(|t| t.nodes()).sum();
             let left = self.limits.nodes.saturating_sub(nodes);
             if left == 0 {
-                return self.outcome(Verdict::NotFound, End::Nodes, 0);
+                return self.unanswered(End::Nodes, 0);
             }
             let bytes: usize = self.trees.iter().map(|t| t.bytes()).sum();
             if bytes as u64 > self.limits.memory {
-                return self.outcome(Verdict::NotFound, End::Memory, 0);
+                return self.unanswered(End::Memory, 0);
             }
             let places = self.trees.iter().map(|t| t.places()).max().unwrap_or(0);
             self.watch.progress(Progress { nodes, budget: self.limits.nodes, places });
@@ -275,40 +300,64 @@ impl Forest<'_, '_> {
             for (tree, ending) in endings.into_iter().enumerate() {
                 match ending {
                     Ending::Reached(plan) => return self.outcome(Verdict::Reached(plan), End::Answered, tree),
-                    Ending::Exhausted(states, hold) => {
-                        let verdict = Verdict::Unreachable(Argument::Exhaustion { states, hold });
+                    Ending::Exhausted(found) => {
+                        let verdict = match self.reads_between {
+                            true => Verdict::Exhausted(found),
+                            false => Verdict::Unreachable(Argument::Exhaustion(found)),
+                        };
+                        // A start that ended in a run-time error says nothing of where it might have led.
+                        let verdict = if self.fault.is_some() { Verdict::NotFound } else { verdict };
                         return self.outcome(verdict, End::Answered, tree);
                     }
-                    Ending::Stopped => return self.outcome(Verdict::NotFound, End::Stopped, tree),
+                    Ending::Stopped => return self.unanswered(End::Stopped, tree),
                     Ending::Paused | Ending::Spent => {}
                 }
             }
             if is_spent {
-                return self.outcome(Verdict::NotFound, End::Answered, 0);
+                return self.unanswered(End::Answered, 0);
             }
             if self.watch.stop() {
-                return self.outcome(Verdict::NotFound, End::Stopped, 0);
+                return self.unanswered(End::Stopped, 0);
             }
         }
     }
 
+    /// Lets all trees grow by so many nodes, on as many threads as there are, at most as many as are wanted.
     fn round(&mut self, nodes: u64) -> Vec<Ending> {
         let threads = self.settings.threads.clamp(1, self.trees.len());
         if threads == 1 {
             return self.trees.iter_mut().map(|tree| tree.advance(nodes)).collect();
         }
-        let per_thread = self.trees.len().div_ceil(threads);
-        std::thread::scope(|scope| {
-            let grow = |trees: &mut [Box<dyn Searcher + '_>]| {
-                trees.iter_mut().map(|tree| tree.advance(nodes)).collect::<Vec<_>>()
-            };
-            let workers: Vec<_> =
-                self.trees.chunks_mut(per_thread).map(|trees| scope.spawn(move || grow(trees))).collect();
-            workers
-                .into_iter()
-                .flat_map(|worker| worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
-                .collect()
-        })
+        // More threads than cores only wait for each other.
+        let threads = threads.min(thread::available_parallelism().map_or(1, usize::from).max(2));
+        let mut endings: Vec<Option<Ending>> = self.trees.iter().map(|_| None).collect();
+        let tasks = Mutex::new(self.trees.iter_mut().zip(&mut endings));
+        let grow = || {
+            // A thread that panics takes all with it in the end.
+            let next = || tasks.lock().map_or(None, |mut tasks| tasks.next());
+            while let Some((tree, ending)) = next() {
+                *ending = Some(tree.advance(nodes));
+            }
+        };
+        thread::scope(|scope| {
+            for _ in 1..threads {
+                // What the system does not give is not needed: the threads that there are do it all.
+                if thread::Builder::new().spawn_scoped(scope, grow).is_err() {
+                    break;
+                }
+            }
+            grow();
+        });
+        endings.into_iter().map(|ending| ending.unwrap_or(Ending::Stopped)).collect()
+    }
+
+    /// The end of a search that has no answer yet; a way that was found already is one.
+    fn unanswered(mut self, end: End, tree: usize) -> Outcome {
+        let pending = self.trees.iter_mut().enumerate().find_map(|(tree, t)| Some((tree, t.pending()?)));
+        match pending {
+            Some((tree, plan)) => self.outcome(Verdict::Reached(plan), End::Answered, tree),
+            None => self.outcome(Verdict::NotFound, end, tree),
+        }
     }
 
     fn outcome(self, verdict: Verdict, end: End, tree: usize) -> Outcome {
@@ -329,7 +378,8 @@ impl Forest<'_, '_> {
             violations: notes.violations,
             record: notes.record,
             truncated: notes.is_truncated,
-            fault: notes.fault,
+            fault: self.fault.or(notes.fault),
+            reads_between: self.reads_between,
             refuted: None,
             is_withdrawn: false,
         }

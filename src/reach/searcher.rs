@@ -1,7 +1,7 @@
 //! A search that can be continued: what the planning loop, the exhaustion and the portfolio have in common.
 
 use super::ground::Notes;
-use super::outcome::Plan;
+use super::outcome::{Exhaustion, Plan};
 
 /// How a part of a search ended.
 #[derive(Debug)]
@@ -12,8 +12,8 @@ pub(super) enum Ending {
     Stopped,
     /// It has found a way.
     Reached(Plan),
-    /// There is nothing more to try: all states were visited, so many, by inputs held for so many steps.
-    Exhausted(u64, u16),
+    /// There is nothing more to try: all states were visited that any inputs of the question lead to.
+    Exhausted(Exhaustion),
     /// It has nothing more to try, but that proves nothing.
     Spent,
 }
@@ -22,6 +22,11 @@ pub(super) enum Ending {
 pub(super) trait Searcher: Send {
     /// Grows about so many nodes more.
     fn advance(&mut self, nodes: u64) -> Ending;
+
+    /// A way that it has found but not yet answered with, as there might be a shorter one. Asked where a search ends.
+    fn pending(&mut self) -> Option<Plan> {
+        None
+    }
 
     /// The nodes grown so far.
     fn nodes(&self) -> u64;

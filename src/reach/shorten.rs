@@ -7,15 +7,16 @@ use crate::watch::{Meter, Watch};
 use super::ground::replays_to;
 use super::outcome::Plan;
 use super::problem::Problem;
+use super::seam::is_held;
 
 /// How many steps may be simulated, about.
 const MOST_STEPS: u64 = 10_000_000;
 
 /// Shortens a plan of a question until no change of one place makes it better, or the watch stops it. Better is: no more
-/// steps and no more changes of inputs, and fewer of one of them. What leads to where the search began stays. No input
-/// is held for less than `least` steps, but the last.
+/// steps and no more changes of inputs, and fewer of one of them. What leads to where the search began stays, and inputs are
+/// held for as long as the question says.
 #[must_use]
-pub fn shorten(problem: &Problem<'_>, plan: &Plan, least: u32, watch: &dyn Watch) -> Plan {
+pub fn shorten(problem: &Problem<'_>, plan: &Plan, watch: &dyn Watch) -> Plan {
     let kept = plan.after;
     let mut scratch = problem.sim.scratch();
     let meter = Meter::new(watch);
@@ -32,7 +33,9 @@ pub fn shorten(problem: &Problem<'_>, plan: &Plan, least: u32, watch: &dyn Watch
             cut.push(&step.input, count);
             left -= u64::from(count);
         }
-        cut.steps.iter().rev().skip(1).all(|s| s.count >= least).then_some(cut.steps)
+        let mut whole = prefix.clone();
+        cut.steps.iter().for_each(|s| whole.push(&s.input, s.count));
+        is_held(&whole, kept, problem.least_hold()).then_some(cut.steps)
     };
     let cost = |steps: &[ScriptStep]| (steps.len(), steps.iter().map(|s| u64::from(s.count)).sum::<u64>());
     let better = |new: &[ScriptStep], old: &[ScriptStep]| {
@@ -68,7 +71,9 @@ pub fn shorten(problem: &Problem<'_>, plan: &Plan, least: u32, watch: &dyn Watch
     if script == plan.script {
         return plan.clone();
     }
-    Plan { steps: script.len(), script, after: kept, shortest_by: None }
+    // What is as short as the shortest is, too.
+    let steps = script.len();
+    Plan { is_shortest: plan.is_shortest && steps == plan.steps, steps, script, after: kept }
 }
 
 /// The first steps of a script, and what follows.

@@ -44,7 +44,7 @@ struct Node {
     hold: u16,
     /// How many inputs are still untried.
     untried: u16,
-    /// How many steps lead here from the root.
+    /// How many steps lead here from where the search began.
     depth: u32,
 }
 
@@ -83,10 +83,12 @@ impl Tree {
         chunks + self.nodes.capacity() * size_of::<Node>() + self.tried.capacity() * size_of::<u64>()
     }
 
-    /// Adds a root. `inputs` is the number of inputs of its control set, none if they are not tried one by one.
-    pub fn plant(&mut self, state: &[u8], set: u16, inputs: usize) -> NodeId {
-        let id = self.nodes.len() as u32;
-        self.push(state, NodeId(id), (0, 0), set, inputs)
+    /// Adds a root, to which so many steps have led already. `inputs` is the number of inputs of its control set, none if
+    /// they are not tried one by one.
+    pub fn plant(&mut self, state: &[u8], depth: u32, set: u16, inputs: usize) -> NodeId {
+        let id = self.push(state, NodeId(self.nodes.len() as u32), (0, 0), set, inputs);
+        self.nodes[id.index()].depth = depth;
+        id
     }
 
     /// Adds a node that an input led to, held for some steps.
@@ -126,7 +128,7 @@ impl Tree {
         (n.parent != node.0).then_some(NodeId(n.parent))
     }
 
-    /// How many steps lead to a node from its root.
+    /// How many steps lead to a node from where the search began.
     pub fn depth(&self, node: NodeId) -> u32 {
         self.nodes[node.index()].depth
     }
@@ -204,7 +206,7 @@ mod tests {
     #[test]
     fn every_input_is_taken_once() {
         let mut tree = Tree::new(8);
-        let node = tree.plant(&[0; 8], 0, 130);
+        let node = tree.plant(&[0; 8], 0, 0, 130);
         let mut seen = vec![false; 130];
         assert!(tree.take(node, 77));
         assert!(!tree.take(node, 77));
@@ -226,7 +228,7 @@ mod tests {
             let mut tree = Tree::new(stride);
             for round in 0..2u8 {
                 for i in 0..20u8 {
-                    tree.plant(&vec![i + round; stride], 0, 1);
+                    tree.plant(&vec![i + round; stride], 0, 0, 1);
                 }
                 for i in 0..20u8 {
                     assert_eq!(tree.state(NodeId(u32::from(i))), vec![i + round; stride]);

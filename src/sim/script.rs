@@ -50,6 +50,19 @@ impl Script {
         }
     }
 
+    /// Its first steps, at most so many.
+    #[must_use]
+    pub fn first(&self, steps: u64) -> Script {
+        let mut first = Script::default();
+        let mut left = steps;
+        for step in &self.steps {
+            let count = u64::from(step.count).min(left) as u32;
+            first.push(&step.input, count);
+            left -= u64::from(count);
+        }
+        first
+    }
+
     /// The input of each step of the world.
     pub fn inputs(&self) -> impl Iterator<Item = &Input> {
         self.steps.iter().flat_map(|s| std::iter::repeat_n(&s.input, s.count as usize))

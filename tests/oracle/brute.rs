@@ -1,12 +1,12 @@
 //! All that can happen in a small world: breadth first over all inputs of single steps, each state once.
 
-use std::collections::{BTreeSet, HashMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 use hypedc::sema::checked::{Action, By, DriveBy, Entity, Release, Side, Term, TermKind, Type};
 use hypedc::sema::ids::{Id, ModeId, TagId};
 
 use crate::evaluate::touching;
-use crate::model::{Keys, Oracle, State};
+use crate::model::{Fault, Keys, Oracle, State};
 
 /// A contact question: tag of one's own, tag of the other, side, and whether the other is named.
 type Question = (Option<TagId>, TagId, Option<Side>, bool);
@@ -22,8 +22,8 @@ struct Reads {
 
 /// What came of it.
 pub struct Explored {
-    /// Of each goal the least number of steps that lead to it, and the inputs.
-    pub goals: Vec<Option<Vec<Vec<Keys>>>>,
+    /// Of each goal, and then of each `never`, the shortest way that leads to it.
+    pub ways: Vec<Option<Vec<Vec<Keys>>>>,
     /// Whether these are all states.
     pub is_closed: bool,
     /// All states that are at most so many steps away are among them.
@@ -33,93 +33,108 @@ pub struct Explored {
     pub faulted: bool,
 }
 
-/// Explores a world until its goals are found or so many states.
-pub fn explore(oracle: &Oracle<'_>, most: usize) -> Explored {
-    let reads: Vec<Reads> = (0..oracle.world.instances.len()).map(|slot| reads(oracle, slot)).collect();
-    let inputs = inputs(oracle);
-    let mut explored = Explored {
-        goals: oracle.world.goals.iter().map(|_| None).collect(),
-        is_closed: true,
-        depth: 0,
-        states: 0,
-        faulted: false,
-    };
-    let Ok(first) = oracle.initial() else {
-        explored.faulted = true;
-        return explored;
-    };
-    // The nodes: state, parent, the input that led here, depth.
-    let mut nodes: Vec<(Option<State>, usize, usize, usize)> = Vec::new();
-    let mut known: HashMap<Vec<u64>, ()> = HashMap::new();
-    let mut queue: VecDeque<usize> = VecDeque::new();
-    let mut arrive = |state: State,
-                      parent: usize,
-                      input: usize,
-                      depth: usize,
-                      explored: &mut Explored,
-                      nodes: &mut Vec<(Option<State>, usize, usize, usize)>| {
-        match verdict(oracle, &state) {
-            Ok(None) => {}
-            Ok(Some(goals)) => {
-                let fresh: Vec<usize> = goals.into_iter().filter(|g| explored.goals[*g].is_none()).collect();
-                let is_known = known.insert(key(oracle, &reads, &state), ()).is_some();
-                if is_known {
-                    return None;
-                }
-                nodes.push((Some(state), parent, input, depth));
-                for goal in fresh {
-                    let mut script = Vec::new();
-                    let mut at = nodes.len() - 1;
-                    while nodes[at].3 > 0 {
-                        script.push(inputs[nodes[at].2].clone());
-                        at = nodes[at].1;
-                    }
-                    script.reverse();
-                    explored.goals[goal] = Some(script);
-                }
-                return Some(nodes.len() - 1);
-            }
-            Err(_) => explored.faulted = true,
-        }
-        None
-    };
-    queue.extend(arrive(first, 0, 0, 0, &mut explored, &mut nodes));
-    while let Some(at) = queue.pop_front() {
-        explored.depth = nodes[at].3;
-        if nodes.len() >= most || explored.goals.iter().all(Option::is_some) {
-            explored.is_closed = false;
-            break;
-        }
-        let state = nodes[at].0.take().unwrap();
-        let depth = nodes[at].3 + 1;
-        for (input, keys) in inputs.iter().enumerate() {
-            match oracle.step(&state, keys) {
-                Ok((next, _)) => queue.extend(arrive(next, at, input, depth, &mut explored, &mut nodes)),
-                Err(_) => explored.faulted = true,
-            }
-        }
-    }
-    explored.states = nodes.len();
-    explored
+/// A state that was reached.
+struct Node {
+    /// None once it was extended.
+    state: Option<State>,
+    parent: usize,
+    /// The input that led here.
+    input: usize,
+    depth: usize,
 }
 
-/// The goals that hold in a state; none where a run ends in it.
-fn verdict(oracle: &Oracle<'_>, state: &State) -> Result<Option<Vec<usize>>, crate::model::Fault> {
-    for never in oracle.world.nevers.iter() {
-        if oracle.predicate(state, &never.predicate)? {
-            return Ok(None);
+/// Explores a world until all that is asked for is found, or so many states.
+pub fn explore(oracle: &Oracle<'_>, most: usize) -> Explored {
+    let questions = oracle.world.goals.len() + oracle.world.nevers.len();
+    let mut search = Search {
+        oracle,
+        reads: (0..oracle.world.instances.len()).map(|slot| reads(oracle, slot)).collect(),
+        inputs: inputs(oracle),
+        nodes: Vec::new(),
+        known: HashSet::new(),
+        explored: Explored { ways: vec![None; questions], is_closed: true, depth: 0, states: 0, faulted: false },
+    };
+    match oracle.initial() {
+        Ok(first) => search.arrive(first, 0, 0, 0),
+        Err(_) => search.explored.faulted = true,
+    }
+    let mut at = 0;
+    while at < search.nodes.len() {
+        let depth = search.nodes[at].depth;
+        search.explored.depth = depth;
+        if search.nodes.len() >= most || search.explored.ways.iter().all(Option::is_some) {
+            search.explored.is_closed = false;
+            break;
+        }
+        let state = search.nodes[at].state.take().unwrap();
+        for input in 0..search.inputs.len() {
+            match oracle.step(&state, &search.inputs[input]) {
+                Ok((next, _)) => search.arrive(next, at, input, depth + 1),
+                Err(_) => search.explored.faulted = true,
+            }
+        }
+        at += 1;
+    }
+    search.explored.states = search.nodes.len();
+    search.explored
+}
+
+/// A search, breadth first.
+struct Search<'a> {
+    oracle: &'a Oracle<'a>,
+    reads: Vec<Reads>,
+    inputs: Vec<Vec<Keys>>,
+    nodes: Vec<Node>,
+    known: HashSet<Vec<u64>>,
+    explored: Explored,
+}
+
+impl Search<'_> {
+    /// Looks at a state: `never` first, then the bounds, then goals. Where a run goes on, it is kept if it is new.
+    fn arrive(&mut self, state: State, parent: usize, input: usize, depth: usize) {
+        let Ok((holding, is_over)) = self.look(&state) else {
+            self.explored.faulted = true;
+            return;
+        };
+        for question in holding {
+            if self.explored.ways[question].is_none() {
+                self.explored.ways[question] = Some(self.way(parent, input, depth));
+            }
+        }
+        if !is_over && self.known.insert(key(self.oracle, &self.reads, &state)) {
+            self.nodes.push(Node { state: Some(state), parent, input, depth });
         }
     }
-    if !oracle.in_bounds(state) {
-        return Ok(None);
-    }
-    let mut goals = Vec::new();
-    for (id, goal) in oracle.world.goals.pairs() {
-        if oracle.predicate(state, &goal.predicate)? {
-            goals.push(id.index());
+
+    /// What of all that is asked for holds, and whether a run ends here.
+    fn look(&self, state: &State) -> Result<(Vec<usize>, bool), Fault> {
+        let (world, mut holding) = (self.oracle.world, Vec::new());
+        for (id, never) in world.nevers.pairs() {
+            if self.oracle.predicate(state, &never.predicate)? {
+                holding.push(world.goals.len() + id.index());
+            }
         }
+        if !holding.is_empty() || !self.oracle.in_bounds(state) {
+            return Ok((holding, true));
+        }
+        for (id, goal) in world.goals.pairs() {
+            if self.oracle.predicate(state, &goal.predicate)? {
+                holding.push(id.index());
+            }
+        }
+        Ok((holding, false))
     }
-    Ok(Some(goals))
+
+    /// The inputs that lead to a node, and one more; none where there was no step.
+    fn way(&self, parent: usize, input: usize, depth: usize) -> Vec<Vec<Keys>> {
+        if depth == 0 {
+            return Vec::new();
+        }
+        let Node { parent: before, input: led, depth, .. } = self.nodes[parent];
+        let mut way = self.way(before, led, depth);
+        way.push(self.inputs[input].clone());
+        way
+    }
 }
 
 /// All that the players can do in a step: every button up or down, every axis at -1, 0 or 1.
@@ -196,7 +211,7 @@ fn key(oracle: &Oracle<'_>, reads: &[Reads], state: &State) -> Vec<u64> {
 fn reads(oracle: &Oracle<'_>, slot: usize) -> Reads {
     let entity = oracle.entity(slot);
     let mut reads = Reads { timers: Vec::new(), questions: Vec::new(), presses: BTreeSet::new() };
-    let mut times: HashMap<ModeId, Option<f64>> = HashMap::new();
+    let mut times: BTreeMap<ModeId, Option<f64>> = BTreeMap::new();
     let mut see = |term: &Term| walk(term, &mut |term| note(oracle, term, &mut times, &mut reads));
     terms(entity, &mut see);
     for question in oracle.world.goals.iter().chain(oracle.world.nevers.iter()) {
@@ -216,7 +231,7 @@ fn reads(oracle: &Oracle<'_>, slot: usize) -> Reads {
     reads
 }
 
-fn note(oracle: &Oracle<'_>, term: &Term, times: &mut HashMap<ModeId, Option<f64>>, reads: &mut Reads) -> bool {
+fn note(oracle: &Oracle<'_>, term: &Term, times: &mut BTreeMap<ModeId, Option<f64>>, reads: &mut Reads) -> bool {
     match &term.kind {
         TermKind::Compare(_, a, b) => {
             for (timer, other) in [(a, b), (b, a)] {

@@ -96,9 +96,8 @@ impl Oracle<'_> {
             }
             let way = [0, 1].map(|axis| is.vars[axis][0] - was.vars[axis][0]);
             let thing = state.things[slot].as_mut().unwrap();
-            for axis in 0..2 {
-                thing.vars[axis][0] += way[axis];
-            }
+            thing.vars[0][0] += way[0];
+            thing.vars[1][0] += way[1];
         }
     }
 

@@ -16,7 +16,7 @@ impl Oracle<'_> {
             if start.things[slot].is_none() || !passing.acts(slot) {
                 continue;
             }
-            self.flow(start, state, slot, frames)?;
+            self.flow(start, state, slot, frames, passing)?;
             let thing = state.things[slot].as_mut().unwrap();
             thing.timers.values_mut().for_each(|count| *count += 1);
         }
@@ -24,10 +24,18 @@ impl Oracle<'_> {
     }
 
     /// Lets the variables of one instance flow.
-    fn flow(&self, start: &State, state: &mut State, slot: usize, frames: &[Frame]) -> Result<(), Fault> {
+    fn flow(
+        &self,
+        start: &State,
+        state: &mut State,
+        slot: usize,
+        frames: &[Frame],
+        passing: &Passing,
+    ) -> Result<(), Fault> {
         let (entity, dt) = (self.entity(slot), self.dt());
         let was = start.things[slot].as_ref().unwrap();
-        let code = self.played(start, slot, frames);
+        let joint = passing.joint.get(&slot).map(|j| (&j.0, &j.1));
+        let code = Code { joint, ..self.played(start, slot, frames) };
         // From the outermost level to the innermost: what comes later replaces what was before.
         let mut drives: BTreeMap<VarId, &Drive> = entity.drives.iter().map(|d| (d.var, d)).collect();
         for mode in was.modes.iter().flatten() {
@@ -43,7 +51,6 @@ impl Oracle<'_> {
                 peaks.insert(id.0, peak);
             }
         }
-        let mut levels: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
         for var in entity.vars.ids() {
             let [mut x, mut v, mut a] = was.vars[var.index()];
             let clip = |degree: u8, mut value: f64| {
@@ -63,11 +70,9 @@ impl Oracle<'_> {
                 None => None,
                 Some(Drive { degree, by: DriveBy::Flow(term), .. }) => Some((*degree, code.value(term)?)),
                 Some(Drive { degree, by: DriveBy::Envelope(id), .. }) => {
-                    if !levels.contains_key(&id.0) {
-                        levels.insert(id.0, self.envelope(&code, slot, id.0, &entity.envelopes[*id])?.0);
-                    }
                     let component = entity.envelopes[*id].vars.iter().position(|v| *v == var).unwrap();
-                    Some((*degree, levels[&id.0][component]))
+                    let (level, _) = self.envelope(&code, slot, id.0, &entity.envelopes[*id])?;
+                    Some((*degree, level[component]))
                 }
             };
             match given {

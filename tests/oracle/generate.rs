@@ -81,7 +81,7 @@ impl Generator<'_> {
     }
 
     fn chance(&mut self, percent: usize) -> bool {
-        self.choices.next().is_some_and(|c| usize::from(*c) % 100 < percent)
+        self.choices.next().is_some_and(|c| usize::from(*c) % 100 >= 100 - percent)
     }
 
     fn one<'s>(&mut self, of: &[&'s str]) -> &'s str {
@@ -327,10 +327,10 @@ impl Generator<'_> {
             4 => format!("x' := {}", self.speed()),
             5 => "f := not f".into(),
             6 => "n := if(n > 0, 0, 1)".into(),
-            7 if self.has_shot && self.role != Role::Shot => {
+            7 if self.has_shot && (self.role != Role::Shot || self.chance(40)) => {
                 let given = match self.pick(5) {
                     0 => String::new(),
-                    1 => "(s = -s)".into(),
+                    1 => self.one(&["(s = -s)", "(s = s + s)", "(x = x + l, s = l / 0.25s)"]).into(),
                     2 => format!("(x = x + l, s = {})", self.speed()),
                     3 => format!("(y = {}, n = 1)", self.length()),
                     _ => format!("(x' = {}, s = s, f = f)", self.speed()),
@@ -523,9 +523,12 @@ impl Generator<'_> {
     fn question(&mut self, who: &str, role: Role, has_foe: bool, has_cellar: bool) -> String {
         let mut out = String::new();
         let _ = match self.pick(16) {
-            0..=2 => write!(out, "{who} in {}", self.mode_of(role)),
-            3 => write!(out, "{who}.x >= {}", self.length()),
-            4 => write!(out, "{who}.x < {}", self.length()),
+            0..=3 => {
+                let modes: Vec<String> =
+                    self.modes[role as usize].iter().flat_map(|g| &g[g.len().min(2) - 1..]).cloned().collect();
+                write!(out, "{who} in {}", modes[self.pick(modes.len())])
+            }
+            4 => write!(out, "{who}.x {} {}", self.one(&[">=", "<"]), self.length()),
             5 => write!(out, "{who}.y > {}", self.length()),
             6 => write!(out, "{who}.y < {}", self.length()),
             7 => write!(out, "{who}.n == 1"),

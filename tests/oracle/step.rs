@@ -21,6 +21,8 @@ pub struct Passing {
     pub newborn: BTreeSet<usize>,
     /// Whether a spawn found no free slot.
     pub refused: bool,
+    /// Of each instance the modes that it entered, and those that it left.
+    pub joint: BTreeMap<usize, (BTreeSet<ModeId>, BTreeSet<ModeId>)>,
 }
 
 impl Passing {
@@ -150,6 +152,7 @@ impl<'p> Oracle<'p> {
                 continue;
             }
             let doing = self.decide(before, slot, frames)?;
+            passing.joint.insert(slot, (doing.entered.clone(), doing.left.clone()));
             self.act(before, state, slot, frames, &doing.actions, &mut spawns, passing)?;
             let thing = state.things[slot].as_mut().unwrap();
             for (group, modes) in doing.modes {
@@ -278,7 +281,8 @@ impl<'p> Oracle<'p> {
         spawns: &mut Vec<Birth<'a>>,
         passing: &mut Passing,
     ) -> Result<(), Fault> {
-        let code = self.played(before, slot, frames);
+        let joint = passing.joint.get(&slot).cloned();
+        let code = Code { joint: joint.as_ref().map(|j| (&j.0, &j.1)), ..self.played(before, slot, frames) };
         // Of what sets a reference the last one wins.
         let forget = |spawns: &mut Vec<Birth<'_>>, id: RefId| {
             for birth in spawns.iter_mut().filter(|birth| (birth.by, birth.into) == (slot, Some(id))) {
@@ -340,7 +344,8 @@ impl<'p> Oracle<'p> {
             return Ok(());
         };
         let entity = &self.program.entities[spawn.entity];
-        let code = self.played(before, spawner, frames);
+        let joint = passing.joint.get(&spawner).map(|j| (&j.0, &j.1));
+        let code = Code { joint, ..self.played(before, spawner, frames) };
         let given = |wanted: Given| spawn.given.iter().find(|(what, _)| *what == wanted).map(|(_, term)| term);
         let by = before.things[spawner].as_ref().unwrap();
         let mut thing = Thing {

@@ -2,8 +2,8 @@
 
 use hypedc::analysis::configuration_space;
 use hypedc::compile::Study;
-use hypedc::ir::{Id, Program, WorldId};
-use hypedc::reach::{Argument, Limits, Planner, Problem, Settings, Verdict, search};
+use hypedc::ir::{Program, WorldId};
+use hypedc::reach::{Limits, Planner, Problem, Settings, Target, Verdict, search};
 use hypedc::sim::{Script, Simulator};
 use hypedc::watch::Unwatched;
 
@@ -57,10 +57,10 @@ pub fn check(study: &Study, judge: Judge, most: usize, tally: &mut Tally) -> Res
     tally.closed += usize::from(explored.is_closed);
     tally.faulty += usize::from(explored.faulted);
     tally.states += explored.states;
-    tally.goals += explored.goals.len();
-    tally.reachable += explored.goals.iter().flatten().count();
-    tally.later += explored.goals.iter().flatten().filter(|way| !way.is_empty()).count();
-    let missing = explored.goals.iter().filter(|g| g.is_none()).count();
+    tally.goals += explored.ways.len();
+    tally.reachable += explored.ways.iter().flatten().count();
+    tally.later += explored.ways.iter().flatten().filter(|way| !way.is_empty()).count();
+    let missing = explored.ways.iter().filter(|g| g.is_none()).count();
     tally.unreachable += if explored.is_closed { missing } else { 0 };
     match judge {
         Judge::Analysis => analysed(program, world, &explored, tally),
@@ -68,14 +68,24 @@ pub fn check(study: &Study, judge: Judge, most: usize, tally: &mut Tally) -> Res
     }
 }
 
+/// All that is asked of a world: what it is called, and as what the planner knows it.
+fn questions(program: &Program, world: WorldId) -> Vec<(String, Target)> {
+    let world = &program.worlds[world];
+    let goals = world.goals.pairs().map(|(id, goal)| (goal.name.clone(), Target::Goal(id)));
+    let nevers = world.nevers.pairs().map(|(id, never)| (never.name.clone(), Target::Never(id)));
+    goals.chain(nevers).collect()
+}
+
 fn analysed(program: &Program, world: WorldId, explored: &Explored, tally: &mut Tally) -> Result<(), String> {
-    let space = configuration_space(program, world);
-    for (id, goal) in program.worlds[world].goals.pairs() {
-        let can_hold = space.can_hold(program, world, id);
-        match &explored.goals[id.index()] {
+    let space = configuration_space(program, world).by_place(program, world, &[], &Unwatched);
+    for ((name, target), way) in questions(program, world).into_iter().zip(&explored.ways) {
+        // A `never` is looked at out of bounds, too, of which the analysis says nothing.
+        let Target::Goal(goal) = target else { continue };
+        let can_hold = space.can_hold(program, world, goal);
+        match way {
             Some(way) if !can_hold => {
                 let way = written(program, world, way);
-                return Err(format!("the analysis rules {} out, but `{way}` leads to it", goal.name));
+                return Err(format!("the analysis rules {name} out, but `{way}` leads to it"));
             }
             None if explored.is_closed => tally.proven += usize::from(!can_hold),
             _ => {}
@@ -96,20 +106,18 @@ fn exhausted(
     let space = configuration_space(program, world);
     let settings = Settings { planner: Planner::Exhaustive, hold: Some((1, 1)), ..Settings::default() };
     let limits = Limits { nodes: 4 * most as u64, ..Limits::default() };
-    for (id, goal) in program.worlds[world].goals.pairs() {
-        let name = &goal.name;
-        let problem = Problem::new(&sim, id);
+    for ((name, target), way) in questions(program, world).into_iter().zip(&explored.ways) {
+        let problem = Problem::asking(&sim, target);
         let Ok(outcome) = search(&problem, &space, &settings, &limits, &Unwatched) else {
-            if explored.states > 0 {
+            if explored.states > 0 || !explored.faulted {
                 return Err(format!("{name}: the first state breaks a rule for the simulator only"));
             }
             continue;
         };
-        match (&outcome.verdict, &explored.goals[id.index()]) {
+        match (&outcome.verdict, way) {
             (Verdict::Reached(plan), Some(way)) => {
-                let ours = way.len() as u64;
-                let is_shortest = plan.shortest_by == Some(1) || plan.steps == 0;
-                if plan.steps != ours || !is_shortest {
+                let is_shortest = plan.is_shortest || plan.steps == 0;
+                if plan.steps != way.len() as u64 || !is_shortest {
                     let (theirs, way) = (plan.script.text(program, world), written(program, world, way));
                     return Err(format!("{name}: `{theirs}` as the shortest way, but `{way}` is"));
                 }
@@ -120,18 +128,12 @@ fn exhausted(
                     return Err(format!("{name}: `{way}` as a way, but there is none"));
                 }
             }
-            (Verdict::Unreachable(Argument::Exhaustion { .. }), Some(way)) => {
+            (Verdict::Unreachable(_) | Verdict::Exhausted(_), Some(way)) => {
                 let way = written(program, world, way);
                 return Err(format!("{name}: ruled out by exhaustion, but `{way}` leads to it"));
             }
-            (Verdict::Unreachable(_), None) => {
-                tally.proven += usize::from(explored.is_closed);
-                if !explored.is_closed && explored.states > 0 {
-                    // Finer states than those of the simulator are no mistake.
-                    continue;
-                }
-            }
-            _ => {}
+            (Verdict::Unreachable(_) | Verdict::Exhausted(_), None) => tally.proven += usize::from(explored.is_closed),
+            (Verdict::NotFound, _) => {}
         }
     }
     Ok(())

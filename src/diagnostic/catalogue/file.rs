@@ -15,6 +15,13 @@ pub struct Unreadable {
     pub error: ReadError,
 }
 
+impl Unreadable {
+    /// Of a file that was named on the command line.
+    pub fn named(path: impl Into<PathBuf>, error: ReadError) -> Self {
+        Unreadable { path: path.into(), import: None, error }
+    }
+}
+
 impl Fact for Unreadable {
     fn word(self) -> Diagnostic {
         let path = self.path.display();

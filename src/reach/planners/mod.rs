@@ -110,6 +110,8 @@ impl Planner {
     pub fn hold(self) -> (u16, u16) {
         match self {
             Planner::Coverage | Planner::Lead => (4, 60),
+            // All that a question admits.
+            Planner::Exhaustive | Planner::BestFirst => (1, 1),
             _ => (10, 10),
         }
     }

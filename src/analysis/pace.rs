@@ -1,0 +1,112 @@
+//! How far an instance can get in a number of steps.
+//!
+//! Along an axis it moves by at most its greatest velocity in a step, or is pushed to where edges meet
+//! (`surroundings`). A push can help it over a distance before each such place; what is left of the way it has to go by itself.
+//! Nothing is said of what something can put elsewhere: an update of the position, a link, a carrier, a spawn.
+
+use crate::ir::{Actions, Entity, ExprId, Origin, Place, Program, SlotId, SpaceId, VarId, World, WorldId};
+
+use super::ConfigurationSpace;
+use super::evaluate::{Pinned, Reader};
+use super::values::Interval;
+
+/// More than a step can differ from what it should be by rounding, px.
+const ROUNDED: f64 = 1e-6;
+
+impl ConfigurationSpace {
+    /// Of both axes, where an instance can be at most so many steps after it was at a position; none if it can be anywhere.
+    pub fn within_steps(
+        &self,
+        program: &Program,
+        world: WorldId,
+        slot: SlotId,
+        from: [f64; 2],
+        steps: u64,
+    ) -> Option<[Interval; 2]> {
+        let table = &program.worlds[world];
+        let entity = &program.entities[table.slots[slot].entity];
+        let goes_through = !entity.follows.is_empty() && table.spaces.iter().any(|s| !s.links.is_empty());
+        let of = table.slots[slot].entity;
+        let is_spawned = table.slots[slot].origin != Origin::Named
+            && program.entities.iter().any(|e| e.spawns.iter().any(|spawn| spawn.entity == of));
+        if goes_through || is_spawned || self.slots[slot].is_given_up {
+            return None;
+        }
+        let step = table.step.seconds();
+        let speed = self.overall[slot].speed;
+        let far = [0, 1].map(|axis| {
+            let helped = self.surroundings.of(slot).helped(axis, speed, step).filter(|_| !is_put(entity, axis))?;
+            let own = (speed[axis] * step + ROUNDED) * steps as f64;
+            // What a push helps towards lower coordinates is the same mirrored.
+            let [up, down] = helped;
+            let down = down.into_iter().map(|i| Interval { low: -i.high, high: -i.low }).collect();
+            Some(Interval { low: -end(down, -from[axis], own), high: end(up, from[axis], own) })
+        });
+        let all = far.iter().all(|axis| axis.is_none_or(|i| i.low.is_infinite() && i.high.is_infinite()));
+        (!all).then(|| far.map(|axis| axis.unwrap_or(Interval::ALL)))
+    }
+
+    /// Whether a predicate of the world can hold while an instance is in a part of a space.
+    pub fn can_hold_in(
+        &self,
+        program: &Program,
+        world: WorldId,
+        predicate: ExprId,
+        (slot, space, part): (SlotId, SpaceId, [Interval; 2]),
+    ) -> bool {
+        let table: &World = &program.worlds[world];
+        let reader = self.reader(program, table, None);
+        let can = |part| Reader { pinned: Some((slot, Pinned::Part(space, part))), ..reader }.truth(predicate).can_hold;
+        let regions = self.surroundings.regions(slot);
+        if regions.is_empty() || self.overall[slot].can_be_absent {
+            return can(part);
+        }
+        let boxes = regions.iter().filter(|(s, _)| *s == space).flat_map(|(_, region)| region.boxes());
+        let mut parts = boxes.filter_map(|[x, y]| Some([x.and(part[0])?, y.and(part[1])?]));
+        parts.any(can)
+    }
+}
+
+/// Whether an update can put an instance of an entity elsewhere along an axis.
+fn is_put(entity: &Entity, axis: usize) -> bool {
+    let writes = |actions: &Actions| {
+        let is_position = |place: Place| matches!(place, Place::Var(var, 0) if var == VarId(axis as u32));
+        actions.updates.iter().any(|update| is_position(update.place))
+    };
+    let edges = entity.edges.iter().map(|edge| &edge.actions);
+    let entries = entity.modes.iter().map(|mode| &mode.entry);
+    edges.chain(entries).chain(entity.follows.iter().map(|follow| &follow.actions)).any(writes)
+}
+
+/// How far towards higher coordinates something comes that moves so far by itself, and is helped over some intervals.
+fn end(mut helped: Vec<Interval>, from: f64, mut own: f64) -> f64 {
+    helped.sort_by(|a, b| a.low.total_cmp(&b.low));
+    let mut at = from;
+    for over in helped {
+        if over.high <= at {
+            continue;
+        }
+        let gap = (over.low - at).max(0.0);
+        if gap > own {
+            break;
+        }
+        own -= gap;
+        at = over.high;
+    }
+    at + own
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_helps_does_not_count() {
+        let over = |low, high| Interval { low, high };
+        assert_eq!(end(vec![], 10.0, 5.0), 15.0);
+        assert_eq!(end(vec![over(12.0, 20.0)], 10.0, 5.0), 23.0);
+        assert_eq!(end(vec![over(16.0, 20.0)], 10.0, 5.0), 15.0, "it does not get there");
+        assert_eq!(end(vec![over(0.0, 8.0), over(8.0, 11.0)], 10.0, 5.0), 16.0);
+        assert_eq!(end(vec![over(14.0, 20.0), over(12.0, 13.0), over(12.5, 15.0)], 10.0, 5.0), 23.0);
+    }
+}

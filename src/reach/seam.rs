@@ -1,0 +1,69 @@
+//! The seam between a script that is given and what a search adds to it: where inputs must be held for a number of steps, the
+//! last one of the script must be, too.
+
+use crate::sim::{Fault, Script};
+use crate::watch::Watch;
+
+use super::problem::{Problem, REPLAY_WATCH, Standing, Start};
+
+/// What becomes of a start.
+pub(super) enum Settled {
+    /// From there inputs can change.
+    Open(Start),
+    /// The run is over.
+    Over,
+    /// What is asked for holds already, after this script, so many steps of which were given.
+    Goal { script: Script, after: u64 },
+    /// A run-time error at a step.
+    Fault(Fault, u64),
+    /// The watch stopped it.
+    Stopped,
+}
+
+/// Holds the input that a start's script ends with for as long as it must be held.
+///
+/// # Errors
+/// A [`Fault`] if a predicate breaks a rule at the start.
+pub(super) fn settled(problem: &Problem<'_>, mut start: Start, watch: &dyn Watch) -> Result<Settled, Fault> {
+    let least = u32::from(problem.least_hold());
+    let held = start.script.steps.last().filter(|held| held.count < least).cloned();
+    let mut left = held.as_ref().map_or(0, |held| least - held.count);
+    let mut scratch = problem.sim.scratch();
+    let mut standing = problem.judge(&start.state)?;
+    loop {
+        match standing {
+            Standing::Open => {}
+            Standing::Dead(_) => return Ok(Settled::Over),
+            Standing::Goal => return Ok(Settled::Goal { script: start.script, after: start.after }),
+        }
+        let Some(held) = held.as_ref().filter(|_| left > 0) else { return Ok(Settled::Open(start)) };
+        if problem.time().is_some_and(|most| start.steps() >= most) {
+            return Ok(Settled::Over);
+        }
+        left -= 1;
+        start.script.push(&held.input, 1);
+        let step = problem.sim.step(&mut start.state, &held.input, &mut scratch);
+        standing = match step.and_then(|()| problem.judge(&start.state)) {
+            Ok(standing) => standing,
+            Err(fault) => return Ok(Settled::Fault(fault, start.script.len())),
+        };
+        if u64::from(left).is_multiple_of(REPLAY_WATCH) && watch.stop() {
+            return Ok(Settled::Stopped);
+        }
+    }
+}
+
+/// Whether the inputs of a script are held for at least so many steps each, but for the last one, and for those that are over
+/// before the first `after` steps are.
+pub(super) fn is_held(script: &Script, after: u64, least: u16) -> bool {
+    let mut end = 0;
+    let mut steps = script.steps.iter().peekable();
+    while let Some(step) = steps.next() {
+        end += u64::from(step.count);
+        let is_last = steps.peek().is_none();
+        if !is_last && end >= after && step.count < u32::from(least) {
+            return false;
+        }
+    }
+    true
+}

@@ -1,0 +1,189 @@
+//! What the analysis says that cannot be, against worlds that are made to do it: random ones with every construct of the
+//! language, and changed ones whose verdicts hang by a thread. Claims are what variables, modes, timers and spaces can be,
+//! goals that are proven unreachable, invariants, and what `check` says of guards and modes.
+//!
+//! `HYPEDC_LONG=1 HYPEDC_WORLDS=1000000 cargo test --test soundness nothing -- --nocapture` looks at that many worlds of
+//! each kind, and tells of every 10,000th. The number of a world is its seed: `HYPEDC_FROM=N` goes on where another run
+//! was stopped, and several processes can share the numbers. A violation is printed as soon as it is found, as a program
+//! of a few lines with the inputs that lead there.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+#![allow(clippy::print_stdout, reason = "it says how much it has seen")]
+
+#[path = "mutation/mutate.rs"]
+#[allow(dead_code, reason = "the lines of changes are not told")]
+mod mutate;
+#[path = "analysis/outside.rs"]
+#[allow(dead_code, reason = "how runs end is told by the simulator")]
+mod outside;
+mod soundness {
+    pub mod alike;
+    pub mod arena;
+    pub mod choices;
+    pub mod claims;
+    pub mod consecution;
+    pub mod eye;
+    pub mod files;
+    pub mod frame;
+    pub mod generate;
+    pub mod hunt;
+    pub mod mutants;
+    pub mod run;
+    pub mod shrink;
+    pub mod tally;
+    pub mod witness;
+}
+mod support;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use hypedc::ir::WorldId;
+use hypedc::sim::Simulator;
+use soundness::alike::Otherwise;
+use soundness::choices::choices;
+use soundness::claims::Claims;
+use soundness::consecution::consecution;
+use soundness::files::compiled;
+use soundness::frame::Frame;
+use soundness::generate::program;
+use soundness::hunt::{Source, hunt, refuted_by};
+use soundness::mutants::originals;
+use soundness::run::{Inputs, Runs, run};
+use soundness::tally::Tally;
+use support::files;
+
+/// The numbers of the worlds to look at: some from the first on, or as the environment says.
+fn seeds(usual: u64) -> std::ops::Range<u64> {
+    let number = |name: &str| std::env::var(name).ok().and_then(|v| v.parse().ok());
+    if std::env::var_os("HYPEDC_LONG").is_none() {
+        return 0..usual;
+    }
+    let from: u64 = number("HYPEDC_FROM").unwrap_or(0);
+    from..from + number("HYPEDC_WORLDS").unwrap_or(20 * usual)
+}
+
+/// Looks at worlds of a kind; almost all compile, and no claim is refuted.
+fn holds(source: &Source, usual: u64, compiles: u64) {
+    let hunt = hunt(source, seeds(usual));
+    let (worlds, compiled) = (hunt.worlds, hunt.compiled);
+    println!("{worlds} worlds, {compiled} compile, {} claims, {} states: {:?}", hunt.claims, hunt.states, hunt.classes);
+    assert!(compiled * 100 >= worlds * compiles, "{compiled} of {worlds} compile");
+    assert!(hunt.reports.is_empty(), "{:?}\n\n{}", hunt.classes, hunt.reports.join("\n"));
+}
+
+#[test]
+fn nothing_that_is_claimed_of_random_worlds_is_false() {
+    holds(&Source::Drawn, 700, 90);
+}
+
+#[test]
+fn nothing_that_is_claimed_of_changed_worlds_is_false() {
+    holds(&Source::Changed(originals()), 1_500, 60);
+}
+
+/// Of these programs something false was said once.
+#[test]
+fn what_was_false_once_is_not_said_again() {
+    let mut again = Vec::new();
+    for path in files("tests/soundness/known", "hyped") {
+        let text = std::fs::read_to_string(&path).unwrap();
+        let refuted = (0..8).find_map(|seed| refuted_by(&text, seed));
+        again.extend(refuted.map(|r| format!("{}: {}", path.display(), r.violation.what)));
+    }
+    assert!(again.is_empty(), "{}", again.join("\n"));
+}
+
+/// Everything that the language has stands in the random worlds, and happens when they run.
+#[test]
+fn every_construct_happens() {
+    let mut tally = Tally::default();
+    for seed in seeds(1_500) {
+        let text = program(&choices(seed), Frame::default());
+        let Some(program) = compiled(&text).program else { continue };
+        tally.read(&text);
+        let sim = Simulator::new(&program, WorldId(0));
+        let mut scratch = sim.scratch();
+        let Ok(mut state) = sim.initial(&mut scratch) else { continue };
+        let mut inputs = Inputs::new(seed, sim.world().players.len());
+        for _ in 0..120 {
+            let before = state.clone();
+            let input = inputs.next();
+            if let Err(fault) = sim.step(&mut state, input, &mut scratch) {
+                tally.stopped(&fault);
+                break;
+            }
+            tally.watch(&sim, &before, input, &state, &scratch);
+        }
+    }
+    let all: Vec<(String, usize)> = tally.rules().into_iter().chain(tally.events()).collect();
+    for (name, count) in &all {
+        println!("{count:>10}  {name}");
+    }
+    let never: Vec<&String> = all.iter().filter(|(_, count)| *count == 0).map(|(name, _)| name).collect();
+    assert!(never.is_empty(), "never: {never:?}");
+    let names: Vec<&str> = all.iter().map(|(name, _)| name.as_str()).collect();
+    insta::assert_snapshot!(names.join("\n"));
+}
+
+/// Steps states that are possible by the claims; what is not possible then is told. It is a hint: no run may ever be in
+/// the state before.
+#[test]
+fn possible_states_lead_to_possible_ones() {
+    let mut hints: BTreeMap<String, (usize, String)> = BTreeMap::new();
+    let (mut states, mut stepped) = (0, 0);
+    for seed in seeds(150) {
+        let compilation = compiled(&program(&choices(seed), Frame::default()));
+        let Some(program) = &compilation.program else { continue };
+        let claims = Claims::of(&compilation, program, WorldId(0));
+        let sim = Simulator::new(program, WorldId(0));
+        let mut runs = Runs::default();
+        run(&sim, &claims, 160, seed, &mut runs);
+        // What is false of reached states is told elsewhere.
+        if runs.refuted.is_some() {
+            continue;
+        }
+        let drawn = consecution(&sim, &claims, &runs.samples, 100, seed);
+        states += drawn.states;
+        stepped += drawn.stepped;
+        let mut classes = BTreeSet::new();
+        for hint in drawn.hints {
+            if classes.insert(hint.class.clone()) {
+                hints.entry(hint.class).or_insert((0, format!("world {seed}: {}", hint.what))).0 += 1;
+            }
+        }
+    }
+    println!("{states} states, {stepped} stepped; hints by class, with their worlds:\n{hints:#?}");
+    assert!(stepped * 4 >= states && stepped > 0, "{stepped} of {states}");
+}
+
+#[test]
+fn the_same_world_written_otherwise_is_judged_alike() {
+    let mut differ: BTreeMap<Otherwise, (usize, Vec<String>)> = BTreeMap::new();
+    for seed in seeds(150) {
+        let choices = choices(seed);
+        let verdicts = |text: &str| {
+            let compilation = compiled(text);
+            let program = compilation.program.as_ref()?;
+            let claims = Claims::of(&compilation, program, WorldId(0));
+            // How long it takes to look at a world depends on how it is written.
+            let is_given_up = claims.space.slots.iter().any(|s| s.is_given_up);
+            (!is_given_up).then(|| claims.verdicts(program, WorldId(0)))
+        };
+        let Some(plain) = verdicts(&program(&choices, Frame::default())) else { continue };
+        for way in Otherwise::ALL {
+            let Some(other) = way.written(&choices).and_then(|text| verdicts(&text)) else { continue };
+            let (count, found) = differ.entry(way).or_default();
+            *count += plain.len();
+            let others = plain.iter().zip(&other).filter(|(a, b)| a.1 != b.1);
+            found.extend(others.map(|((name, a), (_, b))| format!("{seed} {name}: {a}, then {b}")));
+        }
+    }
+    println!("{differ:#?}");
+    for way in Otherwise::ALL {
+        let (count, found) = &differ[&way];
+        // Rounding and the numbers at which growing ends stay differ with the frame.
+        let most = if matches!(way, Otherwise::Mirrored | Otherwise::Shifted) { count / 50 } else { 0 };
+        assert!(found.len() <= most, "{way:?}: {found:#?}");
+        assert!(*count > 0, "{way:?}: nothing to compare");
+    }
+}

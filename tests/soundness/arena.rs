@@ -1,0 +1,430 @@
+//! The worlds of random programs: rooms of a few tiles with everything close together, who stands where, and what is asked.
+
+use super::choices::Draw;
+use super::frame::{Frame, number};
+use super::generate::{Dim, Generator};
+
+/// What is decided of a world before anything is written.
+pub struct Arena {
+    /// The side of a tile, px.
+    pub tile: f64,
+    columns: usize,
+    rows: usize,
+    /// Whether there is a second room.
+    pub links: bool,
+    main: Kind,
+    second: Kind,
+    /// Whether the instance of a tile has a name.
+    has_boss: bool,
+    /// The instances that are placed, each with the number of its entity.
+    places: Vec<usize>,
+    /// Where the last one was placed.
+    last: (f64, f64),
+}
+
+/// What a room is made of.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Map,
+    OpenMap,
+    Rects,
+    Floor,
+    Nothing,
+    File,
+}
+
+impl Arena {
+    pub fn draw(draw: &mut Draw<'_>) -> Self {
+        use Kind::{File, Floor, Map, Nothing, OpenMap, Rects};
+        Arena {
+            tile: [16.0, 8.0, 32.0][draw.pick(3)],
+            columns: 5 + draw.pick(5),
+            rows: 4 + draw.pick(3),
+            links: draw.chance(25),
+            main: [Map, Map, Rects, OpenMap, Rects, Floor, Nothing, Map][draw.pick(8)],
+            second: [Nothing, Map, Rects, OpenMap, File][draw.pick(5)],
+            has_boss: draw.chance(10),
+            places: Vec::new(),
+            last: (16.0, 16.0),
+        }
+    }
+
+    /// The width of its maps, px.
+    pub fn width(&self) -> f64 {
+        self.columns as f64 * self.tile
+    }
+
+    /// Whether the first room has a map of its own.
+    fn is_mapped(&self) -> bool {
+        matches!(self.main, Kind::Map | Kind::OpenMap)
+    }
+
+    fn height(&self) -> f64 {
+        self.rows as f64 * self.tile
+    }
+}
+
+const STEPS: [&str; 12] =
+    ["1/60", "1/30", "1/10", "1/60", "1/240", "1/4", "20ms", "1/50", "1/8", "1/60", "1/60", "1/30"];
+const RESPONSES: [&str; 9] = [
+    "block",
+    "sense",
+    "block",
+    "block, carry",
+    "block, keep velocity",
+    "block from above",
+    "block from above, carry",
+    "block, keep velocity, carry",
+    "block",
+];
+
+impl Generator<'_> {
+    fn world_line(&mut self, text: impl AsRef<str>) {
+        self.out.push_str(text.as_ref());
+        self.out.push('\n');
+    }
+
+    /// A world with all its spaces and questions.
+    pub fn world(&mut self, frame: Frame) -> String {
+        self.out.clear();
+        self.place_plans();
+        self.world_line("world W {");
+        let step = self.draw.one(&STEPS);
+        self.world_line(format!("step {step}"));
+        self.collide_lines();
+        // Who is spawned is known once the entities are written.
+        self.world_line("LIMITS");
+        let tile = number(self.arena.tile);
+        self.world_line(format!("tiles t {tile} x {tile} {{"));
+        self.world_line("'.': empty\n'#': wall\n'-': cloud\n'~': \"thin ice\"\n'w': wall, \"thin ice\"\n'a': spawn A");
+        self.arena.has_boss &= self.arena.is_mapped();
+        if self.arena.has_boss {
+            self.world_line("'s': spawn A as boss");
+        }
+        self.world_line("}");
+        self.space("main", self.arena.main, frame);
+        if self.arena.links {
+            self.space("cellar", self.arena.second, frame);
+        }
+        self.players();
+        self.questions();
+        self.world_line("}");
+        std::mem::take(&mut self.out)
+    }
+
+    /// How many there may be of each entity that is spawned, and now and then of another one.
+    pub fn limits(&mut self) -> String {
+        let mut out = String::new();
+        for (index, plan) in self.plans.iter().enumerate() {
+            let free = [1, 2, 3][self.draw.pick(3)];
+            if plan.is_spawned || self.draw.chance(5) {
+                // One may stand on a tile of each map.
+                let tiles = if index == 0 { 2 + usize::from(self.arena.has_boss) } else { 0 };
+                let placed = self.arena.places.iter().filter(|p| **p == index).count() + tiles;
+                out.push_str(&format!("limit {} {}\n", plan.name, placed + free));
+            }
+        }
+        out
+    }
+
+    fn place_plans(&mut self) {
+        let count = self.plans.len();
+        let mut places = vec![0];
+        places.extend(1..count);
+        for _ in 0..[0, 0, 0, 1, 2][self.draw.pick(5)] {
+            places.push(self.draw.pick(count));
+        }
+        self.arena.places = places;
+    }
+
+    fn collide_lines(&mut self) {
+        let tags: Vec<&str> = self.plans.iter().map(|p| p.tag).collect();
+        let mut lines = Vec::new();
+        for (index, tag) in tags.iter().enumerate() {
+            if self.draw.chance(85) {
+                let usual = self.draw.chance(60);
+                lines.push(format!("{tag} with wall: {}", if usual { "block" } else { self.draw.one(&RESPONSES) }));
+            }
+            if self.draw.chance(25) {
+                lines.push(format!("{tag} with cloud: block from above"));
+            }
+            if self.draw.chance(15) {
+                lines.push(format!("{tag} with \"thin ice\": {}", self.draw.one(&RESPONSES)));
+            }
+            for other in &tags[index..] {
+                if self.draw.chance(65) {
+                    let (a, b) = if self.draw.chance(50) { (tag, other) } else { (other, tag) };
+                    lines.push(format!("{a} with {b}: {}", self.draw.one(&RESPONSES)));
+                }
+            }
+        }
+        if lines.is_empty() {
+            lines.push("a with wall: block".into());
+        }
+        for line in lines {
+            self.world_line(format!("collide {line}"));
+        }
+    }
+
+    fn space(&mut self, name: &str, kind: Kind, frame: Frame) {
+        self.world_line(format!("space {name} {{"));
+        let (width, height) = (self.arena.width(), self.arena.height());
+        match kind {
+            Kind::Map | Kind::OpenMap => self.map(kind == Kind::OpenMap, name == "main", frame),
+            Kind::Rects => {
+                let walls = [
+                    [0.0, 0.0, width, 8.0],
+                    [0.0, 0.0, 8.0, height],
+                    [width - 8.0, 0.0, 8.0, height],
+                    [0.0, height - 8.0, width, 8.0],
+                ];
+                for wall in walls {
+                    if self.draw.chance(85) {
+                        self.rect(wall);
+                    }
+                }
+            }
+            Kind::Floor => self.rect([-200.0, -16.0, 600.0, 24.0]),
+            Kind::Nothing => {}
+            Kind::File => {
+                let map = self.draw.one(&[
+                    "t from \"levels/room.txt\"",
+                    "vglc \"levels/room.txt\" legend \"levels/legend.json\" tile 16 x 16 { 'a': spawn A }",
+                    "tiled \"levels/cave.tmx\" { Rock: wall; blob: spawn A }",
+                    "ldtk \"levels/world.ldtk\" level \"Cave\" { Rock: wall; Mob: spawn A }",
+                    "level t",
+                    "level legend \"levels/legend.json\" tile 16 x 16",
+                    "level { '#': wall; 'a': empty; '.': empty }",
+                ]);
+                self.world_line(format!("map {map}"));
+            }
+        }
+        for _ in 0..[0, 0, 1, 2, 3][self.draw.pick(5)] {
+            let (x, y) = self.spot();
+            let (width, height) =
+                ([16.0, 4.0, 48.0, 8.0][self.draw.pick(4)], [8.0, 16.0, 3.0, 40.0][self.draw.pick(4)]);
+            self.rect([x, y, width, height]);
+        }
+        if self.draw.chance(20) {
+            let rect = match self.draw.pick(3) {
+                0 => [-50.0, -50.0, width + 100.0, height + 100.0],
+                1 => [0.0, 0.0, width, height],
+                _ => [8.0, 0.0, width, 40.0],
+            };
+            let rect = self.axes.rect(rect);
+            self.world_line(format!("bounds rect{rect}"));
+        }
+        if name == "main" {
+            self.placed();
+        } else if self.draw.chance(30) {
+            self.place_one(self.arena.places.len(), 0);
+            self.arena.places.push(0);
+        }
+        if self.arena.links {
+            for _ in 0..[1, 1, 2][self.draw.pick(3)] {
+                self.link(if name == "main" { "cellar" } else { "main" });
+            }
+        }
+        self.world_line("}");
+    }
+
+    fn map(&mut self, is_open: bool, is_main: bool, frame: Frame) {
+        self.world_line("map t \"");
+        let (columns, rows) = (self.arena.columns, self.arena.rows);
+        let mut boss = is_main && self.arena.has_boss;
+        let mut spawned = 0;
+        let mut lines: Vec<String> = Vec::new();
+        for row in 0..rows {
+            let mut line = String::new();
+            for column in 0..columns {
+                let is_border = column == 0 || column + 1 == columns || row == 0 || row + 1 == rows;
+                let chosen = match () {
+                    () if is_border && is_open && self.draw.chance(25) => '.',
+                    () if is_border => '#',
+                    () if self.draw.chance(15) => ['#', '-', '#', '~', 'w', 'a'][self.draw.pick(6)],
+                    () if boss => {
+                        boss = false;
+                        's'
+                    }
+                    () => '.',
+                };
+                spawned += usize::from(chosen == 'a');
+                line.push(if chosen == 'a' && spawned > 1 { '.' } else { chosen });
+            }
+            lines.push(line);
+        }
+        if is_main && self.arena.has_boss && !lines.iter().any(|l| l.contains('s')) {
+            lines[1].replace_range(1..2, "s");
+        }
+        for line in lines {
+            let row = self.axes.row(&line, frame.tiles);
+            self.world_line(row);
+        }
+        for _ in 0..frame.tiles.1 {
+            self.world_line(".".repeat(columns + frame.tiles.0 as usize));
+        }
+        self.world_line("\"");
+    }
+
+    fn rect(&mut self, rect: [f64; 4]) {
+        let tags = self.draw.one(&["wall", "wall", "wall", "wall, cloud", "cloud", "\"thin ice\""]);
+        let rect = self.axes.rect(rect);
+        self.world_line(format!("rect {tags} {rect}"));
+    }
+
+    /// A place in or near the room, mostly on a grid of 8 px.
+    fn spot(&mut self) -> (f64, f64) {
+        let count = |size: f64| (size / 8.0) as usize + 2;
+        let x = 8.0 * self.draw.pick(count(self.arena.width())) as f64;
+        let y = 8.0 * self.draw.pick(count(self.arena.height())) as f64;
+        let extremes = self.palette.extremes;
+        let by = |g: &mut Self| {
+            [0.0, 0.0, 0.0, 0.0, 0.5, 3.0, 0.0005, -0.0005, 0.000_000_001][g.draw.pick(if extremes { 9 } else { 6 })]
+        };
+        let far = if extremes && self.draw.chance(2) { 1e9 } else { 0.0 };
+        (x + by(self) + far, y + by(self))
+    }
+
+    fn placed(&mut self) {
+        for (index, plan) in self.arena.places.clone().into_iter().enumerate() {
+            self.place_one(index, plan);
+        }
+    }
+
+    fn place_one(&mut self, index: usize, plan: usize) {
+        let (mut x, mut y) = self.spot();
+        if index > 0 && self.draw.chance(50) {
+            // Next to another one, or on it.
+            let by = [16.0, 0.0, -16.0, 24.0, 8.0, -8.0];
+            (x, y) = (self.arena.last.0 + by[self.draw.pick(6)], self.arena.last.1 + by[self.draw.pick(5)]);
+        }
+        self.arena.last = (x, y);
+        let mut settings = Vec::new();
+        if self.draw.chance(20) {
+            let speed = self.draw.one(&["30", "-60", "0", "200", "-7.5"]);
+            settings.push(format!("speed = {speed}"));
+        }
+        if self.draw.chance(15) {
+            settings.push(
+                self.draw
+                    .one(&["n = 0", "n = 3", "n = -1", "size = 8", "size = 24", "delay = 0.1", "force = -400"])
+                    .into(),
+            );
+        }
+        if self.draw.chance(15) {
+            let speed = self.draw.one(&["60", "-60", "200"]);
+            settings.push(format!("x' = {}", self.axes.write("x'", speed)));
+        }
+        if self.draw.chance(15) {
+            settings.push(
+                self.draw
+                    .one(&["count = 2", "y' = 100", "q = 12", "flag = true", "colour = blue", "y'' = -400"])
+                    .into(),
+            );
+        }
+        let others = self.arena.places.len();
+        if self.draw.chance(50) {
+            let to = self.draw.pick(others);
+            settings.push(format!("friend = p{to}"));
+        }
+        for of in 0..self.plans.len() {
+            let found = (0..others).rfind(|p| self.arena.places[*p] == of);
+            if let Some(to) = found.filter(|_| self.draw.chance(60)) {
+                settings.push(format!("foe_{} = p{to}", self.plans[of].name.to_lowercase()));
+            }
+        }
+        let (name, at) = (self.plans[plan].name.clone(), self.axes.point(x, y));
+        let settings = if settings.is_empty() { String::new() } else { format!(" {{ {} }}", settings.join("; ")) };
+        self.world_line(format!("place p{index}: {name} at {at}{settings}"));
+    }
+
+    fn link(&mut self, to: &str) {
+        let (x, y) = self.spot();
+        let from = self.axes.rect([x - 8.0, y - 8.0, [24.0, 100.0][self.draw.pick(2)], 30.0]);
+        let (x, y) = self.spot();
+        let (width, height) = ([24.0, 16.0, 1.0][self.draw.pick(3)], [30.0, 8.0][self.draw.pick(2)]);
+        // It has to end in the room, whatever that is.
+        let (x, y) = (x.clamp(8.0, (self.arena.width() - width).min(24.0)), y.clamp(0.0, 32.0 - height));
+        let at = self.axes.rect([x, y, width, height]);
+        let guard = if self.draw.chance(30) { format!(" when {}", self.predicate()) } else { String::new() };
+        self.world_line(format!("link rect{from} -> {to} at rect{at}{guard}"));
+    }
+
+    fn players(&mut self) {
+        let mut number = 1;
+        for (index, plan) in self.arena.places.clone().into_iter().enumerate().take(3) {
+            if self.plans[plan].is_played && (index == 0 || self.draw.chance(60)) {
+                self.world_line(format!("player {number}: p{index}"));
+                number += 1;
+            }
+        }
+    }
+
+    fn questions(&mut self) {
+        for index in 0..2 + self.draw.pick(3) {
+            let predicate = self.predicate();
+            self.world_line(format!("goal goal{index}: {predicate}"));
+        }
+        if self.draw.chance(35) {
+            let predicate = self.predicate();
+            self.world_line(format!("never n0: {predicate}"));
+        }
+    }
+
+    /// A predicate of the world.
+    pub fn predicate(&mut self) -> String {
+        match self.draw.pick(8) {
+            0 => format!("({} and {})", self.question(), self.question()),
+            1 => format!("({} or {})", self.question(), self.question()),
+            2 => format!("not {}", self.question()),
+            _ => self.question(),
+        }
+    }
+
+    fn question(&mut self) -> String {
+        let place = self.draw.pick(self.arena.places.len().max(1));
+        let plan = self.arena.places.get(place).copied().unwrap_or(0);
+        let who = match self.draw.chance(12) && self.arena.has_boss {
+            true => "boss".to_string(),
+            false => format!("p{place}"),
+        };
+        let of = format!("{who}.");
+        let op = self.draw.one(&[">", "<", ">=", "<=", "==", "!="]);
+        let any = self.any_plan();
+        let any_name = self.plans[any].name.clone();
+        let tag = self.draw.one(&["wall", "cloud", "\"thin ice\"", "a", "b", "c"]).to_string();
+        let (x, y) = self.spot();
+        let radius = self.draw.one(&["4", "0.5", "16", "0"]);
+        match self.draw.pick(16) {
+            15 if self.arena.is_mapped() => format!("main.width > {}", self.number(Dim::Length)),
+            0 | 1 => {
+                let variable = self.draw.one(&["x", "y"]);
+                format!("{} {op} {}", self.axes.read(&of, variable), self.number(Dim::Length))
+            }
+            2 => format!("near({who}, {}, {radius})", self.axes.point(x, y)),
+            3 => format!("near(any {any_name}, {}, {radius})", self.axes.point(x, y)),
+            4 | 5 => match self.mode_of(plan) {
+                Some(mode) => format!("{who} in {mode}"),
+                None => format!("{who} touching wall"),
+            },
+            6 => format!("{who} touching {tag}"),
+            7 => format!("any {any_name} touching {tag}"),
+            8 => match self.mode_of(any) {
+                Some(mode) => format!("any {any_name} in {mode}"),
+                None => format!("any {any_name}"),
+            },
+            9 if self.arena.links => {
+                format!("inside({who}, {})", self.draw.one(&["cellar", "main"]))
+            }
+            10 => format!("near({who}, p{}, {radius})", self.draw.pick(self.arena.places.len().max(1))),
+            11 => format!("{who}.count {op} {}", self.draw.pick(4)),
+            12 => self.draw.one(&["p0.colour == green", "p0.flag", "p0.n < 2", "p0.q > 20", "p0.size == 16"]).into(),
+            13 => {
+                let variable = self.draw.one(&["x'", "y'"]);
+                format!("{} {op} {}", self.axes.read(&of, variable), self.number(Dim::Speed))
+            }
+            14 => format!("inside(any {any_name}, main)"),
+            _ => format!("{} < {} <= {}", self.number(Dim::Length), self.axes.read(&of, "y"), self.number(Dim::Length)),
+        }
+    }
+}

@@ -1,0 +1,279 @@
+//! What the analysis says of a world, and whether a state is against it.
+
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use hypedc::analysis::{ConfigurationSpace, InvariantVerdict, invariants, watched_findings, watched_space};
+use hypedc::compile::Compilation;
+use hypedc::diagnostic::Code;
+use hypedc::ir::{EntityId, ExprId, GoalId, ModeId, NeverId, Program, WorldId};
+use hypedc::sim::{Input, Simulator};
+use hypedc::source::{FileId, Span};
+use hypedc::watch::Watch;
+
+use super::eye::{Eye, Nobody};
+use crate::outside::outside;
+
+/// A state or an event that cannot be, and was.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Violation {
+    /// What kind of claim is false; as a rule the same for one and the same mistake.
+    pub class: String,
+    pub what: String,
+}
+
+impl Violation {
+    pub fn new(class: &str, what: String) -> Self {
+        Violation { class: class.into(), what }
+    }
+}
+
+/// How far a run has come, in what the analysis assumes of runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Standing {
+    /// No player has left its bounds.
+    pub is_inside: bool,
+    /// No `never` has held.
+    pub is_allowed: bool,
+}
+
+/// Gives a world up that takes long to look at: thousands of others are looked at in that time.
+struct Patience(AtomicU32);
+
+impl Watch for Patience {
+    fn stop(&self) -> bool {
+        let before = self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| Some(left.saturating_sub(1)));
+        before.is_ok_and(|left| left <= 1)
+    }
+}
+
+fn patience() -> Patience {
+    Patience(AtomicU32::new(MOST_LOOKS))
+}
+
+/// Combinations of modes that are looked at, each time that more is known of it.
+const MOST_LOOKS: u32 = 400;
+
+/// Everything that is claimed of a world.
+pub struct Claims {
+    pub space: ConfigurationSpace,
+    /// Of runs on which no `never` holds, if there is any.
+    within: Option<ConfigurationSpace>,
+    goals: Vec<GoalId>,
+    goals_within: Vec<GoalId>,
+    nevers: Vec<NeverId>,
+    invariants: Vec<(EntityId, usize)>,
+    /// What `check` says, of runs that go on whatever happens.
+    silent: Vec<(EntityId, usize)>,
+    modes: Vec<(EntityId, ModeId)>,
+    guards: Vec<GuardClaim>,
+}
+
+/// A guard, or a part of one, that never or always holds.
+struct GuardClaim {
+    entity: EntityId,
+    part: ExprId,
+    /// The leaf that it is asked in.
+    leaves: Vec<hypedc::ir::LeafId>,
+    holds: bool,
+}
+
+impl Claims {
+    pub fn of(compilation: &Compilation, program: &Program, world: WorldId) -> Self {
+        let table = &program.worlds[world];
+        let space = watched_space(program, world, &[], &patience());
+        let nevers: Vec<ExprId> = table.nevers.iter().map(|n| n.holds).collect();
+        let within = (!nevers.is_empty()).then(|| watched_space(program, world, &nevers, &patience()));
+        let unreachable = |space: &ConfigurationSpace| -> Vec<GoalId> {
+            table.goals.ids().filter(|g| !space.can_hold(program, world, *g)).collect()
+        };
+        let proven = invariants(program, world, &space).into_iter();
+        let mut claims = Claims {
+            goals: unreachable(&space),
+            goals_within: within.as_ref().map(unreachable).unwrap_or_default(),
+            nevers: table
+                .nevers
+                .pairs()
+                .filter(|(_, n)| !space.can_turn_out(program, world, n.holds, true))
+                .map(|(id, _)| id)
+                .collect(),
+            invariants: proven.filter(|(.., v)| *v == InvariantVerdict::Proven).map(|(e, i, _)| (e, i)).collect(),
+            space,
+            within,
+            silent: Vec::new(),
+            modes: Vec::new(),
+            guards: Vec::new(),
+        };
+        claims.check(compilation, program, world);
+        claims
+    }
+
+    /// Adds what `hypedc check` says, and what it says by saying nothing.
+    fn check(&mut self, compilation: &Compilation, program: &Program, world: WorldId) {
+        let (sources, said) = (&compilation.sources, &compilation.diagnostics);
+        let Some((found, _)) = watched_findings(program, sources, FileId(0), said, &patience()) else { return };
+        let places = |code: Code| -> Vec<(Span, bool)> {
+            let all = found.iter().filter(|d| d.code == code);
+            all.filter_map(|d| Some((d.primary.as_ref()?.span, d.message.ends_with("always holds")))).collect()
+        };
+        let modes = places(Code::ModeByValue);
+        let guards = places(Code::GuardByValue);
+        let mut doubted = places(Code::BrokenAtStart);
+        doubted.extend(places(Code::UnprovenInvariant));
+        for (id, spans) in program.spans.entities.pairs() {
+            let entity = &program.entities[id];
+            if program.worlds[world].slots.iter().all(|s| s.entity != id) {
+                continue;
+            }
+            let never = spans.modes.pairs().filter(|(_, span)| modes.iter().any(|(at, _)| at == *span));
+            self.modes.extend(never.map(|(mode, _)| (id, mode)));
+            let silent =
+                spans.invariants.iter().enumerate().filter(|(_, span)| !doubted.iter().any(|(at, _)| at == *span));
+            self.silent.extend(silent.map(|(index, _)| (id, index)));
+            for (edge, e) in entity.edges.pairs() {
+                let leaves: Vec<_> = entity
+                    .leaves
+                    .pairs()
+                    .filter(|(_, l)| l.edges.contains(&edge) || l.internal.contains(&edge))
+                    .map(|(leaf, _)| leaf)
+                    .collect();
+                for part in program.with_operands(vec![e.guard]) {
+                    let said = guards.iter().find(|(at, _)| *at == program.spans.exprs[part]);
+                    // Comparisons and atoms alone; what stands in brackets has the span of the brackets' inside.
+                    if let Some((_, holds)) = said {
+                        let leaves = leaves.clone();
+                        self.guards.push(GuardClaim { entity: id, part, leaves, holds: *holds });
+                    }
+                }
+            }
+        }
+    }
+
+    /// How much is claimed.
+    pub fn count(&self) -> usize {
+        self.goals.len()
+            + self.goals_within.len()
+            + self.nevers.len()
+            + self.invariants.len()
+            + self.modes.len()
+            + self.guards.len()
+    }
+
+    /// The goals that are proven unreachable, with all inputs allowed; by their number.
+    pub fn verdicts(&self, program: &Program, world: WorldId) -> Vec<(String, bool)> {
+        let table = &program.worlds[world];
+        let goals = table.goals.pairs().map(|(id, g)| (g.name.clone(), self.goals.contains(&id)));
+        let nevers = table.nevers.pairs().map(|(id, n)| (n.name.clone(), self.nevers.contains(&id)));
+        goals.chain(nevers).collect()
+    }
+
+    /// What a state is against, if it is reached by a run of this kind.
+    pub fn refuted(&self, sim: &Simulator<'_>, state: &[u8], standing: Standing) -> Option<Violation> {
+        let (program, world) = (sim.program(), sim.world());
+        if standing.is_inside {
+            if let Some(what) = outside(program, sim, &self.space, state) {
+                return Some(Violation::new(&format!("outside: {}", class_of(&what)), what));
+            }
+            let holds = |goal: &&GoalId| sim.goal(state, **goal) == Ok(true);
+            if let Some(goal) = self.goals.iter().find(holds) {
+                return Some(Violation::new(
+                    "goal",
+                    format!("{} holds, which is proven never to", world.goals[*goal].name),
+                ));
+            }
+            let holds = |never: &&NeverId| sim.holds(state, world.nevers[**never].holds) == Ok(true);
+            if let Some(never) = self.nevers.iter().find(holds) {
+                return Some(Violation::new(
+                    "never",
+                    format!("{} holds, which is proven never to", world.nevers[*never].name),
+                ));
+            }
+            if standing.is_allowed
+                && let Some(within) = &self.within
+            {
+                if let Some(what) = outside(program, sim, within, state) {
+                    return Some(Violation::new(&format!("outside without: {}", class_of(&what)), what));
+                }
+                let holds = |goal: &&GoalId| sim.goal(state, **goal) == Ok(true);
+                if let Some(goal) = self.goals_within.iter().find(holds) {
+                    return Some(Violation::new(
+                        "goal without",
+                        format!("{} holds, with no never before", world.goals[*goal].name),
+                    ));
+                }
+            }
+        }
+        if let Some(what) = self.broken(sim, state, if standing.is_inside { &self.invariants } else { &[] }) {
+            return Some(Violation::new("invariant", what));
+        }
+        if let Some(what) = self.broken(sim, state, &self.silent) {
+            return Some(Violation::new("invariant of check", what));
+        }
+        for (slot, s) in world.slots.pairs() {
+            let layout = &world.layout.slots[slot];
+            let entity = &program.entities[s.entity];
+            for (_, mode) in self.modes.iter().filter(|(e, _)| *e == s.entity && layout.alive(state)) {
+                let m = &entity.modes[*mode];
+                let leaf = layout.leaf(state, m.group);
+                if m.leaves.0 <= leaf && leaf < m.leaves.1 {
+                    return Some(Violation::new(
+                        "mode",
+                        format!("{} is in {}, which is never entered", s.name, m.path),
+                    ));
+                }
+            }
+        }
+        None
+    }
+
+    fn broken(&self, sim: &Simulator<'_>, state: &[u8], proven: &[(EntityId, usize)]) -> Option<String> {
+        let (program, world) = (sim.program(), sim.world());
+        let input = Input::nothing(world.players.len());
+        for (slot, s) in world.slots.pairs().filter(|(slot, _)| world.layout.slots[*slot].alive(state)) {
+            for (_, index) in proven.iter().filter(|(e, _)| *e == s.entity) {
+                let eye = Eye { program, world, state, input: &input, me: slot, taken: &[], notes: &Nobody };
+                let holds = program.entities[s.entity].invariants[*index];
+                if eye.truth(holds) == Some(false) {
+                    return Some(format!("{}: its invariant {index} does not hold, which is proven", s.name));
+                }
+            }
+        }
+        None
+    }
+
+    /// What a step from a state with an input is against.
+    pub fn refuted_by_step(&self, sim: &Simulator<'_>, state: &[u8], input: &Input) -> Option<Violation> {
+        let (program, world) = (sim.program(), sim.world());
+        for claim in &self.guards {
+            for (slot, _) in world.slots.pairs().filter(|(_, s)| s.entity == claim.entity) {
+                let layout = &world.layout.slots[slot];
+                let groups = &program.entities[claim.entity].groups;
+                let is_asked = || groups.ids().any(|g| claim.leaves.contains(&layout.leaf(state, g)));
+                if !layout.alive(state) || !is_asked() {
+                    continue;
+                }
+                let eye = Eye { program, world, state, input, me: slot, taken: &[], notes: &Nobody };
+                if eye.truth(claim.part) == Some(!claim.holds) {
+                    let name = &world.slots[slot].name;
+                    let verb = if claim.holds { "always" } else { "never" };
+                    return Some(Violation::new(
+                        "guard",
+                        format!("{name}: a guard that {verb} holds turns out otherwise"),
+                    ));
+                }
+            }
+        }
+        None
+    }
+}
+
+/// What of a state is outside, without names and numbers.
+fn class_of(what: &str) -> String {
+    let rest = what.rsplit(": ").next().unwrap_or(what);
+    match rest {
+        _ if rest.contains("absent") => "absent".into(),
+        _ if rest.contains("these modes") => "modes".into(),
+        _ if rest.contains("timer") => "timer".into(),
+        _ if rest.contains("space") => "space".into(),
+        _ => rest.split(' ').next().unwrap_or("").to_string(),
+    }
+}

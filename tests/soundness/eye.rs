@@ -1,0 +1,265 @@
+//! Reads expressions against a state, by the language's definition and not by the simulator's code; tells what it reads.
+
+use hypedc::ir::{
+    Arithmetic, By, CompareOp, EdgeId, Entity, Expr, ExprId, Function, Id, LeafId, MAX_AXES, ModeId, Press, Program,
+    SlotId, Subject, World, arithmetic, call, compare,
+};
+use hypedc::sim::Input;
+use hypedc::sim::state::{buttons, real};
+
+/// Told of what is read.
+pub trait Notes {
+    fn note(&self, what: &str);
+    fn turned_out(&self, atom: &str, holds: bool);
+}
+
+/// Nobody.
+pub struct Nobody;
+
+impl Notes for Nobody {
+    fn note(&self, _: &str) {}
+    fn turned_out(&self, _: &str, _: bool) {}
+}
+
+/// A state and the input of the step that begins there.
+#[derive(Clone, Copy)]
+pub struct Eye<'a> {
+    pub program: &'a Program,
+    pub world: &'a World,
+    pub state: &'a [u8],
+    pub input: &'a Input,
+    pub me: SlotId,
+    /// What the groups of the instance do in this step.
+    pub taken: &'a [Option<Move>],
+    pub notes: &'a dyn Notes,
+}
+
+/// An edge that is taken.
+#[derive(Debug, Clone, Copy)]
+pub struct Move {
+    pub edge: EdgeId,
+    pub target: ModeId,
+    pub from: LeafId,
+    pub to: LeafId,
+}
+
+impl<'a> Eye<'a> {
+    pub fn entity(&self, slot: SlotId) -> &'a Entity {
+        &self.program.entities[self.world.slots[slot].entity]
+    }
+
+    fn instance(&self, of: Subject) -> Option<SlotId> {
+        let mine = &self.world.layout.slots[self.me];
+        match of {
+            Subject::Me => Some(self.me),
+            Subject::Slot(slot) => Some(slot),
+            Subject::Ref(id) => mine.reference(self.state, id),
+            Subject::Touched(id) => mine.touched(self.state, id),
+        }
+    }
+
+    /// The value of a number; none where reading it stops the run.
+    pub fn number(&self, id: ExprId) -> Option<f64> {
+        let slots = &self.world.layout.slots;
+        let finite = |x: f64| x.is_finite().then_some(x);
+        match self.program.exprs[id] {
+            Expr::Number(n) => Some(n),
+            Expr::Frames(n) => Some(n * self.world.step.seconds()),
+            Expr::Param(of, param) => {
+                let slot = self.instance(of)?;
+                self.notes.note(if of == Subject::Me { "own parameter" } else { "parameter of another" });
+                match slots[slot].params {
+                    Some(at) => Some(real(self.state, at + 8 * param.index())),
+                    None => self.world.slots[slot].params.get(param).copied(),
+                }
+            }
+            Expr::Var(of, var, degree) => {
+                let slot = self.instance(of)?;
+                self.notes.note(if of == Subject::Me { "own variable" } else { "variable of another" });
+                Some(slots[slot].var(self.state, var, degree))
+            }
+            Expr::Discrete(of, discrete) => {
+                let slot = self.instance(of)?;
+                self.notes.note(if of == Subject::Me { "own discrete" } else { "discrete of another" });
+                Some(f64::from(slots[slot].discrete(self.state, discrete)))
+            }
+            Expr::Axis(axis) => {
+                let player = self.world.slots[self.me].player;
+                let value = player.map_or(0.0, |p| self.input.of(p).axes[axis.index() % MAX_AXES]);
+                self.notes.note(match value {
+                    0.0 => "axis at 0",
+                    -1.0 | 1.0 => "axis at an end",
+                    _ => "axis at a fraction",
+                });
+                Some(value)
+            }
+            Expr::Timer(timer) => {
+                let count = slots[self.me].timer(self.state, timer);
+                self.notes.note(if count == 0 { "timer at 0" } else { "timer that counts" });
+                Some(self.world.step.times(count))
+            }
+            Expr::Negate(a) => Some(-self.number(a)?),
+            Expr::Arithmetic(op, a, b) => {
+                let (a, b) = (self.number(a)?, self.number(b)?);
+                self.notes.note(match op {
+                    Arithmetic::Add => "+",
+                    Arithmetic::Subtract => "-",
+                    Arithmetic::Multiply => "*",
+                    Arithmetic::Divide => "/",
+                });
+                (op != Arithmetic::Divide || b != 0.0).then(|| arithmetic(op, a, b)).and_then(finite)
+            }
+            Expr::Call(Function::If, [condition, a, b]) => {
+                let holds = self.truth(condition)?;
+                self.notes.turned_out("if", holds);
+                self.number(if holds { a } else { b })
+            }
+            Expr::Call(function, [a, b, c]) => {
+                self.notes.note(function_name(function));
+                finite(call(function, [self.number(a)?, self.number(b)?, self.number(c)?]))
+            }
+            _ => Some(f64::from(u8::from(self.truth(id)?))),
+        }
+    }
+
+    /// How a guard turns out; none where reading it stops the run.
+    pub fn truth(&self, id: ExprId) -> Option<bool> {
+        let atom = |name: &str, holds: bool| {
+            self.notes.turned_out(name, holds);
+            Some(holds)
+        };
+        let slots = &self.world.layout.slots;
+        match self.program.exprs[id] {
+            Expr::Bool(b) => Some(b),
+            Expr::Compare(op, a, b) => {
+                let (a, b) = (self.number(a)?, self.number(b)?);
+                atom(op_name(op), compare(op, a, b))
+            }
+            Expr::And(a, b) => {
+                let holds = self.truth(a)? && self.truth(b)?;
+                atom("and", holds)
+            }
+            Expr::Or(a, b) => {
+                let holds = self.truth(a)? || self.truth(b)?;
+                atom("or", holds)
+            }
+            Expr::Not(a) => {
+                let holds = !self.truth(a)?;
+                atom("not", holds)
+            }
+            Expr::Button(press, button) => {
+                let player = self.world.slots[self.me].player;
+                let now = player.map_or(0, |p| self.input.of(p).buttons) >> button.index() & 1 == 1;
+                let old = player.map_or(0, |p| buttons(self.state, self.world.layout.players[p])) >> button.index() & 1;
+                match press {
+                    Press::Pressed => atom("pressed", now && old == 0),
+                    Press::Held => atom("held", now),
+                    Press::Released => atom("released", !now && old == 1),
+                }
+            }
+            Expr::Touching(of, touch) => {
+                let holds = self.instance(of).is_some_and(|s| slots[s].touch(self.state, touch));
+                let question = self.instance(of).and_then(|s| self.entity(s).touches.get(touch));
+                let name = match question {
+                    Some(t) if t.bound => "touching as",
+                    Some(t) if t.side.is_some() => "touching on a side",
+                    _ => "touching",
+                };
+                atom(name, holds)
+            }
+            Expr::Joint(mode, is_entering) => {
+                let modes = &self.entity(self.me).modes;
+                let group = modes[mode].group;
+                let holds = self.taken.get(group.index()).copied().flatten().is_some_and(|m| {
+                    let there = if is_entering { m.to } else { m.from };
+                    let is_active = |leaf: LeafId| modes[mode].leaves.0 <= leaf && leaf < modes[mode].leaves.1;
+                    let is_around = mode < m.target && m.target < modes[mode].end;
+                    is_active(there) && !(is_around && is_active(m.from))
+                });
+                atom(if is_entering { "entering" } else { "exiting" }, holds)
+            }
+            Expr::IsNone(of) => atom("is none", self.instance(of).is_none()),
+            Expr::Is(of, entity) => {
+                atom("is ENTITY", self.instance(of).is_some_and(|s| self.world.slots[s].entity == entity))
+            }
+            Expr::Alive(slot) => atom("alive", slots[slot].alive(self.state)),
+            Expr::InMode(of, mode) => {
+                let name = if of == Subject::Me { "in MODE" } else { "in MODE of another" };
+                let holds = self.instance(of).is_some_and(|slot| {
+                    let modes = &self.entity(slot).modes;
+                    modes.get(mode).is_some_and(|m| {
+                        let leaf = slots[slot].leaf(self.state, m.group);
+                        m.leaves.0 <= leaf && leaf < m.leaves.1
+                    })
+                });
+                atom(name, holds)
+            }
+            Expr::InSpace(of, space) => {
+                atom("inside", self.instance(of).is_some_and(|s| slots[s].space(self.state) == space))
+            }
+            Expr::Near { of, x, y, radius } => {
+                let Some(slot) = self.instance(of) else { return atom("near", false) };
+                let at = |axis: u32| slots[slot].var(self.state, hypedc::ir::VarId(axis), 0);
+                let (dx, dy) = (at(0) - self.number(x)?, at(1) - self.number(y)?);
+                atom("near", (dx * dx + dy * dy).sqrt() <= self.number(radius)?)
+            }
+            _ => Some(self.number(id)? != 0.0),
+        }
+    }
+
+    /// What a group does in this step, if nothing stops the run; groups that it waits for are in `taken`.
+    pub fn decide(&self, group: hypedc::ir::GroupId) -> Option<Move> {
+        let entity = self.entity(self.me);
+        let from = self.world.layout.slots[self.me].leaf(self.state, group);
+        let edge =
+            entity.leaves[from].edges.iter().copied().find(|e| self.truth(entity.edges[*e].guard) == Some(true))?;
+        let target = entity.edges[edge].target?;
+        let mut at = &entity.modes[target];
+        while at.chooses {
+            let Some(inner) = at.inner else { break };
+            let chosen = at.choices.iter().find(|c| self.truth(c.guard) == Some(true));
+            at = &entity.modes[chosen.map_or(inner, |c| c.mode)];
+        }
+        Some(Move { edge, target, from, to: at.initial })
+    }
+}
+
+fn op_name(op: CompareOp) -> &'static str {
+    match op {
+        CompareOp::Less => "<",
+        CompareOp::AtMost => "<=",
+        CompareOp::Greater => ">",
+        CompareOp::AtLeast => ">=",
+        CompareOp::Equal => "==",
+        CompareOp::Unequal => "!=",
+    }
+}
+
+fn function_name(function: Function) -> &'static str {
+    match function {
+        Function::Min => "min",
+        Function::Max => "max",
+        Function::Abs => "abs",
+        Function::Sign => "sign",
+        Function::Clamp => "clamp()",
+        Function::Floor => "floor",
+        Function::Ceil => "ceil",
+        Function::Round => "round",
+        Function::Sqrt => "sqrt",
+        Function::Sin => "sin",
+        Function::Cos => "cos",
+        Function::Atan2 => "atan2",
+        Function::If => "if",
+    }
+}
+
+/// What an envelope is driven by.
+pub fn by_name(by: &By) -> &'static str {
+    match by {
+        By::Button(_) => "by a button",
+        By::Axis(_) => "by an axis",
+        By::Axes(_, ways) if ways.is_empty() => "by two axes, any direction",
+        By::Axes(..) => "by two axes, directions",
+        By::Clock { .. } => "fixed",
+    }
+}

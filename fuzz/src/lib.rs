@@ -12,6 +12,7 @@ use hypedc::diagnostic::fix;
 use hypedc::format::format;
 use hypedc::graph::{Chart, chart, dot, mermaid, svg};
 use hypedc::ir::{self, Program, WorldId};
+use hypedc::reach::Guard;
 use hypedc::sim::{Input, Simulator};
 use hypedc::source::{FileId, Files, ReadError, SourceMap, decode};
 use hypedc::syntax::parse;
@@ -169,12 +170,13 @@ fn run(program: &Program, world: WorldId) {
     let mut scratch = sim.scratch();
     let Ok(mut state) = sim.initial(&mut scratch) else { return };
     let space = configuration_space(program, world);
+    let guard = Guard::new(&space, program, world);
     let mut input = Input::nothing(program.worlds[world].players.len());
     for step in 0..50u64 {
         if !goes_on(&sim, &state) {
             return;
         }
-        assert_eq!(outside(program, &sim, &space, &state), None, "step {step}");
+        assert_eq!(outside(&sim, &guard, &state), None, "step {step}");
         assert_eq!(ruled_out(program, &sim, &space, &state), None, "step {step}");
         for player in &mut input.0 {
             player.buttons = 1 << (step / 4 % 8);

@@ -49,6 +49,8 @@ mod findings;
 mod fixpoint;
 mod flow;
 mod local;
+mod lookup;
+mod membership;
 mod pace;
 mod region;
 mod scene;
@@ -61,6 +63,7 @@ mod widen;
 
 pub use evaluate::{Configuration, Numbers};
 pub use findings::{InvariantVerdict, Spaces, findings, invariants, watched_findings};
+pub use membership::{Beyond, Membership, Outside, Reading};
 pub use values::{Interval, Values};
 
 use crate::ir::{ExprId, GoalId, IdVec, Program, SlotId, World, WorldId};

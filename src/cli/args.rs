@@ -282,7 +282,11 @@ pub(super) enum TraceFormatName {
 `hero.keys > 0` or `hero in running`. A time is written `30s`, `500ms` or `30frames` (steps of the world).
 
 Exit codes: 0 if every question is answered as wished (a goal reached, a `never` proven); 1 if an answer is no, or there is \
-none (a goal not found or proven unreachable, a `never` violated or not answered); 2 if a question could not be asked.")]
+none (a goal not found or proven unreachable, a `never` violated or not answered); 2 if a question could not be asked.
+
+Every state that a search makes is held against what the analysis says the world can be. If one lies outside, the analysis is \
+wrong about this world: no proof that rests on it is given, a file `hypedc-refuted-WORLD-SEED.txt` tells how to see it again, and \
+the exit code is 1.")]
 pub(super) struct ReachArgs {
     /// The program.
     #[arg(value_name = "FILE")]
@@ -343,6 +347,10 @@ pub(super) struct ReachArgs {
     /// The seed: the same seed gives the same search.
     #[arg(long, value_name = "N", default_value_t = 1, help_heading = "The search")]
     pub seed: u64,
+    /// Does not hold every state against what the analysis says the world can be. For measurements of what that costs: a
+    /// mistake of the analysis, and of the proofs that rest on it, goes unnoticed then.
+    #[arg(long, help_heading = "The search")]
+    pub no_check_states: bool,
     /// The most nodes to grow for each goal; by itself 200000, or with `--seconds` as many as come.
     #[arg(long, value_name = "N", help_heading = "The budget")]
     pub nodes: Option<u64>,

@@ -13,8 +13,8 @@ use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::{Diagnostics, Fact, render, similar};
 use crate::ir::{ExprId, GoalId, NeverId, World, WorldId};
 use crate::reach::{
-    BadStart, Death, End, Limits, Measure, Outcome, Plan, Planner, Problem, Sampling, Settings, Target, Verdict,
-    Visited, hasten, passed, reach, shorten,
+    BadStart, Death, End, Guard, Limits, Measure, Outcome, Plan, Planner, Problem, Refutation, Sampling, Settings,
+    Target, Verdict, Visited, hasten, passed, reach, shorten,
 };
 use crate::sim::{Script, Simulator, parse_script};
 use crate::source::SourceMap;
@@ -23,6 +23,7 @@ use crate::watch::Watch;
 
 use super::args::{MetricName, ReachArgs, SampleBounds};
 use super::reach_result::{Answered, Question, Violation};
+use super::refuted::{Occasion, Refuted};
 use super::report::{Loaded, plain_error, show};
 use super::sim::save_script;
 use super::time::{Time, held};
@@ -97,6 +98,8 @@ pub(super) struct Asking<'a> {
     loaded: &'a Loaded,
     sim: Simulator<'a>,
     space: ConfigurationSpace,
+    /// Holds all states that are made for any of the questions against the space, unless that is not wished.
+    guard: Option<Guard>,
     prepared: Prepared,
     /// What the analysis of the world took, s.
     pub analysis_seconds: f64,
@@ -135,7 +138,33 @@ impl<'a> Asking<'a> {
         let nevers: Vec<ExprId> = program.worlds[world].nevers.iter().map(|never| never.holds).collect();
         let space = watched_space(program, world, &nevers, watch);
         let analysis_seconds = started.elapsed().as_secs_f64();
-        Asking { args, loaded, sim: Simulator::new(program, world), space, prepared, analysis_seconds }
+        Asking::resting_on(args, loaded, prepared, space, analysis_seconds)
+    }
+
+    /// Rests its proofs on what the world can be.
+    pub fn resting_on(
+        args: &'a ReachArgs,
+        loaded: &'a Loaded,
+        prepared: Prepared,
+        space: ConfigurationSpace,
+        analysis_seconds: f64,
+    ) -> Self {
+        let (program, world) = (&loaded.program, prepared.world);
+        let guard = (!args.no_check_states).then(|| Guard::new(&space, program, world));
+        Asking { args, loaded, sim: Simulator::new(program, world), space, guard, prepared, analysis_seconds }
+    }
+
+    /// A run that shows that the analysis is wrong about this world, if the search for any of the answers has met one.
+    pub fn refutation(&self) -> Option<Refutation> {
+        self.guard.as_ref().and_then(Guard::refutation)
+    }
+
+    /// As results have it, with a file from which it can be seen again.
+    pub fn refuted(&self, level: Option<&Path>, command: String) -> Option<Refuted> {
+        let (program, world) = (&self.loaded.program, self.sim.world_id());
+        let mut refuted = Refuted::new(program, world, &self.refutation()?);
+        refuted.write(program, world, &Occasion { file: &self.args.file, level, seed: self.args.seed, command });
+        Some(refuted)
     }
 
     /// Of what everything is taken to be possible, and why: each entity once, with its first instance.
@@ -159,11 +188,11 @@ impl<'a> Asking<'a> {
         &self.prepared.targets
     }
 
-    /// Asks one question, whatever else is asked.
-    pub fn ask(&self, target: Target, watch: &dyn Watch) -> Result<Asked, Refusal> {
+    /// Searches for an answer to one question, whatever else is asked.
+    pub fn find_alone(&self, target: Target, watch: &dyn Watch) -> Result<Found<'_>, Refusal> {
         let mut found = self.find(target, watch)?;
         self.minimize(&mut found, watch);
-        Ok(self.answer(found))
+        Ok(found)
     }
 
     /// Searches for an answer.
@@ -245,10 +274,13 @@ impl<'a> Asking<'a> {
         lengths.max()
     }
 
-    /// The answer to show.
+    /// The answer to show, once all questions have been asked: what one search has met may refute what was proven before.
     pub fn answer(&self, found: Found<'_>) -> Asked {
         let (program, world) = (&self.loaded.program, self.sim.world_id());
-        let Found { target, outcome, seconds, .. } = found;
+        let Found { target, mut outcome, seconds, .. } = found;
+        if let Some(refutation) = self.refutation() {
+            outcome.refute(&refutation);
+        }
         let asked = Question { least_hold: self.prepared.least_hold, within: self.within() };
         let mut answered = Answered::new(self.loaded, &self.sim, target, asked, &outcome, seconds);
         let script = |script: &Script| script.text(program, world);
@@ -277,6 +309,9 @@ impl<'a> Asking<'a> {
     fn problem(&self, target: Target, watch: &dyn Watch) -> Result<Option<Problem<'_>>, Refusal> {
         let world = self.sim.world();
         let mut problem = Problem::asking(&self.sim, target).holding(self.prepared.least_hold);
+        if let Some(guard) = &self.guard {
+            problem = problem.guarded(guard);
+        }
         if self.args.without.is_some()
             && let Some(never) = world.nevers.iter().last()
         {
@@ -408,6 +443,7 @@ fn settings(args: &ReachArgs, world: &World, least_hold: u16) -> Result<Settings
         trees: usize::from(args.trees),
         threads: usize::from(args.threads),
         records: args.svg.is_some() || args.tree,
+        checks: !args.no_check_states,
         ..Settings::default()
     })
 }

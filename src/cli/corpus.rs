@@ -201,7 +201,9 @@ impl Run<'_> {
             Some(comparison) => comparison.is_worse(),
             None => rows.iter().any(|kept| !kept.row.is_as_wished),
         };
-        Ok(if is_no || is_stopped { Answer::No } else { Answer::Yes })
+        // Whatever was wished, a mistake of the analysis is none of it.
+        let is_refuted = rows.iter().any(|kept| kept.row.refuted.is_some());
+        Ok(if is_no || is_stopped || is_refuted { Answer::No } else { Answer::Yes })
     }
 }
 

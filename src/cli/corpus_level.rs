@@ -16,6 +16,7 @@ use super::args::ReachArgs;
 use super::asking::{Asked, Asking, Prepared, Refusal, barred, named, nodes_limit};
 use super::disk::Disk;
 use super::reach_result::{Answered, restart_text};
+use super::refuted::command_line;
 use super::report::{Loaded, find_world, level_sha256, program_sha256};
 
 /// A level of many; none for a program that has its maps in it.
@@ -107,9 +108,12 @@ impl Common<'_> {
         let blank =
             |target: usize| Row { program_sha256: Some(program_sha256.clone()), ..blank(target, String::new()) };
         let kept = |target: usize| self.record.same(&blank(target)).filter(|kept| self.has_files(level, &kept.row));
+        // A search for another goal may refute what a proof of an earlier run rests on.
+        let is_searched = (0..self.targets.len()).any(|target| kept(target).is_none());
+        let rests_on_analysis = |kept: &Kept| kept.row.answered_by.as_deref() == Some("analysis");
         let mut open = Vec::new();
         for target in 0..self.targets.len() {
-            match kept(target) {
+            match kept(target).filter(|kept| !(is_searched && rests_on_analysis(kept))) {
                 Some(kept) => desk.hand_in(Done::Kept(target, Box::new(kept.clone()))),
                 None => open.push(target),
             }
@@ -118,36 +122,53 @@ impl Common<'_> {
             return;
         }
         let asking = Asking::new(self.args, &loaded, prepared, &LevelWatch::new(desk, self.args.seconds));
+        // What refutes the analysis may come to light in the search for another goal of the level.
+        let mut waiting = Vec::new();
+        let timing = |seconds: f64, cpu_seconds: Option<f64>| Timing {
+            seconds,
+            cpu_seconds,
+            analysis_seconds: asking.analysis_seconds,
+        };
+        let finished = |target: usize, mut asked: Asked, cpu: Option<f64>| {
+            asking.save(&mut asked, level.name.as_deref()).map_err(|refusal| refusal.text(&loaded.sources))?;
+            let fault = asked
+                .outcome
+                .fault
+                .map(|(fault, step)| Refusal::of(fault.fact(&loaded.program, world, step)).text(&loaded.sources));
+            let timing = timing(asked.answered.seconds, cpu);
+            Ok::<Row, String>(Row { fault, timing, ..row(blank(target), asked) })
+        };
         for target in open {
             if desk.is_over() {
                 return;
             }
             let watch = LevelWatch::new(desk, self.args.seconds);
             let began = cpu_seconds();
-            let asked = asking.ask(asking.targets()[target], &watch);
+            let found = asking.find_alone(asking.targets()[target], &watch);
             let cpu = began.zip(cpu_seconds()).map(|(from, to)| to - from);
             if desk.is_over() {
                 // It may have been cut short.
                 return;
             }
-            let row = match asked {
-                Ok(mut asked) => {
-                    if let Err(refusal) = asking.save(&mut asked, level.name.as_deref()) {
-                        return desk.hand_in(Done::Broken(refusal.text(&loaded.sources)));
-                    }
-                    let fault = asked.outcome.fault.map(|(fault, step)| {
-                        Refusal::of(fault.fact(&loaded.program, world, step)).text(&loaded.sources)
-                    });
-                    let timing = Timing {
-                        seconds: asked.answered.seconds,
-                        cpu_seconds: cpu,
-                        analysis_seconds: asking.analysis_seconds,
-                    };
-                    Row { fault, timing, ..row(blank(target), asked) }
+            let row = match found {
+                Ok(found) if found.outcome.rests_on_analysis() || asking.refutation().is_some() => {
+                    waiting.push((target, found, cpu));
+                    continue;
                 }
+                Ok(found) => match finished(target, asking.answer(found), cpu) {
+                    Ok(row) => row,
+                    Err(why) => return desk.hand_in(Done::Broken(why)),
+                },
                 Err(refusal) => Row { error: Some(refusal.text(&loaded.sources)), ..blank(target) },
             };
             desk.hand_in(Done::New(target, Box::new(row)));
+        }
+        let refuted = asking.refuted(path, command_line()).map(|refuted| refuted.line());
+        for (target, found, cpu) in waiting {
+            match finished(target, asking.answer(found), cpu) {
+                Ok(row) => desk.hand_in(Done::New(target, Box::new(Row { refuted: refuted.clone(), ..row }))),
+                Err(why) => return desk.hand_in(Done::Broken(why)),
+            }
         }
     }
 

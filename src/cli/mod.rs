@@ -27,6 +27,7 @@ mod lsp;
 mod new;
 mod reach;
 mod reach_result;
+mod refuted;
 mod replay;
 mod report;
 mod sim;

@@ -3,14 +3,15 @@
 
 use std::io::{self, Write};
 
-use crate::ir::World;
+use crate::ir::{World, WorldId};
 
 use super::Answer;
 use super::args::{ReachArgs, ResultFormat};
 use super::asking::{Asking, Found, Prepared, Refusal, barred, target_name};
 use super::corpus;
 use super::reach_result::RunResult;
-use super::report::{choose_world, load_barred, show_fact};
+use super::refuted::command_line;
+use super::report::{Loaded, choose_world, load_barred, show_fact};
 use super::watching::{CommandWatch, Interrupt};
 
 pub(super) fn run(args: &ReachArgs) -> io::Result<Answer> {
@@ -31,17 +32,22 @@ pub(super) fn run(args: &ReachArgs) -> io::Result<Answer> {
             return Ok(Answer::Unasked);
         }
     };
-    let program = &loaded.program;
     // What the analysis takes is part of the time for the first goal.
     let watch = CommandWatch::new("analysis", args.seconds);
     let asking = Asking::new(args, &loaded, prepared, &watch);
     watch.finish();
+    answer_all(args, &loaded, world, &asking)
+}
+
+/// Asks all questions, then shows the answers: a search can refute what was proven before.
+fn answer_all(args: &ReachArgs, loaded: &Loaded, world: WorldId, asking: &Asking<'_>) -> io::Result<Answer> {
+    let program = &loaded.program;
     let mut result = RunResult::new(args, program, world, asking.settings(), asking.analysis_seconds);
     result.given_up = asking.given_up();
     if args.format == ResultFormat::Human {
         write!(io::stdout(), "{}", result.head())?;
     }
-    let found = match find(args, &asking, &program.worlds[world]) {
+    let found = match find(args, asking, &program.worlds[world]) {
         Ok(found) => found,
         Err(refusal) => {
             refusal.show(&loaded.sources)?;
@@ -49,6 +55,10 @@ pub(super) fn run(args: &ReachArgs) -> io::Result<Answer> {
         }
     };
     let mut answer = if found.len() < asking.targets().len() { Answer::No } else { Answer::Yes };
+    result.refuted = asking.refuted(args.map.first().map(AsRef::as_ref), command_line());
+    if result.refuted.is_some() {
+        answer = answer.max(Answer::No);
+    }
     for (found, &target) in found.into_iter().zip(asking.targets()) {
         let mut asked = asking.answer(found);
         if let Err(refusal) = asking.save(&mut asked, None) {
@@ -110,4 +120,83 @@ fn find<'q>(args: &ReachArgs, asking: &'q Asking<'_>, world: &World) -> Result<V
         all.iter_mut().for_each(|found| asking.simplify(found, &watch));
     }
     Ok(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs::{create_dir_all, read_dir, read_to_string, remove_dir_all, write};
+
+    use clap::Parser;
+
+    use super::super::args::{Arguments, Command};
+    use super::*;
+    use crate::analysis::configuration_space;
+    use crate::ir::GoalId;
+    use crate::reach::Target;
+
+    fn source(speed: u32) -> String {
+        format!(
+            "entity Walker {{
+                button go
+                mode still {{ x' = 0; when held(go) -> moving }}
+                mode moving {{ x' = {speed} }}
+            }}
+            world Field {{
+                space main {{ place walker: Walker at (0, 0) }}
+                player 1: walker
+                goal fast: walker.x' > 50
+                goal far: walker.x > 40
+            }}\n"
+        )
+    }
+
+    /// What the analysis says of a world is what it says of a slower one: a mistake of the analysis, as it were.
+    #[test]
+    fn a_wrong_analysis_is_told_kept_and_fails_the_command() {
+        let folder = std::env::temp_dir().join(format!("hypedc-refuted-{}", std::process::id()));
+        create_dir_all(&folder).unwrap();
+        let (slow, fast) = (folder.join("slow.hyped"), folder.join("fast.hyped"));
+        write(&slow, source(30)).unwrap();
+        write(&fast, source(60)).unwrap();
+        let answer = |file: &std::path::Path, more: &[&str]| {
+            let file = file.to_str().unwrap();
+            let arguments = ["hypedc", "reach", file, "--nodes", "500"].into_iter().chain(more.iter().copied());
+            let Command::Reach(args) = Arguments::try_parse_from(arguments).unwrap().command else { panic!() };
+            let level = || args.reading.of(None);
+            let slow = load_barred(&slow, level(), None).unwrap().unwrap();
+            let world = WorldId(0);
+            let space = configuration_space(&slow.program, world);
+            let mut loaded = load_barred(&args.file, level(), None).unwrap().unwrap();
+            let prepared = Prepared::new(&args, &mut loaded, world).unwrap_or_else(|_| panic!());
+            let asking = Asking::resting_on(&args, &loaded, prepared, space, 0.0);
+            let answer = answer_all(&args, &loaded, world, &asking).unwrap();
+            let first = asking.find(Target::Goal(GoalId(0)), &crate::watch::Unwatched).unwrap_or_else(|_| panic!());
+            (answer, asking.answer(first).answered)
+        };
+        let written = || {
+            let names = read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+            let mut names: Vec<String> = names.filter(|name| name.ends_with(".txt")).collect();
+            names.sort();
+            names
+        };
+
+        let (code, answered) = answer(&slow, &[]);
+        assert_eq!((code, answered.verdict), (Answer::No, "proven-unreachable"));
+        assert!(written().is_empty(), "of itself, it is right");
+
+        let (code, answered) = answer(&fast, &[]);
+        assert_eq!((code, answered.verdict), (Answer::No, "not answered"));
+        assert!(answered.human(Target::Goal(GoalId(0))).contains("the analysis is wrong about this world"));
+        // What is found is as wished, what was found on the way is not.
+        assert_eq!(answer(&fast, &["--goal", "far", "--seed", "7"]).0, Answer::No);
+        assert_eq!(answer(&fast, &["--goal", "far", "--no-check-states"]).0, Answer::Yes);
+        assert_eq!(answer(&fast, &["--goal", "far", "--format", "json"]).0, Answer::No);
+        let first = "hypedc-refuted-Field-1.txt";
+        assert_eq!(written(), ["hypedc-refuted-Field-1-2.txt", first, "hypedc-refuted-Field-7.txt"]);
+        let text = read_to_string(folder.join(first)).unwrap();
+        for part in ["walker in moving: x' is 60, allowed is 30", "inputs   go", "world    Field", "seed     1"] {
+            assert!(text.contains(part), "{part} in {text}");
+        }
+        remove_dir_all(&folder).unwrap();
+    }
 }

@@ -12,6 +12,7 @@ use crate::sim::Simulator;
 
 use super::args::ReachArgs;
 use super::asking::nodes_limit;
+use super::refuted::Refuted;
 
 use super::report::{Loaded, program_sha256};
 use super::values;
@@ -47,6 +48,8 @@ pub(super) struct RunResult {
     seconds_limit: Option<f64>,
     memory_limit: u64,
     goals: Vec<Answered>,
+    /// How a search has shown that the analysis is wrong about this world; null if none has.
+    pub refuted: Option<Refuted>,
 }
 
 impl RunResult {
@@ -80,6 +83,7 @@ impl RunResult {
             seconds_limit: args.seconds,
             memory_limit: args.memory << 20,
             goals: Vec::new(),
+            refuted: None,
         }
     }
 
@@ -122,6 +126,7 @@ impl RunResult {
                 out.push_str(&format!("    inputs  {inputs}\n"));
             }
         }
+        out.extend(self.refuted.as_ref().map(Refuted::human));
         out
     }
 }
@@ -231,6 +236,8 @@ pub(super) struct Answered {
     pub extensions: u64,
     pub failures: u64,
     pub simulated_steps: u64,
+    /// States held against what the analysis says the world can be.
+    pub checked_states: u64,
     pub seconds: f64,
     /// Where nothing was found: the finest inputs that change only every so many steps and were all tried, and to how many
     /// states they lead.
@@ -294,6 +301,9 @@ impl Answered {
         if argument.is_some() && values::is_bounded(world) {
             reasons.push("a run ends where a player leaves the bounds of its space, below or beside".to_string());
         }
+        if outcome.is_withdrawn {
+            reasons.push("the analysis is wrong about this world, as shown below: its proof is withdrawn".to_string());
+        }
         let s = &outcome.statistics;
         let covered = &outcome.covered;
         let Question { least_hold, within } = question;
@@ -305,6 +315,7 @@ impl Answered {
             verdict: match (&outcome.verdict, target) {
                 (Verdict::Reached(_), Target::Goal(_)) => "reached",
                 (Verdict::Reached(_), Target::Never(_)) => "violated",
+                (Verdict::NotFound, _) if outcome.is_withdrawn => "not answered",
                 (Verdict::NotFound, Target::Goal(_)) => "not found",
                 (Verdict::NotFound, Target::Never(_)) => "not answered",
                 (Verdict::Unreachable(_), _) => "proven-unreachable",
@@ -332,6 +343,7 @@ impl Answered {
             extensions: s.extensions,
             failures: s.failures,
             simulated_steps: s.steps,
+            checked_states: s.checked,
             seconds,
             exhausted: outcome.exhausted,
             cuts: match outcome.verdict {
@@ -398,6 +410,7 @@ impl Answered {
             "proven-unreachable" => format!("proven unreachable{asked}"),
             "exhausted" if is_never => format!("not answered, no way to break it with axes at -1, 0 and 1{asked}"),
             "exhausted" => format!("no way with axes at -1, 0 and 1{asked}"),
+            "not answered" if !is_never => "not answered".to_string(),
             "not answered" => "not answered, no way to break it was found".to_string(),
             verdict => verdict.to_string(),
         };

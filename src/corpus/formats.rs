@@ -5,7 +5,7 @@ use crate::tabular::{Cell, Column, Table, csv};
 use super::row::{Row, Verdict};
 
 /// The columns of the CSV, one line a row; the fields are those of [`Row`], and what depends on the machine comes last.
-pub const CSV_HEADER: [&str; 47] = [
+pub const CSV_HEADER: [&str; 48] = [
     "row",
     "level",
     "kind",
@@ -37,6 +37,7 @@ pub const CSV_HEADER: [&str; 47] = [
     "out_of_memory",
     "inputs_left_out",
     "fault",
+    "refuted",
     "file",
     "world",
     "level_sha256",
@@ -96,6 +97,7 @@ pub fn csv_line(row: &Row) -> String {
         row.out_of_memory.to_string(),
         row.inputs_left_out.to_string(),
         text(&row.fault),
+        text(&row.refuted),
         row.file.clone(),
         row.world.clone(),
         text(&row.level_sha256),

@@ -255,6 +255,10 @@ pub struct Row {
     pub inputs_left_out: bool,
     /// The first run-time error met: a mistake of the program that the search went around.
     pub fault: Option<String>,
+    /// How the search, or that for another goal of the level, has shown that the analysis is wrong about the level: a mistake
+    /// of `hypedc`. None if none has.
+    #[serde(default)]
+    pub refuted: Option<String>,
     /// What depends on the machine.
     pub timing: Timing,
 }
@@ -295,6 +299,7 @@ impl Row {
             out_of_memory: false,
             inputs_left_out: false,
             fault: None,
+            refuted: None,
             timing: Timing::default(),
         }
     }
@@ -309,6 +314,7 @@ impl Row {
         match (self.verdict, &self.error, &self.argument) {
             (Verdict::Error, Some(error), _) => error.lines().next().unwrap_or_default().to_string(),
             (Verdict::ProvenUnreachable | Verdict::Exhausted, _, Some(argument)) => argument.clone(),
+            _ if self.refuted.is_some() => self.refuted.clone().unwrap_or_default(),
             (Verdict::NotFound | Verdict::NotAnswered, ..) if self.stopped => "the time is spent".to_string(),
             (Verdict::NotFound | Verdict::NotAnswered, ..) if self.out_of_memory => "the memory is full".to_string(),
             (Verdict::NotFound | Verdict::NotAnswered, ..) => format!("not among {} nodes", self.nodes),

@@ -78,7 +78,20 @@ impl Setup {
     /// As the search takes it.
     pub fn settings(&self, seed: u64) -> Settings {
         let Setup { planner, restart, sampling, measure, hold } = *self;
-        Settings { seed, planner, restart, sampling, measure, hold, trees: 1, threads: 1, ..Settings::default() }
+        // Planners are measured, and nothing else.
+        let checks = false;
+        Settings {
+            seed,
+            planner,
+            restart,
+            sampling,
+            measure,
+            hold,
+            trees: 1,
+            threads: 1,
+            checks,
+            ..Settings::default()
+        }
     }
 
     /// The bounds, as they are written in results.

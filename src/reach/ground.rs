@@ -12,7 +12,7 @@ use super::controls::ControlSets;
 use super::coverage::Coverage;
 use super::metric::{Metric, Point};
 use super::outcome::{Cut, Plan, Statistics, Visited};
-use super::problem::{Death, Problem, REPLAY_WATCH, Standing, Start};
+use super::problem::{Death, Problem, REPLAY_WATCH, Standing, Start, Target};
 use super::strategy::Choice;
 use super::tree::{NodeId, Tree};
 use super::window::Windows;
@@ -103,6 +103,8 @@ pub struct Ground<'a> {
     scratch: Scratch,
     /// The state that the last simulation led to.
     work: Vec<u8>,
+    /// Whether a state was outside of what the world can be: one is enough.
+    is_refuted: bool,
     /// Where the tree's nodes begin in the record, if nodes are recorded.
     recorded: Option<usize>,
 }
@@ -136,6 +138,7 @@ impl<'a> Ground<'a> {
             roots: Vec::new(),
             scratch: problem.sim.scratch(),
             work: vec![0; size],
+            is_refuted: false,
             recorded: None,
         }
     }
@@ -185,6 +188,7 @@ impl<'a> Ground<'a> {
         self.notes.statistics.nodes += 1;
         self.notes.coverage.visit(self.problem, state);
         self.record(root, root);
+        self.check_root(start);
         root
     }
 
@@ -311,7 +315,28 @@ impl<'a> Ground<'a> {
         self.notes.coverage.visit(self.problem, &self.work);
         let node = self.tree.push(&self.work, choice.node, (choice.input as u16, choice.hold), set, inputs);
         self.record(node, choice.node);
+        self.check(choice);
         node
+    }
+
+    /// Holds the state that the last simulation led to against what the world can be; the state before it was, too.
+    fn check(&mut self, choice: Choice) {
+        let Some(guard) = self.problem.guard().filter(|_| !self.is_refuted) else { return };
+        self.notes.statistics.checked += 1;
+        if !guard.contains_after(self.problem.sim.world(), &self.work, self.tree.state(choice.node)) {
+            self.is_refuted = true;
+            guard.refute(self.problem, &self.script(choice, choice.hold));
+        }
+    }
+
+    fn check_root(&mut self, start: usize) {
+        let Some(guard) = self.problem.guard().filter(|_| !self.is_refuted) else { return };
+        self.notes.statistics.checked += 1;
+        let start = &self.starts[start];
+        if !guard.contains(self.problem.sim.world(), &start.state) {
+            self.is_refuted = true;
+            guard.refute(self.problem, &start.script);
+        }
     }
 
     /// The state that the last simulation led to.
@@ -387,9 +412,20 @@ pub(super) fn replays_to(
     let mut state = problem.sim.initial(scratch).ok()?;
     let mut inputs = script.inputs();
     let mut step = 0;
+    let mut guard = problem.guard();
     loop {
         if step >= skipped {
-            match problem.judge(&state).ok()? {
+            let standing = problem.judge(&state).ok()?;
+            // A run is over where a `never` is broken, be it as asked.
+            let is_over = match standing {
+                Standing::Open => false,
+                Standing::Goal => matches!(problem.target, Target::Never(_)),
+                Standing::Dead(_) => true,
+            };
+            if !is_over && guard.is_some_and(|guard| !guard.contains(problem.sim.world(), &state)) {
+                guard.take().inspect(|guard| guard.refute(problem, script));
+            }
+            match standing {
                 Standing::Open => {}
                 Standing::Goal => return Some(step),
                 Standing::Dead(_) => return None,

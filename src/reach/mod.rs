@@ -10,6 +10,9 @@
 //! adds a strategy (`planners/`); `exhaustive.rs` visits each state once and can prove a "no"; `portfolio.rs` lets several
 //! take turns. A found path is replayed in the simulator before it is reported, and can be made faster (`hasten.rs`) and simpler
 //! (`shorten.rs`); what is found for one question can answer another one (`exchange.rs`).
+//!
+//! Every state that is made on the way is held against what the analysis says (`guard.rs`). One that lies outside shows that
+//! the analysis is wrong about this world: no proof that rests on it is given then.
 
 mod bounds;
 mod controls;
@@ -19,6 +22,7 @@ mod draw;
 mod exchange;
 mod exhaustive;
 mod ground;
+mod guard;
 mod hasten;
 mod metric;
 mod nearest;
@@ -42,6 +46,7 @@ pub use bounds::Sampling;
 pub use controls::MAX_CONTROLS;
 pub use coverage::{Count, Covered, PLACE};
 pub use exchange::passed;
+pub use guard::{Guard, Refutation};
 pub use hasten::hasten;
 pub use metric::{Coordinate, Measure, Metric, Point, Quantity};
 pub use nearest::{Index, Neighbour};
@@ -55,7 +60,9 @@ pub use shorten::shorten;
 use crate::analysis::ConfigurationSpace;
 use crate::ir::ExprId;
 use crate::sim::Fault;
-use crate::watch::Watch;
+use crate::watch::{Meter, Watch};
+
+use guard::guarded;
 
 /// Nodes of a first glance: what is found within them needs no closer look by the analysis.
 const GLANCE: u64 = 4_000;
@@ -66,6 +73,25 @@ const GLANCE: u64 = 4_000;
 /// # Errors
 /// A [`Fault`] if the initial state breaks a rule.
 pub fn reach(
+    problem: &Problem<'_>,
+    space: &ConfigurationSpace,
+    settings: &Settings,
+    limits: &Limits,
+    watch: &dyn Watch,
+) -> Result<Outcome, Fault> {
+    guarded(problem, space, settings, |problem| {
+        let mut outcome = reach_guarded(problem, space, settings, limits, watch)?;
+        if let Some(guard) = problem.guard() {
+            if outcome.rests_on_analysis() {
+                problem.starts()?.iter().for_each(|start| guard.follow(problem, &start.script, &Meter::new(watch)));
+            }
+            outcome.refute_by(guard);
+        }
+        Ok(outcome)
+    })
+}
+
+fn reach_guarded(
     problem: &Problem<'_>,
     space: &ConfigurationSpace,
     settings: &Settings,
@@ -88,6 +114,13 @@ pub fn reach(
         let nevers: Vec<ExprId> = problem.sim.world().nevers.iter().map(|never| never.holds).collect();
         let closer = space.clone().by_place(program, world, &nevers, watch);
         if let Some(proof) = Proof::of(problem, &closer) {
+            if let Some(guard) = problem.guard() {
+                // What the glance saw was held against less than the proof rests on: it is looked at again.
+                let closely = Guard::new(&closer, program, world);
+                let again = problem.clone().guarded(&closely);
+                search(&again, space, settings, &Limits { nodes: GLANCE, ..*limits }, watch)?;
+                closely.refutation().into_iter().for_each(|refutation| guard.note(refutation));
+            }
             return Ok(Outcome::of(Verdict::Unreachable(Argument::Analysis(proof)), "analysis"));
         }
     }

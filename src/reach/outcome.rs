@@ -4,6 +4,7 @@ use crate::ir::{Bounds, NeverId, SpaceId};
 use crate::sim::{Fault, Script};
 
 use super::coverage::Covered;
+use super::guard::{Guard, Refutation};
 use super::planners::Planner;
 use super::proof::{Proof, TooFar};
 
@@ -69,6 +70,8 @@ pub struct Statistics {
     pub failures: u64,
     /// Steps simulated.
     pub steps: u64,
+    /// States held against what the world can be.
+    pub checked: u64,
 }
 
 impl Statistics {
@@ -79,6 +82,7 @@ impl Statistics {
         self.extensions += other.extensions;
         self.failures += other.failures;
         self.steps += other.steps;
+        self.checked += other.checked;
     }
 }
 
@@ -145,9 +149,44 @@ pub struct Outcome {
     pub fault: Option<(Fault, u64)>,
     /// Whether an axis is read for more than its sign, so that axes at -1, 0 and 1 are not all there is.
     pub reads_between: bool,
+    /// A run into a state which the analysis says that there is not: it is wrong about this world.
+    pub refuted: Option<Refutation>,
+    /// Whether there was a proof, which rests on what is refuted: then there is no answer.
+    pub is_withdrawn: bool,
+}
+
+impl Argument {
+    /// Whether it rests on what the analysis says the world can be.
+    fn rests_on_analysis(&self) -> bool {
+        match self {
+            Argument::Analysis(_) | Argument::Distance(_) => true,
+            Argument::Exhaustion(_) | Argument::Over => false,
+        }
+    }
 }
 
 impl Outcome {
+    /// Whether it is a proof that rests on what the analysis says the world can be.
+    pub fn rests_on_analysis(&self) -> bool {
+        matches!(&self.verdict, Verdict::Unreachable(argument) if argument.rests_on_analysis())
+    }
+
+    /// Takes back what rests on an analysis that is refuted, be it by the search for another answer.
+    pub fn refute(&mut self, refutation: &Refutation) {
+        self.refuted.get_or_insert_with(|| refutation.clone());
+        if self.rests_on_analysis() {
+            self.verdict = Verdict::NotFound;
+            self.is_withdrawn = true;
+        }
+    }
+
+    /// As [`Outcome::refute`], if a guard has found something.
+    pub(super) fn refute_by(&mut self, guard: &Guard) {
+        if let Some(refutation) = guard.refutation() {
+            self.refute(&refutation);
+        }
+    }
+
     /// Of a search that was stopped before it began.
     pub fn stopped(planner: Planner) -> Self {
         Outcome { end: End::Stopped, ..Outcome::of(Verdict::NotFound, planner.name()) }
@@ -168,6 +207,8 @@ impl Outcome {
             truncated: false,
             fault: None,
             reads_between: false,
+            refuted: None,
+            is_withdrawn: false,
         }
     }
 }

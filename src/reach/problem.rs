@@ -4,6 +4,8 @@ use crate::ir::{ExprId, GoalId, NeverId, SlotId};
 use crate::sim::{Fault, Script, Simulator};
 use crate::watch::{Unwatched, Watch};
 
+use super::guard::Guard;
+
 /// A replay asks its watch once in so many steps.
 pub(super) const REPLAY_WATCH: u64 = 256;
 
@@ -81,6 +83,8 @@ pub struct Problem<'s> {
     /// Each input is held for at least so many steps.
     least_hold: u16,
     players: Vec<SlotId>,
+    /// Looks at the states that are made for an answer.
+    guard: Option<&'s Guard>,
     /// From where; none: from the initial state alone.
     starts: Vec<Start>,
 }
@@ -94,7 +98,16 @@ impl<'s> Problem<'s> {
     /// Asks for a goal, or for a way to break a `never`.
     pub fn asking(sim: &'s Simulator<'s>, target: Target) -> Self {
         let players = sim.world().players.iter().map(|p| p.slot).collect();
-        Problem { sim, target, players, avoided: Vec::new(), within: None, least_hold: 1, starts: Vec::new() }
+        Problem {
+            sim,
+            target,
+            players,
+            guard: None,
+            avoided: Vec::new(),
+            within: None,
+            least_hold: 1,
+            starts: Vec::new(),
+        }
     }
 
     /// Where it may not lead: a predicate of the world must never hold.
@@ -107,6 +120,19 @@ impl<'s> Problem<'s> {
     /// The predicates that may not hold on the way.
     pub(super) fn avoided(&self) -> &[ExprId] {
         &self.avoided
+    }
+
+    /// Holds all states that are made for an answer against what the world can be, so that several questions share what is
+    /// found out. Without it, each search does so for itself ([`super::Settings::checks`]).
+    #[must_use]
+    pub fn guarded(mut self, guard: &'s Guard) -> Self {
+        self.guard = Some(guard);
+        self
+    }
+
+    /// Who looks at the states.
+    pub fn guard(&self) -> Option<&'s Guard> {
+        self.guard
     }
 
     /// How many steps it may take at most, from where a search begins.

@@ -17,6 +17,7 @@ use super::coverage::mixed;
 use super::distance::Distances;
 use super::exhaustive::{Change, Exhaustive};
 use super::ground::{Ground, Notes};
+use super::guard::guarded;
 use super::metric::{Measure, Metric};
 use super::outcome::{Argument, End, Outcome, Plan, Verdict};
 use super::planners::Planner;
@@ -50,6 +51,8 @@ pub struct Settings {
     pub threads: usize,
     /// Whether all nodes are recorded, for pictures.
     pub records: bool,
+    /// Whether all states are held against what the world can be, where a problem has no [`Guard`](super::Guard) of its own.
+    pub checks: bool,
 }
 
 impl Default for Settings {
@@ -65,6 +68,7 @@ impl Default for Settings {
             trees: 1,
             threads: 1,
             records: false,
+            checks: true,
         }
     }
 }
@@ -110,6 +114,22 @@ pub fn search(
     limits: &Limits,
     watch: &dyn Watch,
 ) -> Result<Outcome, Fault> {
+    guarded(problem, space, settings, |problem| {
+        let mut outcome = search_guarded(problem, space, settings, limits, watch)?;
+        if let Some(guard) = problem.guard() {
+            outcome.refute_by(guard);
+        }
+        Ok(outcome)
+    })
+}
+
+fn search_guarded(
+    problem: &Problem<'_>,
+    space: &ConfigurationSpace,
+    settings: &Settings,
+    limits: &Limits,
+    watch: &dyn Watch,
+) -> Result<Outcome, Fault> {
     let (mut starts, mut fault) = (Vec::new(), None);
     for start in problem.starts()? {
         match settled(problem, start, watch)? {
@@ -129,6 +149,9 @@ pub fn search(
     if starts.is_empty() {
         let verdict = if fault.is_some() { Verdict::NotFound } else { Verdict::Unreachable(Argument::Over) };
         return Ok(Outcome { fault, ..Outcome::of(verdict, settings.planner.name()) });
+    }
+    if let Some(guard) = problem.guard() {
+        starts.iter().for_each(|start| guard.follow(problem, &start.script, &Meter::new(watch)));
     }
     let windows = Windows::new(problem, space, &starts);
     let metric = Metric::measuring(problem.sim, space, (settings.sampling, windows.extent), settings.measure);
@@ -357,6 +380,8 @@ impl Forest<'_, '_> {
             truncated: notes.is_truncated,
             fault: self.fault.or(notes.fault),
             reads_between: self.reads_between,
+            refuted: None,
+            is_withdrawn: false,
         }
     }
 }

@@ -6,6 +6,7 @@ use std::path::Path;
 use hypedc::analysis::{ConfigurationSpace, InvariantVerdict, configuration_space, invariants};
 use hypedc::compile::compile;
 use hypedc::ir::{Program, WorldId};
+use hypedc::reach::Guard;
 use hypedc::sim::{Input, PlayerInput, Simulator};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -40,6 +41,7 @@ impl Script {
 /// What is false in a run.
 fn refuted(program: &Program, world: WorldId, space: &ConfigurationSpace, script: &Script) -> Option<String> {
     let sim = Simulator::new(program, world);
+    let guard = Guard::new(space, program, world);
     let mut scratch = sim.scratch();
     let mut state = sim.initial(&mut scratch).ok()?;
     let proven: Vec<_> = invariants(program, world, space)
@@ -59,7 +61,7 @@ fn refuted(program: &Program, world: WorldId, space: &ConfigurationSpace, script
             let is_proven = proven.contains(&(sim.world().slots[slot].entity, index));
             is_proven.then(|| format!("invariant {index} of {} breaks, which is proven", sim.world().slots[slot].name))
         };
-        let found = outside(program, &sim, space, &state).or_else(|| ruled_out(program, &sim, space, &state));
+        let found = outside(&sim, &guard, &state).or_else(|| ruled_out(program, &sim, space, &state));
         if let Some(what) = found.or_else(broken) {
             return Some(format!("step {step}: {what}"));
         }

@@ -2,6 +2,7 @@
 
 use hypedc::analysis::configuration_space;
 use hypedc::ir::{Origin, Program, WorldId};
+use hypedc::reach::Guard;
 use hypedc::sim::{Input, PlayerInput, Simulator};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -35,6 +36,7 @@ pub fn run(program: &Program, id: WorldId, steps: usize, seed: u64) -> Run {
     let given_up = space.slots.iter().filter(|s| s.is_given_up).count();
     let mut run = Run { slots: space.slots.len(), given_up, ..Run::default() };
     let sim = Simulator::new(program, id);
+    let guard = Guard::new(&space, program, id);
     let world = sim.world();
     let mut scratch = sim.scratch();
     let Ok(start) = sim.initial(&mut scratch) else { return run };
@@ -47,7 +49,7 @@ pub fn run(program: &Program, id: WorldId, steps: usize, seed: u64) -> Run {
     let mut input = Input::nothing(world.players.len());
     for step in 0..steps {
         run.states += 1;
-        if let Some(what) = outside(program, &sim, &space, &state) {
+        if let Some(what) = outside(&sim, &guard, &state) {
             run.outside.push(format!("step {step}: {what}"));
         }
         if step % GOALS_EVERY == 0 {

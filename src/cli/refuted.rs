@@ -1,0 +1,154 @@
+//! What is said and kept where a search has led to a state which the analysis says that there is not: it is wrong about this
+//! world, which is a mistake of `hypedc`, and nothing is proven by it.
+
+use std::fs::File;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use crate::analysis::Beyond;
+use crate::ir::{Program, WorldId};
+use crate::reach::Refutation;
+
+use super::report::program_sha256;
+
+/// So many files of one name are numbered.
+const MOST_FILES: usize = 10_000;
+
+/// A run that refutes the analysis, as results have it.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Refuted {
+    pub instance: String,
+    pub modes: Vec<String>,
+    pub beyond: Vec<BeyondResult>,
+    pub steps: u64,
+    pub inputs: String,
+    /// Where all that is needed to see it again was written; null if it could not be.
+    pub file: Option<PathBuf>,
+    #[serde(skip)]
+    what: String,
+}
+
+/// A number that is as it never is.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct BeyondResult {
+    pub variable: String,
+    pub value: String,
+    pub allowed: String,
+}
+
+/// What was asked of which files.
+pub(super) struct Occasion<'o> {
+    pub file: &'o Path,
+    pub level: Option<&'o Path>,
+    pub seed: u64,
+    /// As it was typed.
+    pub command: String,
+}
+
+impl Refuted {
+    /// Not written yet.
+    pub fn new(program: &Program, world: WorldId, refutation: &Refutation) -> Self {
+        let Refutation { script, steps, outside } = refutation;
+        let beyond = outside.beyond.iter().map(|Beyond { variable, value, allowed }| BeyondResult {
+            variable: variable.clone(),
+            value: value.clone(),
+            allowed: allowed.clone(),
+        });
+        Refuted {
+            instance: outside.instance.clone(),
+            modes: outside.modes.clone(),
+            beyond: beyond.collect(),
+            steps: *steps,
+            inputs: script.text(program, world),
+            file: None,
+            what: outside.to_string(),
+        }
+    }
+
+    /// Writes what is needed to see it again beside the program, or else into the current directory. Nothing is
+    /// overwritten. Where it cannot be written, there is no file to tell of.
+    pub fn write(&mut self, program: &Program, world: WorldId, occasion: &Occasion<'_>) {
+        let name: String =
+            program.worlds[world].name.chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
+        let stem = format!("hypedc-refuted-{name}-{}", occasion.seed);
+        let text = self.text(program, world, occasion);
+        let beside = occasion.file.parent().unwrap_or(Path::new("")).to_path_buf();
+        self.file = [beside, PathBuf::new()].iter().find_map(|folder| write_new(folder, &stem, &text).ok());
+    }
+
+    fn text(&self, program: &Program, world: WorldId, occasion: &Occasion<'_>) -> String {
+        let level = occasion.level.map_or(String::new(), |path| format!("level    {}\n", path.display()));
+        format!(
+            "A run of `hypedc` {} led to a state which its analysis says that there is not.\n\
+             Please report this as a bug of `hypedc`, with the program, what it imports and its levels.\n\n\
+             command  {}\nprogram  {}\ncompiled {}\n{level}world    {}\nseed     {}\nstep     {}\noutside  {}\ninputs   {}\n",
+            env!("CARGO_PKG_VERSION"),
+            occasion.command,
+            occasion.file.display(),
+            program_sha256(program),
+            program.worlds[world].name,
+            occasion.seed,
+            self.steps,
+            self.what,
+            self.inputs,
+        )
+    }
+
+    /// In one line.
+    pub fn line(&self) -> String {
+        let file = self.file.as_ref().map_or(String::new(), |path| format!("; see {}", path.display()));
+        let steps = if self.steps == 1 { "step" } else { "steps" };
+        format!("the analysis is wrong about this world: after {} {steps}, {}{file}", self.steps, self.what)
+    }
+
+    /// As text, after the answers.
+    pub fn human(&self) -> String {
+        let steps = if self.steps == 1 { "step" } else { "steps" };
+        let mut out = format!(
+            "  the analysis is wrong about this world: nothing is proven by it\n    after {} {steps}, {}\n",
+            self.steps, self.what
+        );
+        if !self.inputs.is_empty() {
+            out.push_str(&format!("    inputs  {}\n", self.inputs));
+        }
+        match &self.file {
+            Some(path) => out.push_str(&format!(
+                "    this is a bug of `hypedc`: please report it, with {} and the program\n",
+                path.display()
+            )),
+            None => out.push_str(
+                "    this is a bug of `hypedc`: please report it, with this output and the program (no file could be written)\n",
+            ),
+        }
+        out
+    }
+}
+
+/// The command line of this process.
+pub(super) fn command_line() -> String {
+    let quoted = |argument: String| {
+        let plain = |c: char| c.is_alphanumeric() || "-_./=+:,*@%".contains(c);
+        match !argument.is_empty() && argument.chars().all(plain) {
+            true => argument,
+            false => format!("'{}'", argument.replace('\'', r"'\''")),
+        }
+    };
+    let arguments = std::env::args_os().map(|argument| quoted(argument.to_string_lossy().into_owned()));
+    arguments.collect::<Vec<_>>().join(" ")
+}
+
+/// Writes a file that is not there yet; numbers it where one is.
+fn write_new(folder: &Path, stem: &str, text: &str) -> io::Result<PathBuf> {
+    for number in 1..=MOST_FILES {
+        let name = if number == 1 { format!("{stem}.txt") } else { format!("{stem}-{number}.txt") };
+        let path = folder.join(name);
+        match File::options().write(true).create_new(true).open(&path) {
+            Ok(mut file) => return file.write_all(text.as_bytes()).map(|()| path),
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Err(io::ErrorKind::AlreadyExists.into())
+}

@@ -1,0 +1,182 @@
+//! Holds every state that a search makes against the configuration space that proofs rest on. The simulator shows what a
+//! world does: a state outside refutes the analysis, and with it every proof that rests on it.
+//!
+//! Looked at are the nodes of trees and of exhaustions, the states of replayed ways, and those on the way to where a search
+//! begins. What a run does once it is over (a `never` holds, a player is out of bounds) is no part of the space.
+
+use std::sync::{Mutex, PoisonError};
+
+use crate::analysis::{ConfigurationSpace, Membership, Outside, Reading};
+use crate::ir::{
+    DiscreteId, GroupId, Id, LeafId, ParamId, Program, SlotLayout, SpaceId, TimerId, TouchId, World, WorldId,
+};
+use crate::sim::{Script, Simulator, state};
+use crate::watch::{Meter, Unwatched};
+
+use super::problem::{Problem, Standing, Target};
+use super::search::Settings;
+
+/// A run into a state which the analysis says that there is not.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Refutation {
+    /// The inputs from the initial state on.
+    pub script: Script,
+    /// How many steps they last.
+    pub steps: u64,
+    /// What of the state is outside.
+    pub outside: Outside,
+}
+
+/// Tells whether states are inside of what a world can be, and keeps a run that has led outside.
+#[derive(Debug)]
+pub struct Guard {
+    membership: Membership,
+    refutation: Mutex<Option<Refutation>>,
+}
+
+impl Guard {
+    /// Against what a world can be.
+    pub fn new(space: &ConfigurationSpace, program: &Program, world: WorldId) -> Self {
+        Guard { membership: space.membership(program, world), refutation: Mutex::new(None) }
+    }
+
+    /// What of a state is outside, if anything is.
+    pub fn outside(&self, sim: &Simulator<'_>, state: &[u8]) -> Option<Outside> {
+        let (program, world) = (sim.program(), sim.world_id());
+        sim.world().layout.slots.pairs().find_map(|(slot, layout)| {
+            let instance = layout.alive(state).then_some(Instance { layout, state });
+            self.membership.outside(program, world, slot, instance.as_ref())
+        })
+    }
+
+    /// Whether a state is inside.
+    pub(super) fn contains(&self, world: &World, state: &[u8]) -> bool {
+        self.contains_changed(world, state, |_| true)
+    }
+
+    /// Whether a state is inside, if the one before it is: of that, it keeps what it has.
+    pub(super) fn contains_after(&self, world: &World, state: &[u8], before: &[u8]) -> bool {
+        self.contains_changed(world, state, |layout| {
+            let (from, to) = layout.block;
+            state[from..to] != before[from..to]
+        })
+    }
+
+    #[inline]
+    fn contains_changed(&self, world: &World, state: &[u8], is_changed: impl Fn(&SlotLayout) -> bool) -> bool {
+        world.layout.slots.pairs().all(|(slot, layout)| {
+            !is_changed(layout)
+                || match layout.alive(state) {
+                    true => self.membership.contains(slot, &Instance { layout, state }),
+                    false => self.membership.can_be_absent(slot),
+                }
+        })
+    }
+
+    /// Runs a script and looks at each state as long as the run is not over; keeps what is outside. Stops when it is told
+    /// to, and says nothing then.
+    pub(super) fn follow(&self, problem: &Problem<'_>, script: &Script, meter: &Meter<'_>) {
+        let (sim, mut scratch) = (problem.sim, problem.sim.scratch());
+        let Ok(mut state) = sim.initial(&mut scratch) else { return };
+        let mut done = Script::default();
+        let mut inputs = script.inputs();
+        loop {
+            match (problem.judge(&state), problem.target) {
+                (Ok(Standing::Open), _) | (Ok(Standing::Goal), Target::Goal(_)) => {}
+                _ => return,
+            }
+            if !self.contains(sim.world(), &state) {
+                if let Some(outside) = self.outside(sim, &state) {
+                    self.note(Refutation { steps: done.len(), script: done, outside });
+                }
+                return;
+            }
+            let Some(input) = inputs.next() else { return };
+            let before = scratch.work();
+            if sim.step(&mut state, input, &mut scratch).is_err() {
+                return;
+            }
+            done.push(input, 1);
+            if meter.spend(scratch.work().wrapping_sub(before)) {
+                return;
+            }
+        }
+    }
+
+    /// Told of a script that leads to a state which is outside: keeps the first state on its way that is.
+    pub(super) fn refute(&self, problem: &Problem<'_>, script: &Script) {
+        self.follow(problem, script, &Meter::new(&Unwatched));
+    }
+
+    /// Keeps the shortest, so that it does not matter which thread comes first.
+    pub(super) fn note(&self, new: Refutation) {
+        let mut known = self.refutation.lock().unwrap_or_else(PoisonError::into_inner);
+        let order = |r: &Refutation| (r.steps, format!("{:?}", r.script));
+        if known.as_ref().is_none_or(|known| order(&new) < order(known)) {
+            *known = Some(new);
+        }
+    }
+
+    /// The shortest run that has led outside, if one has.
+    pub fn refutation(&self) -> Option<Refutation> {
+        self.refutation.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+}
+
+/// A question with someone who looks at the states, if that is wished.
+pub(super) fn guarded<T>(
+    problem: &Problem<'_>,
+    space: &ConfigurationSpace,
+    settings: &Settings,
+    then: impl FnOnce(&Problem<'_>) -> T,
+) -> T {
+    if problem.guard().is_some() || !settings.checks {
+        return then(problem);
+    }
+    let guard = Guard::new(space, problem.sim.program(), problem.sim.world_id());
+    then(&problem.clone().guarded(&guard))
+}
+
+/// An instance in a state.
+struct Instance<'s> {
+    layout: &'s SlotLayout,
+    state: &'s [u8],
+}
+
+impl Reading for Instance<'_> {
+    #[inline]
+    fn leaf(&self, group: GroupId) -> LeafId {
+        self.layout.leaf(self.state, group)
+    }
+
+    #[inline]
+    fn real(&self, place: usize) -> f64 {
+        state::real(self.state, self.layout.vars + 8 * place)
+    }
+
+    #[inline]
+    fn discrete(&self, id: DiscreteId) -> i32 {
+        self.layout.discrete(self.state, id)
+    }
+
+    #[inline]
+    fn timer(&self, id: TimerId) -> u32 {
+        self.layout.timer(self.state, id)
+    }
+
+    #[inline]
+    fn param(&self, id: ParamId) -> f64 {
+        // Only where parameters can change does a table ask for one; else every answer is right.
+        self.layout.params.map_or(f64::NAN, |at| state::real(self.state, at + 8 * id.index()))
+    }
+
+    #[inline]
+    fn space(&self) -> SpaceId {
+        self.layout.space(self.state)
+    }
+
+    #[inline]
+    fn touch(&self, id: TouchId) -> bool {
+        self.layout.touch(self.state, id)
+    }
+}

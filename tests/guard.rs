@@ -1,0 +1,167 @@
+//! Every state that a search makes is held against what the analysis says: nothing lies outside, and if something does,
+//! nothing is proven by it.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod support;
+
+use std::path::Path;
+
+use hypedc::analysis::{ConfigurationSpace, configuration_space};
+use hypedc::compile::compile;
+use hypedc::ir::{GoalId, Program, WorldId};
+use hypedc::reach::{
+    Argument, Guard, Limits, Outcome, Planner, Problem, Settings, Verdict, hasten, reach, search, shorten,
+};
+use hypedc::sim::{Script, Simulator, parse_script};
+use hypedc::source::SourceMap;
+use hypedc::watch::Unwatched;
+use support::{Disk, compile_text, files, program};
+
+const WORLD: WorldId = WorldId(0);
+const FAST: GoalId = GoalId(0);
+const FAR: GoalId = GoalId(1);
+
+fn limits(nodes: u64) -> Limits {
+    Limits { nodes, ..Limits::default() }
+}
+
+#[test]
+fn nothing_that_a_search_makes_lies_outside() {
+    let mut paths = files("tests/analysis/found", "hyped");
+    paths.extend(["test1", "test2"].map(|name| Path::new("examples/paper").join(format!("{name}.hyped"))));
+    paths.extend(["balloon", "link"].map(|name| Path::new("examples").join(format!("{name}.hyped"))));
+    let mut checked = 0;
+    for path in paths {
+        let program = program(compile(&path, &Disk));
+        for world in program.worlds.ids().filter(|w| program.worlds[*w].open.is_none()) {
+            let space = configuration_space(&program, world);
+            let sim = Simulator::new(&program, world);
+            for (goal, planner) in program.worlds[world].goals.ids().zip([Planner::Auto, Planner::Exhaustive]) {
+                let problem = Problem::new(&sim, goal);
+                let settings = Settings { planner, ..Settings::default() };
+                let Ok(outcome) = search(&problem, &space, &settings, &limits(1_500), &Unwatched) else { continue };
+                assert_eq!(outcome.refuted, None, "{}", path.display());
+                assert_eq!(outcome.statistics.checked, outcome.statistics.nodes, "{}", path.display());
+                checked += outcome.statistics.checked;
+            }
+        }
+    }
+    assert!(checked > 5_000, "{checked} states were looked at");
+}
+
+/// Its player walks at a speed.
+fn walker(speed: u32) -> Program {
+    program(compile_text(&format!(
+        "entity Walker {{
+            button go
+            mode still {{ x' = 0; when held(go) -> moving }}
+            mode moving {{ x' = {speed} }}
+        }}
+        world Field {{
+            space main {{ place walker: Walker at (0, 0) }}
+            player 1: walker
+            goal fast: walker.x' > 50
+            goal far: walker.x > 40
+        }}\n"
+    )))
+}
+
+/// A fast walker, and what is said of a slow one: an analysis that is wrong.
+fn wrong() -> (Program, ConfigurationSpace) {
+    (walker(60), configuration_space(&walker(30), WORLD))
+}
+
+fn ask(problem: &Problem<'_>, space: &ConfigurationSpace, settings: &Settings) -> Outcome {
+    reach(problem, space, settings, &limits(500), &Unwatched).unwrap()
+}
+
+fn script(program: &Program, text: &str) -> Script {
+    let file = SourceMap::new().add("inputs", text.to_string());
+    parse_script(program, WORLD, file, text).0
+}
+
+#[test]
+fn whatever_searches_finds_what_is_outside() {
+    let (program, space) = wrong();
+    let sim = Simulator::new(&program, WORLD);
+    for planner in Planner::ALL {
+        let settings = Settings { planner, ..Settings::default() };
+        let outcome = ask(&Problem::new(&sim, FAR), &space, &settings);
+        assert!(matches!(outcome.verdict, Verdict::Reached(_)), "{planner:?}: what was found was replayed");
+        let refuted = outcome.refuted.unwrap();
+        assert_eq!(refuted.steps, refuted.script.len());
+        let beyond = &refuted.outside.beyond[0];
+        let found = [&refuted.outside.instance, &beyond.variable, &beyond.value, &beyond.allowed];
+        assert_eq!(found, ["walker", "x'", "60", "30"], "{planner:?}");
+        // The first state on its way that is outside, and none before.
+        let mut scratch = sim.scratch();
+        let mut state = sim.initial(&mut scratch).unwrap();
+        let guard = Guard::new(&space, &program, WORLD);
+        for input in refuted.script.inputs() {
+            assert_eq!(guard.outside(&sim, &state), None);
+            sim.step(&mut state, input, &mut scratch).unwrap();
+        }
+        assert_eq!(guard.outside(&sim, &state), Some(refuted.outside));
+    }
+}
+
+#[test]
+fn a_refuted_analysis_proves_nothing() {
+    let (program, space) = wrong();
+    let sim = Simulator::new(&program, WORLD);
+    let guard = Guard::new(&space, &program, WORLD);
+    let of = |goal: GoalId| Problem::new(&sim, goal).guarded(&guard);
+    let settings = Settings::default();
+    // As long as nobody has looked, it is proven.
+    let mut before = ask(&of(FAST), &space, &settings);
+    assert!(matches!(before.verdict, Verdict::Unreachable(Argument::Analysis(_))));
+    assert!(before.rests_on_analysis() && before.refuted.is_none());
+    assert!(ask(&of(FAR), &space, &settings).refuted.is_some());
+    before.refute(&guard.refutation().unwrap());
+    assert_eq!((&before.verdict, before.is_withdrawn), (&Verdict::NotFound, true));
+    let after = ask(&of(FAST), &space, &settings);
+    assert_eq!((&after.verdict, after.is_withdrawn), (&Verdict::NotFound, true));
+    assert_eq!(after.refuted, guard.refutation());
+}
+
+#[test]
+fn the_way_to_where_a_search_begins_is_looked_at() {
+    let (program, space) = wrong();
+    let sim = Simulator::new(&program, WORLD);
+    let problem = Problem::new(&sim, FAST).after(script(&program, "-*3 go*2")).unwrap();
+    let outcome = ask(&problem, &space, &Settings::default());
+    assert_eq!((&outcome.verdict, outcome.is_withdrawn), (&Verdict::NotFound, true));
+    assert_eq!(outcome.refuted.unwrap().script, script(&program, "-*3 go"), "the first that is outside");
+    let unchecked = ask(&problem, &space, &Settings { checks: false, ..Settings::default() });
+    assert!(unchecked.rests_on_analysis() && unchecked.refuted.is_none());
+    assert_eq!(unchecked.statistics.checked, 0);
+}
+
+#[test]
+fn replayed_ways_are_looked_at() {
+    let (program, space) = wrong();
+    let sim = Simulator::new(&program, WORLD);
+    let unchecked = Settings { checks: false, ..Settings::default() };
+    let Verdict::Reached(plan) = ask(&Problem::new(&sim, FAR), &space, &unchecked).verdict else { panic!() };
+    for way in [0, 1] {
+        let guard = Guard::new(&space, &program, WORLD);
+        let problem = Problem::new(&sim, FAR).guarded(&guard);
+        match way {
+            0 => drop(shorten(&problem, &plan, &Unwatched)),
+            _ => drop(hasten(&problem, &space, &unchecked, &limits(500), &plan, &Unwatched)),
+        }
+        assert!(guard.refutation().is_some(), "{way}");
+    }
+}
+
+#[test]
+fn who_searches_side_by_side_does_not_matter() {
+    let (program, space) = wrong();
+    let sim = Simulator::new(&program, WORLD);
+    let of = |threads: usize| {
+        let settings = Settings { trees: 4, threads, ..Settings::default() };
+        ask(&Problem::new(&sim, FAR), &space, &settings).refuted.unwrap()
+    };
+    assert_eq!(of(1), of(3));
+}

@@ -3,7 +3,8 @@
 
 use crate::ir::{CompareOp, Expr, ExprId, IdVec, Program, SlotId, Subject, World};
 
-use super::evaluate::{Configuration, left_by};
+use super::configuration::Configuration;
+use super::evaluate::left_by;
 use super::values::Values;
 
 /// Predicates of a world that hold in no state.

@@ -2,7 +2,7 @@
 
 use crate::ir::{Id, IdVec, LeafId, Origin, Place, SlotId, SpawnId, VarId};
 
-use super::evaluate::Configuration;
+use super::configuration::Configuration;
 use super::fixpoint::{Analysis, MOST_CONFIGURATIONS};
 use super::step::Landing;
 use super::values::Values;

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use crate::ir::{DiscreteId, Entity, SpaceId, VarId, World};
 
-use super::evaluate::Configuration;
+use super::configuration::Configuration;
 use super::local::Surfaces;
 use super::scene::{Kind, ROUNDING, along, near, rounded};
 use super::tiles::Tiles;

@@ -11,45 +11,44 @@ use crate::watch::Watch;
 
 use super::barred::Barred;
 use super::cells::{CellId, Cells};
-use super::evaluate::{Between, Configuration, Joined, Overall, Phase, Reader};
+use super::configuration::{Between, Configuration, Overall};
+use super::evaluate::{Joined, Phase, Reader};
 use super::scene::Scene;
 use super::step::{Landing, Outcome, Stepper};
 use super::supply::Limits;
 use super::surroundings::Surroundings;
 use super::values::{Interval, Values};
-use super::widen::{Patience, Thresholds, both, extended, within_bounds};
+use super::widen::{Patience, Thresholds, within_bounds};
 use super::{ConfigurationSpace, GivenUp, SlotSpace};
 
 /// More combinations of leaves than that are not told apart.
 pub(super) const MOST_CONFIGURATIONS: usize = 1_024;
 /// How often the result is cut to what follows from it.
 const NARROWINGS: usize = 2;
-/// How often a configuration is extended by what comes of it before that is given up.
-const MOST_EXTENSIONS: usize = 8;
 
 /// What tells configurations apart: the active leaf of each group, and where the instance is.
 pub(super) type Key = (Vec<LeafId>, CellId);
 
 /// A configuration that is still growing.
 #[derive(Debug, Clone)]
-struct Growing {
-    at: Configuration,
+pub(super) struct Growing {
+    pub at: Configuration,
     patience: Patience,
     is_new: bool,
 }
 
 #[derive(Debug, Default, Clone)]
 pub(super) struct Slot {
-    configurations: BTreeMap<Key, Growing>,
-    can_be_absent: bool,
-    is_given_up: bool,
+    pub configurations: BTreeMap<Key, Growing>,
+    pub can_be_absent: bool,
+    pub is_given_up: bool,
     /// Why, if so.
-    why: Option<GivenUp>,
+    pub why: Option<GivenUp>,
     pub params: IdVec<ParamId, Values>,
     /// px/s
-    speed: [f64; 2],
-    near_speed: [f64; 2],
-    between: Between,
+    pub speed: [f64; 2],
+    pub near_speed: [f64; 2],
+    pub between: Between,
     /// Where it is when contacts are found, px.
     pub contact: [Values; 2],
     /// Whether what it can be was changed since others were told.
@@ -87,9 +86,9 @@ pub(super) struct Analysis<'a> {
     /// How many ways of steps may still be looked at.
     pub effort: usize,
     /// Who may say that nobody waits for the result any more.
-    watch: &'a dyn Watch,
+    pub watch: &'a dyn Watch,
     /// Whether the watch said so.
-    is_stopped: bool,
+    pub is_stopped: bool,
     /// The numbers that the program compares with or writes, and where edges meet.
     thresholds: Thresholds,
 }
@@ -186,7 +185,7 @@ impl<'a> Analysis<'a> {
     }
 
     /// Where a slot's instance is told apart.
-    fn cells(&self, slot: SlotId) -> &Cells {
+    pub fn cells(&self, slot: SlotId) -> &Cells {
         &self.scene.kinds[self.scene.of[slot]].cells
     }
 
@@ -269,7 +268,7 @@ impl<'a> Analysis<'a> {
     }
 
     /// Tells the others what each slot can be; gives whether anything changed.
-    fn tell(&mut self) -> bool {
+    pub fn tell(&mut self) -> bool {
         let mut changed = false;
         for slot in self.world.slots.ids() {
             let first = self.first[slot];
@@ -428,14 +427,14 @@ impl<'a> Analysis<'a> {
         }
     }
 
-    fn stepper(&self, slot: SlotId) -> Stepper<'_> {
+    pub fn stepper(&self, slot: SlotId) -> Stepper<'_> {
         let reader = self.reader(None);
         let flowing = self.scene.flowing[self.world.slots[slot].entity].as_deref();
         let moving = &self.scene.moving[self.world.slots[slot].entity];
         Stepper { reader, slot, step: self.world.step.seconds(), flowing, moving }
     }
 
-    fn take(&mut self, slot: SlotId, from: &Key, outcome: Outcome) -> bool {
+    pub fn take(&mut self, slot: SlotId, from: &Key, outcome: Outcome) -> bool {
         let mut changed = false;
         for next in outcome.next {
             changed |= self.grow(slot, next, Some(from));
@@ -515,79 +514,6 @@ impl<'a> Analysis<'a> {
             }
         }
         changed
-    }
-
-    /// Steps once from all that was found, and keeps of it only what comes of that or is there from the start. Ends that
-    /// a configuration has only from itself are lost: it begins anew with what comes in from others.
-    fn narrow(&mut self) {
-        self.surroundings = Surroundings::new(&mut self.scene, &self.overall);
-        let mut found: Vec<(SlotId, Key, Outcome)> = Vec::new();
-        for slot in self.world.slots.ids().filter(|s| self.is_first(*s) && !self.slots[*s].is_given_up) {
-            for (key, growing) in &self.slots[slot].configurations {
-                if self.watch.stop() {
-                    self.is_stopped = true;
-                    return;
-                }
-                if let Some(outcome) = self.stepper(slot).run(&growing.at) {
-                    found.push((slot, key.clone(), outcome));
-                }
-            }
-        }
-        let clear = |slot: &mut Slot| {
-            slot.speed = [0.0; 2];
-            slot.near_speed = [0.0; 2];
-            slot.contact = [Values::none(); 2];
-            slot.is_changed = true;
-            (std::mem::take(&mut slot.configurations), slot.is_given_up)
-        };
-        let before: Vec<(BTreeMap<Key, Growing>, bool)> = self.slots.iter_mut().map(clear).collect();
-        for slot in self.world.slots.ids().filter(|s| self.world.slots[*s].origin != Origin::Free) {
-            self.begin(slot);
-        }
-        for (slot, key, outcome) in found {
-            self.take(slot, &key, outcome);
-        }
-        for (slot, (known, is_given_up)) in self.world.slots.ids().zip(before) {
-            if is_given_up {
-                self.slots[slot].configurations = known;
-                continue;
-            }
-            let mut narrowed = std::mem::take(&mut self.slots[slot].configurations);
-            for (key, growing) in &mut narrowed {
-                // All of it is given up then, whatever has been cut.
-                self.is_stopped |= self.watch.stop();
-                if self.is_stopped {
-                    break;
-                }
-                if let Some(known) = known.get(key) {
-                    growing.at = self.restarted(slot, key.1, both(&growing.at, &known.at), &known.at);
-                }
-            }
-            self.slots[slot].configurations = narrowed;
-        }
-        self.tell();
-    }
-
-    /// What a configuration can be that begins with what comes in, if it was known to be no more than `known`.
-    fn restarted(&self, slot: SlotId, cell: CellId, entries: Configuration, known: &Configuration) -> Configuration {
-        let mut at = entries.clone();
-        for _ in 0..MOST_EXTENSIONS {
-            let Some(outcome) = self.stepper(slot).run_on(&at) else { break };
-            let here = |next| {
-                self.cells(slot).split(next, self.surroundings.is_gentle(slot)).into_iter().find(|(of, _)| *of == cell)
-            };
-            let own = outcome.next.into_iter().filter_map(here).map(|(_, own)| own).reduce(|a, b| a.or(&b));
-            let Some(own) = own.map(|own| both(&own, known)) else { return entries };
-            if own.is_within(&at) {
-                // Nothing more comes of it; what is not come by is cut.
-                let mut at = both(&entries.or(&own), &at);
-                at.sharpen();
-                return at;
-            }
-            at = extended(&at, &own, known);
-            at.sharpen();
-        }
-        known.clone()
     }
 
     pub fn finish(mut self) -> ConfigurationSpace {

@@ -3,8 +3,9 @@
 
 use crate::ir::{By, Drive, Envelope, ExprId, IdVec, Release, TimerId, VarId};
 
+use super::configuration::Configuration;
 use super::energy::Fall;
-use super::evaluate::{Configuration, Reader};
+use super::evaluate::Reader;
 use super::step::{Beginning, Outcome, Stepper, shift};
 use super::values::{Interval, Values};
 use super::widen::within_bounds;

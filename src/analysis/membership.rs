@@ -13,8 +13,8 @@ use crate::ir::{
     WorldId,
 };
 
+use super::configuration::Configuration;
 use super::energy::Fall;
-use super::evaluate::Configuration;
 use super::lookup::{Boxes, Grid, slice, whole};
 use super::values::{Interval, Values};
 use super::{ConfigurationSpace, SlotSpace};

@@ -43,6 +43,7 @@
 mod barred;
 mod birth;
 mod cells;
+mod configuration;
 mod energy;
 mod evaluate;
 mod findings;
@@ -51,6 +52,7 @@ mod flow;
 mod local;
 mod lookup;
 mod membership;
+mod narrowing;
 mod pace;
 mod region;
 mod scene;
@@ -61,7 +63,7 @@ mod tiles;
 mod values;
 mod widen;
 
-pub use evaluate::{Configuration, Numbers};
+pub use configuration::{Configuration, Numbers};
 pub use findings::{InvariantVerdict, Spaces, findings, invariants, watched_findings};
 pub use membership::{Beyond, Membership, Outside, Reading};
 pub use values::{Interval, Values};
@@ -71,7 +73,8 @@ use crate::ir::{ExprId, GoalId, IdVec, Program, SlotId, World, WorldId};
 use crate::watch::{Unwatched, Watch};
 
 use barred::Barred;
-use evaluate::{Joined, Overall, Phase, Pinned, Reader};
+use configuration::Overall;
+use evaluate::{Joined, Phase, Pinned, Reader};
 use fixpoint::Analysis;
 use scene::Scene;
 use supply::Limits;

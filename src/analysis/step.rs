@@ -9,7 +9,8 @@ use crate::ir::{
     SlotId, SpaceId, SpawnId, Subject, Update, VarId,
 };
 
-use super::evaluate::{Configuration, Phase, Reader};
+use super::configuration::Configuration;
+use super::evaluate::{Phase, Reader};
 use super::flow::Followed;
 use super::values::{Interval, Values};
 

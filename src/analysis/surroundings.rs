@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use crate::ir::{Id, IdVec, Origin, Push, SlotId, SpaceId, TagSet, Touch, TouchId, VarId};
 
-use super::evaluate::{Configuration, Overall};
+use super::configuration::{Configuration, Overall};
 use super::local::Surfaces;
 use super::region::Region;
 use super::scene::{Body, Edges, Pair, ROUNDING, Scene, TOLERANCE, disjoin, face, near, rounded, sides_of};

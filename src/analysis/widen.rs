@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::ir::{Bounds, DiscreteId, IdVec, ParamId, SlotId, VarId, World};
 
-use super::evaluate::{Configuration, Numbers};
+use super::configuration::{Configuration, Numbers};
 use super::values::{Interval, Values};
 
 /// Without the states at which a search stops: a player below or beside the bounds of its space.

@@ -6,6 +6,7 @@ use hypedc::analysis::{ConfigurationSpace, InvariantVerdict, invariants, watched
 use hypedc::compile::Compilation;
 use hypedc::diagnostic::Code;
 use hypedc::ir::{EntityId, ExprId, GoalId, ModeId, NeverId, Program, WorldId};
+use hypedc::reach::Guard;
 use hypedc::sim::{Input, Simulator};
 use hypedc::source::{FileId, Span};
 use hypedc::watch::Watch;
@@ -56,8 +57,9 @@ const MOST_LOOKS: u32 = 400;
 /// Everything that is claimed of a world.
 pub struct Claims {
     pub space: ConfigurationSpace,
+    guard: Guard,
     /// Of runs on which no `never` holds, if there is any.
-    within: Option<ConfigurationSpace>,
+    guard_within: Option<Guard>,
     goals: Vec<GoalId>,
     goals_within: Vec<GoalId>,
     nevers: Vec<NeverId>,
@@ -97,8 +99,9 @@ impl Claims {
                 .map(|(id, _)| id)
                 .collect(),
             invariants: proven.filter(|(.., v)| *v == InvariantVerdict::Proven).map(|(e, i, _)| (e, i)).collect(),
+            guard: Guard::new(&space, program, world),
+            guard_within: within.as_ref().map(|within| Guard::new(within, program, world)),
             space,
-            within,
             silent: Vec::new(),
             modes: Vec::new(),
             guards: Vec::new(),
@@ -170,7 +173,7 @@ impl Claims {
     pub fn refuted(&self, sim: &Simulator<'_>, state: &[u8], standing: Standing) -> Option<Violation> {
         let (program, world) = (sim.program(), sim.world());
         if standing.is_inside {
-            if let Some(what) = outside(program, sim, &self.space, state) {
+            if let Some(what) = outside(sim, &self.guard, state) {
                 return Some(Violation::new(&format!("outside: {}", class_of(&what)), what));
             }
             let holds = |goal: &&GoalId| sim.goal(state, **goal) == Ok(true);
@@ -188,9 +191,9 @@ impl Claims {
                 ));
             }
             if standing.is_allowed
-                && let Some(within) = &self.within
+                && let Some(within) = &self.guard_within
             {
-                if let Some(what) = outside(program, sim, within, state) {
+                if let Some(what) = outside(sim, within, state) {
                     return Some(Violation::new(&format!("outside without: {}", class_of(&what)), what));
                 }
                 let holds = |goal: &&GoalId| sim.goal(state, **goal) == Ok(true);

@@ -7,7 +7,8 @@ use crate::diagnostic::{Code, Diagnostics};
 use crate::ir::{Drive, EdgeId, Expr, ExprId, Id, LeafId};
 use crate::source::Span;
 
-use super::super::evaluate::{Configuration, Truth};
+use super::super::configuration::Configuration;
+use super::super::evaluate::Truth;
 use super::judge::{Judge, Reads};
 use super::{Occurrence, Subject, words};
 

@@ -8,7 +8,7 @@ use crate::ir::{
     VarId, World, WorldId,
 };
 
-use super::super::evaluate::Configuration;
+use super::super::configuration::Configuration;
 use super::super::values::Values;
 use super::super::{ConfigurationSpace, GivenUp};
 use super::judge::Reads;

@@ -22,7 +22,8 @@ use crate::ir::{Entity, EntityId, ExprId, PlayerId, Program, SlotId, World, Worl
 use crate::source::{FileId, SourceMap, Span};
 use crate::watch::{Unwatched, Watch};
 
-use super::evaluate::{Configuration, Reader};
+use super::configuration::Configuration;
+use super::evaluate::Reader;
 use super::{ConfigurationSpace, SlotSpace, with_any_supply};
 
 /// So many ways of steps are looked at for all worlds of a program: a check is to answer while one types.

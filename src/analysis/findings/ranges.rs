@@ -6,7 +6,7 @@ use crate::diagnostic::catalogue::values::LeavesRange;
 use crate::diagnostic::{Code, Diagnostics};
 use crate::ir::{Actions, Domain, Entity, ExprId, LeafId, ModeId, Place};
 
-use super::super::evaluate::Configuration;
+use super::super::configuration::Configuration;
 use super::super::values::{Interval, Values};
 use super::judge::Reads;
 use super::{Occurrence, Subject, words};

@@ -13,7 +13,7 @@ use crate::ir::{
 };
 use crate::source::Span;
 
-use super::super::evaluate::Configuration;
+use super::super::configuration::Configuration;
 use super::super::values::{Interval, Values};
 use super::super::{ConfigurationSpace, configuration_space};
 use super::{Scene, words};

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::ir::{Domain, Entity, LeafId, VarId};
 
-use super::super::evaluate::Configuration;
+use super::super::configuration::Configuration;
 use super::super::values::{Interval, Values};
 use super::judge::Reads;
 use super::{Occurrence, Subject};

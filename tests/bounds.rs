@@ -102,5 +102,5 @@ fn json_has_every_combination() {
     let link: Value = serde_json::from_str(&bounds(&["examples/car.hyped", "--format", "json"])).unwrap();
     let y = &link["slots"][0]["combinations"][0]["variables"][1]["value"];
     // An end that is open: the car may leave the map.
-    assert!(y[0][0].is_null(), "{y}");
+    assert!(y[0][1].is_null(), "{y}");
 }

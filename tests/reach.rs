@@ -185,7 +185,6 @@ fn jumper(goal: &str) -> Program {
              collide body with wall: block
              tiles t 16 x 16 {{ '.': empty; '#': wall }}
              space main {{
-                 bounds rect(0, 0, 160, 80)
                  map t \"
                      ..........
                      ..........

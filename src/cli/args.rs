@@ -282,7 +282,8 @@ pub(super) enum TraceFormatName {
 `hero.keys > 0` or `hero in running`. A time is written `30s`, `500ms` or `30frames` (steps of the world).
 
 Exit codes: 0 if every question is answered as wished (a goal reached, a `never` proven); 1 if an answer is no, or there is \
-none (a goal not found or proven unreachable, a `never` violated or not answered); 2 if a question could not be asked.
+none (a goal not found or proven unreachable, a `never` violated or not answered, a proof withdrawn); 2 if a question could \
+not be asked.
 
 Every state that a search makes is held against what the analysis says the world can be. If one lies outside, the analysis is \
 wrong about this world: no proof that rests on it is given, a file `hypedc-refuted-WORLD-SEED.txt` tells how to see it again, and \

@@ -250,6 +250,7 @@ impl<'a> Asking<'a> {
                 let Some(plan) = plan.filter(|plan| known.is_none_or(|known| steps(plan) < known)) else { continue };
                 let outcome = &mut found.outcome;
                 (outcome.verdict, outcome.end, outcome.planner) = (Verdict::Reached(plan), End::Answered, *planner);
+                outcome.is_withdrawn = false;
                 changed = true;
             }
         }

@@ -38,7 +38,7 @@ pub enum Verdict {
     /// No way to the goal was found; this proves nothing.
     #[serde(rename = "not found")]
     NotFound,
-    /// No way to break the `never` was found; this proves nothing.
+    /// No way to break the `never` was found, or a proof was withdrawn; this proves nothing.
     #[serde(rename = "not answered")]
     NotAnswered,
     /// No inputs with axes at -1, 0 and 1 do it; values between, which can make a difference, were not tried.

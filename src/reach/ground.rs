@@ -12,7 +12,7 @@ use super::controls::ControlSets;
 use super::coverage::Coverage;
 use super::metric::{Metric, Point};
 use super::outcome::{Cut, Plan, Statistics, Visited};
-use super::problem::{Death, Problem, REPLAY_WATCH, Standing, Start, Target};
+use super::problem::{Death, Problem, REPLAY_WATCH, Standing, Start};
 use super::strategy::Choice;
 use super::tree::{NodeId, Tree};
 use super::window::Windows;
@@ -416,13 +416,9 @@ pub(super) fn replays_to(
     loop {
         if step >= skipped {
             let standing = problem.judge(&state).ok()?;
-            // A run is over where a `never` is broken, be it as asked.
-            let is_over = match standing {
-                Standing::Open => false,
-                Standing::Goal => matches!(problem.target, Target::Never(_)),
-                Standing::Dead(_) => true,
-            };
-            if !is_over && guard.is_some_and(|guard| !guard.contains(problem.sim.world(), &state)) {
+            if !standing.is_over(problem.target)
+                && guard.is_some_and(|guard| !guard.contains(problem.sim.world(), &state))
+            {
                 guard.take().inspect(|guard| guard.refute(problem, script));
             }
             match standing {

@@ -13,7 +13,7 @@ use crate::ir::{
 use crate::sim::{Script, Simulator, state};
 use crate::watch::{Meter, Unwatched};
 
-use super::problem::{Problem, Standing, Target};
+use super::problem::Problem;
 use super::search::Settings;
 
 /// A run into a state which the analysis says that there is not.
@@ -81,9 +81,8 @@ impl Guard {
         let mut done = Script::default();
         let mut inputs = script.inputs();
         loop {
-            match (problem.judge(&state), problem.target) {
-                (Ok(Standing::Open), _) | (Ok(Standing::Goal), Target::Goal(_)) => {}
-                _ => return,
+            if problem.judge(&state).map_or(true, |standing| standing.is_over(problem.target)) {
+                return;
             }
             if !self.contains(sim.world(), &state) {
                 if let Some(outside) = self.outside(sim, &state) {

@@ -40,6 +40,17 @@ pub enum Standing {
     Dead(Death),
 }
 
+impl Standing {
+    /// Whether the run is over: at a goal it could go on, where a `never` is broken it cannot, be that as asked.
+    pub(super) fn is_over(self, target: Target) -> bool {
+        match self {
+            Standing::Open => false,
+            Standing::Goal => matches!(target, Target::Never(_)),
+            Standing::Dead(_) => true,
+        }
+    }
+}
+
 /// A state from which a search begins, and the inputs that lead there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Start {

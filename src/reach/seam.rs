@@ -30,7 +30,12 @@ pub(super) fn settled(problem: &Problem<'_>, mut start: Start, watch: &dyn Watch
     let mut left = held.as_ref().map_or(0, |held| least - held.count);
     let mut scratch = problem.sim.scratch();
     let mut standing = problem.judge(&start.state)?;
+    let mut guard = problem.guard();
     loop {
+        let is_over = standing.is_over(problem.target);
+        if !is_over && guard.is_some_and(|guard| !guard.contains(problem.sim.world(), &start.state)) {
+            guard.take().inspect(|guard| guard.refute(problem, &start.script));
+        }
         match standing {
             Standing::Open => {}
             Standing::Dead(_) => return Ok(Settled::Over),

@@ -132,6 +132,7 @@ fn search_guarded(
 ) -> Result<Outcome, Fault> {
     let (mut starts, mut fault) = (Vec::new(), None);
     for start in problem.starts()? {
+        problem.guard().inspect(|guard| guard.follow(problem, &start.script, &Meter::new(watch)));
         match settled(problem, start, watch)? {
             Settled::Open(start) => starts.push(start),
             Settled::Over => {}
@@ -149,9 +150,6 @@ fn search_guarded(
     if starts.is_empty() {
         let verdict = if fault.is_some() { Verdict::NotFound } else { Verdict::Unreachable(Argument::Over) };
         return Ok(Outcome { fault, ..Outcome::of(verdict, settings.planner.name()) });
-    }
-    if let Some(guard) = problem.guard() {
-        starts.iter().for_each(|start| guard.follow(problem, &start.script, &Meter::new(watch)));
     }
     let windows = Windows::new(problem, space, &starts);
     let metric = Metric::measuring(problem.sim, space, (settings.sampling, windows.extent), settings.measure);
@@ -282,6 +280,9 @@ impl Forest<'_, '_> {
     /// Lets all trees grow in rounds. In each round all grow as much, and the lowest tree with an answer has the word, so
     /// that the result does not depend on who is faster.
     fn grow(mut self) -> Outcome {
+        if self.watch.stop() {
+            return self.outcome(Verdict::NotFound, End::Stopped, 0);
+        }
         loop {
             let nodes: u64 = self.trees.iter().map(|t| t.nodes()).sum();
             let left = self.limits.nodes.saturating_sub(nodes);

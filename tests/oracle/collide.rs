@@ -45,6 +45,42 @@ struct Body {
     tile: Option<(i64, i64)>,
 }
 
+/// A face of something that never moves.
+struct Face {
+    at: f64,
+    /// Whether it looks towards larger coordinates.
+    looks_up: bool,
+}
+
+impl Face {
+    /// Whether something from `low` to `high` lies right outside of it.
+    fn is_outside(&self, low: f64, high: f64) -> bool {
+        match self.looks_up {
+            true => low <= self.at + TOLERANCE && high > self.at + TOLERANCE,
+            false => high >= self.at - TOLERANCE && low < self.at - TOLERANCE,
+        }
+    }
+}
+
+/// Whether stretches cover all from `low` to `high`.
+fn covers(stretches: Vec<(f64, f64)>, low: f64, high: f64) -> bool {
+    let (mut reach, mut is_met) = (low, false);
+    loop {
+        let next = stretches.iter().filter(|s| s.0 <= reach + TOLERANCE && s.1 >= reach - TOLERANCE);
+        let before = reach;
+        for (_, end) in next {
+            is_met = true;
+            reach = reach.max(*end);
+        }
+        if is_met && reach >= high - TOLERANCE {
+            return true;
+        }
+        if reach <= before {
+            return false;
+        }
+    }
+}
+
 /// Two bodies that touch.
 struct Meeting {
     one: usize,
@@ -268,9 +304,40 @@ impl Oracle<'_> {
                 })
             })
         };
-        let is_level_covered = neighbour(if from_left { -1 } else { 1 }, 0);
-        let is_upright_covered = neighbour(0, if from_below { -1 } else { 1 });
         let least = if level.1 < upright.1 { level } else { upright };
+        let mut is_level_covered = neighbour(if from_left { -1 } else { 1 }, 0);
+        let mut is_upright_covered = neighbour(0, if from_below { -1 } else { 1 });
+        if two.slot.is_none() && !(is_level_covered && is_upright_covered) {
+            // The part of a face that lies beside the first one, and whether it looks towards larger coordinates.
+            let x = Face { at: if from_left { b.left } else { b.right }, looks_up: !from_left };
+            let y = Face { at: if from_below { b.bottom } else { b.top }, looks_up: !from_below };
+            let (bottom, top) = (a.bottom.max(b.bottom), a.top.min(b.top));
+            let (left, right) = (a.left.max(b.left), a.right.min(b.right));
+            let blocks = |other: &&Body| {
+                other.space == two.space && self.response(one, other).is_some_and(|(r, ..)| r.push == Push::Block)
+            };
+            let areas: Vec<Area> = bodies.iter().filter(|o| o.slot.is_none()).filter(blocks).map(|o| o.area).collect();
+            let level_by_others = || {
+                let outside = areas.iter().filter(|o| x.is_outside(o.left, o.right));
+                covers(outside.map(|o| (o.bottom, o.top)).collect(), bottom, top)
+            };
+            let upright_by_others = || {
+                let outside = areas.iter().filter(|o| y.is_outside(o.bottom, o.top));
+                covers(outside.map(|o| (o.left, o.right)).collect(), left, right)
+            };
+            // Only the face on the least way is asked about, and the other one if that is covered.
+            (is_level_covered, is_upright_covered) = if least == level {
+                match is_level_covered || level_by_others() {
+                    true => (true, is_upright_covered || upright_by_others()),
+                    false => (false, false),
+                }
+            } else {
+                match is_upright_covered || upright_by_others() {
+                    true => (is_level_covered || level_by_others(), true),
+                    false => (false, false),
+                }
+            };
+        }
         let (side, depth) = match (is_level_covered, is_upright_covered) {
             (true, false) => upright,
             (false, true) => level,

@@ -208,7 +208,7 @@ fn what_cannot_be_replayed_is_told() {
     for (name, expected) in [
         ("old.jsonl", "a trace of version 1"),
         ("none.jsonl", "cannot replay `none.jsonl`"),
-        ("nowhere.jsonl", "cannot replay `nowhere.jsonl`"),
+        ("nowhere.jsonl", "cannot read `nowhere.jsonl`"),
         ("lost.jsonl", "cannot read `lost.hyped`"),
     ] {
         let (code, shown, error) = place.sim(&["--replay", name]);

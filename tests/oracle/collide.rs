@@ -66,11 +66,12 @@ impl Face {
 fn covers(stretches: Vec<(f64, f64)>, low: f64, high: f64) -> bool {
     let (mut reach, mut is_met) = (low, false);
     loop {
-        let next = stretches.iter().filter(|s| s.0 <= reach + TOLERANCE && s.1 >= reach - TOLERANCE);
         let before = reach;
-        for (_, end) in next {
-            is_met = true;
-            reach = reach.max(*end);
+        for (start, end) in &stretches {
+            if *start <= reach + TOLERANCE && *end >= reach - TOLERANCE {
+                is_met = true;
+                reach = reach.max(*end);
+            }
         }
         if is_met && reach >= high - TOLERANCE {
             return true;

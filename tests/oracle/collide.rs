@@ -308,7 +308,18 @@ impl Oracle<'_> {
         let least = if level.1 < upright.1 { level } else { upright };
         let mut is_level_covered = neighbour(if from_left { -1 } else { 1 }, 0);
         let mut is_upright_covered = neighbour(0, if from_below { -1 } else { 1 });
-        if two.slot.is_none() && !(is_level_covered && is_upright_covered) {
+        // Tiles among themselves are told by their neighbours alone; rectangles count up to a cell further.
+        let size = two.space.and_then(|space| self.world.spaces.iter().nth(space)?.map.as_ref()).map(|map| map.tile);
+        let is_near_rectangle = two.tile.zip(size).is_none_or(|((column, row), (width, height))| {
+            let is_near = |at: i64, low: f64, high: f64, size: f64| {
+                let cells = ((low - TOLERANCE) / size).floor() - 1.0..((high + TOLERANCE) / size).ceil() + 1.0;
+                cells.contains(&(at as f64))
+            };
+            bodies.iter().filter(|o| o.slot.is_none() && o.tile.is_none() && o.space == two.space).any(|o| {
+                is_near(column, o.area.left, o.area.right, width) && is_near(row, o.area.bottom, o.area.top, height)
+            })
+        });
+        if two.slot.is_none() && is_near_rectangle && !(is_level_covered && is_upright_covered) {
             // The part of a face that lies beside the first one, and whether it looks towards larger coordinates.
             let x = Face { at: if from_left { b.left } else { b.right }, looks_up: !from_left };
             let y = Face { at: if from_below { b.bottom } else { b.top }, looks_up: !from_below };

@@ -25,7 +25,7 @@ pub(super) type CellId = u32;
 const MARGIN: f64 = 1.0;
 /// More cells than that are not told apart.
 const MAX_CELLS: usize = 4_000;
-/// Lines that are this near to each other are one, px.
+/// How far a cell of what fits exactly reaches to both sides, px.
 const THIN: f64 = 4.0 * ROUNDING;
 /// A discrete variable of more values is not told apart, nor are more combinations of them.
 const MAX_VALUES: i32 = 4;
@@ -117,19 +117,24 @@ impl Cells {
                 [&mut lines, &mut others].into_iter().for_each(in_order);
                 // What fits exactly between two things has a cell of its own.
                 let is_at = |x: f64| {
-                    let at = others.partition_point(|o| *o < x - THIN);
-                    others.get(at).is_some_and(|o| *o <= x + THIN)
+                    let at = others.partition_point(|o| *o < x - ROUNDING / 2.0);
+                    others.get(at).is_some_and(|o| *o <= x + ROUNDING / 2.0)
                 };
                 let thin: Vec<f64> = lines.iter().copied().filter(|x| is_at(*x)).collect();
                 lines.extend(others);
                 in_order(&mut lines);
-                lines.retain(|x| thin.iter().all(|t| (t - x).abs() > THIN));
+                lines.retain(|x| thin.iter().all(|t| (t - x).abs() > ROUNDING / 2.0));
                 lines.extend(thin.into_iter().flat_map(|x| [x - THIN, x + THIN]));
                 lines.push(around[axis].low - MARGIN);
                 lines.push(around[axis].high + MARGIN);
                 lines.sort_by(f64::total_cmp);
                 lines
             });
+            // Lines that are all but the same leave slivers which no cell shows as they are.
+            let is_sliver = |lines: &[f64]| lines.windows(2).any(|pair| pair[1] - pair[0] < THIN);
+            if lines.iter().any(|lines| is_sliver(lines)) {
+                return None;
+            }
             let mut grid = Grid { space: *space, first: out.count, lines, is_blocked: Vec::new() };
             let (across, up) = (grid.count(0), grid.count(1));
             if across.saturating_mul(up).saturating_add(out.count as usize) > MAX_CELLS {
@@ -195,7 +200,7 @@ impl Cells {
 /// Puts lines in order, each once.
 fn in_order(lines: &mut Vec<f64>) {
     lines.sort_by(f64::total_cmp);
-    lines.dedup_by(|a, b| (*a - *b).abs() <= THIN);
+    lines.dedup_by(|a, b| (*a - *b).abs() <= ROUNDING / 2.0);
 }
 
 fn within(sides: &[Interval; 2], at: &mut Configuration) {

@@ -137,7 +137,9 @@ impl Stepper<'_> {
         let contact = self.reader.surroundings.collide(self.slot, own, far[0].max(far[1]), &mut moved);
         let greatest = |known: &mut [f64; 2]| *known = [known[0].max(speeds[0]), known[1].max(speeds[1])];
         greatest(&mut outcome.speed);
-        if self.reader.surroundings.is_near_statics(self.slot, &contact) {
+        // What leaves the place of all walls in one step has moved among them, too.
+        let begin = [VarId(0), VarId(1)].map(|var| next.vars[var][0]);
+        if [begin, contact].iter().any(|at| self.reader.surroundings.is_near_statics(self.slot, at)) {
             greatest(&mut outcome.near_speed);
         }
         for (known, at) in outcome.contact.iter_mut().zip(contact) {

@@ -257,9 +257,6 @@ impl Fine {
                         let id = combination * self.count + grid.first + number as u32;
                         let mut part = at.clone();
                         self.cut(id, &mut part);
-                        if at.spaces.len() > 1 {
-                            part.spaces = Arc::new([grid.space].into());
-                        }
                         if !part.is_impossible() {
                             out.push((id, part));
                         }

@@ -200,7 +200,9 @@ impl<'a> Reader<'a> {
 
     /// Where an instance of a configuration is when a contact question of its own holds.
     fn touched(&self, slot: SlotId, id: TouchId, at: &Configuration) -> Option<Vec<[Interval; 2]>> {
-        self.surroundings.touched(slot, id, &self.entity(slot).touches[id], at)
+        let mut boxes = self.surroundings.touched(slot, id, &self.entity(slot).touches[id], at)?;
+        boxes.retain(|b| (0..2).all(|axis| !at.vars[VarId(axis)][0].within(b[axis as usize]).is_none()));
+        Some(boxes)
     }
 
     fn is_played(&self) -> bool {
@@ -319,19 +321,10 @@ impl<'a> Reader<'a> {
             Expr::Button(..) => Truth { can_hold: self.is_played(), can_fail: true },
             // The contacts are those of where it was before.
             Expr::Touching(Subject::Me, _) if self.phase == (Phase::Continuous { is_put: true }) => Truth::EITHER,
-            Expr::Touching(of, touch)
-                if self.configured(of).is_some_and(|(s, c)| self.touched(s, touch, c).is_some()) =>
-            {
-                let boxes =
-                    self.configured(of).and_then(|(slot, at)| self.touched(slot, touch, at)).unwrap_or_default();
-                let can = |c: &Configuration| {
-                    let meets =
-                        |b: &[Interval; 2]| (0..2).all(|a| !c.vars[VarId(a)][0].within(b[a as usize]).is_none());
-                    boxes.iter().any(meets)
-                };
-                Truth { can_hold: self.mine(of).is_some_and(can), can_fail: true }
-            }
             Expr::Touching(of, touch) => {
+                if let Some(boxes) = self.configured(of).and_then(|(slot, at)| self.touched(slot, touch, at)) {
+                    return Truth { can_hold: !boxes.is_empty(), can_fail: true };
+                }
                 let can = |slot: &SlotId| {
                     let vars = self.mine(of).map_or(&self.slots[*slot].vars, |c| &c.vars);
                     let places = self.surroundings.places(*slot, touch).iter().enumerate();
@@ -433,20 +426,15 @@ impl<'a> Reader<'a> {
                 self.cut(at, b, op.mirrored(), &left);
                 !at.is_impossible()
             }
-            (Expr::Touching(Subject::Me, touch), true) if self.touched(me, touch, at).is_some() => {
-                let boxes = self.touched(me, touch, at).unwrap_or_default();
-                let meets = |b: &&[Interval; 2]| (0..2).all(|a| !at.vars[VarId(a)][0].within(b[a as usize]).is_none());
-                let met: Vec<[Interval; 2]> = boxes.iter().filter(meets).copied().collect();
-                for axis in 0..2 {
-                    let var = VarId(axis);
-                    let places = Values::any(met.iter().map(|b| b[axis as usize]));
-                    at.set(var, 0, at.vars[var][0].and(&places));
-                }
-                !at.is_impossible()
-            }
             (Expr::Touching(Subject::Me, touch), true) => {
-                for (var, places) in [VarId(0), VarId(1)].into_iter().zip(self.surroundings.places(me, touch)) {
-                    at.set(var, 0, at.vars[var][0].and(places));
+                let boxes = self.touched(me, touch, at);
+                for axis in 0..2 {
+                    let var = VarId(axis as u32);
+                    let places = match &boxes {
+                        Some(boxes) => Values::any(boxes.iter().map(|b| b[axis])),
+                        None => self.surroundings.places(me, touch)[axis],
+                    };
+                    at.set(var, 0, at.vars[var][0].and(&places));
                 }
                 !at.is_impossible()
             }

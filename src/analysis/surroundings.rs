@@ -54,8 +54,6 @@ pub(super) struct Contacts {
     surfaces: Vec<(SpaceId, Arc<Surfaces>)>,
     /// Of each contact question, along both axes, where the instance is when it holds of another one.
     places_of_others: Vec<[Values; 2]>,
-    /// How far a push can be in a step, px.
-    pushed: f64,
 }
 
 /// What is known of all instances of a kind.
@@ -138,7 +136,7 @@ impl Surroundings {
         // What is named is an instance.
         if !touch.bound {
             for (_, surfaces) in contacts.surfaces.iter().filter(|(space, _)| at.spaces.contains(space)) {
-                surfaces.touched(touch, [x, y], contacts.pushed, &mut out);
+                surfaces.touched(touch, [x, y], contacts.longest[0].max(contacts.longest[1]), &mut out);
             }
         }
         Some(out)
@@ -409,7 +407,6 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
         near: kind.near,
         near_statics: kind.near,
         surfaces: kind.surfaces.clone(),
-        pushed: crowds[me].gentle.unwrap_or(f64::INFINITY),
         ..Contacts::default()
     };
     for found in &statics {
@@ -444,13 +441,16 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
     if out.anywhere {
         out.carried = out.carried.map(|c| c.map(|_| Values::all()));
     }
-    // Boxes in which it touches another instance.
-    let others = |touch: &Touch| {
-        let asked = pairs.iter().filter(|pair| {
+    let asked = |touch: &Touch| {
+        let asks = |pair: &&&Pair| {
             let (mine, theirs) = body(pair);
             mine.tags.meets(touch.mine) && theirs.tags.meets(TagSet::of(touch.other))
-        });
-        let asked: Vec<_> = asked.collect();
+        };
+        pairs.iter().filter(asks).copied().collect::<Vec<&Pair>>()
+    };
+    // Boxes in which it touches another instance.
+    let others = |touch: &Touch| {
+        let asked = asked(touch);
         [0, 1].map(|axis| {
             let moved = if out.is_pushed { crowds[me].push[axis] } else { 0.0 };
             Values::any(asked.iter().flat_map(|pair| {
@@ -466,11 +466,7 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
     };
     let places_of_others: Vec<[Values; 2]> = entity.touches.iter().map(others).collect();
     let places = |(id, touch): (TouchId, &Touch)| {
-        let asks = |pair: &&&Pair| {
-            let (mine, theirs) = body(pair);
-            mine.tags.meets(touch.mine) && theirs.tags.meets(TagSet::of(touch.other))
-        };
-        let asked: Vec<&&Pair> = pairs.iter().filter(asks).collect();
+        let asked = asked(touch);
         let mut places = [0, 1].map(|axis| {
             // Contacts are found before anything is pushed.
             let moved = if out.is_pushed { crowds[me].push[axis] } else { 0.0 };
@@ -479,7 +475,7 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
             let of_others = places_of_others[id.index()][axis];
             Values::any(of_statics.map(|place| wide(*place, moved)).chain(of_others.intervals().iter().copied()))
         });
-        let is_pushing = |p: &&&Pair| pushes(scene, me, p);
+        let is_pushing = |p: &&Pair| pushes(scene, me, p);
         let by_all = statics.iter().all(|s| s.pushed.get(id.index()) == Some(&true)) && asked.iter().all(is_pushing);
         if let (Some(side), true) = (touch.side, by_all && !is_moved_by_movers && !out.anywhere) {
             let (axis, end) = face(side);

@@ -18,6 +18,8 @@ mod found;
 mod generate;
 #[path = "analysis/outside.rs"]
 mod outside;
+#[path = "analysis/regions.rs"]
+mod regions;
 #[path = "analysis/run.rs"]
 mod run;
 #[path = "analysis/sharp.rs"]

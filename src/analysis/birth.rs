@@ -4,7 +4,7 @@ use crate::ir::{Id, IdVec, LeafId, Origin, Place, SlotId, SpawnId, VarId};
 
 use super::configuration::Configuration;
 use super::fixpoint::{Analysis, MOST_CONFIGURATIONS};
-use super::step::Landing;
+use super::step::{Landing, Whose};
 use super::values::Values;
 use super::widen::within_bounds;
 
@@ -22,9 +22,6 @@ impl Analysis<'_> {
         let contact = [VarId(0), VarId(1)].map(|var| at.vars[var][0]);
         let known = &mut self.slots[slot].contact;
         *known = [known[0].or(&contact[0]), known[1].or(&contact[1])];
-        if let Some(landing) = Landing::of(&at) {
-            self.land(slot, &landing);
-        }
         self.enter(slot, at);
     }
 
@@ -51,8 +48,14 @@ impl Analysis<'_> {
                 .take(MOST_CONFIGURATIONS + 1)
                 .collect();
         }
-        let at = within_bounds(self.world, slot, at);
         let mut changed = false;
+        if let Some(landing) = Landing::of(&at) {
+            for leaves in &combinations {
+                let whose = Whose::While(leaves.clone());
+                changed |= self.land(slot, &Landing { spaces: landing.spaces.clone(), at: landing.at, whose });
+            }
+        }
+        let at = within_bounds(self.world, slot, at);
         for leaves in combinations {
             changed |= self.grow(slot, Configuration { leaves, ..at.clone() }, None);
         }
@@ -114,9 +117,6 @@ impl Analysis<'_> {
                 self.scene.reshape(slot, &self.slots[slot].params);
                 self.slots[slot].is_changed = true;
                 changed = true;
-            }
-            if let Some(landing) = Landing::of(&born) {
-                changed |= self.land(slot, &landing);
             }
             changed |= self.enter(slot, born);
         }

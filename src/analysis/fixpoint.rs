@@ -14,7 +14,7 @@ use super::cells::{CellId, Cells};
 use super::configuration::{Between, Configuration, Overall};
 use super::evaluate::{Joined, Phase, Reader};
 use super::scene::Scene;
-use super::step::{Landing, Outcome, Stepper};
+use super::step::{Landing, Outcome, Stepper, Whose};
 use super::supply::Limits;
 use super::surroundings::Surroundings;
 use super::values::{Interval, Values};
@@ -175,7 +175,8 @@ impl<'a> Analysis<'a> {
             return false;
         }
         let mut changed = false;
-        for (cell, found) in self.cells(slot).split(found, self.surroundings.is_gentle(slot)) {
+        let is_covered = self.surroundings.is_covered(slot, &found.leaves);
+        for (cell, found) in self.cells(slot).split(found, is_covered) {
             let is_own = from.is_some_and(|(leaves, of)| *of == cell && *leaves == found.leaves);
             if !(is_own && self.is_narrowing) {
                 changed |= self.grow_in(slot, cell, found, is_own);
@@ -194,6 +195,7 @@ impl<'a> Analysis<'a> {
         let key = (found.leaves.clone(), cell);
         let Some(mut growing) = known.configurations.remove(&key) else {
             let patience = Patience::new(&found);
+            self.scene.activate(self.scene.of[slot], &key.0);
             known.configurations.insert(key, Growing { at: found, patience, is_new: true });
             known.is_changed = true;
             if known.configurations.len() > MOST_CONFIGURATIONS && known.combinations() > MOST_CONFIGURATIONS {
@@ -355,6 +357,7 @@ impl<'a> Analysis<'a> {
         }
         known.why = Some(why);
         known.is_changed = true;
+        self.scene.activate_all(self.scene.of[slot]);
         for spawn in self.entity(slot).spawns.iter() {
             let made = |s: &SlotId| {
                 let s = &self.world.slots[*s];
@@ -431,7 +434,7 @@ impl<'a> Analysis<'a> {
         let reader = self.reader(None);
         let flowing = self.scene.flowing[self.world.slots[slot].entity].as_deref();
         let moving = &self.scene.moving[self.world.slots[slot].entity];
-        Stepper { reader, slot, step: self.world.step.seconds(), flowing, moving }
+        Stepper { reader, scene: &self.scene, slot, step: self.world.step.seconds(), flowing, moving }
     }
 
     pub fn take(&mut self, slot: SlotId, from: &Key, outcome: Outcome) -> bool {
@@ -472,6 +475,9 @@ impl<'a> Analysis<'a> {
         for landing in outcome.landings {
             changed |= self.land(slot, &landing);
         }
+        let kind = &mut self.scene.kinds[self.scene.of[slot]];
+        changed |= outcome.appears && !kind.appears;
+        kind.appears |= outcome.appears;
         changed
     }
 
@@ -479,8 +485,13 @@ impl<'a> Analysis<'a> {
     pub fn land(&mut self, slot: SlotId, landing: &Landing) -> bool {
         let kind = self.scene.of[slot];
         let mut changed = false;
-        for space in landing.spaces.iter().filter(|_| landing.collider.is_none()) {
-            changed |= self.scene.seed(kind, *space, landing.at);
+        for space in landing.spaces.iter() {
+            let (is_put, is_new) = match landing.whose {
+                Whose::All | Whose::While(_) => (true, false),
+                Whose::One { was_bare, .. } => (was_bare, true),
+            };
+            changed |= is_put && self.scene.seed(kind, *space, landing.at);
+            changed |= is_new && self.scene.uncover(kind, *space, landing.at);
         }
         if self.scene.kinds[kind].jumps {
             return changed;

@@ -3,8 +3,10 @@
 
 use std::collections::BTreeMap;
 
-use crate::ir::{Push, SpaceId, TagSet, Touch};
+use crate::ir::{GroupId, Id, LeafId, Push, SpaceId, TagSet, Touch};
 
+use super::presence::Presence;
+use super::region::Obstacle;
 use super::scene::{Body, Edges, Kind, along, edge_at, face, near, rounded, sides_of};
 use super::tiles::Tiles;
 use super::values::Interval;
@@ -25,6 +27,8 @@ struct Surface {
     tags: TagSet,
     /// The tags of the collider.
     mine: TagSet,
+    /// The number of the collider.
+    body: usize,
     /// Whether it pushes the collider, and to all sides.
     is_pushing: bool,
     is_solid: bool,
@@ -39,22 +43,24 @@ struct Surface {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Surfaces {
     all: Vec<Surface>,
+    /// When each collider is there.
+    presences: Vec<Presence>,
     buckets: BTreeMap<(i64, i64), Vec<u32>>,
 }
 
 impl Surfaces {
     /// None if there are too many, or if a collider is not always the same.
     pub fn new(world: &World, kind: &Kind, space: SpaceId) -> Option<Surfaces> {
-        let mut out = Surfaces::default();
+        let mut out = Surfaces { presences: presences(kind), ..Surfaces::default() };
         let tiles = Tiles::new(world, space);
         let solids = &world.spaces[space].solids;
-        for body in &kind.bodies {
+        for (number, body) in kind.bodies.iter().enumerate() {
             let meetings: Vec<Option<Meeting>> = tiles.tags.iter().map(|t| world.meeting(body.tags, *t)).collect();
             if meetings.iter().all(Option::is_none) && solids.iter().all(|s| world.meeting(body.tags, s.tags).is_none())
             {
                 continue;
             }
-            if body.extent.is_none() || !body.is_steady {
+            if body.extent.is_none() || (body.is_pushed && body.presence.is_none()) {
                 return None;
             }
             let pushes = |m: &Option<Meeting>| m.is_some_and(|m| m.response.push == Push::Block);
@@ -68,19 +74,35 @@ impl Surfaces {
                 let Some(kind) = tiles.kind(at) else { continue };
                 let Some(meeting) = meetings[kind] else { continue };
                 let is_block = meeting.response.push == Push::Block;
-                out.add(body, tiles.tags[kind], meeting, tiles.bounds(at), |side| is_block && covered(at, side))?;
+                out.add((number, body), tiles.tags[kind], meeting, tiles.bounds(at), |side| {
+                    is_block && covered(at, side)
+                })?;
             }
             for solid in solids {
                 let Some(meeting) = world.meeting(body.tags, solid.tags) else { continue };
-                out.add(body, solid.tags, meeting, solid.bounds, |_| false)?;
+                out.add((number, body), solid.tags, meeting, solid.bounds, |_| false)?;
             }
         }
         Some(out)
     }
 
+    /// What pushes a kind of what never moves although it could.
+    pub fn of(world: &World, kind: &Kind, obstacles: &[Obstacle]) -> Surfaces {
+        let mut out = Surfaces { presences: presences(kind), ..Surfaces::default() };
+        for (number, body) in kind.bodies.iter().enumerate().filter(|(_, b)| b.is_pushed) {
+            for obstacle in obstacles {
+                if let Some(meeting) = world.meeting(body.tags, obstacle.tags) {
+                    // There are never as many instances as surfaces.
+                    let _ = out.add((number, body), obstacle.tags, meeting, obstacle.bounds, |_| false);
+                }
+            }
+        }
+        out
+    }
+
     fn add(
         &mut self,
-        body: &Body,
+        (number, body): (usize, &Body),
         tags: TagSet,
         meeting: Meeting,
         bounds: Bounds,
@@ -92,6 +114,7 @@ impl Surfaces {
             near: [0, 1].map(|axis| near(Some(extent), axis, sides[axis])),
             tags,
             mine: body.tags,
+            body: number,
             is_pushing,
             is_solid: meeting.response.push == Push::Block,
             edges: [[None; 2]; 2],
@@ -129,9 +152,10 @@ impl Surfaces {
         numbers.into_iter().filter_map(|n| self.all.get(n as usize)).filter(touches)
     }
 
-    /// Where pushes of at most `far` px can end that find an instance in a box of positions.
-    pub fn edges(&self, at: [Interval; 2], far: f64, out: &mut Edges) {
-        for surface in self.around(at).filter(|s| s.is_pushing) {
+    /// Where pushes of at most `far` px can end that find an instance in a box of positions, while some leaves are active.
+    pub fn edges(&self, at: [Interval; 2], far: f64, leaves: &[LeafId], out: &mut Edges) {
+        let is_there = |s: &&Surface| self.presences[s.body].holds(&|group: GroupId| leaves[group.index()]);
+        for surface in self.around(at).filter(|s| s.is_pushing).filter(is_there) {
             for (axis, out) in out.iter_mut().enumerate() {
                 for (end, out) in out.iter_mut().enumerate() {
                     let Some(edge) = surface.edges[axis][end].filter(|_| surface.is_open[axis][end]) else { continue };
@@ -147,8 +171,16 @@ impl Surfaces {
         }
     }
 
-    /// Boxes of positions in which an instance is, after pushes of at most `far` px, when a contact question holds.
-    pub fn touched(&self, touch: &Touch, at: [Interval; 2], far: f64, out: &mut Vec<[Interval; 2]>) {
+    /// Boxes of positions in which an instance is, after pushes of at most `far` px, when a contact question holds. There may
+    /// be others that push as well.
+    pub fn touched(
+        &self,
+        touch: &Touch,
+        at: [Interval; 2],
+        far: f64,
+        also: Option<&Surfaces>,
+        out: &mut Vec<[Interval; 2]>,
+    ) {
         let wide = |i: Interval| rounded(Interval { low: i.low - far, high: i.high + far });
         let asked = |s: &&&Surface| s.mine.meets(touch.mine) && s.tags.meets(TagSet::of(touch.other));
         let mut add = |within: [Interval; 2]| {
@@ -174,7 +206,9 @@ impl Surfaces {
                     0 => Interval { low: edge, high: edge + far },
                     _ => Interval { low: edge - far, high: edge },
                 });
-                let pushes = around.iter().filter(|s| s.is_pushing).filter_map(|s| s.edges[axis][end]);
+                let others = also.into_iter().flat_map(|also| also.around(at.map(wide)));
+                let pushing = around.iter().copied().chain(others).filter(|s| s.is_pushing);
+                let pushes = pushing.filter_map(|s| s.edges[axis][end]);
                 for edge in pushes.filter(|e| end_of_push.contains(*e)) {
                     let mut within = within;
                     within[axis] = rounded(Interval::point(edge));
@@ -190,6 +224,11 @@ impl Surfaces {
     pub fn lines(&self, axis: usize) -> [Vec<f64>; 2] {
         [0, 1].map(|end| self.all.iter().filter_map(|s| s.edges[axis][end]).collect())
     }
+}
+
+/// When each collider of a kind is there; always, where that is not known.
+fn presences(kind: &Kind) -> Vec<Presence> {
+    kind.bodies.iter().map(|body| body.presence.clone().unwrap_or(Presence::Always)).collect()
 }
 
 /// From the first to the last bucket under an interval; a cast stops at the ends of its type.

@@ -16,6 +16,7 @@ use crate::ir::{
 use super::configuration::Configuration;
 use super::energy::Fall;
 use super::lookup::{Boxes, Grid, slice, whole};
+use super::presence::Cover;
 use super::values::{Interval, Values};
 use super::{ConfigurationSpace, SlotSpace};
 
@@ -177,8 +178,9 @@ struct Table {
     falls: Vec<Falling>,
     /// Each set of spaces, as one word for each space.
     space_sets: Vec<Vec<bool>>,
-    /// Where it can get in each space, if that is known.
+    /// Where it can get in each space, if that is known, and while which leaves.
     regions: Vec<Option<Boxes>>,
+    cover: Cover,
     /// Where it is while a contact question holds.
     contacts: Vec<(TouchId, [Values; 2])>,
 }
@@ -263,6 +265,7 @@ impl ConfigurationSpace {
         let regions = self.surroundings.regions(slot);
         if !regions.is_empty() {
             let region = |space: SpaceId| regions.iter().find(|(of, _)| *of == space);
+            out.cover = self.surroundings.cover(slot).clone();
             out.regions = world.spaces.ids().map(|space| Some(Boxes::new(&region(space)?.1))).collect();
         }
         let contacts = entity.touches.ids().map(|touch| (touch, *self.surroundings.places(slot, touch)));
@@ -413,7 +416,8 @@ impl Table {
     #[inline]
     fn is_in_region(&self, at: [f64; 2], of: &impl Reading) -> bool {
         // Of a space that it is never in, the rows tell.
-        self.regions.get(of.space().index()).is_none_or(|region| region.as_ref().is_none_or(|r| r.contains(at)))
+        let region = self.regions.get(of.space().index()).and_then(Option::as_ref);
+        region.is_none_or(|r| r.contains(at)) || !self.cover.holds(&|group| of.leaf(group))
     }
 
     #[inline]

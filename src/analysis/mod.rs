@@ -35,7 +35,7 @@
 //! | continuous: flows, envelopes, clamps | `flow::flow`: contacts are those of the last collision (`Phase::Continuous`) | of others, all they are within a step | `found/*stale*`, `*clamp*` |
 //! | `collision::carry` | `Surroundings::collide`: near what carries it, moved by as much, carriers of carriers included | positions of the two are not related | `tests/semantics.rs`, oracle |
 //! | contacts, where everything is before pushes | `Overall::contact`, `places` | – | `found/false-pushed-pusher` |
-//! | pushes: along an axis the deepest counts | `Contacts::push_out`: it ends at an edge of what it meets | instances that push each other; overlaps; gaps a little too narrow: anywhere beside it | `found/false-opposite-pushes`, `verdicts/slit*` |
+//! | pushes: along an axis the deepest counts | `Contacts::push_out`: it ends at an edge of what it meets | instances that move and push (`crowd`); colliders that appear inside of something (`Stepper::activations`); overlaps; gaps a little too narrow: anywhere beside it | `found/false-opposite-pushes`, `verdicts/slit*` |
 //! | velocities into surfaces become 0 | the same, beside the old one | energies: only of what never moves | `found/false-clamped*` |
 //! | `life::bury`: references become none | references may always be none | – | oracle |
 //! | observation: `never`, then written bounds, then `goal` | `barred`, `widen::within_bounds`, `can_turn_out` | – | `tests/border.rs` |
@@ -44,6 +44,7 @@ mod barred;
 mod birth;
 mod cells;
 mod configuration;
+mod crowd;
 mod energy;
 mod evaluate;
 mod findings;
@@ -54,8 +55,10 @@ mod lookup;
 mod membership;
 mod narrowing;
 mod pace;
+mod presence;
 mod region;
 mod scene;
+mod statics;
 mod step;
 mod supply;
 mod surroundings;
@@ -68,7 +71,7 @@ pub use findings::{InvariantVerdict, Spaces, findings, invariants, watched_findi
 pub use membership::{Beyond, Membership, Outside, Reading};
 pub use values::{Interval, Values};
 
-use crate::ir::{ExprId, GoalId, IdVec, Program, SlotId, World, WorldId};
+use crate::ir::{ExprId, GoalId, GroupId, Id, IdVec, Program, SlotId, World, WorldId};
 
 use crate::watch::{Unwatched, Watch};
 
@@ -219,14 +222,16 @@ impl ConfigurationSpace {
             let truth = reader.truth(predicate);
             if holds { truth.can_hold } else { truth.can_fail }
         };
-        // Each instance is somewhere in its region, if it is there at all.
+        // Each instance is somewhere in its region while it is covered, if it is there at all.
         let in_parts = |slot: SlotId| {
             let regions = self.surroundings.regions(slot);
             let mut parts = regions.iter().flat_map(|(space, region)| region.boxes().iter().map(move |b| (*space, *b)));
             let absent = self.overall[slot].can_be_absent;
+            let at = |at| can(&Reader { pinned: Some((slot, Pinned::At(at))), ..reader });
             regions.is_empty()
                 || absent
                 || parts.any(|(space, part)| can(&Reader { pinned: Some((slot, Pinned::Part(space, part))), ..reader }))
+                || self.bare(slot).any(at)
         };
         // So it is in one of its configurations.
         let in_configurations = |slot: SlotId| {
@@ -236,6 +241,13 @@ impl ConfigurationSpace {
         };
         let players = || table.players.iter().map(|p| p.slot);
         can(&reader) && players().all(in_parts) && players().all(in_configurations)
+    }
+
+    /// The configurations in which nothing keeps an instance out of what blocks it.
+    fn bare(&self, slot: SlotId) -> impl Iterator<Item = &Configuration> {
+        let cover = self.surroundings.cover(slot);
+        let is_bare = |at: &&Configuration| !cover.holds(&|group: GroupId| at.leaves[group.index()]);
+        self.slots[slot].configurations.iter().filter(is_bare)
     }
 
     /// What expressions are read against: those of an instance in one of its configurations, or those of the world.

@@ -72,8 +72,9 @@ impl Analysis<'_> {
         let mut at = entries.clone();
         for _ in 0..MOST_EXTENSIONS {
             let Some(outcome) = self.stepper(slot).run_on(&at) else { break };
-            let here = |next| {
-                self.cells(slot).split(next, self.surroundings.is_gentle(slot)).into_iter().find(|(of, _)| *of == cell)
+            let here = |next: Configuration| {
+                let is_covered = self.surroundings.is_covered(slot, &next.leaves);
+                self.cells(slot).split(next, is_covered).into_iter().find(|(of, _)| *of == cell)
             };
             let own = outcome.next.into_iter().filter_map(here).map(|(_, own)| own).reduce(|a, b| a.or(&b));
             let Some(own) = own.map(|own| both(&own, known)) else { return entries };

@@ -58,7 +58,7 @@ impl ConfigurationSpace {
         let reader = self.reader(program, table, None);
         let can = |part| Reader { pinned: Some((slot, Pinned::Part(space, part))), ..reader }.truth(predicate).can_hold;
         let regions = self.surroundings.regions(slot);
-        if regions.is_empty() || self.overall[slot].can_be_absent {
+        if regions.is_empty() || self.overall[slot].can_be_absent || self.bare(slot).next().is_some() {
             return can(part);
         }
         let boxes = regions.iter().filter(|(s, _)| *s == space).flat_map(|(_, region)| region.boxes());

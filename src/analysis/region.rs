@@ -6,12 +6,15 @@
 //! so that it is no deeper than that inside of what it meets, and is pushed out by no more than that: free places hang
 //! together that are not further apart than two such steps, and thicker walls are not passed.
 //!
+//! Where several colliders take turns, what lies within all of them is kept out of what blocks while one of them is there.
+//!
 //! That fails where a push ends inside of something else, or where two things push against each other: between two things
 //! that leave a gap which is too narrow by up to two steps. Where it could come near to one, nothing is said.
 
 use crate::ir::{Bounds, Push, SpaceId, TagSet};
 
-use super::scene::{Extent, Kind, ROUNDING, Scene, TOLERANCE};
+use super::presence::{Cover, Presence};
+use super::scene::{Body, Extent, Kind, ROUNDING, Scene, TOLERANCE};
 use super::tiles::Tiles;
 use super::values::{Interval, Values};
 
@@ -58,80 +61,145 @@ impl Region {
     }
 }
 
+/// A collider of an instance that never moves.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Obstacle {
+    pub bounds: Bounds,
+    pub tags: TagSet,
+    /// Whether it is always there.
+    pub is_sure: bool,
+}
+
+impl Kind {
+    /// The colliders that are kept out of what blocks.
+    fn kept_out(&self) -> impl Iterator<Item = &Body> {
+        self.bodies.iter().filter(|b| b.is_pushed && b.is_live)
+    }
+
+    /// Boxes that are kept out of what blocks while the kind is covered: those of colliders that are always there; if there
+    /// are none, what lies within all that are there by turns.
+    fn cores(&self) -> Vec<(TagSet, Extent)> {
+        let steady: Vec<_> = self.kept_out().filter(|b| b.presence == Some(Presence::Always)).collect();
+        if !steady.is_empty() {
+            return steady.into_iter().filter_map(|b| Some((b.tags, b.extent?))).collect();
+        }
+        let alike = |a: &Body| self.kept_out().all(|b| a.tags == b.tags);
+        let Some(first) = self.kept_out().next().filter(|first| alike(first)) else { return Vec::new() };
+        let both = |a: Extent, b: Extent| Some([a[0].and(b[0])?, a[1].and(b[1])?]);
+        let mut extents = self.kept_out().map(|b| b.extent);
+        let within = extents.next().flatten().and_then(|first| extents.try_fold(first, |a, b| both(a, b?)));
+        within.map(|within| (first.tags, within)).into_iter().collect()
+    }
+
+    /// While which leaves it is kept out of what blocks.
+    pub fn cover(&self) -> Cover {
+        if self.kept_out().any(|b| b.presence == Some(Presence::Always)) {
+            return Cover::Always;
+        }
+        match self.cores().is_empty() {
+            true => Cover::default(),
+            false => Cover::While(self.kept_out().filter_map(|b| b.presence.clone()).collect()),
+        }
+    }
+}
+
 impl Scene<'_> {
     /// Where instances of a kind that begin in some boxes can get in a space, if a step moves them by at most `far` px
-    /// along each axis. None if there is too much to look at, or if pushes could leave them inside of something.
-    pub fn flooded(&self, kind: usize, space: SpaceId, seeds: &[[Interval; 2]], far: f64) -> Option<Region> {
+    /// along each axis, while they are kept out of what blocks. None if there is too much to look at, or if pushes could
+    /// leave them inside of something.
+    pub fn flooded(
+        &self,
+        kind: usize,
+        space: SpaceId,
+        seeds: &[[Interval; 2]],
+        far: f64,
+        obstacles: &[Obstacle],
+    ) -> Option<Region> {
         let of = &self.kinds[kind];
         let players = of.slots.iter().all(|s| self.world.slots[*s].player.is_some());
         let bounds = self.world.spaces[space].bounds.filter(|_| players);
-        let blockers = self.blockers(of, space);
-        let blocking: Vec<_> = blockers.iter().filter(|b| b.is_solid).map(|b| b.sides).collect();
+        let mut blocking = Vec::new();
+        for (tags, extent) in of.cores() {
+            let blockers = self.blockers((tags, extent), space, obstacles.iter().filter(|o| o.is_sure));
+            blocking.extend(blockers.into_iter().filter(|(_, push)| *push == Push::Block).map(|(sides, _)| sides));
+        }
         let plane = Plane::new(&blocking, bounds)?;
         let apart = 2.0 * far + TOLERANCE + 4.0 * ROUNDING;
         let reached = plane.flood(seeds, apart);
-        if has_narrow_gap(&blockers, &reached, far, apart) {
+        let mut all = Vec::new();
+        for body in of.kept_out() {
+            let pushing = self.blockers((body.tags, body.extent?), space, obstacles.iter());
+            all.extend(pushing.into_iter().map(|(sides, _)| sides));
+        }
+        if has_narrow_gap(&all, &reached, far, apart) {
             return None;
         }
         let wide = |i: Interval| Interval { low: i.low - ROUNDING, high: i.high + ROUNDING };
         Region::new(reached.into_iter().map(|strip| strip.map(wide)).collect())
     }
 
-    /// The positions at which a collider that is always there lies inside of what blocks it and never moves.
+    /// The positions at which a covered instance would lie inside of what blocks it and never moves.
     pub fn blocking(&self, kind: &Kind, space: SpaceId) -> Vec<[Interval; 2]> {
-        self.blockers(kind, space).into_iter().filter(|b| b.is_solid).map(|b| b.sides).collect()
+        let of = |core| self.blockers(core, space, [].iter()).into_iter();
+        let blockers = kind.cores().into_iter().flat_map(of);
+        blockers.filter(|(_, push)| *push == Push::Block).map(|(sides, _)| sides).collect()
     }
 
-    /// What never moves and pushes a collider that is always there.
-    fn blockers(&self, kind: &Kind, space: SpaceId) -> Vec<Blocker> {
+    /// The positions at which a box lies inside of what pushes it and never moves, and to which sides that does.
+    fn blockers<'o>(
+        &self,
+        (tags, extent): (TagSet, Extent),
+        space: SpaceId,
+        obstacles: impl Iterator<Item = &'o Obstacle>,
+    ) -> Vec<([Interval; 2], Push)> {
         let tiles = Tiles::new(self.world, space);
-        let mut out = Vec::new();
-        for body in kind.bodies.iter().filter(|b| !b.kinematic && b.is_steady) {
-            let Some(extent) = body.extent else { continue };
-            let push = |t: TagSet| self.world.meeting(body.tags, t).map_or(Push::Sense, |m| m.response.push);
-            let blocker =
-                |bounds: Bounds, push: Push| Blocker { sides: grown(bounds, extent), is_solid: push == Push::Block };
-            let solids = self.world.spaces[space].solids.iter().map(|s| (push(s.tags), s.bounds));
-            let solids = solids.filter(|(push, _)| *push != Push::Sense);
-            out.extend(solids.map(|(push, bounds)| blocker(bounds, push)));
-            for wanted in [Push::Block, Push::FromAbove] {
-                let kinds: Vec<bool> = tiles.tags.iter().map(|t| push(*t) == wanted).collect();
-                let boxes = tiles.boxes(|kind| kinds[kind]);
-                out.extend(boxes.map(|bounds| blocker(bounds, wanted)));
-            }
+        let push = |t: TagSet| self.world.meeting(tags, t).map_or(Push::Sense, |m| m.response.push);
+        let solids = self.world.spaces[space].solids.iter().map(|s| (s.tags, s.bounds));
+        let boxes = solids.chain(obstacles.map(|o| (o.tags, o.bounds)));
+        let mut out: Vec<_> = boxes.map(|(tags, bounds)| (grown(bounds, extent), push(tags))).collect();
+        out.retain(|(_, push)| *push != Push::Sense);
+        for wanted in [Push::Block, Push::FromAbove] {
+            let kinds: Vec<bool> = tiles.tags.iter().map(|t| push(*t) == wanted).collect();
+            out.extend(tiles.boxes(|kind| kinds[kind]).map(|bounds| (grown(bounds, extent), wanted)));
         }
-        out.retain(|b| b.sides.iter().all(|side| side.low < side.high));
+        out.retain(|(sides, _)| sides.iter().all(|side| side.low < side.high));
         out
     }
-}
 
-/// Positions at which a collider lies inside of what pushes it.
-struct Blocker {
-    sides: [Interval; 2],
-    /// Whether it pushes to all sides.
-    is_solid: bool,
+    /// Whether something is put so that a collider of it can lie inside of an obstacle.
+    pub fn is_inside_of(&self, kind: usize, space: SpaceId, obstacles: &[Obstacle]) -> bool {
+        self.kinds[kind].kept_out().any(|body| {
+            let Some(extent) = body.extent else { return true };
+            let pushes =
+                |o: &&Obstacle| self.world.meeting(body.tags, o.tags).is_some_and(|m| m.response.push != Push::Sense);
+            obstacles.iter().filter(pushes).any(|o| {
+                let sides = grown(o.bounds, extent);
+                self.put(kind, space).any(|at| (0..2).all(|axis| at[axis].and(sides[axis]).is_some()))
+            })
+        })
+    }
 }
 
 /// Whether two things leave a gap that is too narrow by no more than two steps, near to what is reached: they push against
 /// each other, or a push by one of them ends inside of the other.
-fn has_narrow_gap(blockers: &[Blocker], reached: &[[Interval; 2]], far: f64, apart: f64) -> bool {
+fn has_narrow_gap(blockers: &[[Interval; 2]], reached: &[[Interval; 2]], far: f64, apart: f64) -> bool {
     let thickest = 2.0 * far + TOLERANCE + 4.0 * ROUNDING;
     let near = |a: Interval, b: Interval| a.low - apart <= b.high && b.low - apart <= a.high;
-    let mut order: Vec<&Blocker> = blockers.iter().collect();
+    let mut order: Vec<&[Interval; 2]> = blockers.iter().collect();
     [0, 1].into_iter().any(|axis| {
         let across = 1 - axis;
-        order.sort_by(|a, b| a.sides[axis].low.total_cmp(&b.sides[axis].low));
+        order.sort_by(|a, b| a[axis].low.total_cmp(&b[axis].low));
         order.iter().any(|a| {
-            let side = a.sides[axis];
-            let first = order.partition_point(|b| b.sides[axis].low < side.high - thickest);
-            let after = order.partition_point(|b| b.sides[axis].low < side.high);
+            let side = a[axis];
+            let first = order.partition_point(|b| b[axis].low < side.high - thickest);
+            let after = order.partition_point(|b| b[axis].low < side.high);
             order.get(first..after).unwrap_or_default().iter().any(|b| {
-                if side.low >= b.sides[axis].low || !near(a.sides[across], b.sides[across]) {
+                if side.low >= b[axis].low || !near(a[across], b[across]) {
                     return false;
                 }
                 let mut gap = [side; 2];
-                gap[axis] = Interval { low: b.sides[axis].low, high: side.high };
-                gap[across] = a.sides[across].or(b.sides[across]);
+                gap[axis] = Interval { low: b[axis].low, high: side.high };
+                gap[across] = a[across].or(b[across]);
                 reached.iter().any(|r| near(r[0], gap[0]) && near(r[1], gap[1]))
             })
         })

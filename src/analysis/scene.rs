@@ -1,18 +1,18 @@
 //! What the colliders of a world can meet, as far as it never changes: bodies of one kind share it, per space.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use crate::ir::{
-    Actions, Bounds, Drive, EdgeId, Entity, EntityId, Expr, Group, Id, IdVec, Meeting, Origin, ParamId, Place, Program,
-    Push, Shape, Side, SlotId, SpaceId, TagSet, VarId, World,
+    Actions, Bounds, Drive, EdgeId, Entity, EntityId, Expr, Group, GroupId, Id, IdVec, LeafId, Meeting, Origin,
+    ParamId, Place, Program, Push, Shape, Side, SlotId, SpaceId, TagSet, VarId, World,
 };
 
 use super::cells::{Cells, near_statics};
 use super::local::Surfaces;
-use super::region::Region;
-use super::step::Landing;
-use super::tiles::Tiles;
+use super::presence::Presence;
+use super::region::{Obstacle, Region};
+use super::statics::Statics;
 use super::values::{Interval, Values};
 
 /// Edges that meet are this near, px: positions are rounded.
@@ -47,8 +47,12 @@ pub(super) struct Body {
     pub kinematic: bool,
     /// Its box, where that is always the same.
     pub extent: Option<Extent>,
-    /// Whether it is always there.
-    pub is_steady: bool,
+    /// When it is there; none if more than modes decide that.
+    pub presence: Option<Presence>,
+    /// Whether it can be there at all, by the leaves that are known to be possible.
+    pub is_live: bool,
+    /// Whether anything pushes it.
+    pub is_pushed: bool,
 }
 
 /// Slots whose colliders are the same.
@@ -59,6 +63,8 @@ pub(super) struct Kind {
     pub bodies: Vec<Body>,
     /// Whether something can put an instance inside of what pushes it, or through it.
     pub jumps: bool,
+    /// Whether a collider of it that is never pushed can come back after it was away.
+    pub appears: bool,
     /// Where its instances are told apart.
     pub cells: Cells,
     /// The positions at which an instance can meet anything that never moves.
@@ -79,30 +85,15 @@ pub(super) struct Pair {
 /// Where pushes put an instance, along an axis: by the low and by the high side of its colliders, in order.
 pub(super) type Edges = [[Vec<Interval>; 2]; 2];
 
-/// What bodies of a kind meet in a space that never moves.
-#[derive(Debug, Clone)]
-pub(super) struct Statics {
-    /// Of each contact question, along both axes, where an instance is when it holds.
-    pub places: Vec<[Vec<Interval>; 2]>,
-    /// Of each contact question, whether all that it asks for here pushes the body that asks.
-    pub pushed: Vec<bool>,
-    /// Where pushes put it.
-    pub edges: Edges,
-    /// So, where what pushes it is not deep inside of other things: by faces that no neighbour covers.
-    pub faces: Edges,
-    /// Of both axes, the size of the thinnest thing that pushes it, px; infinite if there is none.
-    pub thinnest: [f64; 2],
-    /// Of both axes, how far a push can be, px.
-    pub longest: [f64; 2],
-    pub pushes: bool,
-    /// Whether some push stops the velocity into the surface.
-    pub stops: bool,
-    /// Whether some push does not.
-    pub slips: bool,
-    /// Whether a push can end anywhere: the body that is pushed is not always the same.
-    pub anywhere: bool,
-    /// Whether what is pushed is always there.
-    pub is_steady: bool,
+/// Where instances of a kind can get in a space, and what that was found from.
+#[derive(Debug)]
+struct Flooded {
+    /// The length of their steps, px.
+    far: f64,
+    /// The number of seeds.
+    seeds: usize,
+    obstacles: Vec<Obstacle>,
+    found: Option<Region>,
 }
 
 /// The kinds of a world, and what they meet.
@@ -122,8 +113,10 @@ pub(super) struct Scene<'a> {
     statics: BTreeMap<(usize, SpaceId), Statics>,
     /// Where instances of a kind are put.
     seeds: BTreeMap<(usize, SpaceId), Vec<[Interval; 2]>>,
-    /// Where those of a kind get from there, with the length of their steps, px, and the number of seeds.
-    regions: BTreeMap<(usize, SpaceId), (f64, usize, Option<Region>)>,
+    /// Where they are as colliders of theirs appear.
+    uncovered: BTreeMap<(usize, SpaceId), Vec<[Interval; 2]>>,
+    /// Where those of a kind get from where they are put.
+    regions: BTreeMap<(usize, SpaceId), Flooded>,
 }
 
 /// How far a step goes, px, rounded up, so that what comes of it is not found anew for each growth.
@@ -168,6 +161,7 @@ impl<'a> Scene<'a> {
             pairs: Vec::new(),
             statics: BTreeMap::new(),
             seeds: BTreeMap::new(),
+            uncovered: BTreeMap::new(),
             regions: BTreeMap::new(),
         };
         for (slot, s) in world.slots.pairs() {
@@ -179,16 +173,65 @@ impl<'a> Scene<'a> {
                 let jumps = drives_position(program, s.entity);
                 let cells = Cells::whole();
                 let (slots, surfaces) = (Vec::new(), Vec::new());
-                let mut kind = Kind { entity: s.entity, slots, bodies, jumps, cells, near: None, surfaces };
-                kind.near = near_statics(world, &kind);
-                kind.cells = Cells::around(&kind);
-                scene.kinds.push(kind);
+                let appears = false;
+                scene.kinds.push(Kind { entity: s.entity, slots, bodies, jumps, appears, cells, near: None, surfaces });
             }
             scene.kinds[number].slots.push(slot);
             scene.of.push(number);
         }
         scene.pair_up();
+        for kind in 0..scene.kinds.len() {
+            scene.kinds[kind].near = scene.near(kind);
+            scene.kinds[kind].cells = Cells::around(&scene.kinds[kind]);
+        }
         scene
+    }
+
+    /// Around the positions at which a kind can meet what never moves: instances that nothing can move, too.
+    fn near(&self, kind: usize) -> Option<Extent> {
+        let mut hull = near_statics(self.world, &self.kinds[kind]);
+        for pair in self.pairs[kind].iter().filter(|pair| pair.meeting.response.push != Push::Sense) {
+            let (mine, theirs) = (&self.kinds[kind].bodies[pair.mine], &self.kinds[pair.kind].bodies[pair.theirs]);
+            let (Some(extent), Some(other), false) = (mine.extent, theirs.extent, mine.kinematic) else { continue };
+            let stays = theirs.kinematic && stays(&self.program.entities[self.kinds[pair.kind].entity]);
+            for slot in self.kinds[pair.kind].slots.iter().filter(|_| stays).map(|s| &self.world.slots[*s]) {
+                if slot.origin != Origin::Free {
+                    let at = [0, 1].map(|axis| {
+                        let at = slot.vars[VarId(axis as u32)][0];
+                        near(Some(extent), axis, (at + other[axis].low, at + other[axis].high))
+                    });
+                    hull = Some(hull.map_or(at, |h| [h[0].or(at[0]), h[1].or(at[1])]));
+                }
+            }
+        }
+        hull
+    }
+
+    /// Some leaves can be active together; gives whether a collider can be there for the first time.
+    pub fn activate(&mut self, kind: usize, leaves: &[LeafId]) -> bool {
+        let mut is_new = false;
+        for body in self.kinds[kind].bodies.iter_mut().filter(|b| !b.is_live) {
+            let presence = body.presence.as_ref();
+            body.is_live = presence.is_none_or(|p| p.holds(&|group: GroupId| leaves[group.index()]));
+            is_new |= body.is_live;
+        }
+        if is_new {
+            self.forget(kind);
+        }
+        is_new
+    }
+
+    /// Nothing is known of the modes of a kind.
+    pub fn activate_all(&mut self, kind: usize) {
+        self.kinds[kind].bodies.iter_mut().for_each(|b| b.is_live = true);
+        self.kinds[kind].appears = true;
+        self.forget(kind);
+    }
+
+    /// What a kind meets must be found anew.
+    fn forget(&mut self, kind: usize) {
+        self.statics.retain(|(k, _), _| *k != kind);
+        self.regions.retain(|(k, _), _| *k != kind);
     }
 
     /// Tells players apart by place; returns false if there are none of whom that can be done.
@@ -215,10 +258,13 @@ impl<'a> Scene<'a> {
     /// The parameters of the slots of a kind can be more than before.
     pub fn reshape(&mut self, slot: SlotId, params: &IdVec<ParamId, Values>) {
         let kind = self.of[slot];
-        self.kinds[kind].bodies = self.bodies(self.kinds[kind].entity, params);
-        self.kinds[kind].near = near_statics(self.world, &self.kinds[kind]);
-        self.statics.retain(|(k, _), _| *k != kind);
-        self.regions.retain(|(k, _), _| *k != kind);
+        let mut bodies = self.bodies(self.kinds[kind].entity, params);
+        for (body, known) in bodies.iter_mut().zip(&self.kinds[kind].bodies) {
+            body.is_live = known.is_live;
+        }
+        self.kinds[kind].bodies = bodies;
+        self.kinds[kind].near = self.near(kind);
+        self.forget(kind);
     }
 
     /// Finds out what a kind meets in a space, if that is not known yet.
@@ -237,34 +283,38 @@ impl<'a> Scene<'a> {
     /// Something puts instances of a kind somewhere; gives whether that is new.
     pub fn seed(&mut self, kind: usize, space: SpaceId, at: [Interval; 2]) -> bool {
         let known = self.seeds.entry((kind, space)).or_default();
-        let is_known = known.iter().any(|k| (0..2).all(|a| k[a].low <= at[a].low && at[a].high <= k[a].high));
-        if !is_known {
-            known.push(at);
-            if known.len() > MOST_SEEDS {
-                let hull = known.iter().copied().reduce(|a, b| [a[0].or(b[0]), a[1].or(b[1])]);
-                known.clear();
-                known.extend(hull);
-                self.regions.remove(&(kind, space));
-            }
+        let is_new = add(known, at);
+        if is_new && known.len() == 1 {
+            self.regions.remove(&(kind, space));
         }
-        !is_known
+        is_new
     }
 
-    /// Where instances of a kind can get in a space, if a step moves them by at most `far` px along each axis. None if
-    /// that is not known.
-    pub fn region(&mut self, kind: usize, space: SpaceId, far: f64) -> Option<&Region> {
+    /// A collider of instances of a kind appears somewhere; gives whether that is new.
+    pub fn uncover(&mut self, kind: usize, space: SpaceId, at: [Interval; 2]) -> bool {
+        add(self.uncovered.entry((kind, space)).or_default(), at)
+    }
+
+    /// Where instances of a kind are put in a space, or have colliders that appear.
+    pub fn put(&self, kind: usize, space: SpaceId) -> impl Iterator<Item = &[Interval; 2]> {
+        [&self.seeds, &self.uncovered].into_iter().filter_map(move |m| m.get(&(kind, space))).flatten()
+    }
+
+    /// Where instances of a kind can get in a space among what never moves and some obstacles, if a step moves them by at
+    /// most `far` px along each axis. None if that is not known.
+    pub fn region(&mut self, kind: usize, space: SpaceId, far: f64, obstacles: &[Obstacle]) -> Option<&Region> {
         if !far.is_finite() {
             return None;
         }
         let far = rounded_step(far);
         let seeds = self.seeds.get(&(kind, space)).map_or(&[][..], Vec::as_slice);
-        let known = self.regions.get(&(kind, space));
-        if known.is_none_or(|(f, count, _)| *f != far || *count != seeds.len()) {
-            let found = self.flooded(kind, space, seeds, far);
-            let count = seeds.len();
-            self.regions.insert((kind, space), (far, count, found));
+        let is_known = |f: &Flooded| f.far == far && f.seeds == seeds.len() && f.obstacles == obstacles;
+        if !self.regions.get(&(kind, space)).is_some_and(is_known) {
+            let found = self.flooded(kind, space, seeds, far, obstacles);
+            let flooded = Flooded { far, seeds: seeds.len(), obstacles: obstacles.to_vec(), found };
+            self.regions.insert((kind, space), flooded);
         }
-        self.regions.get(&(kind, space))?.2.as_ref()
+        self.regions.get(&(kind, space))?.found.as_ref()
     }
 
     /// All edges that are known.
@@ -306,123 +356,26 @@ impl<'a> Scene<'a> {
             let extent = sides.map(|[x, y, width, height]| {
                 [Interval { low: x, high: x + width }, Interval { low: y, high: y + height }]
             });
-            Body { tags: c.tags, kinematic: c.kinematic, extent, is_steady: c.guard.is_none() }
+            let presence = Presence::of(self.program, &self.program.entities[entity], c.guard);
+            let is_live = presence == Some(Presence::Always);
+            let is_pushed = !c.kinematic && self.is_pushed(c.tags);
+            Body { tags: c.tags, kinematic: c.kinematic, extent, presence, is_live, is_pushed }
         };
         self.program.entities[entity].colliders.iter().map(body).collect()
+    }
+
+    /// Whether anything of the world pushes what has some tags.
+    fn is_pushed(&self, tags: TagSet) -> bool {
+        let pushes = |t: TagSet| self.world.meeting(tags, t).is_some_and(|m| m.response.push != Push::Sense);
+        self.world.spaces.iter().any(|space| {
+            let kinds = space.map.iter().flat_map(|m| &m.kinds).map(|k| k.tags.iter().copied().collect());
+            kinds.chain(space.solids.iter().map(|s| s.tags)).any(pushes)
+        }) || self.program.entities.iter().flat_map(|e| e.colliders.iter()).any(|c| pushes(c.tags))
     }
 
     /// The size of a body along both axes, px; infinite where it is not always the same.
     pub fn size(body: &Body) -> [f64; 2] {
         body.extent.map_or([f64::INFINITY; 2], |e| e.map(|i| i.high - i.low))
-    }
-
-    fn look(&self, kind: &Kind, space: SpaceId) -> Statics {
-        let (world, entity) = (self.world, &self.program.entities[kind.entity]);
-        let mut out = Statics::default();
-        let tiles = Tiles::new(world, space);
-        let solids = &world.spaces[space].solids;
-        let tags: Vec<TagSet> = tiles.tags.iter().copied().chain(solids.iter().map(|s| s.tags)).collect();
-        for touch in entity.touches.iter() {
-            let asking: Vec<&Body> = kind.bodies.iter().filter(|b| b.tags.meets(touch.mine)).collect();
-            let mut places = [Vec::new(), Vec::new()];
-            let mut pushed = true;
-            for (body, tags) in asking.iter().flat_map(|b| tags.iter().map(move |t| (b, *t))) {
-                let Some(meeting) = world.meeting(body.tags, tags) else { continue };
-                if touch.bound || !tags.meets(TagSet::of(touch.other)) {
-                    continue;
-                }
-                pushed &= meeting.response.push != Push::Sense && !body.kinematic;
-                let boxes = solids.iter().filter(|s| s.tags == tags).map(|s| along(s.bounds));
-                let (columns, rows) = tiles.lines(|at| tiles.tag(at) == tags);
-                let lines = [columns, rows];
-                for (axis, places) in places.iter_mut().enumerate() {
-                    let lines = lines[axis].iter().copied().chain(boxes.clone().map(|b| b[axis]));
-                    places.extend(lines.map(|(low, high)| near(body.extent, axis, (low, high))));
-                }
-            }
-            places.iter_mut().for_each(disjoin);
-            out.places.push(places);
-            out.pushed.push(pushed);
-        }
-        for body in kind.bodies.iter().filter(|b| !b.kinematic) {
-            self.pushes(body, space, &tiles, &mut out);
-        }
-        out.edges.iter_mut().chain(&mut out.faces).flatten().for_each(disjoin);
-        out
-    }
-
-    /// What never moves and pushes a body.
-    fn pushes(&self, body: &Body, space: SpaceId, tiles: &Tiles<'_>, out: &mut Statics) {
-        let pushing = |t: TagSet| self.world.meeting(body.tags, t).filter(|m| m.response.push != Push::Sense);
-        let own = Self::size(body);
-        let mut met = |meeting: Meeting, sizes: [f64; 2]| {
-            out.pushes = true;
-            out.stops |= meeting.response.stop;
-            out.slips |= !meeting.response.stop;
-            out.anywhere |= body.extent.is_none();
-            out.is_steady &= body.is_steady;
-            for axis in 0..2 {
-                out.thinnest[axis] = out.thinnest[axis].min(sizes[axis]);
-                out.longest[axis] = out.longest[axis].max(sizes[axis] + own[axis]);
-            }
-        };
-        for solid in &self.world.spaces[space].solids {
-            let Some(meeting) = pushing(solid.tags) else { continue };
-            let sides = along(solid.bounds);
-            met(meeting, sides.map(|(low, high)| high - low));
-            let Some(extent) = body.extent else { continue };
-            for side in sides_of(meeting) {
-                let (axis, end) = face(side);
-                let at = edge(extent, axis, end, sides[axis]);
-                out.edges[axis][end].push(at);
-                out.faces[axis][end].push(at);
-            }
-        }
-        let beside_solids = self.world.spaces[space].solids.iter().any(|s| pushing(s.tags).is_some());
-        let meetings: Vec<Option<Meeting>> = tiles.tags.iter().map(|t| pushing(*t)).collect();
-        let blocks: Vec<bool> = meetings.iter().map(|m| m.is_some_and(|m| m.response.push == Push::Block)).collect();
-        for (kind, meeting) in meetings.iter().enumerate().filter_map(|(k, m)| Some((k, (*m)?))) {
-            if !tiles.has(kind) {
-                continue;
-            }
-            met(meeting, tiles.size());
-            let Some(extent) = body.extent else { continue };
-            for side in sides_of(meeting) {
-                let (axis, end) = face(side);
-                let all = tiles.lines(|at| tiles.kind(at) == Some(kind));
-                // What is open from one side pushes whatever covers it. Beside a rectangle, what goes into a corner can be
-                // pushed to a face that is covered.
-                let covers = |at| tiles.neighbour(at, side).is_some_and(|k| blocks[k]);
-                let covered = |at| meeting.response.push == Push::Block && !beside_solids && covers(at);
-                let open = tiles.lines(|at| tiles.kind(at) == Some(kind) && !covered(at));
-                for (lines, edges) in [(all, &mut out.edges), (open, &mut out.faces)] {
-                    let lines = if axis == 0 { lines.0 } else { lines.1 };
-                    edges[axis][end].extend(lines.into_iter().map(|line| edge(extent, axis, end, line)));
-                }
-            }
-        }
-    }
-
-    /// Whether what is put somewhere in a space can lie inside of what never moves and pushes it.
-    pub fn is_inside(&self, kind: usize, space: SpaceId, landing: &Landing) -> bool {
-        let [x, y] = landing.at;
-        let tiles = Tiles::new(self.world, space);
-        let bodies = self.kinds[kind].bodies.iter().enumerate();
-        let mut meant = bodies.filter(|(id, b)| !b.kinematic && landing.collider.is_none_or(|c| c.index() == *id));
-        meant.any(|(_, body)| {
-            let blocks =
-                |tags: TagSet| self.world.meeting(body.tags, tags).is_some_and(|m| m.response.push != Push::Sense);
-            let solids = self.world.spaces[space].solids.iter().filter(|s| blocks(s.tags));
-            let kinds: Vec<bool> = tiles.tags.iter().map(|t| blocks(*t)).collect();
-            let Some(extent) = body.extent else { return kinds.contains(&true) || solids.count() > 0 };
-            let wide = |at: Interval, e: Interval| Interval {
-                low: at.low + e.low + rounding(at.low),
-                high: at.high + e.high - rounding(at.high),
-            };
-            let (x, y) = (wide(x, extent[0]), wide(y, extent[1]));
-            let overlaps = |b: Bounds| x.low < b.right && b.left < x.high && y.low < b.top && b.bottom < y.high;
-            solids.into_iter().any(|s| overlaps(s.bounds)) || tiles.within(x, y).any(|kind| kinds[kind])
-        })
     }
 
     /// Whether coordinates are small enough everywhere for what is known of pushes to hold to the last bit.
@@ -432,22 +385,18 @@ impl<'a> Scene<'a> {
     }
 }
 
-impl Default for Statics {
-    fn default() -> Self {
-        Statics {
-            places: Vec::new(),
-            pushed: Vec::new(),
-            edges: Edges::default(),
-            faces: Edges::default(),
-            thinnest: [f64::INFINITY; 2],
-            longest: [0.0; 2],
-            pushes: false,
-            stops: false,
-            slips: false,
-            anywhere: false,
-            is_steady: true,
+/// Adds a box to others, unless it lies in one of them; gives whether it does not. There are never too many.
+fn add(known: &mut Vec<[Interval; 2]>, at: [Interval; 2]) -> bool {
+    let is_known = known.iter().any(|k| (0..2).all(|a| k[a].low <= at[a].low && at[a].high <= k[a].high));
+    if !is_known {
+        known.push(at);
+        if known.len() > MOST_SEEDS {
+            let hull = known.iter().copied().reduce(|a, b| [a[0].or(b[0]), a[1].or(b[1])]);
+            known.clear();
+            known.extend(hull);
         }
     }
+    !is_known
 }
 
 pub(super) fn along(bounds: Bounds) -> [(f64, f64); 2] {
@@ -467,7 +416,7 @@ pub(super) fn edge_at(extent: Extent, axis: usize, end: usize, (low, high): (f64
     }
 }
 
-fn edge(extent: Extent, axis: usize, end: usize, sides: (f64, f64)) -> Interval {
+pub(super) fn edge(extent: Extent, axis: usize, end: usize, sides: (f64, f64)) -> Interval {
     rounded(Interval::point(edge_at(extent, axis, end, sides)))
 }
 
@@ -483,10 +432,16 @@ pub(super) fn disjoin(edges: &mut Vec<Interval>) {
     });
 }
 
-/// The groups whose leaves decide how an entity's variables flow: those that drive them, or all where what drives them
-/// asks for modes. None if it reads timers.
+/// The groups whose leaves decide how an entity's variables flow: those that drive them, those that decide which of its
+/// colliders are pushed, or all where what drives them asks for modes. None if it reads timers.
 fn flowing(program: &Program, entity: EntityId) -> Option<Vec<bool>> {
     let entity = &program.entities[entity];
+    let mut covering = BTreeSet::new();
+    for collider in entity.colliders.iter().filter(|c| !c.kinematic) {
+        if let Some(presence) = Presence::of(program, entity, collider.guard) {
+            presence.groups(&mut covering);
+        }
+    }
     let mut asks_for_modes = false;
     for id in program.with_operands(entity.flow_exprs()) {
         match program.exprs[id] {
@@ -495,12 +450,25 @@ fn flowing(program: &Program, entity: EntityId) -> Option<Vec<bool>> {
             _ => {}
         }
     }
-    let of = |group: &Group| {
+    let of = |(id, group): (GroupId, &Group)| {
         let (first, after) = group.modes;
         let mut leaves = entity.leaves.iter().filter(|l| first <= l.mode && l.mode < after);
-        asks_for_modes || leaves.any(|l| !l.drives.is_empty())
+        asks_for_modes || covering.contains(&id) || leaves.any(|l| !l.drives.is_empty())
     };
-    Some(entity.groups.iter().map(of).collect())
+    Some(entity.groups.pairs().map(of).collect())
+}
+
+/// Whether nothing of an entity drives or sets its position or its velocity.
+fn stays(entity: &Entity) -> bool {
+    let drives = entity.free.iter().chain(entity.leaves.iter().flat_map(|l| &l.drives));
+    let is_driven = |drive: &Drive| match *drive {
+        Drive::Coast(_) => false,
+        Drive::Flow { var, .. } => var.index() < 2,
+        Drive::Envelope(id, _) => entity.envelopes[id].vars.iter().any(|v| v.index() < 2),
+    };
+    let actions = entity.edges.iter().map(|e| &e.actions).chain(entity.modes.iter().map(|m| &m.entry));
+    let mut updates = actions.chain(entity.follows.iter().map(|f| &f.actions)).flat_map(|a| &a.updates);
+    !drives.into_iter().any(is_driven) && !updates.any(|u| matches!(u.place, Place::Var(VarId(0 | 1), _)))
 }
 
 /// The edges of groups that drive variables, and those that set them or spawn something.

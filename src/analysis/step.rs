@@ -5,13 +5,15 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use crate::ir::{
-    Actions, ColliderId, EdgeId, Entity, Expr, ExprId, GroupId, Id, IdVec, LeafId, Link, ModeId, Place, RefValue,
-    SlotId, SpaceId, SpawnId, Subject, Update, VarId,
+    Actions, ColliderId, EdgeId, Entity, GroupId, Id, IdVec, LeafId, Link, ModeId, Place, RefValue, SlotId, SpaceId,
+    SpawnId, Subject, Update, VarId,
 };
 
 use super::configuration::Configuration;
 use super::evaluate::{Phase, Reader};
 use super::flow::Followed;
+use super::presence::Presence;
+use super::scene::Scene;
 use super::values::{Interval, Values};
 
 /// The most ways of a step that are told apart.
@@ -25,6 +27,8 @@ pub(super) struct Outcome {
     pub spawns: Vec<(SpawnId, Configuration)>,
     /// Whether the instance can be gone.
     pub can_end: bool,
+    /// Whether a collider that is never pushed can come back.
+    pub appears: bool,
     /// Of both axes, how fast it moves before anything stops it, px/s.
     pub speed: [f64; 2],
     /// The same, where that leads to where there is something that never moves.
@@ -42,21 +46,35 @@ pub(super) struct Outcome {
 pub(super) struct Landing {
     pub spaces: Arc<BTreeSet<SpaceId>>,
     pub at: [Interval; 2],
-    /// If it is there already, and only a collider is new: which.
-    pub collider: Option<ColliderId>,
+    pub whose: Whose,
+}
+
+/// The colliders that can be inside of something there.
+#[derive(Debug, Clone)]
+pub(super) enum Whose {
+    All,
+    /// Those that are there while some leaves are active.
+    While(Vec<LeafId>),
+    /// It is there already; a collider is new.
+    One {
+        collider: ColliderId,
+        /// Whether it can have been anywhere before: nothing of it was kept out of what blocks.
+        was_bare: bool,
+    },
 }
 
 impl Landing {
     /// Where an instance is; none if it cannot be.
     pub fn of(at: &Configuration) -> Option<Landing> {
         let hull = |axis: u32| at.vars[VarId(axis)][0].hull();
-        Some(Landing { spaces: at.spaces.clone(), at: [hull(0)?, hull(1)?], collider: None })
+        Some(Landing { spaces: at.spaces.clone(), at: [hull(0)?, hull(1)?], whose: Whose::All })
     }
 }
 
 /// A step of one slot.
 pub(super) struct Stepper<'a> {
     pub reader: Reader<'a>,
+    pub scene: &'a Scene<'a>,
     pub slot: SlotId,
     /// s
     pub step: f64,
@@ -216,8 +234,9 @@ impl<'a> Stepper<'a> {
             }
         }
         // Who goes through a link does so after all updates.
+        let is_covered = self.is_covered(at);
         let moved: Vec<Configuration> =
-            nexts.iter().flat_map(|next| links.iter().map(|link| self.through(*link, next, put))).collect();
+            nexts.iter().flat_map(|next| links.iter().map(|link| self.through(*link, next, put, is_covered))).collect();
         outcome.landings.extend(moved.iter().filter_map(Landing::of));
         let is_put = put != [false; 2];
         let jumps = |next: &Configuration| {
@@ -244,21 +263,28 @@ impl<'a> Stepper<'a> {
         }
     }
 
-    /// A collider that was not there can be so inside of something. Its guard is read as contacts are found, before pushes:
-    /// what moves may turn out otherwise by then.
+    /// A collider that was not there can be so inside of something: where the instance was, and not only where it goes,
+    /// as what it meets on the way can push it.
     fn activations(&self, from: &Configuration, outcome: &mut Outcome) {
-        let program = self.reader.program;
-        let guarded = self.entity().colliders.pairs().filter_map(|(id, c)| Some((id, c, c.guard?)));
-        for (id, collider, guard) in guarded.filter(|(.., g)| self.at(from).truth(*g).can_fail) {
-            let is_steady = |id: &ExprId| !matches!(program.exprs[*id], Expr::Var(..) | Expr::Near { .. });
-            let is_settled = program.with_operands(vec![guard]).iter().all(is_steady);
-            let can_be_on = |next: &&Configuration| !is_settled || self.at(next).truth(guard).can_hold;
-            let on = outcome.next.iter().filter(can_be_on);
-            let landings = on.filter_map(Landing::of).map(|l| Landing { collider: Some(id), ..l });
-            let landings: Vec<Landing> = landings.collect();
-            if !collider.kinematic {
-                outcome.landings.extend(landings);
+        let scene = self.scene;
+        let kind = &scene.kinds[scene.of[self.slot]];
+        let away = |presence: &Presence| !presence.holds(&|group: GroupId| from.leaves[group.index()]);
+        for (collider, body) in self.entity().colliders.ids().zip(&kind.bodies) {
+            let Some(presence) = body.presence.as_ref().filter(|p| away(p)) else { continue };
+            let comes = |next: &&Configuration| presence.holds(&|group: GroupId| next.leaves[group.index()]);
+            let mut next = outcome.next.iter().filter(comes).peekable();
+            if next.peek().is_none() {
+                continue;
             }
+            if body.kinematic {
+                outcome.appears = true;
+                continue;
+            }
+            let was_bare = !kind.cover().holds(&|group: GroupId| from.leaves[group.index()]);
+            let whose = Whose::One { collider, was_bare };
+            let at = std::iter::once(from).chain(next).filter_map(Landing::of);
+            let landings: Vec<Landing> = at.map(|l| Landing { whose: whose.clone(), ..l }).collect();
+            outcome.landings.extend(landings);
         }
     }
 
@@ -363,27 +389,38 @@ impl<'a> Stepper<'a> {
         let onlooker = Reader { me: None, ..self.reader };
         let links = at.spaces.iter().flat_map(|&s| self.reader.world.spaces[s].links.iter().map(move |l| (s, l)));
         let open = |(space, link): &(SpaceId, &Link)| {
-            let [x, y] = self.standing(*space, link, at);
+            let [x, y] = self.standing(*space, link, at, self.is_covered(at));
             !x.is_none() && !y.is_none() && link.guard.is_none_or(|g| onlooker.truth(g).can_hold)
         };
         links.filter(open).collect()
     }
 
-    /// Where the instance can stand in a link.
-    fn standing(&self, space: SpaceId, link: &Link, at: &Configuration) -> [Values; 2] {
+    /// Whether it is kept out of what blocks it.
+    fn is_covered(&self, at: &Configuration) -> bool {
+        self.reader.surroundings.is_covered(self.slot, &at.leaves)
+    }
+
+    /// Where the instance can stand in a link, if it was kept out of what blocks it or not.
+    fn standing(&self, space: SpaceId, link: &Link, at: &Configuration, is_covered: bool) -> [Values; 2] {
         let from = &link.from;
         let axis = |axis: u32, low: f64, high: f64| at.vars[VarId(axis)][0].within(Interval { low, high });
         let (x, y) = (axis(0, from.left, from.right), axis(1, from.bottom, from.top));
-        self.reader.surroundings.within_region(self.slot, space, &x, &y)
+        if is_covered { self.reader.surroundings.within_region(self.slot, space, &x, &y) } else { [x, y] }
     }
 
     /// What comes out of a link, where updates may have put `x` or `y` elsewhere since it stood there.
-    fn through(&self, (space, link): (SpaceId, &Link), next: &Configuration, put: [bool; 2]) -> Configuration {
+    fn through(
+        &self,
+        (space, link): (SpaceId, &Link),
+        next: &Configuration,
+        put: [bool; 2],
+        is_covered: bool,
+    ) -> Configuration {
         let mut out = next.clone();
         out.spaces = Arc::new([link.space].into());
         let (from, to) = (link.from, link.to);
         let stood = match put {
-            [false, false] => self.standing(space, link, next),
+            [false, false] => self.standing(space, link, next, is_covered),
             _ => [(from.left, from.right), (from.bottom, from.top)].map(|(low, high)| Interval { low, high }.into()),
         };
         let axes = [((from.left, from.right), (to.left, to.right)), ((from.bottom, from.top), (to.bottom, to.top))];

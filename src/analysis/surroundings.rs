@@ -6,11 +6,13 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use crate::ir::{Id, IdVec, Origin, Push, SlotId, SpaceId, TagSet, Touch, TouchId, VarId};
+use crate::ir::{GroupId, Id, IdVec, LeafId, Origin, SlotId, SpaceId, TagSet, Touch, TouchId, VarId};
 
 use super::configuration::{Configuration, Overall};
+use super::crowd::{Crowd, crowds, met, pushes};
 use super::local::Surfaces;
-use super::region::Region;
+use super::presence::Cover;
+use super::region::{Obstacle, Region};
 use super::scene::{Body, Edges, Pair, ROUNDING, Scene, TOLERANCE, disjoin, face, near, rounded, sides_of};
 use super::values::{Interval, Values};
 
@@ -48,44 +50,22 @@ pub(super) struct Contacts {
     is_loose: bool,
     /// Of both axes, where a carrier can take the instance.
     carried: [Option<Values>; 2],
-    /// Where it can get, in each of its spaces.
+    /// While which leaves it is kept out of what blocks it.
+    cover: Cover,
+    /// Where it can get then, in each of its spaces.
     regions: Vec<(SpaceId, Region)>,
     /// Where it is told apart by place: what never moves, in each space.
     surfaces: Vec<(SpaceId, Arc<Surfaces>)>,
+    /// So: what never moves although it could, as far as it pushes it.
+    obstacles: Vec<(SpaceId, Surfaces)>,
     /// Of each contact question, along both axes, where the instance is when it holds of another one.
     places_of_others: Vec<[Values; 2]>,
-}
-
-/// What is known of all instances of a kind.
-struct Crowd {
-    /// How many there can be.
-    count: usize,
-    spaces: BTreeSet<SpaceId>,
-    /// Where they are when contacts are found, px.
-    contact: [Values; 2],
-    /// How far a step takes them along an axis where there is something that never moves, px.
-    near_step: f64,
-    /// Of both axes, how far a step takes them, what carries them included; px.
-    displacement: [f64; 2],
-    /// How far a push can be, px, if it is gentle.
-    gentle: Option<f64>,
-    /// Of both axes, how far a push can be, px.
-    push: [f64; 2],
 }
 
 impl Surroundings {
     /// From what the slots can be. The scene must be prepared for their kinds in their spaces.
     pub fn new(scene: &mut Scene<'_>, slots: &IdVec<SlotId, Overall>) -> Self {
-        let step = scene.world.step.seconds();
-        let mut crowds: Vec<Crowd> = scene.kinds.iter().map(|kind| Crowd::new(&kind.slots, slots, step)).collect();
-        carry(scene, &mut crowds);
-        for kind in 0..crowds.len() {
-            crowds[kind].gentle = gentle(scene, kind, &crowds);
-            crowds[kind].push = match crowds[kind].gentle {
-                Some(far) => [far; 2],
-                None => longest(scene, kind, &crowds),
-            };
-        }
+        let crowds = crowds(scene, slots);
         let mut out = Surroundings::default();
         let mut known: Vec<(usize, &BTreeSet<SpaceId>)> = Vec::new();
         for (slot, overall) in slots.pairs() {
@@ -95,7 +75,9 @@ impl Surroundings {
                 let mut contacts = contacts(scene, key.0, key.1, &crowds);
                 if contacts.is_gentle {
                     let step = crowds[key.0].near_step;
-                    let region = |space: &SpaceId| Some((*space, scene.region(key.0, *space, step)?.clone()));
+                    let obstacles = |space: &SpaceId| crowds[key.0].obstacles.get(space).map_or(&[][..], Vec::as_slice);
+                    let region =
+                        |space: &SpaceId| Some((*space, scene.region(key.0, *space, step, obstacles(space))?.clone()));
                     contacts.regions = key.1.iter().map(region).collect::<Option<_>>().unwrap_or_default();
                 }
                 out.contacts.push(contacts);
@@ -135,21 +117,29 @@ impl Surroundings {
         }
         // What is named is an instance.
         if !touch.bound {
-            for (_, surfaces) in contacts.surfaces.iter().filter(|(space, _)| at.spaces.contains(space)) {
-                surfaces.touched(touch, [x, y], contacts.longest[0].max(contacts.longest[1]), &mut out);
+            let far = contacts.longest[0].max(contacts.longest[1]);
+            for (space, surfaces) in contacts.surfaces.iter().filter(|(space, _)| at.spaces.contains(space)) {
+                let mut also = contacts.obstacles.iter().filter(|(of, _)| of == space).map(|(_, s)| s);
+                surfaces.touched(touch, [x, y], far, also.next(), &mut out);
             }
         }
         Some(out)
     }
 
-    /// Whether an instance is never inside of what pushes it.
-    pub fn is_gentle(&self, slot: SlotId) -> bool {
-        self.of.get(slot).is_some_and(|of| self.contacts[*of].is_gentle)
+    /// Whether an instance is never inside of what blocks it while some leaves are active.
+    pub fn is_covered(&self, slot: SlotId, leaves: &[LeafId]) -> bool {
+        let contacts = self.of.get(slot).map(|of| &self.contacts[*of]);
+        contacts.is_some_and(|c| c.is_gentle && c.covers(leaves))
     }
 
-    /// Where an instance can get, in each of the spaces it can be in; none if that is not known.
+    /// Where an instance can get while it is covered, in each of the spaces it can be in; none if that is not known.
     pub fn regions(&self, slot: SlotId) -> &[(SpaceId, Region)] {
         &self.of(slot).regions
+    }
+
+    /// While which leaves it is.
+    pub fn cover(&self, slot: SlotId) -> &Cover {
+        &self.of(slot).cover
     }
 
     /// What is known of the contacts of a slot.
@@ -175,7 +165,7 @@ impl Surroundings {
             return contact;
         }
         contacts.push_out(step, moved);
-        if !contacts.regions.is_empty() {
+        if !contacts.regions.is_empty() && contacts.covers(&moved.leaves) {
             let (x, y) = (moved.vars[VarId(0)][0], moved.vars[VarId(1)][0]);
             let cut = moved.spaces.iter().map(|space| self.within_region(slot, *space, &x, &y));
             let all = cut.reduce(|a, b| [a[0].or(&b[0]), a[1].or(&b[1])]);
@@ -204,6 +194,10 @@ fn is_near(within: Option<[Interval; 2]>, at: &[Values; 2]) -> bool {
 }
 
 impl Contacts {
+    fn covers(&self, leaves: &[LeafId]) -> bool {
+        self.cover.holds(&|group: GroupId| leaves[group.index()])
+    }
+
     /// Pushes out what overlaps something. Of the pushes along an axis the deepest counts, so that it ends where edges
     /// meet whatever else pushes.
     fn push_out(&self, step: f64, moved: &mut Configuration) {
@@ -241,8 +235,10 @@ impl Contacts {
         }
         let mut out = Edges::default();
         if let (Some(x), Some(y)) = (at.vars[VarId(0)][0].hull(), at.vars[VarId(1)][0].hull()) {
-            for (_, surfaces) in self.surfaces.iter().filter(|(space, _)| at.spaces.contains(space)) {
-                surfaces.edges([x, y], far, &mut out);
+            let surfaces = self.surfaces.iter().map(|(space, s)| (space, s.as_ref()));
+            let all = surfaces.chain(self.obstacles.iter().map(|(space, s)| (space, s)));
+            for (_, surfaces) in all.filter(|(space, _)| at.spaces.contains(space)) {
+                surfaces.edges([x, y], far, &at.leaves, &mut out);
             }
         }
         out.iter_mut().flatten().for_each(disjoin);
@@ -297,103 +293,6 @@ fn between(edges: &[Interval], within: Interval) -> &[Interval] {
     edges.get(first..after).unwrap_or_default()
 }
 
-impl Crowd {
-    fn new(of: &[SlotId], slots: &IdVec<SlotId, Overall>, step: f64) -> Crowd {
-        let live = || of.iter().map(|s| &slots[*s]).filter(|o| o.can_live);
-        let contact = |axis: usize| Values::any(live().flat_map(|o| o.contact[axis].intervals().to_vec()));
-        let far = |axis: usize| live().map(|o| o.speed[axis]).fold(0.0, f64::max) * step;
-        Crowd {
-            count: live().count(),
-            spaces: live().flat_map(|o| o.spaces.iter().copied()).collect(),
-            contact: [contact(0), contact(1)],
-            near_step: live().flat_map(|o| o.near_speed).fold(0.0, f64::max) * step,
-            displacement: [far(0), far(1)],
-            gentle: None,
-            push: [0.0; 2],
-        }
-    }
-}
-
-/// Those of what a kind meets that can be there, in some spaces.
-fn met<'s>(scene: &'s Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[Crowd]) -> Vec<&'s Pair> {
-    let there = |pair: &&Pair| {
-        let crowd = &crowds[pair.kind];
-        crowd.count > usize::from(pair.kind == me) && crowd.spaces.iter().any(|s| spaces.contains(s))
-    };
-    scene.pairs[me].iter().filter(there).collect()
-}
-
-/// Whether a pair pushes the first of the two.
-fn pushes(scene: &Scene<'_>, me: usize, pair: &Pair) -> bool {
-    pair.meeting.response.push != Push::Sense && !scene.kinds[me].bodies[pair.mine].kinematic
-}
-
-/// Adds to what a step moves those that are carried how far it moves what carries them, which may be carried itself.
-fn carry(scene: &Scene<'_>, crowds: &mut [Crowd]) {
-    let own: Vec<[f64; 2]> = crowds.iter().map(|c| c.displacement).collect();
-    let rounds = crowds.len() + 1;
-    for round in 0..=rounds {
-        let mut changed = false;
-        for me in 0..crowds.len() {
-            let carriers = met(scene, me, &crowds[me].spaces, crowds).into_iter();
-            let carriers: Vec<usize> =
-                carriers.filter(|p| p.meeting.response.carry && pushes(scene, me, p)).map(|p| p.kind).collect();
-            for (axis, own) in own[me].iter().enumerate() {
-                let most = carriers.iter().map(|c| crowds[*c].displacement[axis]).fold(0.0, f64::max);
-                // What still grows after as many rounds as there are kinds carries itself.
-                let sum = own + most;
-                if sum > crowds[me].displacement[axis] {
-                    crowds[me].displacement[axis] = if round == rounds { f64::INFINITY } else { sum };
-                    changed = true;
-                }
-            }
-        }
-        if !changed {
-            return;
-        }
-    }
-}
-
-/// How far a push can take instances of a kind, px, if they are never inside of what pushes them when a step begins: a
-/// push is then no longer than the step was. Nothing may push them but what never moves, which must be thicker than a
-/// step, and leave no gaps that are a little too narrow.
-fn gentle(scene: &mut Scene<'_>, me: usize, crowds: &[Crowd]) -> Option<f64> {
-    let (kind, crowd) = (&scene.kinds[me], &crowds[me]);
-    let far = crowd.near_step;
-    let by_instances = met(scene, me, &crowd.spaces, crowds).into_iter().any(|pair| pushes(scene, me, pair));
-    if kind.jumps || by_instances || !far.is_finite() || !scene.is_precise(me) {
-        return None;
-    }
-    let statics = crowd.spaces.iter().filter_map(|s| scene.statics(me, *s)).filter(|s| s.pushes);
-    for found in statics {
-        let is_thin = found.thinnest.iter().any(|thinnest| far + TOLERANCE + ROUNDING >= *thinnest);
-        if found.anywhere || is_thin || !found.is_steady {
-            return None;
-        }
-    }
-    let spaces = crowd.spaces.clone();
-    let is_known = spaces.iter().all(|space| scene.region(me, *space, far).is_some());
-    is_known.then_some(far + TOLERANCE + ROUNDING)
-}
-
-/// Of both axes, how far a push can be, px: it ends beside what pushes.
-fn longest(scene: &Scene<'_>, me: usize, crowds: &[Crowd]) -> [f64; 2] {
-    let (kind, crowd) = (&scene.kinds[me], &crowds[me]);
-    let mut longest = [0.0_f64; 2];
-    for found in crowd.spaces.iter().filter_map(|s| scene.statics(me, *s)) {
-        for (longest, found) in longest.iter_mut().zip(found.longest) {
-            *longest = longest.max(found);
-        }
-    }
-    for pair in met(scene, me, &crowd.spaces, crowds).into_iter().filter(|pair| pushes(scene, me, pair)) {
-        let (mine, theirs) = (&kind.bodies[pair.mine], &scene.kinds[pair.kind].bodies[pair.theirs]);
-        for (axis, longest) in longest.iter_mut().enumerate() {
-            *longest = longest.max(Scene::size(mine)[axis] + Scene::size(theirs)[axis]);
-        }
-    }
-    longest
-}
-
 fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[Crowd]) -> Contacts {
     let kind = &scene.kinds[me];
     let entity = &scene.program.entities[kind.entity];
@@ -406,7 +305,9 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
         is_gentle: crowds[me].gentle.is_some(),
         near: kind.near,
         near_statics: kind.near,
+        cover: kind.cover(),
         surfaces: kind.surfaces.clone(),
+        obstacles: obstacles(scene, me, &crowds[me]),
         ..Contacts::default()
     };
     for found in &statics {
@@ -430,8 +331,9 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
         out.is_loose |= !pair.meeting.response.stop || !theirs.kinematic;
         is_moved_by_movers |= !theirs.kinematic;
         let crowd = &crowds[pair.kind];
-        // It may have been pushed since it stood on the carrier.
+        // It may have been pushed since it stood on the carrier; what never moves takes nobody along.
         let slack = [0, 1].map(|axis| crowds[me].push[axis] + crowd.displacement[axis]);
+        let slack = crowd.still.is_none().then_some(slack);
         pushed_by(&mut out, &mut carried, pair, (mine, theirs), crowd, slack);
     }
     for edges in out.edges.iter_mut().chain(&mut out.faces).flatten() {
@@ -495,6 +397,16 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
     out
 }
 
+/// What pushes a kind and never moves although it could, where the kind is told apart by place.
+fn obstacles(scene: &Scene<'_>, me: usize, crowd: &Crowd) -> Vec<(SpaceId, Surfaces)> {
+    let kind = &scene.kinds[me];
+    if kind.surfaces.is_empty() {
+        return Vec::new();
+    }
+    let of = |(space, obstacles): (&SpaceId, &Vec<Obstacle>)| (*space, Surfaces::of(scene.world, kind, obstacles));
+    crowd.obstacles.iter().map(of).collect()
+}
+
 /// Where another body can push one, and take it along.
 fn pushed_by(
     out: &mut Contacts,
@@ -502,7 +414,7 @@ fn pushed_by(
     pair: &Pair,
     (mine, theirs): (&Body, &Body),
     crowd: &Crowd,
-    slack: [f64; 2],
+    slack: Option<[f64; 2]>,
 ) {
     let (Some(extent), Some(other)) = (mine.extent, theirs.extent) else {
         out.anywhere = true;
@@ -531,7 +443,7 @@ fn pushed_by(
             out.edges[axis][end].extend(&edges);
             out.faces[axis][end].extend(&edges);
         }
-        if pair.meeting.response.carry {
+        if let Some(slack) = slack.filter(|_| pair.meeting.response.carry) {
             carried[axis].push(Interval { low: reach.low - slack[axis], high: reach.high + slack[axis] });
         }
     }

@@ -293,8 +293,8 @@ impl<'a> Ground<'a> {
     }
 
     fn note_cut(&mut self, space: SpaceId) {
-        if let Some(window) = self.windows.of(space).filter(|window| !window.is_settled) {
-            self.notes.cut(Cut { space, window: window.area, branches: 1 });
+        if let Some(window) = self.windows.of(space) {
+            self.notes.cut(Cut { space, window: *window, branches: 1 });
         }
     }
 

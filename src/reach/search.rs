@@ -151,7 +151,7 @@ fn search_guarded(
         let verdict = if fault.is_some() { Verdict::NotFound } else { Verdict::Unreachable(Argument::Over) };
         return Ok(Outcome { fault, ..Outcome::of(verdict, settings.planner.name()) });
     }
-    let windows = Windows::new(problem, space, &starts);
+    let windows = Windows::new(problem, &starts);
     let metric = Metric::measuring(problem.sim, space, (settings.sampling, windows.extent), settings.measure);
     let is_led = matches!(settings.planner, Planner::Auto | Planner::Lead) || problem.time().is_some();
     let distances = if is_led { Distances::new(problem, space, &Meter::new(watch)) } else { None };

@@ -1,12 +1,10 @@
 //! The search window: how far a search follows players in a space whose author wrote no `bounds`.
 //!
 //! Such a run ends at no border, so a search has to stop somewhere: beyond all that the space holds and all positions that
-//! the program compares with. What lies beyond is not searched, and a search that stops there proves nothing, unless
-//! [`is_settled_beyond`] says that nothing which is asked for can happen there.
+//! the program compares with. What lies beyond is not searched, and a search that stops there proves nothing.
 
 use std::collections::BTreeSet;
 
-use crate::analysis::ConfigurationSpace;
 use crate::ir::{
     Arithmetic, Bounds, Drive, Entity, EntityId, Expr, ExprId, Id, IdVec, Origin, Place, Slot, SlotId, Space, SpaceId,
     Subject, Update, VarId,
@@ -19,39 +17,29 @@ use super::whereabouts::extent;
 /// The margin of a window, in bodies of the largest player.
 const BODIES: f64 = 2.0;
 
-/// How far a search follows players in a space.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Window {
-    /// Its sides and its lower end; it is open above.
-    pub area: Bounds,
-    /// Whether nothing that is asked for can happen beyond it.
-    pub is_settled: bool,
-}
-
 /// The windows of the spaces of a world.
 #[derive(Debug)]
 pub(super) struct Windows {
     /// Of each space; none where `bounds` end a run, and where there is nothing to measure it by.
-    of: Vec<Option<Window>>,
+    of: Vec<Option<Bounds>>,
     /// A rectangle around all spaces that have bounds or a map; without margins.
     pub extent: Option<Bounds>,
 }
 
 impl Windows {
     /// For a question that is asked from some starts.
-    pub fn new(problem: &Problem<'_>, space: &ConfigurationSpace, starts: &[Start]) -> Self {
+    pub fn new(problem: &Problem<'_>, starts: &[Start]) -> Self {
         let world = problem.sim.world();
         let things = Things::new(problem, starts);
         let margin = margin(problem);
         let window = |(id, contents): (SpaceId, &Contents)| {
             let hull = contents.hull().filter(|_| world.spaces[id].bounds.is_none())?;
-            let area = Bounds {
+            Some(Bounds {
                 left: hull.left - margin,
                 right: hull.right + margin,
                 bottom: hull.bottom - margin,
                 top: hull.top + margin,
-            };
-            Some(Window { area, is_settled: is_settled_beyond(problem, space, id, area) })
+            })
         };
         let extent = |(space, contents): (&Space, &Contents)| {
             space.bounds.or_else(|| contents.hull().filter(|_| space.map.is_some()))
@@ -63,7 +51,7 @@ impl Windows {
     }
 
     /// The window of a space.
-    pub fn of(&self, space: SpaceId) -> Option<&Window> {
+    pub fn of(&self, space: SpaceId) -> Option<&Bounds> {
         self.of[space.index()].as_ref()
     }
 
@@ -74,20 +62,9 @@ impl Windows {
             let space = sim.space(state, slot);
             let window = self.of(space)?;
             let is_alive = sim.world().layout.slots[slot].alive(state);
-            (is_alive && window.area.is_left_at(sim.position(state, slot))).then_some(space)
+            (is_alive && window.is_left_at(sim.position(state, slot))).then_some(space)
         })
     }
-}
-
-/// Whether nothing that is asked for can happen once a player has been out of a window, then or later, so that a search
-/// which stops there misses nothing. Proofs by exhaustion rest on it; false is always right.
-pub(super) fn is_settled_beyond(
-    _problem: &Problem<'_>,
-    _space: &ConfigurationSpace,
-    _id: SpaceId,
-    _window: Bounds,
-) -> bool {
-    false
 }
 
 /// How far around all that is known a window reaches, px.

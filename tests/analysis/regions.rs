@@ -1,0 +1,159 @@
+//! Where players can get whose colliders take turns, who meet doors, and who go from room to room: closed chambers stay
+//! closed. And the same with a way in, which the search finds.
+
+use hypedc::analysis::configuration_space;
+use hypedc::ir::{GoalId, WorldId};
+use hypedc::reach::{Limits, Problem, Settings, Verdict, search};
+use hypedc::sim::Simulator;
+use hypedc::watch::Unwatched;
+
+use crate::support::{compile_text, program};
+
+/// Runs and flies, small and big in turns as something says.
+const HERO: &str = "entity Hero {
+    param speed = 240
+    axis horizontal, vertical
+    button grow
+    collider body: rect(1, 0, 14, 15) when in size.small
+    collider body: rect(1, 0, 14, 30) when in size.big
+    group movement {
+        mode free {
+            x' = speed * horizontal
+            y' = speed * vertical
+            FOLLOW
+        }
+    }
+    group size {
+        mode small { GROW }
+        mode big { when released(grow) -> small }
+    }
+}";
+
+/// Whether a goal is ruled out, and whether a search finds a way.
+fn verdicts(text: &str) -> (bool, bool) {
+    let program = program(compile_text(text));
+    let space = configuration_space(&program, WorldId(0));
+    let is_ruled_out = !space.can_hold(&program, WorldId(0), GoalId(0));
+    let sim = Simulator::new(&program, WorldId(0));
+    let problem = Problem::new(&sim, GoalId(0));
+    let limits = Limits { nodes: if is_ruled_out { 2_000 } else { 60_000 }, ..Limits::default() };
+    let outcome = search(&problem, &space, &Settings::default(), &limits, &Unwatched).unwrap();
+    (is_ruled_out, matches!(outcome.verdict, Verdict::Reached(_)))
+}
+
+fn hero(grow: &str, follow: &str) -> String {
+    HERO.replace("GROW", grow).replace("FOLLOW", follow)
+}
+
+/// A chamber of 32 px, with a wall of a tile's thickness on its right, or without that tile.
+fn chamber(tile: char) -> String {
+    format!(
+        "
+            ############
+            #..........#
+            #....#######
+            #....#.....#
+            #....{tile}.....#
+            #....#.....#
+            ############
+"
+    )
+}
+
+fn world(map: &str, goal: &str) -> String {
+    format!(
+        "
+world W {{
+    step 1/60
+    collide body with wall: block
+    tiles t 16 x 16 {{ '.': empty; '#': wall }}
+    space main {{
+        map t \"{map}        \"
+        place hero: Hero at (32, 32)
+    }}
+    player 1: hero
+    goal there: {goal}
+}}"
+    )
+}
+
+#[test]
+fn a_collider_with_a_guard_is_kept_out() {
+    for (tile, is_open) in [('#', false), ('.', true)] {
+        let text = hero("", "") + &world(&chamber(tile), "hero.x > 100 and hero.y < 70");
+        assert_eq!(verdicts(&text), (!is_open, is_open), "{tile}");
+    }
+}
+
+/// Who grows in the gap is pushed through the ceiling: nothing is said then.
+#[test]
+fn what_grows_inside_of_something_is_not_kept_out() {
+    let text = hero("when pressed(grow) -> big", "") + &world(&chamber('#'), "hero.x > 100 and hero.y < 70");
+    let (is_ruled_out, _) = verdicts(&text);
+    assert!(!is_ruled_out, "the gap above the chamber is too low for who is big");
+}
+
+#[test]
+fn a_door_that_stays_shut_keeps_one_out() {
+    let door = |opens: &str| {
+        format!(
+            "
+entity Door {{
+    kinematic collider door: rect(0, 0, 16, 16) when in locked
+    mode locked {{ {opens} }}
+    mode open {{ }}
+}}"
+        )
+    };
+    let hero = hero("", "").replace("mode free {", "mode free { when touching(body, flag) { }");
+    let with_door = |opens: &str| {
+        let world = world(&chamber('.'), "hero.x > 100 and hero.y < 70");
+        let world = world.replace("collide body with wall: block", "collide body with wall, door: block");
+        hero.clone() + &door(opens) + &world.replace("player 1", "place door: Door at (80, 32) in main\n    player 1")
+    };
+    let placed = |text: String| {
+        text.replace(
+            "place hero: Hero at (32, 32)\n",
+            "place hero: Hero at (32, 32)\n        place door: Door at (80, 32)\n",
+        )
+        .replace("place door: Door at (80, 32) in main\n", "")
+    };
+    for (opens, is_open) in [("", false), ("when touching(door, body) -> open", true)] {
+        assert_eq!(verdicts(&placed(with_door(opens))), (!is_open, is_open), "{opens}");
+    }
+}
+
+#[test]
+fn from_room_to_room_chambers_stay_closed() {
+    let rooms = |tile: char| {
+        format!(
+            "
+world W {{
+    step 1/60
+    collide body with wall: block
+    tiles t 16 x 16 {{ '.': empty; '#': wall }}
+    space first {{
+        map t \"
+            ########
+            #......#
+            #.......
+            #......#
+            ########
+        \"
+        place hero: Hero at (32, 32)
+        link rect(112, 32, 16, 16) -> second at rect(16, 32, 16, 16)
+    }}
+    space second {{
+        map t \"{}        \"
+    }}
+    player 1: hero
+    goal there: inside(hero, second) and hero.x > 100 and hero.y < 70
+}}",
+            chamber(tile)
+        )
+    };
+    for (tile, is_open) in [('#', false), ('.', true)] {
+        let text = hero("", "follow links") + &rooms(tile);
+        assert_eq!(verdicts(&text), (!is_open, is_open), "{tile}");
+    }
+}

@@ -161,6 +161,11 @@ impl Configuration {
         }
     }
 
+    /// A variable has an energy as it falls.
+    pub(super) fn set_energy(&mut self, var: VarId, energy: (Fall, Interval)) {
+        self.energy[var] = Some(energy);
+    }
+
     /// Whether the variables are the very same: nothing has been written since.
     pub(super) fn shares(&self, other: &Configuration) -> bool {
         Arc::ptr_eq(&self.numbers, &other.numbers)

@@ -88,6 +88,13 @@ impl Fall {
         }
     }
 
+    /// The energy after velocities were brought nearer to 0, or to it, at some positions.
+    pub fn slowed(self, energy: Interval, position: Interval) -> Interval {
+        // Beyond `-a·dt/2` the energy falls with the speed; between that and 0 is all that can be more.
+        let turn = -self.acceleration * self.step / 2.0;
+        energy.or(self.energy(position, Interval::between(0.0, turn)))
+    }
+
     /// The velocities that an energy allows at some positions.
     pub fn velocities(self, energy: Interval, position: Interval, velocity: &Values) -> Values {
         let half = self.acceleration * self.step / 2.0;

@@ -7,6 +7,7 @@ use super::configuration::Configuration;
 use super::energy::Fall;
 use super::evaluate::Reader;
 use super::step::{Beginning, Outcome, Stepper, shift};
+use super::surroundings::Way;
 use super::values::{Interval, Values};
 use super::widen::within_bounds;
 
@@ -134,11 +135,11 @@ impl Stepper<'_> {
             own[axis] = own[axis].plus(if is_put { way } else { by_velocity });
         }
         let far = [0, 1].map(|axis| moved.vars[VarId(axis)][1].hull().map_or(0.0, |v| v.high.max(-v.low) * self.step));
-        let contact = self.reader.surroundings.collide(self.slot, own, far[0].max(far[1]), &mut moved);
+        let begin = [VarId(0), VarId(1)].map(|var| next.vars[var][0]);
+        let contact = self.reader.surroundings.collide(self.slot, &Way { from: begin, own, far }, &mut moved);
         let greatest = |known: &mut [f64; 2]| *known = [known[0].max(speeds[0]), known[1].max(speeds[1])];
         greatest(&mut outcome.speed);
         // What leaves the place of all walls in one step has moved among them, too.
-        let begin = [VarId(0), VarId(1)].map(|var| next.vars[var][0]);
         if [begin, contact].iter().any(|at| self.reader.surroundings.is_near_statics(self.slot, at)) {
             greatest(&mut outcome.near_speed);
         }

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use crate::ir::{
-    Actions, ColliderId, EdgeId, Entity, GroupId, Id, IdVec, LeafId, Link, ModeId, Place, RefValue, SlotId, SpaceId,
-    SpawnId, Subject, Update, VarId,
+    Actions, Arithmetic, ColliderId, EdgeId, Entity, Expr, ExprId, Function, GroupId, Id, IdVec, LeafId, Link, ModeId,
+    Place, RefValue, SlotId, SpaceId, SpawnId, Subject, Update, VarId,
 };
 
 use super::configuration::Configuration;
@@ -374,12 +374,45 @@ impl<'a> Stepper<'a> {
         let value = self.at(at).number(update.value);
         match update.place {
             Place::Var(var, degree) => {
+                let energy = next.energy[var].zip(next.vars[var][0].hull());
+                let energy = energy.filter(|_| degree == 1 && self.slows(update.value, var, at));
                 next.set(var, usize::from(degree), value);
                 next.forget_energy(var);
+                if let Some(((fall, energy), position)) = energy {
+                    next.set_energy(var, (fall, fall.slowed(energy, position)));
+                }
             }
             // A value out of the range stops the run.
             Place::Discrete(id) => next.set_discrete(id, value.and(&Values::range(self.entity().discretes[id].range))),
             Place::Ref(_) => {}
+        }
+    }
+
+    /// Whether a number lies between 0 and the velocity of a variable, whatever that is: what cuts a jump short.
+    fn slows(&self, value: ExprId, var: VarId, at: &Configuration) -> bool {
+        let slows = |id| self.slows(id, var, at);
+        let within =
+            |id, low: f64, high: f64| self.at(at).number(id).hull().is_some_and(|of| low <= of.low && of.high <= high);
+        match self.reader.program.exprs[value] {
+            Expr::Number(number) => number == 0.0,
+            Expr::Var(Subject::Me, of, 1) => of == var,
+            Expr::Arithmetic(Arithmetic::Multiply, a, b) => {
+                (slows(a) && within(b, 0.0, 1.0)) || (slows(b) && within(a, 0.0, 1.0))
+            }
+            Expr::Arithmetic(Arithmetic::Divide, a, b) => slows(a) && within(b, 1.0, f64::INFINITY),
+            Expr::Call(Function::Min, [a, b, _]) => {
+                let cuts = |a, b| slows(a) && (slows(b) || within(b, 0.0, f64::INFINITY));
+                cuts(a, b) || cuts(b, a)
+            }
+            Expr::Call(Function::Max, [a, b, _]) => {
+                let cuts = |a, b| slows(a) && (slows(b) || within(b, f64::NEG_INFINITY, 0.0));
+                cuts(a, b) || cuts(b, a)
+            }
+            Expr::Call(Function::Clamp, [a, low, high]) => {
+                slows(a) && within(low, f64::NEG_INFINITY, 0.0) && within(high, 0.0, f64::INFINITY)
+            }
+            Expr::Call(Function::If, [_, a, b]) => slows(a) && slows(b),
+            _ => false,
         }
     }
 

@@ -62,6 +62,16 @@ pub(super) struct Contacts {
     places_of_others: Vec<[Values; 2]>,
 }
 
+/// How an instance has come to where it is when contacts are found.
+pub(super) struct Way {
+    /// Where it was as the continuous phase began.
+    pub from: [Values; 2],
+    /// Along both axes, how far it has gone by itself since the last collision, px.
+    pub own: [Interval; 2],
+    /// Of both axes, how far velocities have taken it since then, px.
+    pub far: [f64; 2],
+}
+
 impl Surroundings {
     /// From what the slots can be. The scene must be prepared for their kinds in their spaces.
     pub fn new(scene: &mut Scene<'_>, slots: &IdVec<SlotId, Overall>) -> Self {
@@ -147,12 +157,11 @@ impl Surroundings {
         &self.contacts[self.of[slot]]
     }
 
-    /// The collision phase: `moved` is what the continuous phase leads to; `own` is how far the instance has gone by itself
-    /// along both axes since the last collision, and `step` how far velocities have taken it in this one, px. Returns
-    /// where it is when contacts are found.
-    pub fn collide(&self, slot: SlotId, own: [Interval; 2], step: f64, moved: &mut Configuration) -> [Values; 2] {
+    /// The collision phase: `moved` is what the continuous phase leads to. Returns where the instance is when contacts are
+    /// found.
+    pub fn collide(&self, slot: SlotId, way: &Way, moved: &mut Configuration) -> [Values; 2] {
         let contacts = self.of(slot);
-        for ((axis, places), own) in (0..).zip(&contacts.carried).zip(own) {
+        for ((axis, places), own) in (0..).zip(&contacts.carried).zip(way.own) {
             if let Some(places) = places {
                 let var = VarId(axis);
                 // It stood near the carrier, and has gone from there by itself and with it.
@@ -164,7 +173,7 @@ impl Surroundings {
         if !contacts.is_pushed || !is_near(contacts.near, &contact) {
             return contact;
         }
-        contacts.push_out(step, moved);
+        contacts.push_out(way, moved);
         if !contacts.regions.is_empty() && contacts.covers(&moved.leaves) {
             let (x, y) = (moved.vars[VarId(0)][0], moved.vars[VarId(1)][0]);
             let cut = moved.spaces.iter().map(|space| self.within_region(slot, *space, &x, &y));
@@ -200,15 +209,30 @@ impl Contacts {
 
     /// Pushes out what overlaps something. Of the pushes along an axis the deepest counts, so that it ends where edges
     /// meet whatever else pushes.
-    fn push_out(&self, step: f64, moved: &mut Configuration) {
-        let far = step + TOLERANCE + ROUNDING;
+    fn push_out(&self, way: &Way, moved: &mut Configuration) {
+        let slack = TOLERANCE + ROUNDING;
+        let far = way.far[0].max(way.far[1]) + slack;
         let local = self.local_edges(far, moved);
         for axis in 0..2 {
             let var = VarId(axis as u32);
-            let far = if self.is_gentle { far } else { self.longest[axis] };
             let [position, velocity, _] = &mut moved.vars[var];
-            let (Some(way), Some(free)) = (position.hull(), velocity.hull()) else { continue };
-            let within = rounded(Interval { low: way.low - far, high: way.high + far });
+            let (Some(at), Some(free)) = (position.hull(), velocity.hull()) else { continue };
+            let within = match way.from[axis].hull().filter(|_| self.is_gentle) {
+                // What it overlaps now it did not before. If that was beside it along this axis, it goes back no further than
+                // to where it was. Else it has moved into it along the other axis: it is pushed along this one where that is
+                // the shorter way.
+                Some(from) => {
+                    let across = far.min(way.far[1 - axis] + slack);
+                    let highest = (from.high + slack).max(at.high + across);
+                    let lowest = (from.low - slack).min(at.low - across);
+                    let (up, down) = (Interval { low: at.low, high: highest }, Interval { low: lowest, high: at.high });
+                    [up, down].map(rounded)
+                }
+                None => {
+                    let far = if self.is_gentle { far } else { self.longest[axis] };
+                    [rounded(Interval { low: at.low - far, high: at.high + far }); 2]
+                }
+            };
             let edges = match &local {
                 Some(edges) => edges,
                 None if self.is_gentle => &self.faces,
@@ -266,14 +290,14 @@ impl Contacts {
         Some([up, down])
     }
 
-    /// Adds to a position where pushes within an interval can put it; gives what is around them, by the low and by the
+    /// Adds to a position where pushes within intervals can put it; gives what is around them, by the low and by the
     /// high side.
-    fn push(&self, edges: &[Vec<Interval>; 2], within: Interval, position: &mut Values) -> [Option<Interval>; 2] {
+    fn push(&self, edges: &[Vec<Interval>; 2], within: [Interval; 2], position: &mut Values) -> [Option<Interval>; 2] {
         if self.anywhere {
             *position = Values::all();
             return [Some(Interval::ALL); 2];
         }
-        let ends = edges.each_ref().map(|edges| between(edges, within));
+        let ends = [between(&edges[0], within[0]), between(&edges[1], within[1])];
         let around = |edges: &[Interval]| Some(Interval { low: edges.first()?.low, high: edges.last()?.high });
         let hulls = ends.map(around);
         if hulls.iter().flatten().any(|hull| !Values::from(*hull).is_within(position)) {

@@ -100,6 +100,37 @@ fn a_wall_is_too_high() {
     }
 }
 
+/// Five heroes, each before a wall that is as high as they jump, a little higher or a little lower.
+#[test]
+fn walls_as_high_as_jumps() {
+    for jump in [180, 220, 260, 300, 340] {
+        let verdicts = |height: f64| {
+            let top = 32.0 + height;
+            let text = HERO.replace("JUMP", &jump.to_string())
+                + &format!(
+                    "
+world W {{
+    step 1/60
+    collide body with wall: block
+    space main {{
+        rect wall (0, 0, 400, 32)
+        rect wall (-16, 0, 16, 300)
+        rect wall (400, 0, 16, 300)
+        rect wall (160, 0, 48, {top})
+        place hero: Hero at (16, 32)
+    }}
+    player 1: hero
+    goal there: hero.x > 300
+}}"
+                );
+            verdicts(&text)
+        };
+        let rise = f64::from(jump * jump) / 1400.0;
+        assert_eq!(verdicts(rise + 6.0), (true, false), "{jump}: too high");
+        assert_eq!(verdicts(rise - 6.0), (false, true), "{jump}: low enough");
+    }
+}
+
 #[test]
 fn a_ledge_is_too_high() {
     let map = "

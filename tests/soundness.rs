@@ -22,8 +22,11 @@ mod soundness {
     pub mod choices;
     pub mod claims;
     pub mod consecution;
+    pub mod entities;
+    pub mod expressions;
     pub mod eye;
     pub mod files;
+    pub mod flows;
     pub mod frame;
     pub mod generate;
     pub mod hunt;
@@ -31,6 +34,7 @@ mod soundness {
     pub mod run;
     pub mod shrink;
     pub mod tally;
+    pub mod updates;
     pub mod witness;
 }
 mod support;
@@ -67,6 +71,7 @@ fn holds(source: &Source, usual: u64, compiles: u64) {
     let hunt = hunt(source, seeds(usual));
     let (worlds, compiled) = (hunt.worlds, hunt.compiled);
     println!("{worlds} worlds, {compiled} compile, {} claims, {} states: {:?}", hunt.claims, hunt.states, hunt.classes);
+    println!("{} given up, {} told apart by place", hunt.given_up, hunt.by_place);
     assert!(compiled * 100 >= worlds * compiles, "{compiled} of {worlds} compile");
     assert!(hunt.reports.is_empty(), "{:?}\n\n{}", hunt.classes, hunt.reports.join("\n"));
 }

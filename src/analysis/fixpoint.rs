@@ -193,6 +193,10 @@ impl<'a> Analysis<'a> {
     fn grow_in(&mut self, slot: SlotId, cell: CellId, found: Configuration, is_own: bool) -> bool {
         let known = &mut self.slots[slot];
         let key = (found.leaves.clone(), cell);
+        // Mostly nothing is new; what is large is not moved for that.
+        if known.configurations.get(&key).is_some_and(|growing| found.is_within(&growing.at)) {
+            return false;
+        }
         let Some(mut growing) = known.configurations.remove(&key) else {
             let patience = Patience::new(&found);
             self.scene.activate(self.scene.of[slot], &key.0);
@@ -203,10 +207,6 @@ impl<'a> Analysis<'a> {
             }
             return true;
         };
-        if found.is_within(&growing.at) {
-            known.configurations.insert(key, growing);
-            return false;
-        }
         let others = |var: VarId, degree: usize| {
             let hulls = known.configurations.values().filter_map(|g| g.at.vars[var][degree].hull());
             hulls.reduce(Interval::or)

@@ -2,7 +2,7 @@
 
 use super::choices::Draw;
 use super::frame::{Frame, number};
-use super::generate::{Dim, Generator};
+use super::generate::{Dim, Generator, Palette};
 
 /// What is decided of a world before anything is written.
 pub struct Arena {
@@ -12,8 +12,12 @@ pub struct Arena {
     rows: usize,
     /// Whether there is a second room.
     pub links: bool,
+    /// Whether there is a third one.
+    has_attic: bool,
     main: Kind,
     second: Kind,
+    /// How thick the walls of a chamber are, px.
+    thickness: f64,
     /// Whether the instance of a tile has a name.
     has_boss: bool,
     /// The instances that are placed, each with the number of its entity.
@@ -31,18 +35,31 @@ enum Kind {
     Floor,
     Nothing,
     File,
+    /// Four walls, closed.
+    Chamber,
 }
 
 impl Arena {
-    pub fn draw(draw: &mut Draw<'_>) -> Self {
-        use Kind::{File, Floor, Map, Nothing, OpenMap, Rects};
+    pub fn draw(draw: &mut Draw<'_>, palette: Palette) -> Self {
+        use Kind::{Chamber, File, Floor, Map, Nothing, OpenMap, Rects};
+        let links = draw.chance(if palette.travels { 90 } else { 20 });
+        let mut main = [Map, Map, Rects, OpenMap, Rects, Floor, Nothing, Map, Chamber][draw.pick(9)];
+        if palette.walks && draw.chance(60) {
+            // Where few edges meet, so that there are few places to tell apart.
+            main = [Chamber, Floor, Rects][draw.pick(3)];
+        }
+        if palette.dashes && draw.chance(50) {
+            main = Chamber;
+        }
         Arena {
             tile: [16.0, 8.0, 32.0][draw.pick(3)],
             columns: 5 + draw.pick(5),
             rows: 4 + draw.pick(3),
-            links: draw.chance(25),
-            main: [Map, Map, Rects, OpenMap, Rects, Floor, Nothing, Map][draw.pick(8)],
-            second: [Nothing, Map, Rects, OpenMap, File][draw.pick(5)],
+            links,
+            has_attic: links && draw.chance(if palette.travels { 50 } else { 10 }),
+            main,
+            second: [Nothing, Map, Rects, OpenMap, File, Floor, Chamber][draw.pick(7)],
+            thickness: [8.0, 2.0, 16.0, 120.0][draw.pick(4)],
             has_boss: draw.chance(10),
             places: Vec::new(),
             last: (16.0, 16.0),
@@ -105,6 +122,9 @@ impl Generator<'_> {
         self.space("main", self.arena.main, frame);
         if self.arena.links {
             self.space("cellar", self.arena.second, frame);
+        }
+        if self.arena.has_attic {
+            self.space("attic", Kind::Rects, frame);
         }
         self.players();
         self.questions();
@@ -184,6 +204,19 @@ impl Generator<'_> {
                     }
                 }
             }
+            Kind::Chamber => {
+                let thick = self.arena.thickness;
+                let walls = [
+                    [-thick, -thick, width + 2.0 * thick, thick],
+                    [-thick, 0.0, thick, height],
+                    [width, 0.0, thick, height],
+                    [-thick, height, width + 2.0 * thick, thick],
+                ];
+                for wall in walls {
+                    let rect = self.axes.rect(wall);
+                    self.world_line(format!("rect wall {rect}"));
+                }
+            }
             Kind::Floor => self.rect([-200.0, -16.0, 600.0, 24.0]),
             Kind::Nothing => {}
             Kind::File => {
@@ -199,11 +232,17 @@ impl Generator<'_> {
                 self.world_line(format!("map {map}"));
             }
         }
-        for _ in 0..[0, 0, 1, 2, 3][self.draw.pick(5)] {
+        let rects = [0, 0, 1, 2, 3][self.draw.pick(if self.palette.walks { 3 } else { 5 })];
+        for _ in 0..rects.max(usize::from(self.palette.seams)) {
             let (x, y) = self.spot();
             let (width, height) =
                 ([16.0, 4.0, 48.0, 8.0][self.draw.pick(4)], [8.0, 16.0, 3.0, 40.0][self.draw.pick(4)]);
             self.rect([x, y, width, height]);
+            if self.palette.seams {
+                let gap = [0.5, 16.0, 15.5, 16.5, 8.5, 0.5, 0.0005, 31.5][self.draw.pick(8)];
+                let beside = if self.draw.chance(50) { [x + width + gap, y] } else { [x, y + height + gap] };
+                self.rect([beside[0], beside[1], width, height]);
+            }
         }
         if self.draw.chance(20) {
             let rect = match self.draw.pick(3) {
@@ -222,7 +261,13 @@ impl Generator<'_> {
         }
         if self.arena.links {
             for _ in 0..[1, 1, 2][self.draw.pick(3)] {
-                self.link(if name == "main" { "cellar" } else { "main" });
+                let to = match name {
+                    "main" if self.arena.has_attic && self.draw.chance(40) => "attic",
+                    "main" => "cellar",
+                    "cellar" if self.arena.has_attic && self.draw.chance(50) => "attic",
+                    _ => "main",
+                };
+                self.link(to);
             }
         }
         self.world_line("}");
@@ -414,7 +459,7 @@ impl Generator<'_> {
                 None => format!("any {any_name}"),
             },
             9 if self.arena.links => {
-                format!("inside({who}, {})", self.draw.one(&["cellar", "main"]))
+                format!("inside({who}, {})", self.draw.one(&["cellar", "main", if self.arena.has_attic { "attic" } else { "main" }]))
             }
             10 => format!("near({who}, p{}, {radius})", self.draw.pick(self.arena.places.len().max(1))),
             11 => format!("{who}.count {op} {}", self.draw.pick(4)),

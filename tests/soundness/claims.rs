@@ -2,10 +2,12 @@
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use hypedc::analysis::{ConfigurationSpace, InvariantVerdict, invariants, watched_findings, watched_space};
+use hypedc::analysis::{
+    ConfigurationSpace, InvariantVerdict, Spaces, invariants, watched_findings, watched_space,
+};
 use hypedc::compile::Compilation;
-use hypedc::diagnostic::Code;
-use hypedc::ir::{EntityId, ExprId, GoalId, ModeId, NeverId, Program, WorldId};
+use hypedc::diagnostic::{Code, Diagnostics};
+use hypedc::ir::{Domain, EntityId, ExprId, GoalId, ModeId, NeverId, Program, World, WorldId};
 use hypedc::reach::Guard;
 use hypedc::sim::{Input, Simulator};
 use hypedc::source::{FileId, Span};
@@ -52,7 +54,26 @@ fn patience() -> Patience {
 }
 
 /// Combinations of modes that are looked at, each time that more is known of it.
-const MOST_LOOKS: u32 = 400;
+const MOST_LOOKS: u32 = 250;
+
+fn findings_of(compilation: &Compilation, program: &Program) -> Option<(Diagnostics, Spaces)> {
+    watched_findings(program, &compilation.sources, FileId(0), &compilation.diagnostics, &patience())
+}
+
+fn is_given_up(space: &ConfigurationSpace) -> bool {
+    space.slots.iter().any(|s| s.is_given_up)
+}
+
+/// Whether `check` looks at the very same world, so that it need not be looked at twice: it looks without bounds, with a
+/// player for all who read inputs, and with any number of things to be picked up.
+fn is_free(program: &Program, world: &World) -> bool {
+    let is_played = |e: EntityId| program.entities[e].buttons.is_empty() && program.entities[e].axes.is_empty();
+    let counts = |e: EntityId| program.entities[e].discretes.iter().any(|d| matches!(d.domain, Domain::Int));
+    world.open.is_none()
+        && program.worlds.len() == 1
+        && world.spaces.iter().all(|s| s.bounds.is_none())
+        && world.slots.iter().all(|s| (s.player.is_some() || is_played(s.entity)) && !counts(s.entity))
+}
 
 /// Everything that is claimed of a world.
 pub struct Claims {
@@ -82,9 +103,29 @@ struct GuardClaim {
 impl Claims {
     pub fn of(compilation: &Compilation, program: &Program, world: WorldId) -> Self {
         let table = &program.worlds[world];
-        let space = watched_space(program, world, &[], &patience());
+        let by_place = |space: ConfigurationSpace, predicates: &[ExprId]| match is_given_up(&space) {
+            true => space,
+            false => space.by_place(program, world, predicates, &patience()),
+        };
+        let free = is_free(program, table);
+        let mut said = None;
+        let space = match free {
+            true => {
+                said = findings_of(compilation, program);
+                let spaces = said.as_mut().map(|(_, spaces)| spaces);
+                spaces.and_then(|spaces| spaces.remove(&world))
+            }
+            false => None,
+        };
+        let space = space.unwrap_or_else(|| watched_space(program, world, &[], &patience()));
+        let is_known = !is_given_up(&space);
+        let space = by_place(space, &[]);
+        if is_known && !free {
+            said = findings_of(compilation, program);
+        }
         let nevers: Vec<ExprId> = table.nevers.iter().map(|n| n.holds).collect();
-        let within = (!nevers.is_empty()).then(|| watched_space(program, world, &nevers, &patience()));
+        let within = || by_place(watched_space(program, world, &nevers, &patience()), &nevers);
+        let within = (is_known && !nevers.is_empty()).then(within);
         let unreachable = |space: &ConfigurationSpace| -> Vec<GoalId> {
             table.goals.ids().filter(|g| !space.can_hold(program, world, *g)).collect()
         };
@@ -106,14 +147,24 @@ impl Claims {
             modes: Vec::new(),
             guards: Vec::new(),
         };
-        claims.check(compilation, program, world);
+        if let Some((found, _)) = said {
+            claims.check(&found, program, world);
+        }
         claims
     }
 
+    /// Whether too much could be of some slot.
+    pub fn is_given_up(&self) -> bool {
+        is_given_up(&self.space)
+    }
+
+    /// Whether a player is told apart by place.
+    pub fn is_by_place(&self) -> bool {
+        !std::ptr::eq(self.space.finest(), &self.space)
+    }
+
     /// Adds what `hypedc check` says, and what it says by saying nothing.
-    fn check(&mut self, compilation: &Compilation, program: &Program, world: WorldId) {
-        let (sources, said) = (&compilation.sources, &compilation.diagnostics);
-        let Some((found, _)) = watched_findings(program, sources, FileId(0), said, &patience()) else { return };
+    fn check(&mut self, found: &Diagnostics, program: &Program, world: WorldId) {
         let places = |code: Code| -> Vec<(Span, bool)> {
             let all = found.iter().filter(|d| d.code == code);
             all.filter_map(|d| Some((d.primary.as_ref()?.span, d.message.ends_with("always holds")))).collect()

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use hypedc::ir::{Program, WorldId};
 use hypedc::sim::{Script, Simulator};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
@@ -14,16 +13,18 @@ use super::files::compiled;
 use super::frame::Frame;
 use super::generate::program;
 use super::mutants::changed;
-use super::run::{Refuted, Runs, exhaust, run};
+use super::run::{Refuted, Runs, exhaust, has_inputs, run};
 use super::shrink::shrunk;
-use super::witness::with_witnesses;
+use super::witness::{denied, with_goal};
 
 /// The length of a run.
 const STEPS: usize = 240;
-/// Runs of each world.
+/// Runs of a world; of one without inputs all are alike.
 const RUNS: u64 = 3;
 /// One of so many worlds is run exhaustively, up to so many states.
 const EXHAUSTED: (u64, usize) = (4, 300);
+/// Of what is given up little is claimed: a shorter look.
+const STEPS_IF_GIVEN_UP: usize = 60;
 /// So many worlds of each class of violations are cut down.
 const SHRUNK: usize = 2;
 /// How often progress is told, in worlds.
@@ -53,6 +54,10 @@ pub struct Hunt {
     /// Worlds of which something was claimed beside what their variables can be.
     pub claims: usize,
     pub states: usize,
+    /// Worlds that take too long to look at.
+    pub given_up: u64,
+    /// Worlds with a player who is told apart by place.
+    pub by_place: u64,
     /// Of each class of violations, how many worlds.
     pub classes: BTreeMap<String, usize>,
     /// Small programs, with what is wrong about them.
@@ -83,20 +88,18 @@ pub fn hunt(source: &Source, seeds: std::ops::Range<u64>) -> Hunt {
     out
 }
 
-/// The claim of a world that is refuted: by runs of its own, or of the same world with goals that are known to be
-/// reachable; and the text.
+/// The claim of a world that is refuted, and the text: with one more goal, if that is what was ruled out.
 fn of_world(text: &str, seed: u64, out: &mut Hunt) -> Option<(String, Refuted)> {
     let looked = look(text, seed);
     out.compiled += u64::from(looked.is_compiled);
+    out.given_up += u64::from(looked.is_given_up);
+    out.by_place += u64::from(looked.is_by_place);
     out.claims += looked.claims;
     out.states += looked.states;
-    if let Some(refuted) = looked.refuted {
-        return Some((text.to_string(), refuted));
-    }
-    let more = looked.witnesses?;
-    let looked = look(&more, seed);
-    out.states += looked.states;
-    looked.refuted.map(|refuted| (more, refuted))
+    let refuted = looked.refuted?;
+    let more = looked.witness.and_then(|holds| with_goal(text, &holds));
+    let again = more.and_then(|more| Some((look(&more, seed).refuted?, more)));
+    Some(again.map_or_else(|| (text.to_string(), refuted), |(refuted, more)| (more, refuted)))
 }
 
 /// The claim of a world that is refuted.
@@ -108,11 +111,13 @@ pub fn refuted_by(text: &str, seed: u64) -> Option<Refuted> {
 #[derive(Default)]
 struct Look {
     is_compiled: bool,
+    is_given_up: bool,
+    is_by_place: bool,
     claims: usize,
     states: usize,
     refuted: Option<Refuted>,
-    /// The text with goals that hold in states that were reached.
-    witnesses: Option<String>,
+    /// What holds in a state that was reached, although it is ruled out.
+    witness: Option<String>,
 }
 
 /// Runs a world; that nothing panics is claimed as well.
@@ -133,24 +138,39 @@ fn look_or_panic(text: &str, seed: u64) -> Look {
     let claims = Claims::of(&compilation, program, world);
     let sim = Simulator::new(program, world);
     let mut runs = Runs::default();
-    for turn in 0..RUNS {
+    let (steps, most) = match claims.is_given_up() {
+        true => (STEPS_IF_GIVEN_UP, 1),
+        false => (STEPS, RUNS),
+    };
+    for turn in 0..if has_inputs(&sim) { most } else { 1 } {
         if runs.refuted.is_none() {
-            run(&sim, &claims, STEPS, seed.wrapping_mul(31).wrapping_add(turn), &mut runs);
+            run(&sim, &claims, steps, seed.wrapping_mul(31).wrapping_add(turn), &mut runs);
         }
     }
     let (every, states) = EXHAUSTED;
-    if runs.refuted.is_none() && seed.is_multiple_of(every) {
+    if runs.refuted.is_none() && seed.is_multiple_of(every) && !claims.is_given_up() {
         exhaust(&sim, &claims, states, [1, 4, 12][(seed / every % 3) as usize], &mut runs);
     }
-    if let Some(refuted) = &mut runs.refuted {
+    let mut out = Look {
+        is_compiled: true,
+        is_given_up: claims.is_given_up(),
+        is_by_place: claims.is_by_place(),
+        claims: claims.count(),
+        states: runs.states,
+        refuted: runs.refuted,
+        witness: None,
+    };
+    if out.refuted.is_none()
+        && let Some(denied) = denied(program, world, &claims.space, &runs.samples, seed)
+    {
+        let violation = Violation::new("witness", denied.what);
+        out.refuted = Some(Refuted { violation, script: Script::default(), inputs: String::new() });
+        out.witness = denied.holds;
+    }
+    if let Some(refuted) = &mut out.refuted {
         refuted.inputs = refuted.script.text(program, world);
     }
-    let witnesses = witnesses(text, program, world, &runs, seed);
-    Look { is_compiled: true, claims: claims.count(), states: runs.states, refuted: runs.refuted, witnesses }
-}
-
-fn witnesses(text: &str, program: &Program, world: WorldId, runs: &Runs, seed: u64) -> Option<String> {
-    with_witnesses(text, program, &program.worlds[world], &runs.samples, seed)
+    out
 }
 
 /// Mistakes that show in the same way, and as early, are most often the same.

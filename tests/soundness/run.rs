@@ -62,6 +62,14 @@ impl Inputs {
     }
 }
 
+/// Whether any player gives inputs that anything reads; all runs are the same otherwise.
+pub fn has_inputs(sim: &Simulator<'_>) -> bool {
+    let entities = sim.world().players.iter().map(|p| &sim.program().entities[sim.world().slots[p.slot].entity]);
+    entities.into_iter().any(|e| !e.buttons.is_empty() || !e.axes.is_empty())
+}
+
+/// Steps in which nothing changes, after which a run without inputs ends, and one with inputs if that lasts longer.
+const STILL: [u32; 2] = [2, 60];
 /// Steps that a run goes on after a player has left its bounds.
 const BEYOND: u32 = 60;
 
@@ -73,6 +81,8 @@ pub fn run(sim: &Simulator<'_>, claims: &Claims, steps: usize, seed: u64, runs: 
     let mut standing = Standing { is_inside: true, is_allowed: true };
     let mut script = Script::default();
     let mut beyond = 0;
+    let (mut before, mut still) = (state.clone(), 0);
+    let most_still = STILL[usize::from(has_inputs(sim))];
     for step in 0..steps {
         standing.is_allowed &= sim.violated(&state) == Ok(None);
         standing.is_inside &= sim.left_bounds(&state).is_none();
@@ -91,6 +101,11 @@ pub fn run(sim: &Simulator<'_>, claims: &Claims, steps: usize, seed: u64, runs: 
         if beyond > BEYOND || sim.step(&mut state, input, &mut scratch).is_err() {
             return;
         }
+        still = if state == before { still + 1 } else { 0 };
+        if still > most_still {
+            return;
+        }
+        before.copy_from_slice(&state);
     }
 }
 
@@ -126,15 +141,23 @@ fn all_inputs(sim: &Simulator<'_>) -> Option<Vec<Input>> {
     Some(all)
 }
 
+/// Steps that an exhaustive run takes in all.
+const MOST_STEPS: usize = 2_500;
+
 /// Runs a world with all inputs there are, each held for some steps, breadth first, up to a number of states.
 pub fn exhaust(sim: &Simulator<'_>, claims: &Claims, most: usize, hold: u32, runs: &mut Runs) {
     let mut scratch = sim.scratch();
     let (Some(inputs), Ok(start)) = (all_inputs(sim), sim.initial(&mut scratch)) else { return };
+    // One way only is a run.
+    if inputs.len() < 2 {
+        return;
+    }
+    let until = runs.states + MOST_STEPS;
     let mut known: HashSet<Vec<u8>> = HashSet::new();
     // Each with where it comes from: a state's number and an input's.
     let mut open: Vec<(Vec<u8>, bool, usize, usize)> = vec![(start, true, 0, 0)];
     let mut at = 0;
-    while at < open.len() && open.len() < most {
+    while at < open.len() && open.len() < most && runs.states < until {
         for (number, input) in inputs.iter().enumerate() {
             let (mut state, mut is_allowed) = (open[at].0.clone(), open[at].1);
             for step in 0..hold {

@@ -354,6 +354,28 @@ fn coarse_inputs_prove_nothing() {
     assert_eq!(code, 1, "{text}");
 }
 
+/// A `never` counts in the state in which bounds or another one end a run, too: the analysis must not leave that out.
+#[test]
+fn a_never_is_proven_by_what_the_world_can_be() {
+    let text = "entity A { param speed = 60\n axis horizontal\n collider body: rect(0, 0, 8, 8)\n x' = speed * horizontal\n mode m { } }\n\
+        world W { step 1/60\n collide body with wall: block\n space s { bounds rect(0, 0, 100, 40); place a: A at (8, 8)\n\
+        rect wall (60, 0, 16, 40) }\n player 1: a\n\
+        never risen: a.y > 8\n never through: a.x > 61\n never outside: a.x < 0\n never twice: a.x < 2 and a.x > -1 }\n";
+    let path = written("nevers.hyped", text);
+    for never in ["risen", "through"] {
+        let proven = format!("never {never}: proven, it holds in no state that the world can be in");
+        has(&["reach", &path, "--never", never], 0, &[&proven, "never holds"]);
+    }
+    // One is broken out of bounds, the other where the first of both is not yet.
+    has(&["reach", &path, "--never", "outside"], 1, &["never outside: "]);
+    let (_, text) = told(&["reach", &path, "--never", "outside"]);
+    assert!(!text.contains("proven"), "{text}");
+    has(&["reach", &path, "--never", "twice"], 1, &["never twice: violated"]);
+    let text = std::fs::read_to_string(&path).unwrap().replace("never twice: a.x < 2 and a.x > -1 ", "");
+    let path = written("nevers_2.hyped", &text);
+    has(&["reach", &path, "--never", "outside"], 1, &["never outside: violated"]);
+}
+
 #[test]
 fn a_never_is_proven_or_not_answered() {
     has(
@@ -381,7 +403,7 @@ fn a_never_is_proven_or_not_answered() {
     assert_eq!(json["goals"][0]["verdict"], "not answered");
     let still = written(
         "still_never.hyped",
-        "entity Rock { }\nworld W {\n    space main { place rock: Rock at (3, 4) }\n    never gone: rock.x > 3\n}\n",
+        "entity Rock { }\nworld W {\n    space main { place rock: Rock at (3, 4) }\n    never gone: not near(rock, (3, 4), 0)\n}\n",
     );
     has(&["reach", &still, "--never", "gone"], 0, &["the only state was visited"]);
     has(&["reach", "--help"], 0, &["Exit codes: 0 if every question is answered as wished"]);

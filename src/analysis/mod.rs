@@ -159,6 +159,14 @@ pub fn watched_space(
     within_limits(program, world, predicates, limits, &mut { MOST_EFFORT }, watch)
 }
 
+/// A program in whose world nothing ends a run but a fault: it has no `bounds`, and a space of it without predicates knows of
+/// no `never`. What a run of the world comes to it comes to there, too, the state included in which it ends.
+pub fn endless(program: &Program, world: WorldId) -> Program {
+    let mut endless = program.clone();
+    endless.worlds[world].spaces.iter_mut().for_each(|space| space.bounds = None);
+    endless
+}
+
 /// As [`configuration_space`], but whatever the number of things that can be picked up: that is a matter of the level.
 /// Takes what it needs from an effort; a world that needs more than is left is given up.
 fn with_any_supply(program: &Program, world: WorldId, effort: &mut usize, watch: &dyn Watch) -> ConfigurationSpace {

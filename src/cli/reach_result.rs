@@ -404,7 +404,10 @@ impl Answered {
         let verdict = match self.verdict {
             // The analysis looks at states, however they are come to.
             "proven-unreachable" if self.planner == "analysis" && self.least_steps.is_none() => {
-                "proven unreachable, in no state that the world can be in".to_string()
+                match is_never {
+                    true => "proven, it holds in no state that the world can be in".to_string(),
+                    false => "proven unreachable, in no state that the world can be in".to_string(),
+                }
             }
             "proven-unreachable" if is_never => format!("proven, there is no way to break it{asked}"),
             "proven-unreachable" => format!("proven unreachable{asked}"),

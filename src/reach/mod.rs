@@ -57,7 +57,7 @@ pub use proof::{Part, Proof, TooFar};
 pub use search::{Limits, Restart, Settings, search};
 pub use shorten::shorten;
 
-use crate::analysis::ConfigurationSpace;
+use crate::analysis::{ConfigurationSpace, endless, watched_space};
 use crate::ir::ExprId;
 use crate::sim::Fault;
 use crate::watch::{Meter, Watch};
@@ -98,21 +98,28 @@ fn reach_guarded(
     limits: &Limits,
     watch: &dyn Watch,
 ) -> Result<Outcome, Fault> {
-    if let Some(proof) = Proof::of(problem, space) {
+    let (program, world) = (problem.sim.program(), problem.sim.world_id());
+    // A goal counts as long as a run has not ended; a `never` in the state that ends it, too.
+    let endless = matches!(problem.target, Target::Never(_)).then(|| endless(program, world));
+    let nevers: Vec<ExprId> = match endless {
+        Some(_) => Vec::new(),
+        None => problem.sim.world().nevers.iter().map(|never| never.holds).collect(),
+    };
+    let whole = endless.as_ref().map(|endless| watched_space(endless, world, &nevers, watch));
+    let (of, whole) = (endless.as_ref().unwrap_or(program), whole.as_ref().unwrap_or(space));
+    if let Some(proof) = Proof::of(problem, whole) {
         problem.sim.initial(&mut problem.sim.scratch())?;
         return Ok(Outcome::of(Verdict::Unreachable(Argument::Analysis(proof)), "analysis"));
     }
     if let Some(far) = TooFar::of(problem, space)? {
         return Ok(Outcome::of(Verdict::Unreachable(Argument::Distance(far)), "analysis"));
     }
-    if settings.planner == Planner::Auto && limits.nodes > GLANCE && matches!(problem.target, Target::Goal(_)) {
+    if settings.planner == Planner::Auto && limits.nodes > GLANCE {
         let glance = search(problem, space, settings, &Limits { nodes: GLANCE, ..*limits }, watch)?;
         if glance.verdict != Verdict::NotFound || glance.end != End::Nodes {
             return Ok(glance);
         }
-        let (program, world) = (problem.sim.program(), problem.sim.world_id());
-        let nevers: Vec<ExprId> = problem.sim.world().nevers.iter().map(|never| never.holds).collect();
-        let closer = space.clone().by_place(program, world, &nevers, watch);
+        let closer = whole.clone().by_place(of, world, &nevers, watch);
         if let Some(proof) = Proof::of(problem, &closer) {
             if let Some(guard) = problem.guard() {
                 // What the glance saw was held against less than the proof rests on: it is looked at again.

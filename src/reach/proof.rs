@@ -27,12 +27,11 @@ pub struct Part {
 }
 
 impl Proof {
-    /// Whether the analysis shows that the goal holds in no state, and why.
+    /// Whether the analysis shows that what is asked for holds in no state, and why. A `never` counts in the state in which a
+    /// run ends, too: the space must be one that tells of those.
     pub fn of(problem: &Problem<'_>, space: &ConfigurationSpace) -> Option<Proof> {
         let (program, world) = (problem.sim.program(), problem.sim.world_id());
-        // A `never` is looked at out of bounds, too, of which the analysis says nothing.
-        let Target::Goal(goal) = problem.target else { return None };
-        if space.can_hold(program, world, goal) {
+        if space.can_turn_out(program, world, problem.predicate(), true) {
             return None;
         }
         let mut proof = Proof { parts: Vec::new() };

@@ -459,7 +459,10 @@ impl Generator<'_> {
                 None => format!("any {any_name}"),
             },
             9 if self.arena.links => {
-                format!("inside({who}, {})", self.draw.one(&["cellar", "main", if self.arena.has_attic { "attic" } else { "main" }]))
+                format!(
+                    "inside({who}, {})",
+                    self.draw.one(&["cellar", "main", if self.arena.has_attic { "attic" } else { "main" }])
+                )
             }
             10 => format!("near({who}, p{}, {radius})", self.draw.pick(self.arena.places.len().max(1))),
             11 => format!("{who}.count {op} {}", self.draw.pick(4)),

@@ -2,9 +2,7 @@
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use hypedc::analysis::{
-    ConfigurationSpace, InvariantVerdict, Spaces, invariants, watched_findings, watched_space,
-};
+use hypedc::analysis::{ConfigurationSpace, InvariantVerdict, Spaces, invariants, watched_findings, watched_space};
 use hypedc::compile::Compilation;
 use hypedc::diagnostic::{Code, Diagnostics};
 use hypedc::ir::{Domain, EntityId, ExprId, GoalId, ModeId, NeverId, Program, World, WorldId};

@@ -222,7 +222,8 @@ impl Generator<'_> {
         }
         if leaps && self.draw.chance(60) {
             let asked = self.draw.one(&["pressed(jump)", "held(jump)", "pressed(jump)"]);
-            let (floor, leap) = (self.draw.one(&[" and touching(wall, below)", ""]), self.draw.one(&["200", "120", "speed", "300"]));
+            let (floor, leap) =
+                (self.draw.one(&[" and touching(wall, below)", ""]), self.draw.one(&["200", "120", "speed", "300"]));
             self.line(format!("when {asked}{floor} {{ y' := {leap} }}"));
         }
         if self.draw.chance(if self.palette.travels && self.me == 0 {

@@ -41,8 +41,7 @@ pub fn denied(
     let (program, nothing) = (&maker.program, Input::nothing(table.players.len()));
     for (predicate, text) in all {
         let truth = |state: &Vec<u8>| {
-            let eye =
-                Eye { program, world: table, state, input: &nothing, me: SlotId(0), taken: &[], notes: &Nobody };
+            let eye = Eye { program, world: table, state, input: &nothing, me: SlotId(0), taken: &[], notes: &Nobody };
             eye.truth(predicate)
         };
         let mut seen = [false; 2];

@@ -18,6 +18,8 @@ mod found;
 mod generate;
 #[path = "analysis/outside.rs"]
 mod outside;
+#[path = "soundness/patience.rs"]
+mod patience;
 #[path = "analysis/regions.rs"]
 mod regions;
 #[path = "analysis/run.rs"]
@@ -77,7 +79,8 @@ impl Tally {
         self.states += run.states;
         self.slots += run.slots;
         self.given_up += run.given_up;
-        let happened = [("spawned", run.spawned), ("ended", run.ended), ("linked", run.linked)];
+        let happened =
+            [("spawned", run.spawned), ("ended", run.ended), ("linked", run.linked), ("by place", run.is_by_place)];
         let happened = happened.into_iter().filter(|(_, did)| *did).map(|(name, _)| name);
         for name in happened.chain(run.goals.iter().map(String::as_str)) {
             *self.seen.entry(name.to_string()).or_default() += 1;

@@ -20,7 +20,9 @@ use support::{Disk, compile_text, program};
 const WORLD: WorldId = WorldId(0);
 
 fn of_file(name: &str) -> Program {
-    program(compile(&Path::new("tests/border").join(format!("{name}.hyped")), &Disk))
+    let paths = ["tests/border", "tests/analysis/found/small"];
+    let paths = paths.map(|folder| Path::new(folder).join(format!("{name}.hyped")));
+    program(compile(paths.iter().find(|path| path.exists()).unwrap(), &Disk))
 }
 
 fn script(program: &Program, text: &str) -> Script {

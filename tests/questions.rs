@@ -24,8 +24,12 @@ use support::{Disk, files, program};
 
 const WORLD: WorldId = WorldId(0);
 
+/// Where the worlds of these tests are: some are those of which something false was said once.
+const FOLDERS: [&str; 2] = ["tests/questions", "tests/analysis/found/small"];
+
 fn world(name: &str) -> Program {
-    program(compile(&Path::new("tests/questions").join(name).with_extension("hyped"), &Disk))
+    let paths = FOLDERS.map(|folder| Path::new(folder).join(name).with_extension("hyped"));
+    program(compile(paths.iter().find(|path| path.exists()).unwrap(), &Disk))
 }
 
 fn target(program: &Program, name: &str) -> Target {
@@ -105,11 +109,11 @@ fn by_steps(problem: &Problem<'_>, least: usize, most: usize) -> Option<Option<u
 
 /// Each goal and each `never` of the small worlds.
 fn small_questions() -> Vec<(String, Program, Target)> {
-    let here = files("tests/questions", "hyped");
+    let here = FOLDERS.into_iter().flat_map(|folder| files(folder, "hyped"));
     let is_world = |path: &PathBuf| path.parent() == Some(Path::new("tests/verdicts"));
     let verdicts = files("tests/verdicts", "hyped").into_iter().filter(is_world);
     let mut all = Vec::new();
-    for path in here.into_iter().chain(verdicts) {
+    for path in here.chain(verdicts) {
         let program = program(compile(&path, &Disk));
         let Some(table) = program.worlds.iter().next() else { continue };
         let goals = table.goals.ids().map(Target::Goal).chain(table.nevers.ids().map(Target::Never));
@@ -265,7 +269,7 @@ proptest! {
         which in any::<prop::sample::Index>(),
         choices in prop::collection::vec((any::<prop::sample::Index>(), 1usize..30), 1..12),
     ) {
-        let examples = files("examples", "hyped").into_iter().chain(files("tests/questions", "hyped"));
+        let examples = ["examples"].into_iter().chain(FOLDERS).flat_map(|folder| files(folder, "hyped"));
         let all: Vec<PathBuf> = examples.chain(files("tests/verdicts", "hyped")).collect();
         let path: &PathBuf = which.get(&all);
         let program = program(compile(path, &Disk));
@@ -326,11 +330,11 @@ fn has(arguments: &[&str], code: i32, parts: &[&str]) {
     }
 }
 
-const HOLD: &str = "tests/questions/hold.hyped";
-const MINHOLD: &str = "tests/questions/minhold.hyped";
+const HOLD: &str = "tests/analysis/found/small/hold.hyped";
+const MINHOLD: &str = "tests/analysis/found/small/minhold.hyped";
 const STEPS: &str = "tests/questions/steps.hyped";
 const PASSING: &str = "tests/questions/passing.hyped";
-const PIT_PROOF: &str = "tests/questions/pit_proof.hyped";
+const PIT_PROOF: &str = "tests/analysis/found/small/pit_proof.hyped";
 
 #[test]
 fn inputs_change_at_any_step_once_they_were_held() {

@@ -167,6 +167,12 @@ fn gentle(scene: &mut Scene<'_>, me: usize, crowds: &[Crowd]) -> Option<(f64, BT
             return None;
         }
     }
+    // Who is no larger than a step can lie as a whole beside the part of a face that a neighbour covers: the push goes to
+    // another side then, however far that is.
+    let mut pushed = kind.bodies.iter().filter(|b| b.is_pushed && b.is_live).map(Scene::size);
+    if pushed.any(|sizes| sizes.into_iter().any(is_thin)) {
+        return None;
+    }
     let obstacles = obstacles(scene, me, crowds)?;
     let is_put_inside = |(space, obstacles): (&SpaceId, &Vec<Obstacle>)| scene.is_inside_of(me, *space, obstacles);
     let sizes = obstacles.values().flatten().flat_map(|o| along(o.bounds)).map(|(low, high)| high - low);

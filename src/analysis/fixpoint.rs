@@ -176,7 +176,9 @@ impl<'a> Analysis<'a> {
         }
         let mut changed = false;
         let is_covered = self.surroundings.is_covered(slot, &found.leaves);
-        for (cell, found) in self.cells(slot).split(found, is_covered) {
+        let parts = self.cells(slot).split(found, is_covered);
+        self.effort = self.effort.saturating_sub(parts.len());
+        for (cell, found) in parts {
             let is_own = from.is_some_and(|(leaves, of)| *of == cell && *leaves == found.leaves);
             if !(is_own && self.is_narrowing) {
                 changed |= self.grow_in(slot, cell, found, is_own);
@@ -403,7 +405,7 @@ impl<'a> Analysis<'a> {
                 let at = growing.at.clone();
                 match self.stepper(slot).run(&at) {
                     Some(outcome) => {
-                        self.effort = self.effort.saturating_sub(outcome.next.len() + 1);
+                        self.effort = self.effort.saturating_sub(1);
                         changed |= self.take(slot, &key, outcome);
                     }
                     None => {

@@ -84,7 +84,7 @@ use supply::Limits;
 use surroundings::Surroundings;
 
 /// So where players are told apart by place.
-const MOST_EFFORT_BY_PLACE: usize = 15_000;
+const MOST_EFFORT_BY_PLACE: usize = 150_000;
 
 /// After so many ways of steps a world is given up: everything can be anything.
 const MOST_EFFORT: usize = 300_000;

@@ -12,6 +12,8 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use crate::outside::{outside, ruled_out};
+use crate::patience::Patience;
+use crate::run::LOOKS_BY_PLACE;
 use crate::support::{Disk, files, program};
 
 /// How many steps a run lasts.
@@ -85,7 +87,8 @@ fn nothing_false_is_said_any_more() {
     for path in paths {
         let program = program(compile(Path::new(&path), &Disk));
         for world in program.worlds.ids() {
-            let space = configuration_space(&program, world);
+            let space =
+                configuration_space(&program, world).by_place(&program, world, &[], &Patience::new(LOOKS_BY_PLACE));
             let constant = [(0, 0.0), (0, 1.0), (0, -1.0), (u64::MAX, 0.0), (u64::MAX, 1.0), (u64::MAX, -1.0)];
             let scripts = constant.map(|(buttons, axis)| Script::Constant(buttons, axis)).into_iter();
             for script in scripts.chain((0..RANDOM).map(Script::Random)) {

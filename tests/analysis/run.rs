@@ -8,6 +8,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use crate::outside::{goes_on, outside, ruled_out};
+use crate::patience::Patience;
 
 /// What came of a run.
 #[derive(Debug, Default)]
@@ -19,6 +20,8 @@ pub struct Run {
     /// Slots, and those of them of which nothing is known.
     pub slots: usize,
     pub given_up: usize,
+    /// Whether a player is told apart by place.
+    pub is_by_place: bool,
     /// Whether an instance was spawned, was gone, went to another space.
     pub spawned: bool,
     pub ended: bool,
@@ -27,14 +30,18 @@ pub struct Run {
     pub goals: Vec<String>,
 }
 
+/// Combinations of modes and places that are looked at to tell players apart by place.
+pub const LOOKS_BY_PLACE: u32 = 600;
 /// How often goals are asked, in steps.
 const GOALS_EVERY: usize = 16;
 
 /// Runs a world at random.
 pub fn run(program: &Program, id: WorldId, steps: usize, seed: u64) -> Run {
-    let space = configuration_space(program, id);
+    // Players are told apart by place as well: the guard looks at both.
+    let space = configuration_space(program, id).by_place(program, id, &[], &Patience::new(LOOKS_BY_PLACE));
+    let is_by_place = !std::ptr::eq(space.finest(), &space);
     let given_up = space.slots.iter().filter(|s| s.is_given_up).count();
-    let mut run = Run { slots: space.slots.len(), given_up, ..Run::default() };
+    let mut run = Run { slots: space.slots.len(), given_up, is_by_place, ..Run::default() };
     let sim = Simulator::new(program, id);
     let guard = Guard::new(&space, program, id);
     let world = sim.world();

@@ -1,7 +1,5 @@
 //! What the analysis says of a world, and whether a state is against it.
 
-use std::sync::atomic::{AtomicU32, Ordering};
-
 use hypedc::analysis::{ConfigurationSpace, InvariantVerdict, Spaces, invariants, watched_findings, watched_space};
 use hypedc::compile::Compilation;
 use hypedc::diagnostic::{Code, Diagnostics};
@@ -9,9 +7,9 @@ use hypedc::ir::{Domain, EntityId, ExprId, GoalId, ModeId, NeverId, Program, Wor
 use hypedc::reach::Guard;
 use hypedc::sim::{Input, Simulator};
 use hypedc::source::{FileId, Span};
-use hypedc::watch::Watch;
 
 use super::eye::{Eye, Nobody};
+use super::patience::Patience;
 use crate::outside::outside;
 
 /// A state or an event that cannot be, and was.
@@ -37,18 +35,8 @@ pub struct Standing {
     pub is_allowed: bool,
 }
 
-/// Gives a world up that takes long to look at: thousands of others are looked at in that time.
-struct Patience(AtomicU32);
-
-impl Watch for Patience {
-    fn stop(&self) -> bool {
-        let before = self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| Some(left.saturating_sub(1)));
-        before.is_ok_and(|left| left <= 1)
-    }
-}
-
 fn patience() -> Patience {
-    Patience(AtomicU32::new(MOST_LOOKS))
+    Patience::new(MOST_LOOKS)
 }
 
 /// Combinations of modes that are looked at, each time that more is known of it.

@@ -56,7 +56,7 @@ fn drawn(sim: &Simulator<'_>, claims: &Claims, samples: &[Vec<u8>], rng: &mut Pc
     for (slot, s) in world.slots.pairs() {
         let layout = &world.layout.slots[slot];
         let entity = &program.entities[s.entity];
-        let space = &claims.space.slots[slot];
+        let space = &claims.space.finest().slots[slot];
         let way = rng.random_range(0..6);
         if way == 0 {
             let (from, to) = layout.block;
@@ -73,7 +73,12 @@ fn drawn(sim: &Simulator<'_>, claims: &Claims, samples: &[Vec<u8>], rng: &mut Pc
             }
         }
         let leaves = || entity.groups.ids().map(|g| layout.leaf(&state, g));
-        let Some(at) = space.configurations.iter().find(|c| leaves().eq(c.leaves.iter().copied())) else { continue };
+        // By place there are many with the same leaves.
+        let alike: Vec<_> = space.configurations.iter().filter(|c| leaves().eq(c.leaves.iter().copied())).collect();
+        if alike.is_empty() {
+            continue;
+        }
+        let at = alike[rng.random_range(0..alike.len())];
         change(layout, at, s.timer_limits.iter().as_slice(), way == 2, &mut state, rng);
     }
     // Nothing refers to what is not there.

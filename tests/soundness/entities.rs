@@ -271,7 +271,7 @@ impl Generator<'_> {
 
     fn edge(&mut self, siblings: &[String]) {
         let group = self.group.unwrap_or(0);
-        let is_named = self.palette.contacts && self.draw.chance(20);
+        let is_named = self.palette.contacts && self.draw.chance(28);
         let (guard, named) = if group > 0 && self.draw.chance(15) {
             let earlier = self.draw.pick(group);
             let all = self.plan().modes[earlier].clone();

@@ -12,7 +12,7 @@ use crate::support::files;
 /// The programs to change: those of which something false was said once, and those with a comment on each verdict.
 pub fn originals() -> Vec<String> {
     let is_whole = |path: &Path| path.parent() != Some(Path::new("tests/verdicts/parts"));
-    let all = ["tests/soundness/known", "tests/verdicts"].into_iter().flat_map(|folder| files(folder, "hyped"));
+    let all = ["tests/analysis/found", "tests/verdicts"].into_iter().flat_map(|folder| files(folder, "hyped"));
     let read = all.filter(|path| is_whole(path)).map(|path| std::fs::read_to_string(path).unwrap());
     read.filter(|text| !text.contains("import ")).map(|text| without_comments(&text)).collect()
 }

@@ -141,6 +141,7 @@ impl Tally {
                     self.turned_out("invariant", holds);
                 }
             }
+            self.watch_rooms(sim, before, after, slot);
             if let Some(carrier) = layout.carrier(after).filter(|_| layout.alive(after)) {
                 let moved = sim.position(before, carrier) != sim.position(after, carrier);
                 self.note(if moved { "carried along" } else { "on a carrier that stands" });
@@ -172,6 +173,60 @@ impl Tally {
         taken: &'a [Option<Move>],
     ) -> Eye<'a> {
         Eye { program: sim.program(), world: sim.world(), state, input, me, taken, notes: self }
+    }
+
+    /// Notes steps that are longer than rooms are wide, and what is done in a room that one has come to by a link.
+    fn watch_rooms(&self, sim: &Simulator<'_>, before: &[u8], after: &[u8], slot: SlotId) {
+        /// More than one room of the suite is wide, px.
+        const FAR: f64 = 400.0;
+        let (world, layout) = (sim.world(), &sim.world().layout.slots[slot]);
+        if !layout.alive(before) || !layout.alive(after) {
+            return;
+        }
+        let space = layout.space(after);
+        if space == layout.space(before) {
+            let (from, to) = (sim.position(before, slot), sim.position(after, slot));
+            let walls = &world.spaces[space].solids;
+            let is_among =
+                |(x, y): (f64, f64)| (-100.0..=FAR).contains(&x) && (-100.0..=FAR).contains(&y) && !walls.is_empty();
+            if (to.0 - from.0).abs().max((to.1 - from.1).abs()) > FAR {
+                match (is_among(from), is_among(to)) {
+                    (true, false) => self.note("a dash out of a room"),
+                    (false, true) => self.note("a dash into a room"),
+                    _ => self.note("a dash elsewhere"),
+                }
+            }
+        }
+        if space != world.slots[slot].space && layout.var(after, VarId(1), 2) < 0.0 {
+            let speed = layout.var(after, VarId(1), 1);
+            if speed < 0.0 {
+                self.note("one who came by a link falls");
+            } else if speed > 50.0 {
+                self.note("one who came by a link jumps");
+            }
+            if space.index() > 1 {
+                self.note("a third room");
+            }
+        }
+    }
+
+    /// Notes what a world is made of, as far as that is no construct of the language.
+    pub fn survey(&self, sim: &Simulator<'_>, is_by_place: bool) {
+        if is_by_place {
+            self.note("a player is told apart by place");
+        }
+        for space in sim.world().spaces.iter() {
+            let boxes: Vec<[f64; 4]> =
+                space.solids.iter().map(|s| [s.bounds.left, s.bounds.right, s.bounds.bottom, s.bounds.top]).collect();
+            for a in &boxes {
+                for b in &boxes {
+                    let gaps = [b[0] - a[1], b[2] - a[3]];
+                    if gaps.iter().any(|gap| 0.0 < *gap && *gap < 1.0) {
+                        self.note("walls half a pixel apart");
+                    }
+                }
+            }
+        }
     }
 
     fn watch_edges(&self, sim: &Simulator<'_>, before: &[u8], input: &Input, slot: SlotId, after: &[u8]) {
@@ -375,6 +430,12 @@ impl Tally {
                 for (id, collider) in entity.colliders.pairs() {
                     let eye = self.eye(sim, state, input, slot, &[]);
                     let guard = collider.guard.map(|g| eye.truth(g) == Some(true));
+                    if guard == Some(true) && id.index() > 0 && entity.colliders[ColliderId(0)].guard.is_some() {
+                        let first = entity.colliders[ColliderId(0)].guard.and_then(|g| eye.truth(g));
+                        if first == Some(false) {
+                            self.note("a collider of another size");
+                        }
+                    }
                     if let Some(is_there) = guard {
                         self.turned_out("collider when", is_there);
                     }
@@ -536,6 +597,15 @@ const EVENTS: &[&str] = &[
     "an instance ends",
     "a player leaves its bounds",
     "a second player",
+    "a player is told apart by place",
+    "walls half a pixel apart",
+    "a dash out of a room",
+    "a dash into a room",
+    "a dash elsewhere",
+    "one who came by a link falls",
+    "one who came by a link jumps",
+    "a third room",
+    "a collider of another size",
     "carried along",
     "on a carrier that stands",
     "on a carrier that is carried",

@@ -40,6 +40,10 @@ impl Generator<'_> {
         if !is_on(place) {
             place = self.draw.one(&["count", "flag", "colour"]);
         }
+        // What is named is worth something.
+        if named.is_some() && self.draw.chance(30) {
+            place = self.draw.one(&["friend", "destroy"]);
+        }
         let set = |g: &Self, value: String| format!("{place} := {}", g.axes.write(place, &value));
         let update = match place {
             "count" => {

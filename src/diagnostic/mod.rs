@@ -169,6 +169,11 @@ impl Diagnostics {
         }
     }
 
+    /// Takes back what was reported last, so that the first so many are left.
+    pub(crate) fn take_back(&mut self, kept: usize) {
+        self.list.truncate(kept);
+    }
+
     /// Takes over the findings of another stage.
     pub fn append(&mut self, mut other: Diagnostics) {
         self.list.append(&mut other.list);

@@ -8,7 +8,7 @@ use crate::diagnostic::catalogue::structure::MixedGroups;
 use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::{NotConstant, OutOfRange};
 use crate::source::Span;
-use crate::syntax::ast::{self, Domain, Expr, Member, Name};
+use crate::syntax::ast::{self, Domain, Expr, Member, Name, Word};
 use crate::syntax::occurrence::NameKind;
 
 use super::checked::{Annotation, Discrete, Entity, Group, Param, Reference, Term, TermKind, Type, Var};
@@ -39,7 +39,7 @@ pub(super) struct Skeleton<'a> {
     /// Modes in preorder, as their ids number them.
     pub mode_syntax: Vec<&'a ast::Mode>,
     /// Of each mode: the references of which it has an edge on `lost`.
-    pub lost: Vec<Vec<String>>,
+    pub lost: Vec<Vec<Word>>,
     /// The discrete variables' first values, in order of their ids.
     discrete_syntax: Vec<&'a Expr>,
 }
@@ -123,15 +123,15 @@ impl<'a> Checker<'a> {
                             let known = self.entities.names().chain([Known::from("any")]);
                             let fact = unknown("entity", &r.entity.text, r.entity.span, known);
                             self.report_unknown(fact);
-                            self.suspects.insert(r.name.text.clone());
+                            self.suspects.insert(r.name.text.to_string());
                             continue;
                         }
                     };
                     let id = entity.refs.push(Reference { name: r.name.clone(), entity: entity_id });
                     names.refs.declare(&r.name, id, &mut self.diagnostics);
                 }
-                Member::Buttons(list, _) => {
-                    for name in list {
+                Member::Buttons(list) => {
+                    for name in &list.0 {
                         self.declared(NameKind::Button, name);
                         if !inputs.declare(name, (), &mut self.diagnostics) {
                             continue;
@@ -144,8 +144,8 @@ impl<'a> Checker<'a> {
                         names.buttons.declare(name, id, &mut self.diagnostics);
                     }
                 }
-                Member::Axes(list, _) => {
-                    for name in list {
+                Member::Axes(list) => {
+                    for name in &list.0 {
                         self.declared(NameKind::Axis, name);
                         if !inputs.declare(name, (), &mut self.diagnostics) {
                             continue;
@@ -168,7 +168,7 @@ impl<'a> Checker<'a> {
                 Member::Edge(edge) if edge.target.is_some() => lost_by(&edge.guard),
                 _ => None,
             });
-            let once: BTreeSet<&String> = edges.map(|name| &name.text).collect();
+            let once: BTreeSet<&Word> = edges.map(|name| &name.text).collect();
             once.into_iter().cloned().collect()
         };
         names.lost = names.mode_syntax.iter().map(lost).collect();
@@ -226,7 +226,7 @@ impl<'a> Checker<'a> {
                 let fresh: Arc<[String]> = names
                     .iter()
                     .filter(|n| table.declare(n, (), &mut self.diagnostics))
-                    .map(|n| n.text.clone())
+                    .map(|n| n.text.to_string())
                     .collect();
                 self.choices.entry(Arc::clone(&fresh)).or_default().extend(names.iter().cloned());
                 let last = fresh.len().saturating_sub(1) as i32;
@@ -303,7 +303,7 @@ impl<'a> Checker<'a> {
                     let mut modes = Vec::new();
                     for inner in &group.members {
                         match inner {
-                            Member::Mode(mode) => modes.push(mode),
+                            Member::Mode(mode) => modes.push(&**mode),
                             other => self.misplaced(other, "a group", "in the entity or in a mode"),
                         }
                     }
@@ -332,7 +332,7 @@ impl<'a> Checker<'a> {
             return;
         }
         let group: GroupId = entity.groups.push(Group { name: name.cloned(), modes: Vec::new() });
-        let path: Vec<String> = name.iter().map(|n| n.text.clone()).collect();
+        let path: Vec<String> = name.iter().map(|n| n.text.to_string()).collect();
         let roots = self.mode_skeletons(modes, group, None, &path, entity, &mut names.mode_syntax);
         entity.groups[group].modes = roots;
     }
@@ -342,13 +342,13 @@ impl<'a> Checker<'a> {
             Member::Parameter(p) => (p.name.span, "a `param`"),
             Member::Continuous(c) => (c.name.span, "a `continuous`"),
             Member::Discrete(d) => (d.name.span, "a `discrete`"),
-            Member::Buttons(_, span) => (*span, "a `button`"),
-            Member::Axes(_, span) => (*span, "an `axis`"),
+            Member::Buttons(list) => (list.1, "a `button`"),
+            Member::Axes(list) => (list.1, "an `axis`"),
             Member::Collider(c) => (c.span, "a `collider`"),
             Member::Group(g) => (g.name.span, "a `group`"),
             Member::Mode(m) => (m.name.span, "a `mode`"),
             Member::Flow(a) => (a.span, "a flow"),
-            Member::Entry(update) => match update {
+            Member::Entry(update) => match &**update {
                 ast::Update::Assign(a) => (a.span, "an update"),
                 ast::Update::Spawn(s) => (s.span, "a `spawn`"),
                 ast::Update::Destroy(d) => (d.span, "a `destroy`"),

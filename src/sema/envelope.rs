@@ -152,7 +152,8 @@ impl Checker<'_> {
             return Some(By::Clock(mode));
         };
         let axes: Vec<&ast::Expr> = match &by.kind {
-            ExprKind::Call(function, arguments, None) if function.text == "held" => {
+            ExprKind::Call(call) if call.function.text == "held" && call.binding.is_none() => {
+                let ast::Call { function, arguments, .. } = &**call;
                 if count != 1 || e.directions.is_some() {
                     self.bad(e.span, "a button drives one variable, in one direction", None);
                     return None;

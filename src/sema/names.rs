@@ -3,14 +3,14 @@
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::names::{DuplicateName, UnknownName};
 use crate::source::Span;
-use crate::syntax::ast::Name;
+use crate::syntax::ast::{Name, Word};
 
 /// The names of one name space, in order of declaration.
 #[derive(Debug, Clone)]
 pub(super) struct Table<T> {
     kind: &'static str,
     entries: Vec<(Name, T)>,
-    index: std::collections::BTreeMap<String, usize>,
+    index: std::collections::BTreeMap<Word, usize>,
 }
 
 impl<T> Table<T> {
@@ -23,7 +23,7 @@ impl<T> Table<T> {
         if let Some(&first) = self.index.get(&name.text) {
             diagnostics.report(DuplicateName {
                 kind: self.kind,
-                name: name.text.clone(),
+                name: name.text.to_string(),
                 first: self.entries[first].0.span,
                 second: name.span,
             });

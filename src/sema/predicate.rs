@@ -56,7 +56,7 @@ impl Checker<'_> {
                 });
                 return None;
             };
-            let value = match second.text.as_str() {
+            let value = match &*second.text {
                 "width" => size.0,
                 "height" => size.1,
                 other => {
@@ -93,7 +93,7 @@ impl Checker<'_> {
         self.readable(subject, first, span, scope);
         let Some(entity) = entity else {
             // Every instance has a position.
-            let var = match second.text.as_str() {
+            let var = match &*second.text {
                 "x" => super::entity::X,
                 "y" => super::entity::Y,
                 _ => {

@@ -39,7 +39,7 @@ impl Checker<'_> {
         let written = self.sources.slice(name.span);
         let inner = written.strip_prefix('"').and_then(|w| w.strip_suffix('"')).unwrap_or(written);
         if inner != name.text {
-            self.checked.level_tags.insert(name.text.clone());
+            self.checked.level_tags.insert(name.text.to_string());
             return;
         }
         let mut at = name.span;

@@ -8,7 +8,7 @@ use pest::iterators::Pair;
 use pest::pratt_parser::{Assoc, Op, PrattParser};
 
 use super::Rule;
-use super::ast::{BinaryOp, CompareOp, Expr, ExprKind, Unit};
+use super::ast::{BinaryOp, Call, CompareOp, Expr, ExprKind, Unit};
 use super::build::{Builder, parts};
 
 static PRECEDENCE: LazyLock<PrattParser<Rule>> = LazyLock::new(|| {
@@ -74,7 +74,7 @@ impl Builder<'_> {
                         rest.push((op, right));
                         return Some(Expr { kind: ExprKind::Compare(first, rest), span });
                     }
-                    return Some(Expr { kind: ExprKind::Compare(Box::new(left), vec![(op, right)]), span });
+                    return Some(Expr { kind: ExprKind::Compare(Box::new(left), vec![(op, right)].into()), span });
                 }
                 let op = match operator.as_rule() {
                     Rule::kw_and => BinaryOp::And,
@@ -101,9 +101,11 @@ impl Builder<'_> {
         let object = relation.clone().into_inner().last()?;
         let subject = Box::new(atom);
         let kind = match relation.as_rule() {
-            Rule::relation_in => ExprKind::In(subject, self.path(&object)?),
-            Rule::relation_is => ExprKind::Is(subject, (object.as_rule() != Rule::kw_none).then(|| self.name(&object))),
-            _ => ExprKind::Touching(subject, self.name(&object)),
+            Rule::relation_in => ExprKind::In(subject, self.path(&object)?.into()),
+            Rule::relation_is => {
+                ExprKind::Is(subject, (object.as_rule() != Rule::kw_none).then(|| self.name(&object).into()))
+            }
+            _ => ExprKind::Touching(subject, self.name(&object).into()),
         };
         Some(Expr { kind, span })
     }
@@ -127,9 +129,9 @@ impl Builder<'_> {
             Rule::kw_self => ExprKind::SelfRef,
             Rule::kw_timer => ExprKind::Timer,
             Rule::text => ExprKind::Text(self.name(pair).text),
-            Rule::path => ExprKind::Path(self.path(pair)?),
-            Rule::in_mode => ExprKind::InMode(self.path(inner.last()?)?),
-            Rule::any_instance => ExprKind::Any(self.name(inner.last()?)),
+            Rule::path => ExprKind::Path(self.path(pair)?.into()),
+            Rule::in_mode => ExprKind::InMode(self.path(inner.last()?)?.into()),
+            Rule::any_instance => ExprKind::Any(self.name(inner.last()?).into()),
             Rule::call => {
                 let mut arguments = Vec::new();
                 let mut binding = None;
@@ -140,7 +142,7 @@ impl Builder<'_> {
                         _ => {}
                     }
                 }
-                ExprKind::Call(self.name(inner.first()?), arguments, binding)
+                ExprKind::Call(Call { function: self.name(inner.first()?), arguments, binding }.into())
             }
             Rule::paren => match inner.as_slice() {
                 [only] => ExprKind::Paren(Box::new(self.expression(only)?)),

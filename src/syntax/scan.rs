@@ -10,7 +10,6 @@ use crate::diagnostic::catalogue::syntax::{
 };
 use crate::source::{FileId, Span};
 
-use super::ast::Comment;
 use super::mend::{Brace, Insert, LineStart, mend_braces};
 
 /// How many brackets may be open at once.
@@ -22,12 +21,21 @@ pub const MAX_WORD: usize = 255;
 /// How many words, numbers and signs a file may have: what is made of each takes far more memory than its text.
 pub const MAX_TOKENS: usize = 4_000_000;
 
+/// A `///` comment: it documents what follows.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Comment {
+    /// Its first byte in the source.
+    pub start: u32,
+    /// One past its last byte that is no white space.
+    pub end: u32,
+}
+
 /// What the scan leaves for the parser.
 pub(super) struct Scan {
     /// The text to parse; none if a limit was passed.
     pub text: Option<String>,
-    /// All comments.
-    pub trivia: Vec<Comment>,
+    /// All comments that document what follows.
+    pub docs: Vec<Comment>,
     /// Regions whose syntax errors are already explained.
     pub explained: Vec<Span>,
     /// Where lines were inserted (in the mended text), how many bytes, and how many with those before.
@@ -62,8 +70,8 @@ const HEADERS: &[&str] = &["entity", "world", "behavior", "mode", "group", "spac
 pub(super) fn scan(file: FileId, text: &str, diagnostics: &mut Diagnostics) -> Scan {
     let mut scanner = Scanner::new(file, text, diagnostics);
     scanner.run();
-    let Scanner { trivia, braces, lines, blanks, explained, within_limits, .. } = scanner;
-    let mut scan = Scan { text: None, trivia, explained, insertions: Vec::new(), length: text.len() };
+    let Scanner { docs, braces, lines, blanks, explained, within_limits, .. } = scanner;
+    let mut scan = Scan { text: None, docs, explained, insertions: Vec::new(), length: text.len() };
     if within_limits {
         let mut mended = text.as_bytes().to_vec();
         for (from, to) in blanks {
@@ -94,7 +102,7 @@ struct Scanner<'a> {
     text: &'a str,
     bytes: &'a [u8],
     diagnostics: &'a mut Diagnostics,
-    trivia: Vec<Comment>,
+    docs: Vec<Comment>,
     braces: Vec<Brace>,
     lines: Vec<LineStart>,
     /// Byte ranges to be replaced by blanks.
@@ -125,7 +133,7 @@ impl<'a> Scanner<'a> {
             text,
             bytes: text.as_bytes(),
             diagnostics,
-            trivia: Vec::new(),
+            docs: Vec::new(),
             braces: Vec::new(),
             lines: Vec::new(),
             blanks: Vec::new(),
@@ -182,8 +190,10 @@ impl<'a> Scanner<'a> {
     fn comment(&mut self, start: usize) -> usize {
         let end = self.this_line_end(start);
         let body = self.text.get(start..end).unwrap_or("").trim_end();
-        let documents = body.starts_with("///") && !body.starts_with("////");
-        self.trivia.push(Comment { span: Span::new(self.file, start, start + body.len()), documents });
+        if body.starts_with("///") && !body.starts_with("////") {
+            // Files are limited, so the casts lose nothing.
+            self.docs.push(Comment { start: start as u32, end: (start + body.len()) as u32 });
+        }
         end
     }
 

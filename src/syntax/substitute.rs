@@ -45,8 +45,8 @@ impl Substitution {
         if let Some((_, Expr { kind: ExprKind::Path(inner), .. })) = self.arguments.get(parameter)
             && inner.primes == 0
         {
-            let replaced: Vec<Name> = path.segments.splice(..1, inner.segments.iter().cloned()).collect();
-            self.replaced.extend(replaced.first().map(|name| (name.span, parameter)));
+            self.replaced.extend(path.segments.first().map(|name| (name.span, parameter)));
+            path.segments = inner.segments.iter().chain(path.segments.iter().skip(1)).cloned().collect();
         }
     }
 
@@ -78,7 +78,8 @@ impl Substitution {
                 }
                 self.whole(&mut d.initial);
             }
-            Member::Buttons(names, span) | Member::Axes(names, span) => {
+            Member::Buttons(list) | Member::Axes(list) => {
+                let (names, span) = &mut **list;
                 names.iter_mut().for_each(|n| self.name(n));
                 self.span(span);
             }
@@ -236,8 +237,9 @@ impl Substitution {
             | ExprKind::Timer
             | ExprKind::Text(_)
             | ExprKind::Path(_) => {}
-            ExprKind::Call(name, arguments, binding) => {
-                self.name(name);
+            ExprKind::Call(call) => {
+                let super::ast::Call { function, arguments, binding } = &mut **call;
+                self.name(function);
                 binding.iter_mut().for_each(|b| self.name(b));
                 arguments.iter_mut().for_each(|a| self.expression(a, operators));
             }
@@ -259,7 +261,7 @@ impl Substitution {
             }
             ExprKind::Compare(a, rest) => {
                 self.expression(a, operators);
-                for (_, b) in rest {
+                for (_, b) in &mut **rest {
                     *operators += 1;
                     self.expression(b, operators);
                 }
@@ -283,7 +285,7 @@ impl Substitution {
 /// The number of operators of an expression.
 fn count(e: &Expr) -> usize {
     match &e.kind {
-        ExprKind::Call(_, arguments, _) => arguments.iter().map(count).sum(),
+        ExprKind::Call(call) => call.arguments.iter().map(count).sum(),
         ExprKind::Point(a, b) => count(a) + count(b),
         ExprKind::Paren(a) | ExprKind::In(a, _) | ExprKind::Is(a, _) | ExprKind::Touching(a, _) => count(a),
         ExprKind::Negate(a) | ExprKind::Not(a) => 1 + count(a),

@@ -11,6 +11,8 @@
 
 use crate::ir::{Bounds, Push, SpaceId, TagSet};
 
+use crate::watch::Meter;
+
 use super::scene::{Extent, Kind, ROUNDING, Scene, TOLERANCE};
 use super::tiles::Tiles;
 use super::values::{Interval, Values};
@@ -67,10 +69,10 @@ impl Scene<'_> {
         let bounds = self.world.spaces[space].bounds.filter(|_| players);
         let blockers = self.blockers(of, space);
         let blocking: Vec<_> = blockers.iter().filter(|b| b.is_solid).map(|b| b.sides).collect();
-        let plane = Plane::new(&blocking, bounds)?;
+        let plane = Plane::new(&blocking, bounds, &self.meter)?;
         let apart = 2.0 * far + TOLERANCE + 4.0 * ROUNDING;
-        let reached = plane.flood(seeds, apart);
-        if has_narrow_gap(&blockers, &reached, far, apart) {
+        let reached = plane.flood(seeds, apart, &self.meter);
+        if self.meter.is_stopped() || has_narrow_gap(&blockers, &reached, (far, apart), &self.meter) {
             return None;
         }
         let wide = |i: Interval| Interval { low: i.low - ROUNDING, high: i.high + ROUNDING };
@@ -113,8 +115,13 @@ struct Blocker {
 }
 
 /// Whether two things leave a gap that is too narrow by no more than two steps, near to what is reached: they push against
-/// each other, or a push by one of them ends inside of the other.
-fn has_narrow_gap(blockers: &[Blocker], reached: &[[Interval; 2]], far: f64, apart: f64) -> bool {
+/// each other, or a push by one of them ends inside of the other; so, too, where the meter stops the search for one.
+fn has_narrow_gap(
+    blockers: &[Blocker],
+    reached: &[[Interval; 2]],
+    (far, apart): (f64, f64),
+    meter: &Meter<'_>,
+) -> bool {
     let thickest = 2.0 * far + TOLERANCE + 4.0 * ROUNDING;
     let near = |a: Interval, b: Interval| a.low - apart <= b.high && b.low - apart <= a.high;
     let mut order: Vec<&Blocker> = blockers.iter().collect();
@@ -132,6 +139,9 @@ fn has_narrow_gap(blockers: &[Blocker], reached: &[[Interval; 2]], far: f64, apa
                 let mut gap = [side; 2];
                 gap[axis] = Interval { low: b.sides[axis].low, high: side.high };
                 gap[across] = a.sides[across].or(b.sides[across]);
+                if meter.spend(reached.len() as u64) {
+                    return true;
+                }
                 reached.iter().any(|r| near(r[0], gap[0]) && near(r[1], gap[1]))
             })
         })
@@ -156,7 +166,8 @@ struct Plane {
 }
 
 impl Plane {
-    fn new(blocking: &[[Interval; 2]], bounds: Option<Bounds>) -> Option<Plane> {
+    /// None if there is too much to look at, or if the meter stops it.
+    fn new(blocking: &[[Interval; 2]], bounds: Option<Bounds>, meter: &Meter<'_>) -> Option<Plane> {
         let bounds = bounds.map_or([Interval::ALL; 2], |b| {
             [Interval { low: b.left, high: b.right }, Interval { low: b.bottom, high: f64::INFINITY }]
         });
@@ -181,6 +192,9 @@ impl Plane {
                 let after = after.min(count(axis));
                 first.min(after)..after
             };
+            if meter.spend(1 + (range(0).len() / 16 * range(1).len()) as u64) {
+                return None;
+            }
             for row in range(1) {
                 is_blocked[row * count(0)..][range(0)].fill(true);
             }
@@ -205,12 +219,16 @@ impl Plane {
         out
     }
 
-    /// The free strips that hang together with some boxes, where two do that are no further apart than so much.
-    fn flood(&self, seeds: &[[Interval; 2]], apart: f64) -> Vec<[Interval; 2]> {
+    /// The free strips that hang together with some boxes, where two do that are no further apart than so much; not all of
+    /// them if the meter stops it.
+    fn flood(&self, seeds: &[[Interval; 2]], apart: f64, meter: &Meter<'_>) -> Vec<[Interval; 2]> {
         let rows = self.lines[1].len() - 1;
         let mut starts = Vec::with_capacity(rows + 1);
         let mut strips = Vec::new();
         for row in 0..rows {
+            if meter.spend(self.lines[0].len() as u64) {
+                return Vec::new();
+            }
             starts.push(strips.len());
             strips.extend(self.strips(row));
         }
@@ -219,6 +237,9 @@ impl Plane {
         let mut is_reached = vec![false; strips.len()];
         let mut open: Vec<usize> = Vec::new();
         for (at, strip) in strips.iter().enumerate() {
+            if meter.spend(seeds.len() as u64) {
+                return Vec::new();
+            }
             if seeds.iter().any(|s| near(s[0], strip[0]) && near(s[1], strip[1])) {
                 is_reached[at] = true;
                 open.push(at);
@@ -231,6 +252,9 @@ impl Plane {
             let below = (0..=row).rev().take_while(|r| near(y, Interval::point(self.lines[1][r + 1])) || *r == row);
             let above = (row + 1..rows).take_while(|r| near(y, Interval::point(self.lines[1][*r])));
             for other in below.chain(above) {
+                if meter.spend(16) {
+                    return Vec::new();
+                }
                 let of_row = &strips[starts[other]..starts[other + 1]];
                 let first = starts[other] + of_row.partition_point(|s| s[0].high < x.low - apart);
                 for next in first..starts[other + 1] {

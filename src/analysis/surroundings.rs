@@ -74,12 +74,16 @@ struct Crowd {
 }
 
 impl Surroundings {
-    /// From what the slots can be. The scene must be prepared for their kinds in their spaces.
+    /// From what the slots can be; nothing is known if it is stopped. The scene must be prepared for their kinds in their
+    /// spaces.
     pub fn new(scene: &mut Scene<'_>, slots: &IdVec<SlotId, Overall>) -> Self {
         let step = scene.world.step.seconds();
         let mut crowds: Vec<Crowd> = scene.kinds.iter().map(|kind| Crowd::new(&kind.slots, slots, step)).collect();
         carry(scene, &mut crowds);
         for kind in 0..crowds.len() {
+            if scene.meter.spend(scene.pairs[kind].len() as u64) {
+                return Surroundings::unknown(slots);
+            }
             crowds[kind].gentle = gentle(scene, kind, &crowds);
             crowds[kind].push = match crowds[kind].gentle {
                 Some(far) => [far; 2],
@@ -90,6 +94,9 @@ impl Surroundings {
         let mut known: Vec<(usize, &BTreeSet<SpaceId>)> = Vec::new();
         for (slot, overall) in slots.pairs() {
             let key = (scene.of[slot], &overall.spaces);
+            if scene.meter.spend(known.len() as u64) {
+                return Surroundings::unknown(slots);
+            }
             let number = known.iter().position(|k| *k == key).unwrap_or_else(|| {
                 known.push(key);
                 let mut contacts = contacts(scene, key.0, key.1, &crowds);
@@ -335,6 +342,9 @@ fn carry(scene: &Scene<'_>, crowds: &mut [Crowd]) {
     for round in 0..=rounds {
         let mut changed = false;
         for me in 0..crowds.len() {
+            if scene.meter.spend(scene.pairs[me].len() as u64) {
+                return;
+            }
             let carriers = met(scene, me, &crowds[me].spaces, crowds).into_iter();
             let carriers: Vec<usize> =
                 carriers.filter(|p| p.meeting.response.carry && pushes(scene, me, p)).map(|p| p.kind).collect();

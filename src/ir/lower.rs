@@ -137,6 +137,7 @@ fn entity_code(program: &mut Program, id: EntityId, e: &checked::Entity) {
             }
         }
     }
+    program.entities[id].edges.reserve(e.edges.len());
     for edge in e.edges.iter() {
         let guard = program.term(&edge.guard, &context);
         let actions = actions::lower(program, id, &edge.actions, &context);

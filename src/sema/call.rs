@@ -74,7 +74,7 @@ impl Checker<'_> {
                     _ => a.ty.clone(),
                 };
                 let b = self.expect(b, &ty)?;
-                return make(TermKind::Call(Function::If, vec![condition, a, b]), ty);
+                return make(TermKind::Call(Function::If, [condition, a, b].into()), ty);
             }
             "entering" | "exiting" => {
                 let [Expr { kind: ExprKind::Path(path), .. }] = arguments else {
@@ -169,7 +169,7 @@ impl Checker<'_> {
             _ if args.iter().all(|a| a.ty == Type::Int) => Type::Int,
             _ => Type::Real,
         };
-        make(TermKind::Call(numeric, args), ty)
+        make(TermKind::Call(numeric, args.into()), ty)
     }
 
     pub(super) fn button(

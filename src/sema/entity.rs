@@ -46,7 +46,7 @@ pub(super) struct Skeleton<'a> {
 
 impl<'a> Checker<'a> {
     /// Names, types and modes of an entity.
-    pub(super) fn skeleton(&mut self, syntax: &'a ast::Entity) -> (Entity, Skeleton<'a>) {
+    pub(super) fn skeleton(&mut self, syntax: &'a ast::Entity) -> (Entity, Box<Skeleton<'a>>) {
         let mut entity = Entity {
             name: syntax.name.clone(),
             doc: syntax.doc.clone(),
@@ -172,7 +172,7 @@ impl<'a> Checker<'a> {
             once.into_iter().cloned().collect()
         };
         names.lost = names.mode_syntax.iter().map(lost).collect();
-        (entity, names)
+        (entity, names.into())
     }
 
     pub(super) fn too_many(&mut self, what: &str, limit: usize, at: Span) {
@@ -223,11 +223,12 @@ impl<'a> Checker<'a> {
             Domain::Set(names) => {
                 let mut table: Table<()> = Table::new("value");
                 names.iter().for_each(|n| self.declared(NameKind::Value, n));
-                let fresh: Arc<[String]> = names
+                let fresh: Vec<String> = names
                     .iter()
                     .filter(|n| table.declare(n, (), &mut self.diagnostics))
                     .map(|n| n.text.to_string())
                     .collect();
+                let fresh = Arc::new(fresh);
                 self.choices.entry(Arc::clone(&fresh)).or_default().extend(names.iter().cloned());
                 let last = fresh.len().saturating_sub(1) as i32;
                 (Type::Set(fresh), (0, last))
@@ -365,13 +366,13 @@ impl<'a> Checker<'a> {
     }
 
     /// The body of an entity whose skeleton is known.
-    pub(super) fn entity(&mut self, syntax: &ast::Entity, names: Skeleton<'_>, id: EntityId) -> Entity {
+    pub(super) fn entity(&mut self, syntax: &ast::Entity, names: &Skeleton<'_>, id: EntityId) -> Entity {
         let frozen = self.checked.entities[id].clone();
         let mut entity = (*frozen).clone();
-        let scope = Scope { entity: Some(&*frozen), names: Some(&names), me: Some(id), ..Scope::constant() };
+        let scope = Scope { entity: Some(&*frozen), names: Some(names), me: Some(id), ..Scope::constant() };
         let scope = scope.reading(Reads::All);
         self.facts = Facts::default();
-        self.initial_values(syntax, &names, &mut entity, &scope);
+        self.initial_values(syntax, names, &mut entity, &scope);
         for member in &syntax.members {
             match member {
                 Member::Collider(c) => {
@@ -396,7 +397,10 @@ impl<'a> Checker<'a> {
                 _ => {}
             }
         }
-        let mut tested = Vec::new();
+        let edges = |mode: &&ast::Mode| mode.members.iter().filter(|m| matches!(m, Member::Edge(_))).count();
+        let edges = names.mode_syntax.iter().map(edges).sum();
+        entity.edges.reserve(edges);
+        let mut tested = Vec::with_capacity(edges);
         for (mode, syntax) in names.mode_syntax.iter().enumerate() {
             let scope = Scope { mode: Some(ModeId(mode as u32)), covered: true, ..scope };
             self.mode(syntax, ModeId(mode as u32), &scope, &mut entity, &mut tested);

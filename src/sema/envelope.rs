@@ -164,8 +164,8 @@ impl Checker<'_> {
                     _ => None,
                 };
             }
-            ExprKind::Point(x, y) => vec![x, y],
-            ExprKind::Paren(inner) => vec![inner],
+            ExprKind::Point(both) => both.iter().collect(),
+            ExprKind::Paren(inner) => vec![&**inner],
             _ => vec![by],
         };
         let found: Vec<Option<AxisId>> = axes.iter().map(|a| self.axis(a, scope)).collect();

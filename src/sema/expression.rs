@@ -262,9 +262,17 @@ impl Checker<'_> {
                 let a = self.guard(a, scope)?;
                 make(TermKind::Not(Box::new(a)), Type::Bool)
             }
-            ExprKind::Binary(op, a, b) => self.binary(*op, a, b, e.span, scope),
-            ExprKind::Compare(first, rest) => self.comparison(first, rest, e.span, scope),
-            ExprKind::In(subject, path) if scope.entity.is_some() => {
+            ExprKind::Binary(op, both) => {
+                let [a, b] = &**both;
+                self.binary(*op, a, b, e.span, scope)
+            }
+            ExprKind::Compare(op, both) => {
+                let [a, b] = &**both;
+                self.compare(*op, a, b, scope)
+            }
+            ExprKind::Chain(chain) => self.comparison(&chain.0, &chain.1, e.span, scope),
+            ExprKind::In(asked) if scope.entity.is_some() => {
+                let (subject, path) = &**asked;
                 let (of, entity) = self.reference(subject, scope)?;
                 let Some(entity) = entity else {
                     self.of_any(subject.span, "whose modes could be asked");
@@ -274,7 +282,8 @@ impl Checker<'_> {
                 let mode = self.mode_named(&names, path, None)?;
                 make(TermKind::InMode(of, mode), Type::Bool)
             }
-            ExprKind::Is(subject, entity) if scope.entity.is_some() => {
+            ExprKind::Is(asked) if scope.entity.is_some() => {
+                let (subject, entity) = &**asked;
                 let (of, _) = self.reference(subject, scope)?;
                 let Some(name) = entity else {
                     return make(TermKind::IsNone(of), Type::Bool);
@@ -286,12 +295,13 @@ impl Checker<'_> {
                 };
                 make(TermKind::Is(of, entity), Type::Bool)
             }
-            ExprKind::In(subject, path) => self.relation(subject, e.span, scope, |this, slot, entity| {
+            ExprKind::In(asked) => self.relation(&asked.0, e.span, scope, |this, slot, entity| {
                 let names = this.mode_names(entity);
-                let mode = this.mode_named(&names, path, None)?;
+                let mode = this.mode_named(&names, &asked.1, None)?;
                 Some(TermKind::InMode(Subject::Slot(slot), mode))
             }),
-            ExprKind::Touching(subject, tag) => {
+            ExprKind::Touching(asked) => {
+                let (subject, tag) = &**asked;
                 let other = self.tag(tag);
                 self.relation(subject, e.span, scope, |_, slot, _| {
                     let of = Subject::Slot(slot);

@@ -84,7 +84,7 @@ pub fn check(
     checker.checked.occurrences = occurrences;
     checker.declare(files);
     for (index, (entity, skeleton)) in std::mem::take(&mut checker.skeletons).into_iter().enumerate() {
-        let checked = checker.entity(entity, skeleton, EntityId(index as u32));
+        let checked = checker.entity(entity, &skeleton, EntityId(index as u32));
         checker.checked.entities[EntityId(index as u32)] = checked.into();
     }
     for file in files {
@@ -115,7 +115,7 @@ struct Checker<'a> {
     worlds: Table<()>,
     tags: std::collections::BTreeMap<ast::Word, TagId>,
     /// Entities whose names and modes are known, and whose bodies are still to be checked.
-    skeletons: Vec<(&'a ast::Entity, entity::Skeleton<'a>)>,
+    skeletons: Vec<(&'a ast::Entity, Box<entity::Skeleton<'a>>)>,
     /// Names that broken slices would have declared.
     suspects: BTreeSet<String>,
     /// What is known at the place that is being checked.
@@ -123,7 +123,7 @@ struct Checker<'a> {
     /// The names of the modes of entities that others ask.
     mode_names: std::collections::BTreeMap<EntityId, std::rc::Rc<mode::ModeNames>>,
     /// Where the values of sets are declared, by all values of the set: equal sets are one type.
-    choices: std::collections::BTreeMap<Arc<[String]>, Vec<ast::Name>>,
+    choices: std::collections::BTreeMap<Arc<Vec<String>>, Vec<ast::Name>>,
     /// What the names of values mean in entities that others read or set.
     values: std::collections::BTreeMap<EntityId, std::rc::Rc<std::collections::BTreeMap<String, checked::Given>>>,
 }

@@ -218,7 +218,7 @@ impl<'a> Checker<'a> {
         if edge.target.is_none() && edge.is_empty {
             self.diagnostics.report(IdleEdge { at: edge.span });
         }
-        let mut actions: Vec<Action> = Vec::new();
+        let mut actions: Vec<Action> = Vec::with_capacity(edge.updates.len());
         for update in &edge.updates {
             self.action(update, scope, &mut actions);
         }

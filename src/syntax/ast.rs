@@ -311,11 +311,11 @@ pub struct Assignment {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Update {
     /// `variable := value`
-    Assign(Assignment),
+    Assign(Box<Assignment>),
     /// `variable := spawn Entity(…)`
-    Spawn(Spawn),
+    Spawn(Box<Spawn>),
     /// `destroy self`, `destroy reference`
-    Destroy(Destroy),
+    Destroy(Box<Destroy>),
 }
 
 /// `into := spawn Entity(settings)`
@@ -502,7 +502,7 @@ pub enum ExprKind {
     /// `timer`
     Timer,
     /// `"text"`
-    Text(Word),
+    Text(Box<Word>),
     /// `a`, `a.b`, `x'`
     Path(Box<Path>),
     /// `f(a, b) as c`
@@ -512,7 +512,7 @@ pub enum ExprKind {
     /// `any Entity`
     Any(Box<Name>),
     /// `(a, b)`
-    Point(Box<Expr>, Box<Expr>),
+    Point(Box<[Expr; 2]>),
     /// `(a)`
     Paren(Box<Expr>),
     /// `-a`
@@ -520,13 +520,15 @@ pub enum ExprKind {
     /// `not a`
     Not(Box<Expr>),
     /// `a + b`
-    Binary(BinaryOp, Box<Expr>, Box<Expr>),
-    /// `a < b`, `a <= b < c`
-    Compare(Box<Expr>, Box<Vec<(CompareOp, Expr)>>),
+    Binary(BinaryOp, Box<[Expr; 2]>),
+    /// `a < b`
+    Compare(CompareOp, Box<[Expr; 2]>),
+    /// `a <= b < c`
+    Chain(Box<(Expr, Vec<(CompareOp, Expr)>)>),
     /// `a in mode`
-    In(Box<Expr>, Box<Path>),
+    In(Box<(Expr, Path)>),
     /// `a is Entity`; none for `a is none`
-    Is(Box<Expr>, Option<Box<Name>>),
+    Is(Box<(Expr, Option<Name>)>),
     /// `a touching tag`
-    Touching(Box<Expr>, Box<Name>),
+    Touching(Box<(Expr, Name)>),
 }

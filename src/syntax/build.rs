@@ -204,6 +204,9 @@ fn is_punctuation(rule: Rule) -> bool {
 impl<'a> Builder<'a> {
     /// The next part by a rule, from a byte of the mended text on: what it is and where it ends.
     fn next(&mut self, rule: Rule, at: usize) -> Option<(Pair<'a, Rule>, usize)> {
+        // What separates parts is passed over here: the parser notes every end of a line in what it is given.
+        let rest = self.text.get(at..)?;
+        let at = at + (rest.len() - rest.trim_start_matches([' ', '\t', '\r', '\n', ';']).len());
         match Grammar::parse(rule, self.text.get(at..)?) {
             Ok(mut pairs) => {
                 let part = pairs.next()?;
@@ -231,6 +234,7 @@ impl<'a> Builder<'a> {
                 return None;
             };
             if matches!(pair.as_rule(), Rule::close_brace | Rule::EOI) {
+                built.shrink_to_fit();
                 return Some((built, end));
             }
             let (part, end) = match (parts.build)(self, &pair, end) {
@@ -240,6 +244,9 @@ impl<'a> Builder<'a> {
                     (parts.build)(self, &pair, end)?
                 }
             };
+            if built.len() == built.capacity() {
+                built.reserve_exact(2.max(built.len() / 4));
+            }
             built.extend(part);
             at = end;
         }
@@ -488,7 +495,11 @@ impl<'a> Builder<'a> {
                     value: self.expression(inner.get(2)?)?,
                     span,
                 };
-                if becomes { Member::Entry(Update::Assign(assignment).into()) } else { Member::Flow(assignment.into()) }
+                if becomes {
+                    Member::Entry(Update::Assign(assignment.into()).into())
+                } else {
+                    Member::Flow(assignment.into())
+                }
             }
             Rule::spawn | Rule::destroy => Member::Entry(self.update(pair)?.into()),
             Rule::reference => {
@@ -591,7 +602,7 @@ impl<'a> Builder<'a> {
                     Some(actuals) => self.actuals(actuals)?,
                     None => Vec::new(),
                 };
-                Update::Spawn(Spawn { into, entity, settings, span })
+                Update::Spawn(Spawn { into, entity, settings, span }.into())
             }
             Rule::destroy => {
                 let what = inner.first()?;
@@ -600,9 +611,9 @@ impl<'a> Builder<'a> {
                     Rule::kw_self => ExprKind::SelfRef,
                     _ => ExprKind::Path(Path { segments: [self.name(what)].into(), primes: 0, span: at }.into()),
                 };
-                Update::Destroy(Destroy { what: Expr { kind, span: at }, span })
+                Update::Destroy(Destroy { what: Expr { kind, span: at }, span }.into())
             }
-            _ => Update::Assign(self.assignment(pair)?),
+            _ => Update::Assign(self.assignment(pair)?.into()),
         })
     }
 

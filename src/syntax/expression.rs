@@ -70,11 +70,18 @@ impl Builder<'_> {
                 let span = left.span.to(right.span);
                 if let Some(op) = comparison(operator.as_rule()) {
                     // `a < b < c` is one chain; `(a < b) < c` is not, its left side is a `Paren`.
-                    if let ExprKind::Compare(first, mut rest) = left.kind {
-                        rest.push((op, right));
-                        return Some(Expr { kind: ExprKind::Compare(first, rest), span });
-                    }
-                    return Some(Expr { kind: ExprKind::Compare(Box::new(left), vec![(op, right)].into()), span });
+                    let kind = match left.kind {
+                        ExprKind::Compare(before, sides) => {
+                            let [first, second] = *sides;
+                            ExprKind::Chain(Box::new((first, vec![(before, second), (op, right)])))
+                        }
+                        ExprKind::Chain(mut chain) => {
+                            chain.1.push((op, right));
+                            ExprKind::Chain(chain)
+                        }
+                        _ => ExprKind::Compare(op, Box::new([left, right])),
+                    };
+                    return Some(Expr { kind, span });
                 }
                 let op = match operator.as_rule() {
                     Rule::kw_and => BinaryOp::And,
@@ -84,7 +91,7 @@ impl Builder<'_> {
                     Rule::times => BinaryOp::Multiply,
                     _ => BinaryOp::Divide,
                 };
-                Some(Expr { kind: ExprKind::Binary(op, Box::new(left), Box::new(right)), span })
+                Some(Expr { kind: ExprKind::Binary(op, Box::new([left, right])), span })
             })
             .parse(inner)
     }
@@ -99,13 +106,13 @@ impl Builder<'_> {
         let relation = relation.into_inner().next()?;
         let span = atom.span.to(self.span_of(&relation));
         let object = relation.clone().into_inner().last()?;
-        let subject = Box::new(atom);
         let kind = match relation.as_rule() {
-            Rule::relation_in => ExprKind::In(subject, self.path(&object)?.into()),
+            Rule::relation_in => ExprKind::In(Box::new((atom, self.path(&object)?))),
             Rule::relation_is => {
-                ExprKind::Is(subject, (object.as_rule() != Rule::kw_none).then(|| self.name(&object).into()))
+                let entity = (object.as_rule() != Rule::kw_none).then(|| self.name(&object));
+                ExprKind::Is(Box::new((atom, entity)))
             }
-            _ => ExprKind::Touching(subject, self.name(&object).into()),
+            _ => ExprKind::Touching(Box::new((atom, self.name(&object)))),
         };
         Some(Expr { kind, span })
     }
@@ -128,7 +135,7 @@ impl Builder<'_> {
             Rule::kw_none => ExprKind::NoneRef,
             Rule::kw_self => ExprKind::SelfRef,
             Rule::kw_timer => ExprKind::Timer,
-            Rule::text => ExprKind::Text(self.name(pair).text),
+            Rule::text => ExprKind::Text(self.name(pair).text.into()),
             Rule::path => ExprKind::Path(self.path(pair)?.into()),
             Rule::in_mode => ExprKind::InMode(self.path(inner.last()?)?.into()),
             Rule::any_instance => ExprKind::Any(self.name(inner.last()?).into()),
@@ -146,7 +153,7 @@ impl Builder<'_> {
             }
             Rule::paren => match inner.as_slice() {
                 [only] => ExprKind::Paren(Box::new(self.expression(only)?)),
-                [x, y] => ExprKind::Point(Box::new(self.expression(x)?), Box::new(self.expression(y)?)),
+                [x, y] => ExprKind::Point(Box::new([self.expression(x)?, self.expression(y)?])),
                 _ => return None,
             },
             _ => return None,

@@ -70,7 +70,8 @@ const HEADERS: &[&str] = &["entity", "world", "behavior", "mode", "group", "spac
 pub(super) fn scan(file: FileId, text: &str, diagnostics: &mut Diagnostics) -> Scan {
     let mut scanner = Scanner::new(file, text, diagnostics);
     scanner.run();
-    let Scanner { docs, braces, lines, blanks, explained, within_limits, .. } = scanner;
+    let is_balanced = scanner.is_balanced && scanner.depth == 0;
+    let Scanner { docs, blanks, explained, within_limits, .. } = scanner;
     let mut scan = Scan { text: None, docs, explained, insertions: Vec::new(), length: text.len() };
     if within_limits {
         let mut mended = text.as_bytes().to_vec();
@@ -81,7 +82,16 @@ pub(super) fn scan(file: FileId, text: &str, diagnostics: &mut Diagnostics) -> S
                 }
             }
         }
-        let inserts = mend_braces(file, text.len(), &braces, &lines, &mut mended, diagnostics);
+        let inserts = if is_balanced {
+            Vec::new()
+        } else {
+            // Where lines begin and braces stand is of interest only now; what is wrong otherwise has been said.
+            let mut said = Diagnostics::new();
+            let mut scanner = Scanner { is_mending: true, ..Scanner::new(file, text, &mut said) };
+            scanner.run();
+            let Scanner { braces, lines, .. } = scanner;
+            mend_braces(file, text.len(), &braces, &lines, &mut mended, diagnostics)
+        };
         let mut out = String::with_capacity(mended.len() + 2 * inserts.len());
         let mut done = 0;
         for Insert { at, text } in inserts {
@@ -109,6 +119,12 @@ struct Scanner<'a> {
     blanks: Vec<(usize, usize)>,
     explained: Vec<Span>,
     within_limits: bool,
+    /// Whether braces and lines are kept.
+    is_mending: bool,
+    /// How many braces are open.
+    depth: i64,
+    /// Whether none closed what was not open.
+    is_balanced: bool,
     /// Open parentheses of each open brace, outermost first.
     parens: Vec<usize>,
     tokens: usize,
@@ -139,6 +155,9 @@ impl<'a> Scanner<'a> {
             blanks: Vec::new(),
             explained: Vec::new(),
             within_limits: true,
+            is_mending: false,
+            depth: 0,
+            is_balanced: true,
             parens: vec![0],
             tokens: 0,
             operators: 0,
@@ -216,7 +235,7 @@ impl<'a> Scanner<'a> {
         self.continues = false;
         if self.line_is_empty {
             self.line_is_empty = false;
-            if !inside && rest[0] != b'}' && rest[0] != b'{' {
+            if self.is_mending && !inside && rest[0] != b'}' && rest[0] != b'{' {
                 let bare_header = HEADERS.iter().any(|h| is_word(h));
                 self.lines.push(LineStart {
                     line: self.line_start,
@@ -248,13 +267,17 @@ impl<'a> Scanner<'a> {
         let rest = &self.bytes[i..];
         match rest[0] {
             open @ (b'{' | b'}') => {
-                self.braces.push(Brace {
-                    at: i,
-                    open: open == b'{',
-                    indent: self.indent,
-                    leads,
-                    line: self.line_start,
-                });
+                self.depth += if open == b'{' { 1 } else { -1 };
+                self.is_balanced &= self.depth >= 0;
+                if self.is_mending {
+                    self.braces.push(Brace {
+                        at: i,
+                        open: open == b'{',
+                        indent: self.indent,
+                        leads,
+                        line: self.line_start,
+                    });
+                }
                 self.operators = 0;
                 if open == b'{' {
                     self.parens.push(0);

@@ -15,6 +15,8 @@ use super::{
 pub fn lower(checked: &Checked) -> Program {
     let mut program = Program { tags: checked.tags.iter().map(|t| t.text.to_string()).collect(), ..Program::default() };
     program.spans.tags = checked.tags.iter().map(|t| t.span).collect();
+    program.entities.reserve(checked.entities.len());
+    program.spans.entities.reserve(checked.entities.len());
     // Goals add contact questions to entities that are lowered already, so all entities must exist first.
     for entity in checked.entities.iter() {
         program.entities.push(shell(entity));

@@ -89,7 +89,7 @@ impl<I: Id, T> IdVec<I, T> {
     pub fn push(&mut self, entry: T) -> I {
         if self.entries.len() == self.entries.capacity() {
             // Tables of large programs are large: they do not double, so that little of them stays empty.
-            self.entries.reserve_exact(4.max(self.entries.len() / 4));
+            self.entries.reserve_exact(2.max(self.entries.len() / 4));
         }
         self.entries.push(entry);
         I::from_index(self.entries.len() - 1)

@@ -7,7 +7,8 @@ use super::ast::{
     Collide, Expr, Kind, Kinds, Legend, Limit, Link, Map, MapSource, Name, Place, Player, Question, Rectangle,
     Response, Solid, Space, SpaceItem, Tile, TileSpawn, Tiles, WorldItem,
 };
-use super::build::{Builder, Part, Parts, parts};
+use super::build::Builder;
+use super::part::{Part, Parts, parts};
 
 /// How what stands in spaces is read.
 const SPACE_ITEMS: Parts<SpaceItem> = Parts {

@@ -9,7 +9,8 @@ use pest::pratt_parser::{Assoc, Op, PrattParser};
 
 use super::Rule;
 use super::ast::{BinaryOp, Call, CompareOp, Expr, ExprKind, Unit};
-use super::build::{Builder, parts};
+use super::build::Builder;
+use super::part::parts;
 
 static PRECEDENCE: LazyLock<PrattParser<Rule>> = LazyLock::new(|| {
     use Rule as R;

@@ -79,7 +79,7 @@ pub fn compile_with(root: &Path, level: LevelFile<'_>, files: &dyn Files) -> Com
 /// As [`compile_with`], with one more `never` in each world of the file that is named, or in all: a predicate that comes
 /// from the command line. It is the last one of its world.
 pub fn compile_barred(root: &Path, level: LevelFile<'_>, barred: Option<Barred<'_>>, files: &dyn Files) -> Compilation {
-    stages(root, level, barred, files).0.0
+    stages(root, level, barred, files, Occurrences::default()).0.0
 }
 
 /// A compilation, and what its stages know of names: what an editor shows.
@@ -95,19 +95,21 @@ pub struct Study {
 
 /// As [`compile`], and keeps what its stages know of names.
 pub fn study(root: &Path, files: &dyn Files) -> Study {
-    let ((mut compilation, mut checked), trees) = stages(root, LevelFile::default(), None, files);
+    let ((mut compilation, mut checked), trees) = stages(root, LevelFile::default(), None, files, Occurrences::kept());
     let mut occurrences = std::mem::take(&mut checked.occurrences).sorted(&compilation.sources);
     occurrences.extend(sema::names_of_unused(&trees, &mut compilation.sources, &occurrences));
     occurrences.sort_unstable();
     Study { compilation, checked, occurrences }
 }
 
-/// A compilation, the checked program, and the trees that it was made of, behaviours in place.
+/// A compilation, the checked program, and the trees that it was made of, behaviours in place; no trees where nobody wants
+/// to know of names.
 fn stages(
     root: &Path,
     level: LevelFile<'_>,
     barred: Option<Barred<'_>>,
     files: &dyn Files,
+    mut occurrences: Occurrences,
 ) -> ((Compilation, Checked), Vec<ast::File>) {
     let mut sources = SourceMap::new();
     let (mut trees, mut diagnostics) = syntax::load(root, files, &mut sources);
@@ -121,7 +123,6 @@ fn stages(
             root.bar(&tree, barred.world);
         }
     }
-    let mut occurrences = Occurrences::default();
     diagnostics.append(syntax::expand(&mut trees, &mut sources, &mut occurrences));
     for tree in &trees {
         for map in tree.maps() {
@@ -148,11 +149,17 @@ fn stages(
         read_beside(format, file, part, &mut sources, files, &mut diagnostics);
     }
     let given = Level { map, part: part.map(str::to_string), legend, tile: level.tile };
-    let (mut checked, found) = sema::check(&trees, &sources, given);
-    checked.occurrences.append(occurrences);
+    let is_kept = occurrences.are_kept();
+    let (checked, found) = sema::check(&trees, &sources, given, occurrences);
     diagnostics.append(found);
-    if let (false, Some(root)) = (diagnostics.has_errors(), trees.first()) {
-        diagnostics.append(lint::lint(&checked, root.id));
+    let first = trees.first().map(|root| root.id);
+    if !is_kept {
+        // Of a large program each of what the stages make is large: none stays longer than it is read.
+        trees.clear();
+        trees.shrink_to_fit();
+    }
+    if let (false, Some(root)) = (diagnostics.has_errors(), first) {
+        diagnostics.append(lint::lint(&checked, root));
     }
     if let (Some(option), false, false) = (level.options().next(), checked.has_open_map, diagnostics.has_errors()) {
         let why = format!("`{option}` is for worlds with an open map, and `{}` has none", root.display());

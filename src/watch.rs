@@ -3,6 +3,7 @@
 //! do with a [`Meter`], which asks the watch often enough whatever a unit of work costs.
 
 use std::cell::Cell;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// How far a search has come.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -31,6 +32,24 @@ pub struct Unwatched;
 impl Watch for Unwatched {
     fn stop(&self) -> bool {
         false
+    }
+}
+
+/// Stops work that takes long: when it has been asked so many times.
+#[derive(Debug)]
+pub struct Patience(AtomicU32);
+
+impl Patience {
+    /// Is asked so many times.
+    pub fn new(times: u32) -> Self {
+        Patience(AtomicU32::new(times))
+    }
+}
+
+impl Watch for Patience {
+    fn stop(&self) -> bool {
+        let less = |left: u32| left.checked_sub(1);
+        self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, less).is_err()
     }
 }
 
@@ -85,8 +104,6 @@ impl std::fmt::Debug for Meter<'_> {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::atomic::{AtomicU32, Ordering};
-
     use super::*;
 
     /// Stops when it is asked for the third time.

@@ -31,7 +31,8 @@ fn is_right(text: &str) -> bool {
 /// The syntax tree as text, without its spans, and the comments.
 fn meaning(text: &str) -> (String, Vec<String>) {
     let (tree, _) = parse(FILE, text);
-    let comments = tree.trivia.iter().map(|c| text[c.span.range()].to_string()).collect();
+    let comment = |line: &str| line.find("//").map(|at| line[at..].split_whitespace().collect::<Vec<_>>().join(" "));
+    let comments = text.lines().filter_map(comment).collect();
     (without_spans(&format!("{:#?}", tree.items)), comments)
 }
 

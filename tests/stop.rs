@@ -15,7 +15,7 @@ use hypedc::ir::{GoalId, Program, WorldId};
 use hypedc::reach::{Limits, Planner, Problem, Settings, Verdict, reach};
 use hypedc::sim::{Input, Simulator};
 use hypedc::source::{Files, ReadError};
-use hypedc::watch::{WORK, Watch};
+use hypedc::watch::{Meter, WORK, Watch};
 use support::{compile_text, program};
 
 const WORLD: WorldId = WorldId(0);
@@ -143,6 +143,77 @@ fn answered(text: &str, level: Option<(&str, &str)>) {
         let settings = Settings { planner, ..Settings::default() };
         let limits = Limits { nodes: 40, ..Limits::default() };
         let _ = reach(&problem, &space, &settings, &limits, &hypedc::watch::Unwatched);
+    }
+}
+
+#[test]
+fn a_step_among_thousands_ends_soon_after_it_is_told() {
+    let p = crowd(1_500);
+    let sim = Simulator::new(&p, WORLD);
+    let mut scratch = sim.scratch();
+    let watch = Counting::new(1);
+    let meter = Meter::new(&watch);
+    sim.metered_initial(&mut scratch, &meter).unwrap();
+    let pairs = 1_500 * 1_499 / 2;
+    assert!(meter.is_stopped() && scratch.work() < pairs / 4, "{} of {pairs} pairs", scratch.work());
+    // Nobody stops this one: it asks all the time.
+    let mut state = sim.initial(&mut scratch).unwrap();
+    let watch = Counting::new(u64::MAX);
+    let meter = Meter::new(&watch);
+    sim.metered_step(&mut state, &Input::nothing(1), &mut scratch, &meter).unwrap();
+    assert!(watch.asked() >= pairs / WORK, "{}", watch.asked());
+}
+
+#[test]
+fn a_search_among_thousands_ends_soon_after_it_is_told() {
+    let p = crowd(1_500);
+    let sim = Simulator::new(&p, WORLD);
+    let problem = Problem::new(&sim, GoalId(0));
+    let space = watched_space(&p, WORLD, &[], &Counting::new(1));
+    for planner in [Planner::Auto, Planner::Rrt, Planner::RgRrt, Planner::Exhaustive] {
+        let settings = Settings { planner, ..Settings::default() };
+        let outcome = reach(&problem, &space, &settings, &Limits::default(), &Counting::new(3)).unwrap();
+        assert_eq!(outcome.verdict, Verdict::NotFound, "{}", planner.name());
+        assert!(outcome.statistics.steps < 5, "{}: {} steps", planner.name(), outcome.statistics.steps);
+    }
+}
+
+#[test]
+fn what_is_met_is_asked_of_by_work_done() {
+    // Each has a parameter of its own, so that all of them are looked at.
+    let places: String = (0..700).map(|i| format!("place b{i}: Ball at ({i}, 0) {{ speed = {i} }}\n")).collect();
+    let p = program(compile_text(&format!(
+        "entity Ball {{ param speed = 1; collider ball: rect(0, 0, 16, 16); mode a {{ x' = speed }} }}
+         world W {{ collide ball with ball: block, carry; space main {{ {places} }} }}"
+    )));
+    // The kinds are compared pair by pair, before anything moves.
+    let watch = Counting::new(1);
+    let space = watched_space(&p, WORLD, &[], &watch);
+    assert!(watch.asked() > 0);
+    assert!(space.slots.iter().all(|slot| slot.why == Some(GivenUp::Stopped)));
+}
+
+#[test]
+fn places_are_flooded_by_work_done() {
+    let row: String = ".#.#..".repeat(40);
+    let map: String = (0..200).map(|y| format!("{}\n", &row[y % 3..])).collect();
+    let widest = map.lines().map(str::len).min().unwrap();
+    let map: String = map.lines().map(|line| format!("{}\n", &line[..widest])).collect();
+    let p = program(compile_text(&format!(
+        "entity Ball {{ button go; collider ball: rect(0, 0, 8, 8); mode a {{ x' = if(held(go), 60, -60) }} }}
+         world W {{ collide ball with wall: block; tiles t 16 x 16 {{ '.': empty\n'#': wall }}
+            space main {{ map t \"\n{map}\"\nplace b: Ball at (4, 4) }}; player 1: b; goal far: b.x > 100000 }}"
+    )));
+    let asked = |patience| {
+        let watch = Counting::new(patience);
+        let space = watched_space(&p, WORLD, &[], &watch);
+        (watch.asked(), space.slots.iter().all(|slot| slot.why == Some(GivenUp::Stopped)))
+    };
+    let (all, is_given_up) = asked(u64::MAX);
+    assert!(all > 2 && !is_given_up, "{all} questions");
+    for patience in 1..all.min(8) {
+        let (asked, is_given_up) = asked(patience);
+        assert!(is_given_up && asked < patience + 4, "{asked} questions, told at {patience}");
     }
 }
 

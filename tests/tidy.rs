@@ -25,7 +25,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("ir", &["source", "level", "sema"]),
     ("analysis", &["source", "watch", "diagnostic", "level", "ir"]),
     ("compile", &["source", "diagnostic", "syntax", "level", "sema", "lint", "ir", "analysis"]),
-    ("sim", &["source", "tabular", "diagnostic", "ir"]),
+    ("sim", &["source", "watch", "tabular", "diagnostic", "ir"]),
     ("reach", &["watch", "ir", "analysis", "sim"]),
     ("graph", &["source", "ir"]),
     ("view", &["ir"]),

@@ -39,11 +39,14 @@ pub(super) struct Still {
     is_sure: Vec<bool>,
 }
 
-/// What is known of the instances of each kind.
+/// What is known of the instances of each kind; not all of it if the scene's meter stops it.
 pub(super) fn crowds(scene: &mut Scene<'_>, slots: &IdVec<SlotId, Overall>) -> Vec<Crowd> {
     let mut crowds: Vec<Crowd> = scene.kinds.iter().map(|kind| Crowd::new(scene, kind, slots)).collect();
     carry(scene, &mut crowds);
     for kind in 0..crowds.len() {
+        if scene.meter.spend(scene.pairs[kind].len() as u64) {
+            break;
+        }
         let gentle = gentle(scene, kind, &crowds);
         crowds[kind].push = match &gentle {
             Some((far, _)) => [*far; 2],
@@ -133,6 +136,9 @@ fn carry(scene: &Scene<'_>, crowds: &mut [Crowd]) {
     for round in 0..=rounds {
         let mut changed = false;
         for me in 0..crowds.len() {
+            if scene.meter.spend(scene.pairs[me].len() as u64) {
+                return;
+            }
             let carriers = met(scene, me, &crowds[me].spaces, crowds).into_iter();
             let carriers: Vec<usize> =
                 carriers.filter(|p| p.meeting.response.carry && pushes(scene, me, p)).map(|p| p.kind).collect();

@@ -325,7 +325,8 @@ impl<'a> Analysis<'a> {
             changed |= self.ends();
             others_changed = self.tell();
             // What is left to be looked at then is not: that nothing changed says nothing.
-            if self.effort == 0 {
+            self.is_stopped |= self.scene.meter.is_stopped();
+            if self.effort == 0 || self.is_stopped {
                 self.give_all_up();
                 return;
             }
@@ -336,6 +337,7 @@ impl<'a> Analysis<'a> {
         self.is_narrowing = true;
         for _ in 0..NARROWINGS {
             self.narrow();
+            self.is_stopped |= self.scene.meter.is_stopped();
             if self.is_stopped {
                 self.give_all_up();
                 return;

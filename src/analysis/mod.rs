@@ -182,7 +182,7 @@ fn within_limits(
     watch: &dyn Watch,
 ) -> ConfigurationSpace {
     let barred = Barred { program, world: &program.worlds[world], predicates };
-    let scene = Scene::new(program, barred.world);
+    let scene = Scene::new(program, barred.world, watch);
     let mut analysis = Analysis::new(scene, barred, limits, *effort, watch);
     analysis.run();
     *effort = analysis.effort;
@@ -196,7 +196,7 @@ impl ConfigurationSpace {
     #[must_use]
     pub fn by_place(mut self, program: &Program, world: WorldId, predicates: &[ExprId], watch: &dyn Watch) -> Self {
         let table = &program.worlds[world];
-        let mut scene = Scene::new(program, table);
+        let mut scene = Scene::new(program, table, watch);
         if scene.refine() {
             let barred = Barred { program, world: table, predicates };
             let limits = supply::limits(program, table);

@@ -13,6 +13,8 @@
 
 use crate::ir::{Bounds, Push, SpaceId, TagSet};
 
+use crate::watch::Meter;
+
 use super::presence::{Cover, Presence};
 use super::scene::{Body, Extent, Kind, ROUNDING, Scene, TOLERANCE};
 use super::tiles::Tiles;
@@ -123,15 +125,15 @@ impl Scene<'_> {
             let blockers = self.blockers((tags, extent), space, obstacles.iter().filter(|o| o.is_sure));
             blocking.extend(blockers.into_iter().filter(|(_, push)| *push == Push::Block).map(|(sides, _)| sides));
         }
-        let plane = Plane::new(&blocking, bounds)?;
+        let plane = Plane::new(&blocking, bounds, &self.meter)?;
         let apart = 2.0 * far + TOLERANCE + 4.0 * ROUNDING;
-        let reached = plane.flood(seeds, apart);
+        let reached = plane.flood(seeds, apart, &self.meter);
         let mut all = Vec::new();
         for body in of.kept_out() {
             let pushing = self.blockers((body.tags, body.extent?), space, obstacles.iter());
             all.extend(pushing.into_iter().map(|(sides, _)| sides));
         }
-        if has_narrow_gap(&all, &reached, far, apart) {
+        if self.meter.is_stopped() || has_narrow_gap(&all, &reached, (far, apart), &self.meter) {
             return None;
         }
         let wide = |i: Interval| Interval { low: i.low - ROUNDING, high: i.high + ROUNDING };
@@ -181,8 +183,13 @@ impl Scene<'_> {
 }
 
 /// Whether two things leave a gap that is too narrow by no more than two steps, near to what is reached: they push against
-/// each other, or a push by one of them ends inside of the other.
-fn has_narrow_gap(blockers: &[[Interval; 2]], reached: &[[Interval; 2]], far: f64, apart: f64) -> bool {
+/// each other, or a push by one of them ends inside of the other; so, too, where the meter stops the search for one.
+fn has_narrow_gap(
+    blockers: &[[Interval; 2]],
+    reached: &[[Interval; 2]],
+    (far, apart): (f64, f64),
+    meter: &Meter<'_>,
+) -> bool {
     let thickest = 2.0 * far + TOLERANCE + 4.0 * ROUNDING;
     let near = |a: Interval, b: Interval| a.low - apart <= b.high && b.low - apart <= a.high;
     let mut order: Vec<&[Interval; 2]> = blockers.iter().collect();
@@ -200,6 +207,9 @@ fn has_narrow_gap(blockers: &[[Interval; 2]], reached: &[[Interval; 2]], far: f6
                 let mut gap = [side; 2];
                 gap[axis] = Interval { low: b[axis].low, high: side.high };
                 gap[across] = a[across].or(b[across]);
+                if meter.spend(reached.len() as u64) {
+                    return true;
+                }
                 reached.iter().any(|r| near(r[0], gap[0]) && near(r[1], gap[1]))
             })
         })
@@ -224,7 +234,8 @@ struct Plane {
 }
 
 impl Plane {
-    fn new(blocking: &[[Interval; 2]], bounds: Option<Bounds>) -> Option<Plane> {
+    /// None if there is too much to look at, or if the meter stops it.
+    fn new(blocking: &[[Interval; 2]], bounds: Option<Bounds>, meter: &Meter<'_>) -> Option<Plane> {
         let bounds = bounds.map_or([Interval::ALL; 2], |b| {
             [Interval { low: b.left, high: b.right }, Interval { low: b.bottom, high: f64::INFINITY }]
         });
@@ -249,6 +260,9 @@ impl Plane {
                 let after = after.min(count(axis));
                 first.min(after)..after
             };
+            if meter.spend(1 + (range(0).len() / 16 * range(1).len()) as u64) {
+                return None;
+            }
             for row in range(1) {
                 is_blocked[row * count(0)..][range(0)].fill(true);
             }
@@ -273,12 +287,16 @@ impl Plane {
         out
     }
 
-    /// The free strips that hang together with some boxes, where two do that are no further apart than so much.
-    fn flood(&self, seeds: &[[Interval; 2]], apart: f64) -> Vec<[Interval; 2]> {
+    /// The free strips that hang together with some boxes, where two do that are no further apart than so much; not all of
+    /// them if the meter stops it.
+    fn flood(&self, seeds: &[[Interval; 2]], apart: f64, meter: &Meter<'_>) -> Vec<[Interval; 2]> {
         let rows = self.lines[1].len() - 1;
         let mut starts = Vec::with_capacity(rows + 1);
         let mut strips = Vec::new();
         for row in 0..rows {
+            if meter.spend(self.lines[0].len() as u64) {
+                return Vec::new();
+            }
             starts.push(strips.len());
             strips.extend(self.strips(row));
         }
@@ -287,6 +305,9 @@ impl Plane {
         let mut is_reached = vec![false; strips.len()];
         let mut open: Vec<usize> = Vec::new();
         for (at, strip) in strips.iter().enumerate() {
+            if meter.spend(seeds.len() as u64) {
+                return Vec::new();
+            }
             if seeds.iter().any(|s| near(s[0], strip[0]) && near(s[1], strip[1])) {
                 is_reached[at] = true;
                 open.push(at);
@@ -299,6 +320,9 @@ impl Plane {
             let below = (0..=row).rev().take_while(|r| near(y, Interval::point(self.lines[1][r + 1])) || *r == row);
             let above = (row + 1..rows).take_while(|r| near(y, Interval::point(self.lines[1][*r])));
             for other in below.chain(above) {
+                if meter.spend(16) {
+                    return Vec::new();
+                }
                 let of_row = &strips[starts[other]..starts[other + 1]];
                 let first = starts[other] + of_row.partition_point(|s| s[0].high < x.low - apart);
                 for next in first..starts[other + 1] {

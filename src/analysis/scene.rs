@@ -8,6 +8,8 @@ use crate::ir::{
     ParamId, Place, Program, Push, Shape, Side, SlotId, SpaceId, TagSet, VarId, World,
 };
 
+use crate::watch::{Meter, Watch};
+
 use super::cells::{Cells, near_statics};
 use super::local::Surfaces;
 use super::presence::Presence;
@@ -110,6 +112,8 @@ pub(super) struct Scene<'a> {
     pub of: IdVec<SlotId, usize>,
     /// Of each kind, what its bodies meet of others.
     pub pairs: Vec<Vec<Pair>>,
+    /// Counts the work of finding all this. Once it is stopped, what is known is not all there is.
+    pub meter: Meter<'a>,
     statics: BTreeMap<(usize, SpaceId), Statics>,
     /// Where instances of a kind are put.
     seeds: BTreeMap<(usize, SpaceId), Vec<[Interval; 2]>>,
@@ -149,7 +153,7 @@ pub(super) fn sides_of(meeting: Meeting) -> impl Iterator<Item = Side> {
 }
 
 impl<'a> Scene<'a> {
-    pub fn new(program: &'a Program, world: &'a World) -> Self {
+    pub fn new(program: &'a Program, world: &'a World, watch: &'a dyn Watch) -> Self {
         let mut numbers: BTreeMap<(EntityId, bool, Vec<u64>), usize> = BTreeMap::new();
         let mut scene = Scene {
             program,
@@ -159,6 +163,7 @@ impl<'a> Scene<'a> {
             flowing: program.entities.ids().map(|e| flowing(program, e)).collect(),
             of: IdVec::new(),
             pairs: Vec::new(),
+            meter: Meter::new(watch),
             statics: BTreeMap::new(),
             seeds: BTreeMap::new(),
             uncovered: BTreeMap::new(),
@@ -326,6 +331,9 @@ impl<'a> Scene<'a> {
         let pairs = |me: &Kind| {
             let mut found = Vec::new();
             for (mine, body) in me.bodies.iter().enumerate() {
+                if self.meter.spend(self.kinds.len() as u64) {
+                    break;
+                }
                 for (kind, other) in self.kinds.iter().enumerate() {
                     let met = other.bodies.iter().enumerate();
                     let met = met.filter_map(|(theirs, o)| {

@@ -73,13 +73,20 @@ pub(super) struct Way {
 }
 
 impl Surroundings {
-    /// From what the slots can be. The scene must be prepared for their kinds in their spaces.
+    /// From what the slots can be; nothing is known if it is stopped. The scene must be prepared for their kinds in their
+    /// spaces.
     pub fn new(scene: &mut Scene<'_>, slots: &IdVec<SlotId, Overall>) -> Self {
         let crowds = crowds(scene, slots);
+        if scene.meter.is_stopped() {
+            return Surroundings::unknown(slots);
+        }
         let mut out = Surroundings::default();
         let mut known: Vec<(usize, &BTreeSet<SpaceId>)> = Vec::new();
         for (slot, overall) in slots.pairs() {
             let key = (scene.of[slot], &overall.spaces);
+            if scene.meter.spend(known.len() as u64) {
+                return Surroundings::unknown(slots);
+            }
             let number = known.iter().position(|k| *k == key).unwrap_or_else(|| {
                 known.push(key);
                 let mut contacts = contacts(scene, key.0, key.1, &crowds);

@@ -403,12 +403,10 @@ impl Answered {
         let is_never = matches!(target, Target::Never(_));
         let verdict = match self.verdict {
             // The analysis looks at states, however they are come to.
-            "proven-unreachable" if self.planner == "analysis" && self.least_steps.is_none() => {
-                match is_never {
-                    true => "proven, it holds in no state that the world can be in".to_string(),
-                    false => "proven unreachable, in no state that the world can be in".to_string(),
-                }
-            }
+            "proven-unreachable" if self.planner == "analysis" && self.least_steps.is_none() => match is_never {
+                true => "proven, it holds in no state that the world can be in".to_string(),
+                false => "proven unreachable, in no state that the world can be in".to_string(),
+            },
             "proven-unreachable" if is_never => format!("proven, there is no way to break it{asked}"),
             "proven-unreachable" => format!("proven unreachable{asked}"),
             "exhausted" if is_never => format!("not answered, no way to break it with axes at -1, 0 and 1{asked}"),

@@ -164,9 +164,15 @@ impl Diagnostics {
     /// Records a fact.
     pub fn report(&mut self, fact: impl Fact) {
         self.list.push(fact.word());
-        if self.list.len() >= 2 * MAX_FINDINGS {
+        // Only now and then, as they are sorted for it.
+        if self.list.len() >= MAX_FINDINGS + MAX_FINDINGS / 4 {
             self.limit();
         }
+    }
+
+    /// Takes back what was reported last, so that the first so many are left.
+    pub(crate) fn take_back(&mut self, kept: usize) {
+        self.list.truncate(kept);
     }
 
     /// Takes over the findings of another stage.

@@ -94,8 +94,8 @@ impl Program {
             }
             TermKind::InMode(of, mode) => Expr::InMode(*of, *mode),
             TermKind::InSpace(of, space) => Expr::InSpace(*of, *space),
-            TermKind::Near { of, x, y, radius } => {
-                let (x, y, radius) = (self.term(x, context), self.term(y, context), self.term(radius, context));
+            TermKind::Near { of, numbers } => {
+                let [x, y, radius] = numbers.each_ref().map(|number| self.term(number, context));
                 Expr::Near { of: *of, x, y, radius }
             }
         };

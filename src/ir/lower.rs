@@ -13,8 +13,10 @@ use super::{
 
 /// Lowers a program that checked without errors.
 pub fn lower(checked: &Checked) -> Program {
-    let mut program = Program { tags: checked.tags.iter().map(|t| t.text.clone()).collect(), ..Program::default() };
+    let mut program = Program { tags: checked.tags.iter().map(|t| t.text.to_string()).collect(), ..Program::default() };
     program.spans.tags = checked.tags.iter().map(|t| t.span).collect();
+    program.entities.reserve(checked.entities.len());
+    program.spans.entities.reserve(checked.entities.len());
     // Goals add contact questions to entities that are lowered already, so all entities must exist first.
     for entity in checked.entities.iter() {
         program.entities.push(shell(entity));
@@ -40,7 +42,7 @@ pub fn lower(checked: &Checked) -> Program {
 /// An entity's names and sizes, without code.
 fn shell(e: &checked::Entity) -> Entity {
     let discretes = e.discretes.iter().map(|d| Discrete {
-        name: d.name.text.clone(),
+        name: d.name.text.to_string(),
         domain: match &d.ty {
             checked::Type::Bool => Domain::Bool,
             checked::Type::Set(names) => Domain::Set(names.to_vec()),
@@ -50,15 +52,15 @@ fn shell(e: &checked::Entity) -> Entity {
         first: ExprId(0),
     });
     Entity {
-        name: e.name.text.clone(),
+        name: e.name.text.to_string(),
         doc: e.doc.clone(),
         params: IdVec::new(),
-        vars: e.vars.iter().map(|v| v.name.text.clone()).collect(),
+        vars: e.vars.iter().map(|v| v.name.text.to_string()).collect(),
         first: IdVec::new(),
         discretes: discretes.collect(),
-        refs: e.refs.iter().map(|r| Reference { name: r.name.text.clone(), entity: r.entity }).collect(),
-        buttons: e.buttons.iter().map(|b| b.text.clone()).collect(),
-        axes: e.axes.iter().map(|a| a.text.clone()).collect(),
+        refs: e.refs.iter().map(|r| Reference { name: r.name.text.to_string(), entity: r.entity }).collect(),
+        buttons: e.buttons.iter().map(|b| b.text.to_string()).collect(),
+        axes: e.axes.iter().map(|a| a.text.to_string()).collect(),
         colliders: IdVec::new(),
         groups: IdVec::new(),
         modes: IdVec::new(),
@@ -108,7 +110,7 @@ fn entity_code(program: &mut Program, id: EntityId, e: &checked::Entity) {
     let context = Context { me: Some(id), slots: &|_| id, immortal: &|_| false };
     for param in e.params.iter() {
         let default = program.term(&param.default, &context);
-        program.entities[id].params.push(Param { name: param.name.text.clone(), default });
+        program.entities[id].params.push(Param { name: param.name.text.to_string(), default });
     }
     for var in e.vars.iter() {
         let first = var.initial.as_ref().map(|first| program.term(first, &context));
@@ -137,6 +139,7 @@ fn entity_code(program: &mut Program, id: EntityId, e: &checked::Entity) {
             }
         }
     }
+    program.entities[id].edges.reserve(e.edges.len());
     for edge in e.edges.iter() {
         let guard = program.term(&edge.guard, &context);
         let actions = actions::lower(program, id, &edge.actions, &context);
@@ -309,7 +312,7 @@ fn modes(program: &mut Program, id: EntityId, e: &checked::Entity, context: &Con
         let choices = choices_of(program, e, &group.modes, context);
         let end = group.modes.last().map_or(0, |last| ends[last.index()]);
         program.entities[id].groups.push(Group {
-            name: group.name.as_ref().map(|n| n.text.clone()),
+            name: group.name.as_ref().map(|n| n.text.to_string()),
             modes: (first, ModeId(end)),
             first: first_of(e, &group.modes).unwrap_or(first),
             choices,

@@ -21,8 +21,10 @@ pub(super) fn predicates(program: &mut Program, w: &checked::World, mortal: &IdV
     let entity_of = |slot: SlotId| w.instances[slot].entity;
     let immortal = |slot: SlotId| w.instances[slot].origin == Origin::Named && !mortal[w.instances[slot].entity];
     let context = Context { me: None, slots: &entity_of, immortal: &immortal };
-    let mut lowered =
-        |q: &checked::Question| Predicate { name: q.name.text.clone(), holds: program.term(&q.predicate, &context) };
+    let mut lowered = |q: &checked::Question| Predicate {
+        name: q.name.text.to_string(),
+        holds: program.term(&q.predicate, &context),
+    };
     let goals = w.goals.iter().map(&mut lowered).collect();
     let nevers = w.nevers.iter().map(&mut lowered).collect();
     let mut links = IdVec::new();
@@ -71,7 +73,7 @@ pub(super) fn lower(program: &mut Program, w: &checked::World, predicates: Predi
         .instances
         .pairs()
         .map(|(id, instance)| Slot {
-            name: instance.name.text.clone(),
+            name: instance.name.text.to_string(),
             origin: instance.origin,
             is_fixed: is_fixed(instance),
             entity: instance.entity,
@@ -111,7 +113,7 @@ pub(super) fn lower(program: &mut Program, w: &checked::World, predicates: Predi
         nevers: w.nevers.iter().map(|n| n.name.span).collect(),
     });
     program.worlds.push(World {
-        name: w.name.text.clone(),
+        name: w.name.text.to_string(),
         step,
         spaces,
         slots,
@@ -126,7 +128,7 @@ pub(super) fn lower(program: &mut Program, w: &checked::World, predicates: Predi
 
 fn space(s: &checked::Space, guards: &[Option<ExprId>]) -> Space {
     Space {
-        name: s.name.text.clone(),
+        name: s.name.text.to_string(),
         map: s.map.clone(),
         solids: s
             .solids

@@ -141,9 +141,9 @@ impl Within<'_> {
             TermKind::And(a, b) => self.never_holds(a) || self.never_holds(b),
             TermKind::Or(a, b) => self.never_holds(a) && self.never_holds(b),
             TermKind::Compare(op, a, b) => self.never_compares(*op, a, b) || self.never_compares(flipped(*op), b, a),
-            TermKind::Near { of, x, y, radius } => {
+            TermKind::Near { of, numbers } => {
                 let Some(area) = (self.of)(*of) else { return false };
-                let numbers = [x, y, radius].map(|term| self.constant(term));
+                let numbers = numbers.each_ref().map(|term| self.constant(term));
                 matches!(numbers, [Some(x), Some(y), Some(r)] if area.excludes(x - r, x + r, y + r))
             }
             _ => false,

@@ -188,5 +188,5 @@ fn first(entity: &Entity, mode: ModeId) -> Option<(String, Span)> {
     let beside = siblings(entity, mode);
     let first = beside.iter().find(|m| entity.modes[**m].marked_initial).or(beside.first())?;
     let name = &entity.modes[*first].name;
-    (*first != mode).then(|| (name.text.clone(), name.span))
+    (*first != mode).then(|| (name.text.to_string(), name.span))
 }

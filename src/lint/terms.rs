@@ -10,7 +10,7 @@ pub(super) fn children(term: &Term) -> Vec<&Term> {
             vec![a, b]
         }
         TermKind::Call(_, arguments) => arguments.iter().collect(),
-        TermKind::Near { x, y, radius, .. } => vec![x, y, radius],
+        TermKind::Near { numbers, .. } => numbers.iter().collect(),
         _ => Vec::new(),
     }
 }

@@ -121,7 +121,7 @@ pub(super) fn unused(checked: &Checked, root: FileId, found: &mut Diagnostics) {
             if is_read || name.text.starts_with('_') || (written.is_some() && !is_final) {
                 return;
             }
-            found.report(Unused { kind, name: name.text.clone(), at: name.span, written });
+            found.report(Unused { kind, name: name.text.to_string(), at: name.span, written });
         };
         for (param, p) in entity.params.pairs() {
             judge("parameter", &p.name, reads.has(id, What::Param(param)), None);

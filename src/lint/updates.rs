@@ -97,8 +97,8 @@ fn asks_for_another(entity: &Entity, guard: &Term, mode: ModeId) -> bool {
 fn name(entity: &Entity, place: Place) -> String {
     match place {
         Place::Var(var, degree) => format!("{}{}", entity.vars[var].name.text, "'".repeat(usize::from(degree))),
-        Place::Discrete(id) => entity.discretes[id].name.text.clone(),
-        Place::Ref(id) => entity.refs[id].name.text.clone(),
+        Place::Discrete(id) => entity.discretes[id].name.text.to_string(),
+        Place::Ref(id) => entity.refs[id].name.text.to_string(),
     }
 }
 
@@ -122,7 +122,7 @@ pub(super) fn ranges(entity: &Entity, found: &mut Diagnostics) {
             continue;
         }
         found.report(MayLeaveRange {
-            name: variable.name.text.clone(),
+            name: variable.name.text.to_string(),
             range: variable.range,
             declared: variable.name.span,
             at: update.value.span,

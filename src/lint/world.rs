@@ -57,15 +57,15 @@ pub(super) fn tags(checked: &Checked, found: &mut Diagnostics) {
     let root = checked.worlds.iter().next().map(|w| w.name.span.file);
     for &tag in asked.difference(&carried) {
         let name = &checked.tags[tag];
-        if checked.other_tags.contains(&name.text) {
+        if checked.other_tags.contains(name.text.as_str()) {
             continue;
         }
         let near = similar(&name.text, carried.iter().map(|t| checked.tags[*t].text.as_str()));
         let near = near.and_then(|near| checked.tags.iter().find(|t| t.text == near));
-        let near = near.map(|tag| (tag.text.clone(), tag.span));
+        let near = near.map(|tag| (tag.text.to_string(), tag.span));
         // An imported entity may know more than this program has.
         if Some(name.span.file) == root || near.is_some() {
-            found.report(UncarriedTag { tag: name.text.clone(), at: name.span, near });
+            found.report(UncarriedTag { tag: name.text.to_string(), at: name.span, near });
         }
     }
 }
@@ -131,14 +131,19 @@ pub(super) fn touches(checked: &Checked, found: &mut Diagnostics) {
                 }
                 let answered = meetings.response(bits(own().flatten()), others).is_some();
                 if !answered && told.insert(at) {
-                    let tag = |t: TagId| checked.tags[t].text.clone();
+                    let tag = |t: TagId| checked.tags[t].text.to_string();
                     let mine: BTreeSet<TagId> = match mine {
                         Some(mine) => [mine].into(),
                         None => own().flat_map(|tags| tags.iter().copied()).collect(),
                     };
                     let tags = (mine.iter().copied().map(tag).collect(), tag(other));
                     let lines = lines(world, &mine, other);
-                    found.report(UnpairedTouch { at, tags, world: (world.name.text.clone(), world.name.span), lines });
+                    found.report(UnpairedTouch {
+                        at,
+                        tags,
+                        world: (world.name.text.to_string(), world.name.span),
+                        lines,
+                    });
                 }
             }
         }
@@ -173,9 +178,9 @@ pub(super) fn players(checked: &Checked, found: &mut Diagnostics) {
         let Some(input) = entity.buttons.iter().chain(entity.axes.iter()).min_by_key(|n| n.span) else { continue };
         if let Some(instance) = named.get(&id) {
             found.report(NoPlayer {
-                entity: entity.name.text.clone(),
+                entity: entity.name.text.to_string(),
                 at: input.span,
-                instance: (instance.name.text.clone(), instance.span),
+                instance: (instance.name.text.to_string(), instance.span),
             });
         }
     }
@@ -251,7 +256,7 @@ fn inside(
         let own = bits(&collider.tags);
         let blocks = |tags: &[TagId]| meetings.response(own, bits(tags)) == Some(Push::Block);
         if let Some((depth, of)) = deepest(walls, sides([left, bottom, width, height]), blocks) {
-            found.report(PlacedInside { name: instance.name.text.clone(), at: instance.span, depth, of });
+            found.report(PlacedInside { name: instance.name.text.to_string(), at: instance.span, depth, of });
             return;
         }
     }
@@ -301,7 +306,7 @@ pub(super) fn links(checked: &Checked, found: &mut Diagnostics) {
             if depth([x, x + width, y, y + height], extent) < 0.0 {
                 found.report(LinkNowhere {
                     at: link.span,
-                    space: space.name.text.clone(),
+                    space: space.name.text.to_string(),
                     extent: (extent[0], extent[1], extent[2], extent[3]),
                 });
             }

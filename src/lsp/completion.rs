@@ -167,7 +167,7 @@ impl<'a> Offers<'a> {
             if prefix.is_empty() {
                 // The shortest path that fits one mode alone.
                 let short = last(&mode.name.text) == 1;
-                let label = if short { mode.name.text.clone() } else { mode.path.join(".") };
+                let label = if short { mode.name.text.to_string() } else { mode.path.join(".") };
                 self.add(0, &label, CompletionItemKind::Method, "mode");
             } else if let Some((name, outer)) = path.split_last()
                 && outer.ends_with(prefix)
@@ -288,7 +288,7 @@ impl<'a> Offers<'a> {
 
     fn instances(&mut self, world: Option<&World>) {
         let named = world.into_iter().flat_map(|w| w.instances.iter()).filter(|i| !i.name.text.contains('#'));
-        let names: Vec<String> = named.map(|i| i.name.text.clone()).collect();
+        let names: Vec<String> = named.map(|i| i.name.text.to_string()).collect();
         names.iter().for_each(|name| self.add(0, name, CompletionItemKind::Variable, "instance"));
     }
 

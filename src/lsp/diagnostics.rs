@@ -85,7 +85,7 @@ pub(super) fn shown(finding: &Diagnostic, snapshot: &Snapshot, encoding: Encodin
     let range = finding.primary.as_ref().map_or(Range { start, end: start }, |l| snapshot.range(l.span, encoding));
     let related = finding.secondary.iter().map(|label| DiagnosticRelatedInformation {
         location: snapshot.location(label.span, encoding),
-        message: if label.text.is_empty() { "see here".into() } else { label.text.clone() },
+        message: if label.text.is_empty() { "see here".into() } else { label.text.to_string() },
     });
     let related: Vec<DiagnosticRelatedInformation> = related.collect();
     Shown {
@@ -111,7 +111,7 @@ const SAYS_NOTHING: [&str; 2] = ["not declared", "does not fit here"];
 fn message(finding: &Diagnostic) -> String {
     // In a terminal these words stand below the place; here they would say the same twice.
     let adds = |text: &String| !finding.message.contains(text.as_str()) && !SAYS_NOTHING.contains(&text.as_str());
-    let label = finding.primary.iter().map(|l| l.text.clone()).filter(adds);
+    let label = finding.primary.iter().map(|l| l.text.to_string()).filter(adds);
     let helps = finding.helps.iter().map(|text| format!("help: {text}"));
     let notes = finding.notes.iter().map(|text| format!("note: {text}"));
     let lines: Vec<String> = std::iter::once(finding.message.clone()).chain(label).chain(helps).chain(notes).collect();

@@ -69,7 +69,7 @@ impl Server {
             name: mode.path.join("."),
             kind: SymbolKind::Method,
             tags: None,
-            detail: Some(entity.name.text.clone()),
+            detail: Some(entity.name.text.to_string()),
             uri: snapshot.uri(name.file),
             range: snapshot.range(whole, self.client.encoding),
             selection_range: snapshot.range(name, self.client.encoding),
@@ -84,7 +84,7 @@ impl Server {
         let data = item.data.as_ref()?;
         let text = |key: &str| data.get(key).and_then(Value::as_str);
         let snapshot = &*self.known.get(std::path::Path::new(text("root")?))?.now;
-        let entity = snapshot.study.checked.entities.iter().find(|e| Some(e.name.text.as_str()) == text("entity"))?;
+        let entity = snapshot.study.checked.entities.iter().find(|e| Some(&*e.name.text) == text("entity"))?;
         let mode = entity.modes.find(|m| Some(m.path.join(".").as_str()) == text("mode"))?;
         Some((snapshot, entity, mode))
     }

@@ -336,7 +336,7 @@ impl About<'_> {
     fn instance(&self, name: &str) -> Option<String> {
         let checked = &self.snapshot.study.checked;
         let instance = checked.worlds.iter().flat_map(|w| w.instances.iter()).find(|i| i.name.text == name)?;
-        Some(checked.entities.get(instance.entity)?.name.text.clone())
+        Some(checked.entities.get(instance.entity)?.name.text.to_string())
     }
 }
 

@@ -59,7 +59,7 @@ impl Server {
     fn behavior(&self, path: &std::path::Path, name: &str) -> Option<SignatureInformation> {
         let behavior = self.programs(path).find_map(|known| known.now.behavior(name))?;
         let doc = behavior.doc.unwrap_or_default();
-        Some(signature(name, behavior.parameters.iter().map(|p| p.text.as_str()), &doc))
+        Some(signature(name, behavior.parameters.iter().map(|p| &*p.text), &doc))
     }
 }
 
@@ -73,7 +73,7 @@ impl Server {
         let all = entity.params.iter().map(|p| &p.name).chain(entity.refs.iter().map(|r| &r.name));
         let all = all.chain(entity.vars.iter().map(|v| &v.name)).chain(entity.discretes.iter().map(|d| &d.name));
         let doc = snapshot.doc(entity.name.span).unwrap_or_default();
-        Some(signature(name, all.map(|name| name.text.as_str()), &doc))
+        Some(signature(name, all.map(|name| &*name.text), &doc))
     }
 }
 

@@ -160,7 +160,7 @@ impl Snapshot {
         programs.into_iter().find_map(|(id, file)| {
             let (tree, _) = syntax::parse(id, file.text());
             tree.items.into_iter().find_map(|item| match item {
-                Item::Behavior(behavior) if behavior.name.text == name => Some(behavior),
+                Item::Behavior(behavior) if behavior.name.text == name => Some(*behavior),
                 _ => None,
             })
         })

@@ -217,10 +217,12 @@ impl Outline<'_> {
                     out.push(self.symbol(&d.name, SymbolKind::Variable, whole, Some("discrete"), values));
                 }
                 Member::Reference(r) => out.push(leaf(&r.name, SymbolKind::Field, r.entity.span, "ref")),
-                Member::Buttons(names, _) => {
-                    out.extend(names.iter().map(|n| leaf(n, SymbolKind::Event, n.span, "button")));
+                Member::Buttons(list) => {
+                    out.extend(list.0.iter().map(|n| leaf(n, SymbolKind::Event, n.span, "button")));
                 }
-                Member::Axes(names, _) => out.extend(names.iter().map(|n| leaf(n, SymbolKind::Event, n.span, "axis"))),
+                Member::Axes(list) => {
+                    out.extend(list.0.iter().map(|n| leaf(n, SymbolKind::Event, n.span, "axis")));
+                }
                 Member::Collider(c) => {
                     if let Some(first) = c.tags.first() {
                         let name = listed(&c.tags);
@@ -239,12 +241,14 @@ impl Outline<'_> {
                 Member::Use(u) => {
                     out.push(self.symbol(&u.behavior, SymbolKind::Interface, u.span, Some("use"), Vec::new()));
                 }
-                Member::Edge(Edge { guard, target: Some(target), span, .. }) => {
+                Member::Edge(edge) => {
+                    let Edge { guard, target: Some(target), span, .. } = &**edge else { continue };
                     let guard = self.slice(guard.span);
                     let name = format!("-> {}", self.slice(target.span));
                     out.push(self.called(&name, target.span, SymbolKind::Operator, *span, Some(&guard), Vec::new()));
                 }
-                Member::Entry(Update::Spawn(s)) => {
+                Member::Entry(update) => {
+                    let Update::Spawn(s) = &**update else { continue };
                     out.push(self.symbol(&s.entity, SymbolKind::Constructor, s.span, Some("spawn"), Vec::new()));
                 }
                 _ => {}
@@ -276,9 +280,7 @@ impl Outline<'_> {
 
     fn space_item(&self, item: &SpaceItem) -> Option<DocumentSymbol> {
         Some(match item {
-            SpaceItem::Place(p) => {
-                self.symbol(&p.name, SymbolKind::Object, p.span, Some(p.entity.text.as_str()), Vec::new())
-            }
+            SpaceItem::Place(p) => self.symbol(&p.name, SymbolKind::Object, p.span, Some(&*p.entity.text), Vec::new()),
             SpaceItem::Link(l) => {
                 let name = format!("-> {}", l.space.text);
                 self.called(&name, l.space.span, SymbolKind::Operator, l.span, Some("link"), Vec::new())
@@ -307,7 +309,7 @@ impl Outline<'_> {
                     self.symbol(&k.name, SymbolKind::EnumMember, k.name.span, Some(&detail), inside)
                 });
                 let inside: Vec<DocumentSymbol> = self.tiles(tiles).into_iter().chain(named).collect();
-                let (text, at) = name.map_or(("level", map.span), |name| (name.text.as_str(), name.span));
+                let (text, at) = name.map_or(("level", map.span), |name| (&*name.text, name.span));
                 self.called(text, at, SymbolKind::File, map.span, Some("map"), inside)
             }
             SpaceItem::Bounds(_) => return None,
@@ -329,7 +331,7 @@ impl Outline<'_> {
 
     /// The instance that a tile names.
     fn instance(&self, spawn: Option<&TileSpawn>) -> Vec<DocumentSymbol> {
-        let named = spawn.and_then(|s| Some((s.name.as_ref()?, s.entity.text.as_str())));
+        let named = spawn.and_then(|s| Some((s.name.as_ref()?, &*s.entity.text)));
         named
             .map(|(n, entity)| self.symbol(n, SymbolKind::Object, n.span, Some(entity), Vec::new()))
             .into_iter()
@@ -350,7 +352,7 @@ impl Outline<'_> {
 
 /// Some names, with commas.
 fn listed(names: &[ast::Name]) -> String {
-    names.iter().map(|n| n.text.as_str()).collect::<Vec<_>>().join(", ")
+    names.iter().map(|n| &*n.text).collect::<Vec<_>>().join(", ")
 }
 
 /// What a character or a name of a level stands for.

@@ -6,16 +6,19 @@ use rand_pcg::Pcg64;
 
 use crate::ir::{NeverId, SpaceId};
 use crate::sim::{Fault, Input, Scratch, Script};
-use crate::watch::{Meter, Unwatched, Watch};
+use crate::watch::{Meter, Patience, Watch};
 
 use super::controls::ControlSets;
 use super::coverage::Coverage;
 use super::metric::{Metric, Point};
 use super::outcome::{Cut, Plan, Statistics, Visited};
-use super::problem::{Death, Problem, REPLAY_WATCH, Standing, Start};
+use super::problem::{Death, Problem, Standing, Start};
 use super::strategy::Choice;
 use super::tree::{NodeId, Tree};
 use super::window::Windows;
+
+/// So often the watch of a short replay is asked that must be over soon: a few tenths of a second.
+const SOON: u32 = 100;
 
 /// How an extension ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -260,9 +263,8 @@ impl<'a> Ground<'a> {
             }
             self.notes.statistics.steps += 1;
             let input: &Input = &self.controls.inputs(set)[choice.input];
-            let before = self.scratch.work();
-            let stepped = self.problem.sim.step(&mut self.work, input, &mut self.scratch);
-            if self.meter.spend(self.scratch.work().wrapping_sub(before)) {
+            let stepped = self.problem.sim.metered_step(&mut self.work, input, &mut self.scratch, &self.meter);
+            if self.meter.is_stopped() {
                 // All that is grown is kept as it is; this says nothing.
                 return Extension::Dead;
             }
@@ -371,9 +373,9 @@ impl<'a> Ground<'a> {
         let after = self.start(choice.node).after;
         let script = self.script(choice, steps);
         // What was found before the watch stopped all is an answer, if it is soon replayed.
-        let patience = Meter::new(&Unwatched);
-        let is_late = self.meter.is_stopped() && script.len() < REPLAY_WATCH;
-        let meter = if is_late { &patience } else { &self.meter };
+        let patience = Patience::new(SOON);
+        let late = Meter::new(&patience);
+        let meter = if self.meter.is_stopped() { &late } else { &self.meter };
         let length = replays_to(self.problem, &script, after, &mut self.scratch, meter);
         debug_assert!(meter.is_stopped() || length == Some(script.len()), "a found path must replay");
         (length == Some(script.len())).then_some(Plan { steps: script.len(), script, after, is_shortest })
@@ -409,7 +411,7 @@ pub(super) fn replays_to(
     scratch: &mut Scratch,
     meter: &Meter<'_>,
 ) -> Option<u64> {
-    let mut state = problem.sim.initial(scratch).ok()?;
+    let mut state = problem.sim.metered_initial(scratch, meter).ok().filter(|_| !meter.is_stopped())?;
     let mut inputs = script.inputs();
     let mut step = 0;
     let mut guard = problem.guard();
@@ -427,9 +429,8 @@ pub(super) fn replays_to(
                 Standing::Dead(_) => return None,
             }
         }
-        let before = scratch.work();
-        problem.sim.step(&mut state, inputs.next()?, scratch).ok()?;
-        if meter.spend(scratch.work().wrapping_sub(before)) {
+        problem.sim.metered_step(&mut state, inputs.next()?, scratch, meter).ok()?;
+        if meter.is_stopped() {
             return None;
         }
         step += 1;

@@ -77,7 +77,10 @@ impl Guard {
     /// to, and says nothing then.
     pub(super) fn follow(&self, problem: &Problem<'_>, script: &Script, meter: &Meter<'_>) {
         let (sim, mut scratch) = (problem.sim, problem.sim.scratch());
-        let Ok(mut state) = sim.initial(&mut scratch) else { return };
+        let Ok(mut state) = sim.metered_initial(&mut scratch, meter) else { return };
+        if meter.is_stopped() {
+            return;
+        }
         let mut done = Script::default();
         let mut inputs = script.inputs();
         loop {
@@ -91,14 +94,10 @@ impl Guard {
                 return;
             }
             let Some(input) = inputs.next() else { return };
-            let before = scratch.work();
-            if sim.step(&mut state, input, &mut scratch).is_err() {
+            if sim.metered_step(&mut state, input, &mut scratch, meter).is_err() || meter.is_stopped() {
                 return;
             }
             done.push(input, 1);
-            if meter.spend(scratch.work().wrapping_sub(before)) {
-                return;
-            }
         }
     }
 

@@ -2,12 +2,9 @@
 
 use crate::ir::{ExprId, GoalId, NeverId, SlotId};
 use crate::sim::{Fault, Script, Simulator};
-use crate::watch::{Unwatched, Watch};
+use crate::watch::{Meter, Unwatched, Watch};
 
 use super::guard::Guard;
-
-/// A replay asks its watch once in so many steps.
-pub(super) const REPLAY_WATCH: u64 = 256;
 
 /// What is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -185,7 +182,11 @@ impl<'s> Problem<'s> {
     /// Where the run ends on the way, or the watch stops it.
     pub fn after_watched(mut self, script: Script, watch: &dyn Watch) -> Result<Self, BadStart> {
         let mut scratch = self.sim.scratch();
-        let mut state = self.sim.initial(&mut scratch).map_err(|f| BadStart::Fault(f, 0))?;
+        let meter = Meter::new(watch);
+        let mut state = self.sim.metered_initial(&mut scratch, &meter).map_err(|f| BadStart::Fault(f, 0))?;
+        if meter.is_stopped() {
+            return Err(BadStart::Stopped);
+        }
         let over = |state: &[u8], step: u64| match self.judge(state) {
             Ok(Standing::Dead(death)) => Err(BadStart::Over(death, step)),
             Ok(_) => Ok(()),
@@ -193,10 +194,10 @@ impl<'s> Problem<'s> {
         };
         over(&state, 0)?;
         for (input, step) in script.inputs().zip(1_u64..) {
-            if step.is_multiple_of(REPLAY_WATCH) && watch.stop() {
+            self.sim.metered_step(&mut state, input, &mut scratch, &meter).map_err(|f| BadStart::Fault(f, step))?;
+            if meter.is_stopped() {
                 return Err(BadStart::Stopped);
             }
-            self.sim.step(&mut state, input, &mut scratch).map_err(|f| BadStart::Fault(f, step))?;
             over(&state, step)?;
         }
         self.starts.push(Start { after: script.len(), script, state });

@@ -2,9 +2,9 @@
 //! last one of the script must be, too.
 
 use crate::sim::{Fault, Script};
-use crate::watch::Watch;
+use crate::watch::{Meter, Watch};
 
-use super::problem::{Problem, REPLAY_WATCH, Standing, Start};
+use super::problem::{Problem, Standing, Start};
 
 /// What becomes of a start.
 pub(super) enum Settled {
@@ -28,7 +28,7 @@ pub(super) fn settled(problem: &Problem<'_>, mut start: Start, watch: &dyn Watch
     let least = u32::from(problem.least_hold());
     let held = start.script.steps.last().filter(|held| held.count < least).cloned();
     let mut left = held.as_ref().map_or(0, |held| least - held.count);
-    let mut scratch = problem.sim.scratch();
+    let (mut scratch, meter) = (problem.sim.scratch(), Meter::new(watch));
     let mut standing = problem.judge(&start.state)?;
     let mut guard = problem.guard();
     loop {
@@ -47,14 +47,14 @@ pub(super) fn settled(problem: &Problem<'_>, mut start: Start, watch: &dyn Watch
         }
         left -= 1;
         start.script.push(&held.input, 1);
-        let step = problem.sim.step(&mut start.state, &held.input, &mut scratch);
+        let step = problem.sim.metered_step(&mut start.state, &held.input, &mut scratch, &meter);
+        if meter.is_stopped() {
+            return Ok(Settled::Stopped);
+        }
         standing = match step.and_then(|()| problem.judge(&start.state)) {
             Ok(standing) => standing,
             Err(fault) => return Ok(Settled::Fault(fault, start.script.len())),
         };
-        if u64::from(left).is_multiple_of(REPLAY_WATCH) && watch.stop() {
-            return Ok(Settled::Stopped);
-        }
     }
 }
 

@@ -22,7 +22,7 @@ impl Annotation {
     pub fn read(d: &Dimension) -> Result<Self, Name> {
         let mut out = Annotation { px: 0, s: 0, span: d.span };
         for (name, exponent) in &d.factors {
-            match name.text.as_str() {
+            match &*name.text {
                 "px" => out.px = out.px.saturating_add(*exponent),
                 "s" => out.s = out.s.saturating_add(*exponent),
                 "1" => {}

@@ -4,7 +4,7 @@ use crate::diagnostic::catalogue::structure::JointCycle;
 use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::WrongArguments;
 use crate::source::Span;
-use crate::syntax::ast::{Expr, ExprKind, Name, Path};
+use crate::syntax::ast::{Expr, ExprKind, Name};
 use crate::syntax::occurrence::NameKind;
 
 use super::Checker;
@@ -36,9 +36,9 @@ impl Checker<'_> {
         }
         let make = |kind: TermKind, ty: Type| Some(Term { kind, ty, span });
         let wrong = |this: &mut Self, usage: &'static str| {
-            this.diagnostics.report(WrongArguments { function: function.text.clone(), at: span, usage });
+            this.diagnostics.report(WrongArguments { function: function.text.to_string(), at: span, usage });
         };
-        let (numeric, usage) = match function.text.as_str() {
+        let (numeric, usage) = match &*function.text {
             "min" => (Function::Min, "`min(a, b)`"),
             "max" => (Function::Max, "`max(a, b)`"),
             "abs" => (Function::Abs, "`abs(a)`"),
@@ -74,7 +74,7 @@ impl Checker<'_> {
                     _ => a.ty.clone(),
                 };
                 let b = self.expect(b, &ty)?;
-                return make(TermKind::Call(Function::If, vec![condition, a, b]), ty);
+                return make(TermKind::Call(Function::If, [condition, a, b].into()), ty);
             }
             "entering" | "exiting" => {
                 let [Expr { kind: ExprKind::Path(path), .. }] = arguments else {
@@ -169,7 +169,7 @@ impl Checker<'_> {
             _ if args.iter().all(|a| a.ty == Type::Int) => Type::Int,
             _ => Type::Real,
         };
-        make(TermKind::Call(numeric, args), ty)
+        make(TermKind::Call(numeric, args.into()), ty)
     }
 
     pub(super) fn button(
@@ -179,14 +179,18 @@ impl Checker<'_> {
         span: Span,
         scope: &Scope<'_>,
     ) -> Option<Term> {
-        let [Expr { kind: ExprKind::Path(path @ Path { primes: 0, .. }), .. }] = arguments else {
+        let path = match arguments {
+            [Expr { kind: ExprKind::Path(path), .. }] if path.primes == 0 => Some(path),
+            _ => None,
+        };
+        let Some(path) = path else {
             let usage = "a button of this entity, such as `pressed(jump)`";
-            self.diagnostics.report(WrongArguments { function: function.text.clone(), at: span, usage });
+            self.diagnostics.report(WrongArguments { function: function.text.to_string(), at: span, usage });
             return None;
         };
         let names = self.allow(scope.names, span, scope, Reads::All, "a button")?;
         let name = path.segments.first()?;
-        let press = match function.text.as_str() {
+        let press = match &*function.text {
             "pressed" => Press::Pressed,
             "held" => Press::Held,
             _ => Press::Released,
@@ -195,7 +199,7 @@ impl Checker<'_> {
             self.seen(NameKind::Button, name.span, declared.span);
             return Some(Term { kind: TermKind::Button(press, button), ty: Type::Bool, span });
         }
-        let written = path.segments.iter().map(|s| s.text.as_str()).collect::<Vec<_>>().join(".");
+        let written = path.segments.iter().map(|s| &*s.text).collect::<Vec<_>>().join(".");
         let fact = unknown("button", &written, path.span, names.buttons.names());
         self.report_unknown(fact);
         None
@@ -215,20 +219,20 @@ impl Checker<'_> {
         let mut words: Vec<Name> = Vec::new();
         for argument in arguments {
             let text = match &argument.kind {
-                ExprKind::Path(Path { segments, primes: 0, .. }) if segments.len() == 1 => {
-                    segments.first().map(|s| s.text.clone())
+                ExprKind::Path(path) if path.primes == 0 && path.segments.len() == 1 => {
+                    path.segments.first().map(|s| s.text.to_string())
                 }
-                ExprKind::Text(text) => Some(text.clone()),
+                ExprKind::Text(text) => Some(text.to_string()),
                 _ => None,
             };
             let Some(text) = text else {
                 wrong(self, USAGE);
                 return None;
             };
-            words.push(Name { text, span: argument.span });
+            words.push(Name { text: text.into(), span: argument.span });
         }
         let side = |word: &Name| {
-            Some(match word.text.as_str() {
+            Some(match &*word.text {
                 "left" => Side::Left,
                 "right" => Side::Right,
                 "above" => Side::Above,

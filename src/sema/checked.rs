@@ -49,7 +49,7 @@ pub enum Type {
     /// `true` or `false`.
     Bool,
     /// One of a list of names, kept as its index. All that are of the type share the list.
-    Set(Arc<[String]>),
+    Set(Arc<Vec<String>>),
     /// An instance of an entity (of any, if none), or none.
     Ref(Option<EntityId>),
 }
@@ -177,7 +177,7 @@ pub enum TermKind {
     /// Arithmetic.
     Arithmetic(Arithmetic, Box<Term>, Box<Term>),
     /// A function.
-    Call(Function, Vec<Term>),
+    Call(Function, Box<[Term]>),
     /// A comparison.
     Compare(CompareOp, Box<Term>, Box<Term>),
     /// Both; the second is not looked at if the first is false.
@@ -226,12 +226,8 @@ pub enum TermKind {
     Near {
         /// Whose position.
         of: Subject,
-        /// The point, px.
-        x: Box<Term>,
-        /// The point, px.
-        y: Box<Term>,
-        /// The radius, px.
-        radius: Box<Term>,
+        /// The point and the radius, px.
+        numbers: Box<[Term; 3]>,
     },
 }
 

@@ -41,7 +41,7 @@ impl Checker<'_> {
 
     fn conflict(&mut self, entity: &Entity, first: &Drive, second: &Drive, across_groups: bool) {
         self.diagnostics.report(FlowConflict {
-            variable: entity.vars[second.var].name.text.clone(),
+            variable: entity.vars[second.var].name.text.to_string(),
             first: first.span,
             second: second.span,
             across_groups,

@@ -48,7 +48,7 @@ pub fn evaluate(term: &Term, context: ConstantContext<'_>) -> Result<f64, Broken
         TermKind::Param(Subject::Me, id) => *context.params.and_then(|p| p.get(*id)).ok_or(unknown)?,
         TermKind::Negate(a) => -value(a)?,
         TermKind::Arithmetic(op, a, b) => arithmetic(*op, value(a)?, value(b)?),
-        TermKind::Call(Function::If, args) => match args.as_slice() {
+        TermKind::Call(Function::If, args) => match &**args {
             [condition, a, b] => value(if value(condition)? != 0.0 { a } else { b })?,
             _ => return Err(unknown),
         },

@@ -407,8 +407,8 @@ impl Solver<'_> {
                 self.dimension(a, here);
                 None
             }
-            TermKind::Near { x, y, radius, .. } => {
-                for term in [x, y, radius] {
+            TermKind::Near { numbers, .. } => {
+                for term in &**numbers {
                     self.place(term, &Dim::known(LENGTH.0, LENGTH.1), here);
                 }
                 None

@@ -32,7 +32,7 @@ impl Checker<'_> {
         let mut kinds: Kinds<'_> = BTreeMap::new();
         let mut declared: Table<()> = Table::new("name of the level");
         for kind in block {
-            self.checked.other_tags.extend(kind.tags.iter().map(|tag| tag.text.clone()));
+            self.checked.other_tags.extend(kind.tags.iter().map(|tag| tag.text.to_string()));
             if declared.declare(&kind.name, (), &mut self.diagnostics) && self.is_entity(kind) {
                 kinds.insert(&kind.name.text, kind);
             }
@@ -102,7 +102,7 @@ impl Checker<'_> {
                         tags.push(self.carried(tag));
                     }
                 }
-                None => tags.push(self.tag(&Name { text: name.clone(), span: at })),
+                None => tags.push(self.tag(&Name { text: name.as_str().into(), span: at })),
             }
         }
         tags.sort_unstable();
@@ -135,9 +135,9 @@ impl Checker<'_> {
             let Some(spawned) = kind.spawn.as_ref().and_then(|spawn| spawn.name.as_ref()) else { continue };
             let count = counts.get(name).copied().unwrap_or(0);
             if count != 1 {
-                let (tile, name, count) = ((*name).to_string(), spawned.text.clone(), count as u64);
+                let (tile, name, count) = ((*name).to_string(), spawned.text.to_string(), count as u64);
                 self.diagnostics.report(TileInstances { at: spawned.span, name, tile, count, map: at });
-                self.suspects.insert(spawned.text.clone());
+                self.suspects.insert(spawned.text.to_string());
             }
         }
         // What a thing is called must be known before another one refers to it.
@@ -150,14 +150,14 @@ impl Checker<'_> {
             let spawned = kinds.get(thing.class.as_str()).and_then(|kind| kind.spawn.as_ref()?.name.clone());
             let spawned = spawned.filter(|_| counts.get(thing.class.as_str()) == Some(&1));
             let own = Some(&thing.name).filter(|name| !name.is_empty() && called.get(name.as_str()) == Some(&1));
-            let own = own.map(|name| Name { text: name.clone(), span: thing.at });
+            let own = own.map(|name| Name { text: name.as_str().into(), span: thing.at });
             let is_target = !thing.id.is_empty() && targets.contains(thing.id.as_str());
             let (name, origin) = match spawned.or(own) {
                 Some(name) => (name, Origin::Named),
                 None if is_target => (self.unnamed(population, entity, thing.at), Origin::Named),
                 None => (self.unnamed(population, entity, thing.at), Origin::Tile),
             };
-            ids.insert(&thing.id, name.text.clone());
+            ids.insert(&thing.id, name.text.to_string());
             made.push((entity, name, origin));
         }
         let mut unset: BTreeMap<(EntityId, &str), (Span, usize)> = BTreeMap::new();
@@ -174,8 +174,8 @@ impl Checker<'_> {
                     Ok(None) => {}
                     Ok(Some(kind)) => settings.push(ast::Assignment {
                         variable: ast::Variable {
-                            name: Name { text: bare.to_string(), span: setting.at },
-                            primes: setting.name.len() - bare.len(),
+                            name: Name { text: bare.into(), span: setting.at },
+                            primes: (setting.name.len() - bare.len()) as u32,
                             span: setting.at,
                         },
                         value: named(kind, setting.at),
@@ -201,15 +201,15 @@ impl Checker<'_> {
             let slot = SlotId::from_index(population.instances.len());
             match self.place(&place, id, population.step, slot, &mut population.references) {
                 Some(instance) => drop(self.populate(population, Instance { origin, ..instance })),
-                None => drop(self.suspects.insert(name.text)),
+                None => drop(self.suspects.insert(name.text.to_string())),
             }
         }
         for ((entity, name), (span, count)) in unset {
             let e = self.checked.entities[entity].clone();
             let known = e.params.iter().map(|p| &p.name).chain(e.discretes.iter().map(|d| &d.name));
             let known = known.chain(e.refs.iter().map(|r| &r.name)).chain(e.vars.iter().map(|v| &v.name));
-            let near = similar(name, known.map(|name| name.text.as_str()));
-            let (name, entity) = (name.to_string(), e.name.text.clone());
+            let near = similar(name, known.map(|name| &*name.text));
+            let (name, entity) = (name.to_string(), e.name.text.to_string());
             self.diagnostics.report(UnknownSetting { at: span, name, entity, count, near });
         }
     }
@@ -230,8 +230,8 @@ fn meaning(kinds: &Kinds<'_>, entities: &Table<EntityId>, name: &str) -> Meaning
 /// A property's value as an expression; none if it sets nothing, an error if no entity can have such a value.
 fn value(value: &Value, is_reference: bool, ids: &BTreeMap<&str, String>) -> Result<Option<ExprKind>, &'static str> {
     let path = |text: &str| {
-        let segments = vec![Name { text: text.to_string(), span: Span::new(FileId(0), 0, 0) }];
-        ExprKind::Path(ast::Path { segments, primes: 0, span: Span::new(FileId(0), 0, 0) })
+        let segments = [Name { text: text.into(), span: Span::new(FileId(0), 0, 0) }].into();
+        ExprKind::Path(ast::Path { segments, primes: 0, span: Span::new(FileId(0), 0, 0) }.into())
     };
     match value {
         Value::Number(number) if !is_reference => Ok(Some(ExprKind::Number(*number, None))),

@@ -8,7 +8,7 @@ use crate::diagnostic::catalogue::structure::MixedGroups;
 use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::{NotConstant, OutOfRange};
 use crate::source::Span;
-use crate::syntax::ast::{self, Domain, Expr, Member, Name};
+use crate::syntax::ast::{self, Domain, Expr, Member, Name, Word};
 use crate::syntax::occurrence::NameKind;
 
 use super::checked::{Annotation, Discrete, Entity, Group, Param, Reference, Term, TermKind, Type, Var};
@@ -39,14 +39,14 @@ pub(super) struct Skeleton<'a> {
     /// Modes in preorder, as their ids number them.
     pub mode_syntax: Vec<&'a ast::Mode>,
     /// Of each mode: the references of which it has an edge on `lost`.
-    pub lost: Vec<Vec<String>>,
+    pub lost: Vec<Vec<Word>>,
     /// The discrete variables' first values, in order of their ids.
     discrete_syntax: Vec<&'a Expr>,
 }
 
 impl<'a> Checker<'a> {
     /// Names, types and modes of an entity.
-    pub(super) fn skeleton(&mut self, syntax: &'a ast::Entity) -> (Entity, Skeleton<'a>) {
+    pub(super) fn skeleton(&mut self, syntax: &'a ast::Entity) -> (Entity, Box<Skeleton<'a>>) {
         let mut entity = Entity {
             name: syntax.name.clone(),
             doc: syntax.doc.clone(),
@@ -123,15 +123,15 @@ impl<'a> Checker<'a> {
                             let known = self.entities.names().chain([Known::from("any")]);
                             let fact = unknown("entity", &r.entity.text, r.entity.span, known);
                             self.report_unknown(fact);
-                            self.suspects.insert(r.name.text.clone());
+                            self.suspects.insert(r.name.text.to_string());
                             continue;
                         }
                     };
                     let id = entity.refs.push(Reference { name: r.name.clone(), entity: entity_id });
                     names.refs.declare(&r.name, id, &mut self.diagnostics);
                 }
-                Member::Buttons(list, _) => {
-                    for name in list {
+                Member::Buttons(list) => {
+                    for name in &list.0 {
                         self.declared(NameKind::Button, name);
                         if !inputs.declare(name, (), &mut self.diagnostics) {
                             continue;
@@ -144,8 +144,8 @@ impl<'a> Checker<'a> {
                         names.buttons.declare(name, id, &mut self.diagnostics);
                     }
                 }
-                Member::Axes(list, _) => {
-                    for name in list {
+                Member::Axes(list) => {
+                    for name in &list.0 {
                         self.declared(NameKind::Axis, name);
                         if !inputs.declare(name, (), &mut self.diagnostics) {
                             continue;
@@ -168,11 +168,11 @@ impl<'a> Checker<'a> {
                 Member::Edge(edge) if edge.target.is_some() => lost_by(&edge.guard),
                 _ => None,
             });
-            let once: BTreeSet<&String> = edges.map(|name| &name.text).collect();
+            let once: BTreeSet<&Word> = edges.map(|name| &name.text).collect();
             once.into_iter().cloned().collect()
         };
         names.lost = names.mode_syntax.iter().map(lost).collect();
-        (entity, names)
+        (entity, names.into())
     }
 
     pub(super) fn too_many(&mut self, what: &str, limit: usize, at: Span) {
@@ -223,11 +223,12 @@ impl<'a> Checker<'a> {
             Domain::Set(names) => {
                 let mut table: Table<()> = Table::new("value");
                 names.iter().for_each(|n| self.declared(NameKind::Value, n));
-                let fresh: Arc<[String]> = names
+                let fresh: Vec<String> = names
                     .iter()
                     .filter(|n| table.declare(n, (), &mut self.diagnostics))
-                    .map(|n| n.text.clone())
+                    .map(|n| n.text.to_string())
                     .collect();
+                let fresh = Arc::new(fresh);
                 self.choices.entry(Arc::clone(&fresh)).or_default().extend(names.iter().cloned());
                 let last = fresh.len().saturating_sub(1) as i32;
                 (Type::Set(fresh), (0, last))
@@ -303,7 +304,7 @@ impl<'a> Checker<'a> {
                     let mut modes = Vec::new();
                     for inner in &group.members {
                         match inner {
-                            Member::Mode(mode) => modes.push(mode),
+                            Member::Mode(mode) => modes.push(&**mode),
                             other => self.misplaced(other, "a group", "in the entity or in a mode"),
                         }
                     }
@@ -332,7 +333,7 @@ impl<'a> Checker<'a> {
             return;
         }
         let group: GroupId = entity.groups.push(Group { name: name.cloned(), modes: Vec::new() });
-        let path: Vec<String> = name.iter().map(|n| n.text.clone()).collect();
+        let path: Vec<String> = name.iter().map(|n| n.text.to_string()).collect();
         let roots = self.mode_skeletons(modes, group, None, &path, entity, &mut names.mode_syntax);
         entity.groups[group].modes = roots;
     }
@@ -342,13 +343,13 @@ impl<'a> Checker<'a> {
             Member::Parameter(p) => (p.name.span, "a `param`"),
             Member::Continuous(c) => (c.name.span, "a `continuous`"),
             Member::Discrete(d) => (d.name.span, "a `discrete`"),
-            Member::Buttons(_, span) => (*span, "a `button`"),
-            Member::Axes(_, span) => (*span, "an `axis`"),
+            Member::Buttons(list) => (list.1, "a `button`"),
+            Member::Axes(list) => (list.1, "an `axis`"),
             Member::Collider(c) => (c.span, "a `collider`"),
             Member::Group(g) => (g.name.span, "a `group`"),
             Member::Mode(m) => (m.name.span, "a `mode`"),
             Member::Flow(a) => (a.span, "a flow"),
-            Member::Entry(update) => match update {
+            Member::Entry(update) => match &**update {
                 ast::Update::Assign(a) => (a.span, "an update"),
                 ast::Update::Spawn(s) => (s.span, "a `spawn`"),
                 ast::Update::Destroy(d) => (d.span, "a `destroy`"),
@@ -365,13 +366,13 @@ impl<'a> Checker<'a> {
     }
 
     /// The body of an entity whose skeleton is known.
-    pub(super) fn entity(&mut self, syntax: &ast::Entity, names: Skeleton<'_>, id: EntityId) -> Entity {
+    pub(super) fn entity(&mut self, syntax: &ast::Entity, names: &Skeleton<'_>, id: EntityId) -> Entity {
         let frozen = self.checked.entities[id].clone();
         let mut entity = (*frozen).clone();
-        let scope = Scope { entity: Some(&*frozen), names: Some(&names), me: Some(id), ..Scope::constant() };
+        let scope = Scope { entity: Some(&*frozen), names: Some(names), me: Some(id), ..Scope::constant() };
         let scope = scope.reading(Reads::All);
         self.facts = Facts::default();
-        self.initial_values(syntax, &names, &mut entity, &scope);
+        self.initial_values(syntax, names, &mut entity, &scope);
         for member in &syntax.members {
             match member {
                 Member::Collider(c) => {
@@ -396,7 +397,10 @@ impl<'a> Checker<'a> {
                 _ => {}
             }
         }
-        let mut tested = Vec::new();
+        let edges = |mode: &&ast::Mode| mode.members.iter().filter(|m| matches!(m, Member::Edge(_))).count();
+        let edges = names.mode_syntax.iter().map(edges).sum();
+        entity.edges.reserve(edges);
+        let mut tested = Vec::with_capacity(edges);
         for (mode, syntax) in names.mode_syntax.iter().enumerate() {
             let scope = Scope { mode: Some(ModeId(mode as u32)), covered: true, ..scope };
             self.mode(syntax, ModeId(mode as u32), &scope, &mut entity, &mut tested);

@@ -152,7 +152,8 @@ impl Checker<'_> {
             return Some(By::Clock(mode));
         };
         let axes: Vec<&ast::Expr> = match &by.kind {
-            ExprKind::Call(function, arguments, None) if function.text == "held" => {
+            ExprKind::Call(call) if call.function.text == "held" && call.binding.is_none() => {
+                let ast::Call { function, arguments, .. } = &**call;
                 if count != 1 || e.directions.is_some() {
                     self.bad(e.span, "a button drives one variable, in one direction", None);
                     return None;
@@ -163,8 +164,8 @@ impl Checker<'_> {
                     _ => None,
                 };
             }
-            ExprKind::Point(x, y) => vec![x, y],
-            ExprKind::Paren(inner) => vec![inner],
+            ExprKind::Point(both) => both.iter().collect(),
+            ExprKind::Paren(inner) => vec![&**inner],
             _ => vec![by],
         };
         let found: Vec<Option<AxisId>> = axes.iter().map(|a| self.axis(a, scope)).collect();

@@ -72,7 +72,7 @@ pub(super) struct WorldNames {
 impl WorldNames {
     pub fn new(instances: Vec<(Name, EntityId)>, spaces: Vec<(Name, Option<(f64, f64)>)>) -> Self {
         let names = instances.iter().enumerate().rev();
-        let index = names.map(|(at, (name, _))| (name.text.clone(), at)).collect();
+        let index = names.map(|(at, (name, _))| (name.text.to_string(), at)).collect();
         WorldNames { instances, spaces, index }
     }
 
@@ -173,7 +173,7 @@ impl Checker<'_> {
         }
         if let (Type::Ref(found), Type::Ref(Some(wanted))) = (&term.ty, ty) {
             let instance = |e: EntityId| format!("an instance of `{}`", self.checked.entities[e].name.text);
-            let wanted = self.checked.entities[*wanted].name.text.clone();
+            let wanted = self.checked.entities[*wanted].name.text.to_string();
             self.diagnostics.report(TypeMismatch {
                 at: term.span,
                 found: found.map_or("an instance of any entity".into(), instance),
@@ -243,8 +243,8 @@ impl Checker<'_> {
                 Some(Term { span: e.span, ..inner })
             }
             ExprKind::Path(path) => self.path(path, e.span, scope, wanted),
-            ExprKind::Call(function, arguments, binding) => {
-                self.call(function, arguments, binding.as_ref(), e.span, scope, wanted)
+            ExprKind::Call(call) => {
+                self.call(&call.function, &call.arguments, call.binding.as_ref(), e.span, scope, wanted)
             }
             ExprKind::InMode(path) => {
                 let entity = self.allow(scope.entity, e.span, scope, Reads::State, "`in`")?;
@@ -262,9 +262,17 @@ impl Checker<'_> {
                 let a = self.guard(a, scope)?;
                 make(TermKind::Not(Box::new(a)), Type::Bool)
             }
-            ExprKind::Binary(op, a, b) => self.binary(*op, a, b, e.span, scope),
-            ExprKind::Compare(first, rest) => self.comparison(first, rest, e.span, scope),
-            ExprKind::In(subject, path) if scope.entity.is_some() => {
+            ExprKind::Binary(op, both) => {
+                let [a, b] = &**both;
+                self.binary(*op, a, b, e.span, scope)
+            }
+            ExprKind::Compare(op, both) => {
+                let [a, b] = &**both;
+                self.compare(*op, a, b, scope)
+            }
+            ExprKind::Chain(chain) => self.comparison(&chain.0, &chain.1, e.span, scope),
+            ExprKind::In(asked) if scope.entity.is_some() => {
+                let (subject, path) = &**asked;
                 let (of, entity) = self.reference(subject, scope)?;
                 let Some(entity) = entity else {
                     self.of_any(subject.span, "whose modes could be asked");
@@ -274,7 +282,8 @@ impl Checker<'_> {
                 let mode = self.mode_named(&names, path, None)?;
                 make(TermKind::InMode(of, mode), Type::Bool)
             }
-            ExprKind::Is(subject, entity) if scope.entity.is_some() => {
+            ExprKind::Is(asked) if scope.entity.is_some() => {
+                let (subject, entity) = &**asked;
                 let (of, _) = self.reference(subject, scope)?;
                 let Some(name) = entity else {
                     return make(TermKind::IsNone(of), Type::Bool);
@@ -286,12 +295,13 @@ impl Checker<'_> {
                 };
                 make(TermKind::Is(of, entity), Type::Bool)
             }
-            ExprKind::In(subject, path) => self.relation(subject, e.span, scope, |this, slot, entity| {
+            ExprKind::In(asked) => self.relation(&asked.0, e.span, scope, |this, slot, entity| {
                 let names = this.mode_names(entity);
-                let mode = this.mode_named(&names, path, None)?;
+                let mode = this.mode_named(&names, &asked.1, None)?;
                 Some(TermKind::InMode(Subject::Slot(slot), mode))
             }),
-            ExprKind::Touching(subject, tag) => {
+            ExprKind::Touching(asked) => {
+                let (subject, tag) = &**asked;
                 let other = self.tag(tag);
                 self.relation(subject, e.span, scope, |_, slot, _| {
                     let of = Subject::Slot(slot);
@@ -357,7 +367,7 @@ impl Checker<'_> {
 
     fn path(&mut self, path: &Path, span: Span, scope: &Scope<'_>, wanted: Option<&Type>) -> Option<Term> {
         let make = |kind: TermKind, ty: Type| Some(Term { kind, ty, span });
-        let [name, rest @ ..] = path.segments.as_slice() else {
+        let [name, rest @ ..] = &*path.segments else {
             return None;
         };
         if let [second, ..] = rest {
@@ -546,12 +556,12 @@ impl Checker<'_> {
         let path = match &e.kind {
             ExprKind::Path(path) => path,
             ExprKind::Paren(inner) => return self.set_type(inner, scope),
-            ExprKind::Call(function, arguments, _) if function.text == "if" => {
-                return arguments.iter().skip(1).find_map(|a| self.set_type(a, scope));
+            ExprKind::Call(call) if call.function.text == "if" => {
+                return call.arguments.iter().skip(1).find_map(|a| self.set_type(a, scope));
             }
             _ => return None,
         };
-        let ty = match (path.segments.as_slice(), scope.world) {
+        let ty = match (&*path.segments, scope.world) {
             ([name], _) => {
                 let id = *scope.names?.discretes.get(&name.text)?;
                 &scope.entity?.discretes[id].ty

@@ -87,8 +87,17 @@ impl<I: Id, T> IdVec<I, T> {
 
     /// Appends an entry and gives its id.
     pub fn push(&mut self, entry: T) -> I {
+        if self.entries.len() == self.entries.capacity() {
+            // Tables of large programs are large: they do not double, so that little of them stays empty.
+            self.entries.reserve_exact(2.max(self.entries.len() / 4));
+        }
         self.entries.push(entry);
         I::from_index(self.entries.len() - 1)
+    }
+
+    /// Makes room for so many more entries and no others.
+    pub fn reserve(&mut self, more: usize) {
+        self.entries.reserve_exact(more);
     }
 
     /// The number of entries.

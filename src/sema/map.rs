@@ -50,14 +50,14 @@ impl<'a> Checker<'a> {
         population: &mut Population,
     ) {
         if let Some(first) = *first {
-            let name = world.spaces[id].name.text.clone();
+            let name = world.spaces[id].name.text.to_string();
             self.diagnostics.report(DuplicateName { kind: "the map of", name, first, second: map.span });
             return;
         }
         *first = Some(map.span);
         match &map.source {
             MapSource::Inline(tiles, rows) => {
-                let rows: Vec<(&str, Span)> = rows.iter().map(|r| (r.text.as_str(), r.span)).collect();
+                let rows: Vec<(&str, Span)> = rows.iter().map(|r| (&*r.text, r.span)).collect();
                 let reading = self.own_set(tiles, sets, tiles.span);
                 self.text_map(Some(rows), reading, (id, world), population);
             }
@@ -85,7 +85,7 @@ impl<'a> Checker<'a> {
                 self.drawn_map(file, &kinds.kinds, path.span, (id, world), population);
             }
             MapSource::Ldtk(path, part, kinds) => {
-                let part = part.as_ref().map(|part| part.text.as_str());
+                let part = part.as_ref().map(|part| &*part.text);
                 let file = self.text(path).map(|file| (Format::Ldtk, file, part));
                 self.no_characters(kinds);
                 self.drawn_map(file, &kinds.kinds, path.span, (id, world), population);
@@ -164,7 +164,7 @@ impl<'a> Checker<'a> {
         }
         if let Some(file) = self.level.legend {
             let text = self.sources.file(file).path.display().to_string();
-            reading.legend = Some((Name { text, span: Span::new(file, 0, 0) }, Some(file)));
+            reading.legend = Some((Name { text: text.into(), span: Span::new(file, 0, 0) }, Some(file)));
         }
         reading.tile = self.level.tile.or(reading.tile);
         let empty = matches!(reading.own, Own::Block([]));
@@ -189,7 +189,7 @@ impl<'a> Checker<'a> {
     ) {
         let Some(Reading { own, legend, tile, at }) = reading else { return };
         let called = match &own {
-            Own::Set(set) => Name { text: format!("tiles {}", set.name.text), span: set.name.span },
+            Own::Set(set) => Name { text: format!("tiles {}", set.name.text).into(), span: set.name.span },
             Own::Block(_) => {
                 legend.as_ref().map_or(Name { text: "map level".into(), span: at }, |(name, _)| name.clone())
             }
@@ -213,7 +213,7 @@ impl<'a> Checker<'a> {
         }
         // What is wrong with a side is said already.
         let rows = rows.filter(|_| tile.is_some());
-        let declared = (called.text.as_str(), called.span);
+        let declared = (&*called.text, called.span);
         world.spaces[id].map = rows.and_then(|rows| {
             inline_map(&rows, at, declared, set.tile, (&set.tiles, &set.others), &mut self.diagnostics)
         });
@@ -249,8 +249,8 @@ impl<'a> Checker<'a> {
             && known.iter().all(|(symbol, _)| owned.contains(symbol))
         {
             self.diagnostics.report(RedundantLegend {
-                legend: name.text.clone(),
-                tiles: own.name.text.clone(),
+                legend: name.text.to_string(),
+                tiles: own.name.text.to_string(),
                 at: own.name.span,
             });
         }
@@ -269,7 +269,7 @@ impl<'a> Checker<'a> {
                 break;
             }
             let tags = tags.into_iter().filter(|tag| tag != "empty");
-            let tags = tags.map(|text| self.tag(&Name { text, span: name.span })).collect();
+            let tags = tags.map(|text| self.tag(&Name { text: text.into(), span: name.span })).collect();
             set.tiles.push(InlineTile { symbol, tags });
             set.spawns.push(None);
         }

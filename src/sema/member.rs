@@ -17,7 +17,7 @@ impl Checker<'_> {
         let scope = scope.reading(Reads::State);
         let tags = c.tags.iter().map(|t| self.carried(t)).collect();
         let guard = c.guard.as_ref().map(|guard| self.guard(guard, &scope));
-        let (count, usage) = match c.shape.text.as_str() {
+        let (count, usage) = match &*c.shape.text {
             "rect" => (4, "`rect(x, y, width, height)`"),
             "circle" => (3, "`circle(x, y, radius)`"),
             _ => {
@@ -27,7 +27,7 @@ impl Checker<'_> {
             }
         };
         if c.arguments.len() != count {
-            self.diagnostics.report(WrongArguments { function: c.shape.text.clone(), at: c.shape.span, usage });
+            self.diagnostics.report(WrongArguments { function: c.shape.text.to_string(), at: c.shape.span, usage });
             return None;
         }
         // A guard that tests a reference lets the sizes read it.
@@ -113,14 +113,14 @@ impl Checker<'_> {
         self.report_unknown(fact);
         if variable.primes == 0 {
             // `speed = 3`, its `param` forgotten: once is enough.
-            self.suspects.insert(name.text.clone());
+            self.suspects.insert(name.text.to_string());
         }
         None
     }
 
     /// The degree of a variable on a left side.
     pub(super) fn primes(&mut self, variable: &ast::Variable) -> Option<u8> {
-        let path = ast::Path { segments: vec![variable.name.clone()], primes: variable.primes, span: variable.span };
+        let path = ast::Path { segments: [variable.name.clone()].into(), primes: variable.primes, span: variable.span };
         self.degree(&path)
     }
 }

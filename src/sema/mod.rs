@@ -37,7 +37,7 @@ use crate::diagnostic::catalogue::file::TooMany;
 use crate::diagnostic::catalogue::syntax::ExpressionTooLong;
 use crate::diagnostic::catalogue::types::TypeMismatch;
 use crate::source::{FileId, SourceMap, Span};
-use crate::syntax::occurrence::NameKind;
+use crate::syntax::occurrence::{NameKind, Occurrences};
 use crate::syntax::{MAX_OPERATORS, ast};
 
 use checked::Checked;
@@ -73,12 +73,18 @@ pub struct Level {
 }
 
 /// Checks a program: the root file first, then what it imports. `level` is the map of worlds that leave theirs open.
-/// The result is complete only if the diagnostics hold no error.
-pub fn check(files: &[ast::File], sources: &SourceMap, level: Level) -> (Checked, Diagnostics) {
+/// Where names stand is added to what is known of it. The result is complete only if the diagnostics hold no error.
+pub fn check(
+    files: &[ast::File],
+    sources: &SourceMap,
+    level: Level,
+    occurrences: Occurrences,
+) -> (Checked, Diagnostics) {
     let mut checker = Checker::new(files, sources, level);
+    checker.checked.occurrences = occurrences;
     checker.declare(files);
     for (index, (entity, skeleton)) in std::mem::take(&mut checker.skeletons).into_iter().enumerate() {
-        let checked = checker.entity(entity, skeleton, EntityId(index as u32));
+        let checked = checker.entity(entity, &skeleton, EntityId(index as u32));
         checker.checked.entities[EntityId(index as u32)] = checked.into();
     }
     for file in files {
@@ -107,9 +113,9 @@ struct Checker<'a> {
     constants: Table<checked::Term>,
     entities: Table<EntityId>,
     worlds: Table<()>,
-    tags: std::collections::BTreeMap<String, TagId>,
+    tags: std::collections::BTreeMap<ast::Word, TagId>,
     /// Entities whose names and modes are known, and whose bodies are still to be checked.
-    skeletons: Vec<(&'a ast::Entity, entity::Skeleton<'a>)>,
+    skeletons: Vec<(&'a ast::Entity, Box<entity::Skeleton<'a>>)>,
     /// Names that broken slices would have declared.
     suspects: BTreeSet<String>,
     /// What is known at the place that is being checked.
@@ -117,7 +123,7 @@ struct Checker<'a> {
     /// The names of the modes of entities that others ask.
     mode_names: std::collections::BTreeMap<EntityId, std::rc::Rc<mode::ModeNames>>,
     /// Where the values of sets are declared, by all values of the set: equal sets are one type.
-    choices: std::collections::BTreeMap<Arc<[String]>, Vec<ast::Name>>,
+    choices: std::collections::BTreeMap<Arc<Vec<String>>, Vec<ast::Name>>,
     /// What the names of values mean in entities that others read or set.
     values: std::collections::BTreeMap<EntityId, std::rc::Rc<std::collections::BTreeMap<String, checked::Given>>>,
 }
@@ -139,7 +145,7 @@ impl<'a> Checker<'a> {
             mode_names: std::collections::BTreeMap::new(),
             choices: std::collections::BTreeMap::new(),
             values: std::collections::BTreeMap::new(),
-            suspects: files.iter().flat_map(|f| &f.broken).flat_map(|b| b.names.iter().cloned()).collect(),
+            suspects: files.iter().flat_map(|f| f.suspects.iter().cloned()).collect(),
         }
     }
 
@@ -189,7 +195,7 @@ impl<'a> Checker<'a> {
         if let Some(term) = term {
             self.constants.declare(&constant.name, term, &mut self.diagnostics);
         } else {
-            self.suspects.insert(constant.name.text.clone());
+            self.suspects.insert(constant.name.text.to_string());
         }
     }
 

@@ -34,10 +34,10 @@ pub(super) struct ModeNames {
 impl ModeNames {
     pub fn of(entity: &Entity) -> Self {
         let mut names = ModeNames::default();
-        names.groups.extend(entity.groups.iter().filter_map(|g| g.name.as_ref()).map(|n| (n.text.clone(), n.span)));
+        names.groups.extend(entity.groups.iter().filter_map(|g| g.name.as_ref()).map(|n| (n.text.to_string(), n.span)));
         for (index, mode) in entity.modes.iter().enumerate() {
             names.modes.push((mode.path.clone(), mode.group, mode.name.span));
-            names.named.entry(mode.name.text.clone()).or_default().push(index);
+            names.named.entry(mode.name.text.to_string()).or_default().push(index);
         }
         names
     }
@@ -78,12 +78,12 @@ impl<'a> Checker<'a> {
             self.declared(NameKind::Mode, &mode.name);
             let first = *named.entry(&mode.name.text).or_insert(mode.name.span);
             if first != mode.name.span {
-                let (name, second) = (mode.name.text.clone(), mode.name.span);
+                let (name, second) = (mode.name.text.to_string(), mode.name.span);
                 self.diagnostics.report(DuplicateName { kind: "mode", name, first, second });
                 continue;
             }
             let mut full = path.to_vec();
-            full.push(mode.name.text.clone());
+            full.push(mode.name.text.to_string());
             let id = entity.modes.push(Mode {
                 name: mode.name.clone(),
                 doc: mode.doc.clone(),
@@ -103,7 +103,7 @@ impl<'a> Checker<'a> {
             let inner: Vec<&ast::Mode> = mode
                 .members
                 .iter()
-                .filter_map(|m| if let Member::Mode(inner) = m { Some(inner) } else { None })
+                .filter_map(|m| if let Member::Mode(inner) = m { Some(&**inner) } else { None })
                 .collect();
             entity.modes[id].children = self.mode_skeletons(&inner, group, Some(id), &full, entity, syntax);
             ids.push(id);
@@ -113,7 +113,7 @@ impl<'a> Checker<'a> {
 
     /// The mode that a path names: the whole path, or a suffix that fits only one mode, those of `group` first.
     pub(super) fn mode_named(&mut self, names: &ModeNames, path: &Path, group: Option<GroupId>) -> Option<ModeId> {
-        let segments: Vec<&str> = path.segments.iter().map(|s| s.text.as_str()).collect();
+        let segments: Vec<&str> = path.segments.iter().map(|s| &*s.text).collect();
         let fits = |mode: &[String]| {
             mode.len() >= segments.len()
                 && mode[mode.len() - segments.len()..].iter().zip(&segments).all(|(a, b)| a == b)
@@ -218,7 +218,7 @@ impl<'a> Checker<'a> {
         if edge.target.is_none() && edge.is_empty {
             self.diagnostics.report(IdleEdge { at: edge.span });
         }
-        let mut actions: Vec<Action> = Vec::new();
+        let mut actions: Vec<Action> = Vec::with_capacity(edge.updates.len());
         for update in &edge.updates {
             self.action(update, scope, &mut actions);
         }
@@ -292,7 +292,7 @@ impl<'a> Checker<'a> {
                 self.seen_value(entity, Given::Discrete(id), name.span, Role::Written);
             }
             let v = &update.variable;
-            self.unprimed(&Path { segments: vec![v.name.clone()], primes: v.primes, span: v.span })?;
+            self.unprimed(&Path { segments: [v.name.clone()].into(), primes: v.primes, span: v.span })?;
             let discrete = scope.entity?.discretes[id].clone();
             let value = self.typed(&update.value, scope, &discrete.ty)?;
             self.certainly_in_range(&value, &discrete);
@@ -346,8 +346,8 @@ impl<'a> Checker<'a> {
                 Place::Var(var, degree) => {
                     format!("{}{}", entity.vars[var].name.text, "'".repeat(usize::from(degree)))
                 }
-                Place::Discrete(id) => entity.discretes[id].name.text.clone(),
-                Place::Ref(id) => entity.refs[id].name.text.clone(),
+                Place::Discrete(id) => entity.discretes[id].name.text.to_string(),
+                Place::Ref(id) => entity.refs[id].name.text.to_string(),
             };
             self.diagnostics.report(UpdateConflict { variable, first, second });
         }

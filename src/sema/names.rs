@@ -3,15 +3,19 @@
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::names::{DuplicateName, UnknownName};
 use crate::source::Span;
-use crate::syntax::ast::Name;
+use crate::syntax::ast::{Name, Word};
 
 /// The names of one name space, in order of declaration.
 #[derive(Debug, Clone)]
 pub(super) struct Table<T> {
     kind: &'static str,
     entries: Vec<(Name, T)>,
-    index: std::collections::BTreeMap<String, usize>,
+    /// Where they are, if there are many.
+    index: std::collections::BTreeMap<Word, u32>,
 }
+
+/// So many names are found without an index.
+const FEW: usize = 8;
 
 impl<T> Table<T> {
     pub fn new(kind: &'static str) -> Self {
@@ -20,27 +24,41 @@ impl<T> Table<T> {
 
     /// Adds a name; the first of two equal ones stays.
     pub fn declare(&mut self, name: &Name, value: T, diagnostics: &mut Diagnostics) -> bool {
-        if let Some(&first) = self.index.get(&name.text) {
+        if let Some(first) = self.find(&name.text) {
             diagnostics.report(DuplicateName {
                 kind: self.kind,
-                name: name.text.clone(),
+                name: name.text.to_string(),
                 first: self.entries[first].0.span,
                 second: name.span,
             });
             return false;
         }
-        self.index.insert(name.text.clone(), self.entries.len());
+        if self.entries.len() == self.entries.capacity() {
+            self.entries.reserve_exact(2.max(self.entries.len() / 4));
+        }
         self.entries.push((name.clone(), value));
+        let first = if self.entries.len() == FEW + 1 { 0 } else { self.entries.len() - 1 };
+        if self.entries.len() > FEW {
+            let new = self.entries.iter().enumerate().skip(first);
+            self.index.extend(new.map(|(at, (name, _))| (name.text.clone(), at as u32)));
+        }
         true
     }
 
+    fn find(&self, name: &str) -> Option<usize> {
+        if self.entries.len() > FEW {
+            return self.index.get(name).map(|&at| at as usize);
+        }
+        self.entries.iter().position(|(known, _)| known.text == *name)
+    }
+
     pub fn get(&self, name: &str) -> Option<&T> {
-        self.index.get(name).map(|&i| &self.entries[i].1)
+        self.find(name).map(|i| &self.entries[i].1)
     }
 
     /// The declared name, and what it stands for.
     pub fn entry(&self, name: &str) -> Option<(&Name, &T)> {
-        self.index.get(name).map(|&i| (&self.entries[i].0, &self.entries[i].1))
+        self.find(name).map(|i| (&self.entries[i].0, &self.entries[i].1))
     }
 
     pub fn names(&self) -> impl Iterator<Item = Known<'_>> {

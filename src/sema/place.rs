@@ -64,8 +64,8 @@ impl Checker<'_> {
         let mut fits = at[0].is_some() && at[1].is_some();
         for setting in &place.settings {
             let variable = &setting.variable;
-            let written = format!("{}{}", variable.name.text, "'".repeat(variable.primes));
-            if !set.declare(&Name { text: written, span: variable.span }, (), &mut self.diagnostics) {
+            let written = format!("{}{}", variable.name.text, "'".repeat(variable.primes as usize));
+            if !set.declare(&Name { text: written.into(), span: variable.span }, (), &mut self.diagnostics) {
                 continue;
             }
             let Some((what, ty)) = self.setting(id, variable) else { continue };
@@ -178,7 +178,7 @@ impl Checker<'_> {
                 let always = evaluate(term, ConstantContext::LITERALS).is_ok();
                 match evaluate(term, context) {
                     Ok(value) if value <= 0.0 && !always => {
-                        let instance = Some((name.text.clone(), span));
+                        let instance = Some((name.text.to_string(), span));
                         self.diagnostics.report(BadCollider { at: term.span, what, value, instance });
                     }
                     _ => {}

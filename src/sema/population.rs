@@ -6,7 +6,7 @@ use crate::diagnostic::catalogue::names::DuplicateName;
 use crate::diagnostic::catalogue::types::{OutOfRange, TypeMismatch};
 use crate::diagnostic::catalogue::world::{MissingLimit, OverLimit, TileInstances};
 use crate::source::Span;
-use crate::syntax::ast::{self, Name, WorldItem};
+use crate::syntax::ast::{self, Name, Word, WorldItem};
 use crate::syntax::occurrence::NameKind;
 
 use super::checked::{Action, Instance, Origin, World};
@@ -60,7 +60,7 @@ impl Checker<'_> {
     pub(super) fn unnamed(&self, population: &mut Population, entity: EntityId, span: Span) -> Name {
         let number = population.unnamed.entry(entity).or_insert(0);
         *number += 1;
-        Name { text: format!("{}#{number}", self.checked.entities[entity].name.text), span }
+        Name { text: format!("{}#{number}", self.checked.entities[entity].name.text).into(), span }
     }
 
     /// `place name: Entity at (x, y) { … }`
@@ -74,7 +74,7 @@ impl Checker<'_> {
             }
             // Goals may still name it.
             None => {
-                self.suspects.insert(place.name.text.clone());
+                self.suspects.insert(place.name.text.to_string());
             }
         }
     }
@@ -108,7 +108,7 @@ impl Checker<'_> {
             let named = named.filter_map(|(spawn, entity)| Some((spawn.as_ref()?.name.as_ref()?, *entity)));
             for (name, entity) in named {
                 let Some(entity) = entity.filter(|_| world.open == Some(id)) else {
-                    self.suspects.insert(name.text.clone());
+                    self.suspects.insert(name.text.to_string());
                     continue;
                 };
                 population.names.declare(name, (), &mut self.diagnostics);
@@ -127,9 +127,10 @@ impl Checker<'_> {
                 };
                 counts[kind] += 1;
                 let (name, origin) = match &spawn.name {
-                    Some(name) if counts[kind] > 1 => {
-                        (Name { text: format!("{}#{}", name.text, counts[kind]), span: name.span }, Origin::Named)
-                    }
+                    Some(name) if counts[kind] > 1 => (
+                        Name { text: format!("{}#{}", name.text, counts[kind]).into(), span: name.span },
+                        Origin::Named,
+                    ),
                     Some(name) => {
                         population.names.declare(name, (), &mut self.diagnostics);
                         (name.clone(), Origin::Named)
@@ -149,13 +150,13 @@ impl Checker<'_> {
             {
                 self.diagnostics.report(TileInstances {
                     at: name.span,
-                    name: name.text.clone(),
+                    name: name.text.to_string(),
                     tile: set.tiles[kind].symbol.to_string(),
                     count: counts[kind],
                     map: at,
                 });
                 if counts[kind] == 0 {
-                    self.suspects.insert(name.text.clone());
+                    self.suspects.insert(name.text.to_string());
                 }
             }
         }
@@ -172,7 +173,7 @@ impl Checker<'_> {
                 continue;
             };
             if let Some(first) = limits.get(&entity) {
-                let name = limit.entity.text.clone();
+                let name = limit.entity.text.to_string();
                 let kind = "the limit of";
                 self.diagnostics.report(DuplicateName { kind, name, first: *first, second: limit.span });
                 continue;
@@ -193,7 +194,7 @@ impl Checker<'_> {
             let living = population.instances.iter().filter(of).count();
             if living > count as usize {
                 let last = population.instances.iter().filter(of).nth(count as usize).map(|i| i.span);
-                let name = limit.entity.text.clone();
+                let name = limit.entity.text.to_string();
                 self.diagnostics.report(OverLimit { at: limit.span, name, living, limit: count as usize, one: last });
                 continue;
             }
@@ -231,7 +232,7 @@ impl Checker<'_> {
             }
         }
         for (entity, spawn) in missing {
-            let name = self.checked.entities[entity].name.text.clone();
+            let name = self.checked.entities[entity].name.text.to_string();
             self.diagnostics.report(MissingLimit { at: syntax.name.span, name, spawn });
         }
     }
@@ -239,11 +240,11 @@ impl Checker<'_> {
     /// What the references of placed instances refer to; all instances must be known.
     pub(super) fn placed_references(&mut self, population: &mut Population) {
         let named = population.instances.pairs().filter(|(_, i)| i.origin == Origin::Named);
-        let named: BTreeMap<String, SlotId> = named.rev().map(|(slot, i)| (i.name.text.clone(), slot)).collect();
+        let named: BTreeMap<Word, SlotId> = named.rev().map(|(slot, i)| (i.name.text.clone(), slot)).collect();
         for (slot, reference, name) in std::mem::take(&mut population.references) {
             let Some(&target) = named.get(&name.text) else {
                 let named = population.instances.iter().filter(|i| i.origin == Origin::Named);
-                let fact = unknown("instance", &name.text, name.span, named.map(|i| i.name.text.as_str()));
+                let fact = unknown("instance", &name.text, name.span, named.map(|i| &*i.name.text));
                 self.report_unknown(fact);
                 continue;
             };

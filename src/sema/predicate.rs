@@ -56,7 +56,7 @@ impl Checker<'_> {
                 });
                 return None;
             };
-            let value = match second.text.as_str() {
+            let value = match &*second.text {
                 "width" => size.0,
                 "height" => size.1,
                 other => {
@@ -93,7 +93,7 @@ impl Checker<'_> {
         self.readable(subject, first, span, scope);
         let Some(entity) = entity else {
             // Every instance has a position.
-            let var = match second.text.as_str() {
+            let var = match &*second.text {
                 "x" => super::entity::X,
                 "y" => super::entity::Y,
                 _ => {
@@ -149,7 +149,8 @@ impl Checker<'_> {
             return None;
         };
         self.allow(scope.world, span, scope, Reads::All, "`near`")?;
-        let (x, y) = if let ExprKind::Point(x, y) = &place.kind {
+        let (x, y) = if let ExprKind::Point(point) = &place.kind {
+            let [x, y] = &**point;
             let (x, y) = (self.number(x, scope), self.number(y, scope));
             (x?, y?)
         } else {
@@ -160,12 +161,7 @@ impl Checker<'_> {
         };
         let radius = self.number(radius, scope)?;
         self.relation(subject, span, scope, |_, slot, _| {
-            Some(TermKind::Near {
-                of: Subject::Slot(slot),
-                x: Box::new(x.clone()),
-                y: Box::new(y.clone()),
-                radius: Box::new(radius.clone()),
-            })
+            Some(TermKind::Near { of: Subject::Slot(slot), numbers: Box::new([x.clone(), y.clone(), radius.clone()]) })
         })
     }
 
@@ -286,9 +282,9 @@ fn read_slots(term: &Term, out: &mut Vec<SlotId>) {
         | TermKind::InMode(of, _)
         | TermKind::InSpace(of, _)
         | TermKind::Touching { of, .. } => add(of),
-        TermKind::Near { of, x, y, radius } => {
+        TermKind::Near { of, numbers } => {
             add(of);
-            [x, y, radius].into_iter().for_each(|t| read_slots(t, out));
+            numbers.iter().for_each(|t| read_slots(t, out));
         }
         TermKind::Negate(a) | TermKind::Not(a) => read_slots(a, out),
         TermKind::Arithmetic(_, a, b) | TermKind::Compare(_, a, b) | TermKind::And(a, b) | TermKind::Or(a, b) => {

@@ -23,9 +23,9 @@ use super::names::{Table, unknown};
 pub(super) fn lost_by(guard: &Expr) -> Option<&Name> {
     match &guard.kind {
         ExprKind::Paren(inner) => lost_by(inner),
-        ExprKind::Call(function, arguments, None) if function.text == "lost" => match arguments.as_slice() {
-            [Expr { kind: ExprKind::Path(Path { segments, primes: 0, .. }), .. }] if segments.len() == 1 => {
-                segments.first()
+        ExprKind::Call(call) if call.function.text == "lost" && call.binding.is_none() => match &*call.arguments {
+            [Expr { kind: ExprKind::Path(path), .. }] if path.primes == 0 && path.segments.len() == 1 => {
+                path.segments.first()
             }
             _ => None,
         },
@@ -48,8 +48,9 @@ impl Checker<'_> {
 
     /// The reference that an expression names.
     pub(super) fn reference(&mut self, e: &Expr, scope: &Scope<'_>) -> Option<(Subject, Option<EntityId>)> {
-        if let ExprKind::Path(Path { segments, primes: 0, .. }) = &e.kind
-            && let [name] = segments.as_slice()
+        if let ExprKind::Path(path) = &e.kind
+            && let Path { segments, primes: 0, .. } = &**path
+            && let [name] = &**segments
         {
             if let Some(found) = self.referred(&name.text, scope) {
                 self.seen_subject(found.0, name, scope);
@@ -89,7 +90,7 @@ impl Checker<'_> {
             }
         }
         let covered = scope.covered && scope.mode.is_some();
-        self.diagnostics.report(LostRead { at: span, name: name.text.clone(), in_mode: covered });
+        self.diagnostics.report(LostRead { at: span, name: name.text.to_string(), in_mode: covered });
     }
 
     /// Edges into a mode that reads a reference must make sure of it.
@@ -105,7 +106,7 @@ impl Checker<'_> {
                 }
                 self.diagnostics.report(LostEntry {
                     at: edge.span,
-                    name: entity.refs[reference].name.text.clone(),
+                    name: entity.refs[reference].name.text.to_string(),
                     mode: entity.modes[mode].path.join("."),
                     read,
                 });
@@ -127,7 +128,7 @@ impl Checker<'_> {
         if let (Some(into), Some(own)) = (into, scope.entity)
             && let Some(wanted) = own.refs[into].entity.filter(|w| *w != entity)
         {
-            let wanted = self.checked.entities[wanted].name.text.clone();
+            let wanted = self.checked.entities[wanted].name.text.to_string();
             self.diagnostics.report(TypeMismatch {
                 at: spawn.entity.span,
                 found: format!("an instance of `{}`", spawn.entity.text),
@@ -139,8 +140,8 @@ impl Checker<'_> {
         let mut given = Vec::new();
         let mut fits = true;
         for setting in &spawn.settings {
-            let written = format!("{}{}", setting.variable.name.text, "'".repeat(setting.variable.primes));
-            if !set.declare(&Name { text: written, span: setting.variable.span }, (), &mut self.diagnostics) {
+            let written = format!("{}{}", setting.variable.name.text, "'".repeat(setting.variable.primes as usize));
+            if !set.declare(&Name { text: written.into(), span: setting.variable.span }, (), &mut self.diagnostics) {
                 continue;
             }
             let value = self.setting(entity, &setting.variable).and_then(|(what, ty)| {
@@ -163,7 +164,7 @@ impl Checker<'_> {
             let params = entity.params.pairs().map(|(id, p)| (&p.name, Given::Param(id)));
             // They share one name space, which holds the first of two equal names.
             let all = vars.chain(refs).chain(discretes).chain(params);
-            Rc::new(all.map(|(name, what)| (name.text.clone(), what)).collect())
+            Rc::new(all.map(|(name, what)| (name.text.to_string(), what)).collect())
         });
         values.get(name).copied()
     }
@@ -208,7 +209,7 @@ impl Checker<'_> {
         }
         self.diagnostics.report(DuplicateName {
             kind: "the position",
-            name: setting.variable.name.text.clone(),
+            name: setting.variable.name.text.to_string(),
             first: place.x.span.to(place.y.span),
             second: setting.span,
         });

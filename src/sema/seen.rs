@@ -1,5 +1,7 @@
 //! Notes where names stand, as they are resolved: see [`Occurrences`](crate::syntax::occurrence::Occurrences).
 
+use std::sync::Arc;
+
 use crate::source::Span;
 use crate::syntax::ast::{Name, Path};
 use crate::syntax::occurrence::{NameKind, Role};
@@ -39,7 +41,7 @@ impl Checker<'_> {
         let written = self.sources.slice(name.span);
         let inner = written.strip_prefix('"').and_then(|w| w.strip_suffix('"')).unwrap_or(written);
         if inner != name.text {
-            self.checked.level_tags.insert(name.text.clone());
+            self.checked.level_tags.insert(name.text.to_string());
             return;
         }
         let mut at = name.span;
@@ -91,7 +93,7 @@ impl Checker<'_> {
     }
 
     /// A value of a set.
-    pub(super) fn seen_choice(&mut self, values: &[String], name: &Name) {
+    pub(super) fn seen_choice(&mut self, values: &Arc<Vec<String>>, name: &Name) {
         let places = self.choices.get(values).into_iter().flatten().filter(|n| n.text == name.text);
         for declared in places.map(|n| n.span).collect::<Vec<_>>() {
             self.seen(NameKind::Value, name.span, declared);

@@ -20,20 +20,20 @@ pub fn names_of_unused(files: &[File], sources: &mut SourceMap, known: &[Occurre
                 && !is_told(behavior.span, known)
             {
                 unused.push((behavior.span, behavior.name.span));
-                items.push(Item::Entity(alone(behavior)));
+                items.push(Item::Entity(alone(behavior).into()));
             }
             items.push(item.clone());
         }
-        let (trivia, texts) = (Vec::new(), Vec::new());
-        trees.push(File { id: file.id, items, trivia, broken: file.broken.clone(), texts });
+        let (id, is_broken, suspects) = (file.id, file.is_broken, file.suspects.clone());
+        trees.push(File { id, items, is_broken, suspects, texts: Vec::new() });
     }
     if unused.is_empty() {
         return Vec::new();
     }
-    let mut noted = Occurrences::default();
+    let mut noted = Occurrences::kept();
     let _ = expand(&mut trees, sources, &mut noted);
-    let (checked, _) = check(&trees, sources, Level::default());
-    noted.append(checked.occurrences);
+    let (checked, _) = check(&trees, sources, Level::default(), noted);
+    let noted = checked.occurrences;
     let is_news = |o: &Occurrence| {
         let inside = unused.iter().any(|(whole, name)| whole.contains(o.at) && o.at != *name);
         inside && known.binary_search_by(|known| known.at.cmp(&o.at)).is_err()
@@ -60,9 +60,9 @@ fn alone(behavior: &Behavior) -> Entity {
         members = outer;
         let name = Name { text: "behavior".into(), span: behavior.name.span };
         let (initial, doc, span) = (Initial::No, None, behavior.span);
-        members.push(Member::Mode(Mode { initial, name, members: inner, doc, span }));
+        members.push(Member::Mode(Mode { initial, name, members: inner, doc, span }.into()));
     }
     // No entity can be called so.
-    let name = Name { text: format!("behavior {}", behavior.name.text), span: behavior.name.span };
+    let name = Name { text: format!("behavior {}", behavior.name.text).into(), span: behavior.name.span };
     Entity { name, members, doc: None, span: behavior.span }
 }

@@ -210,7 +210,7 @@ impl Checker<'_> {
                 sets.declare(&tiles.name, set, &mut self.diagnostics);
             }
             _ => {
-                self.suspects.insert(tiles.name.text.clone());
+                self.suspects.insert(tiles.name.text.to_string());
             }
         }
     }
@@ -227,9 +227,9 @@ impl Checker<'_> {
                 self.diagnostics.report(BadTile { at: tile.symbol_span });
                 continue;
             }
-            let name = Name { text: tile.symbol.to_string(), span: tile.symbol_span };
+            let name = Name { text: tile.symbol.to_string().into(), span: tile.symbol_span };
             if symbols.declare(&name, (), &mut self.diagnostics) {
-                self.checked.other_tags.extend(tile.tags.iter().map(|t| t.text.clone()));
+                self.checked.other_tags.extend(tile.tags.iter().map(|t| t.text.to_string()));
                 let tags = tile.tags.iter().filter(|t| t.text != "empty").map(|t| self.carried(t)).collect();
                 self.tile_spawn(tile.spawn.as_ref());
                 let kind = InlineTile { symbol: tile.symbol, tags };

@@ -5,6 +5,8 @@
 
 use crate::ir::SlotId;
 
+use crate::watch::Meter;
+
 use super::contact::Rect;
 
 /// Up to so many pairs are kept as a list.
@@ -23,9 +25,14 @@ pub(super) enum Broad {
 #[derive(Debug)]
 pub(super) struct Kinds {
     pairs: Vec<(usize, usize)>,
+    /// Of each kind, whether it is in any of the pairs.
+    pub meets: Vec<bool>,
     /// How many bodies there are of each kind.
     counts: Vec<usize>,
 }
+
+/// What a pair in a crowd costs that may meet, in units of work.
+const CONTACT: u64 = 4;
 
 /// Comparing two boxes costs so much less than sorting one.
 const PAIRS_PER_BOX: usize = 12;
@@ -34,20 +41,25 @@ impl Broad {
     /// Prepares bodies, of each of which are given its kind, below `kinds`, and its slot; `meet` tells whether two kinds
     /// can.
     pub fn new(bodies: &[(usize, SlotId)], kinds: usize, meet: impl Fn(usize, usize) -> bool) -> Self {
+        let mut of_kinds: Vec<Vec<usize>> = vec![Vec::new(); kinds];
+        for (at, body) in bodies.iter().enumerate() {
+            of_kinds[body.0].push(at);
+        }
+        let all = (0..kinds).flat_map(|a| (a..kinds).map(move |b| (a, b)));
+        let pairs: Vec<(usize, usize)> = all.filter(|(a, b)| meet(*a, *b)).collect();
         let mut listed = Vec::new();
-        for (i, a) in bodies.iter().enumerate() {
-            for (j, b) in bodies.iter().enumerate().skip(i + 1) {
-                if a.1 != b.1 && meet(a.0, b.0) {
-                    listed.push((i as u32, j as u32));
-                }
+        for &(a, b) in &pairs {
+            for &i in &of_kinds[a] {
+                let others = of_kinds[b].iter().filter(|&&j| bodies[i].1 != bodies[j].1 && (a != b || i < j));
+                listed.extend(others.map(|&j| (i.min(j) as u32, i.max(j) as u32)).take(MAX_LISTED + 1));
                 if listed.len() > MAX_LISTED {
-                    let all = (0..kinds).flat_map(|a| (a..kinds).map(move |b| (a, b)));
-                    let pairs = all.filter(|(a, b)| meet(*a, *b)).collect();
-                    let count = |kind| bodies.iter().filter(|b| b.0 == kind).count();
-                    return Broad::Kinds(Kinds { pairs, counts: (0..kinds).map(count).collect() });
+                    let meets = (0..kinds).map(|kind| pairs.iter().any(|(a, b)| *a == kind || *b == kind)).collect();
+                    return Broad::Kinds(Kinds { pairs, meets, counts: of_kinds.iter().map(Vec::len).collect() });
                 }
             }
         }
+        // As they would be met body by body.
+        listed.sort_unstable();
         Broad::Listed(listed)
     }
 
@@ -112,17 +124,23 @@ impl Sweep {
         Sweep { entries: Vec::with_capacity(3 * boxes) }
     }
 
-    /// Calls `visit` with every pair of active boxes of one space that overlap or touch, the lower index first. Gives how
-    /// many pairs were looked at.
-    pub fn pairs(&mut self, boxes: &[Rect], mut visit: impl FnMut(usize, usize)) -> usize {
+    /// Calls `visit` with every pair of active boxes of one space that overlap or touch, the lower index first, of those
+    /// that can meet anything, until the meter stops it. Gives how many pairs were looked at.
+    pub fn pairs(
+        &mut self,
+        boxes: &[Rect],
+        meets: impl Fn(usize) -> bool,
+        meter: &Meter<'_>,
+        mut visit: impl FnMut(usize, usize),
+    ) -> usize {
         let Sweep { entries } = self;
         entries.clear();
-        let active = || boxes.iter().filter(|b| b.active);
+        let active = || boxes.iter().enumerate().filter(|(body, b)| b.active && meets(*body)).map(|(_, b)| b);
         let floor = active().fold(f64::INFINITY, |low, b| low.min(b.bottom));
         let height = active().map(|b| b.top - b.bottom).sum::<f64>() / active().count() as f64;
         // A cast stops at the ends of its type: what is very far up shares the last strip.
         let strip = |y: f64| ((y - floor) / height) as u32;
-        for (body, b) in (0..).zip(boxes).filter(|(_, b)| b.active) {
+        for (body, b) in (0..).zip(boxes).filter(|(body, b)| b.active && meets(*body as usize)) {
             let (lowest, left) = (strip(b.bottom), ordered(b.left));
             let touched = lowest..=strip(b.top);
             entries.extend(touched.map(|strip| Entry { space: b.space, strip, left, body, lowest }));
@@ -144,6 +162,10 @@ impl Sweep {
                 }
             }
             compared += seen;
+            // Boxes in one place are all near to each other: of thousands there are millions of pairs.
+            if meter.spend(CONTACT * seen as u64) {
+                break;
+            }
         }
         compared
     }
@@ -160,6 +182,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::watch::Unwatched;
 
     /// Boxes on whole numbers, so that edges meet; some large, some far away.
     fn rects() -> impl Strategy<Value = Vec<Rect>> {
@@ -188,7 +211,7 @@ mod tests {
             let mut found = Vec::new();
             let mut sweep = Sweep::with_room(boxes.len());
             let room = sweep.entries.capacity();
-            sweep.pairs(&boxes, |i, j| found.push((i, j)));
+            sweep.pairs(&boxes, |_| true, &Meter::new(&Unwatched), |i, j| found.push((i, j)));
             prop_assert_eq!(sweep.entries.capacity(), room);
             found.sort_unstable();
             expected.sort_unstable();
@@ -214,7 +237,7 @@ mod tests {
             }
             let pairs = (0..3).flat_map(|a| (a..3).map(move |b| (a, b))).filter(|(a, b)| meet(*a, *b)).collect();
             let mut found = Vec::new();
-            each(&Kinds { pairs, counts: vec![40; 3] }, &active, &boxes, &mut |i, j| found.push((i, j)));
+            each(&Kinds { pairs, meets: vec![true; 3], counts: vec![40; 3] }, &active, &boxes, &mut |i, j| found.push((i, j)));
             found.sort_unstable();
             expected.sort_unstable();
             prop_assert_eq!(found, expected);

@@ -12,6 +12,8 @@ use crate::ir::{
     SlotId, SlotLayout, SpaceId, Subject, TagSet, VarId, World,
 };
 
+use crate::watch::Meter;
+
 use super::actor::Actor;
 use super::broad::{Broad, Sweep, each, is_few};
 use super::contact::{Contact, Displacement, Rect, meet, opposite};
@@ -43,6 +45,8 @@ pub(super) struct Body {
     slot: SlotId,
     collider: ColliderId,
     pub kind: usize,
+    /// The number of its set of tags.
+    set: usize,
     pub kinematic: bool,
     /// Where its instance's position, space and life are in a state.
     layout: Whereabouts,
@@ -60,8 +64,8 @@ pub(super) struct Body {
 #[derive(Debug)]
 pub(super) struct Kind {
     tags: TagSet,
-    /// With each kind: how they meet, and which contact bits of this one a contact sets.
-    kinds: Vec<Option<Encounter>>,
+    /// With the bodies of each set of tags: how they meet, and which contact bits of this one a contact sets.
+    sets: Vec<Option<Encounter>>,
     /// For each space, for each kind of tile.
     pub tiles: Vec<Vec<Option<Encounter>>>,
     /// For each space, for each free-standing rectangle.
@@ -105,6 +109,12 @@ impl Encounter {
         }
         Some(Encounter { meeting, tags, bits, more })
     }
+
+    /// Whether a contact does nothing to the body.
+    fn is_idle(&self) -> bool {
+        let response = self.meeting.response;
+        response.push == Push::Sense && !response.carry && !self.more && self.bits == [0; 4]
+    }
 }
 
 /// What moving an instance or a box costs, in units of work.
@@ -115,7 +125,7 @@ const MOVED: u64 = 4;
 pub(super) struct Scratch {
     boxes: Vec<Rect>,
     sweep: Sweep,
-    /// Of each kind, the bodies that are there.
+    /// Of each set of tags, the bodies that are there.
     active: Vec<Vec<u32>>,
     /// For each slot: where it is pushed.
     displacements: Vec<Displacement>,
@@ -133,6 +143,8 @@ impl Collision {
             .collect();
         let mut of_kinds: Vec<(EntityId, ColliderId)> = Vec::new();
         let mut first_kind: BTreeMap<EntityId, usize> = BTreeMap::new();
+        // Bodies that count as the same are met in the same way: there are far fewer sets of tags than kinds.
+        let (mut of_sets, mut sets): (Vec<TagSet>, BTreeMap<u64, usize>) = Default::default();
         let mut bodies = Vec::new();
         for (slot, s) in world.slots.pairs() {
             let colliders = &program.entities[s.entity].colliders;
@@ -151,10 +163,15 @@ impl Collision {
                 let is_there = fixed.is_some_and(|[.., width, height]| width > 0.0 && height > 0.0);
                 let is_plain = is_plain && is_there;
                 let layout = Whereabouts::of(&world.layout.slots[slot]);
+                let set = *sets.entry(c.tags.0).or_insert_with(|| {
+                    of_sets.push(c.tags);
+                    of_sets.len() - 1
+                });
                 bodies.push(Body {
                     slot,
                     collider,
                     kind,
+                    set,
                     kinematic: c.kinematic,
                     layout,
                     meets: false,
@@ -177,16 +194,27 @@ impl Collision {
                     lists.iter().map(|l| l.iter().any(Option::is_some)).collect::<Vec<bool>>()
                 };
                 let (meets_tiles, meets_solids) = (any(&tiles), any(&solids));
-                let kinds = of_kinds.iter().map(|&k| with(tags_of(k))).collect();
-                Kind { tags, kinds, tiles, solids, meets_tiles, meets_solids }
+                let sets = of_sets.iter().map(|&set| with(set)).collect();
+                Kind { tags, sets, tiles, solids, meets_tiles, meets_solids }
             })
             .collect();
         for body in &mut bodies {
             let Kind { meets_tiles, meets_solids, .. } = &kinds[body.kind];
             body.meets = meets_tiles.iter().chain(meets_solids).any(|&meets| meets);
         }
-        let ids: Vec<(usize, SlotId)> = bodies.iter().map(|b: &Body| (b.kind, b.slot)).collect();
-        let broad = Broad::new(&ids, kinds.len(), |a, b| kinds[a].kinds[b].is_some());
+        // A contact that does nothing to either of the two need not be found.
+        let count = of_sets.len();
+        let mut meet = vec![false; count * count];
+        for kind in &kinds {
+            let Some(&mine) = sets.get(&kind.tags.0) else { continue };
+            let does = |with: &Option<Encounter>| with.as_ref().is_some_and(|with| !with.is_idle());
+            for theirs in (0..count).filter(|&set| does(&kind.sets[set])) {
+                meet[mine * count + theirs] = true;
+                meet[theirs * count + mine] = true;
+            }
+        }
+        let ids: Vec<(usize, SlotId)> = bodies.iter().map(|b: &Body| (b.set, b.slot)).collect();
+        let broad = Broad::new(&ids, count, |a, b| meet[a * count + b]);
         let carries = world.collide.iter().any(|c| c.response.carry);
         let of = |slot: SlotId| &program.entities[world.slots[slot].entity];
         let slots_with = |has: &dyn Fn(&Entity) -> bool| {
@@ -250,8 +278,14 @@ fn box_of(shape: &Shape, number: impl Fn(ExprId) -> Option<f64>) -> Option<[f64;
 }
 
 impl Simulator<'_> {
-    /// Finds all contacts and, with `push`, resolves the blocking ones.
-    pub(super) fn collide(&self, state: &mut [u8], scratch: &mut StepScratch, push: bool) -> Result<(), Fault> {
+    /// Finds all contacts and, with `push`, resolves the blocking ones; leaves when the meter stops it.
+    pub(super) fn collide(
+        &self,
+        state: &mut [u8],
+        scratch: &mut StepScratch,
+        push: bool,
+        meter: &Meter<'_>,
+    ) -> Result<(), Fault> {
         if push && self.collision.carries {
             self.carry(state, &scratch.start);
         }
@@ -279,7 +313,7 @@ impl Simulator<'_> {
             Broad::Kinds(pairs) => {
                 active.iter_mut().for_each(Vec::clear);
                 for (body, at) in bodies.iter().zip(0..).filter(|(_, at)| boxes[*at as usize].active) {
-                    active[body.kind].push(at);
+                    active[body.set].push(at);
                 }
                 let mut visit = |i: usize, j: usize| {
                     if bodies[i].slot != bodies[j].slot {
@@ -291,10 +325,16 @@ impl Simulator<'_> {
                         each(pairs, active, boxes, &mut visit);
                         few
                     }
-                    None => sweep.pairs(boxes, visit),
+                    None => {
+                        let meets = |body: usize| pairs.meets[bodies[body].set];
+                        sweep.pairs(boxes, meets, meter, visit)
+                    }
                 };
                 *work = work.wrapping_add(compared as u64);
             }
+        }
+        if meter.is_stopped() {
+            return Ok(());
         }
         for (body, rect) in bodies.iter().zip(boxes.iter()) {
             if body.meets && rect.active {
@@ -404,7 +444,7 @@ impl Simulator<'_> {
     fn pair(&self, state: &mut [u8], (i, j): (usize, usize), boxes: &[Rect], displacements: &mut [Displacement]) {
         let (a, b) = (&self.collision.bodies[i], &self.collision.bodies[j]);
         let kinds = &self.collision.kinds;
-        let (Some(of_a), Some(of_b)) = (&kinds[a.kind].kinds[b.kind], &kinds[b.kind].kinds[a.kind]) else { return };
+        let (Some(of_a), Some(of_b)) = (&kinds[a.kind].sets[b.set], &kinds[b.kind].sets[a.set]) else { return };
         let meeting = of_a.meeting;
         let back = (boxes[i].back.0 - boxes[j].back.0, boxes[i].back.1 - boxes[j].back.1);
         let Some(contact) = meet(&boxes[i], &boxes[j], back, meeting, |_| (false, false)) else { return };

@@ -7,6 +7,8 @@ use crate::ir::{
     World, WorldId,
 };
 
+use crate::watch::{Meter, Unwatched};
+
 use super::actor::{Actor, Flow, actors, is_private};
 use super::collision::Collision;
 use super::discrete::{Acting, Taken};
@@ -179,6 +181,14 @@ impl<'p> Simulator<'p> {
     /// # Errors
     /// A [`Fault`] if a collider's size or guard breaks a rule.
     pub fn initial(&self, scratch: &mut Scratch) -> Result<Vec<u8>, Fault> {
+        self.metered_initial(scratch, &Meter::new(&Unwatched))
+    }
+
+    /// As [`Simulator::initial`]; if the meter stops it, what is given is not to be used.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn metered_initial(&self, scratch: &mut Scratch, meter: &Meter<'_>) -> Result<Vec<u8>, Fault> {
         let mut state = vec![0; self.world.layout.size];
         for (id, slot) in self.world.slots.pairs().filter(|(_, s)| s.origin != Origin::Free) {
             let layout = self.layout(id);
@@ -209,7 +219,7 @@ impl<'p> Simulator<'p> {
         scratch.frames.fill(Frame::default());
         scratch.changes.clear();
         self.note_start(&state, scratch);
-        self.collide(&mut state, scratch, false)?;
+        self.collide(&mut state, scratch, false, meter)?;
         Ok(state)
     }
 
@@ -218,6 +228,21 @@ impl<'p> Simulator<'p> {
     /// # Errors
     /// A [`Fault`] if the program breaks a rule; `state` is then not to be used.
     pub fn step(&self, state: &mut [u8], input: &Input, scratch: &mut Scratch) -> Result<(), Fault> {
+        self.metered_step(state, input, scratch, &Meter::new(&Unwatched))
+    }
+
+    /// As [`Simulator::step`], which can take long in a crowd; if the meter stops it, `state` is not to be used.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn metered_step(
+        &self,
+        state: &mut [u8],
+        input: &Input,
+        scratch: &mut Scratch,
+        meter: &Meter<'_>,
+    ) -> Result<(), Fault> {
+        let before = scratch.work();
         for (player, &at) in self.world.layout.players.pairs() {
             let now = input.of(player);
             scratch.frames[player.index()] = Frame::new(now, buttons(state, at));
@@ -225,10 +250,11 @@ impl<'p> Simulator<'p> {
         }
         self.transitions(state, scratch)?;
         self.flow(state, scratch)?;
-        self.collide(state, scratch, true)?;
+        self.collide(state, scratch, true, meter)?;
         if self.lives_change {
             self.bury(state, scratch);
         }
+        meter.spend(scratch.work().wrapping_sub(before));
         Ok(())
     }
 

@@ -1,9 +1,12 @@
 //! The abstract syntax tree: what the author wrote, with the span of every part. Made by [`super::parse`],
 //! read by `sema` and the formatter. Names are not resolved here, and nothing is checked but shape.
 
+use std::collections::BTreeSet;
+
 use crate::source::{FileId, Span};
 
 pub use super::ast_world::*;
+pub use super::word::Word;
 
 /// One parsed file.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,37 +15,20 @@ pub struct File {
     pub id: FileId,
     /// Its items, in source order, those that could be read.
     pub items: Vec<Item>,
-    /// Comments, in source order.
-    pub trivia: Vec<Comment>,
-    /// Slices that fit no rule.
-    pub broken: Vec<Broken>,
+    /// Whether some slice of it fit no rule, or some import could not be read.
+    pub is_broken: bool,
+    /// The names that such a slice was probably about to declare, `*` if they can be any: later stages keep quiet about
+    /// them.
+    pub suspects: BTreeSet<String>,
     /// The files that its maps name, where they are named.
     pub texts: Vec<(Span, FileId)>,
-}
-
-/// A comment; blank lines are seen by comparing positions.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Comment {
-    /// From its slashes to the end of its line.
-    pub span: Span,
-    /// Whether it begins with `///` and documents what follows.
-    pub documents: bool,
-}
-
-/// A slice that fit no rule, and the name it was probably about to declare: later stages keep quiet about it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Broken {
-    /// The slice.
-    pub span: Span,
-    /// Names that a declaration in it would have introduced.
-    pub names: Vec<String>,
 }
 
 /// A name and where it stands.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Name {
-    /// The word.
-    pub text: String,
+    /// The word; all that are equal in a file share it.
+    pub text: Word,
     /// Its place.
     pub span: Span,
 }
@@ -53,13 +39,13 @@ pub enum Item {
     /// `import "path"`
     Import(Import),
     /// `const name = expression`
-    Constant(Constant),
+    Constant(Box<Constant>),
     /// `entity Name { … }`
-    Entity(Entity),
+    Entity(Box<Entity>),
     /// `behavior Name(parameters) { … }`
-    Behavior(Behavior),
+    Behavior(Box<Behavior>),
     /// `world Name { … }`
-    World(World),
+    World(Box<World>),
 }
 
 /// `import "path"`, relative to the importing file.
@@ -130,43 +116,44 @@ pub struct Use {
     pub span: Span,
 }
 
-/// What an entity, a group or a mode may hold; where which is allowed is checked by `sema`.
+/// What an entity, a group or a mode may hold; where which is allowed is checked by `sema`. A large text has many of them,
+/// so each has a box of its own size.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Member {
     /// `param name = value`
-    Parameter(Constant),
+    Parameter(Box<Constant>),
     /// `continuous name = value`
-    Continuous(Continuous),
+    Continuous(Box<Continuous>),
     /// `discrete name: domain = value`
-    Discrete(Discrete),
+    Discrete(Box<Discrete>),
     /// `button a, b`
-    Buttons(Vec<Name>, Span),
+    Buttons(Box<(Vec<Name>, Span)>),
     /// `axis a, b`
-    Axes(Vec<Name>, Span),
+    Axes(Box<(Vec<Name>, Span)>),
     /// `collider tags: shape when guard`
-    Collider(Collider),
+    Collider(Box<Collider>),
     /// `group name { … }`
-    Group(Group),
+    Group(Box<Group>),
     /// `mode name { … }`
-    Mode(Mode),
+    Mode(Box<Mode>),
     /// `x' = e`
-    Flow(Assignment),
+    Flow(Box<Assignment>),
     /// `ref name: Entity`
-    Reference(Reference),
+    Reference(Box<Reference>),
     /// `clamp x' in low..high`
-    Clamp(Clamp),
+    Clamp(Box<Clamp>),
     /// `invariant predicate`
-    Invariant(Invariant),
+    Invariant(Box<Invariant>),
     /// `x' := e` at the head of a mode
-    Entry(Update),
+    Entry(Box<Update>),
     /// `when guard -> target { … }`
-    Edge(Edge),
+    Edge(Box<Edge>),
     /// `envelope x' by axis { … }`
-    Envelope(Envelope),
+    Envelope(Box<Envelope>),
     /// `follow links when guard { … }`
-    Follow(Follow),
+    Follow(Box<Follow>),
     /// `use Name(…)`
-    Use(Use),
+    Use(Box<Use>),
 }
 
 /// `ref name: Entity`, or `any`.
@@ -304,7 +291,7 @@ pub struct Variable {
     /// The variable.
     pub name: Name,
     /// How many primes follow it.
-    pub primes: usize,
+    pub primes: u32,
     /// With the primes.
     pub span: Span,
 }
@@ -324,11 +311,11 @@ pub struct Assignment {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Update {
     /// `variable := value`
-    Assign(Assignment),
+    Assign(Box<Assignment>),
     /// `variable := spawn Entity(…)`
-    Spawn(Spawn),
+    Spawn(Box<Spawn>),
     /// `destroy self`, `destroy reference`
-    Destroy(Destroy),
+    Destroy(Box<Destroy>),
 }
 
 /// `into := spawn Entity(settings)`
@@ -428,9 +415,9 @@ pub enum Rate {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Path {
     /// The names between the dots.
-    pub segments: Vec<Name>,
+    pub segments: Box<[Name]>,
     /// Primes after the last.
-    pub primes: usize,
+    pub primes: u32,
     /// The whole.
     pub span: Span,
 }
@@ -490,7 +477,18 @@ pub enum CompareOp {
     AtLeast,
 }
 
-/// What an expression is.
+/// `function(arguments) as binding`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Call {
+    /// What is called.
+    pub function: Name,
+    /// With what.
+    pub arguments: Vec<Expr>,
+    /// What the answer is called.
+    pub binding: Option<Name>,
+}
+
+/// What an expression is. A large text has many of them, so what is seldom or large stands in boxes.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ExprKind {
     /// `12`, `0.5s`
@@ -504,17 +502,17 @@ pub enum ExprKind {
     /// `timer`
     Timer,
     /// `"text"`
-    Text(String),
+    Text(Box<Word>),
     /// `a`, `a.b`, `x'`
-    Path(Path),
+    Path(Box<Path>),
     /// `f(a, b) as c`
-    Call(Name, Vec<Expr>, Option<Name>),
+    Call(Box<Call>),
     /// `in mode`
-    InMode(Path),
+    InMode(Box<Path>),
     /// `any Entity`
-    Any(Name),
+    Any(Box<Name>),
     /// `(a, b)`
-    Point(Box<Expr>, Box<Expr>),
+    Point(Box<[Expr; 2]>),
     /// `(a)`
     Paren(Box<Expr>),
     /// `-a`
@@ -522,13 +520,15 @@ pub enum ExprKind {
     /// `not a`
     Not(Box<Expr>),
     /// `a + b`
-    Binary(BinaryOp, Box<Expr>, Box<Expr>),
-    /// `a < b`, `a <= b < c`
-    Compare(Box<Expr>, Vec<(CompareOp, Expr)>),
+    Binary(BinaryOp, Box<[Expr; 2]>),
+    /// `a < b`
+    Compare(CompareOp, Box<[Expr; 2]>),
+    /// `a <= b < c`
+    Chain(Box<(Expr, Vec<(CompareOp, Expr)>)>),
     /// `a in mode`
-    In(Box<Expr>, Path),
+    In(Box<(Expr, Path)>),
     /// `a is Entity`; none for `a is none`
-    Is(Box<Expr>, Option<Name>),
+    Is(Box<(Expr, Option<Name>)>),
     /// `a touching tag`
-    Touching(Box<Expr>, Name),
+    Touching(Box<(Expr, Name)>),
 }

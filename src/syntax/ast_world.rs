@@ -21,21 +21,21 @@ pub struct World {
 #[derive(Debug, Clone, PartialEq)]
 pub enum WorldItem {
     /// `step 1/60`
-    Step(Expr),
+    Step(Box<Expr>),
     /// `collide a with b: block`
-    Collide(Collide),
+    Collide(Box<Collide>),
     /// `tiles name 32 x 32 { … }`
-    Tiles(Tiles),
+    Tiles(Box<Tiles>),
     /// `space name { … }`
-    Space(Space),
+    Space(Box<Space>),
     /// `limit Entity 8`
-    Limit(Limit),
+    Limit(Box<Limit>),
     /// `player 1: hero`
-    Player(Player),
+    Player(Box<Player>),
     /// `goal name: predicate`
-    Goal(Question),
+    Goal(Box<Question>),
     /// `never name: predicate`
-    Never(Question),
+    Never(Box<Question>),
 }
 
 impl File {
@@ -57,7 +57,7 @@ impl File {
         let nevers: Vec<WorldItem> = nevers.collect();
         for item in &mut self.items {
             if let Item::World(known) = item
-                && world.is_none_or(|name| known.name.text == name)
+                && world.is_none_or(|name| &*known.name.text == name)
             {
                 known.items.extend(nevers.iter().cloned());
             }
@@ -164,9 +164,9 @@ pub enum SpaceItem {
     /// An instance.
     Place(Box<Place>),
     /// `rect tags (x, y, width, height)`: free-standing static geometry.
-    Solid(Solid),
+    Solid(Box<Solid>),
     /// `bounds rect(x, y, width, height)`
-    Bounds(Rectangle),
+    Bounds(Box<Rectangle>),
 }
 
 /// `rect tags (x, y, width, height)`

@@ -1,18 +1,24 @@
 //! The syntax tree from pest's pairs: files, entities, modes, edges, envelopes. Worlds are in `build_world`,
 //! expressions in `expression`.
 
+use std::cell::RefCell;
+use std::collections::BTreeSet;
+
 use pest::Parser;
+use pest::error::InputLocation;
 use pest::iterators::Pair;
+use rustc_hash::FxHashSet;
 
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::syntax::{TooManyErrors, Unexpected};
 use crate::source::{FileId, Span};
 
 use super::ast::{
-    Assignment, Behavior, Broken, Clamp, Collider, Constant, Continuous, Destroy, Dimension, Discrete, Domain, Edge,
-    Entity, Envelope, Expr, ExprKind, File, Follow, Group, Import, Initial, Invariant, Item, Member, Mode, Name, Path,
-    Ramp, RampKind, Rate, Reference, Spawn, Update, Use, Variable,
+    Assignment, Behavior, Clamp, Collider, Constant, Continuous, Destroy, Dimension, Discrete, Domain, Edge, Entity,
+    Envelope, Expr, ExprKind, File, Follow, Group, Import, Initial, Invariant, Item, Member, Mode, Name, Path, Ramp,
+    RampKind, Rate, Reference, Spawn, Update, Use, Variable, Word, World,
 };
+use super::part::{ITEMS, MEMBERS, Part, Parts, UPDATES, WORLD_ITEMS, note_declared, parts};
 use super::scan::Scan;
 use super::{Grammar, Rule, message};
 
@@ -25,127 +31,112 @@ pub(super) struct Builder<'a> {
     source: &'a str,
     scan: &'a Scan,
     text: &'a str,
-    broken: Vec<Broken>,
+    /// Where in the text the pairs stand that are being built from: a text is parsed part by part.
+    base: usize,
+    /// The furthest place to which the last part could be read that fit no rule at all.
+    stuck: usize,
+    /// How many slices fit no rule.
+    broken: usize,
+    suspects: BTreeSet<String>,
+    /// The words that were met.
+    words: RefCell<FxHashSet<Word>>,
     errors: usize,
     diagnostics: &'a mut Diagnostics,
 }
 
 /// Parses the scanned text and builds the tree.
 pub(super) fn file(id: FileId, source: &str, mut scan: Scan, diagnostics: &mut Diagnostics) -> File {
-    let trivia = std::mem::take(&mut scan.trivia);
-    let mut out = File { id, items: Vec::new(), trivia, broken: Vec::new(), texts: Vec::new() };
+    let mut out = File { id, items: Vec::new(), is_broken: false, suspects: BTreeSet::new(), texts: Vec::new() };
     let Some(text) = scan.text.take() else {
         // Nothing of the file was read: later stages must not complain of what it would have declared.
-        out.broken.push(Broken { span: Span::new(id, 0, source.len()), names: vec!["*".into()] });
+        out.is_broken = true;
+        out.suspects.insert("*".into());
         return out;
     };
-    let mut b = Builder { file: id, source, scan: &scan, text: &text, broken: Vec::new(), errors: 0, diagnostics };
-    match Grammar::parse(Rule::file, &text) {
-        Ok(pairs) => {
-            for pair in pairs.flat_map(Pair::into_inner) {
-                out.items.extend(b.item(&pair, &out.trivia));
-            }
-        }
-        Err(error) => {
-            let at = match error.location {
-                pest::error::InputLocation::Pos(at) | pest::error::InputLocation::Span((at, _)) => at,
-            };
-            let at = b.span(at, at + 1);
+    let mut b = Builder {
+        file: id,
+        source,
+        scan: &scan,
+        text: &text,
+        base: 0,
+        stuck: 0,
+        broken: 0,
+        suspects: BTreeSet::new(),
+        words: RefCell::default(),
+        errors: 0,
+        diagnostics,
+    };
+    match b.block(&ITEMS, 0) {
+        Some((items, _)) => out.items = items,
+        None => {
+            b.base = 0;
+            let at = b.span(b.stuck, b.stuck + 1);
             b.diagnostics.report(Unexpected { at, found: None, expected: Vec::new(), help: None, meant: None });
-            b.broken.push(Broken { span: at, names: vec!["*".into()] });
+            b.broken += 1;
+            b.suspects.insert("*".into());
         }
     }
-    out.broken = b.broken;
+    out.is_broken = b.broken > 0;
+    out.suspects = b.suspects;
     out
 }
 
-/// The inner pairs without punctuation and introducing words.
-pub(super) fn parts<'i>(pair: &Pair<'i, Rule>) -> Vec<Pair<'i, Rule>> {
-    pair.clone().into_inner().filter(|p| !is_punctuation(p.as_rule())).collect()
-}
+impl<'a> Builder<'a> {
+    /// The next part by a rule, from a byte of the mended text on: what it is and where it ends.
+    fn next(&mut self, rule: Rule, at: usize) -> Option<(Pair<'a, Rule>, usize)> {
+        // What separates parts is passed over here: the parser notes every end of a line in what it is given.
+        let rest = self.text.get(at..)?;
+        let at = at + (rest.len() - rest.trim_start_matches([' ', '\t', '\r', '\n', ';']).len());
+        match Grammar::parse(rule, self.text.get(at..)?) {
+            Ok(mut pairs) => {
+                let part = pairs.next()?;
+                self.base = at;
+                let end = at + part.as_span().end();
+                Some((part.into_inner().next()?, end))
+            }
+            Err(error) => {
+                let (InputLocation::Pos(reached) | InputLocation::Span((reached, _))) = error.location;
+                self.stuck = at + reached;
+                None
+            }
+        }
+    }
 
-fn is_punctuation(rule: Rule) -> bool {
-    use Rule as R;
-    matches!(
-        rule,
-        R::end
-            | R::EOI
-            | R::open_brace
-            | R::close_brace
-            | R::open_paren
-            | R::close_paren
-            | R::comma
-            | R::colon
-            | R::arrow
-            | R::dot
-            | R::range
-            | R::caret
-            | R::kw_import
-            | R::kw_const
-            | R::kw_entity
-            | R::kw_world
-            | R::kw_param
-            | R::kw_continuous
-            | R::kw_discrete
-            | R::kw_button
-            | R::kw_axis
-            | R::kw_collider
-            | R::kw_group
-            | R::kw_mode
-            | R::kw_when
-            | R::kw_envelope
-            | R::kw_as
-            | R::kw_behavior
-            | R::kw_ref
-            | R::kw_clamp
-            | R::kw_invariant
-            | R::kw_use
-            | R::kw_spawn
-            | R::kw_destroy
-            | R::word_follow
-            | R::word_links
-            | R::word_decay
-            | R::word_limit
-            | R::word_link
-            | R::word_vglc
-            | R::word_level
-            | R::word_tiled
-            | R::word_ldtk
-            | R::word_legend
-            | R::word_tile
-            | R::word_from
-            | R::word_int
-            | R::word_initial
-            | R::word_by
-            | R::word_directions
-            | R::word_attack
-            | R::word_sustain
-            | R::word_for
-            | R::word_release
-            | R::word_while
-            | R::word_accel
-            | R::word_over
-            | R::word_to
-            | R::word_step
-            | R::word_collide
-            | R::word_with
-            | R::word_tiles
-            | R::word_x
-            | R::word_space
-            | R::word_player
-            | R::word_goal
-            | R::word_never
-            | R::word_map
-            | R::word_place
-            | R::word_at
-            | R::word_rect
-            | R::word_bounds
-            | R::word_any
-            | R::word_touching
-    )
-}
+    /// The parts of a block from a byte on, and where the block ends. Nothing if it does not end; then nothing in it counts
+    /// as broken, either.
+    pub fn block<T>(&mut self, parts: &Parts<T>, mut at: usize) -> Option<(Vec<T>, usize)> {
+        let (known, errors) = (self.diagnostics.iter().len(), self.errors);
+        let mut built = Vec::new();
+        loop {
+            let Some((pair, end)) = self.next(parts.next, at) else {
+                self.diagnostics.take_back(known);
+                self.errors = errors;
+                return None;
+            };
+            if matches!(pair.as_rule(), Rule::close_brace | Rule::EOI) {
+                built.shrink_to_fit();
+                return Some((built, end));
+            }
+            let (part, end) = match (parts.build)(self, &pair, end) {
+                Some(part) => part,
+                None => {
+                    let (pair, end) = self.next(parts.plain, at)?;
+                    (parts.build)(self, &pair, end)?
+                }
+            };
+            if built.len() == built.capacity() {
+                built.reserve_exact(2.max(built.len() / 4));
+            }
+            built.extend(part);
+            at = end;
+        }
+    }
 
-impl Builder<'_> {
+    /// Where a pair begins in the mended text.
+    pub fn start_of(&self, pair: &Pair<'_, Rule>) -> usize {
+        self.base + pair.as_span().start()
+    }
+
     /// A source span from bytes of the mended text.
     pub fn span(&self, start: usize, end: usize) -> Span {
         Span::new(self.file, self.scan.position(start), self.scan.position(end))
@@ -153,20 +144,32 @@ impl Builder<'_> {
 
     /// The source span of a pair, without white space at its end.
     pub fn span_of(&self, pair: &Pair<'_, Rule>) -> Span {
-        let (start, text) = (pair.as_span().start(), pair.as_str());
+        let (start, text) = (self.start_of(pair), pair.as_str());
         self.span(start, start + text.trim_end().len())
     }
 
-    pub fn name(&self, pair: &Pair<'_, Rule>) -> Name {
-        match pair.as_rule() {
-            // A text's name is what stands between the quotes.
-            Rule::text => Name { text: pair.as_str().trim_matches('"').to_string(), span: self.span_of(pair) },
-            Rule::tag => match pair.clone().into_inner().next() {
-                Some(inner) => self.name(&inner),
-                None => Name { text: pair.as_str().to_string(), span: self.span_of(pair) },
-            },
-            _ => Name { text: pair.as_str().trim_end().to_string(), span: self.span_of(pair) },
+    /// A word of the text; equal ones are one.
+    fn word(&self, text: &str) -> Word {
+        let mut words = self.words.borrow_mut();
+        if let Some(word) = words.get(text) {
+            return word.clone();
         }
+        let word = Word::from(text);
+        words.insert(word.clone());
+        word
+    }
+
+    pub fn name(&self, pair: &Pair<'_, Rule>) -> Name {
+        let text = match pair.as_rule() {
+            // A text's name is what stands between the quotes.
+            Rule::text => pair.as_str().trim_matches('"'),
+            Rule::tag => match pair.clone().into_inner().next() {
+                Some(inner) => return self.name(&inner),
+                None => pair.as_str(),
+            },
+            _ => pair.as_str().trim_end(),
+        };
+        Name { text: self.word(text), span: self.span_of(pair) }
     }
 
     pub fn names(&self, pair: &Pair<'_, Rule>) -> Vec<Name> {
@@ -179,9 +182,10 @@ impl Builder<'_> {
 
     /// Reports a slice that fit no rule. `rule` is what should have stood there.
     pub fn bad(&mut self, rule: Rule, pair: &Pair<'_, Rule>) {
-        let (from, to) = (pair.as_span().start(), pair.as_span().end());
+        let (from, to) = (self.start_of(pair), self.base + pair.as_span().end());
         let span = self.span_of(pair);
-        self.broken.push(Broken { span, names: declared_names(pair.as_str()) });
+        self.broken += 1;
+        note_declared(pair.as_str(), &mut self.suspects);
         if self.is_explained(span) {
             return;
         }
@@ -196,64 +200,68 @@ impl Builder<'_> {
         self.diagnostics.report(fact);
     }
 
-    fn item(&mut self, pair: &Pair<'_, Rule>, trivia: &[super::ast::Comment]) -> Option<Item> {
+    pub(super) fn item(&mut self, pair: &Pair<'_, Rule>, end: usize) -> Part<Item> {
+        let (start, inner) = (self.start_of(pair), parts(pair));
+        let whole = |item| Some((item, end));
         match pair.as_rule() {
             Rule::import => {
-                let path = self.name(parts(pair).first()?);
-                Some(Item::Import(Import { path }))
+                let path = inner.first().map(|path| self.name(path));
+                whole(path.map(|path| Item::Import(Import { path })))
             }
-            Rule::constant => self.constant(pair, trivia).map(Item::Constant),
-            Rule::entity => {
-                let inner = parts(pair);
+            Rule::constant => whole(self.constant(pair).map(|constant| Item::Constant(constant.into()))),
+            Rule::entity_head => {
                 let name = self.name(inner.first()?);
-                let members = self.members(inner.get(1)?, trivia);
-                Some(Item::Entity(Entity { name, members, doc: self.doc(pair, trivia), span: self.span_of(pair) }))
+                let (members, end) = self.block(&MEMBERS, end)?;
+                let span = self.span(start, end);
+                let entity = Entity { name, members, doc: self.doc(span), span };
+                Some((Some(Item::Entity(entity.into())), end))
             }
-            Rule::world => {
-                let doc = self.doc(pair, trivia);
-                self.world(pair, doc).map(Item::World)
+            Rule::world_head => {
+                let name = self.name(inner.first()?);
+                let (items, end) = self.block(&WORLD_ITEMS, end)?;
+                let span = self.span(start, end);
+                Some((Some(Item::World(World { name, items, doc: self.doc(span), span }.into())), end))
             }
-            Rule::behavior => {
-                let inner = parts(pair);
+            Rule::behavior_head => {
                 let name = self.name(inner.first()?);
                 let formals = inner.iter().find(|p| p.as_rule() == Rule::formals);
                 let parameters = formals.map_or(Vec::new(), |f| self.names(f));
-                let members = self.members(inner.last()?, trivia);
-                let (doc, span) = (self.doc(pair, trivia), self.span_of(pair));
-                Some(Item::Behavior(Behavior { name, parameters, members, doc, span }))
+                let (members, end) = self.block(&MEMBERS, end)?;
+                let span = self.span(start, end);
+                let behavior = Behavior { name, parameters, members, doc: self.doc(span), span };
+                Some((Some(Item::Behavior(behavior.into())), end))
             }
-            Rule::bad_item => {
+            _ => {
                 self.bad(Rule::only_item, pair);
-                None
+                whole(None)
             }
-            _ => None,
         }
     }
 
-    /// The `///` lines directly above a pair.
-    fn doc(&self, pair: &Pair<'_, Rule>, trivia: &[super::ast::Comment]) -> Option<String> {
-        let mut start = self.span_of(pair).start as usize;
+    /// The `///` lines directly above something.
+    fn doc(&self, of: Span) -> Option<String> {
+        let mut start = of.start as usize;
         let mut lines = Vec::new();
-        let before = trivia.partition_point(|c| (c.span.start as usize) < start);
-        for comment in trivia.get(..before)?.iter().rev() {
-            let gap = self.source.get(comment.span.end as usize..start)?;
-            if !comment.documents || !gap.trim().is_empty() || gap.matches('\n').count() != 1 {
+        let before = self.scan.docs.partition_point(|c| (c.start as usize) < start);
+        for comment in self.scan.docs.get(..before)?.iter().rev() {
+            let gap = self.source.get(comment.end as usize..start)?;
+            if !gap.trim().is_empty() || gap.matches('\n').count() != 1 {
                 break;
             }
-            let body = self.source.get(comment.span.range())?.trim_start_matches('/');
-            lines.push(body.strip_prefix(' ').unwrap_or(body).trim_end().to_string());
-            start = comment.span.start as usize;
+            let body = self.source.get(comment.start as usize..comment.end as usize)?.trim_start_matches('/');
+            lines.push(body.strip_prefix(' ').unwrap_or(body).trim_end());
+            start = comment.start as usize;
         }
         lines.reverse();
         (!lines.is_empty()).then(|| lines.join("\n"))
     }
 
-    fn constant(&mut self, pair: &Pair<'_, Rule>, trivia: &[super::ast::Comment]) -> Option<Constant> {
+    fn constant(&mut self, pair: &Pair<'_, Rule>) -> Option<Constant> {
         let inner = parts(pair);
         let name = self.name(inner.first()?);
         let dimension = inner.iter().find(|p| p.as_rule() == Rule::annotation).and_then(|p| self.dimension(p));
         let value = self.expression(inner.iter().find(|p| p.as_rule() == Rule::expression)?)?;
-        Some(Constant { name, dimension, value, doc: self.doc(pair, trivia) })
+        Some(Constant { name, dimension, value, doc: self.doc(self.span_of(pair)) })
     }
 
     fn dimension(&self, annotation: &Pair<'_, Rule>) -> Option<Dimension> {
@@ -272,37 +280,81 @@ impl Builder<'_> {
         Some(Dimension { factors, span: self.span_of(&dimension) })
     }
 
-    fn members(&mut self, block: &Pair<'_, Rule>, trivia: &[super::ast::Comment]) -> Vec<Member> {
-        let mut members = Vec::new();
-        for pair in parts(block) {
-            match pair.as_rule() {
-                Rule::bad_member => self.bad(Rule::only_member, &pair),
-                _ => members.extend(self.member(&pair, trivia)),
+    /// A part of an entity, a behaviour, a group or a mode.
+    pub(super) fn part(&mut self, pair: &Pair<'_, Rule>, end: usize) -> Part<Member> {
+        let start = self.start_of(pair);
+        match pair.as_rule() {
+            Rule::group_head => {
+                let name = self.name(parts(pair).first()?);
+                let (members, end) = self.block(&MEMBERS, end)?;
+                let group = Group { name, members, span: self.span(start, end) };
+                Some((Some(Member::Group(group.into())), end))
             }
+            Rule::mode_head => {
+                let mut inner = parts(pair).into_iter().peekable();
+                let initial = match inner.next_if(|first| first.as_rule() == Rule::initial) {
+                    None => Some(Initial::No),
+                    Some(first) => match parts(&first).first() {
+                        Some(guard) => self.expression(guard).map(Initial::When),
+                        None => Some(Initial::Plain),
+                    },
+                };
+                let name = self.name(&inner.next()?);
+                let (members, end) = self.block(&MEMBERS, end)?;
+                let span = self.span(start, end);
+                let mode = initial.map(|initial| Mode { initial, name, members, doc: self.doc(span), span });
+                Some((mode.map(|mode| Member::Mode(mode.into())), end))
+            }
+            Rule::edge_head => {
+                let inner = parts(pair);
+                let guard = inner.first().and_then(|guard| self.expression(guard));
+                let mut target = None;
+                let mut is_read = guard.is_some();
+                if let Some(leads) = inner.iter().find(|p| p.as_rule() == Rule::target) {
+                    target = parts(leads).first().and_then(|path| self.path(path));
+                    is_read &= target.is_some();
+                }
+                let is_open = inner.iter().any(|p| p.as_rule() == Rule::opening);
+                let (mut updates, mut is_empty) = (Vec::new(), true);
+                let (mut span, mut end) = (self.span_of(pair), end);
+                if is_open {
+                    let broken = self.broken;
+                    (updates, end) = self.block(&UPDATES, end)?;
+                    is_empty = updates.is_empty() && self.broken == broken;
+                    span = self.span(start, end);
+                }
+                let guard = guard.filter(|_| is_read);
+                let edge = guard.map(|guard| Edge { guard, target, updates, is_empty, span });
+                Some((edge.map(|edge| Member::Edge(edge.into())), end))
+            }
+            Rule::bad_member => {
+                self.bad(Rule::only_member, pair);
+                Some((None, end))
+            }
+            _ => Some((self.member(pair), end)),
         }
-        members
     }
 
-    fn member(&mut self, pair: &Pair<'_, Rule>, trivia: &[super::ast::Comment]) -> Option<Member> {
+    fn member(&mut self, pair: &Pair<'_, Rule>) -> Option<Member> {
         let span = self.span_of(pair);
         let inner = parts(pair);
         Some(match pair.as_rule() {
-            Rule::parameter => Member::Parameter(self.constant(pair, trivia)?),
+            Rule::parameter => Member::Parameter(self.constant(pair)?.into()),
             Rule::continuous => {
                 let name = self.name(inner.first()?);
                 let dimension = inner.iter().find(|p| p.as_rule() == Rule::annotation).and_then(|p| self.dimension(p));
                 let initial = inner.iter().find(|p| p.as_rule() == Rule::expression);
                 let initial = initial.and_then(|p| self.expression(p));
-                Member::Continuous(Continuous { name, dimension, initial })
+                Member::Continuous(Continuous { name, dimension, initial }.into())
             }
             Rule::discrete => {
                 let name = self.name(inner.first()?);
                 let domain = self.domain(inner.get(1)?)?;
                 let initial = self.expression(inner.iter().rfind(|p| p.as_rule() == Rule::expression)?)?;
-                Member::Discrete(Discrete { name, domain, initial })
+                Member::Discrete(Discrete { name, domain, initial }.into())
             }
-            Rule::buttons => Member::Buttons(self.names(pair), span),
-            Rule::axes => Member::Axes(self.names(pair), span),
+            Rule::buttons => Member::Buttons((self.names(pair), span).into()),
+            Rule::axes => Member::Axes((self.names(pair), span).into()),
             Rule::collider => {
                 let kinematic = inner.first()?.as_rule() == Rule::kw_kinematic;
                 let tags = self.names(inner.iter().find(|p| p.as_rule() == Rule::tags)?);
@@ -314,27 +366,7 @@ impl Builder<'_> {
                     Some(guard) => Some(self.expression(guard)?),
                     None => None,
                 };
-                Member::Collider(Collider { kinematic, tags, shape, arguments, guard, span })
-            }
-            Rule::group => {
-                let name = self.name(inner.first()?);
-                Member::Group(Group { name, members: self.members(inner.get(1)?, trivia), span })
-            }
-            Rule::mode => {
-                let mut inner = inner.into_iter();
-                let mut first = inner.next()?;
-                let mut initial = Initial::No;
-                if first.as_rule() == Rule::initial {
-                    let guard = parts(&first).into_iter().next();
-                    initial = match guard {
-                        Some(guard) => Initial::When(self.expression(&guard)?),
-                        None => Initial::Plain,
-                    };
-                    first = inner.next()?;
-                }
-                let name = self.name(&first);
-                let members = self.members(&inner.next()?, trivia);
-                Member::Mode(Mode { initial, name, members, doc: self.doc(pair, trivia), span })
+                Member::Collider(Collider { kinematic, tags, shape, arguments, guard, span }.into())
             }
             Rule::assignment => {
                 let becomes = inner.get(1)?.as_rule() == Rule::becomes;
@@ -343,11 +375,16 @@ impl Builder<'_> {
                     value: self.expression(inner.get(2)?)?,
                     span,
                 };
-                if becomes { Member::Entry(Update::Assign(assignment)) } else { Member::Flow(assignment) }
+                if becomes {
+                    Member::Entry(Update::Assign(assignment.into()).into())
+                } else {
+                    Member::Flow(assignment.into())
+                }
             }
-            Rule::spawn | Rule::destroy => Member::Entry(self.update(pair)?),
+            Rule::spawn | Rule::destroy => Member::Entry(self.update(pair)?.into()),
             Rule::reference => {
-                Member::Reference(Reference { name: self.name(inner.first()?), entity: self.name(inner.get(1)?) })
+                let (name, entity) = (self.name(inner.first()?), self.name(inner.get(1)?));
+                Member::Reference(Reference { name, entity }.into())
             }
             Rule::clamp => {
                 let variable = self.variable(inner.first()?)?;
@@ -361,15 +398,17 @@ impl Builder<'_> {
                     Rule::at_most => (None, Some(self.expression(inner.get(2)?)?)),
                     _ => (Some(self.expression(inner.get(2)?)?), None),
                 };
-                Member::Clamp(Clamp { variable, low, high, span })
+                Member::Clamp(Clamp { variable, low, high, span }.into())
             }
-            Rule::invariant => Member::Invariant(Invariant { predicate: self.expression(inner.first()?)?, span }),
+            Rule::invariant => {
+                Member::Invariant(Invariant { predicate: self.expression(inner.first()?)?, span }.into())
+            }
             Rule::put => {
                 let arguments = match inner.get(1) {
                     Some(actuals) => self.actuals(actuals)?,
                     None => Vec::new(),
                 };
-                Member::Use(Use { behavior: self.name(inner.first()?), arguments, span })
+                Member::Use(Use { behavior: self.name(inner.first()?), arguments, span }.into())
             }
             Rule::follow => {
                 let guard = match inner.iter().find(|p| p.as_rule() == Rule::expression) {
@@ -378,26 +417,9 @@ impl Builder<'_> {
                 };
                 let updates = inner.iter().find(|p| p.as_rule() == Rule::updates);
                 let updates = updates.map_or(Vec::new(), |u| self.updates(u));
-                Member::Follow(Follow { guard, updates, span })
+                Member::Follow(Follow { guard, updates, span }.into())
             }
-            Rule::edge => {
-                let guard = self.expression(inner.first()?)?;
-                let mut target = None;
-                let mut updates = Vec::new();
-                let mut is_empty = true;
-                for part in inner.iter().skip(1) {
-                    match part.as_rule() {
-                        Rule::target => target = Some(self.path(parts(part).first()?)?),
-                        Rule::updates => {
-                            is_empty = parts(part).is_empty();
-                            updates = self.updates(part);
-                        }
-                        _ => {}
-                    }
-                }
-                Member::Edge(Edge { guard, target, updates, is_empty, span })
-            }
-            Rule::envelope => Member::Envelope(self.envelope(pair)?),
+            Rule::envelope => Member::Envelope(self.envelope(pair)?.into()),
             _ => return None,
         })
     }
@@ -416,21 +438,22 @@ impl Builder<'_> {
 
     pub fn variable(&self, pair: &Pair<'_, Rule>) -> Option<Variable> {
         let inner = parts(pair);
-        let primes = inner.get(1).map_or(0, |p| p.as_str().len());
+        let primes = inner.get(1).map_or(0, |p| p.as_str().len() as u32);
         Some(Variable { name: self.name(inner.first()?), primes, span: self.span_of(pair) })
     }
 
     pub fn path(&self, pair: &Pair<'_, Rule>) -> Option<Path> {
-        let mut segments = Vec::new();
+        // Most paths are a single name.
+        let mut segments = Vec::with_capacity(1);
         let mut primes = 0;
         for part in parts(pair) {
             if part.as_rule() == Rule::primes {
-                primes = part.as_str().len();
+                primes = part.as_str().len() as u32;
             } else {
                 segments.push(self.name(&part));
             }
         }
-        (!segments.is_empty()).then(|| Path { segments, primes, span: self.span_of(pair) })
+        (!segments.is_empty()).then(|| Path { segments: segments.into(), primes, span: self.span_of(pair) })
     }
 
     fn updates(&mut self, pair: &Pair<'_, Rule>) -> Vec<Update> {
@@ -444,7 +467,7 @@ impl Builder<'_> {
         updates
     }
 
-    fn update(&mut self, pair: &Pair<'_, Rule>) -> Option<Update> {
+    pub(super) fn update(&mut self, pair: &Pair<'_, Rule>) -> Option<Update> {
         let span = self.span_of(pair);
         let inner = parts(pair);
         Some(match pair.as_rule() {
@@ -459,18 +482,18 @@ impl Builder<'_> {
                     Some(actuals) => self.actuals(actuals)?,
                     None => Vec::new(),
                 };
-                Update::Spawn(Spawn { into, entity, settings, span })
+                Update::Spawn(Spawn { into, entity, settings, span }.into())
             }
             Rule::destroy => {
                 let what = inner.first()?;
                 let at = self.span_of(what);
                 let kind = match what.as_rule() {
                     Rule::kw_self => ExprKind::SelfRef,
-                    _ => ExprKind::Path(Path { segments: vec![self.name(what)], primes: 0, span: at }),
+                    _ => ExprKind::Path(Path { segments: [self.name(what)].into(), primes: 0, span: at }.into()),
                 };
-                Update::Destroy(Destroy { what: Expr { kind, span: at }, span })
+                Update::Destroy(Destroy { what: Expr { kind, span: at }, span }.into())
             }
-            _ => Update::Assign(self.assignment(pair)?),
+            _ => Update::Assign(self.assignment(pair)?.into()),
         })
     }
 
@@ -555,49 +578,4 @@ impl Builder<'_> {
     fn level(&mut self, pair: Option<&Pair<'_, Rule>>) -> Option<Expr> {
         self.expression(parts(pair?).first()?)
     }
-}
-
-/// The names that a broken declaration would have introduced: the words after a declaring word, or after a first word
-/// that opens nothing and may be a slip.
-fn declared_names(slice: &str) -> Vec<String> {
-    const DECLARING: &[&str] = &[
-        "param",
-        "continuous",
-        "discrete",
-        "ref",
-        "button",
-        "axis",
-        "collider",
-        "group",
-        "mode",
-        "entity",
-        "behavior",
-        "world",
-        "const",
-        "space",
-        "tiles",
-        "place",
-        "goal",
-        "never",
-        "map",
-    ];
-    const OTHER: &[&str] = &["when", "envelope", "import", "step", "collide", "player", "kinematic", "initial", "use"];
-    let mut names = Vec::new();
-    let mut declaring = false;
-    let is_word = |c: char| c.is_alphanumeric() || c == '_';
-    let mut first = true;
-    for token in slice.split(|c: char| !is_word(c) && c != ',').filter(|t| !t.is_empty()) {
-        let list_goes_on = token.ends_with(',');
-        for word in token.split(',').filter(|w| !w.is_empty()) {
-            let slip = first && !OTHER.contains(&word) && !DECLARING.contains(&word);
-            let declares = DECLARING.contains(&word) || slip;
-            // `speed 100`, its `param` forgotten, declares its first word.
-            if slip || (declaring && !declares) {
-                names.push(word.to_string());
-            }
-            declaring = declares || (declaring && list_goes_on);
-            first = false;
-        }
-    }
-    names
 }

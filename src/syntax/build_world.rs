@@ -5,22 +5,73 @@ use pest::iterators::Pair;
 use super::Rule;
 use super::ast::{
     Collide, Expr, Kind, Kinds, Legend, Limit, Link, Map, MapSource, Name, Place, Player, Question, Rectangle,
-    Response, Solid, Space, SpaceItem, Tile, TileSpawn, Tiles, World, WorldItem,
+    Response, Solid, Space, SpaceItem, Tile, TileSpawn, Tiles, WorldItem,
 };
-use super::build::{Builder, parts};
+use super::build::Builder;
+use super::part::{Part, Parts, parts};
 
-impl Builder<'_> {
-    pub(super) fn world(&mut self, pair: &Pair<'_, Rule>, doc: Option<String>) -> Option<World> {
-        let inner = parts(pair);
-        let name = self.name(inner.first()?);
-        let mut items = Vec::new();
-        for item in parts(inner.get(1)?) {
-            match item.as_rule() {
-                Rule::bad_world_item => self.bad(Rule::only_world_item, &item),
-                _ => items.extend(self.world_item(&item)),
+/// How what stands in spaces is read.
+const SPACE_ITEMS: Parts<SpaceItem> = Parts {
+    next: Rule::next_space_item,
+    plain: Rule::next_space_item,
+    build: |b, pair, end| Some((b.space_item(pair), end)),
+};
+/// How the tiles of a set are read.
+const TILES: Parts<Tile> = Parts {
+    next: Rule::next_tile,
+    plain: Rule::next_tile,
+    build: |b, pair, end| {
+        let tile = if pair.as_rule() == Rule::bad_tile {
+            b.bad(Rule::only_tile, pair);
+            None
+        } else {
+            b.tile(pair)
+        };
+        Some((tile, end))
+    },
+};
+
+impl<'a> Builder<'a> {
+    /// A part of a world.
+    pub(super) fn world_part(&mut self, pair: &Pair<'_, Rule>, end: usize) -> Part<WorldItem> {
+        let (start, inner) = (self.start_of(pair), parts(pair));
+        match pair.as_rule() {
+            Rule::space_head => {
+                let name = self.name(inner.first()?);
+                let (items, end) = self.block(&SPACE_ITEMS, end)?;
+                Some((Some(WorldItem::Space(Space { name, items, span: self.span(start, end) }.into())), end))
+            }
+            Rule::tiles_head => {
+                let name = self.name(inner.first()?);
+                let size = parts(inner.get(1)?);
+                let length = |at: usize| size.get(at).and_then(|length| self.primary(length));
+                let (width, height) = (length(0), length(1));
+                let (tiles, end) = self.block(&TILES, end)?;
+                let span = self.span(start, end);
+                let set = width.zip(height).map(|(width, height)| Tiles { name, width, height, tiles, span });
+                Some((set.map(|set| WorldItem::Tiles(set.into())), end))
+            }
+            Rule::bad_world_item => {
+                self.bad(Rule::only_world_item, pair);
+                Some((None, end))
+            }
+            _ => Some((self.world_item(pair), end)),
+        }
+    }
+
+    /// A part of a space.
+    fn space_item(&mut self, pair: &Pair<'_, Rule>) -> Option<SpaceItem> {
+        match pair.as_rule() {
+            Rule::link => self.link(pair).map(|l| SpaceItem::Link(l.into())),
+            Rule::solid => self.solid(pair),
+            Rule::bounds => self.rectangle(parts(pair).first()?, pair).map(|r| SpaceItem::Bounds(r.into())),
+            Rule::map => self.map(pair).map(|m| SpaceItem::Map(m.into())),
+            Rule::place => self.place(pair).map(|p| SpaceItem::Place(p.into())),
+            _ => {
+                self.bad(Rule::only_space_item, pair);
+                None
             }
         }
-        Some(World { name, items, doc, span: self.span_of(pair) })
     }
 
     fn world_item(&mut self, pair: &Pair<'_, Rule>) -> Option<WorldItem> {
@@ -28,50 +79,21 @@ impl Builder<'_> {
         let span = self.span_of(pair);
         let first = inner.first()?;
         Some(match pair.as_rule() {
-            Rule::step => WorldItem::Step(self.expression(first)?),
-            Rule::collide => WorldItem::Collide(Collide {
-                left: self.names(first),
-                right: self.names(inner.get(1)?),
-                response: self.response(inner.get(2)?),
-                span,
-            }),
-            Rule::tiles => {
-                let size = parts(inner.get(1)?);
-                let tiles = self.tiles(inner.get(2)?);
-                WorldItem::Tiles(Tiles {
-                    name: self.name(first),
-                    width: self.primary(size.first()?)?,
-                    height: self.primary(size.get(1)?)?,
-                    tiles,
-                    span,
-                })
-            }
-            Rule::space => {
-                let mut items = Vec::new();
-                for item in parts(inner.get(1)?) {
-                    match item.as_rule() {
-                        Rule::bad_space_item => self.bad(Rule::only_space_item, &item),
-                        Rule::link => items.extend(self.link(&item).map(|l| SpaceItem::Link(Box::new(l)))),
-                        Rule::solid => items.extend(self.solid(&item)),
-                        Rule::bounds => {
-                            let rectangle = parts(&item).first().and_then(|r| self.rectangle(r, &item));
-                            items.extend(rectangle.map(SpaceItem::Bounds));
-                        }
-                        Rule::map => items.extend(self.map(&item).map(|m| SpaceItem::Map(Box::new(m)))),
-                        Rule::place => items.extend(self.place(&item).map(|p| SpaceItem::Place(Box::new(p)))),
-                        _ => {}
-                    }
-                }
-                WorldItem::Space(Space { name: self.name(first), items, span })
+            Rule::step => WorldItem::Step(self.expression(first)?.into()),
+            Rule::collide => {
+                let (left, right) = (self.names(first), self.names(inner.get(1)?));
+                WorldItem::Collide(Collide { left, right, response: self.response(inner.get(2)?), span }.into())
             }
             Rule::limit => {
-                WorldItem::Limit(Limit { entity: self.name(first), count: self.expression(inner.get(1)?)?, span })
+                let (entity, count) = (self.name(first), self.expression(inner.get(1)?)?);
+                WorldItem::Limit(Limit { entity, count, span }.into())
             }
             Rule::player => {
-                WorldItem::Player(Player { number: self.name(first), instance: self.name(inner.get(1)?), span })
+                let (number, instance) = (self.name(first), self.name(inner.get(1)?));
+                WorldItem::Player(Player { number, instance, span }.into())
             }
-            Rule::goal => WorldItem::Goal(self.question(&inner)?),
-            Rule::never => WorldItem::Never(self.question(&inner)?),
+            Rule::goal => WorldItem::Goal(self.question(&inner)?.into()),
+            Rule::never => WorldItem::Never(self.question(&inner)?.into()),
             _ => return None,
         })
     }
@@ -200,7 +222,7 @@ impl Builder<'_> {
         let inner = parts(pair);
         let tags = self.names(inner.first()?);
         let rectangle = self.rectangle(inner.get(1)?, pair)?;
-        Some(SpaceItem::Solid(Solid { tags, rectangle }))
+        Some(SpaceItem::Solid(Solid { tags, rectangle }.into()))
     }
 
     fn rectangle(&self, pair: &Pair<'_, Rule>, line: &Pair<'_, Rule>) -> Option<Rectangle> {

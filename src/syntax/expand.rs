@@ -13,7 +13,7 @@ use crate::diagnostic::catalogue::syntax::ExpressionTooLong;
 use crate::diagnostic::catalogue::types::MissingArguments;
 use crate::source::{SourceMap, Span};
 
-use super::ast::{Behavior, Expr, ExprKind, File, Item, Member, Path, Use};
+use super::ast::{Behavior, Expr, ExprKind, File, Item, Member, Path, Use, Word};
 use super::occurrence::{NameKind, Occurrences};
 use super::scan::{MAX_NESTING, MAX_OPERATORS};
 use super::substitute::Substitution;
@@ -25,7 +25,7 @@ const MAX_DEPTH: usize = 2 * MAX_NESTING;
 
 /// Puts all behaviours in place, and notes where they and their parameters are named.
 pub fn expand(files: &mut [File], sources: &mut SourceMap, occurrences: &mut Occurrences) -> Diagnostics {
-    let mut behaviors: BTreeMap<String, Behavior> = BTreeMap::new();
+    let mut behaviors: BTreeMap<Word, Behavior> = BTreeMap::new();
     let mut diagnostics = Diagnostics::new();
     for behavior in files.iter().flat_map(|f| &f.items).filter_map(|i| match i {
         Item::Behavior(behavior) => Some(behavior),
@@ -37,24 +37,24 @@ pub fn expand(files: &mut [File], sources: &mut SourceMap, occurrences: &mut Occ
         match behaviors.get(&behavior.name.text) {
             Some(first) => diagnostics.report(DuplicateName {
                 kind: "behavior",
-                name: behavior.name.text.clone(),
+                name: behavior.name.text.to_string(),
                 first: first.name.span,
                 second: behavior.name.span,
             }),
             None => {
-                behaviors.insert(behavior.name.text.clone(), behavior.clone());
+                behaviors.insert(behavior.name.text.clone(), (**behavior).clone());
             }
         }
         let mut parameters: BTreeMap<&str, Span> = BTreeMap::new();
         for parameter in &behavior.parameters {
             let first = *parameters.entry(&parameter.text).or_insert(parameter.span);
             if first != parameter.span {
-                let (name, second) = (parameter.text.clone(), parameter.span);
+                let (name, second) = (parameter.text.to_string(), parameter.span);
                 diagnostics.report(DuplicateName { kind: "parameter", name, first, second });
             }
         }
     }
-    let suspects = files.iter().flat_map(|f| &f.broken).flat_map(|b| b.names.iter().cloned()).collect();
+    let suspects = files.iter().flat_map(|f| f.suspects.iter().map(|name| name.as_str().into())).collect();
     let mut expander = Expander {
         behaviors,
         suspects,
@@ -78,14 +78,14 @@ pub fn expand(files: &mut [File], sources: &mut SourceMap, occurrences: &mut Occ
 }
 
 struct Expander<'a> {
-    behaviors: BTreeMap<String, Behavior>,
+    behaviors: BTreeMap<Word, Behavior>,
     /// Names that broken slices would have declared.
-    suspects: BTreeSet<String>,
+    suspects: BTreeSet<Word>,
     sources: &'a mut SourceMap,
     diagnostics: Diagnostics,
     occurrences: &'a mut Occurrences,
     /// The behaviours that are being put in place.
-    active: Vec<String>,
+    active: Vec<Word>,
     /// How many members were put in place.
     put: usize,
     /// How many modes, groups and behaviours are open.
@@ -93,7 +93,7 @@ struct Expander<'a> {
     /// Whether too many were.
     is_too_deep: bool,
     /// The behaviours that were put in place at least once.
-    used: BTreeSet<String>,
+    used: BTreeSet<Word>,
 }
 
 impl Expander<'_> {
@@ -102,9 +102,9 @@ impl Expander<'_> {
         let Some(root) = root.filter(|f| f.items.iter().any(|i| matches!(i, Item::World(_)))) else { return };
         let own = root.items.iter().filter_map(|i| if let Item::Behavior(b) = i { Some(&b.name) } else { None });
         let unused = own.filter(|name| !self.used.contains(&name.text) && !name.text.starts_with('_'));
-        if root.broken.is_empty() && !self.diagnostics.has_errors() {
+        if !root.is_broken && !self.diagnostics.has_errors() {
             for name in unused {
-                let (kind, name, at) = ("behavior", name.text.clone(), name.span);
+                let (kind, name, at) = ("behavior", name.text.to_string(), name.span);
                 self.diagnostics.report(Unused { kind, name, at, written: None });
             }
         }
@@ -177,7 +177,7 @@ impl Expander<'_> {
         let name = &put.behavior.text;
         let Some(behavior) = self.behaviors.get(name).cloned() else {
             if !self.suspects.contains(name) && !self.suspects.contains("*") {
-                let known = self.behaviors.values().map(|b| (b.name.text.as_str(), Some(b.name.span)));
+                let known = self.behaviors.values().map(|b| (&*b.name.text, Some(b.name.span)));
                 self.diagnostics.report(UnknownName::new("behavior", name, put.behavior.span, known));
             }
             return Vec::new();
@@ -224,37 +224,33 @@ impl Expander<'_> {
     fn arguments(&mut self, put: &Use, behavior: &Behavior) -> Option<Vec<(String, Expr)>> {
         let mut arguments: Vec<(String, Expr)> = Vec::new();
         let mut places: BTreeMap<&str, Span> = BTreeMap::new();
-        let parameters: BTreeSet<&str> = behavior.parameters.iter().map(|p| p.text.as_str()).collect();
+        let parameters: BTreeSet<&str> = behavior.parameters.iter().map(|p| &*p.text).collect();
         let mut fits = true;
         for argument in &put.arguments {
             let (name, at) = (&argument.variable.name.text, argument.variable.span);
-            let known = parameters.contains(name.as_str()) && argument.variable.primes == 0;
+            let known = parameters.contains(&**name) && argument.variable.primes == 0;
             if let Some(parameter) = behavior.parameters.iter().find(|p| known && p.text == *name) {
                 self.occurrences.read(NameKind::Argument, argument.variable.name.span, parameter.span);
             }
             if !known {
                 fits = false;
-                let known = behavior.parameters.iter().map(|p| (p.text.as_str(), Some(p.span)));
+                let known = behavior.parameters.iter().map(|p| (&*p.text, Some(p.span)));
                 self.diagnostics.report(UnknownName::new("parameter", name, at, known));
                 continue;
             }
-            if let Some(&first) = places.get(name.as_str()) {
-                let name = name.clone();
+            if let Some(&first) = places.get(&**name) {
+                let name = name.to_string();
                 self.diagnostics.report(DuplicateName { kind: "argument", name, first, second: at });
                 continue;
             }
             places.insert(name, at);
-            arguments.push((name.clone(), argument.value.clone()));
+            arguments.push((name.to_string(), argument.value.clone()));
         }
-        let missing: Vec<String> = behavior
-            .parameters
-            .iter()
-            .filter(|p| !places.contains_key(p.text.as_str()))
-            .map(|p| p.text.clone())
-            .collect();
+        let missing: Vec<String> =
+            behavior.parameters.iter().filter(|p| !places.contains_key(&*p.text)).map(|p| p.text.to_string()).collect();
         if !missing.is_empty() && fits {
             fits = false;
-            let name = behavior.name.text.clone();
+            let name = behavior.name.text.to_string();
             self.diagnostics.report(MissingArguments { at: put.span, name, missing, declared: behavior.name.span });
         }
         fits.then_some(arguments)
@@ -270,8 +266,8 @@ fn note_parameters(behavior: &Behavior, occurrences: &mut Occurrences) {
         return;
     }
     let itself = |p: &super::ast::Name| {
-        let path = Path { segments: vec![p.clone()], primes: 0, span: p.span };
-        (p.text.clone(), Expr { kind: ExprKind::Path(path), span: p.span })
+        let path = Path { segments: [p.clone()].into(), primes: 0, span: p.span };
+        (p.text.to_string(), Expr { kind: ExprKind::Path(path.into()), span: p.span })
     };
     let (file, arguments) = (behavior.name.span.file, behavior.parameters.iter().map(itself).collect());
     let mut substitution = Substitution { from: file, to: file, arguments, too_long: None, replaced: Vec::new() };
@@ -291,8 +287,8 @@ fn note_members(members: &[Member], occurrences: &mut Occurrences) {
             Member::Continuous(c) => occurrences.declare(NameKind::Variable, c.name.span),
             Member::Discrete(d) => occurrences.declare(NameKind::Discrete, d.name.span),
             Member::Reference(r) => occurrences.declare(NameKind::Reference, r.name.span),
-            Member::Buttons(names, _) => names.iter().for_each(|n| occurrences.declare(NameKind::Button, n.span)),
-            Member::Axes(names, _) => names.iter().for_each(|n| occurrences.declare(NameKind::Axis, n.span)),
+            Member::Buttons(list) => list.0.iter().for_each(|n| occurrences.declare(NameKind::Button, n.span)),
+            Member::Axes(list) => list.0.iter().for_each(|n| occurrences.declare(NameKind::Axis, n.span)),
             Member::Group(group) => {
                 occurrences.declare(NameKind::Group, group.name.span);
                 note_members(&group.members, occurrences);

@@ -8,8 +8,9 @@ use pest::iterators::Pair;
 use pest::pratt_parser::{Assoc, Op, PrattParser};
 
 use super::Rule;
-use super::ast::{BinaryOp, CompareOp, Expr, ExprKind, Unit};
-use super::build::{Builder, parts};
+use super::ast::{BinaryOp, Call, CompareOp, Expr, ExprKind, Unit};
+use super::build::Builder;
+use super::part::parts;
 
 static PRECEDENCE: LazyLock<PrattParser<Rule>> = LazyLock::new(|| {
     use Rule as R;
@@ -70,11 +71,18 @@ impl Builder<'_> {
                 let span = left.span.to(right.span);
                 if let Some(op) = comparison(operator.as_rule()) {
                     // `a < b < c` is one chain; `(a < b) < c` is not, its left side is a `Paren`.
-                    if let ExprKind::Compare(first, mut rest) = left.kind {
-                        rest.push((op, right));
-                        return Some(Expr { kind: ExprKind::Compare(first, rest), span });
-                    }
-                    return Some(Expr { kind: ExprKind::Compare(Box::new(left), vec![(op, right)]), span });
+                    let kind = match left.kind {
+                        ExprKind::Compare(before, sides) => {
+                            let [first, second] = *sides;
+                            ExprKind::Chain(Box::new((first, vec![(before, second), (op, right)])))
+                        }
+                        ExprKind::Chain(mut chain) => {
+                            chain.1.push((op, right));
+                            ExprKind::Chain(chain)
+                        }
+                        _ => ExprKind::Compare(op, Box::new([left, right])),
+                    };
+                    return Some(Expr { kind, span });
                 }
                 let op = match operator.as_rule() {
                     Rule::kw_and => BinaryOp::And,
@@ -84,7 +92,7 @@ impl Builder<'_> {
                     Rule::times => BinaryOp::Multiply,
                     _ => BinaryOp::Divide,
                 };
-                Some(Expr { kind: ExprKind::Binary(op, Box::new(left), Box::new(right)), span })
+                Some(Expr { kind: ExprKind::Binary(op, Box::new([left, right])), span })
             })
             .parse(inner)
     }
@@ -99,11 +107,13 @@ impl Builder<'_> {
         let relation = relation.into_inner().next()?;
         let span = atom.span.to(self.span_of(&relation));
         let object = relation.clone().into_inner().last()?;
-        let subject = Box::new(atom);
         let kind = match relation.as_rule() {
-            Rule::relation_in => ExprKind::In(subject, self.path(&object)?),
-            Rule::relation_is => ExprKind::Is(subject, (object.as_rule() != Rule::kw_none).then(|| self.name(&object))),
-            _ => ExprKind::Touching(subject, self.name(&object)),
+            Rule::relation_in => ExprKind::In(Box::new((atom, self.path(&object)?))),
+            Rule::relation_is => {
+                let entity = (object.as_rule() != Rule::kw_none).then(|| self.name(&object));
+                ExprKind::Is(Box::new((atom, entity)))
+            }
+            _ => ExprKind::Touching(Box::new((atom, self.name(&object)))),
         };
         Some(Expr { kind, span })
     }
@@ -126,10 +136,10 @@ impl Builder<'_> {
             Rule::kw_none => ExprKind::NoneRef,
             Rule::kw_self => ExprKind::SelfRef,
             Rule::kw_timer => ExprKind::Timer,
-            Rule::text => ExprKind::Text(self.name(pair).text),
-            Rule::path => ExprKind::Path(self.path(pair)?),
-            Rule::in_mode => ExprKind::InMode(self.path(inner.last()?)?),
-            Rule::any_instance => ExprKind::Any(self.name(inner.last()?)),
+            Rule::text => ExprKind::Text(self.name(pair).text.into()),
+            Rule::path => ExprKind::Path(self.path(pair)?.into()),
+            Rule::in_mode => ExprKind::InMode(self.path(inner.last()?)?.into()),
+            Rule::any_instance => ExprKind::Any(self.name(inner.last()?).into()),
             Rule::call => {
                 let mut arguments = Vec::new();
                 let mut binding = None;
@@ -140,11 +150,11 @@ impl Builder<'_> {
                         _ => {}
                     }
                 }
-                ExprKind::Call(self.name(inner.first()?), arguments, binding)
+                ExprKind::Call(Call { function: self.name(inner.first()?), arguments, binding }.into())
             }
             Rule::paren => match inner.as_slice() {
                 [only] => ExprKind::Paren(Box::new(self.expression(only)?)),
-                [x, y] => ExprKind::Point(Box::new(self.expression(x)?), Box::new(self.expression(y)?)),
+                [x, y] => ExprKind::Point(Box::new([self.expression(x)?, self.expression(y)?])),
                 _ => return None,
             },
             _ => return None,

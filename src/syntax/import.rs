@@ -8,7 +8,7 @@ use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::file::{ImportCycle, TooMany, Unreadable};
 use crate::source::{FileId, Files, ReadError, SourceMap, Span};
 
-use super::ast::{Broken, File, Item, MapSource};
+use super::ast::{File, Item, MapSource};
 
 /// The most files that one program may be made of.
 pub const MAX_FILES: usize = 10_000;
@@ -51,7 +51,8 @@ pub fn load(root: &Path, files: &dyn Files, sources: &mut SourceMap) -> (Vec<Fil
                 // Whatever it declares is not known, and that is explained already.
                 None => {
                     if let Some(top) = stack.last_mut() {
-                        top.file.broken.push(Broken { span: at, names: vec!["*".into()] });
+                        top.file.is_broken = true;
+                        top.file.suspects.insert("*".into());
                     }
                 }
             }
@@ -78,7 +79,7 @@ fn texts(
     let mut known: BTreeMap<PathBuf, Result<FileId, ReadError>> = BTreeMap::new();
     let mut out = Vec::new();
     for name in named {
-        let path = folder.join(&name.text);
+        let path = folder.join(&*name.text);
         let read = known.entry(path.clone()).or_insert_with(|| files.read(&path).map(|text| sources.add(&path, text)));
         match read {
             Ok(id) => out.push((name.span, *id)),
@@ -114,7 +115,7 @@ fn open(
         .items
         .iter()
         .filter_map(|item| match item {
-            Item::Import(import) => Some((folder.join(&import.path.text), import.path.span)),
+            Item::Import(import) => Some((folder.join(&*import.path.text), import.path.span)),
             _ => None,
         })
         .collect();

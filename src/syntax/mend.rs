@@ -52,14 +52,6 @@ pub(super) fn mend_braces(
     text: &mut [u8],
     diagnostics: &mut Diagnostics,
 ) -> Vec<Insert> {
-    let mut depth = 0i64;
-    let balanced = braces.iter().all(|b| {
-        depth += if b.open { 1 } else { -1 };
-        depth >= 0
-    }) && depth == 0;
-    if balanced {
-        return Vec::new();
-    }
     let mut mender =
         Mender { file, text, diagnostics, inserts: Vec::new(), open: Vec::new(), strays: 0, suspect: None };
     let mut lines = lines.iter().peekable();

@@ -13,6 +13,7 @@ mod import;
 mod mend;
 mod message;
 pub mod occurrence;
+mod part;
 mod scan;
 mod slip;
 mod substitute;

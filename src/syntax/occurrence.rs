@@ -75,38 +75,50 @@ pub struct Occurrence {
     pub role: Role,
 }
 
-/// All names of a program.
+/// All names of a program, if anybody wants to know.
 #[derive(Debug, Clone, Default)]
 pub struct Occurrences {
-    list: Vec<Occurrence>,
+    /// None if nobody does: a large text has many names.
+    list: Option<Vec<Occurrence>>,
 }
 
 impl Occurrences {
+    /// To be kept, unlike by default.
+    pub fn kept() -> Self {
+        Occurrences { list: Some(Vec::new()) }
+    }
+
+    /// Whether anybody wants to know.
+    pub fn are_kept(&self) -> bool {
+        self.list.is_some()
+    }
+
+    fn note(&mut self, occurrence: Occurrence) {
+        if let Some(list) = &mut self.list {
+            list.push(occurrence);
+        }
+    }
+
     /// Notes a declaration.
     pub fn declare(&mut self, kind: NameKind, at: Span) {
-        self.list.push(Occurrence { at, kind, declared: at, role: Role::Declared });
+        self.note(Occurrence { at, kind, declared: at, role: Role::Declared });
     }
 
     /// Notes a use.
     pub fn read(&mut self, kind: NameKind, at: Span, declared: Span) {
-        self.list.push(Occurrence { at, kind, declared, role: Role::Read });
+        self.note(Occurrence { at, kind, declared, role: Role::Read });
     }
 
     /// Notes that a value is set.
     pub fn write(&mut self, kind: NameKind, at: Span, declared: Span) {
-        self.list.push(Occurrence { at, kind, declared, role: Role::Written });
-    }
-
-    /// Takes over what another stage noted.
-    pub fn append(&mut self, mut other: Occurrences) {
-        self.list.append(&mut other.list);
+        self.note(Occurrence { at, kind, declared, role: Role::Written });
     }
 
     /// In order of their places, each once. What stands in copies made by `use` is told of the text itself.
     pub fn sorted(self, sources: &SourceMap) -> Vec<Occurrence> {
         let traced =
             |o: Occurrence| Occurrence { at: sources.trace(o.at).0, declared: sources.trace(o.declared).0, ..o };
-        let mut list: Vec<Occurrence> = self.list.into_iter().map(traced).collect();
+        let mut list: Vec<Occurrence> = self.list.into_iter().flatten().map(traced).collect();
         list.sort_unstable();
         list.dedup();
         list

@@ -10,7 +10,6 @@ use crate::diagnostic::catalogue::syntax::{
 };
 use crate::source::{FileId, Span};
 
-use super::ast::Comment;
 use super::mend::{Brace, Insert, LineStart, mend_braces};
 
 /// How many brackets may be open at once.
@@ -22,12 +21,21 @@ pub const MAX_WORD: usize = 255;
 /// How many words, numbers and signs a file may have: what is made of each takes far more memory than its text.
 pub const MAX_TOKENS: usize = 4_000_000;
 
+/// A `///` comment: it documents what follows.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Comment {
+    /// Its first byte in the source.
+    pub start: u32,
+    /// One past its last byte that is no white space.
+    pub end: u32,
+}
+
 /// What the scan leaves for the parser.
 pub(super) struct Scan {
     /// The text to parse; none if a limit was passed.
     pub text: Option<String>,
-    /// All comments.
-    pub trivia: Vec<Comment>,
+    /// All comments that document what follows.
+    pub docs: Vec<Comment>,
     /// Regions whose syntax errors are already explained.
     pub explained: Vec<Span>,
     /// Where lines were inserted (in the mended text), how many bytes, and how many with those before.
@@ -62,8 +70,9 @@ const HEADERS: &[&str] = &["entity", "world", "behavior", "mode", "group", "spac
 pub(super) fn scan(file: FileId, text: &str, diagnostics: &mut Diagnostics) -> Scan {
     let mut scanner = Scanner::new(file, text, diagnostics);
     scanner.run();
-    let Scanner { trivia, braces, lines, blanks, explained, within_limits, .. } = scanner;
-    let mut scan = Scan { text: None, trivia, explained, insertions: Vec::new(), length: text.len() };
+    let is_balanced = scanner.is_balanced && scanner.depth == 0;
+    let Scanner { docs, blanks, explained, within_limits, .. } = scanner;
+    let mut scan = Scan { text: None, docs, explained, insertions: Vec::new(), length: text.len() };
     if within_limits {
         let mut mended = text.as_bytes().to_vec();
         for (from, to) in blanks {
@@ -73,7 +82,16 @@ pub(super) fn scan(file: FileId, text: &str, diagnostics: &mut Diagnostics) -> S
                 }
             }
         }
-        let inserts = mend_braces(file, text.len(), &braces, &lines, &mut mended, diagnostics);
+        let inserts = if is_balanced {
+            Vec::new()
+        } else {
+            // Where lines begin and braces stand is of interest only now; what is wrong otherwise has been said.
+            let mut said = Diagnostics::new();
+            let mut scanner = Scanner { is_mending: true, ..Scanner::new(file, text, &mut said) };
+            scanner.run();
+            let Scanner { braces, lines, .. } = scanner;
+            mend_braces(file, text.len(), &braces, &lines, &mut mended, diagnostics)
+        };
         let mut out = String::with_capacity(mended.len() + 2 * inserts.len());
         let mut done = 0;
         for Insert { at, text } in inserts {
@@ -94,13 +112,19 @@ struct Scanner<'a> {
     text: &'a str,
     bytes: &'a [u8],
     diagnostics: &'a mut Diagnostics,
-    trivia: Vec<Comment>,
+    docs: Vec<Comment>,
     braces: Vec<Brace>,
     lines: Vec<LineStart>,
     /// Byte ranges to be replaced by blanks.
     blanks: Vec<(usize, usize)>,
     explained: Vec<Span>,
     within_limits: bool,
+    /// Whether braces and lines are kept.
+    is_mending: bool,
+    /// How many braces are open.
+    depth: i64,
+    /// Whether none closed what was not open.
+    is_balanced: bool,
     /// Open parentheses of each open brace, outermost first.
     parens: Vec<usize>,
     tokens: usize,
@@ -125,12 +149,15 @@ impl<'a> Scanner<'a> {
             text,
             bytes: text.as_bytes(),
             diagnostics,
-            trivia: Vec::new(),
+            docs: Vec::new(),
             braces: Vec::new(),
             lines: Vec::new(),
             blanks: Vec::new(),
             explained: Vec::new(),
             within_limits: true,
+            is_mending: false,
+            depth: 0,
+            is_balanced: true,
             parens: vec![0],
             tokens: 0,
             operators: 0,
@@ -182,8 +209,10 @@ impl<'a> Scanner<'a> {
     fn comment(&mut self, start: usize) -> usize {
         let end = self.this_line_end(start);
         let body = self.text.get(start..end).unwrap_or("").trim_end();
-        let documents = body.starts_with("///") && !body.starts_with("////");
-        self.trivia.push(Comment { span: Span::new(self.file, start, start + body.len()), documents });
+        if body.starts_with("///") && !body.starts_with("////") {
+            // Files are limited, so the casts lose nothing.
+            self.docs.push(Comment { start: start as u32, end: (start + body.len()) as u32 });
+        }
         end
     }
 
@@ -206,7 +235,7 @@ impl<'a> Scanner<'a> {
         self.continues = false;
         if self.line_is_empty {
             self.line_is_empty = false;
-            if !inside && rest[0] != b'}' && rest[0] != b'{' {
+            if self.is_mending && !inside && rest[0] != b'}' && rest[0] != b'{' {
                 let bare_header = HEADERS.iter().any(|h| is_word(h));
                 self.lines.push(LineStart {
                     line: self.line_start,
@@ -238,13 +267,17 @@ impl<'a> Scanner<'a> {
         let rest = &self.bytes[i..];
         match rest[0] {
             open @ (b'{' | b'}') => {
-                self.braces.push(Brace {
-                    at: i,
-                    open: open == b'{',
-                    indent: self.indent,
-                    leads,
-                    line: self.line_start,
-                });
+                self.depth += if open == b'{' { 1 } else { -1 };
+                self.is_balanced &= self.depth >= 0;
+                if self.is_mending {
+                    self.braces.push(Brace {
+                        at: i,
+                        open: open == b'{',
+                        indent: self.indent,
+                        leads,
+                        line: self.line_start,
+                    });
+                }
                 self.operators = 0;
                 if open == b'{' {
                     self.parens.push(0);

@@ -45,8 +45,8 @@ impl Substitution {
         if let Some((_, Expr { kind: ExprKind::Path(inner), .. })) = self.arguments.get(parameter)
             && inner.primes == 0
         {
-            let replaced: Vec<Name> = path.segments.splice(..1, inner.segments.iter().cloned()).collect();
-            self.replaced.extend(replaced.first().map(|name| (name.span, parameter)));
+            self.replaced.extend(path.segments.first().map(|name| (name.span, parameter)));
+            path.segments = inner.segments.iter().chain(path.segments.iter().skip(1)).cloned().collect();
         }
     }
 
@@ -78,7 +78,8 @@ impl Substitution {
                 }
                 self.whole(&mut d.initial);
             }
-            Member::Buttons(names, span) | Member::Axes(names, span) => {
+            Member::Buttons(list) | Member::Axes(list) => {
+                let (names, span) = &mut **list;
                 names.iter_mut().for_each(|n| self.name(n));
                 self.span(span);
             }
@@ -236,43 +237,44 @@ impl Substitution {
             | ExprKind::Timer
             | ExprKind::Text(_)
             | ExprKind::Path(_) => {}
-            ExprKind::Call(name, arguments, binding) => {
-                self.name(name);
+            ExprKind::Call(call) => {
+                let super::ast::Call { function, arguments, binding } = &mut **call;
+                self.name(function);
                 binding.iter_mut().for_each(|b| self.name(b));
                 arguments.iter_mut().for_each(|a| self.expression(a, operators));
             }
             ExprKind::InMode(path) => self.path(path),
             ExprKind::Any(name) => self.name(name),
-            ExprKind::Point(a, b) => {
-                self.expression(a, operators);
-                self.expression(b, operators);
-            }
+            ExprKind::Point(both) => both.iter_mut().for_each(|e| self.expression(e, operators)),
             ExprKind::Paren(a) => self.expression(a, operators),
             ExprKind::Negate(a) | ExprKind::Not(a) => {
                 *operators += 1;
                 self.expression(a, operators);
             }
-            ExprKind::Binary(_, a, b) => {
+            ExprKind::Binary(_, both) | ExprKind::Compare(_, both) => {
                 *operators += 1;
-                self.expression(a, operators);
-                self.expression(b, operators);
+                both.iter_mut().for_each(|e| self.expression(e, operators));
             }
-            ExprKind::Compare(a, rest) => {
-                self.expression(a, operators);
+            ExprKind::Chain(chain) => {
+                let (first, rest) = &mut **chain;
+                self.expression(first, operators);
                 for (_, b) in rest {
                     *operators += 1;
                     self.expression(b, operators);
                 }
             }
-            ExprKind::In(a, path) => {
+            ExprKind::In(asked) => {
+                let (a, path) = &mut **asked;
                 self.expression(a, operators);
                 self.path(path);
             }
-            ExprKind::Is(a, name) => {
+            ExprKind::Is(asked) => {
+                let (a, name) = &mut **asked;
                 self.expression(a, operators);
                 name.iter_mut().for_each(|n| self.name(n));
             }
-            ExprKind::Touching(a, name) => {
+            ExprKind::Touching(asked) => {
+                let (a, name) = &mut **asked;
                 self.expression(a, operators);
                 self.name(name);
             }
@@ -283,12 +285,15 @@ impl Substitution {
 /// The number of operators of an expression.
 fn count(e: &Expr) -> usize {
     match &e.kind {
-        ExprKind::Call(_, arguments, _) => arguments.iter().map(count).sum(),
-        ExprKind::Point(a, b) => count(a) + count(b),
-        ExprKind::Paren(a) | ExprKind::In(a, _) | ExprKind::Is(a, _) | ExprKind::Touching(a, _) => count(a),
+        ExprKind::Call(call) => call.arguments.iter().map(count).sum(),
+        ExprKind::Point(both) => both.iter().map(count).sum(),
+        ExprKind::Paren(a) => count(a),
+        ExprKind::In(asked) => count(&asked.0),
+        ExprKind::Is(asked) => count(&asked.0),
+        ExprKind::Touching(asked) => count(&asked.0),
         ExprKind::Negate(a) | ExprKind::Not(a) => 1 + count(a),
-        ExprKind::Binary(_, a, b) => 1 + count(a) + count(b),
-        ExprKind::Compare(a, rest) => count(a) + rest.iter().map(|(_, b)| 1 + count(b)).sum::<usize>(),
+        ExprKind::Binary(_, both) | ExprKind::Compare(_, both) => 1 + both.iter().map(count).sum::<usize>(),
+        ExprKind::Chain(chain) => count(&chain.0) + chain.1.iter().map(|(_, b)| 1 + count(b)).sum::<usize>(),
         _ => 0,
     }
 }

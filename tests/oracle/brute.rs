@@ -276,7 +276,7 @@ fn walk(term: &Term, visit: &mut dyn FnMut(&Term) -> bool) {
             walk(b, visit);
         }
         TermKind::Call(_, all) => all.iter().for_each(|a| walk(a, visit)),
-        TermKind::Near { x, y, radius, .. } => [x, y, radius].into_iter().for_each(|a| walk(a, visit)),
+        TermKind::Near { numbers, .. } => numbers.iter().for_each(|a| walk(a, visit)),
         _ => {}
     }
 }

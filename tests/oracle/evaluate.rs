@@ -128,7 +128,8 @@ impl<'a> Code<'a> {
             TermKind::Alive(slot) => truth(self.slot(Subject::Slot(*slot)).is_some()),
             TermKind::InMode(of, mode) => truth(self.of(*of).is_ok_and(|thing| thing.is_in(*mode))),
             TermKind::InSpace(of, space) => truth(self.of(*of).is_ok_and(|thing| thing.space == space.0 as usize)),
-            TermKind::Near { of, x, y, radius } => {
+            TermKind::Near { of, numbers } => {
+                let [x, y, radius] = &**numbers;
                 let (at, x, y, radius) =
                     (self.of(*of)?.position(), self.value(x)?, self.value(y)?, self.value(radius)?);
                 let (dx, dy) = (at.0 - x, at.1 - y);

@@ -79,7 +79,7 @@ impl Solver<'_> {
         let e = entity?;
         match &term.kind {
             TermKind::Param(Subject::Me, p) => {
-                Some((Named::Param(e, *p), self.program.entities[e].params[*p].name.text.clone()))
+                Some((Named::Param(e, *p), self.program.entities[e].params[*p].name.text.to_string()))
             }
             TermKind::Var(Subject::Me, v, degree) => {
                 let name = &self.program.entities[e].vars[*v].name.text;

@@ -1,0 +1,153 @@
+//! Memory grows with the text, and by no more than a bound: of texts of many kinds, the bytes that are allocated at the
+//! peak of a check.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod support;
+
+use std::path::Path;
+
+use hypedc::compile::check_with;
+use support::Text;
+
+/// The bytes of a text.
+const SIZE: usize = 1 << 20;
+
+/// Lines until the text is long enough.
+fn lines(before: &str, after: &str, line: impl Fn(usize) -> String) -> String {
+    let mut text = before.to_string();
+    for i in 0.. {
+        if text.len() + after.len() >= SIZE {
+            break;
+        }
+        text += &line(i);
+    }
+    text + after
+}
+
+/// Texts of one kind each, with the most bytes that a byte of them may take. Those that take more than 40: the tables of an
+/// entity or a world take more than a few words of text, a term more than a sign, and findings are kept up to a number.
+fn shapes() -> Vec<(&'static str, u64, String)> {
+    vec![
+        ("edges", 48, lines("entity A { mode a {\n", "} }\n", |_| "when x > 1 -> a\n".into())),
+        (
+            "edges of a world",
+            54,
+            lines("entity A { mode a {\n", "} }\nworld W { space main { place a: A at (0, 0) } }\n", |_| {
+                "when x > 1 -> a\n".into()
+            }),
+        ),
+        (
+            "edges that stay",
+            40,
+            lines("entity A { continuous z = 0\nmode a {\n", "} }\n", |i| format!("when x > {i} {{ z := {i} }}\n")),
+        ),
+        ("constants", 40, lines("", "", |i| format!("const c{i} = {i}\n"))),
+        ("constants of constants", 40, lines("const a = 1\n", "", |i| format!("const c{i} = a + {i} * (a - 2)\n"))),
+        ("parameters", 40, lines("entity A {\n", "}\n", |i| format!("param p{i} = {i}\n"))),
+        ("variables", 40, lines("entity A {\n", "}\n", |i| format!("continuous p{i} = {i}\n"))),
+        ("entities", 132, lines("", "", |i| format!("entity A{i} {{ }}\n"))),
+        (
+            "entities that move",
+            78,
+            lines("", "", |i| format!("entity A{i} {{ mode a {{ x' = 1; when x > 9 -> b }} mode b {{ }} }}\n")),
+        ),
+        (
+            "modes",
+            62,
+            lines("", "", |i| {
+                format!(
+                    "entity A{i} {{ {} }}\n",
+                    (0..1000).map(|m| format!("mode m{m} {{ x' = {m} }}\n")).collect::<String>()
+                )
+            }),
+        ),
+        (
+            "expressions",
+            64,
+            lines("entity A { mode a {\n", "} }\n", |i| format!("when x > {}{i} -> a\n", "y + 2 * x - ".repeat(60))),
+        ),
+        ("calls", 46, lines("entity A { mode a {\n", "} }\n", |_| "when min(x, y) > max(1, 2) -> a\n".into())),
+        (
+            "maps",
+            40,
+            lines(
+                "world W { tiles t 16 x 16 { '.': empty\n'#': wall }\n space main { map t \"\n",
+                "\"\n } }\n",
+                |_| format!("{}\n", "..#.".repeat(60)),
+            ),
+        ),
+        (
+            "instances",
+            40,
+            lines("entity A { }\nworld W { space main {\n", "} }\n", |i| format!("place a{i}: A at ({i}, 0)\n")),
+        ),
+        (
+            "worlds",
+            180,
+            lines("entity A { }\n", "", |i| format!("world W{i} {{ space main {{ place a: A at (0, 0) }} }}\n")),
+        ),
+        ("rectangles", 40, lines("world W { space main {\n", "} }\n", |i| format!("rect wall ({i}, 0, 8, 8)\n"))),
+        (
+            "goals",
+            40,
+            lines("entity A { }\nworld W { space main { place a: A at (0, 0) }\n", "}\n", |i| {
+                format!("goal g{i}: a.x > {i}\n")
+            }),
+        ),
+        ("colliders", 40, lines("entity A {\n", "}\n", |_| "collider c: rect(0, 0, 8, 8)\n".into())),
+        ("tags", 40, lines("entity A {\n", "}\n", |i| format!("collider \"tag {i}\": rect(0, 0, 8, 8)\n"))),
+        ("values", 44, lines("entity A { discrete d: {", "n} = n }\n", |i| format!("n{i}, "))),
+        ("comments", 40, lines("", "", |_| "// x\n".into())),
+        ("documents", 40, lines("", "", |i| format!("/// x\nconst c{i} = 1\n"))),
+        ("newlines", 40, lines("", "", |_| "\n".into())),
+        ("nonsense", 40, lines("", "", |_| "a\n".into())),
+        ("other nonsense", 40, lines("", "", |i| format!("mode a{i} = 7\n"))),
+        ("unknown names", 40, lines("entity A { mode a {\n", "} }\n", |i| format!("when z{i} > 1 -> b\n"))),
+        ("braces", 40, lines("entity A {\n", "}\n", |_| "mode a {}\n".into())),
+        ("open braces", 40, lines("", "", |_| "entity A {\n".into())),
+        (
+            "updates",
+            44,
+            lines("entity A { continuous z = 0\nmode a { when x > 1 {\n", "} } }\n", |_| "z := 1\n".into()),
+        ),
+    ]
+}
+
+fn most(text: &str) -> u64 {
+    let files = Text(text);
+    let check = || drop(check_with(Path::new("test.hyped"), Default::default(), &files));
+    allocation_counter::measure(check).bytes_max
+}
+
+#[test]
+fn a_check_takes_memory_by_the_byte() {
+    let mut over = Vec::new();
+    for (name, bound, text) in shapes() {
+        let each = most(&text) as f64 / text.len() as f64;
+        println!("{name:25} {each:7.1}");
+        if each > bound as f64 {
+            over.push(format!("{name}: {each:.1} bytes for each, not {bound}"));
+        }
+    }
+    assert!(over.is_empty(), "{over:#?}");
+}
+
+#[test]
+fn four_times_the_text_takes_four_times_the_memory() {
+    for (name, _, text) in
+        shapes().into_iter().filter(|(name, ..)| ["edges that stay", "constants", "goals"].contains(name))
+    {
+        // A part of it up to the end of a line, with what closes it.
+        let end = text[..text.len() / 4].rfind('\n').unwrap() + 1;
+        let after = if name == "constants" {
+            ""
+        } else if name == "goals" {
+            "}\n"
+        } else {
+            "} }\n"
+        };
+        let (part, all) = (most(&format!("{}{after}", &text[..end])), most(&text));
+        assert!(all < 5 * part, "{name}: {part} bytes of a quarter, {all} of all");
+    }
+}

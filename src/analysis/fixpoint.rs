@@ -176,8 +176,14 @@ impl<'a> Analysis<'a> {
         }
         let mut changed = false;
         let is_covered = self.surroundings.is_covered(slot, &found.leaves);
+        if let (Cells::Fine(fine), false) = (self.cells(slot), self.is_narrowing) {
+            self.effort = self.effort.saturating_sub(fine.count_parts(&found));
+            // All is given up then.
+            if self.effort == 0 {
+                return false;
+            }
+        }
         let parts = self.cells(slot).split(found, is_covered);
-        self.effort = self.effort.saturating_sub(parts.len());
         for (cell, found) in parts {
             let is_own = from.is_some_and(|(leaves, of)| *of == cell && *leaves == found.leaves);
             if !(is_own && self.is_narrowing) {
@@ -407,7 +413,7 @@ impl<'a> Analysis<'a> {
                 let at = growing.at.clone();
                 match self.stepper(slot).run(&at) {
                     Some(outcome) => {
-                        self.effort = self.effort.saturating_sub(1);
+                        self.effort = self.effort.saturating_sub(outcome.next.len() + 1);
                         changed |= self.take(slot, &key, outcome);
                     }
                     None => {
@@ -438,7 +444,11 @@ impl<'a> Analysis<'a> {
         let reader = self.reader(None);
         let flowing = self.scene.flowing[self.world.slots[slot].entity].as_deref();
         let moving = &self.scene.moving[self.world.slots[slot].entity];
-        Stepper { reader, scene: &self.scene, slot, step: self.world.step.seconds(), flowing, moving }
+        let covering = self.surroundings.is_gentle(slot).then(|| {
+            let of: &[bool] = &self.scene.covering[self.world.slots[slot].entity];
+            of
+        });
+        Stepper { reader, scene: &self.scene, slot, covering, step: self.world.step.seconds(), flowing, moving }
     }
 
     pub fn take(&mut self, slot: SlotId, from: &Key, outcome: Outcome) -> bool {

@@ -27,8 +27,12 @@ impl Stepper<'_> {
             return self.flow(next, beginning, outcome);
         };
         let same = |known: &Configuration| {
-            let leaves = known.leaves.iter().zip(&next.leaves).zip(flowing);
-            leaves.into_iter().all(|((a, b), f)| !f || a == b)
+            let alike = |groups: &[bool]| {
+                let leaves = known.leaves.iter().zip(&next.leaves).zip(groups);
+                leaves.into_iter().all(|((a, b), counts)| !counts || a == b)
+            };
+            alike(flowing)
+                && self.covering.is_none_or(alike)
                 && known.spaces == next.spaces
                 && (known.shares(next) || known.numbers == next.numbers)
         };

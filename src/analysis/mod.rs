@@ -83,8 +83,8 @@ use scene::Scene;
 use supply::Limits;
 use surroundings::Surroundings;
 
-/// So where players are told apart by place.
-const MOST_EFFORT_BY_PLACE: usize = 150_000;
+/// So where players are told apart by place, with each place that a way leads to.
+const MOST_EFFORT_BY_PLACE: usize = 60_000;
 
 /// After so many ways of steps a world is given up: everything can be anything.
 const MOST_EFFORT: usize = 300_000;

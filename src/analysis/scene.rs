@@ -106,6 +106,8 @@ pub(super) struct Scene<'a> {
     pub kinds: Vec<Kind>,
     /// Of each entity, the groups whose leaves decide how its variables flow; none if time does, too.
     pub flowing: IdVec<EntityId, Option<Vec<bool>>>,
+    /// Of each entity, the groups whose leaves decide which of its colliders are pushed.
+    pub covering: IdVec<EntityId, Vec<bool>>,
     /// Of each entity, the edges whose way depends on where the instance is and how it moves.
     pub moving: IdVec<EntityId, IdVec<EdgeId, bool>>,
     /// The kind of each slot.
@@ -161,6 +163,7 @@ impl<'a> Scene<'a> {
             kinds: Vec::new(),
             moving: program.entities.iter().map(moving).collect(),
             flowing: program.entities.ids().map(|e| flowing(program, e)).collect(),
+            covering: program.entities.iter().map(|e| covering(program, e)).collect(),
             of: IdVec::new(),
             pairs: Vec::new(),
             meter: Meter::new(watch),
@@ -249,7 +252,10 @@ impl<'a> Scene<'a> {
             }
             let surfaces = self.world.spaces.ids().map(|s| Some((s, Arc::new(Surfaces::new(self.world, kind, s)?))));
             let Some(surfaces) = surfaces.collect::<Option<Vec<_>>>() else { continue };
-            let blocking = |space| self.blocking(kind, space);
+            // Which of its colliders can be there is not known yet.
+            let mut whole = kind.clone();
+            whole.bodies.iter_mut().for_each(|b| b.is_live = true);
+            let blocking = |space| self.blocking(&whole, space);
             let entity = &self.program.entities[kind.entity];
             if let Some(cells) = Cells::fine(kind, entity, &surfaces, blocking) {
                 self.kinds[number].cells = cells;
@@ -440,16 +446,21 @@ pub(super) fn disjoin(edges: &mut Vec<Interval>) {
     });
 }
 
-/// The groups whose leaves decide how an entity's variables flow: those that drive them, those that decide which of its
-/// colliders are pushed, or all where what drives them asks for modes. None if it reads timers.
-fn flowing(program: &Program, entity: EntityId) -> Option<Vec<bool>> {
-    let entity = &program.entities[entity];
-    let mut covering = BTreeSet::new();
+/// The groups whose leaves decide which colliders of an entity can be pushed.
+fn covering(program: &Program, entity: &Entity) -> Vec<bool> {
+    let mut groups = BTreeSet::new();
     for collider in entity.colliders.iter().filter(|c| !c.kinematic) {
         if let Some(presence) = Presence::of(program, entity, collider.guard) {
-            presence.groups(&mut covering);
+            presence.groups(&mut groups);
         }
     }
+    entity.groups.ids().map(|group| groups.contains(&group)).collect()
+}
+
+/// The groups whose leaves decide how an entity's variables flow: those that drive them, or all where what drives them
+/// asks for modes. None if it reads timers.
+fn flowing(program: &Program, entity: EntityId) -> Option<Vec<bool>> {
+    let entity = &program.entities[entity];
     let mut asks_for_modes = false;
     for id in program.with_operands(entity.flow_exprs()) {
         match program.exprs[id] {
@@ -458,12 +469,12 @@ fn flowing(program: &Program, entity: EntityId) -> Option<Vec<bool>> {
             _ => {}
         }
     }
-    let of = |(id, group): (GroupId, &Group)| {
+    let of = |group: &Group| {
         let (first, after) = group.modes;
         let mut leaves = entity.leaves.iter().filter(|l| first <= l.mode && l.mode < after);
-        asks_for_modes || covering.contains(&id) || leaves.any(|l| !l.drives.is_empty())
+        asks_for_modes || leaves.any(|l| !l.drives.is_empty())
     };
-    Some(entity.groups.pairs().map(of).collect())
+    Some(entity.groups.iter().map(of).collect())
 }
 
 /// Whether nothing of an entity drives or sets its position or its velocity.

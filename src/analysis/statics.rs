@@ -141,9 +141,11 @@ impl Scene<'_> {
             let solids = self.world.spaces[space].solids.iter().filter(|s| blocks(s.tags));
             let kinds: Vec<bool> = tiles.tags.iter().map(|t| blocks(*t)).collect();
             let Some(extent) = body.extent else { return kinds.contains(&true) || solids.count() > 0 };
+            // Cells that share a line with what blocks overlap it by the rounding of both.
+            let slack = if matches!(landing.whose, Whose::One { .. }) { 4.0 } else { 1.0 };
             let wide = |at: Interval, e: Interval| Interval {
-                low: at.low + e.low + rounding(at.low),
-                high: at.high + e.high - rounding(at.high),
+                low: at.low + e.low + slack * rounding(at.low),
+                high: at.high + e.high - slack * rounding(at.high),
             };
             let (x, y) = (wide(x, extent[0]), wide(y, extent[1]));
             let overlaps = |b: Bounds| x.low < b.right && b.left < x.high && y.low < b.top && b.bottom < y.high;

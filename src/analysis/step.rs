@@ -80,6 +80,8 @@ pub(super) struct Stepper<'a> {
     pub step: f64,
     /// The groups whose leaves decide how the variables flow; none if time does, too.
     pub flowing: Option<&'a [bool]>,
+    /// The groups whose leaves decide which colliders are pushed, where that makes a difference.
+    pub covering: Option<&'a [bool]>,
     /// The edges whose way depends on where the instance is and how it moves.
     pub moving: &'a IdVec<EdgeId, bool>,
 }

@@ -143,6 +143,11 @@ impl Surroundings {
         Some(out)
     }
 
+    /// Whether an instance is never deep inside of what pushes it.
+    pub fn is_gentle(&self, slot: SlotId) -> bool {
+        self.of.get(slot).is_some_and(|of| self.contacts[*of].is_gentle)
+    }
+
     /// Whether an instance is never inside of what blocks it while some leaves are active.
     pub fn is_covered(&self, slot: SlotId, leaves: &[LeafId]) -> bool {
         let contacts = self.of.get(slot).map(|of| &self.contacts[*of]);

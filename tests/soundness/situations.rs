@@ -136,8 +136,9 @@ impl Generator<'_> {
         };
         self.arena.clear(about == Situation::Rooms);
         let is_tiny = about == Situation::Thin && self.draw.chance(75);
-        let sizes: &[f64] = if is_tiny { &[1.0, 2.0, 4.0, 3.0] } else { &SIZES };
-        self.arena.body = [0, 1].map(|_| sizes[self.draw.pick(sizes.len())]);
+        let widths: &[f64] = if is_tiny { &[1.0, 2.0, 1.0, 4.0] } else { &SIZES };
+        let heights: &[f64] = if is_tiny { &[3.0, 1.0, 16.0, 8.0] } else { &SIZES };
+        self.arena.body = [widths, heights].map(|sizes| sizes[self.draw.pick(sizes.len())]);
         let paces = ["", "", " { speed = 120 }", " { speed = 30 }", " { speed = 200 }", " { speed = -60 }"];
         self.arena.settings = paces[self.draw.pick(paces.len())];
         let room = [0.0, 0.0, stage.width, stage.height];
@@ -328,10 +329,12 @@ impl Generator<'_> {
                 self.line("mode m00 { }");
             }
             _ => {
-                let is_thin = about == Situation::Thin;
                 self.body();
-                let paces: &[&str] =
-                    if is_thin { &["speed", "speed * 4", "speed * 8", "speed * 40"] } else { &["speed"] };
+                let paces: &[&str] = match about {
+                    Situation::Thin if self.arena.body[0] < 8.0 => &["speed", "-speed", "speed * 2", "-speed * 4"],
+                    Situation::Thin => &["speed", "speed * 4", "speed * 8", "speed * 40"],
+                    _ => &["speed"],
+                };
                 let pace = self.draw.one(paces);
                 // What rides may do nothing by itself.
                 if about != Situation::Lift || self.draw.chance(60) {
@@ -368,6 +371,7 @@ impl Generator<'_> {
             "y'' = -400",
             "y'' = -400",
             "y'' = -force",
+            "y' = speed * vertical",
             "y' = speed * vertical",
             "y' = 0",
             "y'' = -900",

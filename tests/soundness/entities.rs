@@ -198,7 +198,8 @@ impl Generator<'_> {
             for (index, variable) in driven.iter().enumerate() {
                 if index == dash {
                     // There in one mode, and back in the next one.
-                    let speed = if own % 2 == 0 { self.draw.one(&["60000", "4800", "12000"]) } else { "-60000" };
+                    let speed =
+                        if own.is_multiple_of(2) { self.draw.one(&["60000", "4800", "12000"]) } else { "-60000" };
                     let name = format!("{variable}'");
                     let speed = self.axes.write(&name, speed);
                     self.line(format!("{name} = {speed}"));

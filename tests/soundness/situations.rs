@@ -199,7 +199,7 @@ impl Generator<'_> {
         self.line("}");
         self.line(cellar.unwrap_or_default());
         let players = self.arena.places.iter().position(|plan| *plan == 0);
-        for place in players {
+        if let Some(place) = players {
             self.line(format!("player 1: p{place}"));
         }
         self.questions();
@@ -219,7 +219,7 @@ impl Generator<'_> {
 
     fn set_door(&mut self, stage: &mut Stage) {
         stage.collides.push("a with b: block".into());
-        let x = self.length(32.0, 72.0);
+        let x = self.length(32.0, 64.0);
         let high = self.length(16.0, 48.0);
         let above = self.draw.chance(50);
         if above {
@@ -228,9 +228,9 @@ impl Generator<'_> {
             self.wall(stage, [x, high, 16.0, rest]);
         }
         let there = (x, 0.0);
-        let before = match self.draw.chance(40) {
-            // Where the door is when it is there.
-            true => (x + [0.0, 4.0, -12.0, 1.5, -8.0, 12.0][self.draw.pick(6)], 0.0),
+        let before = match self.draw.chance(60) {
+            // It walks in while the door is away.
+            true => (x - self.arena.body[0] - [0.0, 1.0, 4.0, 8.0][self.draw.pick(4)], 0.0),
             false => (self.length(0.0, 16.0).max(0.0), 0.0),
         };
         if self.draw.chance(25) {
@@ -361,7 +361,7 @@ impl Generator<'_> {
 
     /// Moves by the player's will, and mostly falls.
     fn walk(&mut self, pace: &str) {
-        let speed = match self.draw.chance(25) {
+        let speed = match self.draw.chance(30) {
             true => pace.to_string(),
             false => format!("{pace} * {}", self.axes.axis("horizontal")),
         };
@@ -482,7 +482,7 @@ impl Generator<'_> {
             self.axes.beside("0", width)
         ));
         let back = self.draw.chance(60);
-        let mut asked = |g: &mut Self| match g.draw.pick(5) {
+        let asked = |g: &mut Self| match g.draw.pick(5) {
             0 => "touching(a)".to_string(),
             _ => format!("timer >= {}", g.draw.one(&TIMES)),
         };

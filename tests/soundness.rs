@@ -34,6 +34,7 @@ mod soundness {
     pub mod patience;
     pub mod run;
     pub mod shrink;
+    pub mod situations;
     pub mod tally;
     pub mod updates;
     pub mod witness;

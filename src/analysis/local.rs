@@ -46,6 +46,8 @@ pub(super) struct Surfaces {
     /// When each collider is there.
     presences: Vec<Presence>,
     buckets: BTreeMap<(i64, i64), Vec<u32>>,
+    /// Those that lie in too many buckets: they are looked at from everywhere.
+    long: Vec<u32>,
 }
 
 impl Surfaces {
@@ -127,9 +129,13 @@ impl Surfaces {
         }
         let number = self.all.len() as u32;
         let [columns, rows] = surface.near.map(buckets);
-        for row in rows.0..=rows.1 {
-            for column in columns.0..=columns.1 {
-                self.buckets.entry((row, column)).or_default().push(number);
+        if span(columns).saturating_mul(span(rows)) > MAX_BUCKETS {
+            self.long.push(number);
+        } else {
+            for row in rows.0..=rows.1 {
+                for column in columns.0..=columns.1 {
+                    self.buckets.entry((row, column)).or_default().push(number);
+                }
             }
         }
         self.all.push(surface);
@@ -139,12 +145,12 @@ impl Surfaces {
     /// The surfaces that can be touched from a box of positions.
     fn around(&self, at: [Interval; 2]) -> impl Iterator<Item = &Surface> {
         let [columns, rows] = at.map(buckets);
-        let span = |(low, high): (i64, i64)| high.saturating_sub(low).saturating_add(1).max(1) as usize;
         let mut numbers: Vec<u32> = if span(columns).saturating_mul(span(rows)) > MAX_BUCKETS {
             (0..self.all.len() as u32).collect()
         } else {
             let cells = (rows.0..=rows.1).flat_map(|row| (columns.0..=columns.1).map(move |column| (row, column)));
-            cells.filter_map(|cell| self.buckets.get(&cell)).flatten().copied().collect()
+            let near = cells.filter_map(|cell| self.buckets.get(&cell)).flatten();
+            near.chain(&self.long).copied().collect()
         };
         numbers.sort_unstable();
         numbers.dedup();
@@ -229,6 +235,11 @@ impl Surfaces {
 /// When each collider of a kind is there; always, where that is not known.
 fn presences(kind: &Kind) -> Vec<Presence> {
     kind.bodies.iter().map(|body| body.presence.clone().unwrap_or(Presence::Always)).collect()
+}
+
+/// How many buckets there are from the first to the last.
+fn span((low, high): (i64, i64)) -> usize {
+    high.saturating_sub(low).saturating_add(1).max(1) as usize
 }
 
 /// From the first to the last bucket under an interval; a cast stops at the ends of its type.

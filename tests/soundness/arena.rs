@@ -21,9 +21,13 @@ pub struct Arena {
     /// Whether the instance of a tile has a name.
     has_boss: bool,
     /// The instances that are placed, each with the number of its entity.
-    places: Vec<usize>,
+    pub places: Vec<usize>,
     /// Where the last one was placed.
-    last: (f64, f64),
+    pub last: (f64, f64),
+    /// The size of the player's body, px.
+    pub body: [f64; 2],
+    /// How its instances are placed: what stands behind them.
+    pub settings: &'static str,
 }
 
 /// What a room is made of.
@@ -63,7 +67,14 @@ impl Arena {
             has_boss: draw.chance(10),
             places: Vec::new(),
             last: (16.0, 16.0),
+            body: [16.0; 2],
+            settings: "",
         }
+    }
+
+    /// Nothing of its own: what it is made of is said otherwise.
+    pub fn clear(&mut self, links: bool) {
+        (self.main, self.has_boss, self.links, self.has_attic) = (Kind::Nothing, false, links, false);
     }
 
     /// The width of its maps, px.
@@ -81,7 +92,7 @@ impl Arena {
     }
 }
 
-const STEPS: [&str; 12] =
+pub const STEPS: [&str; 12] =
     ["1/60", "1/30", "1/10", "1/60", "1/240", "1/4", "20ms", "1/50", "1/8", "1/60", "1/60", "1/30"];
 const RESPONSES: [&str; 9] = [
     "block",
@@ -405,7 +416,7 @@ impl Generator<'_> {
         }
     }
 
-    fn questions(&mut self) {
+    pub fn questions(&mut self) {
         for index in 0..2 + self.draw.pick(3) {
             let predicate = self.predicate();
             self.world_line(format!("goal goal{index}: {predicate}"));

@@ -4,6 +4,7 @@
 use super::arena::Arena;
 use super::choices::Draw;
 use super::frame::{Axes, Frame};
+use super::situations::Situation;
 
 /// The dimension of an expression.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -153,12 +154,18 @@ pub const DASHES: &[&str] = &["60000", "-60000", "4800", "-4800", "30000", "-120
 /// The text of a program.
 pub fn program(choices: &[u16], frame: Frame) -> String {
     let mut draw = Draw::new(choices);
+    let situation = Situation::draw(&mut draw);
     let palette = Palette::draw(&mut draw);
+    let palette = situation.map_or(palette, |s| s.palette(palette));
     let arena = Arena::draw(&mut draw, palette);
     let axes = Axes::new(frame, arena.width(), arena.tile);
     let count = if palette.is_small { [1, 1, 2, 1][draw.pick(4)] } else { [1, 2, 1, 2, 3][draw.pick(5)] };
     let mut plans: Vec<Plan> = (0..count).map(|index| plan(&mut draw, index, palette.is_small)).collect();
     plans[0].is_played = draw.chance(75) && palette.inputs || palette.walks || palette.travels;
+    if let Some(situation) = situation {
+        plans = situation.plans(&mut draw);
+    }
+    let count = plans.len();
     let mut g = Generator {
         draw,
         axes,
@@ -172,11 +179,17 @@ pub fn program(choices: &[u16], frame: Frame) -> String {
         may: May::All,
         depth: 0,
     };
-    let world = g.world(frame);
+    let world = match situation {
+        Some(situation) => g.stage(situation),
+        None => g.world(frame),
+    };
     let mut entities = Vec::new();
     for index in 0..count {
         g.me = index;
-        entities.push(g.entity());
+        entities.push(match situation {
+            Some(situation) => g.actor(situation),
+            None => g.entity(),
+        });
     }
     let limits = g.limits();
     g.assembled(&entities, &world.replace("LIMITS\n", &limits))

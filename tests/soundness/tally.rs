@@ -73,13 +73,12 @@ impl Tally {
             let is_silent = rest.trim_start().starts_with('_');
             (is_rule && !is_silent && !line.starts_with(' ')).then(|| name.to_string())
         });
-        // What only texts with mistakes have, what a text is parsed by part by part, and what stands inside of rules that are
-        // one token.
+        // What only texts with mistakes have, what stands inside of rules that are one token, and the ends of parts of a
+        // text that is read part by part.
         let is_of_texts = |name: &String| {
-            let is_part = name.ends_with("_head") || name == "opening";
-            !is_part
-                && !["only_", "bad_", "skip", "next_", "plain_"].iter().any(|p| name.starts_with(p))
-                && !["statement", "opening_word", "reserved"].contains(&name.as_str())
+            !["only_", "bad_", "skip", "next_", "plain_"].iter().any(|p| name.starts_with(p))
+                && !name.ends_with("_head")
+                && !["statement", "opening", "opening_word", "reserved"].contains(&name.as_str())
         };
         names
             .filter(is_of_texts)

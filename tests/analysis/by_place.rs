@@ -176,3 +176,22 @@ world W {{
         assert_eq!((is_ruled_out, is_reached), (!can, can), "{gap}");
     }
 }
+
+/// A wall is looked up by where it is; one of millions of tiles must not be listed in each of them.
+#[test]
+fn a_wall_may_be_very_long() {
+    let text = HERO.replace("JUMP", "230")
+        + "
+world W {
+    step 1/60
+    collide body with wall: block
+    space main {
+        rect wall (-50000000, 0, 100000000, 32)
+        rect wall (160, 0, 48, 200)
+        place hero: Hero at (16, 32)
+    }
+    player 1: hero
+    goal there: hero.x > 300
+}";
+    assert_eq!(verdicts(&text), (true, false));
+}

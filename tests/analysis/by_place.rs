@@ -193,5 +193,8 @@ world W {
     player 1: hero
     goal there: hero.x > 300
 }";
-    assert_eq!(verdicts(&text), (true, false));
+    let program = program(compile_text(&text));
+    let space = configuration_space(&program, WorldId(0)).by_place(&program, WorldId(0), &[], &Unwatched);
+    let places = |space: &hypedc::analysis::ConfigurationSpace| space.slots.iter().next().unwrap().configurations.len();
+    assert!(places(space.finest()) > places(&space), "it is told apart by place");
 }

@@ -7,8 +7,8 @@ use std::path::Path;
 
 use hypedc::analysis::configuration_space;
 use hypedc::compile::{Compilation, LevelFile, check_with, compile};
-use hypedc::diagnostic::render::{self, Found};
 use hypedc::diagnostic::fix;
+use hypedc::diagnostic::render::{self, Found};
 use hypedc::format::format;
 use hypedc::graph::{Chart, chart, dot, mermaid, svg};
 use hypedc::ir::{self, Program, WorldId};
@@ -120,15 +120,31 @@ pub fn fmt(bytes: &[u8]) {
 }
 
 /// The syntax tree without its places, and the comments.
-fn meaning(text: &str) -> (String, Vec<&str>) {
+fn meaning(text: &str) -> (String, Vec<String>) {
     let (tree, found) = parse(FileId(0), text);
     assert!(!found.has_errors());
-    let comments = tree.trivia.iter().filter_map(|c| text.get(c.span.range())).collect();
     let items = format!("{:?}", tree.items);
     let mut parts = items.split("file0[");
     let first = parts.next().unwrap_or("").to_string();
     let tree = parts.fold(first, |tree, part| tree + part.split_once(']').map_or("", |(_, after)| after));
-    (tree, comments)
+    (tree, comments(text))
+}
+
+/// The comments of a text without mistakes, whatever the blanks in them: what stands behind `//` outside of quotes.
+fn comments(text: &str) -> Vec<String> {
+    let mut out = Vec::new();
+    let mut rest = text;
+    while let Some(at) = rest.find('"').into_iter().chain(rest.find("//")).min() {
+        rest = &rest[at..];
+        if let Some(quoted) = rest.strip_prefix('"') {
+            rest = quoted.split_once('"').map_or("", |(_, after)| after);
+        } else {
+            let (comment, after) = rest.split_once('\n').unwrap_or((rest, ""));
+            out.push(comment.split_whitespace().collect::<Vec<_>>().join(" "));
+            rest = after;
+        }
+    }
+    out
 }
 
 /// Every finding, in every format.

@@ -444,10 +444,8 @@ impl<'a> Analysis<'a> {
         let reader = self.reader(None);
         let flowing = self.scene.flowing[self.world.slots[slot].entity].as_deref();
         let moving = &self.scene.moving[self.world.slots[slot].entity];
-        let covering = self.surroundings.is_gentle(slot).then(|| {
-            let of: &[bool] = &self.scene.covering[self.world.slots[slot].entity];
-            of
-        });
+        let covering = &self.scene.covering[self.world.slots[slot].entity];
+        let covering = self.surroundings.is_gentle(slot).then_some(covering.as_slice());
         Stepper { reader, scene: &self.scene, slot, covering, step: self.world.step.seconds(), flowing, moving }
     }
 
@@ -520,10 +518,7 @@ impl<'a> Analysis<'a> {
         let mut changed = false;
         for me in self.world.slots.ids().filter(|s| self.overall[*s].can_live) {
             let entity = self.entity(me);
-            let actions = entity.edges.iter().map(|e| &e.actions);
-            let actions = actions.chain(entity.modes.iter().map(|m| &m.entry));
-            let destroys = actions.chain(entity.follows.iter().map(|f| &f.actions)).flat_map(|a| &a.destroys);
-            for what in destroys {
+            for what in entity.action_lists().flat_map(|a| &a.destroys) {
                 let of = match what {
                     RefValue::None | RefValue::Of(Subject::Me) => continue,
                     RefValue::Of(Subject::Ref(id)) => entity.refs[*id].entity,

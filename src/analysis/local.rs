@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::ir::{GroupId, Id, LeafId, Push, SpaceId, TagSet, Touch};
+use crate::ir::{LeafId, Push, SpaceId, TagSet, Touch};
 
 use super::presence::Presence;
 use super::region::Obstacle;
@@ -160,7 +160,7 @@ impl Surfaces {
 
     /// Where pushes of at most `far` px can end that find an instance in a box of positions, while some leaves are active.
     pub fn edges(&self, at: [Interval; 2], far: f64, leaves: &[LeafId], out: &mut Edges) {
-        let is_there = |s: &&Surface| self.presences[s.body].holds(&|group: GroupId| leaves[group.index()]);
+        let is_there = |s: &&Surface| self.presences[s.body].is_there(leaves);
         for surface in self.around(at).filter(|s| s.is_pushing).filter(is_there) {
             for (axis, out) in out.iter_mut().enumerate() {
                 for (end, out) in out.iter_mut().enumerate() {

@@ -71,7 +71,7 @@ pub use findings::{InvariantVerdict, Spaces, findings, invariants, watched_findi
 pub use membership::{Beyond, Membership, Outside, Reading};
 pub use values::{Interval, Values};
 
-use crate::ir::{ExprId, GoalId, GroupId, Id, IdVec, Program, SlotId, World, WorldId};
+use crate::ir::{ExprId, GoalId, IdVec, Program, SlotId, World, WorldId};
 
 use crate::watch::{Unwatched, Watch};
 
@@ -254,7 +254,7 @@ impl ConfigurationSpace {
     /// The configurations in which nothing keeps an instance out of what blocks it.
     fn bare(&self, slot: SlotId) -> impl Iterator<Item = &Configuration> {
         let cover = self.surroundings.cover(slot);
-        let is_bare = |at: &&Configuration| !cover.holds(&|group: GroupId| at.leaves[group.index()]);
+        let is_bare = |at: &&Configuration| !cover.covers(&at.leaves);
         self.slots[slot].configurations.iter().filter(is_bare)
     }
 

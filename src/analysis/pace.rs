@@ -4,7 +4,7 @@
 //! (`surroundings`). A push can help it over a distance before each such place; what is left of the way it has to go by itself.
 //! Nothing is said of what something can put elsewhere: an update of the position, a link, a carrier, a spawn.
 
-use crate::ir::{Actions, Entity, ExprId, Origin, Place, Program, SlotId, SpaceId, VarId, World, WorldId};
+use crate::ir::{Entity, ExprId, Origin, Place, Program, SlotId, SpaceId, VarId, World, WorldId};
 
 use super::ConfigurationSpace;
 use super::evaluate::{Pinned, Reader};
@@ -69,13 +69,8 @@ impl ConfigurationSpace {
 
 /// Whether an update can put an instance of an entity elsewhere along an axis.
 fn is_put(entity: &Entity, axis: usize) -> bool {
-    let writes = |actions: &Actions| {
-        let is_position = |place: Place| matches!(place, Place::Var(var, 0) if var == VarId(axis as u32));
-        actions.updates.iter().any(|update| is_position(update.place))
-    };
-    let edges = entity.edges.iter().map(|edge| &edge.actions);
-    let entries = entity.modes.iter().map(|mode| &mode.entry);
-    edges.chain(entries).chain(entity.follows.iter().map(|follow| &follow.actions)).any(writes)
+    let is_position = |place: Place| matches!(place, Place::Var(var, 0) if var == VarId(axis as u32));
+    entity.action_lists().flat_map(|actions| &actions.updates).any(|update| is_position(update.place))
 }
 
 /// How far towards higher coordinates something comes that moves so far by itself, and is helped over some intervals.

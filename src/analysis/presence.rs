@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::ir::{Entity, Expr, ExprId, GroupId, LeafId, Program, Subject};
+use crate::ir::{Entity, Expr, ExprId, GroupId, Id, LeafId, Program, Subject};
 
 use super::evaluate::Truth;
 
@@ -55,6 +55,11 @@ impl Presence {
             Presence::Both(a, b) => a.holds(leaf) && b.holds(leaf),
             Presence::Either(a, b) => a.holds(leaf) || b.holds(leaf),
         }
+    }
+
+    /// Whether the collider is there while some leaves are active, one of each group.
+    pub fn is_there(&self, leaves: &[LeafId]) -> bool {
+        self.holds(&|group: GroupId| leaves[group.index()])
     }
 
     /// Whether it can be there, and whether it can be away, while each group is in any of some leaves.
@@ -119,5 +124,10 @@ impl Cover {
             Cover::Always => true,
             Cover::While(any) => any.iter().any(|presence| presence.holds(leaf)),
         }
+    }
+
+    /// Whether it is while some leaves are active, one of each group.
+    pub fn covers(&self, leaves: &[LeafId]) -> bool {
+        self.holds(&|group: GroupId| leaves[group.index()])
     }
 }

@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use crate::ir::{
-    Actions, Bounds, Drive, EdgeId, Entity, EntityId, Expr, Group, GroupId, Id, IdVec, LeafId, Meeting, Origin,
-    ParamId, Place, Program, Push, Shape, Side, SlotId, SpaceId, TagSet, VarId, World,
+    Actions, Bounds, Drive, EdgeId, Entity, EntityId, Expr, Group, Id, IdVec, LeafId, Meeting, Origin, ParamId, Place,
+    Program, Push, Shape, Side, SlotId, SpaceId, TagSet, VarId, World,
 };
 
 use crate::watch::{Meter, Watch};
@@ -220,7 +220,7 @@ impl<'a> Scene<'a> {
         let mut is_new = false;
         for body in self.kinds[kind].bodies.iter_mut().filter(|b| !b.is_live) {
             let presence = body.presence.as_ref();
-            body.is_live = presence.is_none_or(|p| p.holds(&|group: GroupId| leaves[group.index()]));
+            body.is_live = presence.is_none_or(|p| p.is_there(leaves));
             is_new |= body.is_live;
         }
         if is_new {
@@ -485,8 +485,7 @@ fn stays(entity: &Entity) -> bool {
         Drive::Flow { var, .. } => var.index() < 2,
         Drive::Envelope(id, _) => entity.envelopes[id].vars.iter().any(|v| v.index() < 2),
     };
-    let actions = entity.edges.iter().map(|e| &e.actions).chain(entity.modes.iter().map(|m| &m.entry));
-    let mut updates = actions.chain(entity.follows.iter().map(|f| &f.actions)).flat_map(|a| &a.updates);
+    let mut updates = entity.action_lists().flat_map(|a| &a.updates);
     !drives.into_iter().any(is_driven) && !updates.any(|u| matches!(u.place, Place::Var(VarId(0 | 1), _)))
 }
 

@@ -1,6 +1,6 @@
 //! What a kind of instances meets in a space that never moves: where contacts with it are, and where its pushes end.
 
-use crate::ir::{Bounds, GroupId, Id, Meeting, Push, SpaceId, TagSet};
+use crate::ir::{Bounds, Id, Meeting, Push, SpaceId, TagSet};
 
 use super::scene::{Body, Edges, Kind, Scene, along, disjoin, edge, face, near, rounding, sides_of};
 use super::step::{Landing, Whose};
@@ -128,9 +128,7 @@ impl Scene<'_> {
         let tiles = Tiles::new(self.world, space);
         let is_meant = |id: usize, body: &Body| match &landing.whose {
             Whose::All => true,
-            Whose::While(leaves) => {
-                body.presence.as_ref().is_none_or(|p| p.holds(&|group: GroupId| leaves[group.index()]))
-            }
+            Whose::While(leaves) => body.presence.as_ref().is_none_or(|p| p.is_there(leaves)),
             Whose::One { collider, .. } => collider.index() == id,
         };
         let bodies = self.kinds[kind].bodies.iter().enumerate();

@@ -270,10 +270,10 @@ impl<'a> Stepper<'a> {
     fn activations(&self, from: &Configuration, outcome: &mut Outcome) {
         let scene = self.scene;
         let kind = &scene.kinds[scene.of[self.slot]];
-        let away = |presence: &Presence| !presence.holds(&|group: GroupId| from.leaves[group.index()]);
+        let away = |presence: &Presence| !presence.is_there(&from.leaves);
         for (collider, body) in self.entity().colliders.ids().zip(&kind.bodies) {
             let Some(presence) = body.presence.as_ref().filter(|p| away(p)) else { continue };
-            let comes = |next: &&Configuration| presence.holds(&|group: GroupId| next.leaves[group.index()]);
+            let comes = |next: &&Configuration| presence.is_there(&next.leaves);
             let mut next = outcome.next.iter().filter(comes).peekable();
             if next.peek().is_none() {
                 continue;
@@ -282,7 +282,7 @@ impl<'a> Stepper<'a> {
                 outcome.appears = true;
                 continue;
             }
-            let was_bare = !kind.cover().holds(&|group: GroupId| from.leaves[group.index()]);
+            let was_bare = !kind.cover().covers(&from.leaves);
             let whose = Whose::One { collider, was_bare };
             let at = std::iter::once(from).chain(next).filter_map(Landing::of);
             let landings: Vec<Landing> = at.map(|l| Landing { whose: whose.clone(), ..l }).collect();

@@ -6,7 +6,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use crate::ir::{GroupId, Id, IdVec, LeafId, Origin, SlotId, SpaceId, TagSet, Touch, TouchId, VarId};
+use crate::ir::{Id, IdVec, LeafId, Origin, SlotId, SpaceId, TagSet, Touch, TouchId, VarId};
 
 use super::configuration::{Configuration, Overall};
 use super::crowd::{Crowd, crowds, met, pushes};
@@ -216,7 +216,7 @@ fn is_near(within: Option<[Interval; 2]>, at: &[Values; 2]) -> bool {
 
 impl Contacts {
     fn covers(&self, leaves: &[LeafId]) -> bool {
-        self.cover.holds(&|group: GroupId| leaves[group.index()])
+        self.cover.covers(leaves)
     }
 
     /// Pushes out what overlaps something. Of the pushes along an axis the deepest counts, so that it ends where edges

@@ -1,6 +1,6 @@
 //! Which expressions there are: those that an entity reads as it runs, and those that one is made of.
 
-use super::{Drive, Entity, Expr, ExprId, Id, Program, Release};
+use super::{Actions, Drive, Entity, Expr, ExprId, Id, Program, Release};
 
 impl Entity {
     /// The expressions that decide how its variables flow: those of drives, envelopes and clamps.
@@ -23,14 +23,19 @@ impl Entity {
         out
     }
 
+    /// All that it can do in the discrete phase: on edges, as it enters modes, as it follows links.
+    pub fn action_lists(&self) -> impl Iterator<Item = &Actions> {
+        let edges = self.edges.iter().map(|edge| &edge.actions);
+        let entries = self.modes.iter().map(|mode| &mode.entry);
+        edges.chain(entries).chain(self.follows.iter().map(|follow| &follow.actions))
+    }
+
     /// The expressions that it compares with, writes and flows by.
     pub fn exprs(&self) -> Vec<ExprId> {
         let mut out = self.flow_exprs();
-        let edges = self.edges.iter();
-        out.extend(edges.clone().map(|e| e.guard));
+        out.extend(self.edges.iter().map(|e| e.guard));
         out.extend(self.follows.iter().filter_map(|f| f.guard));
-        let actions = edges.map(|e| &e.actions).chain(self.modes.iter().map(|m| &m.entry));
-        for actions in actions.chain(self.follows.iter().map(|f| &f.actions)) {
+        for actions in self.action_lists() {
             out.extend(actions.updates.iter().map(|u| u.value));
         }
         for spawn in self.spawns.iter() {

@@ -39,9 +39,7 @@ pub(super) fn predicates(program: &mut Program, w: &checked::World, mortal: &IdV
 pub(super) fn mortal(program: &Program) -> IdVec<EntityId, bool> {
     let mut mortal: IdVec<EntityId, bool> = program.entities.iter().map(|_| false).collect();
     for (id, e) in program.entities.pairs() {
-        let edges = e.edges.iter().map(|x| &x.actions);
-        let all = edges.chain(e.modes.iter().map(|m| &m.entry)).chain(e.follows.iter().map(|f| &f.actions));
-        for what in all.flat_map(|a| &a.destroys) {
+        for what in e.action_lists().flat_map(|a| &a.destroys) {
             let of = match what {
                 RefValue::None => continue,
                 RefValue::Of(Subject::Me) => Some(id),

@@ -1,8 +1,8 @@
 //! What a player cannot come to although nothing is in its way: too high, too far, not with what it has. And the same with
 //! a little more speed, height or width, where it can: the search finds a way there.
 
-use hypedc::analysis::configuration_space;
-use hypedc::ir::{GoalId, WorldId};
+use hypedc::analysis::{ConfigurationSpace, configuration_space};
+use hypedc::ir::{GoalId, Program, WorldId};
 use hypedc::reach::{Limits, Problem, Settings, Verdict, search};
 use hypedc::sim::Simulator;
 use hypedc::watch::Unwatched;
@@ -56,15 +56,19 @@ world W {{
         )
 }
 
-/// Whether a goal is ruled out, and whether a search finds a way.
 fn verdicts(text: &str) -> (bool, bool) {
     let program = program(compile_text(text));
     let space = configuration_space(&program, WorldId(0)).by_place(&program, WorldId(0), &[], &Unwatched);
-    let is_ruled_out = !space.can_hold(&program, WorldId(0), GoalId(0));
-    let sim = Simulator::new(&program, WorldId(0));
+    of_first_goal(&program, &space)
+}
+
+/// Whether the first goal is ruled out by a space, and whether a search finds a way.
+pub fn of_first_goal(program: &Program, space: &ConfigurationSpace) -> (bool, bool) {
+    let is_ruled_out = !space.can_hold(program, WorldId(0), GoalId(0));
+    let sim = Simulator::new(program, WorldId(0));
     let problem = Problem::new(&sim, GoalId(0));
     let limits = Limits { nodes: if is_ruled_out { 2_000 } else { 60_000 }, ..Limits::default() };
-    let outcome = search(&problem, &space, &Settings::default(), &limits, &Unwatched).unwrap();
+    let outcome = search(&problem, space, &Settings::default(), &limits, &Unwatched).unwrap();
     (is_ruled_out, matches!(outcome.verdict, Verdict::Reached(_)))
 }
 
@@ -195,6 +199,6 @@ world W {
 }";
     let program = program(compile_text(&text));
     let space = configuration_space(&program, WorldId(0)).by_place(&program, WorldId(0), &[], &Unwatched);
-    let places = |space: &hypedc::analysis::ConfigurationSpace| space.slots.iter().next().unwrap().configurations.len();
+    let places = |space: &ConfigurationSpace| space.slots.iter().next().unwrap().configurations.len();
     assert!(places(space.finest()) > places(&space), "it is told apart by place");
 }

@@ -2,11 +2,9 @@
 //! closed. And the same with a way in, which the search finds.
 
 use hypedc::analysis::configuration_space;
-use hypedc::ir::{GoalId, WorldId};
-use hypedc::reach::{Limits, Problem, Settings, Verdict, search};
-use hypedc::sim::Simulator;
-use hypedc::watch::Unwatched;
+use hypedc::ir::WorldId;
 
+use crate::by_place::of_first_goal;
 use crate::support::{compile_text, program};
 
 /// Runs and flies, small and big in turns as something says.
@@ -29,16 +27,9 @@ const HERO: &str = "entity Hero {
     }
 }";
 
-/// Whether a goal is ruled out, and whether a search finds a way.
 fn verdicts(text: &str) -> (bool, bool) {
     let program = program(compile_text(text));
-    let space = configuration_space(&program, WorldId(0));
-    let is_ruled_out = !space.can_hold(&program, WorldId(0), GoalId(0));
-    let sim = Simulator::new(&program, WorldId(0));
-    let problem = Problem::new(&sim, GoalId(0));
-    let limits = Limits { nodes: if is_ruled_out { 2_000 } else { 60_000 }, ..Limits::default() };
-    let outcome = search(&problem, &space, &Settings::default(), &limits, &Unwatched).unwrap();
-    (is_ruled_out, matches!(outcome.verdict, Verdict::Reached(_)))
+    of_first_goal(&program, &configuration_space(&program, WorldId(0)))
 }
 
 fn hero(grow: &str, follow: &str) -> String {

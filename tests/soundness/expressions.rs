@@ -16,13 +16,7 @@ impl Generator<'_> {
         if self.draw.chance(40) {
             return self.number(dim);
         }
-        let param = match dim {
-            Dim::Length => "size",
-            Dim::Speed => "speed",
-            Dim::Force => "force",
-            Dim::Time => "delay",
-            Dim::Pure => "n",
-        };
+        let param = dim.param();
         if self.may == May::Params || self.draw.chance(25) {
             return param.into();
         }
@@ -68,13 +62,7 @@ impl Generator<'_> {
 
     /// What is read of another instance, where there is one.
     fn read_other(&mut self, dim: Dim) -> String {
-        let param = match dim {
-            Dim::Length => "size",
-            Dim::Speed => "speed",
-            Dim::Force => "force",
-            Dim::Time => "delay",
-            Dim::Pure => "n",
-        };
+        let param = dim.param();
         let of = self.any_plan();
         let name = self.plans[of].name.clone();
         let variable = match dim {

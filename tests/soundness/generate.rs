@@ -16,6 +16,19 @@ pub enum Dim {
     Pure,
 }
 
+impl Dim {
+    /// The parameter that every entity has of it.
+    pub fn param(self) -> &'static str {
+        match self {
+            Dim::Length => "size",
+            Dim::Speed => "speed",
+            Dim::Force => "force",
+            Dim::Time => "delay",
+            Dim::Pure => "n",
+        }
+    }
+}
+
 /// What is decided of an entity before any text is written, as others speak of it.
 #[derive(Debug, Clone, Default)]
 pub struct Plan {

@@ -217,6 +217,15 @@ fn no_way_is_called_the_shortest_where_another_may_lead_around() {
     let outcome = ask(&Problem::new(&sim, GoalId(0)), Planner::Exhaustive, None);
     let Verdict::Reached(plan) = outcome.verdict else { panic!("{outcome:?}") };
     assert!(!plan.is_shortest, "{:?}", outcome.cuts);
+    // A way is the shortest one for as long as none could have gone on outside to arrive sooner: it steps right 1 px at a time.
+    let soonest = outcome.cuts[0].soonest;
+    for (steps, is_known) in [(soonest + 1, true), (soonest + 2, false)] {
+        let program = meadow("", &format!("goal right: hero.x > {}.5", 32 + steps - 1));
+        let sim = Simulator::new(&program, WORLD);
+        let outcome = ask(&Problem::new(&sim, GoalId(0)), Planner::Exhaustive, None);
+        let Verdict::Reached(plan) = outcome.verdict else { panic!("{outcome:?}") };
+        assert_eq!((plan.steps, plan.is_shortest), (u64::from(steps), is_known), "{:?}", outcome.cuts);
+    }
 }
 
 #[test]

@@ -702,3 +702,29 @@ fn a_world_without_a_space_has_no_slots() {
     let p = program(compile_text("entity A { mode only { when true { spawn A } } } world W { limit A 1 }"));
     assert_eq!(p.worlds[WorldId(0)].slots.len(), 0);
 }
+
+#[test]
+fn there_is_one_zero() {
+    // A negative zero could be told from the other by the direction that it points in.
+    let sees =
+        "initial mode here { when atan2(p, -1) < 0 or atan2(c, -1) < 0 or atan2(x, -1) < 0 -> there } mode there { }";
+    let text = format!(
+        "entity Shot {{ param p = 0; continuous c = -p; {sees} }}
+         entity A {{ param q = 0; mode only {{ when timer < 1frames {{ spawn Shot(p = -q, x = -q); spawn Shot(c = -q) }} }} }}
+         world W {{
+             step 1/10; limit Shot 4
+             space main {{
+                 place shot: Shot at (-0, 0) {{ p = -0 }}
+                 place other: Shot at (0, -0) {{ c = -0 }}
+                 place a: A at (0, 0)
+             }}
+         }}"
+    );
+    let program = program(compile_text(&text));
+    let mut run = Run::new(&program);
+    run.step("- - -");
+    for slot in ["shot", "other", "Shot#1", "Shot#2"] {
+        assert_eq!(run.modes(slot), ["here"], "{slot}");
+        assert!(["x", "c"].iter().all(|var| run.var(slot, var).is_sign_positive()), "{slot}");
+    }
+}

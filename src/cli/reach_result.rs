@@ -179,7 +179,7 @@ pub(super) struct CutResult {
 }
 
 impl CutResult {
-    fn new(world: &World, &Cut { space, window, branches }: &Cut) -> Self {
+    fn new(world: &World, &Cut { space, window, branches, .. }: &Cut) -> Self {
         let Bounds { left, right, bottom, top: _ } = window;
         CutResult { space: world.spaces[space].name.clone(), left, right, bottom, branches }
     }

@@ -22,7 +22,7 @@ use rustc_hash::FxHasher;
 
 use super::ground::{Extension, Ground, Notes};
 use super::metric::Point;
-use super::outcome::{Exhaustion, Plan};
+use super::outcome::{Cut, Exhaustion, Plan};
 use super::planners::Planner;
 use super::region::GoalRegion;
 use super::searcher::{Ending, Searcher};
@@ -287,22 +287,24 @@ impl<'a> Exhaustive<'a> {
         }
     }
 
-    /// Whether nothing was left out of what was looked at: a way may lead around outside of a search window.
-    fn is_complete(&self) -> bool {
+    /// Whether nothing was left out of what ways of fewer than so many steps pass: a way may lead around outside of a
+    /// search window, on from where a branch was given up.
+    fn is_complete(&self, steps: u32) -> bool {
         let notes = &self.ground.notes;
-        !self.ground.controls.truncated && notes.fault.is_none() && notes.cuts.is_empty()
+        let is_far = |cut: &Cut| cut.soonest.saturating_add(1) >= steps;
+        !self.ground.controls.truncated && notes.fault.is_none() && notes.cuts.iter().all(is_far)
     }
 
     /// The way that was found, if it is the answer: as soon as there can be no shorter one, where `least` is the least number
     /// of steps that another could take; best first at once.
     fn answer(&mut self, least: u32) -> Option<Plan> {
-        let (_, choice, steps) = self.found.take_if(|(total, ..)| {
+        let (total, choice, steps) = self.found.take_if(|(total, ..)| {
             let is_best_first = matches!(self.order, Order::Best(_));
             is_best_first || *total <= least
         })?;
         // Starts that are not the initial state have had steps of different number.
         let is_alone = self.ground.starts() == 1;
-        let is_all = matches!(self.change, Change::After(_)) && self.is_complete();
+        let is_all = matches!(self.change, Change::After(_)) && self.is_complete(total);
         let is_shortest = self.is_breadth_first() && is_alone && is_all;
         self.ground.plan(choice, steps, is_shortest)
     }
@@ -311,7 +313,7 @@ impl<'a> Exhaustive<'a> {
     fn exhausted(&mut self) -> Ending {
         // Within a time, what was reached late may have been left that could also be reached soon.
         let is_timely = self.ground.problem.time().is_none() || self.is_breadth_first();
-        if !self.is_complete() || !is_timely {
+        if !self.is_complete(u32::MAX) || !is_timely {
             return Ending::Spent;
         }
         let states = if self.change.goes_on() { self.begun.len() } else { self.ground.tree.len() } as u64;

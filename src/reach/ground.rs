@@ -77,7 +77,10 @@ impl Notes {
     /// Counts branches that were given up.
     fn cut(&mut self, cut: Cut) {
         match self.cuts.iter_mut().find(|known| known.space == cut.space) {
-            Some(known) => known.branches += cut.branches,
+            Some(known) => {
+                known.branches += cut.branches;
+                known.soonest = known.soonest.min(cut.soonest);
+            }
             None => self.cuts.push(cut),
         }
     }
@@ -272,7 +275,7 @@ impl<'a> Ground<'a> {
                 // What is compared with a position is so in the next step: whatever the speed, one is made beyond.
                 Ok(Standing::Open) => match self.windows.left(self.problem, &self.work) {
                     Some(space) if was_beyond => {
-                        self.note_cut(space);
+                        self.note_cut(space, self.tree.depth(choice.node) + u32::from(step));
                         return Extension::Dead;
                     }
                     left => was_beyond = left.is_some(),
@@ -294,9 +297,9 @@ impl<'a> Ground<'a> {
         Extension::Open
     }
 
-    fn note_cut(&mut self, space: SpaceId) {
+    fn note_cut(&mut self, space: SpaceId, soonest: u32) {
         if let Some(window) = self.windows.of(space) {
-            self.notes.cut(Cut { space, window: *window, branches: 1 });
+            self.notes.cut(Cut { space, window: *window, branches: 1, soonest });
         }
     }
 

@@ -119,6 +119,8 @@ pub struct Cut {
     pub window: Bounds,
     /// How many.
     pub branches: u64,
+    /// The fewest steps that lead to one of them.
+    pub soonest: u32,
 }
 
 /// The end of a search.

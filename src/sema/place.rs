@@ -133,7 +133,8 @@ impl Checker<'_> {
                     self.evaluated(&param.default, context)?
                 }
             };
-            params.push(value);
+            // There is one zero.
+            params.push(value + 0.0);
         }
         let context = ConstantContext { params: Some(&params), step: Some(step) };
         let mut vars = IdVec::new();
@@ -146,7 +147,7 @@ impl Checker<'_> {
                     _ => 0.0,
                 };
             }
-            vars.push(value);
+            vars.push(value.map(|value| value + 0.0));
         }
         let mut discretes = IdVec::new();
         for (id, discrete) in entity.discretes.pairs() {

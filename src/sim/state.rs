@@ -61,9 +61,14 @@ pub(super) fn triple(bytes: &[u8; 24]) -> [f64; 3] {
 #[inline]
 pub(super) fn set_triple(bytes: &mut [u8; 24], values: [f64; 3]) {
     for (degree, value) in values.into_iter().enumerate() {
-        // There is one zero, so that equal states are equal bytes.
-        set_real(bytes, 8 * degree, value + 0.0);
+        set_real(bytes, 8 * degree, one_zero(value));
     }
+}
+
+/// There is one zero, so that equal states are equal bytes.
+#[inline]
+fn one_zero(value: f64) -> f64 {
+    value + 0.0
 }
 
 /// The buttons of a player's last step.
@@ -125,7 +130,7 @@ impl SlotLayout {
 
     /// Writes a continuous variable or one of its derivatives.
     pub fn set_var(&self, state: &mut [u8], var: VarId, degree: u8, value: f64) {
-        set_real(state, self.var_offset(var, degree), value);
+        set_real(state, self.var_offset(var, degree), one_zero(value));
     }
 
     /// The first continuous variables, each with its derivatives.
@@ -217,7 +222,7 @@ impl SlotLayout {
 
     pub(super) fn set_param(&self, state: &mut [u8], id: ParamId, value: f64) {
         if let Some(at) = self.params {
-            set_real(state, at + 8 * id.index(), value);
+            set_real(state, at + 8 * id.index(), one_zero(value));
         }
     }
 

@@ -58,8 +58,8 @@ impl<'p> Oracle<'p> {
         let held = self.world.players.iter().map(|_| BTreeSet::new()).collect();
         let things = self.world.instances.iter().map(|instance| {
             (instance.origin != Origin::Free).then(|| Thing {
-                params: instance.params.iter().copied().collect(),
-                vars: instance.vars.iter().copied().collect(),
+                params: instance.params.iter().map(|value| value + 0.0).collect(),
+                vars: instance.vars.iter().map(|values| values.map(|value| value + 0.0)).collect(),
                 discretes: instance.discretes.iter().copied().collect(),
                 refs: instance.refs.iter().map(|r| r.map(|slot| slot.index())).collect(),
                 space: instance.space.index(),
@@ -173,7 +173,7 @@ impl<'p> Oracle<'p> {
                 let (from, to) = ((link.from[axis], link.from[axis + 2]), (link.to[axis], link.to[axis + 2]));
                 let (from, to) = ((from.0, from.0 + from.1), (to.0, to.0 + to.1));
                 let way = thing.vars[axis][0] - from.0;
-                thing.vars[axis][0] = to.0 + (to.1 - to.0) * way / (from.1 - from.0);
+                thing.vars[axis][0] = to.0 + (to.1 - to.0) * way / (from.1 - from.0) + 0.0;
             }
         }
         Ok(())
@@ -371,7 +371,7 @@ impl<'p> Oracle<'p> {
                 Some(term) => code.value(term)?,
                 None => own(&thing, &param.default)?,
             };
-            thing.params.push(value);
+            thing.params.push(value + 0.0);
         }
         for (id, var) in entity.vars.pairs() {
             let mut value = [0.0; 3];
@@ -383,7 +383,8 @@ impl<'p> Oracle<'p> {
                     _ => 0.0,
                 };
             }
-            thing.vars.push(value);
+            // There is one zero.
+            thing.vars.push(value.map(|value| value + 0.0));
         }
         for (id, discrete) in entity.discretes.pairs() {
             let value = match given(Given::Discrete(id)) {

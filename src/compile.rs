@@ -150,7 +150,7 @@ fn stages(
     }
     let given = Level { map, part: part.map(str::to_string), legend, tile: level.tile };
     let is_kept = occurrences.are_kept();
-    let (checked, found) = sema::check(&trees, &sources, given, occurrences);
+    let (mut checked, found) = sema::check(&trees, &sources, given, occurrences);
     diagnostics.append(found);
     let first = trees.first().map(|root| root.id);
     if !is_kept {
@@ -169,7 +169,10 @@ fn stages(
     }
     diagnostics.trace(&sources);
     diagnostics.sort();
-    let program = (!diagnostics.has_errors()).then(|| ir::lower(&checked));
+    let program = (!diagnostics.has_errors()).then(|| match is_kept {
+        true => ir::lower(checked.clone()),
+        false => ir::lower(std::mem::take(&mut checked)),
+    });
     ((Compilation { sources, program, diagnostics }, checked), trees)
 }
 

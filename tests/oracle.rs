@@ -171,6 +171,7 @@ fn no_goal_that_can_be_reached_is_ruled_out_by_analysis() {
 fn exhaustion_finds_the_shortest_ways_and_rules_out_the_rest() {
     let tally = true_verdicts(Judge::Exhaustion);
     assert!(100 * tally.proven >= 90 * tally.unreachable, "{tally:?}");
+    assert!(100 * tally.shortest >= 95 * tally.reachable, "{tally:?}");
 }
 
 #[test]

@@ -40,7 +40,8 @@ impl Program {
             return self.push(folded, term.span);
         }
         let expr = match &term.kind {
-            TermKind::Number(n) | TermKind::Quantity(n, ..) => Expr::Number(*n),
+            TermKind::Number(n) => Expr::Number(*n),
+            TermKind::Quantity(quantity) => Expr::Number(quantity.0),
             TermKind::Frames(n) => Expr::Frames(*n),
             TermKind::Bool(b) => Expr::Bool(*b),
             TermKind::Param(of, p) => Expr::Param(*of, *p),
@@ -58,20 +59,24 @@ impl Program {
                 Expr::Timer(timer)
             }
             TermKind::Negate(a) => Expr::Negate(self.term(a, context)),
-            TermKind::Arithmetic(op, a, b) => {
+            TermKind::Arithmetic(op, sides) => {
+                let [a, b] = sides.as_ref();
                 let (a, b) = (self.term(a, context), self.term(b, context));
                 Expr::Arithmetic(*op, a, b)
             }
-            TermKind::Call(function, args) => {
+            TermKind::Call(call) => {
+                let (function, args) = call.as_ref();
                 let ids: Vec<ExprId> = args.iter().map(|a| self.term(a, context)).collect();
                 let at = |i: usize| ids.get(i).or(ids.last()).copied().unwrap_or(ExprId(0));
                 Expr::Call(*function, [at(0), at(1), at(2)])
             }
-            TermKind::Compare(op, a, b) => {
+            TermKind::Compare(op, sides) => {
+                let [a, b] = sides.as_ref();
                 let (left, right) = (self.term(a, context), self.term(b, context));
                 Expr::Compare(*op, left, right)
             }
-            TermKind::And(a, b) => {
+            TermKind::And(sides) => {
+                let [a, b] = sides.as_ref();
                 if let TermKind::Alive(slot) = a.kind
                     && (context.immortal)(slot)
                 {
@@ -80,21 +85,25 @@ impl Program {
                 let (a, b) = (self.term(a, context), self.term(b, context));
                 Expr::And(a, b)
             }
-            TermKind::Or(a, b) => {
+            TermKind::Or(sides) => {
+                let [a, b] = sides.as_ref();
                 let (a, b) = (self.term(a, context), self.term(b, context));
                 Expr::Or(a, b)
             }
             TermKind::Not(a) => Expr::Not(self.term(a, context)),
             TermKind::Button(press, button) => Expr::Button(*press, *button),
-            TermKind::Touching { of, bound: Some(touch), .. } => Expr::Touching(*of, *touch),
-            TermKind::Touching { of, mine, other, side, bound: None } => {
-                let mine = mine.map_or(TagSet::ALL, TagSet::of);
-                let touch = Touch { mine, other: *other, side: *side, bound: false };
-                Expr::Touching(*of, self.touch(context.entity(*of), touch, term.span))
+            TermKind::Touching(asked) => {
+                let checked::Touching { of, mine, other, side, bound } = **asked;
+                let touch = bound.unwrap_or_else(|| {
+                    let mine = mine.map_or(TagSet::ALL, TagSet::of);
+                    self.touch(context.entity(of), Touch { mine, other, side, bound: false }, term.span)
+                });
+                Expr::Touching(of, touch)
             }
             TermKind::InMode(of, mode) => Expr::InMode(*of, *mode),
             TermKind::InSpace(of, space) => Expr::InSpace(*of, *space),
-            TermKind::Near { of, numbers } => {
+            TermKind::Near(asked) => {
+                let (of, numbers) = asked.as_ref();
                 let [x, y, radius] = numbers.each_ref().map(|number| self.term(number, context));
                 Expr::Near { of: *of, x, y, radius }
             }

@@ -1,5 +1,7 @@
 //! Lowering: a checked program into the tables.
 
+use std::sync::Arc;
+
 use crate::sema::checked::{self, Checked};
 use crate::source::Span;
 
@@ -11,8 +13,9 @@ use super::{
     Release, Shape, TagSet, Touch, leaf, verify, world,
 };
 
-/// Lowers a program that checked without errors.
-pub fn lower(checked: &Checked) -> Program {
+/// Lowers a program that checked without errors. What is lowered goes at once, unless it is shared: of a large program both
+/// are large.
+pub fn lower(mut checked: Checked) -> Program {
     let mut program = Program { tags: checked.tags.iter().map(|t| t.text.to_string()).collect(), ..Program::default() };
     program.spans.tags = checked.tags.iter().map(|t| t.span).collect();
     program.entities.reserve(checked.entities.len());
@@ -22,9 +25,10 @@ pub fn lower(checked: &Checked) -> Program {
         program.entities.push(shell(entity));
         program.spans.entities.push(spans(entity));
     }
-    for (id, entity) in checked.entities.pairs() {
+    for (index, entity) in std::mem::take(&mut checked.entities).into_iter().enumerate() {
+        let id = EntityId::from_index(index);
         let from = ExprId::from_index(program.exprs.len());
-        entity_code(&mut program, id, entity);
+        entity_code(&mut program, id, Arc::unwrap_or_clone(entity));
         let to = ExprId::from_index(program.exprs.len());
         program.timer_thresholds(id, from, to);
         program.entities[id].code = (from, to);
@@ -32,8 +36,9 @@ pub fn lower(checked: &Checked) -> Program {
     // Contact questions of every world, before any layout counts them.
     let mortal = world::mortal(&program);
     let predicates: Vec<_> = checked.worlds.iter().map(|w| world::predicates(&mut program, w, &mortal)).collect();
-    for (w, predicates) in checked.worlds.iter().zip(predicates) {
-        world::lower(&mut program, w, predicates);
+    program.worlds.reserve(predicates.len());
+    for (w, predicates) in checked.worlds.into_iter().zip(predicates) {
+        world::lower(&mut program, &w, predicates);
     }
     verify::verify(&program);
     program
@@ -43,9 +48,9 @@ pub fn lower(checked: &Checked) -> Program {
 fn shell(e: &checked::Entity) -> Entity {
     let discretes = e.discretes.iter().map(|d| Discrete {
         name: d.name.text.to_string(),
-        domain: match &d.ty {
+        domain: match d.ty {
             checked::Type::Bool => Domain::Bool,
-            checked::Type::Set(names) => Domain::Set(names.to_vec()),
+            checked::Type::Set(_) => Domain::Set(d.values.to_vec()),
             checked::Type::Int | checked::Type::Real | checked::Type::Ref(_) => Domain::Int,
         },
         range: d.range,
@@ -106,7 +111,7 @@ fn spans(e: &checked::Entity) -> EntitySpans {
     }
 }
 
-fn entity_code(program: &mut Program, id: EntityId, e: &checked::Entity) {
+fn entity_code(program: &mut Program, id: EntityId, mut e: checked::Entity) {
     let context = Context { me: Some(id), slots: &|_| id, immortal: &|_| false };
     for param in e.params.iter() {
         let default = program.term(&param.default, &context);
@@ -140,10 +145,10 @@ fn entity_code(program: &mut Program, id: EntityId, e: &checked::Entity) {
         }
     }
     program.entities[id].edges.reserve(e.edges.len());
-    for edge in e.edges.iter() {
-        let guard = program.term(&edge.guard, &context);
-        let actions = actions::lower(program, id, &edge.actions, &context);
-        let (source, target, needs) = (edge.source, edge.target, edge.needs.clone());
+    for edge in e.edges.iter_mut() {
+        let guard = program.term(&edge.guard.take(), &context);
+        let actions = actions::lower(program, id, &std::mem::take(&mut edge.actions), &context);
+        let (source, target, needs) = (edge.source, edge.target, std::mem::take(&mut edge.needs));
         program.entities[id].edges.push(Edge { source, target, guard, actions, needs });
     }
     for follow in e.modes.iter().flat_map(|m| &m.follows) {
@@ -161,9 +166,9 @@ fn entity_code(program: &mut Program, id: EntityId, e: &checked::Entity) {
         let holds = program.term(invariant, &context);
         program.entities[id].invariants.push(holds);
     }
-    modes(program, id, e, &context);
-    let tables = leaf::drives(program, e, &context);
-    let built = leaf::leaves(program, id, e, &tables);
+    modes(program, id, &e, &context);
+    let tables = leaf::drives(program, &e, &context);
+    let built = leaf::leaves(program, id, &e, &tables);
     let entity = &mut program.entities[id];
     entity.inputs = built.always;
     entity.free = tables.free;

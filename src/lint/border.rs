@@ -108,8 +108,8 @@ fn guards(checked: &Checked, id: EntityId, found: &mut Diagnostics) {
     let follows = entity.modes.iter().flat_map(|mode| &mode.follows).filter_map(|follow| follow.guard.as_ref());
     let mut open: Vec<&Term> = edges.chain(follows).collect();
     while let Some(term) = open.pop() {
-        if let TermKind::And(a, b) | TermKind::Or(a, b) = &term.kind {
-            open.extend([&**a, &**b]);
+        if let TermKind::And(sides) | TermKind::Or(sides) = &term.kind {
+            open.extend(sides.iter());
             continue;
         }
         let never = |(area, params, step): &(Area, &IdVec<ParamId, f64>, (u64, u64))| {
@@ -138,10 +138,20 @@ impl Within<'_> {
     /// Whether a predicate can only hold out of bounds.
     fn never_holds(&self, term: &Term) -> bool {
         match &term.kind {
-            TermKind::And(a, b) => self.never_holds(a) || self.never_holds(b),
-            TermKind::Or(a, b) => self.never_holds(a) && self.never_holds(b),
-            TermKind::Compare(op, a, b) => self.never_compares(*op, a, b) || self.never_compares(flipped(*op), b, a),
-            TermKind::Near { of, numbers } => {
+            TermKind::And(sides) => {
+                let [a, b] = sides.as_ref();
+                self.never_holds(a) || self.never_holds(b)
+            }
+            TermKind::Or(sides) => {
+                let [a, b] = sides.as_ref();
+                self.never_holds(a) && self.never_holds(b)
+            }
+            TermKind::Compare(op, sides) => {
+                let [a, b] = sides.as_ref();
+                self.never_compares(*op, a, b) || self.never_compares(flipped(*op), b, a)
+            }
+            TermKind::Near(asked) => {
+                let (of, numbers) = asked.as_ref();
                 let Some(area) = (self.of)(*of) else { return false };
                 let numbers = numbers.each_ref().map(|term| self.constant(term));
                 matches!(numbers, [Some(x), Some(y), Some(r)] if area.excludes(x - r, x + r, y + r))

@@ -30,15 +30,18 @@ pub(super) fn truth(entity: &Entity, guard: &Term) -> Option<bool> {
                 contradictory(entity, guard).then_some(false)
             }
         }
-        TermKind::Or(a, b) => match (truth(entity, a), truth(entity, b)) {
-            (Some(true), _) | (_, Some(true)) => Some(true),
-            (Some(false), Some(false)) => Some(false),
+        TermKind::Or(sides) => match sides.each_ref().map(|side| truth(entity, side)) {
+            [Some(true), _] | [_, Some(true)] => Some(true),
+            [Some(false), Some(false)] => Some(false),
             _ => None,
         },
-        TermKind::Compare(op, a, b) if same(a, b) => {
-            Some(matches!(op, CompareOp::Equal | CompareOp::AtMost | CompareOp::AtLeast))
+        TermKind::Compare(op, sides) => {
+            let [a, b] = sides.as_ref();
+            if same(a, b) {
+                return Some(matches!(op, CompareOp::Equal | CompareOp::AtMost | CompareOp::AtLeast));
+            }
+            compared(*op, range(entity, a, &[]), range(entity, b, &[]))
         }
-        TermKind::Compare(op, a, b) => compared(*op, range(entity, a, &[]), range(entity, b, &[])),
         _ => None,
     }
 }
@@ -49,7 +52,7 @@ fn conjuncts(guard: &Term) -> Vec<&Term> {
     let mut open = vec![guard];
     while let Some(term) = open.pop() {
         match &term.kind {
-            TermKind::And(a, b) => open.extend([a.as_ref(), b.as_ref()]),
+            TermKind::And(sides) => open.extend(sides.iter()),
             _ => parts.push(term),
         }
     }
@@ -114,10 +117,10 @@ impl Question<'_> {
             return true;
         }
         match (&a.kind, &b.kind) {
-            (TermKind::Or(p, q), _) => [p, q].into_iter().all(|part| self.is_false(part) || self.implies(part, b)),
-            (_, TermKind::And(r, s)) => self.implies(a, r) && self.implies(a, s),
-            (TermKind::And(p, q), _) if self.implies(p, b) || self.implies(q, b) => true,
-            (_, TermKind::Or(r, s)) => self.implies(a, r) || self.implies(a, s),
+            (TermKind::Or(parts), _) => parts.iter().all(|part| self.is_false(part) || self.implies(part, b)),
+            (_, TermKind::And(parts)) => parts.iter().all(|part| self.implies(a, part)),
+            (TermKind::And(parts), _) if parts.iter().any(|part| self.implies(part, b)) => true,
+            (_, TermKind::Or(parts)) => parts.iter().any(|part| self.implies(a, part)),
             // All that it is made of was asked.
             (TermKind::And(..), _) => false,
             _ if truth(self.entity, b) == Some(true) || self.is_false(a) => true,
@@ -138,13 +141,11 @@ impl Question<'_> {
         }
         match (&a.kind, &b.kind) {
             (TermKind::Button(Press::Pressed, x), TermKind::Button(Press::Held, y)) => x == y,
-            (
-                TermKind::Touching { of, mine, other, side, .. },
-                TermKind::Touching { of: of_b, mine: mine_b, other: other_b, side: side_b, bound: None },
-            ) => {
-                (of, other) == (of_b, other_b)
-                    && (mine_b.is_none() || mine == mine_b)
-                    && (side_b.is_none() || side == side_b)
+            (TermKind::Touching(a), TermKind::Touching(b)) => {
+                b.bound.is_none()
+                    && (a.of, a.other) == (b.of, b.other)
+                    && (b.mine.is_none() || a.mine == b.mine)
+                    && (b.side.is_none() || a.side == b.side)
             }
             (TermKind::InMode(Subject::Me, inner), TermKind::InMode(Subject::Me, outer)) => self.is_in(*inner, *outer),
             _ => false,
@@ -159,10 +160,10 @@ impl Question<'_> {
             return true;
         }
         match (&a.kind, &b.kind) {
-            (TermKind::Or(p, q), _) => self.exclusive(p, b) && self.exclusive(q, b),
-            (_, TermKind::Or(r, s)) => self.exclusive(a, r) && self.exclusive(a, s),
-            (TermKind::And(p, q), _) => self.exclusive(p, b) || self.exclusive(q, b),
-            (_, TermKind::And(r, s)) => self.exclusive(a, r) || self.exclusive(a, s),
+            (TermKind::Or(parts), _) => parts.iter().all(|part| self.exclusive(part, b)),
+            (_, TermKind::Or(parts)) => parts.iter().all(|part| self.exclusive(a, part)),
+            (TermKind::And(parts), _) => parts.iter().any(|part| self.exclusive(part, b)),
+            (_, TermKind::And(parts)) => parts.iter().any(|part| self.exclusive(a, part)),
             (TermKind::Not(x), _) if self.implies(b, x) => true,
             (_, TermKind::Not(y)) if self.implies(a, y) => true,
             (TermKind::InMode(Subject::Me, m), TermKind::InMode(Subject::Me, n)) => {

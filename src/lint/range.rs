@@ -107,7 +107,8 @@ pub(super) struct Fact<'t> {
 pub(super) fn range(entity: &Entity, term: &Term, facts: &[Fact<'_>]) -> Range {
     let of = |term: &Term| range(entity, term, facts);
     let plain = match &term.kind {
-        TermKind::Number(n) | TermKind::Quantity(n, ..) => Range::closed(*n, *n),
+        TermKind::Number(n) => Range::closed(*n, *n),
+        TermKind::Quantity(quantity) => Range::closed(quantity.0, quantity.0),
         TermKind::Frames(n) if *n > 0.0 => Range { low: 0.0, above: true, ..Range::ALL },
         TermKind::Discrete(Subject::Me, id) => {
             let (low, high) = entity.discretes[*id].range;
@@ -116,7 +117,8 @@ pub(super) fn range(entity: &Entity, term: &Term, facts: &[Fact<'_>]) -> Range {
         TermKind::Axis(_) => Range::closed(-1.0, 1.0),
         TermKind::Timer(_) => Range::closed(0.0, f64::INFINITY),
         TermKind::Negate(a) => of(a).map(|x| -x),
-        TermKind::Arithmetic(op, a, b) => {
+        TermKind::Arithmetic(op, sides) => {
+            let [a, b] = sides.as_ref();
             let (a, b) = (of(a), of(b));
             match op {
                 Arithmetic::Add => a.pairs(b, |a, b| a + b),
@@ -127,7 +129,7 @@ pub(super) fn range(entity: &Entity, term: &Term, facts: &[Fact<'_>]) -> Range {
                 Arithmetic::Divide => Range::ALL,
             }
         }
-        TermKind::Call(function, arguments) => called(entity, *function, arguments, facts),
+        TermKind::Call(call) => called(entity, call.0, &call.1, facts),
         TermKind::Bool(_)
         | TermKind::Compare(..)
         | TermKind::And(..)
@@ -170,9 +172,15 @@ fn called(entity: &Entity, function: Function, arguments: &[Term], facts: &[Fact
 /// What a comparison says of one of its sides, where the other side is a known number.
 pub(super) fn fact<'t>(entity: &Entity, term: &'t Term) -> Option<Fact<'t>> {
     let (op, a, b) = match &term.kind {
-        TermKind::Compare(op, a, b) => (*op, a, b),
+        TermKind::Compare(op, sides) => {
+            let [a, b] = sides.as_ref();
+            (*op, a, b)
+        }
         TermKind::Not(inner) => match &inner.kind {
-            TermKind::Compare(op, a, b) => (op.negated(), a, b),
+            TermKind::Compare(op, sides) => {
+                let [a, b] = sides.as_ref();
+                (op.negated(), a, b)
+            }
             _ => return None,
         },
         _ => return None,
@@ -196,7 +204,7 @@ pub(super) fn facts<'t>(entity: &Entity, guard: &'t Term) -> Vec<Fact<'t>> {
     let mut open = vec![guard];
     while let Some(term) = open.pop() {
         match &term.kind {
-            TermKind::And(a, b) => open.extend([a.as_ref(), b.as_ref()]),
+            TermKind::And(sides) => open.extend(sides.iter()),
             _ => out.extend(fact(entity, term)),
         }
     }

@@ -6,11 +6,12 @@ use crate::sema::checked::{Action, DriveBy, Entity, Rate, Release, Term, TermKin
 pub(super) fn children(term: &Term) -> Vec<&Term> {
     match &term.kind {
         TermKind::Negate(a) | TermKind::Not(a) => vec![a],
-        TermKind::Arithmetic(_, a, b) | TermKind::Compare(_, a, b) | TermKind::And(a, b) | TermKind::Or(a, b) => {
+        TermKind::Arithmetic(_, sides) | TermKind::Compare(_, sides) | TermKind::And(sides) | TermKind::Or(sides) => {
+            let [a, b] = sides.as_ref();
             vec![a, b]
         }
-        TermKind::Call(_, arguments) => arguments.iter().collect(),
-        TermKind::Near { numbers, .. } => numbers.iter().collect(),
+        TermKind::Call(call) => call.1.iter().collect(),
+        TermKind::Near(asked) => asked.1.iter().collect(),
         _ => Vec::new(),
     }
 }
@@ -99,8 +100,8 @@ pub(super) fn same(a: &Term, b: &Term) -> bool {
         | (TermKind::Or(..), TermKind::Or(..)) => inside(a, b),
         (TermKind::Arithmetic(f, ..), TermKind::Arithmetic(g, ..)) => f == g && inside(a, b),
         (TermKind::Compare(f, ..), TermKind::Compare(g, ..)) => f == g && inside(a, b),
-        (TermKind::Call(f, _), TermKind::Call(g, _)) => f == g && inside(a, b),
-        (TermKind::Near { of: f, .. }, TermKind::Near { of: g, .. }) => f == g && inside(a, b),
+        (TermKind::Call(f), TermKind::Call(g)) => f.0 == g.0 && inside(a, b),
+        (TermKind::Near(f), TermKind::Near(g)) => f.0 == g.0 && inside(a, b),
         (f, g) => children(a).is_empty() && children(b).is_empty() && f == g,
     }
 }

@@ -94,9 +94,9 @@ fn read(term: &TermKind) -> Option<(Subject, What)> {
         | TermKind::Is(of, _)
         | TermKind::Instance(of)
         | TermKind::InMode(of, _)
-        | TermKind::InSpace(of, _)
-        | TermKind::Touching { of, .. }
-        | TermKind::Near { of, .. } => (of, What::Itself),
+        | TermKind::InSpace(of, _) => (of, What::Itself),
+        TermKind::Touching(ref asked) => (asked.of, What::Itself),
+        TermKind::Near(ref asked) => (asked.0, What::Itself),
         _ => return None,
     })
 }

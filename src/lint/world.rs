@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::diagnostic::catalogue::lint::{LinkNowhere, NoPlayer, PlacedInside, UncarriedTag, UnpairedTouch};
 use crate::diagnostic::{Diagnostics, similar};
 use crate::sema::checked::{
-    Checked, CollideRule, Entity, Instance, Origin, Push, Shape, Solid, Space, Subject, TermKind, World,
+    Checked, CollideRule, Entity, Instance, Origin, Push, Shape, Solid, Space, Subject, TermKind, Touching, World,
 };
 use crate::sema::ids::{EntityId, TagId};
 use crate::sema::{ConstantContext, MAX_TAGS, evaluate};
@@ -25,7 +25,8 @@ fn questions(entity: &Entity) -> Vec<(Question, Span)> {
     let mut out: Vec<(Question, Span)> = Vec::new();
     for term in terms::of_entity(entity) {
         terms::walk(term, &mut |term| {
-            if let TermKind::Touching { of: Subject::Me, mine, other, .. } = term.kind
+            if let TermKind::Touching(asked) = &term.kind
+                && let Touching { of: Subject::Me, mine, other, .. } = **asked
                 && !out.iter().any(|(q, _)| *q == (mine, other))
             {
                 out.push(((mine, other), term.span));

@@ -505,13 +505,11 @@ impl<'a> Offers<'a> {
             return self.words(&["none", "self"]);
         }
         let compared = if matches!(place.back(1), "==" | "!=" | ":=" | "=") { place.back(2) } else { "" };
-        if let Some(Type::Set(values)) =
-            set.or(own).and_then(|e| e.discretes.iter().find(|d| d.name.text == compared)).map(|d| &d.ty)
-        {
-            let values = values.clone();
+        let chosen = set.or(own).and_then(|e| e.discretes.iter().find(|d| d.name.text == compared));
+        if let Some(values) = chosen.filter(|d| matches!(d.ty, Type::Set(_))).map(|d| &d.values) {
             values.iter().for_each(|v| self.add(0, v, CompletionItemKind::EnumMember, "value"));
             let same = own.into_iter().flat_map(|e| e.discretes.iter());
-            let same = same.filter(|d| d.name.text != compared && matches!(&d.ty, Type::Set(of) if *of == values));
+            let same = same.filter(|d| d.name.text != compared && d.values == *values);
             same.for_each(|d| self.add(1, &d.name.text, CompletionItemKind::Field, "discrete"));
             return self.functions(|name| name == "if");
         }

@@ -206,9 +206,15 @@ fn ends_by_contact(entity: &Entity, leaf: ModeId) -> bool {
 /// Whether a guard holds only while something is touched.
 fn needs_contact(guard: &Term) -> bool {
     match &guard.kind {
-        TermKind::Touching { .. } => true,
-        TermKind::And(a, b) => needs_contact(a) || needs_contact(b),
-        TermKind::Or(a, b) => needs_contact(a) && needs_contact(b),
+        TermKind::Touching(_) => true,
+        TermKind::And(sides) => {
+            let [a, b] = sides.as_ref();
+            needs_contact(a) || needs_contact(b)
+        }
+        TermKind::Or(sides) => {
+            let [a, b] = sides.as_ref();
+            needs_contact(a) && needs_contact(b)
+        }
         _ => false,
     }
 }

@@ -254,7 +254,7 @@ impl About<'_> {
                 let discrete = &entity.discretes[entity.discretes.find(|d| d.name.text == name)?];
                 Some(match &discrete.ty {
                     Type::Bool => "true or false".into(),
-                    Type::Set(values) => values.join(", "),
+                    Type::Set(_) => discrete.values.join(", "),
                     _ => format!("{}..{}", discrete.range.0, discrete.range.1),
                 })
             }
@@ -267,11 +267,15 @@ impl About<'_> {
     fn ranges(&self, entity: &Entity, name: &str) -> Option<String> {
         let known = self.spot.known.ranges.as_ref()?.get(&entity.name.text, name);
         let degree = if self.o.kind == NameKind::Variable { self.degree() } else { 0 };
-        let names = entity.discretes.iter().find(|d| d.name.text == name).map(|d| &d.ty);
-        let declared = entity.discretes.iter().find(|d| d.name.text == name).map(|d| d.range);
-        let shown = |values: &Values| match names {
-            Some(Type::Set(all)) => {
-                let may = all.iter().enumerate().filter(|(at, _)| values.contains(*at as f64));
+        let discrete = entity.discretes.iter().find(|d| d.name.text == name);
+        let (ty, declared) = (discrete.map(|d| d.ty), discrete.map(|d| d.range));
+        let shown = |values: &Values| match ty {
+            Some(Type::Set(_)) => {
+                let may = discrete
+                    .iter()
+                    .flat_map(|d| d.values.iter())
+                    .enumerate()
+                    .filter(|(at, _)| values.contains(*at as f64));
                 may.map(|(_, name)| name.clone()).collect::<Vec<_>>().join(" or ")
             }
             Some(Type::Bool) => {
@@ -286,7 +290,7 @@ impl About<'_> {
         let written = format!("{name}{}", "'".repeat(degree));
         if rows.iter().all(|(_, values)| *values == first.1) {
             let says_nothing = first.1 == "any"
-                || matches!(names, Some(Type::Set(_) | Type::Bool)) && first.1.contains(" or ")
+                || matches!(ty, Some(Type::Set(_) | Type::Bool)) && first.1.contains(" or ")
                 || declared.is_some_and(|(low, high)| first.1 == format!("{low}..{high}"));
             return Some(format!("`{written}` is {}", first.1)).filter(|_| !says_nothing);
         }

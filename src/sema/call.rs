@@ -8,7 +8,7 @@ use crate::syntax::ast::{Expr, ExprKind, Name};
 use crate::syntax::occurrence::NameKind;
 
 use super::Checker;
-use super::checked::{BoundTouch, Function, Press, Side, Subject, Term, TermKind, Type};
+use super::checked::{BoundTouch, Function, Press, Side, Subject, Term, TermKind, Touching, Type};
 use super::expression::{Reads, Scope};
 use super::ids::{Id, SpaceId};
 use super::names::unknown;
@@ -71,10 +71,10 @@ impl Checker<'_> {
                 let (condition, a, b) = (condition?, a?, b?);
                 let ty = match (&a.ty, &b.ty) {
                     (Type::Int, Type::Real) | (Type::Real, Type::Int) => Type::Real,
-                    _ => a.ty.clone(),
+                    _ => a.ty,
                 };
                 let b = self.expect(b, &ty)?;
-                return make(TermKind::Call(Function::If, [condition, a, b].into()), ty);
+                return make(TermKind::Call(Box::new((Function::If, [condition, a, b].into()))), ty);
             }
             "entering" | "exiting" => {
                 let [Expr { kind: ExprKind::Path(path), .. }] = arguments else {
@@ -169,7 +169,7 @@ impl Checker<'_> {
             _ if args.iter().all(|a| a.ty == Type::Int) => Type::Int,
             _ => Type::Real,
         };
-        make(TermKind::Call(numeric, args.into()), ty)
+        make(TermKind::Call(Box::new((numeric, args.into()))), ty)
     }
 
     pub(super) fn button(
@@ -260,6 +260,7 @@ impl Checker<'_> {
             self.declared(NameKind::Touched, name);
         }
         let bound = binding.map(|name| self.facts.name(name, BoundTouch { mine, other, side: on, span }));
-        Some(Term { kind: TermKind::Touching { of: Subject::Me, mine, other, side: on, bound }, ty: Type::Bool, span })
+        let asked = Touching { of: Subject::Me, mine, other, side: on, bound };
+        Some(Term { kind: TermKind::Touching(Box::new(asked)), ty: Type::Bool, span })
     }
 }

@@ -15,7 +15,7 @@ use crate::syntax::occurrence::Occurrences;
 use super::dimension::Dimensions;
 use super::ids::{
     AxisId, ButtonId, ColliderId, DiscreteId, EdgeId, EntityId, EnvelopeId, GroupId, IdVec, ModeId, ParamId, RefId,
-    SlotId, SpaceId, TagId, TouchId, VarId, WorldId,
+    SetId, SlotId, SpaceId, TagId, TouchId, VarId, WorldId,
 };
 
 /// A program without errors.
@@ -40,7 +40,7 @@ pub struct Checked {
 }
 
 /// A type of values.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Type {
     /// A number with a fraction and perhaps a dimension.
     Real,
@@ -48,8 +48,8 @@ pub enum Type {
     Int,
     /// `true` or `false`.
     Bool,
-    /// One of a list of names, kept as its index. All that are of the type share the list.
-    Set(Arc<Vec<String>>),
+    /// One of a list of names, kept as its index.
+    Set(SetId),
     /// An instance of an entity (of any, if none), or none.
     Ref(Option<EntityId>),
 }
@@ -77,6 +77,13 @@ pub struct Term {
     pub ty: Type,
     /// Where it stands.
     pub span: Span,
+}
+
+impl Term {
+    /// The term, and nothing in its place.
+    pub fn take(&mut self) -> Term {
+        Term { kind: std::mem::replace(&mut self.kind, TermKind::NoneRef), ty: self.ty, span: self.span }
+    }
 }
 
 /// Arithmetic on two numbers.
@@ -151,13 +158,13 @@ pub enum Side {
     Below,
 }
 
-/// What an expression computes.
+/// What an expression computes. A large text has many of them, so what is seldom or large stands in boxes.
 #[derive(Debug, Clone, PartialEq)]
 pub enum TermKind {
     /// A number, or the index of a set's value.
     Number(f64),
     /// A number with a dimension of its own: the exponents of px and of s.
-    Quantity(f64, i32, i32),
+    Quantity(Box<(f64, i32, i32)>),
     /// So many steps of the world, in seconds.
     Frames(f64),
     /// A truth value.
@@ -175,32 +182,21 @@ pub enum TermKind {
     /// `-a`
     Negate(Box<Term>),
     /// Arithmetic.
-    Arithmetic(Arithmetic, Box<Term>, Box<Term>),
+    Arithmetic(Arithmetic, Box<[Term; 2]>),
     /// A function.
-    Call(Function, Box<[Term]>),
+    Call(Box<(Function, Box<[Term]>)>),
     /// A comparison.
-    Compare(CompareOp, Box<Term>, Box<Term>),
+    Compare(CompareOp, Box<[Term; 2]>),
     /// Both; the second is not looked at if the first is false.
-    And(Box<Term>, Box<Term>),
+    And(Box<[Term; 2]>),
     /// One of both; the second is not looked at if the first is true.
-    Or(Box<Term>, Box<Term>),
+    Or(Box<[Term; 2]>),
     /// Not.
     Not(Box<Term>),
     /// A button.
     Button(Press, ButtonId),
-    /// A contact of a collider tagged `mine` (any if none) with something tagged `other`, on a side of mine.
-    Touching {
-        /// Whose collider.
-        of: Subject,
-        /// The tag of one's own collider.
-        mine: Option<TagId>,
-        /// The tag of what is touched.
-        other: TagId,
-        /// The side of one's own collider.
-        side: Option<Side>,
-        /// The question whose answer is named (`as`); it asks for instances only.
-        bound: Option<TouchId>,
-    },
+    /// A contact.
+    Touching(Box<Touching>),
     /// A mode of another group is entered (or left) in this very step.
     Joint {
         /// The mode.
@@ -222,13 +218,23 @@ pub enum TermKind {
     InMode(Subject, ModeId),
     /// The instance is in a space.
     InSpace(Subject, SpaceId),
-    /// The Euclidean distance of the position to a point is at most a radius.
-    Near {
-        /// Whose position.
-        of: Subject,
-        /// The point and the radius, px.
-        numbers: Box<[Term; 3]>,
-    },
+    /// The Euclidean distance of the position to a point is at most a radius: the point and the radius, px.
+    Near(Box<(Subject, [Term; 3])>),
+}
+
+/// A contact of a collider tagged `mine` (any if none) with something tagged `other`, on a side of mine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Touching {
+    /// Whose collider.
+    pub of: Subject,
+    /// The tag of one's own collider.
+    pub mine: Option<TagId>,
+    /// The tag of what is touched.
+    pub other: TagId,
+    /// The side of one's own collider.
+    pub side: Option<Side>,
+    /// The question whose answer is named (`as`); it asks for instances only.
+    pub bound: Option<TouchId>,
 }
 
 /// An entity.
@@ -338,6 +344,8 @@ pub struct Discrete {
     pub name: Name,
     /// Its type.
     pub ty: Type,
+    /// The names of its values, if it is of a set; all of the same set share them.
+    pub values: Arc<Vec<String>>,
     /// The least and the greatest value that it may take.
     pub range: (i32, i32),
     /// Its first value.

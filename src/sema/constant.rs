@@ -38,7 +38,8 @@ pub fn evaluate(term: &Term, context: ConstantContext<'_>) -> Result<f64, Broken
     let truth = |b: bool| f64::from(u8::from(b));
     let unknown = Broken::NotConstant(term.span);
     let result = match &term.kind {
-        TermKind::Number(n) | TermKind::Quantity(n, ..) => *n,
+        TermKind::Number(n) => *n,
+        TermKind::Quantity(quantity) => quantity.0,
         TermKind::Frames(n) => {
             let (numerator, denominator) = context.step.ok_or(unknown)?;
             // As timers count, rounded once.
@@ -47,21 +48,33 @@ pub fn evaluate(term: &Term, context: ConstantContext<'_>) -> Result<f64, Broken
         TermKind::Bool(b) => truth(*b),
         TermKind::Param(Subject::Me, id) => *context.params.and_then(|p| p.get(*id)).ok_or(unknown)?,
         TermKind::Negate(a) => -value(a)?,
-        TermKind::Arithmetic(op, a, b) => arithmetic(*op, value(a)?, value(b)?),
-        TermKind::Call(Function::If, args) => match &**args {
-            [condition, a, b] => value(if value(condition)? != 0.0 { a } else { b })?,
-            _ => return Err(unknown),
-        },
-        TermKind::Call(function, args) => {
-            let mut values = [0.0; 3];
-            for (slot, arg) in values.iter_mut().zip(args) {
-                *slot = value(arg)?;
-            }
-            call(*function, values)
+        TermKind::Arithmetic(op, sides) => {
+            let [a, b] = sides.as_ref();
+            arithmetic(*op, value(a)?, value(b)?)
         }
-        TermKind::Compare(op, a, b) => truth(compare(*op, value(a)?, value(b)?)),
-        TermKind::And(a, b) => truth(value(a)? != 0.0 && value(b)? != 0.0),
-        TermKind::Or(a, b) => truth(value(a)? != 0.0 || value(b)? != 0.0),
+        TermKind::Call(called) => match (called.0, &*called.1) {
+            (Function::If, [condition, a, b]) => value(if value(condition)? != 0.0 { a } else { b })?,
+            (Function::If, _) => return Err(unknown),
+            (function, args) => {
+                let mut values = [0.0; 3];
+                for (slot, arg) in values.iter_mut().zip(args) {
+                    *slot = value(arg)?;
+                }
+                call(function, values)
+            }
+        },
+        TermKind::Compare(op, sides) => {
+            let [a, b] = sides.as_ref();
+            truth(compare(*op, value(a)?, value(b)?))
+        }
+        TermKind::And(sides) => {
+            let [a, b] = sides.as_ref();
+            truth(value(a)? != 0.0 && value(b)? != 0.0)
+        }
+        TermKind::Or(sides) => {
+            let [a, b] = sides.as_ref();
+            truth(value(a)? != 0.0 || value(b)? != 0.0)
+        }
         TermKind::Not(a) => truth(value(a)? == 0.0),
         TermKind::Param(..)
         | TermKind::Var(..)
@@ -75,10 +88,10 @@ pub fn evaluate(term: &Term, context: ConstantContext<'_>) -> Result<f64, Broken
         | TermKind::Axis(_)
         | TermKind::Timer(_)
         | TermKind::Button(..)
-        | TermKind::Touching { .. }
+        | TermKind::Touching(_)
         | TermKind::InMode(..)
         | TermKind::InSpace(..)
-        | TermKind::Near { .. } => return Err(unknown),
+        | TermKind::Near(_) => return Err(unknown),
     };
     if result.is_finite() { Ok(result) } else { Err(Broken::NotFinite(term.span)) }
 }

@@ -344,7 +344,7 @@ impl Solver<'_> {
         };
         match &term.kind {
             TermKind::Number(_) | TermKind::Bool(_) => None,
-            TermKind::Quantity(_, px, s) => Some(Dim::known(i64::from(*px), i64::from(*s))),
+            TermKind::Quantity(quantity) => Some(Dim::known(i64::from(quantity.1), i64::from(quantity.2))),
             TermKind::Frames(_) | TermKind::Timer(_) => Some(Dim::known(TIME.0, TIME.1)),
             TermKind::Param(of, p) => Some(self.name(Named::Param(entity(*of)?, *p))),
             TermKind::Var(of, var, degree) => {
@@ -357,9 +357,16 @@ impl Solver<'_> {
             }
             TermKind::Discrete(..) | TermKind::Axis(_) => Some(Dim::known(0, 0)),
             TermKind::Negate(a) => self.dimension(a, here),
-            TermKind::Arithmetic(Arithmetic::Add, a, b) => self.agree(&[a, b], Joint::Added, here),
-            TermKind::Arithmetic(Arithmetic::Subtract, a, b) => self.agree(&[a, b], Joint::Subtracted, here),
-            TermKind::Arithmetic(op, a, b) => {
+            TermKind::Arithmetic(Arithmetic::Add, sides) => {
+                let [a, b] = sides.as_ref();
+                self.agree(&[a, b], Joint::Added, here)
+            }
+            TermKind::Arithmetic(Arithmetic::Subtract, sides) => {
+                let [a, b] = sides.as_ref();
+                self.agree(&[a, b], Joint::Subtracted, here)
+            }
+            TermKind::Arithmetic(op, sides) => {
+                let [a, b] = sides.as_ref();
                 let sign = if *op == Arithmetic::Divide { Ratio(-1, 1) } else { Ratio::ONE };
                 let (a, b) = (self.dimension(a, here), self.dimension(b, here));
                 if a.is_none() && b.is_none() {
@@ -368,7 +375,8 @@ impl Solver<'_> {
                 let pure = Dim::known(0, 0);
                 Some(a.unwrap_or(pure.clone()).plus(&b.unwrap_or(pure), sign))
             }
-            TermKind::Call(function, args) => {
+            TermKind::Call(call) => {
+                let (function, args) = call.as_ref();
                 let args: Vec<&Term> = args.iter().collect();
                 match (function, args.as_slice()) {
                     (Function::If, [condition, values @ ..]) => {
@@ -394,27 +402,29 @@ impl Solver<'_> {
                     _ => self.agree(&args, Joint::Given(*function), here),
                 }
             }
-            TermKind::Compare(_, a, b) => {
+            TermKind::Compare(_, sides) => {
+                let [a, b] = sides.as_ref();
                 self.agree(&[a, b], Joint::Compared, here);
                 None
             }
-            TermKind::And(a, b) | TermKind::Or(a, b) => {
-                self.dimension(a, here);
-                self.dimension(b, here);
+            TermKind::And(sides) | TermKind::Or(sides) => {
+                for side in sides.iter() {
+                    self.dimension(side, here);
+                }
                 None
             }
             TermKind::Not(a) => {
                 self.dimension(a, here);
                 None
             }
-            TermKind::Near { numbers, .. } => {
-                for term in &**numbers {
+            TermKind::Near(asked) => {
+                for term in &asked.1 {
                     self.place(term, &Dim::known(LENGTH.0, LENGTH.1), here);
                 }
                 None
             }
             TermKind::Button(..)
-            | TermKind::Touching { .. }
+            | TermKind::Touching(_)
             | TermKind::Joint { .. }
             | TermKind::IsNone(_)
             | TermKind::Is(..)

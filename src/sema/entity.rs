@@ -15,11 +15,11 @@ use super::checked::{Annotation, Discrete, Entity, Group, Param, Reference, Term
 use super::constant::{Broken, ConstantContext, evaluate};
 use super::expression::{Reads, Scope};
 use super::facts::Facts;
-use super::ids::{AxisId, ButtonId, DiscreteId, EntityId, GroupId, IdVec, ModeId, ParamId, RefId, VarId};
+use super::ids::{AxisId, ButtonId, DiscreteId, EntityId, GroupId, IdVec, ModeId, ParamId, RefId, SetId, VarId};
 use super::mode::ModeNames;
 use super::names::{Known, Table, unknown};
 use super::reference::lost_by;
-use super::{Checker, MAX_AXES, MAX_BUTTONS};
+use super::{Checker, MAX_AXES, MAX_BUTTONS, Set};
 
 /// The variable `x`.
 pub(super) const X: VarId = VarId(0);
@@ -105,9 +105,12 @@ impl<'a> Checker<'a> {
                         continue;
                     }
                     let (ty, range) = self.domain(&d.domain);
-                    let initial =
-                        Term { kind: TermKind::Number(f64::from(range.0)), ty: ty.clone(), span: d.name.span };
-                    let id = entity.discretes.push(Discrete { name: d.name.clone(), ty, range, initial });
+                    let initial = Term { kind: TermKind::Number(f64::from(range.0)), ty, span: d.name.span };
+                    let values = match ty {
+                        Type::Set(set) => Arc::clone(&self.sets[set].names),
+                        _ => Arc::default(),
+                    };
+                    let id = entity.discretes.push(Discrete { name: d.name.clone(), ty, values, range, initial });
                     names.discretes.declare(&d.name, id, &mut self.diagnostics);
                     names.discrete_syntax.push(&d.initial);
                 }
@@ -217,6 +220,17 @@ impl<'a> Checker<'a> {
         }
     }
 
+    /// The id of a list of names, made when it is first seen.
+    fn set(&mut self, names: Vec<String>) -> SetId {
+        if let Some(&id) = self.set_ids.get(&names) {
+            return id;
+        }
+        let names = Arc::new(names);
+        let id = self.sets.push(Set { names: Arc::clone(&names), places: Vec::new() });
+        self.set_ids.insert(names, id);
+        id
+    }
+
     fn domain(&mut self, domain: &Domain) -> (Type, (i32, i32)) {
         match domain {
             Domain::Bool => (Type::Bool, (0, 1)),
@@ -228,10 +242,10 @@ impl<'a> Checker<'a> {
                     .filter(|n| table.declare(n, (), &mut self.diagnostics))
                     .map(|n| n.text.to_string())
                     .collect();
-                let fresh = Arc::new(fresh);
-                self.choices.entry(Arc::clone(&fresh)).or_default().extend(names.iter().cloned());
                 let last = fresh.len().saturating_sub(1) as i32;
-                (Type::Set(fresh), (0, last))
+                let set = self.set(fresh);
+                self.sets[set].places.extend(names.iter().cloned());
+                (Type::Set(set), (0, last))
             }
             Domain::Int(low, high) => {
                 let (a, b) = (self.whole(low), self.whole(high));
@@ -428,7 +442,7 @@ impl<'a> Checker<'a> {
         }
         for (index, initial) in names.discrete_syntax.iter().enumerate() {
             let id = DiscreteId(index as u32);
-            let ty = entity.discretes[id].ty.clone();
+            let ty = entity.discretes[id].ty;
             if let Some(term) = self.typed(initial, &scope, &ty) {
                 self.certainly_in_range(&term, &entity.discretes[id]);
                 entity.discretes[id].initial = term;

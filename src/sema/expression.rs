@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
-use std::sync::Arc;
 
 use crate::diagnostic::catalogue::names::UnknownName;
 use crate::diagnostic::catalogue::syntax::Misplaced;
@@ -12,7 +11,7 @@ use crate::syntax::ast::{BinaryOp, CompareOp, Expr, ExprKind, Name, Path, Unit};
 use crate::syntax::occurrence::{NameKind, Role};
 
 use super::Checker;
-use super::checked::{Arithmetic, Entity, Given, Subject, Term, TermKind, Type};
+use super::checked::{Arithmetic, Entity, Given, Subject, Term, TermKind, Touching, Type};
 use super::entity::Skeleton;
 use super::ids::{EntityId, ModeId, SlotId};
 use super::mode::ModeNames;
@@ -104,13 +103,16 @@ impl<'s> Scope<'s> {
     }
 }
 
-pub(super) fn describe(ty: &Type) -> String {
-    match ty {
-        Type::Ref(_) => "a reference".into(),
-        Type::Real => "a number".into(),
-        Type::Int => "a whole number".into(),
-        Type::Bool => "a truth value".into(),
-        Type::Set(names) => format!("one of {{{}}}", names.join(", ")),
+impl Checker<'_> {
+    /// What a value of a type is called.
+    fn described(&self, ty: Type) -> String {
+        match ty {
+            Type::Ref(_) => "a reference".into(),
+            Type::Real => "a number".into(),
+            Type::Int => "a whole number".into(),
+            Type::Bool => "a truth value".into(),
+            Type::Set(set) => format!("one of {{{}}}", self.sets[set].names.join(", ")),
+        }
     }
 }
 
@@ -190,8 +192,8 @@ impl Checker<'_> {
         };
         self.diagnostics.report(TypeMismatch {
             at: term.span,
-            found: describe(&term.ty),
-            expected: describe(ty),
+            found: self.described(term.ty),
+            expected: self.described(*ty),
             help,
         });
         None
@@ -228,9 +230,9 @@ impl Checker<'_> {
                     let ty = if value.fract() == 0.0 { Type::Int } else { Type::Real };
                     make(TermKind::Number(*value), ty)
                 }
-                Some(Unit::Seconds) => make(TermKind::Quantity(*value, 0, 1), Type::Real),
+                Some(Unit::Seconds) => make(TermKind::Quantity(Box::new((*value, 0, 1))), Type::Real),
                 // Divided, not multiplied by 0.001, so that 250ms is the same number as 0.25s.
-                Some(Unit::Milliseconds) => make(TermKind::Quantity(value / 1000.0, 0, 1), Type::Real),
+                Some(Unit::Milliseconds) => make(TermKind::Quantity(Box::new((value / 1000.0, 0, 1))), Type::Real),
                 Some(Unit::Frames) => make(TermKind::Frames(*value), Type::Real),
             },
             ExprKind::Bool(b) => make(TermKind::Bool(*b), Type::Bool),
@@ -255,7 +257,7 @@ impl Checker<'_> {
             }
             ExprKind::Negate(a) => {
                 let a = self.number(a, scope)?;
-                let ty = a.ty.clone();
+                let ty = a.ty;
                 make(TermKind::Negate(Box::new(a)), ty)
             }
             ExprKind::Not(a) => {
@@ -305,7 +307,7 @@ impl Checker<'_> {
                 let other = self.tag(tag);
                 self.relation(subject, e.span, scope, |_, slot, _| {
                     let of = Subject::Slot(slot);
-                    Some(TermKind::Touching { of, mine: None, other, side: None, bound: None })
+                    Some(TermKind::Touching(Box::new(Touching { of, mine: None, other, side: None, bound: None })))
                 })
             }
             ExprKind::Any(entity) => self.any(entity, e.span, scope, |_, _, _| Some(TermKind::Bool(true))),
@@ -324,7 +326,7 @@ impl Checker<'_> {
                 self.diagnostics.report(TypeMismatch {
                     at: e.span,
                     found: found.into(),
-                    expected: wanted.map_or("a value".into(), describe),
+                    expected: wanted.map_or("a value".into(), |ty| self.described(*ty)),
                     help: None,
                 });
                 None
@@ -373,18 +375,18 @@ impl Checker<'_> {
         if let [second, ..] = rest {
             return self.member(path, name, second, span, scope);
         }
-        if let (Some(Type::Set(values)), 0) = (wanted, path.primes)
-            && let Some(index) = values.iter().position(|v| *v == name.text)
+        if let (Some(&Type::Set(set)), 0) = (wanted, path.primes)
+            && let Some(index) = self.sets[set].names.iter().position(|v| *v == name.text)
         {
-            self.seen_choice(values, name);
-            return make(TermKind::Number(index as f64), Type::Set(Arc::clone(values)));
+            self.seen_choice(set, name);
+            return make(TermKind::Number(index as f64), Type::Set(set));
         }
         if let (Some(entity), Some(names)) = (scope.entity, scope.names) {
             if let Some(&id) = names.params.get(&name.text) {
                 self.seen_value(entity, Given::Param(id), name.span, Role::Read);
                 self.unprimed(path)?;
                 self.allow(Some(()), span, scope, Reads::Params, "a parameter")?;
-                return make(TermKind::Param(Subject::Me, id), entity.params[id].default.ty.clone());
+                return make(TermKind::Param(Subject::Me, id), entity.params[id].default.ty);
             }
             if let Some(&id) = names.vars.get(&name.text) {
                 self.seen_value(entity, Given::Var(id, 0), name.span, Role::Read);
@@ -396,7 +398,7 @@ impl Checker<'_> {
                 self.seen_value(entity, Given::Discrete(id), name.span, Role::Read);
                 self.unprimed(path)?;
                 self.allow(Some(()), span, scope, Reads::State, "a variable")?;
-                return make(TermKind::Discrete(Subject::Me, id), entity.discretes[id].ty.clone());
+                return make(TermKind::Discrete(Subject::Me, id), entity.discretes[id].ty);
             }
             if let Some(&id) = names.axes.get(&name.text).filter(|_| path.primes == 0) {
                 self.seen(NameKind::Axis, name.span, entity.axes[id].span);
@@ -419,7 +421,7 @@ impl Checker<'_> {
             self.diagnostics.report(TypeMismatch {
                 at: span,
                 found: "an instance".into(),
-                expected: wanted.map_or("a value".into(), describe),
+                expected: wanted.map_or("a value".into(), |ty| self.described(*ty)),
                 help: Some(format!("`{0}.x` reads it, `{0} in MODE` and `{0} touching TAG` ask it", name.text)),
             });
             return None;
@@ -429,8 +431,8 @@ impl Checker<'_> {
             let plain = plain.flat_map(|n| n.params.names().chain(n.discretes.names()).chain(n.axes.names()));
             names.vars.names().chain(plain)
         });
-        let values = wanted.and_then(|ty| if let Type::Set(values) = ty { Some(values) } else { None });
-        let values = values.into_iter().flat_map(|values| values.iter().map(|v| Known::from(v.as_str())));
+        let set = wanted.and_then(|ty| if let Type::Set(set) = ty { Some(*set) } else { None });
+        let values = set.into_iter().flat_map(|set| self.sets[set].names.iter().map(|v| Known::from(v.as_str())));
         let known = of_entity.chain(values).chain(self.constants.names());
         let kind = if path.primes > 0 { "continuous variable" } else { "variable, parameter or constant" };
         let fact = unknown(kind, &name.text, name.span, known).rather(rather(&name.text, scope));
@@ -479,8 +481,8 @@ impl Checker<'_> {
                 if !self.facts.bindable {
                     self.facts.forget(mark);
                 }
-                let (a, b) = (Box::new(a?), Box::new(b?));
-                let kind = if op == BinaryOp::And { TermKind::And(a, b) } else { TermKind::Or(a, b) };
+                let sides = Box::new([a?, b?]);
+                let kind = if op == BinaryOp::And { TermKind::And(sides) } else { TermKind::Or(sides) };
                 return Some(Term { kind, ty: Type::Bool, span });
             }
             BinaryOp::Add => Arithmetic::Add,
@@ -492,7 +494,7 @@ impl Checker<'_> {
         let (a, b) = (a?, b?);
         let whole = a.ty == Type::Int && b.ty == Type::Int && op != BinaryOp::Divide;
         let ty = if whole { Type::Int } else { Type::Real };
-        Some(Term { kind: TermKind::Arithmetic(arithmetic, Box::new(a), Box::new(b)), ty, span })
+        Some(Term { kind: TermKind::Arithmetic(arithmetic, Box::new([a, b])), ty, span })
     }
 
     fn comparison(&mut self, first: &Expr, rest: &[(CompareOp, Expr)], span: Span, scope: &Scope<'_>) -> Option<Term> {
@@ -509,7 +511,7 @@ impl Checker<'_> {
             let link = self.compare(*op, left, right, scope)?;
             chain = Some(match chain {
                 None => link,
-                Some(before) => Term { kind: TermKind::And(Box::new(before), Box::new(link)), ty: Type::Bool, span },
+                Some(before) => Term { kind: TermKind::And(Box::new([before, link])), ty: Type::Bool, span },
             });
             left = right;
         }
@@ -537,7 +539,7 @@ impl Checker<'_> {
                 }
             }
         };
-        let compared = Term { kind: TermKind::Compare(op, Box::new(a), Box::new(b)), ty: Type::Bool, span };
+        let compared = Term { kind: TermKind::Compare(op, Box::new([a, b])), ty: Type::Bool, span };
         Some(if scope.world.is_some() { super::predicate::while_alive(compared) } else { compared })
     }
 
@@ -576,6 +578,6 @@ impl Checker<'_> {
             }
             _ => return None,
         };
-        matches!(ty, Type::Set(_)).then(|| ty.clone())
+        matches!(ty, Type::Set(_)).then_some(*ty)
     }
 }

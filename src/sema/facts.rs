@@ -46,14 +46,15 @@ impl Facts {
     /// Learns what a guard says if it has this outcome.
     pub fn learn(&mut self, guard: &Term, outcome: bool) {
         match (&guard.kind, outcome) {
-            (TermKind::And(a, b), true) | (TermKind::Or(a, b), false) => {
-                self.learn(a, outcome);
-                self.learn(b, outcome);
+            (TermKind::And(sides), true) | (TermKind::Or(sides), false) => {
+                sides.iter().for_each(|side| self.learn(side, outcome));
             }
             (TermKind::Not(a), _) => self.learn(a, !outcome),
             (TermKind::Is(subject, entity), true) => self.known.push((*subject, Some(*entity))),
             (TermKind::IsNone(subject), false) => self.known.push((*subject, None)),
-            (TermKind::Touching { bound: Some(touch), .. }, true) => self.known.push((Subject::Touched(*touch), None)),
+            (TermKind::Touching(asked), true) => {
+                self.known.extend(asked.bound.map(|touch| (Subject::Touched(touch), None)));
+            }
             _ => {}
         }
     }

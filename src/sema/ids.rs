@@ -47,6 +47,7 @@ macro_rules! ids {
 ids! {
     EntityId "entity" "An entity of the program."
     WorldId "world" "A world of the program."
+    SetId "set" "A list of names that discrete variables range over."
     TagId "tag" "A collision tag of the program."
     ParamId "param" "A parameter of one entity."
     VarId "var" "A continuous variable of one entity; 0 is `x`, 1 is `y`."
@@ -138,6 +139,15 @@ impl<I: Id, T> IdVec<I, T> {
     /// The id of the first entry that satisfies `test`.
     pub fn find(&self, test: impl FnMut(&T) -> bool) -> Option<I> {
         self.entries.iter().position(test).map(I::from_index)
+    }
+}
+
+impl<I, T> IntoIterator for IdVec<I, T> {
+    type Item = T;
+    type IntoIter = std::vec::IntoIter<T>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.entries.into_iter()
     }
 }
 

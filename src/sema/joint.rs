@@ -59,12 +59,13 @@ impl Checker<'_> {
 fn collect(entity: &Entity, term: &Term, out: &mut Vec<(GroupId, Span)>) {
     match &term.kind {
         TermKind::Joint { mode, .. } => out.push((entity.modes[*mode].group, term.span)),
-        TermKind::And(a, b) | TermKind::Or(a, b) | TermKind::Compare(_, a, b) | TermKind::Arithmetic(_, a, b) => {
+        TermKind::And(sides) | TermKind::Or(sides) | TermKind::Compare(_, sides) | TermKind::Arithmetic(_, sides) => {
+            let [a, b] = sides.as_ref();
             collect(entity, a, out);
             collect(entity, b, out);
         }
         TermKind::Not(a) | TermKind::Negate(a) => collect(entity, a, out),
-        TermKind::Call(_, args) => args.iter().for_each(|a| collect(entity, a, out)),
+        TermKind::Call(call) => call.1.iter().for_each(|a| collect(entity, a, out)),
         _ => {}
     }
 }

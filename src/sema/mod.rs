@@ -42,7 +42,7 @@ use crate::syntax::{MAX_OPERATORS, ast};
 
 use checked::Checked;
 pub use constant::{Broken, ConstantContext, arithmetic, call, compare, evaluate};
-use ids::{EntityId, IdVec, TagId};
+use ids::{EntityId, IdVec, SetId, TagId};
 use names::Table;
 pub use unused::names_of_unused;
 
@@ -101,6 +101,13 @@ pub fn check(
     (checked, diagnostics)
 }
 
+/// What discrete variables range over.
+struct Set {
+    names: Arc<Vec<String>>,
+    /// Where they are declared.
+    places: Vec<ast::Name>,
+}
+
 /// What the parts of this stage share.
 struct Checker<'a> {
     sources: &'a SourceMap,
@@ -122,8 +129,10 @@ struct Checker<'a> {
     facts: facts::Facts,
     /// The names of the modes of entities that others ask.
     mode_names: std::collections::BTreeMap<EntityId, std::rc::Rc<mode::ModeNames>>,
-    /// Where the values of sets are declared, by all values of the set: equal sets are one type.
-    choices: std::collections::BTreeMap<Arc<Vec<String>>, Vec<ast::Name>>,
+    /// The lists of names that discrete variables range over: equal ones are one type.
+    sets: IdVec<SetId, Set>,
+    /// The set of each list.
+    set_ids: std::collections::BTreeMap<Arc<Vec<String>>, SetId>,
     /// What the names of values mean in entities that others read or set.
     values: std::collections::BTreeMap<EntityId, std::rc::Rc<std::collections::BTreeMap<String, checked::Given>>>,
 }
@@ -143,7 +152,8 @@ impl<'a> Checker<'a> {
             skeletons: Vec::new(),
             facts: facts::Facts::default(),
             mode_names: std::collections::BTreeMap::new(),
-            choices: std::collections::BTreeMap::new(),
+            sets: IdVec::new(),
+            set_ids: std::collections::BTreeMap::new(),
             values: std::collections::BTreeMap::new(),
             suspects: files.iter().flat_map(|f| f.suspects.iter().cloned()).collect(),
         }
@@ -202,8 +212,8 @@ impl<'a> Checker<'a> {
     /// A constant with the dimension that its annotation gives it.
     fn pinned(&mut self, term: checked::Term, to: checked::Annotation) -> Option<checked::Term> {
         let value = self.evaluated(&term, ConstantContext::LITERALS)?;
-        if let checked::TermKind::Quantity(_, px, s) = term.kind
-            && (px, s) != (to.px, to.s)
+        if let checked::TermKind::Quantity(quantity) = &term.kind
+            && (quantity.1, quantity.2) != (to.px, to.s)
         {
             self.diagnostics.report(TypeMismatch {
                 at: term.span,
@@ -213,7 +223,7 @@ impl<'a> Checker<'a> {
             });
             return None;
         }
-        Some(checked::Term { kind: checked::TermKind::Quantity(value, to.px, to.s), ..term })
+        Some(checked::Term { kind: checked::TermKind::Quantity(Box::new((value, to.px, to.s))), ..term })
     }
 
     /// The id of a tag, made when it is first seen.
@@ -237,8 +247,11 @@ fn operators(term: &checked::Term) -> usize {
     use checked::TermKind as K;
     match &term.kind {
         K::Negate(a) | K::Not(a) => 1 + operators(a),
-        K::Arithmetic(_, a, b) | K::Compare(_, a, b) | K::And(a, b) | K::Or(a, b) => 1 + operators(a) + operators(b),
-        K::Call(_, arguments) => 1 + arguments.iter().map(operators).sum::<usize>(),
+        K::Arithmetic(_, sides) | K::Compare(_, sides) | K::And(sides) | K::Or(sides) => {
+            let [a, b] = sides.as_ref();
+            1 + operators(a) + operators(b)
+        }
+        K::Call(call) => 1 + call.1.iter().map(operators).sum::<usize>(),
         _ => 0,
     }
 }

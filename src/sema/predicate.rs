@@ -121,12 +121,12 @@ impl Checker<'_> {
             }
             if let Some(Given::Discrete(id)) = named {
                 self.unprimed(path)?;
-                let ty = entity.discretes[id].ty.clone();
+                let ty = entity.discretes[id].ty;
                 return Some(Term { kind: TermKind::Discrete(of, id), ty, span });
             }
             if let Some(Given::Param(id)) = named {
                 self.unprimed(path)?;
-                let ty = entity.params[id].default.ty.clone();
+                let ty = entity.params[id].default.ty;
                 return Some(Term { kind: TermKind::Param(of, id), ty, span });
             }
             let known = entity.vars.iter().map(|v| &v.name).chain(entity.discretes.iter().map(|d| &d.name));
@@ -161,7 +161,7 @@ impl Checker<'_> {
         };
         let radius = self.number(radius, scope)?;
         self.relation(subject, span, scope, |_, slot, _| {
-            Some(TermKind::Near { of: Subject::Slot(slot), numbers: Box::new([x.clone(), y.clone(), radius.clone()]) })
+            Some(TermKind::Near(Box::new((Subject::Slot(slot), [x.clone(), y.clone(), radius.clone()]))))
         })
     }
 
@@ -235,7 +235,7 @@ impl Checker<'_> {
                 let holds = Term { kind: make(self, slot, entity)?, ty: Type::Bool, span };
                 some.push(match holds.kind {
                     TermKind::Bool(true) => alive,
-                    _ => Term { kind: TermKind::And(Box::new(alive), Box::new(holds)), ty: Type::Bool, span },
+                    _ => Term { kind: TermKind::And(Box::new([alive, holds])), ty: Type::Bool, span },
                 });
             }
         }
@@ -245,7 +245,7 @@ impl Checker<'_> {
             let mut rest = some.into_iter();
             while let Some(a) = rest.next() {
                 halves.push(match rest.next() {
-                    Some(b) => Term { kind: TermKind::Or(Box::new(a), Box::new(b)), ty: Type::Bool, span },
+                    Some(b) => Term { kind: TermKind::Or(Box::new([a, b])), ty: Type::Bool, span },
                     None => a,
                 });
             }
@@ -262,7 +262,7 @@ pub(super) fn while_alive(question: Term) -> Term {
     let span = question.span;
     slots.into_iter().rev().fold(question, |question, slot| {
         let alive = Term { kind: TermKind::Alive(slot), ty: Type::Bool, span };
-        Term { kind: TermKind::And(Box::new(alive), Box::new(question)), ty: Type::Bool, span }
+        Term { kind: TermKind::And(Box::new([alive, question])), ty: Type::Bool, span }
     })
 }
 
@@ -280,18 +280,20 @@ fn read_slots(term: &Term, out: &mut Vec<SlotId>) {
         | TermKind::Discrete(of, _)
         | TermKind::Param(of, _)
         | TermKind::InMode(of, _)
-        | TermKind::InSpace(of, _)
-        | TermKind::Touching { of, .. } => add(of),
-        TermKind::Near { of, numbers } => {
+        | TermKind::InSpace(of, _) => add(of),
+        TermKind::Touching(asked) => add(&asked.of),
+        TermKind::Near(asked) => {
+            let (of, numbers) = asked.as_ref();
             add(of);
             numbers.iter().for_each(|t| read_slots(t, out));
         }
         TermKind::Negate(a) | TermKind::Not(a) => read_slots(a, out),
-        TermKind::Arithmetic(_, a, b) | TermKind::Compare(_, a, b) | TermKind::And(a, b) | TermKind::Or(a, b) => {
+        TermKind::Arithmetic(_, sides) | TermKind::Compare(_, sides) | TermKind::And(sides) | TermKind::Or(sides) => {
+            let [a, b] = sides.as_ref();
             read_slots(a, out);
             read_slots(b, out);
         }
-        TermKind::Call(_, args) => args.iter().for_each(|a| read_slots(a, out)),
+        TermKind::Call(call) => call.1.iter().for_each(|a| read_slots(a, out)),
         _ => {}
     }
 }

@@ -181,11 +181,11 @@ impl Checker<'_> {
             Some(Given::Param(id)) => {
                 let ty = match &of.params[id].default.ty {
                     Type::Int => Type::Real,
-                    ty => ty.clone(),
+                    ty => *ty,
                 };
                 return Some((Given::Param(id), ty));
             }
-            Some(Given::Discrete(id)) => return Some((Given::Discrete(id), of.discretes[id].ty.clone())),
+            Some(Given::Discrete(id)) => return Some((Given::Discrete(id), of.discretes[id].ty)),
             Some(Given::Ref(id)) => return Some((Given::Ref(id), Type::Ref(of.refs[id].entity))),
             Some(Given::Var(id, _)) => {
                 let degree = self.primes(variable)?;

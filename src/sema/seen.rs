@@ -1,7 +1,5 @@
 //! Notes where names stand, as they are resolved: see [`Occurrences`](crate::syntax::occurrence::Occurrences).
 
-use std::sync::Arc;
-
 use crate::source::Span;
 use crate::syntax::ast::{Name, Path};
 use crate::syntax::occurrence::{NameKind, Role};
@@ -9,7 +7,7 @@ use crate::syntax::occurrence::{NameKind, Role};
 use super::Checker;
 use super::checked::{Entity, Given, Subject};
 use super::expression::{Scope, WorldNames};
-use super::ids::{EntityId, TagId};
+use super::ids::{EntityId, SetId, TagId};
 use super::mode::ModeNames;
 
 impl Checker<'_> {
@@ -93,8 +91,8 @@ impl Checker<'_> {
     }
 
     /// A value of a set.
-    pub(super) fn seen_choice(&mut self, values: &Arc<Vec<String>>, name: &Name) {
-        let places = self.choices.get(values).into_iter().flatten().filter(|n| n.text == name.text);
+    pub(super) fn seen_choice(&mut self, set: SetId, name: &Name) {
+        let places = self.sets[set].places.iter().filter(|n| n.text == name.text);
         for declared in places.map(|n| n.span).collect::<Vec<_>>() {
             self.seen(NameKind::Value, name.span, declared);
         }

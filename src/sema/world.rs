@@ -142,7 +142,8 @@ impl Checker<'_> {
     fn step(&mut self, e: &Expr) -> Option<(u64, u64)> {
         let term = self.number(e, &Scope::constant())?;
         let (numerator, denominator) = match &term.kind {
-            TermKind::Arithmetic(Arithmetic::Divide, a, b) => {
+            TermKind::Arithmetic(Arithmetic::Divide, sides) => {
+                let [a, b] = sides.as_ref();
                 (self.evaluated(a, ConstantContext::LITERALS)?, self.evaluated(b, ConstantContext::LITERALS)?)
             }
             _ => (self.evaluated(&term, ConstantContext::LITERALS)?, 1.0),

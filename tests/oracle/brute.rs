@@ -233,11 +233,13 @@ fn reads(oracle: &Oracle<'_>, slot: usize) -> Reads {
 
 fn note(oracle: &Oracle<'_>, term: &Term, times: &mut BTreeMap<ModeId, Option<f64>>, reads: &mut Reads) -> bool {
     match &term.kind {
-        TermKind::Compare(_, a, b) => {
+        TermKind::Compare(_, sides) => {
+            let [a, b] = sides.as_ref();
             for (timer, other) in [(a, b), (b, a)] {
-                let constant = match other.kind {
-                    TermKind::Number(n) | TermKind::Quantity(n, ..) => Some(n),
-                    TermKind::Frames(n) => Some(oracle.seconds(n)),
+                let constant = match &other.kind {
+                    TermKind::Number(n) => Some(*n),
+                    TermKind::Quantity(quantity) => Some(quantity.0),
+                    TermKind::Frames(n) => Some(oracle.seconds(*n)),
                     _ => None,
                 };
                 if let (TermKind::Timer(mode), Some(constant)) = (&timer.kind, constant) {
@@ -250,8 +252,8 @@ fn note(oracle: &Oracle<'_>, term: &Term, times: &mut BTreeMap<ModeId, Option<f6
         TermKind::Timer(mode) => {
             times.insert(*mode, None);
         }
-        TermKind::Touching { mine, other, side, bound, .. } => {
-            let question = (*mine, *other, *side, bound.is_some());
+        TermKind::Touching(asked) => {
+            let question = (asked.mine, asked.other, asked.side, asked.bound.is_some());
             if !reads.questions.contains(&question) {
                 reads.questions.push(question);
             }
@@ -271,12 +273,13 @@ fn walk(term: &Term, visit: &mut dyn FnMut(&Term) -> bool) {
     }
     match &term.kind {
         TermKind::Negate(a) | TermKind::Not(a) => walk(a, visit),
-        TermKind::Arithmetic(_, a, b) | TermKind::Compare(_, a, b) | TermKind::And(a, b) | TermKind::Or(a, b) => {
+        TermKind::Arithmetic(_, sides) | TermKind::Compare(_, sides) | TermKind::And(sides) | TermKind::Or(sides) => {
+            let [a, b] = sides.as_ref();
             walk(a, visit);
             walk(b, visit);
         }
-        TermKind::Call(_, all) => all.iter().for_each(|a| walk(a, visit)),
-        TermKind::Near { numbers, .. } => numbers.iter().for_each(|a| walk(a, visit)),
+        TermKind::Call(call) => call.1.iter().for_each(|a| walk(a, visit)),
+        TermKind::Near(asked) => asked.1.iter().for_each(|a| walk(a, visit)),
         _ => {}
     }
 }

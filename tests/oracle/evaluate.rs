@@ -61,7 +61,8 @@ impl<'a> Code<'a> {
     pub fn value(&self, term: &Term) -> Result<f64, Fault> {
         let truth = |b: bool| if b { 1.0 } else { 0.0 };
         let value = match &term.kind {
-            TermKind::Number(n) | TermKind::Quantity(n, ..) => *n,
+            TermKind::Number(n) => *n,
+            TermKind::Quantity(quantity) => quantity.0,
             TermKind::Frames(n) => self.oracle.seconds(*n),
             TermKind::Bool(b) => truth(*b),
             TermKind::Param(of, id) => self.of(*of)?.params[id.0 as usize],
@@ -73,7 +74,8 @@ impl<'a> Code<'a> {
                 self.oracle.seconds(f64::from(count))
             }
             TermKind::Negate(a) => -self.value(a)?,
-            TermKind::Arithmetic(op, a, b) => {
+            TermKind::Arithmetic(op, sides) => {
+                let [a, b] = sides.as_ref();
                 let (a, b) = (self.value(a)?, self.value(b)?);
                 match op {
                     Arithmetic::Add => a + b,
@@ -83,15 +85,17 @@ impl<'a> Code<'a> {
                     Arithmetic::Divide => a / b,
                 }
             }
-            TermKind::Call(Function::If, arguments) => {
-                let branch = if self.holds(&arguments[0])? { 1 } else { 2 };
-                self.value(&arguments[branch])?
-            }
-            TermKind::Call(function, arguments) => {
+            TermKind::Call(called) => {
+                let (function, arguments) = &**called;
+                if *function == Function::If {
+                    let branch = if self.holds(&arguments[0])? { 1 } else { 2 };
+                    return self.value(&arguments[branch]);
+                }
                 let values: Result<Vec<f64>, Fault> = arguments.iter().map(|a| self.value(a)).collect();
                 call(*function, &values?)
             }
-            TermKind::Compare(op, a, b) => {
+            TermKind::Compare(op, sides) => {
+                let [a, b] = sides.as_ref();
                 let (a, b) = (self.value(a)?, self.value(b)?);
                 truth(match op {
                     CompareOp::Equal => a == b,
@@ -102,8 +106,14 @@ impl<'a> Code<'a> {
                     CompareOp::AtLeast => a >= b,
                 })
             }
-            TermKind::And(a, b) => truth(self.holds(a)? && self.holds(b)?),
-            TermKind::Or(a, b) => truth(self.holds(a)? || self.holds(b)?),
+            TermKind::And(sides) => {
+                let [a, b] = sides.as_ref();
+                truth(self.holds(a)? && self.holds(b)?)
+            }
+            TermKind::Or(sides) => {
+                let [a, b] = sides.as_ref();
+                truth(self.holds(a)? || self.holds(b)?)
+            }
             TermKind::Not(a) => truth(!self.holds(a)?),
             TermKind::Button(press, id) => truth(self.keys.is_some_and(|(keys, before)| {
                 let (is, was) = (keys.held.contains(&id.0), before.contains(&id.0));
@@ -113,10 +123,10 @@ impl<'a> Code<'a> {
                     Press::Released => was && !is,
                 }
             })),
-            TermKind::Touching { of, mine, other, side, bound } => {
-                let thing = self.of(*of)?;
-                let mut all = touching(thing, *mine, *other, *side);
-                truth(all.any(|c| bound.is_none() || c.who.is_some()))
+            TermKind::Touching(asked) => {
+                let thing = self.of(asked.of)?;
+                let mut all = touching(thing, asked.mine, asked.other, asked.side);
+                truth(all.any(|c| asked.bound.is_none() || c.who.is_some()))
             }
             TermKind::Joint { mode, entering } => {
                 truth(self.joint.is_some_and(|(entered, left)| if *entering { entered } else { left }.contains(mode)))
@@ -128,8 +138,8 @@ impl<'a> Code<'a> {
             TermKind::Alive(slot) => truth(self.slot(Subject::Slot(*slot)).is_some()),
             TermKind::InMode(of, mode) => truth(self.of(*of).is_ok_and(|thing| thing.is_in(*mode))),
             TermKind::InSpace(of, space) => truth(self.of(*of).is_ok_and(|thing| thing.space == space.0 as usize)),
-            TermKind::Near { of, numbers } => {
-                let [x, y, radius] = &**numbers;
+            TermKind::Near(asked) => {
+                let (of, [x, y, radius]) = &**asked;
                 let (at, x, y, radius) =
                     (self.of(*of)?.position(), self.value(x)?, self.value(y)?, self.value(radius)?);
                 let (dx, dy) = (at.0 - x, at.1 - y);

@@ -160,11 +160,16 @@ fn plain_factor(sources: &SourceMap, term: &Term, found: &Dim, needed: &Dim) -> 
 fn factor(term: &Term) -> Option<&Term> {
     let number = |t: &Term| matches!(t.kind, TermKind::Number(_));
     match &term.kind {
-        TermKind::Arithmetic(Arithmetic::Multiply, a, b) if number(a) && !number(b) => Some(a),
-        TermKind::Arithmetic(Arithmetic::Multiply, a, b) if number(b) && !number(a) => Some(b),
-        TermKind::Arithmetic(Arithmetic::Divide, a, b) if number(a) && !number(b) => Some(a),
-        TermKind::Arithmetic(Arithmetic::Divide, a, _) | TermKind::Negate(a) => factor(a),
-        TermKind::Arithmetic(_, a, b) => factor(a).or_else(|| factor(b)),
+        TermKind::Negate(a) => factor(a),
+        TermKind::Arithmetic(op, sides) => {
+            let [a, b] = sides.as_ref();
+            match op {
+                Arithmetic::Multiply | Arithmetic::Divide if number(a) && !number(b) => Some(a),
+                Arithmetic::Multiply if number(b) && !number(a) => Some(b),
+                Arithmetic::Divide => factor(a),
+                _ => factor(a).or_else(|| factor(b)),
+            }
+        }
         _ => None,
     }
 }
@@ -173,11 +178,12 @@ fn factor(term: &Term) -> Option<&Term> {
 fn leaves<'t>(term: &'t Term, out: &mut Vec<&'t Term>) {
     match &term.kind {
         TermKind::Negate(a) | TermKind::Not(a) => leaves(a, out),
-        TermKind::Arithmetic(_, a, b) | TermKind::Compare(_, a, b) => {
+        TermKind::Arithmetic(_, sides) | TermKind::Compare(_, sides) => {
+            let [a, b] = sides.as_ref();
             leaves(a, out);
             leaves(b, out);
         }
-        TermKind::Call(_, arguments) => arguments.iter().for_each(|a| leaves(a, out)),
+        TermKind::Call(call) => call.1.iter().for_each(|a| leaves(a, out)),
         TermKind::Param(..) | TermKind::Var(..) | TermKind::Discrete(..) | TermKind::Axis(_) => out.push(term),
         _ => {}
     }

@@ -15,7 +15,7 @@ use crate::sim::{
     parse_script,
 };
 use crate::source::Files;
-use crate::watch::Watch;
+use crate::watch::{Meter, Watch};
 
 use super::Answer;
 use super::args::{SimArgs, TraceFormatName};
@@ -233,9 +233,6 @@ pub(super) enum Ended {
     Stopped(u64),
 }
 
-/// Once in so many steps the watch is asked.
-const WATCH_EVERY: u64 = 256;
-
 /// Runs at most so many steps and shows every state, the initial one first.
 pub(super) fn drive(
     sim: &Simulator<'_>,
@@ -246,7 +243,9 @@ pub(super) fn drive(
 ) -> io::Result<Ended> {
     let mut scratch = sim.scratch();
     let nothing = Input::nothing(sim.world().players.len());
-    let mut state = match sim.initial(&mut scratch) {
+    let meter = Meter::new(watch);
+    let mut state = match sim.metered_initial(&mut scratch, &meter) {
+        _ if meter.is_stopped() => return Ok(Ended::Stopped(0)),
         Ok(state) => state,
         Err(fault) => return Ok(Ended::Fault(fault, 0)),
     };
@@ -262,11 +261,12 @@ pub(super) fn drive(
         if step == frames {
             break;
         }
-        if (step + 1).is_multiple_of(WATCH_EVERY) && watch.stop() {
+        input = inputs.next().unwrap_or(&nothing);
+        let stepped = sim.metered_step(&mut state, input, &mut scratch, &meter);
+        if meter.is_stopped() {
             return Ok(Ended::Stopped(step));
         }
-        input = inputs.next().unwrap_or(&nothing);
-        if let Err(fault) = sim.step(&mut state, input, &mut scratch) {
+        if let Err(fault) = stepped {
             return Ok(Ended::Fault(fault, step + 1));
         }
     }

@@ -50,10 +50,10 @@ pub(super) fn of_slot(
     world: &World,
     slot: SlotId,
     space: &SlotSpace,
-    (sampling, extent): (Sampling, Option<Bounds>),
+    (sampling, around): (Sampling, Bounds),
 ) -> (Vec<Coordinate>, SlotPart) {
     let entity = &program.entities[world.slots[slot].entity];
-    let all = boxes(world, entity, slot, extent);
+    let all = boxes(world, entity, slot, around);
     match sampling {
         Sampling::Reduced if !space.is_given_up => reduced(entity, slot, space, &all),
         _ => naive(world, entity, slot, all),
@@ -172,14 +172,19 @@ fn positive(unit: f64) -> f64 {
 }
 
 /// Every variable of a slot, its derivatives, the discrete ones and the timers, in a box.
-fn boxes(world: &World, entity: &Entity, slot: SlotId, extent: Option<Bounds>) -> Vec<Coordinate> {
+fn boxes(world: &World, entity: &Entity, slot: SlotId, around: Bounds) -> Vec<Coordinate> {
     let mut all = Vec::new();
     let mut add = |quantity: Quantity, low: f64, high: f64| {
         all.push(Coordinate { quantity, low, high, unit: positive(high - low) });
     };
     for var in entity.vars.ids() {
         for degree in 0..3u8 {
-            let (low, high) = if degree == 0 { positions(world, var, extent) } else { (-SPEED, SPEED) };
+            // What is neither x nor y has no range of its own.
+            let (low, high) = match (var.index(), degree) {
+                (0, 0) => (around.left, around.right),
+                (1, 0) => (around.bottom, around.top),
+                _ => (-SPEED, SPEED),
+            };
             add(Quantity::Var(slot, var, degree), low, high);
         }
     }
@@ -194,17 +199,14 @@ fn boxes(world: &World, entity: &Entity, slot: SlotId, extent: Option<Bounds>) -
     all
 }
 
-/// The range in which positions are sampled, px: an extent, or a box around what is placed. Other continuous variables have
-/// none of their own.
-fn positions(world: &World, var: VarId, extent: Option<Bounds>) -> (f64, f64) {
-    match (var.index(), extent) {
-        (0, Some(Bounds { left, right, .. })) => return (left, right),
-        (1, Some(Bounds { bottom, top, .. })) => return (bottom, top),
-        (0 | 1, None) => {}
-        _ => return (-SPEED, SPEED),
-    }
-    let placed = || world.slots.iter().map(|s| s.vars[var][0]);
-    let low = placed().fold(f64::INFINITY, f64::min).min(0.0);
-    let high = placed().fold(f64::NEG_INFINITY, f64::max).max(0.0);
-    (low - OPEN_MARGIN, high + OPEN_MARGIN)
+/// Where positions are sampled where there is no map: around what is placed, px.
+pub(super) fn around(world: &World) -> Bounds {
+    let along = |axis: u32| {
+        let placed = || world.slots.iter().map(|s| s.vars[VarId(axis)][0]);
+        let low = placed().fold(f64::INFINITY, f64::min).min(0.0);
+        let high = placed().fold(f64::NEG_INFINITY, f64::max).max(0.0);
+        (low - OPEN_MARGIN, high + OPEN_MARGIN)
+    };
+    let ((left, right), (bottom, top)) = (along(0), along(1));
+    Bounds { left, right, bottom, top }
 }

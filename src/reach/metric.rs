@@ -154,9 +154,10 @@ impl Metric {
     ) -> Self {
         let players: Vec<SlotId> = sim.world().players.iter().map(|p| p.slot).collect();
         let mut metric = Metric { reals: Vec::new(), modes: 0, slots: Vec::new(), players };
+        let around = extent.unwrap_or_else(|| bounds::around(sim.world()));
         for slot in sim.world().slots.ids() {
             let (mut coordinates, mut part) =
-                bounds::of_slot(sim.program(), sim.world(), slot, &space.slots[slot], (sampling, extent));
+                bounds::of_slot(sim.program(), sim.world(), slot, &space.slots[slot], (sampling, around));
             if measure == Measure::Positions {
                 if !metric.players.contains(&slot) {
                     continue;

@@ -83,7 +83,8 @@ pub fn reach(
         let mut outcome = reach_guarded(problem, space, settings, limits, watch)?;
         if let Some(guard) = problem.guard() {
             if outcome.rests_on_analysis() {
-                problem.starts()?.iter().for_each(|start| guard.follow(problem, &start.script, &Meter::new(watch)));
+                let starts = problem.starts(watch)?.unwrap_or_default();
+                starts.iter().for_each(|start| guard.follow(problem, &start.script, &Meter::new(watch)));
             }
             outcome.refute_by(guard);
         }
@@ -108,10 +109,13 @@ fn reach_guarded(
     let whole = endless.as_ref().map(|endless| watched_space(endless, world, &nevers, watch));
     let (of, whole) = (endless.as_ref().unwrap_or(program), whole.as_ref().unwrap_or(space));
     if let Some(proof) = Proof::of(problem, whole) {
-        problem.sim.initial(&mut problem.sim.scratch())?;
+        // Where it breaks a rule, there is nothing to ask.
+        if problem.starts(watch)?.is_none() {
+            return Ok(Outcome::stopped(settings.planner));
+        }
         return Ok(Outcome::of(Verdict::Unreachable(Argument::Analysis(proof)), "analysis"));
     }
-    if let Some(far) = TooFar::of(problem, space)? {
+    if let Some(far) = TooFar::of(problem, space, watch)? {
         return Ok(Outcome::of(Verdict::Unreachable(Argument::Distance(far)), "analysis"));
     }
     if settings.planner == Planner::Auto && limits.nodes > GLANCE {

@@ -1,5 +1,7 @@
 //! The question: a world, what is asked for, where a search begins, and where a branch of it ends.
 
+use std::sync::OnceLock;
+
 use crate::ir::{ExprId, GoalId, NeverId, SlotId};
 use crate::sim::{Fault, Script, Simulator};
 use crate::watch::{Meter, Unwatched, Watch};
@@ -95,6 +97,8 @@ pub struct Problem<'s> {
     guard: Option<&'s Guard>,
     /// From where; none: from the initial state alone.
     starts: Vec<Start>,
+    /// The initial state, once it was asked for: of a large world it takes long.
+    initial: OnceLock<Result<Vec<u8>, Fault>>,
 }
 
 impl<'s> Problem<'s> {
@@ -115,6 +119,7 @@ impl<'s> Problem<'s> {
             within: None,
             least_hold: 1,
             starts: Vec::new(),
+            initial: OnceLock::new(),
         }
     }
 
@@ -204,16 +209,26 @@ impl<'s> Problem<'s> {
         Ok(self)
     }
 
-    /// From where a search begins.
+    /// From where a search begins; none if the watch stops it before that is known.
     ///
     /// # Errors
     /// A [`Fault`] if the initial state breaks a rule.
-    pub(super) fn starts(&self) -> Result<Vec<Start>, Fault> {
+    pub(super) fn starts(&self, watch: &dyn Watch) -> Result<Option<Vec<Start>>, Fault> {
         if !self.starts.is_empty() {
-            return Ok(self.starts.clone());
+            return Ok(Some(self.starts.clone()));
         }
-        let state = self.sim.initial(&mut self.sim.scratch())?;
-        Ok(vec![Start { script: Script::default(), after: 0, state }])
+        let state = match self.initial.get() {
+            Some(known) => known.clone()?,
+            None => {
+                let meter = Meter::new(watch);
+                let state = self.sim.metered_initial(&mut self.sim.scratch(), &meter);
+                if meter.is_stopped() {
+                    return Ok(None);
+                }
+                self.initial.get_or_init(|| state).clone()?
+            }
+        };
+        Ok(Some(vec![Start { script: Script::default(), after: 0, state }]))
     }
 
     /// The slots that players control.

@@ -4,6 +4,7 @@
 use crate::analysis::{ConfigurationSpace, Interval, SlotSpace, Values};
 use crate::ir::{Expr, ExprId, SlotId, Subject, VarId};
 use crate::sim::Fault;
+use crate::watch::Watch;
 
 use super::metric::Quantity;
 use super::problem::{Problem, Target};
@@ -60,9 +61,9 @@ impl TooFar {
     ///
     /// # Errors
     /// A [`Fault`] if the initial state breaks a rule.
-    pub fn of(problem: &Problem<'_>, space: &ConfigurationSpace) -> Result<Option<TooFar>, Fault> {
+    pub fn of(problem: &Problem<'_>, space: &ConfigurationSpace, watch: &dyn Watch) -> Result<Option<TooFar>, Fault> {
         let (Some(time), Target::Goal(_)) = (problem.time(), problem.target) else { return Ok(None) };
-        let starts = problem.starts()?;
+        let Some(starts) = problem.starts(watch)? else { return Ok(None) };
         let (sim, predicate) = (problem.sim, problem.predicate());
         let within = |player: SlotId, state: &[u8], steps: u64| {
             let (x, y) = sim.position(state, player);

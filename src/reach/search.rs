@@ -130,8 +130,10 @@ fn search_guarded(
     limits: &Limits,
     watch: &dyn Watch,
 ) -> Result<Outcome, Fault> {
+    let Some(all) = problem.starts(watch)? else { return Ok(Outcome::stopped(settings.planner)) };
+    let is_alone = all.len() == 1;
     let (mut starts, mut fault) = (Vec::new(), None);
-    for start in problem.starts()? {
+    for start in all {
         problem.guard().inspect(|guard| guard.follow(problem, &start.script, &Meter::new(watch)));
         match settled(problem, start, watch)? {
             Settled::Open(start) => starts.push(start),
@@ -141,8 +143,7 @@ fn search_guarded(
             Settled::Goal { script, after } => {
                 let steps = script.len();
                 // Only what must be held anyway comes before.
-                let is_shortest = problem.starts()?.len() == 1;
-                let plan = Plan { steps, script, after, is_shortest };
+                let plan = Plan { steps, script, after, is_shortest: is_alone };
                 return Ok(Outcome::of(Verdict::Reached(plan), settings.planner.name()));
             }
         }

@@ -254,7 +254,7 @@ impl<'p> Simulator<'p> {
         if self.lives_change {
             self.bury(state, scratch);
         }
-        meter.spend(scratch.work().wrapping_sub(before));
+        meter.spend(1 + scratch.work().wrapping_sub(before));
         Ok(())
     }
 

@@ -18,7 +18,7 @@ use super::ast::{
     Envelope, Expr, ExprKind, File, Follow, Group, Import, Initial, Invariant, Item, Member, Mode, Name, Path, Ramp,
     RampKind, Rate, Reference, Spawn, Update, Use, Variable, Word, World,
 };
-use super::part::{ITEMS, MEMBERS, Part, Parts, UPDATES, WORLD_ITEMS, note_declared, parts};
+use super::part::{ITEMS, MEMBERS, Part, Parts, UPDATES, WORLD_ITEMS, each, note_declared, parts};
 use super::scan::Scan;
 use super::{Grammar, Rule, message};
 
@@ -173,7 +173,9 @@ impl<'a> Builder<'a> {
     }
 
     pub fn names(&self, pair: &Pair<'_, Rule>) -> Vec<Name> {
-        parts(pair).iter().map(|p| self.name(p)).collect()
+        let mut names = Vec::with_capacity(each(pair).count());
+        names.extend(each(pair).map(|p| self.name(&p)));
+        names
     }
 
     fn is_explained(&self, span: Span) -> bool {
@@ -423,13 +425,13 @@ impl<'a> Builder<'a> {
 
     fn domain(&mut self, pair: &Pair<'_, Rule>) -> Option<Domain> {
         let domain = parts(pair).into_iter().next()?;
-        let inner = parts(&domain);
         Some(match domain.as_rule() {
             Rule::int_domain => {
+                let inner = parts(&domain);
                 Domain::Int(Box::new(self.expression(inner.first()?)?), Box::new(self.expression(inner.get(1)?)?))
             }
             Rule::bool_domain => Domain::Bool,
-            _ => Domain::Set(inner.iter().map(|p| self.name(p)).collect()),
+            _ => Domain::Set(self.names(&domain)),
         })
     }
 

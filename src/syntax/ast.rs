@@ -2,6 +2,7 @@
 //! read by `sema` and the formatter. Names are not resolved here, and nothing is checked but shape.
 
 use std::collections::BTreeSet;
+use std::fmt;
 
 use crate::source::{FileId, Span};
 
@@ -287,7 +288,7 @@ pub struct Mode {
 }
 
 /// `variable = value` or `variable := value`
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct Assignment {
     /// The left side.
     pub variable: Variable,
@@ -306,6 +307,13 @@ impl Assignment {
     /// The whole.
     pub fn span(&self) -> Span {
         Span { end: self.end, ..self.variable.span }
+    }
+}
+
+impl fmt::Debug for Assignment {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut parts = f.debug_struct("Assignment");
+        parts.field("variable", &self.variable).field("value", &self.value).field("span", &self.span()).finish()
     }
 }
 

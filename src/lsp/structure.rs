@@ -244,8 +244,8 @@ impl Outline<'_> {
                 Member::Edge(edge) => {
                     let Edge { guard, target: Some(target), span, .. } = &**edge else { continue };
                     let guard = self.slice(guard.span);
-                    let name = format!("-> {}", self.slice(target.span));
-                    out.push(self.called(&name, target.span, SymbolKind::Operator, *span, Some(&guard), Vec::new()));
+                    let name = format!("-> {}", self.slice(target.span()));
+                    out.push(self.called(&name, target.span(), SymbolKind::Operator, *span, Some(&guard), Vec::new()));
                 }
                 Member::Entry(update) => {
                     let Update::Spawn(s) = &**update else { continue };

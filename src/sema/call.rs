@@ -4,7 +4,7 @@ use crate::diagnostic::catalogue::structure::JointCycle;
 use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::WrongArguments;
 use crate::source::Span;
-use crate::syntax::ast::{Expr, ExprKind, Name};
+use crate::syntax::ast::{Expr, ExprKind, Name, PathRef};
 use crate::syntax::occurrence::NameKind;
 
 use super::Checker;
@@ -77,12 +77,12 @@ impl Checker<'_> {
                 return make(TermKind::Call(Box::new((Function::If, [condition, a, b].into()))), ty);
             }
             "entering" | "exiting" => {
-                let [Expr { kind: ExprKind::Path(path), .. }] = arguments else {
+                let Some(path) = only(arguments) else {
                     wrong(self, "a mode of another group, such as `entering(hurt.yes)`");
                     return None;
                 };
                 let entity = self.allow(scope.entity, span, scope, Reads::All, "a joint transition")?;
-                let mode = self.mode_named(&scope.names?.modes, path, None)?;
+                let mode = self.mode_named(&scope.names?.modes, &path, None)?;
                 let group = entity.modes[mode].group;
                 if scope.mode.is_some_and(|m| entity.modes[m].group == group) {
                     let name =
@@ -106,24 +106,27 @@ impl Checker<'_> {
             }
             "touching" => return self.touching(arguments, binding, span, scope, wrong),
             "timer" => {
-                let [Expr { kind: ExprKind::Path(path), .. }] = arguments else {
+                let Some(path) = only(arguments) else {
                     wrong(self, "`timer(mode)`");
                     return None;
                 };
                 let entity = self.allow(scope.entity, span, scope, Reads::State, "`timer`")?;
                 let group = scope.mode.map(|m| entity.modes[m].group);
-                let mode = self.mode_named(&scope.names?.modes, path, group)?;
+                let mode = self.mode_named(&scope.names?.modes, &path, group)?;
                 return make(TermKind::Timer(mode), Type::Real);
             }
             "near" => return self.near(arguments, span, scope, wrong),
             "inside" => {
-                let [subject, Expr { kind: ExprKind::Path(path), .. }] = arguments else {
+                let [subject, space] = arguments else {
+                    wrong(self, "`inside(instance, space)`");
+                    return None;
+                };
+                let Some(path) = space.path() else {
                     wrong(self, "`inside(instance, space)`");
                     return None;
                 };
                 let world = self.allow(scope.world, span, scope, Reads::All, "`inside`")?;
-                let name = path.segments.first().filter(|_| path.segments.len() == 1 && path.primes == 0);
-                let Some(name) = name else {
+                let Some(name) = path.name() else {
                     wrong(self, "`inside(instance, space)`");
                     return None;
                 };
@@ -179,11 +182,7 @@ impl Checker<'_> {
         span: Span,
         scope: &Scope<'_>,
     ) -> Option<Term> {
-        let path = match arguments {
-            [Expr { kind: ExprKind::Path(path), .. }] if path.primes == 0 => Some(path),
-            _ => None,
-        };
-        let Some(path) = path else {
+        let Some(path) = only(arguments).filter(|path| path.primes == 0) else {
             let usage = "a button of this entity, such as `pressed(jump)`";
             self.diagnostics.report(WrongArguments { function: function.text.to_string(), at: span, usage });
             return None;
@@ -219,17 +218,14 @@ impl Checker<'_> {
         let mut words: Vec<Name> = Vec::new();
         for argument in arguments {
             let text = match &argument.kind {
-                ExprKind::Path(path) if path.primes == 0 && path.segments.len() == 1 => {
-                    path.segments.first().map(|s| s.text.to_string())
-                }
-                ExprKind::Text(text) => Some(text.to_string()),
-                _ => None,
+                ExprKind::Text(text) => Some((**text).clone()),
+                _ => argument.name().map(|name| name.text),
             };
             let Some(text) = text else {
                 wrong(self, USAGE);
                 return None;
             };
-            words.push(Name { text: text.into(), span: argument.span });
+            words.push(Name { text, span: argument.span });
         }
         let side = |word: &Name| {
             Some(match &*word.text {
@@ -262,5 +258,13 @@ impl Checker<'_> {
         let bound = binding.map(|name| self.facts.name(name, BoundTouch { mine, other, side: on, span }));
         let asked = Touching { of: Subject::Me, mine, other, side: on, bound };
         Some(Term { kind: TermKind::Touching(Box::new(asked)), ty: Type::Bool, span })
+    }
+}
+
+/// The path that is the only argument.
+fn only(arguments: &[Expr]) -> Option<PathRef<'_>> {
+    match arguments {
+        [path] => path.path(),
+        _ => None,
     }
 }

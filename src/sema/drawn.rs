@@ -172,15 +172,12 @@ impl Checker<'_> {
                 let is_reference = matches!(what, Given::Ref(_));
                 match value(&setting.value, is_reference, &ids) {
                     Ok(None) => {}
-                    Ok(Some(kind)) => settings.push(ast::Assignment {
-                        variable: ast::Variable {
-                            name: Name { text: bare.into(), span: setting.at },
-                            primes: (setting.name.len() - bare.len()) as u32,
-                            span: setting.at,
-                        },
-                        value: named(kind, setting.at),
-                        span: setting.at,
-                    }),
+                    Ok(Some(kind)) => {
+                        let primes = (setting.name.len() - bare.len()) as u32;
+                        let variable = ast::Variable { text: bare.into(), primes, span: setting.at };
+                        let value = Expr { kind, span: setting.at };
+                        settings.push(ast::Assignment::new(variable, value, setting.at));
+                    }
                     Err(why) => {
                         self.diagnostics.report(BadLevel { at: setting.at, why: format!("`{}` {why}", setting.name) });
                     }
@@ -229,10 +226,7 @@ fn meaning(kinds: &Kinds<'_>, entities: &Table<EntityId>, name: &str) -> Meaning
 
 /// A property's value as an expression; none if it sets nothing, an error if no entity can have such a value.
 fn value(value: &Value, is_reference: bool, ids: &BTreeMap<&str, String>) -> Result<Option<ExprKind>, &'static str> {
-    let path = |text: &str| {
-        let segments = [Name { text: text.into(), span: Span::new(FileId(0), 0, 0) }].into();
-        ExprKind::Path(ast::Path { segments, primes: 0, span: Span::new(FileId(0), 0, 0) }.into())
-    };
+    let path = |text: &str| ExprKind::Name(text.into(), 0);
     match value {
         Value::Number(number) if !is_reference => Ok(Some(ExprKind::Number(*number, None))),
         Value::Truth(truth) if !is_reference => Ok(Some(ExprKind::Bool(*truth))),
@@ -246,13 +240,4 @@ fn value(value: &Value, is_reference: bool, ids: &BTreeMap<&str, String>) -> Res
         Value::Number(_) | Value::Truth(_) => Err("is a reference: its value must be an object"),
         Value::Other => Err("has a value that no entity can have: a list, a colour, a point"),
     }
-}
-
-/// An expression that stands at a place, and its name, if it is one, too.
-fn named(mut kind: ExprKind, at: Span) -> Expr {
-    if let ExprKind::Path(path) = &mut kind {
-        path.span = at;
-        path.segments.iter_mut().for_each(|name| name.span = at);
-    }
-    Expr { kind, span: at }
 }

@@ -171,8 +171,8 @@ impl<'a> Checker<'a> {
                 Member::Edge(edge) if edge.target.is_some() => lost_by(&edge.guard),
                 _ => None,
             });
-            let once: BTreeSet<&Word> = edges.map(|name| &name.text).collect();
-            once.into_iter().cloned().collect()
+            let once: BTreeSet<Word> = edges.map(|name| name.text).collect();
+            once.into_iter().collect()
         };
         names.lost = names.mode_syntax.iter().map(lost).collect();
         (entity, names.into())
@@ -362,9 +362,9 @@ impl<'a> Checker<'a> {
             Member::Collider(c) => (c.span, "a `collider`"),
             Member::Group(g) => (g.name.span, "a `group`"),
             Member::Mode(m) => (m.name.span, "a `mode`"),
-            Member::Flow(a) => (a.span, "a flow"),
+            Member::Flow(a) => (a.span(), "a flow"),
             Member::Entry(update) => match &**update {
-                ast::Update::Assign(a) => (a.span, "an update"),
+                ast::Update::Assign(a) => (a.span(), "an update"),
                 ast::Update::Spawn(s) => (s.span, "a `spawn`"),
                 ast::Update::Destroy(d) => (d.span, "a `destroy`"),
             },

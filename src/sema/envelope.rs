@@ -269,16 +269,15 @@ impl Checker<'_> {
 
     fn axis(&mut self, by: &ast::Expr, scope: &Scope<'_>) -> Option<AxisId> {
         let names = scope.names?;
-        let fact: UnknownName = match &by.kind {
-            ExprKind::Path(path) if path.segments.len() == 1 && path.primes == 0 => {
-                let name = path.segments.first()?;
+        let fact: UnknownName = match &by.name() {
+            Some(name) => {
                 if let Some((declared, &axis)) = names.axes.entry(&name.text) {
                     self.seen(NameKind::Axis, name.span, declared.span);
                     return Some(axis);
                 }
                 unknown("axis", &name.text, name.span, names.axes.names())
             }
-            _ => {
+            None => {
                 let help = "write an axis, two axes in parentheses, `held(BUTTON)`, or `fixed`";
                 self.bad(by.span, "this cannot drive an envelope", Some(help));
                 return None;

@@ -7,7 +7,7 @@ use crate::diagnostic::catalogue::names::UnknownName;
 use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::{BadChain, NotConstant, TypeMismatch};
 use crate::source::Span;
-use crate::syntax::ast::{BinaryOp, CompareOp, Expr, ExprKind, Name, Path, Unit};
+use crate::syntax::ast::{BinaryOp, CompareOp, Expr, ExprKind, Name, PathRef, Unit};
 use crate::syntax::occurrence::{NameKind, Role};
 
 use super::Checker;
@@ -244,15 +244,15 @@ impl Checker<'_> {
                 let inner = self.term(inner, scope, wanted)?;
                 Some(Term { span: e.span, ..inner })
             }
-            ExprKind::Path(path) => self.path(path, e.span, scope, wanted),
+            ExprKind::Name(..) | ExprKind::Path(_) => self.path(&e.path()?, e.span, scope, wanted),
             ExprKind::Call(call) => {
-                self.call(&call.function, &call.arguments, call.binding.as_ref(), e.span, scope, wanted)
+                self.call(&call.function, &call.arguments, call.binding.as_deref(), e.span, scope, wanted)
             }
             ExprKind::InMode(path) => {
                 let entity = self.allow(scope.entity, e.span, scope, Reads::State, "`in`")?;
                 let names = scope.names?;
                 let group = scope.mode.map(|m| entity.modes[m].group);
-                let mode = self.mode_named(&names.modes, path, group)?;
+                let mode = self.mode_named(&names.modes, &path.view(), group)?;
                 make(TermKind::InMode(Subject::Me, mode), Type::Bool)
             }
             ExprKind::Negate(a) => {
@@ -281,7 +281,7 @@ impl Checker<'_> {
                     return None;
                 };
                 let names = self.mode_names(entity);
-                let mode = self.mode_named(&names, path, None)?;
+                let mode = self.mode_named(&names, &path.view(), None)?;
                 make(TermKind::InMode(of, mode), Type::Bool)
             }
             ExprKind::Is(asked) if scope.entity.is_some() => {
@@ -299,7 +299,7 @@ impl Checker<'_> {
             }
             ExprKind::In(asked) => self.relation(&asked.0, e.span, scope, |this, slot, entity| {
                 let names = this.mode_names(entity);
-                let mode = this.mode_named(&names, &asked.1, None)?;
+                let mode = this.mode_named(&names, &asked.1.view(), None)?;
                 Some(TermKind::InMode(Subject::Slot(slot), mode))
             }),
             ExprKind::Touching(asked) => {
@@ -367,7 +367,7 @@ impl Checker<'_> {
         None
     }
 
-    fn path(&mut self, path: &Path, span: Span, scope: &Scope<'_>, wanted: Option<&Type>) -> Option<Term> {
+    fn path(&mut self, path: &PathRef<'_>, span: Span, scope: &Scope<'_>, wanted: Option<&Type>) -> Option<Term> {
         let make = |kind: TermKind, ty: Type| Some(Term { kind, ty, span });
         let [name, rest @ ..] = &*path.segments else {
             return None;
@@ -441,7 +441,7 @@ impl Checker<'_> {
     }
 
     /// Reports primes on what has no derivative.
-    pub(super) fn unprimed(&mut self, path: &Path) -> Option<()> {
+    pub(super) fn unprimed(&mut self, path: &PathRef<'_>) -> Option<()> {
         if path.primes == 0 {
             return Some(());
         }
@@ -455,7 +455,7 @@ impl Checker<'_> {
     }
 
     /// The degree of a variable written with primes.
-    pub(super) fn degree(&mut self, path: &Path) -> Option<u8> {
+    pub(super) fn degree(&mut self, path: &PathRef<'_>) -> Option<u8> {
         if path.primes > 2 {
             self.diagnostics.report(TypeMismatch {
                 at: path.span,
@@ -556,7 +556,7 @@ impl Checker<'_> {
     /// The type of a plain discrete variable that ranges over a set.
     fn set_type(&self, e: &Expr, scope: &Scope<'_>) -> Option<Type> {
         let path = match &e.kind {
-            ExprKind::Path(path) => path,
+            ExprKind::Name(..) | ExprKind::Path(_) => e.path()?,
             ExprKind::Paren(inner) => return self.set_type(inner, scope),
             ExprKind::Call(call) if call.function.text == "if" => {
                 return call.arguments.iter().skip(1).find_map(|a| self.set_type(a, scope));

@@ -86,13 +86,13 @@ impl Checker<'_> {
         let target = self.controlled(&flow.variable, scope);
         let value = self.number(&flow.value, scope);
         let (var, degree) = target?;
-        Some(Drive { var, degree, by: DriveBy::Flow(value?), span: flow.span })
+        Some(Drive { var, degree, by: DriveBy::Flow(value?), span: flow.span() })
     }
 
     /// The continuous variable that a flow or an envelope drives, and its degree.
     pub(super) fn controlled(&mut self, variable: &ast::Variable, scope: &Scope<'_>) -> Option<(VarId, u8)> {
         let names = scope.names?;
-        let name = &variable.name;
+        let name = &variable.name();
         if let Some(&var) = names.vars.get(&name.text) {
             if let Some(entity) = scope.entity {
                 self.seen_value(entity, Given::Var(var, 0), name.span, Role::Written);
@@ -120,7 +120,6 @@ impl Checker<'_> {
 
     /// The degree of a variable on a left side.
     pub(super) fn primes(&mut self, variable: &ast::Variable) -> Option<u8> {
-        let path = ast::Path { segments: [variable.name.clone()].into(), primes: variable.primes, span: variable.span };
-        self.degree(&path)
+        self.degree(&variable.path())
     }
 }

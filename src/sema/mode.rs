@@ -7,7 +7,7 @@ use crate::diagnostic::catalogue::names::{AmbiguousMode, DuplicateName};
 use crate::diagnostic::catalogue::structure::{EdgeOutOfGroup, IdleEdge, UpdateConflict};
 use crate::diagnostic::catalogue::types::TypeMismatch;
 use crate::source::Span;
-use crate::syntax::ast::{self, Initial, Member, Path};
+use crate::syntax::ast::{self, Initial, Member, PathRef};
 use crate::syntax::occurrence::{NameKind, Role};
 
 use super::checked::{Action, Edge, Entity, Follow, Given, Mode, Place, Term, Type, Update};
@@ -86,7 +86,7 @@ impl<'a> Checker<'a> {
             full.push(mode.name.text.to_string());
             let id = entity.modes.push(Mode {
                 name: mode.name.clone(),
-                doc: mode.doc.clone(),
+                doc: mode.doc.as_deref().map(Into::into),
                 path: full.clone(),
                 group,
                 parent,
@@ -112,7 +112,12 @@ impl<'a> Checker<'a> {
     }
 
     /// The mode that a path names: the whole path, or a suffix that fits only one mode, those of `group` first.
-    pub(super) fn mode_named(&mut self, names: &ModeNames, path: &Path, group: Option<GroupId>) -> Option<ModeId> {
+    pub(super) fn mode_named(
+        &mut self,
+        names: &ModeNames,
+        path: &PathRef<'_>,
+        group: Option<GroupId>,
+    ) -> Option<ModeId> {
         let segments: Vec<&str> = path.segments.iter().map(|s| &*s.text).collect();
         let fits = |mode: &[String]| {
             mode.len() >= segments.len()
@@ -203,10 +208,10 @@ impl<'a> Checker<'a> {
         }
         let tests = self.facts.set_refs();
         let target = edge.target.as_ref().map(|path| {
-            let target = self.mode_named(&names.modes, path, Some(group))?;
+            let target = self.mode_named(&names.modes, &path.view(), Some(group))?;
             if entity.modes[target].group != group {
                 self.diagnostics.report(EdgeOutOfGroup {
-                    target: path.span,
+                    target: path.span(),
                     path: entity.modes[target].path.join("."),
                     declared: entity.modes[target].name.span,
                     own: entity.modes.iter().filter(|m| m.group == group).map(|m| m.path.join(".")).collect(),
@@ -286,23 +291,22 @@ impl<'a> Checker<'a> {
     /// `y' := e`, `keys := keys + 1`
     fn update(&mut self, update: &ast::Assignment, scope: &Scope<'_>) -> Option<Update> {
         let names = scope.names?;
-        let name = &update.variable.name;
+        let name = &update.variable.name();
         if let Some(&id) = names.discretes.get(&name.text) {
             if let Some(entity) = scope.entity {
                 self.seen_value(entity, Given::Discrete(id), name.span, Role::Written);
             }
-            let v = &update.variable;
-            self.unprimed(&Path { segments: [v.name.clone()].into(), primes: v.primes, span: v.span })?;
+            self.unprimed(&update.variable.path())?;
             let discrete = scope.entity?.discretes[id].clone();
             let value = self.typed(&update.value, scope, &discrete.ty)?;
             self.certainly_in_range(&value, &discrete);
-            return Some(Update { place: Place::Discrete(id), value, span: update.span });
+            return Some(Update { place: Place::Discrete(id), value, span: update.span() });
         }
         if let Some(&id) = names.refs.get(&name.text) {
             self.reference_place(&update.variable, scope)?;
             let ty = Type::Ref(scope.entity?.refs[id].entity);
             let value: Term = self.typed(&update.value, scope, &ty)?;
-            return Some(Update { place: Place::Ref(id), value, span: update.span });
+            return Some(Update { place: Place::Ref(id), value, span: update.span() });
         }
         if let Some(&var) = names.vars.get(&name.text) {
             if let Some(entity) = scope.entity {
@@ -310,7 +314,7 @@ impl<'a> Checker<'a> {
             }
             let degree = self.primes(&update.variable);
             let value = self.number(&update.value, scope)?;
-            return Some(Update { place: Place::Var(var, degree?), value, span: update.span });
+            return Some(Update { place: Place::Var(var, degree?), value, span: update.span() });
         }
         if names.params.get(&name.text).is_some() {
             self.diagnostics.report(TypeMismatch {

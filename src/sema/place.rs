@@ -64,7 +64,7 @@ impl Checker<'_> {
         let mut fits = at[0].is_some() && at[1].is_some();
         for setting in &place.settings {
             let variable = &setting.variable;
-            let written = format!("{}{}", variable.name.text, "'".repeat(variable.primes as usize));
+            let written = format!("{}{}", variable.text, "'".repeat(variable.primes as usize));
             if !set.declare(&Name { text: written.into(), span: variable.span }, (), &mut self.diagnostics) {
                 continue;
             }
@@ -96,9 +96,9 @@ impl Checker<'_> {
 
     /// The name that a reference of a placed instance is set to; none for `none`.
     fn instance_name(&mut self, e: &ast::Expr) -> Option<Name> {
-        match &e.kind {
-            ExprKind::NoneRef => None,
-            ExprKind::Path(path) if path.segments.len() == 1 && path.primes == 0 => path.segments.first().cloned(),
+        match (&e.kind, e.name()) {
+            (ExprKind::NoneRef, _) => None,
+            (_, Some(name)) => Some(name),
             _ => {
                 self.diagnostics.report(TypeMismatch {
                     at: e.span,

@@ -3,7 +3,7 @@
 use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::TypeMismatch;
 use crate::source::Span;
-use crate::syntax::ast::{Expr, ExprKind, Name, Path};
+use crate::syntax::ast::{Expr, ExprKind, Name, PathRef};
 use crate::syntax::occurrence::{NameKind, Role};
 
 use super::Checker;
@@ -16,7 +16,7 @@ impl Checker<'_> {
     /// `hero.x'`, `hero.keys`, `main.width`.
     pub(super) fn member(
         &mut self,
-        path: &Path,
+        path: &PathRef<'_>,
         first: &Name,
         second: &Name,
         span: Span,
@@ -76,7 +76,7 @@ impl Checker<'_> {
     /// `target.x` in an entity.
     fn referred_member(
         &mut self,
-        path: &Path,
+        path: &PathRef<'_>,
         first: &Name,
         second: &Name,
         span: Span,
@@ -108,7 +108,7 @@ impl Checker<'_> {
     }
 
     /// A variable or a parameter of another instance.
-    fn value_of(&mut self, of: Subject, id: EntityId, path: &Path, second: &Name, span: Span) -> Option<Term> {
+    fn value_of(&mut self, of: Subject, id: EntityId, path: &PathRef<'_>, second: &Name, span: Span) -> Option<Term> {
         {
             let entity = self.checked.entities[id].clone();
             let named = self.value_named(id, &second.text);
@@ -168,17 +168,14 @@ impl Checker<'_> {
     /// A named instance of the world.
     pub(super) fn instance(&mut self, e: &Expr, scope: &Scope<'_>) -> Option<(SlotId, EntityId)> {
         let world = self.allow(scope.world, e.span, scope, Reads::All, "an instance")?;
-        let name = match &e.kind {
-            ExprKind::Path(path) if path.segments.len() == 1 && path.primes == 0 => path.segments.first()?,
-            _ => {
-                self.diagnostics.report(TypeMismatch {
-                    at: e.span,
-                    found: "an expression".into(),
-                    expected: "the name of an instance".into(),
-                    help: None,
-                });
-                return None;
-            }
+        let Some(name) = &e.name() else {
+            self.diagnostics.report(TypeMismatch {
+                at: e.span,
+                found: "an expression".into(),
+                expected: "the name of an instance".into(),
+                help: None,
+            });
+            return None;
         };
         if let Some(found) = world.instance(&name.text) {
             self.seen_instance(world, name);

@@ -9,7 +9,7 @@ use crate::diagnostic::catalogue::structure::{LostEntry, LostRead};
 use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::TypeMismatch;
 use crate::source::Span;
-use crate::syntax::ast::{self, Expr, ExprKind, Name, Path};
+use crate::syntax::ast::{self, Expr, ExprKind, Name};
 use crate::syntax::occurrence::Role;
 
 use super::Checker;
@@ -20,13 +20,11 @@ use super::ids::{EntityId, ModeId, RefId};
 use super::names::{Table, unknown};
 
 /// The reference that a guard says is lost, if that is all it says.
-pub(super) fn lost_by(guard: &Expr) -> Option<&Name> {
+pub(super) fn lost_by(guard: &Expr) -> Option<Name> {
     match &guard.kind {
         ExprKind::Paren(inner) => lost_by(inner),
         ExprKind::Call(call) if call.function.text == "lost" && call.binding.is_none() => match &*call.arguments {
-            [Expr { kind: ExprKind::Path(path), .. }] if path.primes == 0 && path.segments.len() == 1 => {
-                path.segments.first()
-            }
+            [reference] => reference.name(),
             _ => None,
         },
         _ => None,
@@ -48,10 +46,7 @@ impl Checker<'_> {
 
     /// The reference that an expression names.
     pub(super) fn reference(&mut self, e: &Expr, scope: &Scope<'_>) -> Option<(Subject, Option<EntityId>)> {
-        if let ExprKind::Path(path) = &e.kind
-            && let Path { segments, primes: 0, .. } = &**path
-            && let [name] = &**segments
-        {
+        if let Some(name) = &e.name() {
             if let Some(found) = self.referred(&name.text, scope) {
                 self.seen_subject(found.0, name, scope);
                 return Some(found);
@@ -140,7 +135,7 @@ impl Checker<'_> {
         let mut given = Vec::new();
         let mut fits = true;
         for setting in &spawn.settings {
-            let written = format!("{}{}", setting.variable.name.text, "'".repeat(setting.variable.primes as usize));
+            let written = format!("{}{}", setting.variable.text, "'".repeat(setting.variable.primes as usize));
             if !set.declare(&Name { text: written.into(), span: setting.variable.span }, (), &mut self.diagnostics) {
                 continue;
             }
@@ -171,7 +166,7 @@ impl Checker<'_> {
 
     /// What a name in a `place` or a `spawn` sets, and the type of its value.
     pub(super) fn setting(&mut self, id: EntityId, variable: &ast::Variable) -> Option<(Given, Type)> {
-        let name = &variable.name;
+        let name = &variable.name();
         let of = Arc::clone(&self.checked.entities[id]);
         let named = self.value_named(id, &name.text);
         if let Some(what) = named {
@@ -209,9 +204,9 @@ impl Checker<'_> {
         }
         self.diagnostics.report(DuplicateName {
             kind: "the position",
-            name: setting.variable.name.text.to_string(),
+            name: setting.variable.text.to_string(),
             first: place.x.span.to(place.y.span),
-            second: setting.span,
+            second: setting.span(),
         });
         true
     }
@@ -219,7 +214,7 @@ impl Checker<'_> {
     /// The reference on a left side.
     pub(super) fn reference_place(&mut self, variable: &ast::Variable, scope: &Scope<'_>) -> Option<RefId> {
         let names: &Skeleton<'_> = scope.names?;
-        let name = &variable.name;
+        let name = &variable.name();
         if variable.primes == 0
             && let Some(&id) = names.refs.get(&name.text)
         {

@@ -1,7 +1,7 @@
 //! Notes where names stand, as they are resolved: see [`Occurrences`](crate::syntax::occurrence::Occurrences).
 
 use crate::source::Span;
-use crate::syntax::ast::{Name, Path};
+use crate::syntax::ast::{Name, PathRef};
 use crate::syntax::occurrence::{NameKind, Role};
 
 use super::Checker;
@@ -99,7 +99,7 @@ impl Checker<'_> {
     }
 
     /// A path that names a mode: its last name is the mode, those before it are the modes and the group around it.
-    pub(super) fn seen_mode(&mut self, names: &ModeNames, index: usize, path: &Path) {
+    pub(super) fn seen_mode(&mut self, names: &ModeNames, index: usize, path: &PathRef<'_>) {
         let Some((whole, _, declared)) = names.modes.get(index) else { return };
         let outer = whole.len().saturating_sub(path.segments.len());
         let (last, before) = match path.segments.split_last() {

@@ -2,9 +2,11 @@
 //! read by `sema` and the formatter. Names are not resolved here, and nothing is checked but shape.
 
 use std::collections::BTreeSet;
+use std::fmt;
 
 use crate::source::{FileId, Span};
 
+pub use super::ast_path::*;
 pub use super::ast_world::*;
 pub use super::word::Word;
 
@@ -267,7 +269,7 @@ pub enum Initial {
     /// `initial`
     Plain,
     /// `initial when guard`
-    When(Expr),
+    When(Box<Expr>),
 }
 
 /// `mode name { … }`
@@ -280,31 +282,39 @@ pub struct Mode {
     /// What it holds.
     pub members: Vec<Member>,
     /// The text of the `///` lines above it.
-    pub doc: Option<String>,
+    pub doc: Option<Box<str>>,
     /// The whole.
     pub span: Span,
 }
 
-/// A variable with its number of primes: `x`, `x'`, `x''`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Variable {
-    /// The variable.
-    pub name: Name,
-    /// How many primes follow it.
-    pub primes: u32,
-    /// With the primes.
-    pub span: Span,
-}
-
 /// `variable = value` or `variable := value`
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct Assignment {
     /// The left side.
     pub variable: Variable,
     /// The right side.
     pub value: Expr,
+    /// Where it ends; it begins with the variable.
+    end: u32,
+}
+
+impl Assignment {
+    /// An assignment that begins with its variable and ends where `span` does.
+    pub fn new(variable: Variable, value: Expr, span: Span) -> Self {
+        Assignment { variable, value, end: span.end }
+    }
+
     /// The whole.
-    pub span: Span,
+    pub fn span(&self) -> Span {
+        Span { end: self.end, ..self.variable.span }
+    }
+}
+
+impl fmt::Debug for Assignment {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut parts = f.debug_struct("Assignment");
+        parts.field("variable", &self.variable).field("value", &self.value).field("span", &self.span()).finish()
+    }
 }
 
 /// What happens on an edge, or when a mode is entered.
@@ -348,7 +358,7 @@ pub struct Edge {
     /// The mode it leads to; none for an edge that stays.
     pub target: Option<Path>,
     /// What it changes, as far as it could be read.
-    pub updates: Vec<Update>,
+    pub updates: Box<[Update]>,
     /// Whether it has no updates, readable or not.
     pub is_empty: bool,
     /// The whole.
@@ -409,17 +419,6 @@ pub enum Rate {
     Accel(Expr),
     /// `over t`: so that the whole way takes `t`.
     Over(Expr),
-}
-
-/// A dotted name: `size.small`, `hero.x'`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Path {
-    /// The names between the dots.
-    pub segments: Box<[Name]>,
-    /// Primes after the last.
-    pub primes: u32,
-    /// The whole.
-    pub span: Span,
 }
 
 /// An expression and where it stands.
@@ -483,9 +482,9 @@ pub struct Call {
     /// What is called.
     pub function: Name,
     /// With what.
-    pub arguments: Vec<Expr>,
+    pub arguments: Box<[Expr]>,
     /// What the answer is called.
-    pub binding: Option<Name>,
+    pub binding: Option<Box<Name>>,
 }
 
 /// What an expression is. A large text has many of them, so what is seldom or large stands in boxes.
@@ -503,8 +502,10 @@ pub enum ExprKind {
     Timer,
     /// `"text"`
     Text(Box<Word>),
-    /// `a`, `a.b`, `x'`
-    Path(Box<Path>),
+    /// `a`, `x'`: the expression's span is that of the name and its primes; read by [`Expr::path`] as the next is.
+    Name(Word, u8),
+    /// `a.b`, `a.b'`
+    Path(Box<Dotted>),
     /// `f(a, b) as c`
     Call(Box<Call>),
     /// `in mode`

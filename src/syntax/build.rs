@@ -18,7 +18,7 @@ use super::ast::{
     Envelope, Expr, ExprKind, File, Follow, Group, Import, Initial, Invariant, Item, Member, Mode, Name, Path, Ramp,
     RampKind, Rate, Reference, Spawn, Update, Use, Variable, Word, World,
 };
-use super::part::{ITEMS, MEMBERS, Part, Parts, UPDATES, WORLD_ITEMS, note_declared, parts};
+use super::part::{ITEMS, MEMBERS, Part, Parts, UPDATES, WORLD_ITEMS, each, note_declared, parts};
 use super::scan::Scan;
 use super::{Grammar, Rule, message};
 
@@ -173,7 +173,9 @@ impl<'a> Builder<'a> {
     }
 
     pub fn names(&self, pair: &Pair<'_, Rule>) -> Vec<Name> {
-        parts(pair).iter().map(|p| self.name(p)).collect()
+        let mut names = Vec::with_capacity(each(pair).count());
+        names.extend(each(pair).map(|p| self.name(&p)));
+        names
     }
 
     fn is_explained(&self, span: Span) -> bool {
@@ -295,14 +297,15 @@ impl<'a> Builder<'a> {
                 let initial = match inner.next_if(|first| first.as_rule() == Rule::initial) {
                     None => Some(Initial::No),
                     Some(first) => match parts(&first).first() {
-                        Some(guard) => self.expression(guard).map(Initial::When),
+                        Some(guard) => self.expression(guard).map(|guard| Initial::When(guard.into())),
                         None => Some(Initial::Plain),
                     },
                 };
                 let name = self.name(&inner.next()?);
                 let (members, end) = self.block(&MEMBERS, end)?;
                 let span = self.span(start, end);
-                let mode = initial.map(|initial| Mode { initial, name, members, doc: self.doc(span), span });
+                let doc = self.doc(span).map(String::into_boxed_str);
+                let mode = initial.map(|initial| Mode { initial, name, members, doc, span });
                 Some((mode.map(|mode| Member::Mode(mode.into())), end))
             }
             Rule::edge_head => {
@@ -324,7 +327,7 @@ impl<'a> Builder<'a> {
                     span = self.span(start, end);
                 }
                 let guard = guard.filter(|_| is_read);
-                let edge = guard.map(|guard| Edge { guard, target, updates, is_empty, span });
+                let edge = guard.map(|guard| Edge { guard, target, updates: updates.into(), is_empty, span });
                 Some((edge.map(|edge| Member::Edge(edge.into())), end))
             }
             Rule::bad_member => {
@@ -370,11 +373,7 @@ impl<'a> Builder<'a> {
             }
             Rule::assignment => {
                 let becomes = inner.get(1)?.as_rule() == Rule::becomes;
-                let assignment = Assignment {
-                    variable: self.variable(inner.first()?)?,
-                    value: self.expression(inner.get(2)?)?,
-                    span,
-                };
+                let assignment = self.assignment(pair)?;
                 if becomes {
                     Member::Entry(Update::Assign(assignment.into()).into())
                 } else {
@@ -426,20 +425,20 @@ impl<'a> Builder<'a> {
 
     fn domain(&mut self, pair: &Pair<'_, Rule>) -> Option<Domain> {
         let domain = parts(pair).into_iter().next()?;
-        let inner = parts(&domain);
         Some(match domain.as_rule() {
             Rule::int_domain => {
+                let inner = parts(&domain);
                 Domain::Int(Box::new(self.expression(inner.first()?)?), Box::new(self.expression(inner.get(1)?)?))
             }
             Rule::bool_domain => Domain::Bool,
-            _ => Domain::Set(inner.iter().map(|p| self.name(p)).collect()),
+            _ => Domain::Set(self.names(&domain)),
         })
     }
 
     pub fn variable(&self, pair: &Pair<'_, Rule>) -> Option<Variable> {
         let inner = parts(pair);
         let primes = inner.get(1).map_or(0, |p| p.as_str().len() as u32);
-        Some(Variable { name: self.name(inner.first()?), primes, span: self.span_of(pair) })
+        Some(Variable { text: self.name(inner.first()?).text, primes, span: self.span_of(pair) })
     }
 
     pub fn path(&self, pair: &Pair<'_, Rule>) -> Option<Path> {
@@ -453,7 +452,7 @@ impl<'a> Builder<'a> {
                 segments.push(self.name(&part));
             }
         }
-        (!segments.is_empty()).then(|| Path { segments: segments.into(), primes, span: self.span_of(pair) })
+        (!segments.is_empty()).then(|| Path::new(segments, primes, self.span_of(pair)))
     }
 
     fn updates(&mut self, pair: &Pair<'_, Rule>) -> Vec<Update> {
@@ -489,7 +488,7 @@ impl<'a> Builder<'a> {
                 let at = self.span_of(what);
                 let kind = match what.as_rule() {
                     Rule::kw_self => ExprKind::SelfRef,
-                    _ => ExprKind::Path(Path { segments: [self.name(what)].into(), primes: 0, span: at }.into()),
+                    _ => ExprKind::Name(self.name(what).text, 0),
                 };
                 Update::Destroy(Destroy { what: Expr { kind, span: at }, span }.into())
             }
@@ -504,11 +503,8 @@ impl<'a> Builder<'a> {
     /// `variable = value` or `variable := value`.
     pub fn assignment(&mut self, pair: &Pair<'_, Rule>) -> Option<Assignment> {
         let inner = parts(pair);
-        Some(Assignment {
-            variable: self.variable(inner.first()?)?,
-            value: self.expression(inner.get(2)?)?,
-            span: self.span_of(pair),
-        })
+        let variable = self.variable(inner.first()?)?;
+        Some(Assignment::new(variable, self.expression(inner.get(2)?)?, self.span_of(pair)))
     }
 
     fn envelope(&mut self, pair: &Pair<'_, Rule>) -> Option<Envelope> {

@@ -13,7 +13,7 @@ use crate::diagnostic::catalogue::syntax::ExpressionTooLong;
 use crate::diagnostic::catalogue::types::MissingArguments;
 use crate::source::{SourceMap, Span};
 
-use super::ast::{Behavior, Expr, ExprKind, File, Item, Member, Path, Use, Word};
+use super::ast::{Behavior, Expr, ExprKind, File, Item, Member, Use, Word};
 use super::occurrence::{NameKind, Occurrences};
 use super::scan::{MAX_NESTING, MAX_OPERATORS};
 use super::substitute::Substitution;
@@ -227,10 +227,10 @@ impl Expander<'_> {
         let parameters: BTreeSet<&str> = behavior.parameters.iter().map(|p| &*p.text).collect();
         let mut fits = true;
         for argument in &put.arguments {
-            let (name, at) = (&argument.variable.name.text, argument.variable.span);
+            let (name, at) = (&argument.variable.text, argument.variable.span);
             let known = parameters.contains(&**name) && argument.variable.primes == 0;
             if let Some(parameter) = behavior.parameters.iter().find(|p| known && p.text == *name) {
-                self.occurrences.read(NameKind::Argument, argument.variable.name.span, parameter.span);
+                self.occurrences.read(NameKind::Argument, argument.variable.name().span, parameter.span);
             }
             if !known {
                 fits = false;
@@ -265,10 +265,8 @@ fn note_parameters(behavior: &Behavior, occurrences: &mut Occurrences) {
     if behavior.parameters.is_empty() {
         return;
     }
-    let itself = |p: &super::ast::Name| {
-        let path = Path { segments: [p.clone()].into(), primes: 0, span: p.span };
-        (p.text.to_string(), Expr { kind: ExprKind::Path(path.into()), span: p.span })
-    };
+    let itself =
+        |p: &super::ast::Name| (p.text.to_string(), Expr { kind: ExprKind::Name(p.text.clone(), 0), span: p.span });
     let (file, arguments) = (behavior.name.span.file, behavior.parameters.iter().map(itself).collect());
     let mut substitution = Substitution { from: file, to: file, arguments, too_long: None, replaced: Vec::new() };
     behavior.members.clone().iter_mut().for_each(|m| substitution.member(m));

@@ -137,20 +137,22 @@ impl Builder<'_> {
             Rule::kw_self => ExprKind::SelfRef,
             Rule::kw_timer => ExprKind::Timer,
             Rule::text => ExprKind::Text(self.name(pair).text.into()),
-            Rule::path => ExprKind::Path(self.path(pair)?.into()),
+            Rule::path => self.path(pair)?.into(),
             Rule::in_mode => ExprKind::InMode(self.path(inner.last()?)?.into()),
             Rule::any_instance => ExprKind::Any(self.name(inner.last()?).into()),
             Rule::call => {
-                let mut arguments = Vec::new();
+                let mut arguments = Vec::with_capacity(inner.len().saturating_sub(1));
                 let mut binding = None;
                 for part in inner.iter().skip(1) {
                     match part.as_rule() {
                         Rule::argument => arguments.push(self.expression(&part.clone().into_inner().next()?)?),
-                        Rule::binding => binding = parts(part).first().map(|b| self.name(b)),
+                        Rule::binding => binding = parts(part).first().map(|b| self.name(b).into()),
                         _ => {}
                     }
                 }
-                ExprKind::Call(Call { function: self.name(inner.first()?), arguments, binding }.into())
+                ExprKind::Call(
+                    Call { function: self.name(inner.first()?), arguments: arguments.into(), binding }.into(),
+                )
             }
             Rule::paren => match inner.as_slice() {
                 [only] => ExprKind::Paren(Box::new(self.expression(only)?)),

@@ -4,6 +4,7 @@
 //! comments and mends unbalanced braces; then pest parses, and what fit no rule is reported and left out.
 
 pub mod ast;
+mod ast_path;
 mod ast_world;
 mod build;
 mod build_world;

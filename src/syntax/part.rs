@@ -46,7 +46,12 @@ pub(super) const UPDATES: Parts<Update> = Parts {
 
 /// The inner pairs without punctuation and introducing words.
 pub(super) fn parts<'i>(pair: &Pair<'i, Rule>) -> Vec<Pair<'i, Rule>> {
-    pair.clone().into_inner().filter(|p| !is_punctuation(p.as_rule())).collect()
+    each(pair).collect()
+}
+
+/// The same one by one, for lists that may be as long as a file.
+pub(super) fn each<'i>(pair: &Pair<'i, Rule>) -> impl Iterator<Item = Pair<'i, Rule>> + use<'i> {
+    pair.clone().into_inner().filter(|p| !is_punctuation(p.as_rule()))
 }
 
 fn is_punctuation(rule: Rule) -> bool {

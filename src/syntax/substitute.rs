@@ -33,20 +33,27 @@ impl Substitution {
     }
 
     fn variable(&self, variable: &mut Variable) {
-        self.name(&mut variable.name);
         self.span(&mut variable.span);
     }
 
     /// A path whose first name is a parameter that stands for a path.
     fn path(&mut self, path: &mut Path) {
-        path.segments.iter_mut().for_each(|s| self.name(s));
-        self.span(&mut path.span);
-        let Some(parameter) = path.segments.first().and_then(|first| self.parameter(&first.text)) else { return };
-        if let Some((_, Expr { kind: ExprKind::Path(inner), .. })) = self.arguments.get(parameter)
+        match path {
+            Path::Name(_, _, span) => self.span(span),
+            Path::Dotted(dotted) => {
+                dotted.segments.iter_mut().for_each(|s| self.name(s));
+                self.span(&mut dotted.span);
+            }
+        }
+        let view = path.view();
+        let Some(first) = view.segments.first() else { return };
+        let Some(parameter) = self.parameter(&first.text) else { return };
+        if let Some(inner) = self.arguments.get(parameter).and_then(|(_, argument)| argument.path())
             && inner.primes == 0
         {
-            self.replaced.extend(path.segments.first().map(|name| (name.span, parameter)));
-            path.segments = inner.segments.iter().chain(path.segments.iter().skip(1)).cloned().collect();
+            self.replaced.push((first.span, parameter));
+            let segments = inner.segments.iter().chain(view.segments.iter().skip(1)).cloned().collect();
+            *path = Path::new(segments, view.primes, view.span);
         }
     }
 
@@ -158,7 +165,6 @@ impl Substitution {
     fn assignment(&mut self, a: &mut Assignment) {
         self.variable(&mut a.variable);
         self.whole(&mut a.value);
-        self.span(&mut a.span);
     }
 
     fn update(&mut self, update: &mut Update) {
@@ -211,20 +217,28 @@ impl Substitution {
     /// An expression; adds up its operators.
     fn expression(&mut self, e: &mut Expr, operators: &mut usize) {
         self.span(&mut e.span);
-        if let ExprKind::Path(path) = &mut e.kind {
-            let only = path.segments.first().filter(|_| path.segments.len() == 1 && path.primes == 0);
-            let parameter = only.and_then(|name| Some((name.span, self.parameter(&name.text)?)));
+        if matches!(e.kind, ExprKind::Name(..) | ExprKind::Path(_)) {
+            let parameter = e.name().and_then(|name| Some((name.span, self.parameter(&name.text)?)));
             let Some((at, (index, (_, argument)))) =
                 parameter.and_then(|(at, index)| Some((at, (index, self.arguments.get(index)?))))
             else {
-                self.path(path);
+                let mut path = match std::mem::replace(&mut e.kind, ExprKind::NoneRef) {
+                    ExprKind::Name(text, primes) => Path::Name(text, primes, e.span),
+                    ExprKind::Path(dotted) => Path::Dotted(dotted),
+                    other => {
+                        e.kind = other;
+                        return;
+                    }
+                };
+                self.path(&mut path);
+                e.kind = path.into();
                 return;
             };
             self.replaced.push((at, index));
             *operators += count(argument);
             // The argument stands in parentheses of its own, except for names: those of buttons and tags are no values.
             *e = match argument.kind {
-                ExprKind::Path(_) | ExprKind::Text(_) => argument.clone(),
+                ExprKind::Name(..) | ExprKind::Path(_) | ExprKind::Text(_) => argument.clone(),
                 _ => Expr { kind: ExprKind::Paren(Box::new(argument.clone())), span: e.span },
             };
             return;
@@ -236,6 +250,7 @@ impl Substitution {
             | ExprKind::SelfRef
             | ExprKind::Timer
             | ExprKind::Text(_)
+            | ExprKind::Name(..)
             | ExprKind::Path(_) => {}
             ExprKind::Call(call) => {
                 let super::ast::Call { function, arguments, binding } = &mut **call;

@@ -48,9 +48,9 @@ mod tests {
     }
 }
 
-/// A word of a text: its copies share what it says.
+/// A word of a text: its copies share what it says. A tree has many more copies than words, so each copy is one pointer.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Word(Arc<str>);
+pub struct Word(Arc<Box<str>>);
 
 impl Word {
     /// What it says.
@@ -74,43 +74,43 @@ impl Borrow<str> for Word {
 
 impl AsRef<Path> for Word {
     fn as_ref(&self) -> &Path {
-        Path::new(&*self.0)
+        Path::new(self.as_str())
     }
 }
 
-impl<S: Into<Arc<str>>> From<S> for Word {
+impl<S: Into<Box<str>>> From<S> for Word {
     fn from(text: S) -> Self {
-        Word(text.into())
+        Word(Arc::new(text.into()))
     }
 }
 
 impl PartialEq<str> for Word {
     fn eq(&self, other: &str) -> bool {
-        *self.0 == *other
+        **self.0 == *other
     }
 }
 
 impl PartialEq<&str> for Word {
     fn eq(&self, other: &&str) -> bool {
-        *self.0 == **other
+        **self.0 == **other
     }
 }
 
 impl PartialEq<String> for Word {
     fn eq(&self, other: &String) -> bool {
-        *self.0 == **other
+        **self.0 == **other
     }
 }
 
 impl PartialEq<Word> for String {
     fn eq(&self, other: &Word) -> bool {
-        **self == *other.0
+        **self == **other.0
     }
 }
 
 impl PartialEq<Word> for &str {
     fn eq(&self, other: &Word) -> bool {
-        **self == *other.0
+        **self == **other.0
     }
 }
 

@@ -1,0 +1,163 @@
+//! The part of the syntax tree that names are made of. A large text is names above all, so a single one is kept without
+//! memory of its own: where it stands follows from where the whole stands.
+
+use std::ops::Deref;
+
+use crate::source::Span;
+
+use super::ast::{Expr, ExprKind, Name, Word};
+
+/// A variable with its number of primes: `x`, `x'`, `x''`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variable {
+    /// The variable.
+    pub text: Word,
+    /// How many primes follow it.
+    pub primes: u32,
+    /// With the primes.
+    pub span: Span,
+}
+
+impl Variable {
+    /// The variable without its primes.
+    pub fn name(&self) -> Name {
+        let mut span = self.span;
+        // A level editor may write primes in a longer way; then the whole is all that is known.
+        if (span.end - span.start) as usize == self.text.len() + self.primes as usize {
+            span.end -= self.primes;
+        }
+        Name { text: self.text.clone(), span }
+    }
+
+    /// As a path of one name.
+    pub fn path(&self) -> PathRef<'static> {
+        PathRef { segments: Segments::One([self.name()]), primes: self.primes, span: self.span }
+    }
+}
+
+/// A name with dots, primes or places that are not those of the whole: those that `use` put in place.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dotted {
+    /// The names between the dots.
+    pub segments: Box<[Name]>,
+    /// Primes after the last.
+    pub primes: u32,
+    /// The whole.
+    pub span: Span,
+}
+
+/// A name that may be dotted: `size.small`, `hero.x'`.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Path {
+    /// One name, its primes, and where both stand.
+    Name(Word, u8, Span),
+    /// Any other.
+    Dotted(Box<Dotted>),
+}
+
+impl Path {
+    /// A path in its smallest form.
+    pub fn new(segments: Vec<Name>, primes: u32, span: Span) -> Self {
+        if let ([name], Ok(few)) = (segments.as_slice(), u8::try_from(primes))
+            && without(span, few) == name.span
+        {
+            return Path::Name(name.text.clone(), few, span);
+        }
+        Path::Dotted(Dotted { segments: segments.into(), primes, span }.into())
+    }
+
+    /// The whole.
+    pub fn span(&self) -> Span {
+        match self {
+            Path::Name(_, _, span) => *span,
+            Path::Dotted(dotted) => dotted.span,
+        }
+    }
+
+    /// To be read.
+    pub fn view(&self) -> PathRef<'_> {
+        match self {
+            Path::Name(text, primes, span) => PathRef::single(text, *primes, *span),
+            Path::Dotted(dotted) => PathRef::dotted(dotted),
+        }
+    }
+}
+
+impl From<Path> for ExprKind {
+    fn from(path: Path) -> Self {
+        match path {
+            Path::Name(text, primes, _) => ExprKind::Name(text, primes),
+            Path::Dotted(dotted) => ExprKind::Path(dotted),
+        }
+    }
+}
+
+impl Expr {
+    /// The path that it is, if it is one.
+    pub fn path(&self) -> Option<PathRef<'_>> {
+        match &self.kind {
+            ExprKind::Name(text, primes) => Some(PathRef::single(text, *primes, self.span)),
+            ExprKind::Path(dotted) => Some(PathRef::dotted(dotted)),
+            _ => None,
+        }
+    }
+
+    /// The name that it is, if it is one without dots and primes.
+    pub fn name(&self) -> Option<Name> {
+        self.path()?.name()
+    }
+}
+
+/// A path while it is read, whichever way it is kept.
+#[derive(Debug)]
+pub struct PathRef<'a> {
+    /// The names between the dots.
+    pub segments: Segments<'a>,
+    /// Primes after the last.
+    pub primes: u32,
+    /// The whole.
+    pub span: Span,
+}
+
+impl<'a> PathRef<'a> {
+    fn single(text: &Word, primes: u8, span: Span) -> Self {
+        let name = Name { text: text.clone(), span: without(span, primes) };
+        PathRef { segments: Segments::One([name]), primes: primes.into(), span }
+    }
+
+    fn dotted(dotted: &'a Dotted) -> Self {
+        PathRef { segments: Segments::Many(&dotted.segments), primes: dotted.primes, span: dotted.span }
+    }
+
+    /// Its only name, if it has no dots and no primes.
+    pub fn name(&self) -> Option<Name> {
+        match &*self.segments {
+            [name] if self.primes == 0 => Some(name.clone()),
+            _ => None,
+        }
+    }
+}
+
+/// The names of a path.
+#[derive(Debug)]
+pub enum Segments<'a> {
+    /// One, made to be read.
+    One([Name; 1]),
+    /// Those of the tree.
+    Many(&'a [Name]),
+}
+
+impl Deref for Segments<'_> {
+    type Target = [Name];
+    fn deref(&self) -> &[Name] {
+        match self {
+            Segments::One(name) => name,
+            Segments::Many(names) => names,
+        }
+    }
+}
+
+/// The span of a name that primes follow up to the end of another span.
+fn without(span: Span, primes: u8) -> Span {
+    Span { end: span.end.saturating_sub(primes.into()), ..span }
+}

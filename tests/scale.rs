@@ -7,7 +7,11 @@
 mod large;
 mod support;
 
-use hypedc::diagnostic::render;
+use std::path::{Path, PathBuf};
+
+use hypedc::compile::compile;
+use hypedc::diagnostic::{Severity, render};
+use hypedc::source::{Files, ReadError};
 use support::compile_text;
 
 #[test]
@@ -101,4 +105,44 @@ fn a_text_of_too_many_tokens_is_refused_before_it_is_read() {
     let taken = allocation_counter::measure(|| found = codes(&text));
     assert_eq!(found, ["E0003"]);
     assert!(taken.bytes_max < 40 * text.len() as u64, "{} bytes", taken.bytes_max);
+}
+
+#[test]
+fn programs_of_too_many_entities_or_worlds_are_refused_once() {
+    let entities = |count: usize| (0..count).map(|i| format!("entity A{i} {{ }}\n")).collect::<String>();
+    let worlds = |count: usize| (0..count).map(|i| format!("world W{i} {{ }}\n")).collect::<String>();
+    let errors = |text: &str| {
+        let found = compile_text(text).diagnostics;
+        let errors = found.iter().filter(|d| d.severity == Severity::Error);
+        errors.map(|d| (d.message.clone(), d.primary.as_ref().unwrap().span.start as usize)).collect::<Vec<_>>()
+    };
+    assert_eq!(errors(&entities(10_000)), []);
+    assert_eq!(errors(&worlds(10_000)), []);
+    // The first one too many is told; nothing is said of its body, nor of who uses those beyond.
+    let user = "world W { space main { place a: A10001 at (0, 0) } }\n";
+    let many = format!("{user}{}entity B {{ x' = z }}\nentity A10001 {{ x' = z }}\n", entities(10_000));
+    let at = many.find("B {").unwrap();
+    assert_eq!(errors(&many), [("too many entities: 10001, at most 10000".to_string(), at)]);
+    let many = format!("{}world V {{ step 0 }}\nworld U {{ step 0 }}\n", worlds(10_000));
+    let at = many.find("V {").unwrap();
+    assert_eq!(errors(&many), [("too many worlds: 10001, at most 10000".to_string(), at)]);
+}
+
+#[test]
+fn imported_entities_count_too() {
+    struct Two([String; 2]);
+    impl Files for Two {
+        fn identity(&self, path: &Path) -> PathBuf {
+            path.to_path_buf()
+        }
+
+        fn read(&self, path: &Path) -> Result<String, ReadError> {
+            Ok(self.0[usize::from(!path.ends_with("root.hyped"))].clone())
+        }
+    }
+    let entities = |letter: char| (0..6_000).map(|i| format!("entity {letter}{i} {{ }}\n")).collect::<String>();
+    let files = Two([format!("import \"other.hyped\"\n{}", entities('A')), entities('B')]);
+    let found = compile(Path::new("root.hyped"), &files).diagnostics;
+    let errors: Vec<_> = found.iter().filter(|d| d.severity == Severity::Error).map(|d| &d.message).collect();
+    assert_eq!(errors, ["too many entities: 10001, at most 10000"]);
 }

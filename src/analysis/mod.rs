@@ -138,14 +138,14 @@ pub struct ConfigurationSpace {
 
 /// Finds what a world can be.
 pub fn configuration_space(program: &Program, world: WorldId) -> ConfigurationSpace {
-    let limits = supply::limits(program, &program.worlds[world]);
-    within_limits(program, world, &[], limits, &mut { MOST_EFFORT }, &Unwatched)
+    let world = &program.worlds[world];
+    within_limits(program, world, &[], supply::limits(program, world), &mut { MOST_EFFORT }, &Unwatched)
 }
 
 /// As [`configuration_space`], of all runs on which some predicates of the world never hold.
 pub fn configuration_space_without(program: &Program, world: WorldId, predicates: &[ExprId]) -> ConfigurationSpace {
-    let limits = supply::limits(program, &program.worlds[world]);
-    within_limits(program, world, predicates, limits, &mut { MOST_EFFORT }, &Unwatched)
+    let world = &program.worlds[world];
+    within_limits(program, world, predicates, supply::limits(program, world), &mut { MOST_EFFORT }, &Unwatched)
 }
 
 /// As [`configuration_space_without`], until a watch stops it: then everything is possible.
@@ -155,8 +155,8 @@ pub fn watched_space(
     predicates: &[ExprId],
     watch: &dyn Watch,
 ) -> ConfigurationSpace {
-    let limits = supply::limits(program, &program.worlds[world]);
-    within_limits(program, world, predicates, limits, &mut { MOST_EFFORT }, watch)
+    let world = &program.worlds[world];
+    within_limits(program, world, predicates, supply::limits(program, world), &mut { MOST_EFFORT }, watch)
 }
 
 /// A program in whose world nothing ends a run but a fault: it has no `bounds`, and a space of it without predicates knows of
@@ -168,21 +168,22 @@ pub fn endless(program: &Program, world: WorldId) -> Program {
 }
 
 /// As [`configuration_space`], but whatever the number of things that can be picked up: that is a matter of the level.
-/// Takes what it needs from an effort; a world that needs more than is left is given up.
-fn with_any_supply(program: &Program, world: WorldId, effort: &mut usize, watch: &dyn Watch) -> ConfigurationSpace {
-    within_limits(program, world, &[], supply::ranges(program, &program.worlds[world]), effort, watch)
+/// Takes what it needs from an effort; a world that needs more than is left is given up. The world need not be one of the
+/// program's, but is of its entities.
+fn with_any_supply(program: &Program, world: &World, effort: &mut usize, watch: &dyn Watch) -> ConfigurationSpace {
+    within_limits(program, world, &[], supply::ranges(program, world), effort, watch)
 }
 
 fn within_limits(
     program: &Program,
-    world: WorldId,
+    world: &World,
     predicates: &[ExprId],
     limits: Limits,
     effort: &mut usize,
     watch: &dyn Watch,
 ) -> ConfigurationSpace {
-    let barred = Barred { program, world: &program.worlds[world], predicates };
-    let scene = Scene::new(program, barred.world, watch);
+    let barred = Barred { program, world, predicates };
+    let scene = Scene::new(program, world, watch);
     let mut analysis = Analysis::new(scene, barred, limits, *effort, watch);
     analysis.run();
     *effort = analysis.effort;

@@ -52,6 +52,10 @@ pub const MAX_TAGS: usize = 64;
 pub const MAX_BUTTONS: usize = 64;
 /// The most axes one entity may read.
 pub const MAX_AXES: usize = 4;
+/// The most entities of a program, imported ones included: each is a table of its own, and nobody writes more by hand.
+pub const MAX_ENTITIES: usize = 10_000;
+/// The most worlds of a program, imported ones included.
+pub const MAX_WORLDS: usize = 10_000;
 /// The most modes one entity may have.
 pub const MAX_MODES: usize = 4_096;
 /// The most instances one world may have.
@@ -87,12 +91,11 @@ pub fn check(
         let checked = checker.entity(entity, &skeleton, EntityId(index as u32));
         checker.checked.entities[EntityId(index as u32)] = checked.into();
     }
-    for file in files {
-        for item in &file.items {
-            if let ast::Item::World(world) = item {
-                checker.world(world);
-            }
-        }
+    let items = files.iter().flat_map(|f| &f.items);
+    let mut worlds = items.filter_map(|i| if let ast::Item::World(w) = i { Some(w) } else { None });
+    worlds.by_ref().take(MAX_WORLDS).for_each(|world| checker.world(world));
+    if let Some(world) = worlds.next() {
+        checker.too_many("worlds", MAX_WORLDS, world.name.span);
     }
     checker.count_tags();
     let Checker { mut checked, mut diagnostics, .. } = checker;
@@ -172,11 +175,17 @@ impl<'a> Checker<'a> {
         let items = files.iter().flat_map(|f| &f.items);
         let entities = || items.clone().filter_map(|i| if let ast::Item::Entity(e) = i { Some(e) } else { None });
         // References name entities, so all names are known before any skeleton.
-        for (index, entity) in entities().enumerate() {
+        for (index, entity) in entities().take(MAX_ENTITIES).enumerate() {
             self.declared(NameKind::Entity, &entity.name);
             self.entities.declare(&entity.name, EntityId(index as u32), &mut self.diagnostics);
         }
-        for entity in entities() {
+        let mut others = entities().skip(MAX_ENTITIES).map(|entity| &entity.name).peekable();
+        if let Some(first) = others.peek() {
+            self.too_many("entities", MAX_ENTITIES, first.span);
+        }
+        // Nothing is said of who uses those.
+        self.suspects.extend(others.map(|name| name.text.to_string()));
+        for entity in entities().take(MAX_ENTITIES) {
             let (checked, skeleton) = self.skeleton(entity);
             self.checked.entities.push(checked.into());
             self.skeletons.push((entity, skeleton));

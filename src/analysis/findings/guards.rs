@@ -1,16 +1,19 @@
 //! Guards that never hold, or always do, by the values of what they read.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::cmp::Ordering;
+use std::collections::BTreeSet;
 
 use crate::diagnostic::catalogue::values::{GuardByValue, Reason};
 use crate::diagnostic::{Code, Diagnostics};
-use crate::ir::{Drive, EdgeId, Expr, ExprId, Id, LeafId};
+use crate::ir::{Drive, EdgeId, Entity, Expr, ExprId, Id, Leaf, LeafId, Program};
 use crate::source::Span;
 
 use super::super::configuration::Configuration;
 use super::super::evaluate::Truth;
-use super::judge::{Judge, Reads};
-use super::{Occurrence, Subject, words};
+use super::account::{Account, Occurrence};
+use super::judge::{Atom, Judge, Reads, atoms, case};
+use super::words::Case;
+use super::{Accounts, Scene, words};
 
 /// What else tells that a guard is of no use.
 pub(super) const SAID: &[Code] = &[
@@ -23,53 +26,83 @@ pub(super) const SAID: &[Code] = &[
     Code::NoPlayer,
 ];
 
-/// A guard, and the leaves in which it is looked at; all if none.
+/// A guard, and how it turns out wherever it is looked at.
 pub(super) struct Site {
     pub guard: ExprId,
     pub edge: Option<EdgeId>,
-    leaves: Option<BTreeSet<LeafId>>,
+    /// The leaves in which it is looked at, in order; all if none.
+    leaves: Option<Vec<LeafId>>,
+    /// Whether it is looked at anywhere.
+    is_asked: bool,
+    /// How it turns out at most.
+    truth: Truth,
+    /// While that is not both: how its atoms turn out, each case once, one after the other, in order.
+    cases: Vec<u8>,
 }
 
 impl Site {
-    fn is_asked(&self, at: &Configuration) -> bool {
-        self.leaves.as_ref().is_none_or(|leaves| at.leaves.iter().any(|l| leaves.contains(l)))
+    fn new(guard: ExprId, edge: Option<EdgeId>, leaves: Option<Vec<LeafId>>) -> Self {
+        let truth = Truth { can_hold: false, can_fail: false };
+        Site { guard, edge, leaves, is_asked: false, truth, cases: Vec::new() }
     }
 
-    fn leaf(&self, at: &Configuration) -> Option<LeafId> {
+    fn is_asked_in(&self, active: &[LeafId]) -> bool {
+        self.leaves.is_none() || self.leaf(active).is_some()
+    }
+
+    fn leaf(&self, active: &[LeafId]) -> Option<LeafId> {
         let leaves = self.leaves.as_ref()?;
-        at.leaves.iter().copied().find(|l| leaves.contains(l))
+        active.iter().copied().find(|l| leaves.binary_search(l).is_ok())
     }
 
-    /// The cases in which it is looked at.
-    fn cases<'s, 'a>(&self, subject: &'s Subject<'a>) -> Vec<(&'s Occurrence<'a>, &'a Configuration)> {
-        subject.configurations().filter(|(_, c)| self.is_asked(c)).collect()
+    /// Whether values may tell anything of it.
+    pub fn can_be_decided(&self, program: &Program, entity: &Entity) -> bool {
+        !atoms(program, entity, self.guard).is_empty()
     }
 
-    /// How an expression in it turns out in any of these cases.
-    fn truth(
-        &self,
-        subject: &Subject<'_>,
-        judge: &Judge<'_>,
-        id: ExprId,
-        cases: &[(&Occurrence<'_>, &Configuration)],
-    ) -> Truth {
-        let mut truth = Truth { can_hold: false, can_fail: false };
-        for (o, c) in cases {
-            truth = truth.joined(judge.truth(&o.reader(subject.scene.program, c), id));
+    /// Adds how it turns out in some cases.
+    pub fn add(&mut self, program: &Program, entity: &Entity, cases: &[(&Occurrence<'_>, &Configuration)]) {
+        if self.truth == Truth::EITHER || matches!(program.exprs[self.guard], Expr::Bool(_)) {
+            return;
+        }
+        let mut asked = cases.iter().filter(|(_, c)| self.is_asked_in(&c.leaves)).peekable();
+        if asked.peek().is_none() {
+            return;
+        }
+        let atoms = atoms(program, entity, self.guard);
+        let judge = Judge::early(program);
+        let (mut truth, mut known) = (self.truth, self.cases.clone());
+        for (o, c) in asked {
+            let case = case(&atoms, &o.reader(program, c));
+            truth = truth.joined(judge.truth(&atoms, &case, self.guard));
             if truth == Truth::EITHER {
+                known = Vec::new();
                 break;
             }
+            keep(&mut known, &case);
         }
-        truth
+        (self.is_asked, self.truth, self.cases) = (true, truth, known);
+    }
+
+    /// How a part of it turns out in any case.
+    fn truth(&self, judge: &Judge<'_>, atoms: &[Atom], id: ExprId) -> Truth {
+        if self.truth == Truth::EITHER {
+            return Truth::EITHER;
+        }
+        if atoms.is_empty() {
+            return judge.truth(atoms, &[], id);
+        }
+        let cases = self.cases.chunks(atoms.len()).map(|case| judge.truth(atoms, case, id));
+        cases.reduce(Truth::joined).unwrap_or(self.truth)
     }
 
     /// Whether it never (false) or always (true) holds, by the values.
-    pub fn verdict(&self, subject: &Subject<'_>, judge: &Judge<'_>) -> Option<bool> {
-        let cases = self.cases(subject);
-        if cases.is_empty() || matches!(subject.scene.program.exprs[self.guard], Expr::Bool(_)) {
+    pub fn verdict(&self, subject: &Account<'_>, judge: &Judge<'_>) -> Option<bool> {
+        if !self.is_asked || self.truth == Truth::EITHER {
             return None;
         }
-        match self.truth(subject, judge, self.guard, &cases) {
+        let atoms = atoms(subject.scene.program, subject.entity, self.guard);
+        match self.truth(judge, &atoms, self.guard) {
             Truth { can_hold: false, .. } => Some(false),
             Truth { can_fail: false, .. } => Some(true),
             _ => None,
@@ -77,13 +110,13 @@ impl Site {
     }
 
     /// The part of it that decides, and what the values are there.
-    pub fn reason(&self, subject: &Subject<'_>, judge: &Judge<'_>, holds: bool) -> Reason {
-        let cases = self.cases(subject);
+    pub fn reason(&self, subject: &Account<'_>, judge: &Judge<'_>, holds: bool) -> Reason {
         let program = subject.scene.program;
+        let atoms = atoms(program, subject.entity, self.guard);
         let mut part = self.guard;
         while let (Expr::And(a, b), false) | (Expr::Or(a, b), true) = (program.exprs[part], holds) {
             let decides = |id: &ExprId| {
-                let truth = self.truth(subject, judge, *id, &cases);
+                let truth = self.truth(judge, &atoms, *id);
                 if holds { !truth.can_fail } else { !truth.can_hold }
             };
             match [a, b].into_iter().find(decides) {
@@ -92,7 +125,9 @@ impl Site {
             }
         }
         let reads = Reads::of(program, part);
-        let (values, notes) = words::reason(subject, &reads, &cases, |c| self.leaf(c));
+        let asked = subject.cases.iter().filter(|(leaves, _)| self.is_asked_in(leaves));
+        let cases: Vec<Case<'_>> = asked.map(|(leaves, seen)| (leaves.as_slice(), seen)).collect();
+        let (values, notes) = words::reason(subject.entity, &reads, &cases, |leaves| self.leaf(leaves));
         let at = program.spans.exprs[part];
         let text = subject.scene.sources.slice(at);
         let text = (text.len() <= 60 && !text.contains('\n') && !text.is_empty()).then(|| text.to_string());
@@ -100,32 +135,47 @@ impl Site {
     }
 }
 
-/// Every guard of an entity that is read against the state as a step begins, or that reads nothing that moves.
-pub(super) fn sites(subject: &Subject<'_>) -> Vec<Site> {
-    let (entity, program) = (subject.entity, subject.scene.program);
-    let mut of_edges: BTreeMap<EdgeId, BTreeSet<LeafId>> = BTreeMap::new();
-    let mut of_follows = BTreeMap::new();
-    let mut of_envelopes = BTreeMap::new();
+/// Adds a case to those of its length that are known, in order, if it is not among them.
+fn keep(known: &mut Vec<u8>, case: &[u8]) {
+    let (mut low, mut high) = (0, known.len().checked_div(case.len()).unwrap_or(0));
+    while low < high {
+        let middle = low.midpoint(high);
+        let at = middle * case.len();
+        match known[at..at + case.len()].cmp(case) {
+            Ordering::Less => low = middle + 1,
+            Ordering::Equal => return,
+            Ordering::Greater => high = middle,
+        }
+    }
+    let at = low * case.len();
+    known.splice(at..at, case.iter().copied());
+}
+
+/// The leaves in which each of so many entries is, in order.
+fn by_leaf<I: Id>(entity: &Entity, count: usize, of: impl Fn(&Leaf) -> Vec<I>) -> Vec<(I, Vec<LeafId>)> {
+    let mut out = vec![Vec::new(); count];
     for (id, leaf) in entity.leaves.pairs() {
-        for &edge in leaf.edges.iter().chain(&leaf.internal) {
-            of_edges.entry(edge).or_default().insert(id);
-        }
-        for &follow in &leaf.follows {
-            of_follows.entry(follow).or_insert_with(BTreeSet::new).insert(id);
-        }
-        for drive in &leaf.drives {
-            if let Drive::Envelope(envelope, _) = drive {
-                of_envelopes.entry(*envelope).or_insert_with(BTreeSet::new).insert(id);
+        for entry in of(leaf) {
+            let leaves: &mut Vec<LeafId> = &mut out[entry.index()];
+            if leaves.last() != Some(&id) {
+                leaves.push(id);
             }
         }
     }
-    let mut out: Vec<Site> = of_edges
+    let entries = out.into_iter().enumerate().filter(|(_, leaves)| !leaves.is_empty());
+    entries.map(|(index, leaves)| (I::from_index(index), leaves)).collect()
+}
+
+/// Every guard of an entity that is read against the state as a step begins, or that reads nothing that moves.
+pub(super) fn sites(program: &Program, entity: &Entity) -> Vec<Site> {
+    let edges = by_leaf(entity, entity.edges.len(), |l| l.edges.iter().chain(&l.internal).copied().collect());
+    let mut out: Vec<Site> = edges
         .into_iter()
-        .map(|(edge, leaves)| Site { guard: entity.edges[edge].guard, edge: Some(edge), leaves: Some(leaves) })
+        .map(|(edge, leaves): (EdgeId, _)| Site::new(entity.edges[edge].guard, Some(edge), Some(leaves)))
         .collect();
-    for (follow, leaves) in of_follows {
+    for (follow, leaves) in by_leaf(entity, entity.follows.len(), |l| l.follows.clone()) {
         let guard = entity.follows[follow].guard;
-        out.extend(guard.map(|guard| Site { guard, edge: None, leaves: Some(leaves) }));
+        out.extend(guard.map(|guard| Site::new(guard, None, Some(leaves))));
     }
     // These are read in the middle of a step, when modes and discrete variables alone are as they are after it.
     let is_settled = |guard: &ExprId| {
@@ -134,26 +184,36 @@ pub(super) fn sites(subject: &Subject<'_>) -> Vec<Site> {
     };
     for collider in entity.colliders.iter() {
         let guard = collider.guard.filter(is_settled);
-        out.extend(guard.map(|guard| Site { guard, edge: None, leaves: None }));
+        out.extend(guard.map(|guard| Site::new(guard, None, None)));
     }
-    for (envelope, leaves) in of_envelopes {
+    let driving = |drive: &Drive| match drive {
+        Drive::Envelope(id, _) => Some(*id),
+        Drive::Coast(_) | Drive::Flow { .. } => None,
+    };
+    let envelopes = by_leaf(entity, entity.envelopes.len(), |l| l.drives.iter().filter_map(driving).collect());
+    for (envelope, leaves) in envelopes {
         let guard = entity.envelopes[envelope].guard.filter(is_settled);
-        out.extend(guard.map(|guard| Site { guard, edge: None, leaves: Some(leaves) }));
+        out.extend(guard.map(|guard| Site::new(guard, None, Some(leaves))));
     }
     out
 }
 
 /// Reports guards that values decide; not those of the edges that explain why a mode is never entered.
-pub(super) fn guards(subject: &Subject<'_>, explained: &BTreeSet<EdgeId>, found: &mut Diagnostics) {
+pub(super) fn guards(
+    subject: &Account<'_>,
+    accounts: &Accounts<'_>,
+    explained: &BTreeSet<EdgeId>,
+    found: &mut Diagnostics,
+) {
     let judge = Judge::new(subject);
     let scene = subject.scene;
-    for site in sites(subject) {
+    for site in &subject.sites {
         if site.edge.is_some_and(|e| explained.contains(&e)) {
             continue;
         }
         let Some(holds) = site.verdict(subject, &judge) else { continue };
         let span = scene.program.spans.exprs[site.guard];
-        if scene.said.of(SAID, span, scene.sources) || !is_said_everywhere(subject, span, holds) {
+        if scene.said.of(SAID, span, scene.sources) || !is_said_everywhere(scene, accounts, span, holds) {
             continue;
         }
         found.report(GuardByValue { holds, reason: site.reason(subject, &judge, holds) });
@@ -161,25 +221,20 @@ pub(super) fn guards(subject: &Subject<'_>, explained: &BTreeSet<EdgeId>, found:
 }
 
 /// Whether all uses of a behaviour agree about a guard in it.
-fn is_said_everywhere(subject: &Subject<'_>, at: Span, holds: bool) -> bool {
+fn is_said_everywhere(scene: &Scene<'_>, accounts: &Accounts<'_>, at: Span, holds: bool) -> bool {
     if !at.is_copy() {
         return true;
     }
-    let scene = subject.scene;
     let (original, _) = scene.sources.trace(at);
-    scene.program.entities.ids().all(|id| {
-        let other = scene.subject(id);
-        let judge = Judge::new(&other);
-        sites(&other)
-            .iter()
-            .filter(|s| scene.sources.trace(scene.program.spans.exprs[s.guard]).0 == original)
-            .all(|s| other.is_known && s.verdict(&other, &judge) == Some(holds))
+    let is_it = |s: &&Site| scene.sources.trace(scene.program.spans.exprs[s.guard]).0 == original;
+    scene.program.entities.pairs().all(|(id, entity)| match accounts.get(&id) {
+        Some(other) => {
+            let judge = Judge::new(other);
+            other.sites.iter().filter(is_it).all(|s| other.is_known && s.verdict(other, &judge) == Some(holds))
+        }
+        // Where it is never looked at, nothing is known of it.
+        None => !sites(scene.program, entity).iter().any(|s| is_it(&s)),
     })
-}
-
-/// Which modes can be active.
-pub(super) fn live(subject: &Subject<'_>) -> BTreeSet<LeafId> {
-    subject.configurations().flat_map(|(_, c)| c.leaves.iter().copied()).collect()
 }
 
 /// Whether a leaf of a range is among some.

@@ -1,18 +1,23 @@
 //! Invariants: proven, or where they may break. They are looked at after each step and before the first one, which is
 //! what a configuration holds.
 
+use std::collections::BTreeMap;
+
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::values::{Broken, Unknown, Unproven};
 use crate::ir::{
     Actions, Drive, Entity, EntityId, ExprId, Group, IdVec, LeafId, ModeId, Origin, ParamId, Place, Program, SlotId,
     VarId, World, WorldId,
 };
+use crate::source::Span;
 
 use super::super::configuration::Configuration;
 use super::super::values::Values;
 use super::super::{ConfigurationSpace, GivenUp};
+use super::account::{Account, Occurrence};
 use super::judge::Reads;
-use super::{Subject, words};
+use super::words::Seen;
+use super::{Scene, words};
 
 /// What is known of an invariant in a world.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -105,53 +110,97 @@ fn beginning(program: &Program, world: &World, slot: SlotId) -> Option<Configura
     Some(Configuration { leaves, ..first })
 }
 
-/// Reports the invariants of an entity that break at the start, or that are not proven.
-pub(super) fn report(subject: &Subject<'_>, found: &mut Diagnostics) {
-    let scene = subject.scene;
-    let spans = &scene.program.spans.entities[subject.id];
-    for (index, &holds) in subject.entity.invariants.iter().enumerate() {
-        let mut unproven = None;
-        let mut broken = None;
-        for o in subject.slots.iter().chain(&subject.given_up) {
-            match verdict(scene.program, o.world, o.space, o.slot, holds) {
-                (InvariantVerdict::Broken, Some(at)) if broken.is_none() => broken = Some((o, at)),
-                (InvariantVerdict::NotProven, Some(at)) if unproven.is_none() => unproven = Some((o, at)),
-                _ => {}
-            }
+/// Where an invariant may break.
+struct Breach {
+    /// What it reads can be there, if there is anything to say.
+    values: Option<String>,
+    /// The instance, and where it is placed.
+    instance: (String, Span),
+    leaves: Vec<LeafId>,
+}
+
+/// Where an invariant breaks at the start, and where it may break.
+#[derive(Default)]
+struct Breaches {
+    broken: Option<Breach>,
+    /// The same, of an instance of which nothing is known else: another one says more.
+    broken_given_up: Option<Breach>,
+    unproven: Option<Breach>,
+}
+
+/// The invariants of an entity that are not proven, as far as worlds have been looked at.
+#[derive(Default)]
+pub(super) struct Invariants(BTreeMap<usize, Breaches>);
+
+impl Invariants {
+    /// Adds what is known of them in a slot.
+    pub fn add(&mut self, program: &Program, entity: &Entity, o: &Occurrence<'_>) {
+        for (index, &holds) in entity.invariants.iter().enumerate() {
+            let (verdict, Some(at)) = verdict(program, o.world, o.space, o.slot, holds) else { continue };
+            let breaches = self.0.entry(index).or_default();
+            let first = match verdict {
+                InvariantVerdict::Proven => continue,
+                InvariantVerdict::NotProven => &mut breaches.unproven,
+                InvariantVerdict::Broken if o.found.is_given_up => &mut breaches.broken_given_up,
+                InvariantVerdict::Broken => &mut breaches.broken,
+            };
+            first.get_or_insert_with(|| {
+                let reads = Reads::of(program, holds);
+                let values = words::read(entity, &reads, &[(&at.leaves, &Seen::of(&reads, o, &at))]);
+                let values = (!values.is_empty()).then(|| words::listed(&values));
+                let placed = program.spans.worlds[o.world_id].slots[o.slot];
+                Breach { values, instance: (o.world.slots[o.slot].name.clone(), placed), leaves: at.leaves }
+            });
         }
-        let Some((o, at)) = broken.as_ref().or(unproven.as_ref()) else {
-            if let Some((instance, why, help)) = unknown(subject) {
-                found.report(Unknown { at: spans.invariants[index], instance, why, help });
-            }
-            continue;
-        };
-        let values = words::read(subject, &Reads::of(scene.program, holds), &[(o, at)]);
-        let values = (!values.is_empty()).then(|| words::listed(&values));
-        let name = o.world.slots[o.slot].name.clone();
-        let placed = scene.program.spans.worlds[o.world_id].slots[o.slot];
-        if broken.is_some() {
-            found.report(Broken { at: spans.invariants[index], values, instance: (name, placed) });
-            continue;
+    }
+}
+
+/// Reports the invariants of an entity that break at the start, or that are not proven. Without an account no world has it.
+pub(super) fn report(scene: &Scene<'_>, id: EntityId, account: Option<&Account<'_>>, found: &mut Diagnostics) {
+    let (entity, spans) = (&scene.program.entities[id], &scene.program.spans.entities[id]);
+    for (index, &holds) in entity.invariants.iter().enumerate() {
+        let at = spans.invariants[index];
+        let breaches = account.and_then(|a| a.invariants.0.get(&index));
+        if let Some(b) = breaches.and_then(|b| b.broken.as_ref().or(b.broken_given_up.as_ref())) {
+            found.report(Broken { at, values: b.values.clone(), instance: b.instance.clone() });
+        } else if let Some(b) = breaches.and_then(|b| b.unproven.as_ref()) {
+            let concerned = concerned(entity, &Reads::of(scene.program, holds));
+            let leaves = b.leaves.iter().enumerate().filter(|(group, _)| concerned[*group]);
+            let modes = leaves.map(|(_, l)| entity.leaves[*l].mode);
+            let modes: Vec<_> = modes.map(|m| (entity.modes[m].path.clone(), spans.modes[m])).collect();
+            found.report(Unproven { at, values: b.values.clone(), modes, instance: b.instance.0.clone() });
+        } else if let Some((instance, why, help)) = unknown(&entity.name, account) {
+            found.report(Unknown { at, instance, why, help });
         }
-        let concerned = concerned(subject.entity, &Reads::of(scene.program, holds));
-        let leaves = at.leaves.iter().enumerate().filter(|(group, _)| concerned[*group]);
-        let modes = leaves.map(|(_, l)| subject.entity.leaves[*l].mode);
-        let modes: Vec<_> = modes.map(|m| (subject.entity.modes[m].path.clone(), spans.modes[m])).collect();
-        found.report(Unproven { at: spans.invariants[index], values, modes, instance: name });
+    }
+}
+
+/// An instance of which nothing is known.
+pub(super) struct Nothing {
+    instance: String,
+    world: String,
+    /// Whether the world's map is not given.
+    is_open: bool,
+    why: Option<GivenUp>,
+}
+
+impl Nothing {
+    pub fn of(o: &Occurrence<'_>) -> Self {
+        let (instance, world) = (o.world.slots[o.slot].name.clone(), o.world.name.clone());
+        Nothing { instance, world, is_open: o.world.open.is_some(), why: o.found.why }
     }
 }
 
 /// Why nothing is known of some instance of an entity, if so: the instance, the reason, and a way out.
-fn unknown(subject: &Subject<'_>) -> Option<(Option<String>, String, String)> {
-    let name = &subject.entity.name;
-    let Some(o) = subject.given_up.first() else {
-        let help = || format!("place a `{name}` in a world to see whether it holds there");
-        return (!subject.is_anywhere).then(|| (None, format!("no world has a `{name}`"), help()));
+fn unknown(name: &str, account: Option<&Account<'_>>) -> Option<(Option<String>, String, String)> {
+    let Some(account) = account else {
+        let help = format!("place a `{name}` in a world to see whether it holds there");
+        return Some((None, format!("no world has a `{name}`"), help));
     };
-    let (instance, world) = (o.world.slots[o.slot].name.clone(), &o.world.name);
-    let (why, help) = match o.found.why {
-        _ if o.world.open.is_some() => {
-            (format!("the map of `{world}` is not given"), "give one with `--map PATH`".to_string())
+    let nothing = account.given_up.as_ref()?;
+    let (why, help) = match nothing.why {
+        _ if nothing.is_open => {
+            (format!("the map of `{}` is not given", nothing.world), "give one with `--map PATH`".to_string())
         }
         Some(why @ GivenUp::Combinations) => {
             (why.reason(), "split the entity, or let one group stand for several".to_string())
@@ -161,7 +210,7 @@ fn unknown(subject: &Subject<'_>) -> Option<(Option<String>, String, String)> {
             (why, format!("check a smaller world with a `{name}`"))
         }
     };
-    Some((Some(instance), why, help))
+    Some((Some(nothing.instance.clone()), why, help))
 }
 
 /// Of each group, whether it drives or updates any of what is read; a group alone always counts.

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use crate::ir::{DiscreteId, Entity, Expr, ExprId, Id, IdVec, ParamId, Program, TimerId, VarId};
 
 use super::super::evaluate::{Reader, Truth};
-use super::Subject;
+use super::account::{Account, Occurrence};
 
 /// What an expression reads.
 #[derive(Debug, Default, Clone)]
@@ -32,7 +32,8 @@ impl Reads {
         reads
     }
 
-    fn add(&mut self, program: &Program, id: ExprId) {
+    /// What another expression reads, too.
+    pub fn add(&mut self, program: &Program, id: ExprId) {
         use crate::ir::Subject::Me;
         match program.exprs[id] {
             Expr::Number(_) | Expr::Frames(_) | Expr::Bool(_) => {}
@@ -81,6 +82,11 @@ impl Reads {
         }
     }
 
+    /// Whether there is nothing to tell of what is read.
+    pub fn is_empty(&self) -> bool {
+        self.vars.is_empty() && self.discretes.is_empty() && self.timers.is_empty() && self.params.is_empty()
+    }
+
     /// Whether it reads a coordinate that the entity itself does not bound.
     fn asks_where(&self, entity: &Entity) -> bool {
         let own = |var: VarId| entity.clamps.iter().any(|c| c.var == var && c.degree == 0);
@@ -94,51 +100,97 @@ impl Reads {
     }
 }
 
+/// What a parameter is given in all slots.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Given {
+    /// The first value that is known.
+    first: Option<u64>,
+    /// Whether it is more than the choice of one instance: there are several values, or it is the default.
+    is_general: bool,
+}
+
+impl Given {
+    /// Adds what it is in a slot.
+    pub fn add(&mut self, program: &Program, entity: &Entity, o: &Occurrence<'_>, id: ParamId) {
+        let Some(value) = o.space.overall[o.slot].params[id].constant() else { return };
+        let default = program.constant(entity.params[id].default, &o.world.slots[o.slot].params, o.world.step);
+        let first = *self.first.get_or_insert(value.to_bits());
+        self.is_general |= first != value.to_bits() || default == Some(value);
+    }
+}
+
+/// A part of a guard without `and`, `or` and `not`, of which values may tell how it turns out.
+pub(super) struct Atom {
+    id: ExprId,
+    params: BTreeSet<ParamId>,
+}
+
+/// The atoms of a guard, in order of their ids; of its other parts nothing is ever told.
+pub(super) fn atoms(program: &Program, entity: &Entity, guard: ExprId) -> Vec<Atom> {
+    let mut out = Vec::new();
+    let mut left = vec![guard];
+    while let Some(id) = left.pop() {
+        match program.exprs[id] {
+            Expr::Bool(_) => {}
+            Expr::Not(a) => left.push(a),
+            Expr::And(a, b) | Expr::Or(a, b) => left.extend([a, b]),
+            _ => {
+                let reads = Reads::of(program, id);
+                if !reads.others && reads.changes() && !reads.asks_where(entity) {
+                    out.push(Atom { id, params: reads.params });
+                }
+            }
+        }
+    }
+    out.sort_unstable_by_key(|a| a.id);
+    out.dedup_by_key(|a| a.id);
+    out
+}
+
+/// How the atoms of a guard turn out in a case: a byte for each.
+pub(super) fn case(atoms: &[Atom], reader: &Reader<'_>) -> Vec<u8> {
+    atoms.iter().map(|a| reader.truth(a.id).packed()).collect()
+}
+
 /// Judges the guards of an entity.
 pub(super) struct Judge<'a> {
     program: &'a Program,
-    entity: &'a Entity,
-    /// Of each parameter, whether its value is more than the choice of one instance.
-    general: IdVec<ParamId, bool>,
+    /// What parameters are given; none as long as any of them may turn out to be general.
+    params: Option<&'a IdVec<ParamId, Given>>,
 }
 
 impl<'a> Judge<'a> {
-    pub fn new(subject: &Subject<'a>) -> Self {
-        let program = subject.scene.program;
-        let values = |param: ParamId| {
-            subject.slots.iter().map(move |o| {
-                let s = &o.world.slots[o.slot];
-                let value = o.space.overall[o.slot].params[param].constant();
-                (value, program.constant(subject.entity.params[param].default, &s.params, o.world.step))
-            })
-        };
-        let general = |param: ParamId| {
-            let distinct: BTreeSet<u64> = values(param).filter_map(|(v, _)| Some(v?.to_bits())).collect();
-            distinct.len() > 1 || values(param).any(|(value, default)| value.is_some() && value == default)
-        };
-        Judge { program, entity: subject.entity, general: subject.entity.params.ids().map(general).collect() }
+    /// By what all worlds tell.
+    pub fn new(subject: &'a Account<'_>) -> Self {
+        Judge { program: subject.scene.program, params: Some(&subject.params) }
     }
 
-    /// The ways a guard can turn out.
-    pub fn truth(&self, reader: &Reader<'_>, guard: ExprId) -> Truth {
-        self.turned(reader, guard, true)
+    /// While the worlds are looked at: what it leaves open stays open.
+    pub fn early(program: &'a Program) -> Self {
+        Judge { program, params: None }
     }
 
-    fn turned(&self, reader: &Reader<'_>, id: ExprId, positive: bool) -> Truth {
+    /// The ways a guard or a part of it can turn out in a case.
+    pub fn truth(&self, atoms: &[Atom], case: &[u8], id: ExprId) -> Truth {
+        self.turned(atoms, case, id, true)
+    }
+
+    fn turned(&self, atoms: &[Atom], case: &[u8], id: ExprId, positive: bool) -> Truth {
+        let turned = |id, positive| self.turned(atoms, case, id, positive);
         match self.program.exprs[id] {
             Expr::Bool(b) => Truth::of(b),
-            Expr::Not(a) => self.turned(reader, a, !positive).negated(),
-            Expr::And(a, b) => self.turned(reader, a, positive).and(self.turned(reader, b, positive)),
-            Expr::Or(a, b) => self.turned(reader, a, positive).or(self.turned(reader, b, positive)),
+            Expr::Not(a) => turned(a, !positive).negated(),
+            Expr::And(a, b) => turned(a, positive).and(turned(b, positive)),
+            Expr::Or(a, b) => turned(a, positive).or(turned(b, positive)),
             _ => {
-                let reads = Reads::of(self.program, id);
-                let is_open = reads.others || !reads.changes() || reads.asks_where(self.entity);
-                if is_open || reads.params.iter().any(|p| !self.general[*p]) {
+                let Ok(at) = atoms.binary_search_by_key(&id, |a| a.id) else { return Truth::EITHER };
+                let params = &atoms[at].params;
+                if params.iter().any(|p| self.params.is_some_and(|given| !given[*p].is_general)) {
                     return Truth::EITHER;
                 }
-                let truth = reader.truth(id);
+                let truth = case.get(at).map_or(Truth::EITHER, |packed| Truth::unpacked(*packed));
                 // That a parameter lets something always hold may be what it is for.
-                match (reads.params.is_empty(), positive) {
+                match (params.is_empty(), positive) {
                     (true, _) => truth,
                     (false, true) => Truth { can_fail: true, ..truth },
                     (false, false) => Truth { can_hold: true, ..truth },
@@ -149,6 +201,14 @@ impl<'a> Judge<'a> {
 }
 
 impl Truth {
+    fn packed(self) -> u8 {
+        u8::from(self.can_hold) | u8::from(self.can_fail) << 1
+    }
+
+    fn unpacked(packed: u8) -> Truth {
+        Truth { can_hold: packed & 1 != 0, can_fail: packed & 2 != 0 }
+    }
+
     fn negated(self) -> Truth {
         Truth { can_hold: self.can_fail, can_fail: self.can_hold }
     }

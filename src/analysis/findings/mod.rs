@@ -3,8 +3,10 @@
 //!
 //! A finding holds of all worlds of the program together. The worlds are looked at without the bounds at which a search
 //! stops, and with a player for every entity that reads inputs: what is never said to happen does not happen in a run
-//! that goes on beyond, either. Nor does it matter how many things there are to be picked up.
+//! that goes on beyond, either. Nor does it matter how many things there are to be picked up. They are looked at one by
+//! one, and what they tell of each entity is gathered: what a world can be is not kept, if nobody asks for it.
 
+mod account;
 mod guards;
 mod invariants;
 mod judge;
@@ -15,23 +17,26 @@ mod words;
 
 pub use invariants::{InvariantVerdict, invariants};
 
-use std::collections::BTreeMap;
+use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::diagnostic::{Code, Diagnostics};
-use crate::ir::{Entity, EntityId, ExprId, PlayerId, Program, SlotId, World, WorldId};
+use crate::ir::{EntityId, ExprId, PlayerId, Program, Slot, SlotId, World, WorldId};
 use crate::source::{FileId, SourceMap, Span};
 use crate::watch::{Unwatched, Watch};
 
 use super::configuration::Configuration;
-use super::evaluate::Reader;
-use super::{ConfigurationSpace, SlotSpace, with_any_supply};
+use super::{ConfigurationSpace, with_any_supply};
+
+use account::{Account, Occurrence};
+use tunnelling::Tunnelling;
 
 /// So many ways of steps are looked at for all worlds of a program: a check is to answer while one types.
 const MOST_EFFORT: usize = 200_000;
 
 /// Looks for what values tell of the entities of a file. `said` is what was found before: nothing is said twice.
 pub fn findings(program: &Program, sources: &SourceMap, root: FileId, said: &Diagnostics) -> Diagnostics {
-    watched_findings(program, sources, root, said, &Unwatched).map(|(found, _)| found).unwrap_or_default()
+    look(program, sources, root, said, &Unwatched, &mut |_, space| drop(space)).unwrap_or_default()
 }
 
 /// What the worlds of a program can be, those with all their maps.
@@ -45,38 +50,68 @@ pub fn watched_findings(
     said: &Diagnostics,
     watch: &dyn Watch,
 ) -> Option<(Diagnostics, Spaces)> {
-    let is_ours = |id: &EntityId| program.spans.entities[*id].name.file == root;
-    // Where nothing of the file is in a world, there is nothing to tell.
-    let occurs = |w: &World| w.slots.iter().any(|s| is_ours(&s.entity));
-    let free = freed(program);
-    let (mut worlds, mut unknown) = (Spaces::new(), Spaces::new());
+    let mut spaces = Spaces::new();
+    let found = look(program, sources, root, said, watch, &mut |id, space| {
+        spaces.insert(id, space);
+    })?;
+    Some((found, spaces))
+}
+
+/// As [`findings`]; gives away what each world with all its maps can be, as soon as it is read.
+fn look(
+    program: &Program,
+    sources: &SourceMap,
+    root: FileId,
+    said: &Diagnostics,
+    watch: &dyn Watch,
+    give: &mut dyn FnMut(WorldId, ConfigurationSpace),
+) -> Option<Diagnostics> {
+    let scene = Scene { program, sources, root, said: Said::new(said) };
+    let mut accounts = Accounts::new();
+    let mut tunnelling = Tunnelling::default();
+    // Where nothing of the file is in a world, there is nothing to tell; what else is there is not known altogether.
+    let occurs = |w: &World| w.slots.iter().any(|s| scene.is_ours(s.entity));
+    let others = program.worlds.iter().filter(|w| !occurs(w));
+    let unseen: BTreeSet<EntityId> = others.flat_map(|w| w.slots.iter().map(|s| s.entity)).collect();
     let mut effort = MOST_EFFORT;
-    for (id, world) in program.worlds.pairs().filter(|(_, w)| occurs(w)) {
-        match world.open.is_none() && effort > 0 {
-            true => worlds.insert(id, with_any_supply(&free, id, &mut effort, watch)),
-            // Of the others it is known how they begin.
-            false => unknown.insert(id, with_any_supply(&free, id, &mut 0, watch)),
-        };
+    for (world_id, original) in program.worlds.pairs().filter(|(_, w)| occurs(w)) {
+        let world = &*freed(program, original);
+        // Of the others it is known how they begin.
+        let is_looked_at = world.open.is_none() && effort > 0;
+        let mut nothing = 0;
+        let space = with_any_supply(program, world, if is_looked_at { &mut effort } else { &mut nothing }, watch);
+        let mut entities: BTreeMap<EntityId, Vec<Occurrence<'_>>> = BTreeMap::new();
+        for (slot, found) in space.slots.pairs() {
+            let occurrence = Occurrence { world_id, world, space: &space, slot, found };
+            entities.entry(world.slots[slot].entity).or_default().push(occurrence);
+        }
+        for (id, slots) in entities {
+            let new = || Account::new(&scene, id, !unseen.contains(&id));
+            accounts.entry(id).or_insert_with(new).add(&slots);
+        }
+        if is_looked_at {
+            tunnelling.look(program, world_id, &space, |id| scene.is_ours(*id));
+            give(world_id, space);
+        }
     }
     if watch.stop() {
         return None;
     }
-    let scene = Scene { program: &free, original: program, worlds, unknown, sources, said: Said::new(said) };
     let mut found = Diagnostics::new();
-    for id in program.entities.ids().filter(is_ours) {
-        let subject = scene.subject(id);
-        if subject.is_known && !subject.slots.is_empty() {
-            let explained = modes::modes(&subject, &mut found);
-            guards::guards(&subject, &explained, &mut found);
-            ranges::ranges(&subject, &mut found);
+    for id in program.entities.ids().filter(|id| scene.is_ours(*id)) {
+        let account = accounts.get(&id);
+        if let Some(account) = account.filter(|a| a.is_known && a.can_live) {
+            let explained = modes::modes(account, &mut found);
+            guards::guards(account, &accounts, &explained, &mut found);
+            ranges::report(account, &mut found);
         }
-        invariants::report(&subject, &mut found);
+        invariants::report(&scene, id, account, &mut found);
     }
-    tunnelling::tunnelling(&scene, is_ours, &mut found);
+    tunnelling.report(&mut found);
     found.trace(sources);
     // What stands in a behaviour of another file is that file's affair.
     found.retain(|d| d.primary.as_ref().is_some_and(|l| l.span.file == root));
-    Some((found, scene.worlds))
+    Some(found)
 }
 
 impl ConfigurationSpace {
@@ -93,104 +128,42 @@ impl ConfigurationSpace {
     }
 }
 
-/// The same worlds, without the bounds at which a search stops, and with a player for all who read inputs.
-fn freed(program: &Program) -> Program {
-    let mut free = program.clone();
-    for world in free.worlds.iter_mut() {
-        for space in world.spaces.iter_mut() {
-            space.bounds = None;
-        }
-        for slot in world.slots.iter_mut() {
-            let entity = &program.entities[slot.entity];
-            if !entity.buttons.is_empty() || !entity.axes.is_empty() {
-                slot.player = slot.player.or(Some(PlayerId(0)));
-            }
-        }
+/// The same world, without the bounds at which a search stops, and with a player for all who read inputs.
+fn freed<'a>(program: &Program, world: &'a World) -> Cow<'a, World> {
+    let waits = |slot: &Slot| {
+        let entity = &program.entities[slot.entity];
+        slot.player.is_none() && (!entity.buttons.is_empty() || !entity.axes.is_empty())
+    };
+    if world.spaces.iter().all(|s| s.bounds.is_none()) && !world.slots.iter().any(waits) {
+        return Cow::Borrowed(world);
     }
-    free
+    let mut free = world.clone();
+    for space in free.spaces.iter_mut() {
+        space.bounds = None;
+    }
+    for slot in free.slots.iter_mut().filter(|s| waits(s)) {
+        slot.player = Some(PlayerId(0));
+    }
+    Cow::Owned(free)
 }
 
-/// The worlds of a program, and what they can be.
+/// What is looked at.
 struct Scene<'a> {
-    /// Without bounds.
     program: &'a Program,
-    original: &'a Program,
-    /// Those with all their maps.
-    worlds: Spaces,
-    /// Those that were not looked at: everything is possible.
-    unknown: Spaces,
     sources: &'a SourceMap,
+    /// The file of whose entities something is said.
+    root: FileId,
     said: Said,
 }
 
 impl Scene<'_> {
-    fn subject(&self, id: EntityId) -> Subject<'_> {
-        let of = |w: &World| w.slots.iter().any(|s| s.entity == id);
-        let mut slots = Vec::new();
-        let mut given_up = Vec::new();
-        let mut is_known = true;
-        let mut is_anywhere = false;
-        for (world_id, world) in self.program.worlds.pairs().filter(|(_, w)| of(w)) {
-            is_anywhere = true;
-            let Some(space) = self.worlds.get(&world_id).or_else(|| self.unknown.get(&world_id)) else {
-                is_known = false;
-                continue;
-            };
-            for slot in world.slots.ids().filter(|s| world.slots[*s].entity == id) {
-                let found = &space.slots[slot];
-                is_known &= !found.is_given_up;
-                let occurrence = Occurrence { world_id, world, space, slot, found };
-                if found.is_given_up {
-                    given_up.push(occurrence);
-                } else if !found.configurations.is_empty() {
-                    slots.push(occurrence);
-                }
-            }
-        }
-        Subject { scene: self, id, entity: &self.program.entities[id], slots, given_up, is_known, is_anywhere }
+    fn is_ours(&self, id: EntityId) -> bool {
+        self.program.spans.entities[id].name.file == self.root
     }
 }
 
-/// An entity in all worlds.
-struct Subject<'a> {
-    scene: &'a Scene<'a>,
-    id: EntityId,
-    entity: &'a Entity,
-    /// Where there can be an instance.
-    slots: Vec<Occurrence<'a>>,
-    /// Where there may be an instance of which nothing is known.
-    given_up: Vec<Occurrence<'a>>,
-    /// Whether any world has it.
-    is_anywhere: bool,
-    /// Whether that is all there is to know of it.
-    is_known: bool,
-}
-
-/// A slot of a world with what can be in it.
-#[derive(Clone, Copy)]
-struct Occurrence<'a> {
-    world_id: WorldId,
-    world: &'a World,
-    space: &'a ConfigurationSpace,
-    slot: SlotId,
-    found: &'a SlotSpace,
-}
-
-impl<'a> Occurrence<'a> {
-    fn reader<'r>(&self, program: &'r Program, at: &'r Configuration) -> Reader<'r>
-    where
-        'a: 'r,
-    {
-        self.space.reader(program, self.world, Some((self.slot, at)))
-    }
-}
-
-impl<'a> Subject<'a> {
-    /// Every configuration in all worlds.
-    fn configurations(&self) -> impl Iterator<Item = (&Occurrence<'a>, &'a Configuration)> {
-        self.slots.iter().flat_map(|o| o.found.configurations.iter().map(move |c| (o, c)))
-    }
-}
+/// The entities that are in worlds that were looked at.
+type Accounts<'a> = BTreeMap<EntityId, Account<'a>>;
 
 /// The places of which something was said already.
 struct Said(Vec<(Code, Span)>);

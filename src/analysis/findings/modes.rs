@@ -6,21 +6,19 @@ use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::values::{ModeByValue, Reason};
 use crate::ir::{EdgeId, Id, ModeId};
 
-use super::Subject;
-use super::guards::{SAID, Site, any_of, live, sites};
+use super::account::Account;
+use super::guards::{SAID, Site, any_of};
 use super::judge::Judge;
 
 /// Reports modes that are never entered; gives the edges whose guards are told of with them.
-pub(super) fn modes(subject: &Subject<'_>, found: &mut Diagnostics) -> BTreeSet<EdgeId> {
+pub(super) fn modes(subject: &Account<'_>, found: &mut Diagnostics) -> BTreeSet<EdgeId> {
     let (entity, scene) = (subject.entity, subject.scene);
-    let live = live(subject);
-    let is_live = |mode: ModeId| any_of(&live, entity.modes[mode].leaves);
+    let is_live = |mode: ModeId| any_of(&subject.live, entity.modes[mode].leaves);
     let mut explained = BTreeSet::new();
     if entity.modes.ids().all(is_live) {
         return explained;
     }
     let judge = Judge::new(subject);
-    let sites = sites(subject);
     let choices = entity.groups.iter().flat_map(|g| &g.choices).chain(entity.modes.iter().flat_map(|m| &m.choices));
     let chosen: Vec<ModeId> = choices.map(|c| c.mode).collect();
     for (mode, m) in entity.modes.pairs().filter(|(mode, _)| !is_live(*mode)) {
@@ -37,7 +35,8 @@ pub(super) fn modes(subject: &Subject<'_>, found: &mut Diagnostics) -> BTreeSet<
             inside(target, mode) || (m.leaves.0 <= initial && initial < m.leaves.1)
         };
         // Edges of modes that are never active either are no reason.
-        let edges: Vec<&Site> = sites
+        let edges: Vec<&Site> = subject
+            .sites
             .iter()
             .filter(|s| {
                 let edge = s.edge.map(|e| &entity.edges[e]);

@@ -16,21 +16,32 @@ use crate::source::Span;
 use super::super::configuration::Configuration;
 use super::super::values::{Interval, Values};
 use super::super::{ConfigurationSpace, configuration_space};
-use super::{Scene, words};
+use super::words;
 
 /// Lengths that differ by less are the same, px.
 const ROUNDING: f64 = 1e-6;
 
-/// Reports the bodies of some entities, each axis once, at the greatest excess.
-pub(super) fn tunnelling(scene: &Scene<'_>, is_ours: impl Fn(&EntityId) -> bool, found: &mut Diagnostics) {
-    let mut worst: BTreeMap<(EntityId, usize), (f64, Tunnels)> = BTreeMap::new();
-    for (&id, free) in &scene.worlds {
-        let world = &scene.original.worlds[id];
+/// Bodies of which something is to be said: of each entity and axis where they go too far by most.
+#[derive(Default)]
+pub(super) struct Tunnelling {
+    worst: BTreeMap<(EntityId, usize), (f64, Tunnels)>,
+}
+
+impl Tunnelling {
+    /// Looks at the bodies of some entities in a world; `free` is what it can be without bounds.
+    pub fn look(
+        &mut self,
+        program: &Program,
+        id: WorldId,
+        free: &ConfigurationSpace,
+        is_ours: impl Fn(&EntityId) -> bool,
+    ) {
+        let world = &program.worlds[id];
         let has_bounds = !world.players.is_empty() && world.spaces.iter().any(|s| s.bounds.is_some());
         // Bounds stop falls: where the speed is too high without them, they are asked.
         let bounded: OnceCell<ConfigurationSpace> = OnceCell::new();
         for axis in 0..2 {
-            let first = Course::new(scene, id, free, axis);
+            let first = Course::new(program, id, free, axis);
             let second: OnceCell<Course<'_>> = OnceCell::new();
             for slot in world.slots.ids().filter(|s| is_ours(&world.slots[*s].entity)) {
                 if first.tunnel(slot, false).is_none() {
@@ -38,22 +49,26 @@ pub(super) fn tunnelling(scene: &Scene<'_>, is_ours: impl Fn(&EntityId) -> bool,
                 }
                 let course = match has_bounds {
                     true => second.get_or_init(|| {
-                        let space = bounded.get_or_init(|| configuration_space(scene.original, id));
-                        Course::new(scene, id, space, axis)
+                        let space = bounded.get_or_init(|| configuration_space(program, id));
+                        Course::new(program, id, space, axis)
                     }),
                     false => &first,
                 };
                 // What nothing bounds is no sign of a mistake: a fall with no floor below it is one.
                 let Some((excess, tunnel)) = course.tunnel(slot, true) else { continue };
                 let key = (world.slots[slot].entity, axis);
-                if worst.get(&key).is_none_or(|(known, _)| *known < excess) {
-                    worst.insert(key, (excess, tunnel));
+                if self.worst.get(&key).is_none_or(|(known, _)| *known < excess) {
+                    self.worst.insert(key, (excess, tunnel));
                 }
             }
         }
     }
-    for (_, tunnel) in worst.into_values() {
-        found.report(tunnel);
+
+    /// Reports each of them, at the greatest excess.
+    pub fn report(self, found: &mut Diagnostics) {
+        for (_, tunnel) in self.worst.into_values() {
+            found.report(tunnel);
+        }
     }
 }
 
@@ -81,7 +96,7 @@ struct Obstacle {
 
 /// A world along an axis.
 struct Course<'a> {
-    scene: &'a Scene<'a>,
+    program: &'a Program,
     id: WorldId,
     world: &'a World,
     space: &'a ConfigurationSpace,
@@ -91,16 +106,12 @@ struct Course<'a> {
 }
 
 impl<'a> Course<'a> {
-    fn new(scene: &'a Scene<'a>, id: WorldId, space: &'a ConfigurationSpace, axis: usize) -> Self {
-        let world = &scene.original.worlds[id];
-        let mut course = Course { scene, id, world, space, axis, obstacles: Vec::new() };
+    fn new(program: &'a Program, id: WorldId, space: &'a ConfigurationSpace, axis: usize) -> Self {
+        let world = &program.worlds[id];
+        let mut course = Course { program, id, world, space, axis, obstacles: Vec::new() };
         course.obstacles = course.statics();
         course.obstacles.extend(course.movers());
         course
-    }
-
-    fn program(&self) -> &'a Program {
-        self.scene.program
     }
 
     fn velocity(&self, of: &[Values; 3]) -> Option<Interval> {
@@ -157,8 +168,8 @@ impl<'a> Course<'a> {
         extent: f64,
     ) -> Tunnels {
         let entity = self.world.slots[slot].entity;
-        let e = &self.program().entities[entity];
-        let spans = &self.program().spans.entities[entity];
+        let e = &self.program.entities[entity];
+        let spans = &self.program.spans.entities[entity];
         let var = VarId::from_index(self.axis);
         let drives = |drive: &Drive| match *drive {
             Drive::Coast(v) | Drive::Flow { var: v, .. } => v == var,
@@ -180,7 +191,7 @@ impl<'a> Course<'a> {
 
     /// The colliders of a slot whose size never changes; none if one of them does.
     fn bodies(&self, slot: SlotId) -> Option<Vec<Body>> {
-        let program = self.program();
+        let program = self.program;
         let entity = self.world.slots[slot].entity;
         let params: IdVec<ParamId, f64> = self.space.overall[slot]
             .params
@@ -210,7 +221,7 @@ impl<'a> Course<'a> {
 
     /// What never moves: of what has the same tags in one space the thinnest.
     fn statics(&self) -> Vec<Obstacle> {
-        let spans = &self.program().spans.worlds[self.id];
+        let spans = &self.program.spans.worlds[self.id];
         let mut thinnest: BTreeMap<(SpaceId, u64), Obstacle> = BTreeMap::new();
         let mut add = |space: SpaceId, tags: TagSet, thickness: f64, name: String, at: Span| {
             let velocity = Interval::point(0.0);
@@ -239,7 +250,7 @@ impl<'a> Course<'a> {
     /// What can move: of colliders of one kind and size one, that moves as all of them do.
     fn movers(&self) -> Vec<Obstacle> {
         type Kind = (EntityId, usize, u64, BTreeSet<SpaceId>);
-        let spans = &self.program().spans.worlds[self.id];
+        let spans = &self.program.spans.worlds[self.id];
         let mut kinds: BTreeMap<Kind, Obstacle> = BTreeMap::new();
         for slot in self.world.slots.ids().filter(|s| self.space.overall[*s].can_live) {
             let overall = &self.space.overall[slot];

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use crate::ir::{Domain, Entity, LeafId, VarId};
+use crate::ir::{DiscreteId, Domain, Entity, LeafId, ParamId, TimerId, VarId};
 
 use super::super::configuration::Configuration;
 use super::super::values::{Interval, Values};
+use super::account::Occurrence;
 use super::judge::Reads;
-use super::{Occurrence, Subject};
 
 /// A number with at most three digits after the point.
 pub(super) fn number(x: f64) -> String {
@@ -74,38 +74,90 @@ fn unit(entity: &Entity, var: VarId, degree: u8) -> &'static str {
     }
 }
 
+/// What is read of an instance itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Part {
+    Var(VarId, u8),
+    Discrete(DiscreteId),
+    /// In seconds.
+    Timer(TimerId),
+    Param(ParamId),
+}
+
+/// What parts of an instance can be in some cases together.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Seen(BTreeMap<Part, Vec<Interval>>);
+
+/// The leaves that are active, and what was seen while they are.
+pub(super) type Case<'a> = (&'a [LeafId], &'a Seen);
+
+impl Seen {
+    /// What is read in one case.
+    pub fn of(reads: &Reads, o: &Occurrence<'_>, at: &Configuration) -> Seen {
+        let mut seen = Seen::default();
+        seen.add(reads, o, at);
+        seen
+    }
+
+    /// Adds what is read in a case.
+    pub fn add(&mut self, reads: &Reads, o: &Occurrence<'_>, at: &Configuration) {
+        for &(var, degree) in &reads.vars {
+            self.join(Part::Var(var, degree), &at.vars[var][usize::from(degree)]);
+        }
+        for &id in &reads.discretes {
+            self.join(Part::Discrete(id), &at.discretes[id]);
+        }
+        for &id in &reads.timers {
+            let step = o.world.step.seconds();
+            let Interval { low, high } = at.timers[id];
+            // A count that stays at its limit stands for all times from there on.
+            let high = if high >= f64::from(o.world.slots[o.slot].timer_limits[id]) { f64::INFINITY } else { high };
+            self.join(Part::Timer(id), &Values::from(Interval { low: low * step, high: high * step }));
+        }
+        for &id in &reads.params {
+            self.join(Part::Param(id), &o.space.overall[o.slot].params[id]);
+        }
+    }
+
+    fn join(&mut self, part: Part, values: &Values) {
+        let known = self.0.entry(part).or_default();
+        for new in values.intervals() {
+            // What it overlaps or touches is `from..to`.
+            let from = known.partition_point(|i| i.high < new.low);
+            let to = known.partition_point(|i| i.low <= new.high);
+            let joined = known[from..to].iter().fold(*new, |all, i| all.or(*i));
+            known.splice(from..to, [joined]);
+        }
+        if known.len() > MOST_APART {
+            *known = Values::any(known.drain(..)).intervals().to_vec();
+        }
+    }
+}
+
+/// So many intervals are kept apart while they are gathered.
+const MOST_APART: usize = 64;
+
 /// Each variable that is read, with its name and what it can be.
-pub(super) fn read(subject: &Subject<'_>, reads: &Reads, at: &[(&Occurrence<'_>, &Configuration)]) -> Vec<String> {
-    let entity = subject.entity;
-    let all = |f: &dyn Fn(&Occurrence<'_>, &Configuration) -> Values| {
-        Values::any(at.iter().flat_map(|(o, c)| f(o, c).intervals().to_vec()))
-    };
+pub(super) fn read(entity: &Entity, reads: &Reads, at: &[Case<'_>]) -> Vec<String> {
+    let all = |part: Part| Values::any(at.iter().filter_map(|(_, seen)| seen.0.get(&part)).flatten().copied());
     let mut out = Vec::new();
     for &(var, degree) in &reads.vars {
-        let found = all(&|_, c| c.vars[var][usize::from(degree)]);
-        out.push(format!("`{}` {}", derivative(entity, var, degree), values(&found, unit(entity, var, degree))));
+        let found = values(&all(Part::Var(var, degree)), unit(entity, var, degree));
+        out.push(format!("`{}` {found}", derivative(entity, var, degree)));
     }
     for &id in &reads.discretes {
-        let found = all(&|_, c| c.discretes[id]);
+        let found = all(Part::Discrete(id));
         out.push(format!("`{}` {}", entity.discretes[id].name, discrete(&entity.discretes[id].domain, &found)));
     }
     for &id in &reads.timers {
-        let found = all(&|o, c| {
-            let step = o.world.step.seconds();
-            let Interval { low, high } = c.timers[id];
-            // A count that stays at its limit stands for all times from there on.
-            let high = if high >= f64::from(o.world.slots[o.slot].timer_limits[id]) { f64::INFINITY } else { high };
-            Values::from(Interval { low: low * step, high: high * step })
-        });
         // As it is written where the mode is the innermost one.
         let mode = entity.timers[id].mode;
-        let is_own = at.iter().all(|(_, c)| c.leaves.iter().any(|l| entity.leaves[*l].mode == mode));
+        let is_own = at.iter().all(|(leaves, _)| leaves.iter().any(|l| entity.leaves[*l].mode == mode));
         let name = if is_own { "timer".to_string() } else { format!("timer({})", entity.modes[mode].path) };
-        out.push(format!("`{name}` {}", values(&found, "s")));
+        out.push(format!("`{name}` {}", values(&all(Part::Timer(id)), "s")));
     }
     for &id in &reads.params {
-        let found = all(&|o, _| o.space.overall[o.slot].params[id]);
-        out.push(format!("`{}` {}", entity.params[id].name, values(&found, "")));
+        out.push(format!("`{}` {}", entity.params[id].name, values(&all(Part::Param(id)), "")));
     }
     out
 }
@@ -121,19 +173,19 @@ pub(super) fn listed(parts: &[String]) -> String {
 
 /// What is read can be, in all the cases together, and mode by mode where that says more.
 pub(super) fn reason(
-    subject: &Subject<'_>,
+    entity: &Entity,
     reads: &Reads,
-    at: &[(&Occurrence<'_>, &Configuration)],
-    leaf: impl Fn(&Configuration) -> Option<LeafId>,
+    at: &[Case<'_>],
+    leaf: impl Fn(&[LeafId]) -> Option<LeafId>,
 ) -> (Option<String>, Vec<String>) {
-    let mut by_leaf: BTreeMap<LeafId, Vec<(&Occurrence<'_>, &Configuration)>> = BTreeMap::new();
-    for (o, c) in at {
-        if let Some(leaf) = leaf(c) {
-            by_leaf.entry(leaf).or_default().push((o, c));
+    let mut by_leaf: BTreeMap<LeafId, Vec<Case<'_>>> = BTreeMap::new();
+    for &(leaves, seen) in at {
+        if let Some(leaf) = leaf(leaves) {
+            by_leaf.entry(leaf).or_default().push((leaves, seen));
         }
     }
-    let path = |leaf: LeafId| &subject.entity.modes[subject.entity.leaves[leaf].mode].path;
-    let all = read(subject, reads, at);
+    let path = |leaf: LeafId| &entity.modes[entity.leaves[leaf].mode].path;
+    let all = read(entity, reads, at);
     if all.is_empty() {
         return (None, Vec::new());
     }
@@ -143,7 +195,7 @@ pub(super) fn reason(
     let mut notes = Vec::new();
     if by_leaf.len() <= 4 {
         let each: Vec<(LeafId, String)> =
-            by_leaf.iter().map(|(leaf, at)| (*leaf, listed(&read(subject, reads, at)))).collect();
+            by_leaf.iter().map(|(leaf, at)| (*leaf, listed(&read(entity, reads, at)))).collect();
         if each.iter().any(|(_, text)| *text != listed(&all)) {
             notes = each.into_iter().map(|(leaf, text)| format!("in `{}`, {text}", path(leaf))).collect();
         }

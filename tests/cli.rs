@@ -182,7 +182,8 @@ fn people_see_the_first_mistakes() {
 
 #[test]
 fn findings_without_end_are_counted() {
-    let text: String = (0..25_000).map(|i| format!("entity A{i} {{ x' = lost }}\n")).collect();
+    let modes: String = (0..5).map(|m| format!("mode m{m} {{ x' = lost }}\n")).collect();
+    let text: String = (0..5_000).map(|i| format!("entity A{i} {{ {modes} }}\n")).collect();
     let path = written("endless.hyped", &text);
     let output = hypedc(&["check", "--format", "json", &path]);
     let json: Value = serde_json::from_slice(&output.stdout).unwrap();

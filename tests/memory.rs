@@ -25,14 +25,15 @@ fn lines(before: &str, after: &str, line: impl Fn(usize) -> String) -> String {
     text + after
 }
 
-/// Texts of one kind each, with the most bytes that a byte of them may take. Those that take more than 40: the tables of an
-/// entity or a world take more than a few words of text, a term more than a sign, and findings are kept up to a number.
+/// Texts of one kind each, with the most bytes that a byte of them may take. The tables of an entity or a world take more
+/// than a few words of text: a program has only so many of them. Where no blank stands between one-letter names and signs,
+/// each byte is a term.
 fn shapes() -> Vec<(&'static str, u64, String)> {
     vec![
-        ("edges", 48, lines("entity A { mode a {\n", "} }\n", |_| "when x > 1 -> a\n".into())),
+        ("edges", 40, lines("entity A { mode a {\n", "} }\n", |_| "when x > 1 -> a\n".into())),
         (
             "edges of a world",
-            54,
+            40,
             lines("entity A { mode a {\n", "} }\nworld W { space main { place a: A at (0, 0) } }\n", |_| {
                 "when x > 1 -> a\n".into()
             }),
@@ -46,15 +47,16 @@ fn shapes() -> Vec<(&'static str, u64, String)> {
         ("constants of constants", 40, lines("const a = 1\n", "", |i| format!("const c{i} = a + {i} * (a - 2)\n"))),
         ("parameters", 40, lines("entity A {\n", "}\n", |i| format!("param p{i} = {i}\n"))),
         ("variables", 40, lines("entity A {\n", "}\n", |i| format!("continuous p{i} = {i}\n"))),
-        ("entities", 132, lines("", "", |i| format!("entity A{i} {{ }}\n"))),
+        ("entities", 40, lines("", "", |i| format!("entity A{i} {{ }}\n"))),
+        ("as many entities as there may be", 120, (0..10_000).map(|i| format!("entity A{i} {{ }}\n")).collect()),
         (
             "entities that move",
-            78,
+            40,
             lines("", "", |i| format!("entity A{i} {{ mode a {{ x' = 1; when x > 9 -> b }} mode b {{ }} }}\n")),
         ),
         (
             "modes",
-            62,
+            40,
             lines("", "", |i| {
                 format!(
                     "entity A{i} {{ {} }}\n",
@@ -64,10 +66,15 @@ fn shapes() -> Vec<(&'static str, u64, String)> {
         ),
         (
             "expressions",
-            64,
+            40,
             lines("entity A { mode a {\n", "} }\n", |i| format!("when x > {}{i} -> a\n", "y + 2 * x - ".repeat(60))),
         ),
-        ("calls", 46, lines("entity A { mode a {\n", "} }\n", |_| "when min(x, y) > max(1, 2) -> a\n".into())),
+        (
+            "expressions without blanks",
+            76,
+            lines("entity A { mode a {\n", "} }\n", |i| format!("when x>{}{i}->a\n", "y+2*x-".repeat(60))),
+        ),
+        ("calls", 40, lines("entity A { mode a {\n", "} }\n", |_| "when min(x, y) > max(1, 2) -> a\n".into())),
         (
             "maps",
             40,
@@ -84,7 +91,7 @@ fn shapes() -> Vec<(&'static str, u64, String)> {
         ),
         (
             "worlds",
-            180,
+            40,
             lines("entity A { }\n", "", |i| format!("world W{i} {{ space main {{ place a: A at (0, 0) }} }}\n")),
         ),
         ("rectangles", 40, lines("world W { space main {\n", "} }\n", |i| format!("rect wall ({i}, 0, 8, 8)\n"))),
@@ -97,7 +104,7 @@ fn shapes() -> Vec<(&'static str, u64, String)> {
         ),
         ("colliders", 40, lines("entity A {\n", "}\n", |_| "collider c: rect(0, 0, 8, 8)\n".into())),
         ("tags", 40, lines("entity A {\n", "}\n", |i| format!("collider \"tag {i}\": rect(0, 0, 8, 8)\n"))),
-        ("values", 44, lines("entity A { discrete d: {", "n} = n }\n", |i| format!("n{i}, "))),
+        ("values", 40, lines("entity A { discrete d: {", "n} = n }\n", |i| format!("n{i}, "))),
         ("comments", 40, lines("", "", |_| "// x\n".into())),
         ("documents", 40, lines("", "", |i| format!("/// x\nconst c{i} = 1\n"))),
         ("newlines", 40, lines("", "", |_| "\n".into())),
@@ -108,7 +115,7 @@ fn shapes() -> Vec<(&'static str, u64, String)> {
         ("open braces", 40, lines("", "", |_| "entity A {\n".into())),
         (
             "updates",
-            44,
+            40,
             lines("entity A { continuous z = 0\nmode a { when x > 1 {\n", "} } }\n", |_| "z := 1\n".into()),
         ),
     ]

@@ -1,5 +1,7 @@
 //! Tables of names: declaration with a look at duplicates, look-up with "did you mean".
 
+use std::collections::BTreeMap;
+
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::names::{DuplicateName, UnknownName};
 use crate::source::Span;
@@ -11,7 +13,8 @@ pub(super) struct Table<T> {
     kind: &'static str,
     entries: Vec<(Name, T)>,
     /// Where they are, if there are many.
-    index: std::collections::BTreeMap<Word, u32>,
+    #[expect(clippy::box_collection, reason = "most tables are small, and a program has many of them")]
+    index: Option<Box<BTreeMap<Word, u32>>>,
 }
 
 /// So many names are found without an index.
@@ -19,7 +22,7 @@ const FEW: usize = 8;
 
 impl<T> Table<T> {
     pub fn new(kind: &'static str) -> Self {
-        Table { kind, entries: Vec::new(), index: std::collections::BTreeMap::new() }
+        Table { kind, entries: Vec::new(), index: None }
     }
 
     /// Adds a name; the first of two equal ones stays.
@@ -40,14 +43,14 @@ impl<T> Table<T> {
         let first = if self.entries.len() == FEW + 1 { 0 } else { self.entries.len() - 1 };
         if self.entries.len() > FEW {
             let new = self.entries.iter().enumerate().skip(first);
-            self.index.extend(new.map(|(at, (name, _))| (name.text.clone(), at as u32)));
+            self.index.get_or_insert_default().extend(new.map(|(at, (name, _))| (name.text.clone(), at as u32)));
         }
         true
     }
 
     fn find(&self, name: &str) -> Option<usize> {
         if self.entries.len() > FEW {
-            return self.index.get(name).map(|&at| at as usize);
+            return self.index.as_ref()?.get(name).map(|&at| at as usize);
         }
         self.entries.iter().position(|(known, _)| known.text == *name)
     }

@@ -4,13 +4,13 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The largest file that is read, in bytes: several hundred thousand lines. Each is checked within seconds.
 pub const MAX_FILE_BYTES: usize = 16 << 20;
 
 /// A file of a [`SourceMap`].
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct FileId(pub u32);
 
 impl fmt::Debug for FileId {
@@ -20,7 +20,7 @@ impl fmt::Debug for FileId {
 }
 
 /// A range of bytes in one file, end exclusive.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Span {
     /// The file it lies in.
     pub file: FileId,

@@ -46,8 +46,8 @@ impl Barred<'_> {
             (Expr::Alive(of), _) if of == slot => holds,
             (Expr::InMode(of, mode), _) if is_mine(of) => {
                 let entity = &self.program.entities[self.world.slots[slot].entity];
-                let (first, after) = entity.modes[mode].leaves;
-                at.leaves.iter().any(|leaf| first <= *leaf && *leaf < after) == holds
+                let inside = entity.modes[mode].leaves;
+                at.leaves.iter().any(|leaf| inside.contains(*leaf)) == holds
             }
             (Expr::Compare(op, a, b), _) => {
                 let op = if holds { op } else { op.negated() };

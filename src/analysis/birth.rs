@@ -1,6 +1,6 @@
 //! What an instance can be when it begins: placed, made by a tile, or spawned.
 
-use crate::ir::{Id, IdVec, LeafId, Origin, Place, SlotId, SpawnId, VarId};
+use crate::ir::{IdVec, LeafId, Origin, Place, SlotId, SpawnId, VarId};
 
 use super::configuration::Configuration;
 use super::fixpoint::{Analysis, MOST_CONFIGURATIONS};
@@ -19,7 +19,7 @@ impl Analysis<'_> {
             at.params = s.params.iter().map(|p| Values::point(*p)).collect();
         }
         // Contacts are found before the first step, too, without pushes.
-        let contact = [VarId(0), VarId(1)].map(|var| at.vars[var][0]);
+        let contact = VarId::XY.map(|var| at.vars[var][0]);
         let known = &mut self.slots[slot].contact;
         *known = [known[0].or(&contact[0]), known[1].or(&contact[1])];
         self.enter(slot, at);
@@ -31,12 +31,12 @@ impl Analysis<'_> {
         let mut combinations: Vec<Vec<LeafId>> = vec![Vec::new()];
         for group in entity.groups.iter() {
             // Choices read parameters, which may be several: all of them are possible.
-            let (first, after) = group.modes;
+            let inside = group.modes;
             let simple = group.choices.is_empty() && !entity.modes[group.first].chooses;
             let leaves: Vec<LeafId> = match simple {
                 true => vec![entity.modes[group.first].initial],
                 false => {
-                    let leaves = entity.leaves.pairs().filter(|(_, l)| first <= l.mode && l.mode < after);
+                    let leaves = entity.leaves.pairs().filter(|(_, l)| inside.contains(l.mode));
                     leaves.map(|(id, _)| id).collect()
                 }
             };
@@ -87,7 +87,7 @@ impl Analysis<'_> {
             for (var, first) in entity.first.pairs() {
                 born.vars[var][0] = match first {
                     Some(first) => own(&born, *first),
-                    None if var.index() < 2 => at.vars[var][0],
+                    None if var.is_position() => at.vars[var][0],
                     None => Values::point(0.0),
                 };
             }

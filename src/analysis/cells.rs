@@ -243,7 +243,7 @@ impl Fine {
 
     /// Into how many parts a configuration is split at most.
     pub fn count_parts(&self, at: &Configuration) -> usize {
-        let hulls = [at.vars[VarId(0)][0].hull(), at.vars[VarId(1)][0].hull()];
+        let hulls = [at.vars[VarId::X][0].hull(), at.vars[VarId::Y][0].hull()];
         let [Some(x), Some(y)] = hulls else { return 0 };
         let of = |grid: &Grid| grid.range(0, x).count().saturating_mul(grid.range(1, y).count());
         let cells: usize = self.grids.iter().filter(|g| at.spaces.contains(&g.space)).map(of).sum();
@@ -251,7 +251,7 @@ impl Fine {
     }
 
     fn split(&self, at: &Configuration, is_gentle: bool) -> Vec<(CellId, Configuration)> {
-        let hulls = [at.vars[VarId(0)][0].hull(), at.vars[VarId(1)][0].hull()];
+        let hulls = [at.vars[VarId::X][0].hull(), at.vars[VarId::Y][0].hull()];
         let [Some(x), Some(y)] = hulls else { return Vec::new() };
         let combinations = self.combinations(at);
         let mut out = Vec::new();

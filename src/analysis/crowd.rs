@@ -93,7 +93,7 @@ fn still(scene: &Scene<'_>, kind: &Kind, slots: &IdVec<SlotId, Overall>) -> Opti
     let of = |slot: SlotId| {
         let (overall, first) = (&slots[slot], &scene.world.slots[slot]);
         let is_at = |axis: usize| {
-            let var = VarId(axis as u32);
+            let var = VarId::XY[axis];
             let at = Values::point(first.vars[var][0]);
             overall.contact[axis] == at && overall.vars[var][0] == at && overall.speed[axis] == 0.0
         };
@@ -106,7 +106,7 @@ fn still(scene: &Scene<'_>, kind: &Kind, slots: &IdVec<SlotId, Overall>) -> Opti
         };
         Some(Still {
             space: *overall.spaces.first()?,
-            at: [first.vars[VarId(0)][0], first.vars[VarId(1)][0]],
+            at: [first.vars[VarId::X][0], first.vars[VarId::Y][0]],
             is_sure: kind.bodies.iter().map(is_sure).collect(),
         })
     };

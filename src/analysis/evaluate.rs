@@ -177,8 +177,8 @@ impl<'a> Reader<'a> {
     }
 
     fn position(&self, of: Subject, axis: usize) -> Values {
-        let at = |o: &Overall| self.var(o, VarId(axis as u32), 0);
-        let part = Part::Var(VarId(axis as u32), 0, self.is_within_step());
+        let at = |o: &Overall| self.var(o, VarId::XY[axis], 0);
+        let part = Part::Var(VarId::XY[axis], 0, self.is_within_step());
         match of {
             Subject::Slot(slot) => self.read(of, part, |o| Some(self.in_part(slot, axis, &at(o)?))),
             _ => self.read(of, part, at),
@@ -225,7 +225,7 @@ impl<'a> Reader<'a> {
             },
             Expr::Var(of, var, degree) => match self.mine(of) {
                 Some(c) => c.vars[var][usize::from(degree)],
-                None if degree == 0 && var.index() < 2 => self.position(of, var.index()),
+                None if degree == 0 && var.is_position() => self.position(of, var.index()),
                 None => {
                     let degree = usize::from(degree);
                     self.read(of, Part::Var(var, degree, self.is_within_step()), |o| self.var(o, var, degree))
@@ -342,13 +342,12 @@ impl<'a> Reader<'a> {
             Expr::InMode(of, mode) => {
                 let leaves = |slot: SlotId| self.entity(slot).modes[mode].leaves;
                 if let Some((me, c)) = self.configured(of) {
-                    let (first, after) = leaves(me);
-                    return Truth::of(c.leaves.iter().any(|l| first <= *l && *l < after));
+                    return Truth::of(c.leaves.iter().any(|l| leaves(me).contains(*l)));
                 }
                 let of_mode = |slot: &SlotId| {
                     let o = &self.slots[*slot];
                     let Some(m) = self.entity(*slot).modes.get(mode) else { return false };
-                    let any = |leaves: &BTreeSet<LeafId>| leaves.range(m.leaves.0..m.leaves.1).next().is_some();
+                    let any = |leaves: &BTreeSet<LeafId>| leaves.range(m.leaves.from..m.leaves.to).next().is_some();
                     any(&o.leaves) || self.between(o).is_some_and(|b| any(&b.leaves))
                 };
                 Truth { can_hold: self.candidates(of).iter().any(of_mode), can_fail: true }
@@ -369,7 +368,7 @@ impl<'a> Reader<'a> {
             }
             Expr::Near { of, x, y, radius } => {
                 let (px, py) = match self.mine(of) {
-                    Some(c) => (c.vars[VarId(0)][0], c.vars[VarId(1)][0]),
+                    Some(c) => (c.vars[VarId::X][0], c.vars[VarId::Y][0]),
                     None => (self.position(of, 0), self.position(of, 1)),
                 };
                 let apart = |a: &Values, b: ExprId| a.pairs(&self.number(b), Interval::minus).map(Interval::square);
@@ -429,7 +428,7 @@ impl<'a> Reader<'a> {
             (Expr::Touching(Subject::Me, touch), true) => {
                 let boxes = self.touched(me, touch, at);
                 for axis in 0..2 {
-                    let var = VarId(axis as u32);
+                    let var = VarId::XY[axis];
                     let places = match &boxes {
                         Some(boxes) => Values::any(boxes.iter().map(|b| b[axis])),
                         None => self.surroundings.places(me, touch)[axis],

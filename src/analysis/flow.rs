@@ -49,9 +49,9 @@ impl Stepper<'_> {
         let entity = self.entity();
         let limits = &self.reader.world.slots[self.slot].timer_limits;
         let later = |(id, count): (TimerId, &Interval)| {
-            let (first, after) = entity.modes[entity.timers[id].mode].leaves;
+            let inside = entity.modes[entity.timers[id].mode].leaves;
             let limit = f64::from(limits[id]);
-            match next.leaves.iter().any(|l| first <= *l && *l < after) {
+            match next.leaves.iter().any(|l| inside.contains(*l)) {
                 true => Interval { low: (count.low + 1.0).min(limit), high: (count.high + 1.0).min(limit) },
                 false => *count,
             }
@@ -126,7 +126,7 @@ impl Stepper<'_> {
         let mut own = jumps;
         let mut speeds = [0.0_f64; 2];
         for (axis, speed) in speeds.iter_mut().enumerate() {
-            let var = VarId(axis as u32);
+            let var = VarId::XY[axis];
             // Where the position itself is driven or cut, it moves as far as from one end to the other.
             let way = shift(next, &moved, var);
             let far = way.high.max(-way.low) / self.step;
@@ -139,7 +139,7 @@ impl Stepper<'_> {
             own[axis] = own[axis].plus(if is_put { way } else { by_velocity });
         }
         let far = [0, 1].map(|axis| moved.vars[VarId(axis)][1].hull().map_or(0.0, |v| v.high.max(-v.low) * self.step));
-        let begin = [VarId(0), VarId(1)].map(|var| next.vars[var][0]);
+        let begin = VarId::XY.map(|var| next.vars[var][0]);
         let contact = self.reader.surroundings.collide(self.slot, &Way { from: begin, own, far }, &mut moved);
         let greatest = |known: &mut [f64; 2]| *known = [known[0].max(speeds[0]), known[1].max(speeds[1])];
         greatest(&mut outcome.speed);

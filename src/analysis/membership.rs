@@ -280,7 +280,7 @@ impl Table {
         self.weights = vec![0; entity.leaves.len()];
         let mut stride = 1_usize;
         for group in entity.groups.iter() {
-            let leaves = entity.leaves.pairs().filter(|(_, l)| group.modes.0 <= l.mode && l.mode < group.modes.1);
+            let leaves = entity.leaves.pairs().filter(|(_, l)| group.modes.contains(l.mode));
             let mut count = 0;
             for (leaf, _) in leaves {
                 self.weights[leaf.index()] = count * stride;
@@ -329,7 +329,7 @@ impl Table {
             let Some((fall, energy)) = *energy else { continue };
             self.falls.push(Falling { var, fall, energy });
         }
-        let hull = [VarId(0), VarId(1)].map(|var| {
+        let hull = VarId::XY.map(|var| {
             let none = Interval { low: f64::INFINITY, high: f64::NEG_INFINITY };
             at.vars.get(var).map_or(Interval::ALL, |values| values[0].hull().unwrap_or(none))
         });

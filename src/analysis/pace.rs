@@ -69,7 +69,7 @@ impl ConfigurationSpace {
 
 /// Whether an update can put an instance of an entity elsewhere along an axis.
 fn is_put(entity: &Entity, axis: usize) -> bool {
-    let is_position = |place: Place| matches!(place, Place::Var(var, 0) if var == VarId(axis as u32));
+    let is_position = |place: Place| matches!(place, Place::Var(var, 0) if var == VarId::XY[axis]);
     entity.action_lists().flat_map(|actions| &actions.updates).any(|update| is_position(update.place))
 }
 

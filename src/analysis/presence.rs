@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::ir::{Entity, Expr, ExprId, GroupId, Id, LeafId, Program, Subject};
+use crate::ir::{Entity, Expr, ExprId, GroupId, Id, IdRange, LeafId, Program, Subject};
 
 use super::evaluate::Truth;
 
@@ -15,9 +15,9 @@ pub(super) enum Presence {
     /// While a leaf of a group is one of some: from the first to before the second.
     In {
         group: GroupId,
-        leaves: (LeafId, LeafId),
+        leaves: IdRange<LeafId>,
         /// All of the group.
-        all: (LeafId, LeafId),
+        all: IdRange<LeafId>,
     },
     Not(Box<Presence>),
     Both(Box<Presence>, Box<Presence>),
@@ -33,9 +33,8 @@ impl Presence {
             Expr::Bool(true) => Presence::Always,
             Expr::Bool(false) => Presence::Never,
             Expr::InMode(Subject::Me, mode) => {
-                let (mode, (first, after)) = (&entity.modes[mode], entity.groups[entity.modes[mode].group].modes);
-                let of_group = || entity.leaves.pairs().filter(|(_, l)| first <= l.mode && l.mode < after);
-                let all = (of_group().next()?.0, LeafId(of_group().next_back()?.0.0 + 1));
+                let mode = &entity.modes[mode];
+                let all = entity.leaves_of(&entity.groups[mode.group]);
                 Presence::In { group: mode.group, leaves: mode.leaves, all }
             }
             Expr::Not(a) => Presence::Not(of(a)?),
@@ -50,7 +49,7 @@ impl Presence {
         match self {
             Presence::Always => true,
             Presence::Never => false,
-            Presence::In { group, leaves: (first, after), .. } => (*first..*after).contains(&leaf(*group)),
+            Presence::In { group, leaves, .. } => leaves.contains(leaf(*group)),
             Presence::Not(a) => !a.holds(leaf),
             Presence::Both(a, b) => a.holds(leaf) && b.holds(leaf),
             Presence::Either(a, b) => a.holds(leaf) || b.holds(leaf),
@@ -67,9 +66,9 @@ impl Presence {
         match self {
             Presence::Always => Truth::of(true),
             Presence::Never => Truth::of(false),
-            Presence::In { leaves: (first, after), all, .. } => Truth {
-                can_hold: active.range(*first..*after).next().is_some(),
-                can_fail: active.range(all.0..*first).chain(active.range(*after..all.1)).next().is_some(),
+            Presence::In { leaves: inside, all, .. } => Truth {
+                can_hold: active.range(inside.from..inside.to).next().is_some(),
+                can_fail: active.range(all.from..all.to).any(|leaf| !inside.contains(*leaf)),
             },
             Presence::Not(a) => {
                 let Truth { can_hold, can_fail } = a.among(active);

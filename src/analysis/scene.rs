@@ -205,7 +205,7 @@ impl<'a> Scene<'a> {
             for slot in self.kinds[pair.kind].slots.iter().filter(|_| stays).map(|s| &self.world.slots[*s]) {
                 if slot.origin != Origin::Free {
                     let at = [0, 1].map(|axis| {
-                        let at = slot.vars[VarId(axis as u32)][0];
+                        let at = slot.vars[VarId::XY[axis]][0];
                         near(Some(extent), axis, (at + other[axis].low, at + other[axis].high))
                     });
                     hull = Some(hull.map_or(at, |h| [h[0].or(at[0]), h[1].or(at[1])]));
@@ -470,8 +470,8 @@ fn flowing(program: &Program, entity: EntityId) -> Option<Vec<bool>> {
         }
     }
     let of = |group: &Group| {
-        let (first, after) = group.modes;
-        let mut leaves = entity.leaves.iter().filter(|l| first <= l.mode && l.mode < after);
+        let inside = group.modes;
+        let mut leaves = entity.leaves.iter().filter(|l| inside.contains(l.mode));
         asks_for_modes || leaves.any(|l| !l.drives.is_empty())
     };
     Some(entity.groups.iter().map(of).collect())
@@ -482,20 +482,20 @@ fn stays(entity: &Entity) -> bool {
     let drives = entity.free.iter().chain(entity.leaves.iter().flat_map(|l| &l.drives));
     let is_driven = |drive: &Drive| match *drive {
         Drive::Coast(_) => false,
-        Drive::Flow { var, .. } => var.index() < 2,
-        Drive::Envelope(id, _) => entity.envelopes[id].vars.iter().any(|v| v.index() < 2),
+        Drive::Flow { var, .. } => var.is_position(),
+        Drive::Envelope(id, _) => entity.envelopes[id].vars.iter().any(|v| v.is_position()),
     };
     let mut updates = entity.action_lists().flat_map(|a| &a.updates);
-    !drives.into_iter().any(is_driven) && !updates.any(|u| matches!(u.place, Place::Var(VarId(0 | 1), _)))
+    !drives.into_iter().any(is_driven) && !updates.any(|u| matches!(u.place, Place::Var(VarId::X | VarId::Y, _)))
 }
 
 /// The edges of groups that drive variables, and those that set them or spawn something.
 fn moving(entity: &Entity) -> IdVec<EdgeId, bool> {
     let sets = |a: &Actions| !a.spawns.is_empty() || a.updates.iter().any(|u| matches!(u.place, Place::Var(..)));
     let group_moves = |group: &Group| {
-        let (first, after) = group.modes;
-        let mut leaves = entity.leaves.iter().filter(|l| first <= l.mode && l.mode < after);
-        let mut modes = entity.modes.pairs().filter(|(m, _)| first <= *m && *m < after);
+        let inside = group.modes;
+        let mut leaves = entity.leaves.iter().filter(|l| inside.contains(l.mode));
+        let mut modes = entity.modes.pairs().filter(|(m, _)| inside.contains(*m));
         leaves.any(|l| !l.drives.is_empty() || !l.follows.is_empty()) || modes.any(|(_, m)| sets(&m.entry))
     };
     let moves: Vec<bool> = entity.groups.iter().map(group_moves).collect();
@@ -512,7 +512,7 @@ fn moving(entity: &Entity) -> IdVec<EdgeId, bool> {
 /// Whether a flow, an envelope or a clamp sets the position itself.
 fn drives_position(program: &Program, entity: EntityId) -> bool {
     let entity = &program.entities[entity];
-    let is_position = |var: VarId| var.index() < 2;
+    let is_position = |var: VarId| var.is_position();
     let drives = entity.free.iter().chain(entity.leaves.iter().flat_map(|l| &l.drives));
     entity.clamps.iter().any(|c| c.degree == 0 && is_position(c.var))
         || drives.into_iter().any(|d| matches!(d, Drive::Flow { var, degree: 0, .. } if is_position(*var)))

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::ir::{
     Actions, Arithmetic, ColliderId, EdgeId, Entity, Expr, ExprId, Function, GroupId, Id, IdVec, LeafId, Link, ModeId,
-    Place, RefValue, SlotId, SpaceId, SpawnId, Subject, Update, VarId,
+    Place, RefValue, SlotId, SpaceId, SpawnId, Subject, Transition, Update, VarId,
 };
 
 use super::configuration::Configuration;
@@ -208,7 +208,7 @@ impl<'a> Stepper<'a> {
                 for leaf in self.entered(target, at) {
                     for next in &nexts {
                         let mut next = next.clone();
-                        self.enter(group, from, target, leaf, at, &mut next, outcome);
+                        self.enter(Transition { group, from, target, to: leaf }, at, &mut next, outcome);
                         ends |= self.act(&edge.actions, at, &mut next, outcome);
                         entered.push(next);
                     }
@@ -320,35 +320,14 @@ impl<'a> Stepper<'a> {
     }
 
     /// Leaves and enters modes: timers begin anew, entries run.
-    #[allow(clippy::too_many_arguments, reason = "it is the middle of one phase")]
-    fn enter(
-        &self,
-        group: GroupId,
-        from: LeafId,
-        target: ModeId,
-        to: LeafId,
-        at: &Configuration,
-        next: &mut Configuration,
-        outcome: &mut Outcome,
-    ) {
+    fn enter(&self, transition: Transition, at: &Configuration, next: &mut Configuration, outcome: &mut Outcome) {
         let entity = self.entity();
-        let active = |leaf: LeafId, mode: ModeId| {
-            let (first, after) = entity.modes[mode].leaves;
-            first <= leaf && leaf < after
-        };
-        let kept = |mode: ModeId| mode < target && target < entity.modes[mode].end && active(from, mode);
-        next.leaves[group.index()] = to;
-        let (first, after) = entity.groups[group].modes;
-        for (id, timer) in entity.timers.pairs() {
-            let inside = first <= timer.mode && timer.mode < after;
-            if inside && !(active(to, timer.mode) && kept(timer.mode)) {
-                next.timers[id] = Interval::point(0.0);
-            }
+        next.leaves[transition.group.index()] = transition.to;
+        for timer in transition.resets(entity) {
+            next.timers[timer] = Interval::point(0.0);
         }
-        for &mode in &entity.leaves[to].path {
-            if !kept(mode) {
-                self.act(&entity.modes[mode].entry, at, next, outcome);
-            }
+        for mode in transition.entered(entity) {
+            self.act(&entity.modes[mode].entry, at, next, outcome);
         }
     }
 
@@ -357,7 +336,7 @@ impl<'a> Stepper<'a> {
         for update in &actions.updates {
             self.update(update, at, next);
         }
-        if actions.updates.iter().any(|u| matches!(u.place, Place::Var(VarId(0 | 1), 0))) {
+        if actions.updates.iter().any(|u| matches!(u.place, Place::Var(VarId::X | VarId::Y, 0))) {
             outcome.landings.extend(Landing::of(next));
         }
         for &spawn in &actions.spawns {
@@ -460,7 +439,7 @@ impl<'a> Stepper<'a> {
         };
         let axes = [((from.left, from.right), (to.left, to.right)), ((from.bottom, from.top), (to.bottom, to.top))];
         for (axis, (from, to)) in (0..).zip(axes) {
-            let var = VarId(axis as u32);
+            let var = VarId::XY[axis];
             let position = out.vars[var][0];
             let values = if put[axis] { position } else { position.and(&stood[axis]) };
             out.vars[var][0] = values.map(|i| i.map(|x| to.0 + (to.1 - to.0) * (x - from.0) / (from.1 - from.0)));
@@ -473,7 +452,7 @@ impl<'a> Stepper<'a> {
 /// Notes which coordinates updates set.
 fn note_puts(actions: &Actions, put: &mut [bool; 2]) {
     for update in &actions.updates {
-        if let Place::Var(var @ VarId(0 | 1), 0) = update.place {
+        if let Place::Var(var @ (VarId::X | VarId::Y), 0) = update.place {
             put[var.index()] = true;
         }
     }

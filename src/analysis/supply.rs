@@ -17,8 +17,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::ir::{
     Actions, Arithmetic, ColliderId, DiscreteId, Edge, EdgeId, Entity, EntityId, Expr, ExprId, FollowId, Function,
-    IdVec, LeafId, ModeId, Origin, ParamId, Place, Program, RefValue, Slot, SlotId, Subject, TagSet, TouchId, World,
-    compare,
+    IdRange, IdVec, LeafId, ModeId, Origin, ParamId, Place, Program, RefValue, Slot, SlotId, Subject, TagSet, TouchId,
+    World, compare,
 };
 
 use super::tiles::Tiles;
@@ -312,9 +312,9 @@ impl<'a> Supply<'a> {
     }
 
     /// Whether an instance is used up by any of some contacts: of what it touches the tags, and its own collider.
-    fn is_used_up(&self, entity: &Entity, modes: (ModeId, ModeId), pairs: &[(TagSet, ColliderId)]) -> bool {
+    fn is_used_up(&self, entity: &Entity, modes: IdRange<ModeId>, pairs: &[(TagSet, ColliderId)]) -> bool {
         let leaves: Vec<LeafId> =
-            entity.leaves.pairs().filter(|(_, l)| modes.0 <= l.mode && l.mode < modes.1).map(|(id, _)| id).collect();
+            entity.leaves.pairs().filter(|(_, l)| modes.contains(l.mode)).map(|(id, _)| id).collect();
         let is_off = |leaf: LeafId, id: ColliderId| {
             let guard = entity.colliders[id].guard;
             guard.is_some_and(|guard| self.in_leaf(entity, guard, modes, leaf) == Some(false))
@@ -371,13 +371,13 @@ impl<'a> Supply<'a> {
     }
 
     /// How a guard turns out while a leaf of a group is active, if that alone decides it.
-    fn in_leaf(&self, entity: &Entity, guard: ExprId, modes: (ModeId, ModeId), leaf: LeafId) -> Option<bool> {
+    fn in_leaf(&self, entity: &Entity, guard: ExprId, modes: IdRange<ModeId>, leaf: LeafId) -> Option<bool> {
         let of = |guard| self.in_leaf(entity, guard, modes, leaf);
         match self.program.exprs[guard] {
             Expr::Bool(holds) => Some(holds),
-            Expr::InMode(Subject::Me, mode) if modes.0 <= mode && mode < modes.1 => {
-                let (first, after) = entity.modes[mode].leaves;
-                Some(first <= leaf && leaf < after)
+            Expr::InMode(Subject::Me, mode) if modes.contains(mode) => {
+                let inside = entity.modes[mode].leaves;
+                Some(inside.contains(leaf))
             }
             Expr::Not(a) => of(a).map(|holds| !holds),
             Expr::And(a, b) => match (of(a), of(b)) {
@@ -415,11 +415,7 @@ fn ends(entity: &Entity, edge: EdgeId) -> bool {
 
 /// The leaves that an edge can make active.
 fn entered(entity: &Entity, edge: EdgeId) -> impl Iterator<Item = LeafId> + use<> {
-    let leaves = entity.edges[edge].target.map_or((LeafId(0), LeafId(0)), |target| {
-        let mode = &entity.modes[target];
-        if mode.chooses { mode.leaves } else { (mode.initial, LeafId(mode.initial.0 + 1)) }
-    });
-    (leaves.0.0..leaves.1.0).map(LeafId)
+    entity.edges[edge].target.map(|target| entity.enterable(target).ids()).into_iter().flatten()
 }
 
 /// The edges that can enter a mode: their target is the mode itself, is around it or inside of it.
@@ -449,11 +445,11 @@ fn can_recur(entity: &Entity, edge: EdgeId) -> bool {
     if target.is_none() {
         return true;
     }
-    let (first, after) = entity.modes[*source].leaves;
+    let inside = entity.modes[*source].leaves;
     let mut seen: BTreeSet<LeafId> = entered(entity, edge).collect();
     let mut open: Vec<LeafId> = seen.iter().copied().collect();
     while let Some(leaf) = open.pop() {
-        if first <= leaf && leaf < after {
+        if inside.contains(leaf) {
             return true;
         }
         let next = entity.leaves[leaf].edges.iter().flat_map(|e| entered(entity, *e));

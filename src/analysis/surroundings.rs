@@ -125,7 +125,7 @@ impl Surroundings {
         if contacts.surfaces.is_empty() || !contacts.is_gentle {
             return None;
         }
-        let hulls = [at.vars[VarId(0)][0].hull(), at.vars[VarId(1)][0].hull()];
+        let hulls = [at.vars[VarId::X][0].hull(), at.vars[VarId::Y][0].hull()];
         let mut out = Vec::new();
         let [Some(x), Some(y)] = hulls else { return Some(out) };
         let others = contacts.places_of_others.get(id.index())?;
@@ -181,18 +181,18 @@ impl Surroundings {
                 moved.energy[var] = None;
             }
         }
-        let contact = [moved.vars[VarId(0)][0], moved.vars[VarId(1)][0]];
+        let contact = [moved.vars[VarId::X][0], moved.vars[VarId::Y][0]];
         if !contacts.is_pushed || !is_near(contacts.near, &contact) {
             return contact;
         }
         contacts.push_out(way, moved);
         if !contacts.regions.is_empty() && contacts.covers(&moved.leaves) {
-            let (x, y) = (moved.vars[VarId(0)][0], moved.vars[VarId(1)][0]);
+            let (x, y) = (moved.vars[VarId::X][0], moved.vars[VarId::Y][0]);
             let cut = moved.spaces.iter().map(|space| self.within_region(slot, *space, &x, &y));
             let all = cut.reduce(|a, b| [a[0].or(&b[0]), a[1].or(&b[1])]);
             let [x, y] = all.unwrap_or([Values::none(), Values::none()]);
-            moved.vars[VarId(0)][0] = x;
-            moved.vars[VarId(1)][0] = y;
+            moved.vars[VarId::X][0] = x;
+            moved.vars[VarId::Y][0] = y;
         }
         contact
     }
@@ -226,7 +226,7 @@ impl Contacts {
         let far = way.far[0].max(way.far[1]) + slack;
         let local = self.local_edges(far, moved);
         for axis in 0..2 {
-            let var = VarId(axis as u32);
+            let var = VarId::XY[axis];
             let [position, velocity, _] = &mut moved.vars[var];
             let (Some(at), Some(free)) = (position.hull(), velocity.hull()) else { continue };
             let within = match way.from[axis].hull().filter(|_| self.is_gentle) {
@@ -270,7 +270,7 @@ impl Contacts {
             return None;
         }
         let mut out = Edges::default();
-        if let (Some(x), Some(y)) = (at.vars[VarId(0)][0].hull(), at.vars[VarId(1)][0].hull()) {
+        if let (Some(x), Some(y)) = (at.vars[VarId::X][0].hull(), at.vars[VarId::Y][0].hull()) {
             let surfaces = self.surfaces.iter().map(|(space, s)| (space, s.as_ref()));
             let all = surfaces.chain(self.obstacles.iter().map(|(space, s)| (space, s)));
             for (_, surfaces) in all.filter(|(space, _)| at.spaces.contains(space)) {
@@ -423,7 +423,7 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
                 false => out.edges[axis].iter().flatten().copied().collect(),
             };
             let first = kind.slots.iter().map(|s| &scene.world.slots[*s]).filter(|s| s.origin != Origin::Free);
-            let first = first.map(|s| Interval::point(s.vars[VarId(axis as u32)][0]));
+            let first = first.map(|s| Interval::point(s.vars[VarId::XY[axis]][0]));
             places[axis] = places[axis].and(&Values::any(ends.into_iter().chain(first)));
         }
         places

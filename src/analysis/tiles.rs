@@ -1,7 +1,6 @@
 //! The tiles of a space as the analysis looks at them: which kinds stand where, in which columns and rows.
 
-use crate::ir::{Bounds, Side, SpaceId, TagId, TagSet, World};
-use crate::level::TileMap;
+use crate::ir::{Bounds, Side, SpaceId, TagId, TagSet, TileMap, World};
 
 use super::values::Interval;
 

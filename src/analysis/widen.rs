@@ -22,8 +22,8 @@ pub(super) fn within_bounds(world: &World, slot: SlotId, mut at: Configuration) 
         })
     }) {
         let cut = |values: &Values, low: f64, high: f64| values.within(Interval { low, high });
-        at.set(VarId(0), 0, cut(&at.vars[VarId(0)][0], all.left, all.right));
-        at.set(VarId(1), 0, cut(&at.vars[VarId(1)][0], all.bottom, f64::INFINITY));
+        at.set(VarId::X, 0, cut(&at.vars[VarId::X][0], all.left, all.right));
+        at.set(VarId::Y, 0, cut(&at.vars[VarId::Y][0], all.bottom, f64::INFINITY));
     }
     at
 }

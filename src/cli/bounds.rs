@@ -48,7 +48,7 @@ pub(super) fn dimensions(entity: &Entity, space: &SlotSpace) -> Dimensions {
     };
     let groups: Vec<usize> = entity.groups.ids().map(Id::index).collect();
     let several = |group: &&usize| {
-        let modes = entity.groups.iter().nth(**group).map_or((0, 0), |g| (g.modes.0.0, g.modes.1.0));
+        let modes = entity.groups.iter().nth(**group).map_or((0, 0), |g| (g.modes.from.0, g.modes.to.0));
         entity.leaves.iter().filter(|l| modes.0 <= l.mode.0 && l.mode.0 < modes.1).count() > 1
     };
     let plain = 3 * entity.vars.len() + entity.discretes.len() + entity.timers.len();

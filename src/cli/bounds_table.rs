@@ -188,14 +188,16 @@ impl Slot<'_> {
     /// Positions are lengths; what other variables measure is not known here.
     fn unit(column: Column) -> &'static str {
         match column {
-            Column::Var(var, degree) if var.index() < 2 => [" [px]", " [px/s]", " [px/s²]"][usize::from(degree.min(2))],
+            Column::Var(var, degree) if var.is_position() => {
+                [" [px]", " [px/s]", " [px/s²]"][usize::from(degree.min(2))]
+            }
             Column::Timer(_) => " [steps]",
             _ => "",
         }
     }
 
     fn relation(&self, column: Column, place: bool) -> String {
-        let stands = matches!(column, Column::Var(var, 0) if var.index() < 2);
+        let stands = matches!(column, Column::Var(var, 0) if var.is_position());
         if stands && !place && self.values(column, None).constant().is_some() {
             return format!("{} as placed", self.name(column));
         }

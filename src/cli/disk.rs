@@ -73,6 +73,23 @@ pub(super) fn bytes(path: &Path) -> Result<Vec<u8>, ReadError> {
     all(file)
 }
 
+/// A compiled program may be larger than the text that it was made from, but not larger than this, bytes.
+const MAX_COMPILED_BYTES: u64 = 1 << 28;
+
+/// The text of a compiled program.
+///
+/// # Errors
+/// [`ReadError`] if it cannot be read, is not UTF-8 or is too large.
+pub(super) fn compiled(path: &Path) -> Result<String, ReadError> {
+    let file = open(path)?;
+    let mut bytes = Vec::new();
+    file.take(MAX_COMPILED_BYTES + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+    match bytes.len() as u64 > MAX_COMPILED_BYTES {
+        true => Err(ReadError::Unreadable(format!("it is larger than {} MiB", MAX_COMPILED_BYTES >> 20))),
+        false => decode(bytes),
+    }
+}
+
 /// All bytes of a stream.
 ///
 /// # Errors

@@ -18,10 +18,7 @@ pub(super) fn run(args: &IrArgs) -> io::Result<Answer> {
     let mut out = io::stdout().lock();
     match args.format {
         ResultFormat::Human => write!(out, "{}", text(&loaded.program))?,
-        ResultFormat::Json => {
-            serde_json::to_writer_pretty(&mut out, &loaded.program)?;
-            writeln!(out)?;
-        }
+        ResultFormat::Json => loaded.program.write_json(&mut out)?,
     }
     Ok(Answer::Yes)
 }

@@ -6,12 +6,13 @@ use std::path::Path;
 use sha2::{Digest, Sha256};
 
 use crate::compile::{Barred, Compilation, LevelFile, compile_barred, level_file};
+use crate::diagnostic::catalogue::file::Unreadable;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::{Diagnostics, Fact, render, similar};
 use crate::ir::{Program, World, WorldId};
-use crate::source::SourceMap;
+use crate::source::{ReadError, SourceMap};
 
-use super::disk::{Disk, bytes};
+use super::disk::{Disk, bytes, compiled};
 
 /// Whether to colour what goes to a stream: only on a terminal, and not where `NO_COLOR` is set.
 pub(super) fn colored(terminal: bool) -> bool {
@@ -66,6 +67,9 @@ pub(super) fn load(path: &Path, level: LevelFile<'_>) -> io::Result<Option<Loade
 
 /// As [`load`], with a predicate that may never hold.
 pub(super) fn load_barred(path: &Path, level: LevelFile<'_>, barred: Option<Barred<'_>>) -> io::Result<Option<Loaded>> {
+    if path.extension().is_some_and(|extension| extension == "json") {
+        return load_compiled(path, level, barred);
+    }
     let Compilation { sources, program, diagnostics } = compile_barred(path, level, barred, &Disk);
     match diagnostics.counts() {
         (0, 0) => {}
@@ -77,6 +81,34 @@ pub(super) fn load_barred(path: &Path, level: LevelFile<'_>, barred: Option<Barr
         _ => show(&sources, &diagnostics)?,
     }
     Ok(program.map(|program| Loaded { sources, program }))
+}
+
+/// Reads a program that `hypedc ir --format json` has written; shows what is wrong and gives nothing if it cannot be run.
+fn load_compiled(path: &Path, level: LevelFile<'_>, barred: Option<Barred<'_>>) -> io::Result<Option<Loaded>> {
+    let mut sources = SourceMap::new();
+    sources.add(path, "");
+    let only = |what: &str| {
+        let why = format!("`{}` is a compiled program, and {what}", path.display());
+        NoQuestion { why, near: None, help: Some("give the `.hyped` file that it was made from".into()) }
+    };
+    if level.map.is_some() || level.legend.is_some() || level.tile.is_some() {
+        show_fact(&sources, only("has all the maps that it will have"))?;
+        return Ok(None);
+    }
+    if barred.is_some() {
+        show_fact(&sources, only("a predicate is compiled with the text"))?;
+        return Ok(None);
+    }
+    let program = compiled(path).and_then(|text| {
+        Program::from_json(&text).map_err(|why| ReadError::Unreadable(why.to_string()))
+    });
+    match program {
+        Ok(program) => Ok(Some(Loaded { sources, program })),
+        Err(error) => {
+            show_fact(&sources, Unreadable::named(path, error))?;
+            Ok(None)
+        }
+    }
 }
 
 /// Whether worlds have all their maps; shows how to give the one that is missing.

@@ -87,7 +87,7 @@ pub fn chart(program: &Program, sources: &SourceMap, id: EntityId) -> Chart {
     let reader = Reader { program, sources, entity: &program.entities[id], spans: &program.spans.entities[id] };
     let entity = reader.entity;
     let outermost = |group: &ir::Group| {
-        let (from, to) = (group.modes.0.0, group.modes.1.0);
+        let (from, to) = (group.modes.from.0, group.modes.to.0);
         (from..to).map(ModeId).filter(|m| entity.modes[*m].parent.is_none()).map(|m| m.0 as usize).collect::<Vec<_>>()
     };
     let regions = entity.groups.iter().map(|group| Region {
@@ -98,7 +98,7 @@ pub fn chart(program: &Program, sources: &SourceMap, id: EntityId) -> Chart {
     let edges = entity.edges.pairs().filter_map(|(id, edge)| {
         let (guard, updates) = excerpt::edge(reader.sources.slice(reader.spans.edges[id]));
         // The modes around an edge's mode are active with it, so its place is the same in all leaves.
-        let leaf = &entity.leaves[entity.modes[edge.source].leaves.0];
+        let leaf = &entity.leaves[entity.modes[edge.source].leaves.from];
         let order = leaf.edges.iter().position(|e| *e == id).map_or(0, |at| at + 1);
         Some(Edge { source: edge.source.0 as usize, target: edge.target?.0 as usize, order, guard, updates })
     });
@@ -157,7 +157,7 @@ impl Reader<'_> {
             entity
                 .modes
                 .ids()
-                .find(|mode| (entity.modes[*mode].leaves.0, entity.modes[*mode].leaves.1.0) == (first, after))
+                .find(|mode| (entity.modes[*mode].leaves.from, entity.modes[*mode].leaves.to.0) == (first, after))
         };
         let own = entity.follows.ids().filter(|follow| owner(*follow) == Some(id));
         own.map(|follow| {

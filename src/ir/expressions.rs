@@ -1,6 +1,7 @@
 //! Which expressions there are: those that an entity reads as it runs, and those that one is made of.
 
 use super::{Actions, Drive, Entity, Expr, ExprId, Id, Program, Release};
+use crate::ir::{EntityId, IdVec, ParamId, Step, Subject, Timer, TimerId, arithmetic, call, compare};
 
 impl Entity {
     /// The expressions that decide how its variables flow: those of drives, envelopes and clamps.
@@ -91,5 +92,63 @@ impl Expr {
             | Expr::InMode(..)
             | Expr::InSpace(..) => Vec::new(),
         }
+    }
+}
+
+impl Program {
+    /// The count above which each timer's value no longer matters: the first whose time exceeds all that it is compared
+    /// with. What it is compared with may read parameters where they are known.
+    pub fn timer_limits(
+        &self,
+        entity: EntityId,
+        params: Option<&IdVec<ParamId, f64>>,
+        step: Step,
+    ) -> IdVec<TimerId, u32> {
+        let unknown = IdVec::new();
+        let params = params.unwrap_or(&unknown);
+        let limit = |timer: &Timer| {
+            let Some(thresholds) = &timer.thresholds else {
+                return u32::MAX;
+            };
+            let mut greatest = 0.0f64;
+            for &id in thresholds {
+                match self.constant(id, params, step) {
+                    Some(value) => greatest = greatest.max(value),
+                    None => return u32::MAX,
+                }
+            }
+            let estimate = (greatest / step.seconds()).floor();
+            if estimate >= f64::from(u32::MAX - 2) {
+                return u32::MAX;
+            }
+            let mut count = estimate as u32;
+            while step.times(count) <= greatest && count < u32::MAX {
+                count += 1;
+            }
+            count
+        };
+        self.entities[entity].timers.iter().map(limit).collect()
+    }
+
+    /// The value of an expression that reads nothing but parameters and the step; none if it reads more, or has no
+    /// finite value.
+    pub fn constant(&self, id: ExprId, params: &IdVec<ParamId, f64>, step: Step) -> Option<f64> {
+        let value = |id| self.constant(id, params, step);
+        let result = match self.exprs[id] {
+            Expr::Number(n) => n,
+            Expr::Frames(n) => step.frames(n),
+            Expr::Bool(b) => f64::from(u8::from(b)),
+            // What is not a number is not known.
+            Expr::Param(Subject::Me, p) => params.get(p).copied().filter(|p| p.is_finite())?,
+            Expr::Negate(a) => -value(a)?,
+            Expr::Not(a) => f64::from(u8::from(value(a)? == 0.0)),
+            Expr::And(a, b) => f64::from(u8::from(value(a)? != 0.0 && value(b)? != 0.0)),
+            Expr::Or(a, b) => f64::from(u8::from(value(a)? != 0.0 || value(b)? != 0.0)),
+            Expr::Arithmetic(op, a, b) => arithmetic(op, value(a)?, value(b)?),
+            Expr::Compare(op, a, b) => f64::from(u8::from(compare(op, value(a)?, value(b)?))),
+            Expr::Call(function, [a, b, c]) => call(function, [value(a)?, value(b)?, value(c)?]),
+            _ => return None,
+        };
+        result.is_finite().then_some(result)
     }
 }

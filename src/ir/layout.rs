@@ -3,12 +3,12 @@
 //! The players' buttons come first, then one block for each slot. Within a block the widest fields come first, so that
 //! every field is aligned: real numbers, whole numbers and timers, leaves, references and spaces, flags, contact bits.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Entity, EntityId, IdVec, PlayerId, Slot, SlotId};
 
 /// Byte offsets within a state.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Layout {
     /// The size of a state in bytes, a multiple of 8.
     pub size: usize,
@@ -19,7 +19,7 @@ pub struct Layout {
 }
 
 /// Byte offsets of one slot.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SlotLayout {
     /// The slot's block: from the first byte to before the second.
     pub block: (usize, usize),

@@ -4,34 +4,40 @@
 //! variables and the edges to try, for each world the slots with their first values and the layout of a state. The
 //! simulator, the planners and all later backends read these tables and nothing else.
 
-mod actions;
+mod arithmetic;
 mod expressions;
-mod fold;
+mod ids;
+mod json;
 mod layout;
-mod leaf;
+mod limits;
 mod lower;
+mod operators;
 mod program;
 mod spans;
 mod text;
+mod tile_map;
+mod transition;
 mod verify;
-mod world;
 mod world_tables;
 
+pub use arithmetic::{arithmetic, call, compare};
+pub use ids::{
+    AxisId, ButtonId, ColliderId, DiscreteId, EdgeId, EntityId, EnvelopeId, ExprId, FollowId, GoalId, GroupId, Id,
+    IdRange, IdVec, LeafId, ModeId, NeverId, ParamId, PlayerId, RefId, SlotId, SpaceId, SpawnId, TagId, TimerId,
+    TouchId, VarId, WorldId,
+};
+pub use json::{JSON_VERSION, NotAProgram};
 pub use layout::{Layout, SlotLayout};
+pub use limits::{MAX_AXES, MAX_BUTTONS, MAX_INSTANCES, MAX_MODES, MAX_TAGS};
 pub use lower::lower;
+pub use operators::{Arithmetic, CompareOp, Function, Origin, Place, Press, Push, Response, Side, Subject};
 pub use program::{
     Actions, By, Choice, Clamp, Collider, Discrete, Domain, Drive, Edge, Entity, Envelope, Expr, Follow, Group, Inputs,
     Leaf, Mode, Param, Program, RefUpdate, RefValue, Reference, Release, Shape, Spawn, TagSet, Timer, Touch, Update,
 };
 pub use spans::{EntitySpans, Spans, WorldSpans};
 pub use text::text;
+pub use tile_map::{TileKind, TileMap};
+pub use transition::Transition;
+pub use verify::{Invalid, verify};
 pub use world_tables::{Bounds, Collide, Link, Meeting, Player, Predicate, Slot, Solid, Space, Step, World};
-
-pub use crate::level::TileMap;
-pub use crate::sema::checked::{Arithmetic, CompareOp, Function, Origin, Place, Press, Push, Response, Side, Subject};
-pub use crate::sema::ids::{
-    AxisId, ButtonId, ColliderId, DiscreteId, EdgeId, EntityId, EnvelopeId, ExprId, FollowId, GoalId, GroupId, Id,
-    IdVec, LeafId, ModeId, NeverId, ParamId, PlayerId, RefId, SlotId, SpaceId, SpawnId, TagId, TimerId, TouchId, VarId,
-    WorldId,
-};
-pub use crate::sema::{MAX_AXES, arithmetic, call, compare};

@@ -1,16 +1,16 @@
 //! The tables. Their fields say what they mean at run time and what always holds of them.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::Spans;
 use super::{
     Arithmetic, AxisId, ButtonId, ColliderId, CompareOp, DiscreteId, EdgeId, EntityId, EnvelopeId, ExprId, FollowId,
-    Function, GroupId, IdVec, LeafId, ModeId, ParamId, Place, Press, RefId, Side, SlotId, SpaceId, SpawnId, Subject,
-    TagId, TimerId, TouchId, VarId, World, WorldId,
+    Function, GroupId, IdRange, IdVec, LeafId, ModeId, ParamId, Place, Press, RefId, Side, SlotId, SpaceId, SpawnId,
+    Subject, TagId, TimerId, TouchId, VarId, World, WorldId,
 };
 
 /// A compiled program.
-#[derive(Debug, Clone, Default, Serialize)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Program {
     /// All tags, in order of first use; at most 64.
     pub tags: IdVec<TagId, String>,
@@ -21,11 +21,12 @@ pub struct Program {
     /// All worlds.
     pub worlds: IdVec<WorldId, World>,
     /// Where each entry comes from.
+    #[serde(default)]
     pub spans: Spans,
 }
 
 /// A set of tags, one bit each.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct TagSet(pub u64);
 
 impl TagSet {
@@ -62,7 +63,7 @@ impl FromIterator<TagId> for TagSet {
 
 /// An expression. Numbers are `f64`; a whole number or the index of a set's value is one, too.
 /// Guards are read as truth values; reading a truth value as a number gives 0 or 1.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Expr {
     /// A number; always finite.
@@ -125,12 +126,12 @@ pub enum Expr {
 }
 
 /// One automaton with every name resolved and every group flattened.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Entity {
     /// Its name.
     pub name: String,
     /// Its documentation.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub doc: Option<String>,
     /// Parameters: constant per instance, see [`super::Slot::params`].
     pub params: IdVec<ParamId, Param>,
@@ -178,12 +179,12 @@ pub struct Entity {
     pub free: Vec<Drive>,
     /// Inputs that it reads in whatever mode.
     pub inputs: Inputs,
-    /// Its code in the arena: from the first expression to before the second.
-    pub code: (ExprId, ExprId),
+    /// Its code in the arena.
+    pub code: IdRange<ExprId>,
 }
 
 /// A parameter.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Param {
     /// Its name.
     pub name: String,
@@ -192,7 +193,7 @@ pub struct Param {
 }
 
 /// A discrete variable.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Discrete {
     /// Its name.
     pub name: String,
@@ -205,7 +206,7 @@ pub struct Discrete {
 }
 
 /// What a discrete variable's number stands for.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Domain {
     /// Itself.
@@ -217,7 +218,7 @@ pub enum Domain {
 }
 
 /// A reference to another instance.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Reference {
     /// Its name.
     pub name: String,
@@ -226,7 +227,7 @@ pub struct Reference {
 }
 
 /// A soft bound, applied in the continuous phase: to a velocity before it moves the position, to a position after.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Clamp {
     /// The variable.
     pub var: VarId,
@@ -239,7 +240,7 @@ pub struct Clamp {
 }
 
 /// The shape of a collider relative to the position, px; read at the start of the collision phase.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Shape {
     /// x and y of the lower-left corner, width, height.
@@ -259,7 +260,7 @@ impl Shape {
 }
 
 /// A collider.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Collider {
     /// What it counts as.
     pub tags: TagSet,
@@ -272,12 +273,12 @@ pub struct Collider {
 }
 
 /// A group of modes, one of whose leaves is active.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Group {
     /// Its name; none for the anonymous one.
     pub name: Option<String>,
-    /// Its modes: from the first to before the second.
-    pub modes: (ModeId, ModeId),
+    /// Its modes.
+    pub modes: IdRange<ModeId>,
     /// The mode that is active at first, if no choice says otherwise.
     pub first: ModeId,
     /// Modes that are active at first instead, the first whose guard holds.
@@ -285,7 +286,7 @@ pub struct Group {
 }
 
 /// A mode that is the initial one where its guard holds; the guard reads parameters only.
-#[derive(Debug, Clone, Copy, Serialize)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub struct Choice {
     /// When it is.
     pub guard: ExprId,
@@ -294,7 +295,7 @@ pub struct Choice {
 }
 
 /// A mode.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Mode {
     /// Its full path: `movement.air.rising`.
     pub path: String,
@@ -304,8 +305,8 @@ pub struct Mode {
     pub end: ModeId,
     /// Its group.
     pub group: GroupId,
-    /// The leaves inside it (itself, if it is one): from the first to before the second.
-    pub leaves: (LeafId, LeafId),
+    /// The leaves inside it (itself, if it is one).
+    pub leaves: IdRange<LeafId>,
     /// The leaf that becomes active when it is entered, if no choice inside says otherwise.
     pub initial: LeafId,
     /// Modes directly inside that are entered instead, the first whose guard holds.
@@ -319,7 +320,7 @@ pub struct Mode {
 }
 
 /// An edge.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Edge {
     /// The mode that holds it.
     pub source: ModeId,
@@ -334,7 +335,7 @@ pub struct Edge {
 }
 
 /// `follow links`: the instance goes where a link leads.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Follow {
     /// When; always if none.
     pub guard: Option<ExprId>,
@@ -345,7 +346,7 @@ pub struct Follow {
 }
 
 /// What happens on an edge, or when a mode is entered. All right sides read the state before the step.
-#[derive(Debug, Clone, Default, Serialize)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Actions {
     /// Variables that change.
     pub updates: Vec<Update>,
@@ -358,7 +359,7 @@ pub struct Actions {
 }
 
 /// A reference gets a value.
-#[derive(Debug, Clone, Copy, Serialize)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub struct RefUpdate {
     /// The reference.
     pub reference: RefId,
@@ -367,7 +368,7 @@ pub struct RefUpdate {
 }
 
 /// An instance or none.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RefValue {
     /// None.
@@ -377,7 +378,7 @@ pub enum RefValue {
 }
 
 /// A new instance takes the lowest free slot of its entity; `x`, `y` and the space are the spawner's where not given.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Spawn {
     /// The entity.
     pub entity: EntityId,
@@ -392,7 +393,7 @@ pub struct Spawn {
 }
 
 /// An update; the right side reads the state before the step.
-#[derive(Debug, Clone, Copy, Serialize)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub struct Update {
     /// What is written.
     pub place: Place,
@@ -401,7 +402,7 @@ pub struct Update {
 }
 
 /// What drives a variable during the continuous phase.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Drive {
     /// No flow: the last acceleration stays in force.
@@ -420,7 +421,7 @@ pub enum Drive {
 }
 
 /// An envelope: while driven, towards the direction times `sustain`.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Envelope {
     /// The mode that holds it; none at the entity's own level.
     pub mode: Option<ModeId>,
@@ -445,7 +446,7 @@ pub struct Envelope {
 }
 
 /// What drives an envelope.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum By {
     /// A button: while it is down.
@@ -470,7 +471,7 @@ pub enum By {
 }
 
 /// How an envelope ends.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Release {
     /// It stays.
@@ -485,7 +486,7 @@ pub enum Release {
 }
 
 /// Buttons and axes.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Inputs {
     /// One bit for each button.
     pub buttons: u64,
@@ -502,7 +503,7 @@ impl Inputs {
 }
 
 /// A mode without modes inside, resolved: what is active and what to try while it is.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Leaf {
     /// The mode.
     pub mode: ModeId,
@@ -521,7 +522,7 @@ pub struct Leaf {
 }
 
 /// A contact question: a collider of one's own tagged with one of `mine`, something tagged `other`, on a side.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Touch {
     /// Tags of one's own collider.
     pub mine: TagSet,
@@ -534,7 +535,7 @@ pub struct Touch {
 }
 
 /// A mode whose time is read.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Timer {
     /// The mode.
     pub mode: ModeId,

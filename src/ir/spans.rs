@@ -1,15 +1,16 @@
 //! Where the entries of the tables come from, for diagnostics of running and analysed programs.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::{
-    AxisId, ButtonId, ColliderId, DiscreteId, EdgeId, EntityId, EnvelopeId, ExprId, FollowId, GoalId, GroupId, IdVec,
-    ModeId, NeverId, ParamId, PlayerId, RefId, SlotId, SpaceId, SpawnId, TagId, TouchId, VarId, WorldId,
+    AxisId, ButtonId, ColliderId, DiscreteId, EdgeId, Entity, EntityId, EnvelopeId, ExprId, FollowId, GoalId, GroupId,
+    Id, IdVec, ModeId, NeverId, ParamId, PlayerId, Program, RefId, SlotId, SpaceId, SpawnId, TagId, TouchId, VarId,
+    World, WorldId,
 };
-use crate::source::Span;
+use crate::source::{FileId, Span};
 
 /// Where the entries of the tables come from.
-#[derive(Debug, Clone, Default, Serialize)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Spans {
     /// Of each tag: its first use.
     pub tags: IdVec<TagId, Span>,
@@ -21,8 +22,54 @@ pub struct Spans {
     pub worlds: IdVec<WorldId, WorldSpans>,
 }
 
+impl Spans {
+    /// For a program whose text is not known: the beginning of the first file, for all entries.
+    pub(super) fn nowhere(program: &Program) -> Spans {
+        fn blank<I: Id, J: Id, T>(table: &IdVec<J, T>) -> IdVec<I, Span> {
+            table.iter().map(|_| NOWHERE).collect()
+        }
+        let entity = |e: &Entity| EntitySpans {
+            name: NOWHERE,
+            params: blank(&e.params),
+            vars: blank(&e.vars),
+            discretes: blank(&e.discretes),
+            refs: blank(&e.refs),
+            spawns: blank(&e.spawns),
+            follows: blank(&e.follows),
+            invariants: e.invariants.iter().map(|_| NOWHERE).collect(),
+            buttons: blank(&e.buttons),
+            axes: blank(&e.axes),
+            colliders: blank(&e.colliders),
+            groups: blank(&e.groups),
+            touches: blank(&e.touches),
+            modes: blank(&e.modes),
+            edges: blank(&e.edges),
+            envelopes: blank(&e.envelopes),
+        };
+        let world = |w: &World| WorldSpans {
+            name: NOWHERE,
+            spaces: blank(&w.spaces),
+            solids: w.spaces.iter().map(|s| s.solids.iter().map(|_| NOWHERE).collect()).collect(),
+            links: w.spaces.iter().map(|s| s.links.iter().map(|_| NOWHERE).collect()).collect(),
+            slots: blank(&w.slots),
+            players: blank(&w.players),
+            goals: blank(&w.goals),
+            nevers: blank(&w.nevers),
+        };
+        Spans {
+            tags: blank(&program.tags),
+            exprs: blank(&program.exprs),
+            entities: program.entities.iter().map(entity).collect(),
+            worlds: program.worlds.iter().map(world).collect(),
+        }
+    }
+}
+
+/// The beginning of the first file.
+const NOWHERE: Span = Span { file: FileId(0), start: 0, end: 0 };
+
 /// Where an entity's entries come from; a leaf and a timer come from their modes.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct EntitySpans {
     /// The entity's name.
     pub name: Span,
@@ -59,7 +106,7 @@ pub struct EntitySpans {
 }
 
 /// Where a world's entries come from.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct WorldSpans {
     /// The world's name.
     pub name: Span,

@@ -154,7 +154,7 @@ impl EntityText<'_> {
         for (id, group) in e.groups.pairs() {
             let name = group.name.as_deref().unwrap_or("(anonymous)");
             writeln!(out, "  {id} {name}: starts at {}{}", self.choices(&group.choices), e.modes[group.first].path)?;
-            for mode in group.modes.0.0..group.modes.1.0 {
+            for mode in group.modes.from.0..group.modes.to.0 {
                 let id = super::ModeId(mode);
                 let m = &e.modes[id];
                 let entry = self.actions(&m.entry);
@@ -164,7 +164,7 @@ impl EntityText<'_> {
                     Some(inner) => format!(" enters {}{}", self.choices(&m.choices), e.modes[inner].path),
                 };
                 writeln!(out, "    {id} {}{inner}{entry}", m.path)?;
-                if m.leaves.0 == m.initial && initial == id {
+                if m.leaves.from == m.initial && initial == id {
                     let leaf = &e.leaves[m.initial];
                     self.drives(out, &format!("      {}", m.initial), &leaf.drives)?;
                     if !leaf.edges.is_empty() {

@@ -2,16 +2,16 @@
 
 use std::cmp::Ordering;
 
-use serde::Serialize;
+use crate::ir::TileMap;
+use serde::{Deserialize, Serialize};
 
 use super::{
     DiscreteId, EntityId, ExprId, GoalId, IdVec, Layout, NeverId, Origin, ParamId, PlayerId, RefId, Response, SlotId,
     SpaceId, TagId, TagSet, TimerId, VarId,
 };
-use crate::level::TileMap;
 
 /// A world, ready to run.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct World {
     /// Its name.
     pub name: String,
@@ -36,7 +36,7 @@ pub struct World {
 }
 
 /// The length of a step as a fraction in lowest terms, s.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Step {
     /// Numerator, more than 0.
     pub numerator: u64,
@@ -62,7 +62,7 @@ impl Step {
 }
 
 /// A room.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Space {
     /// Its name.
     pub name: String,
@@ -89,7 +89,7 @@ impl Space {
 }
 
 /// A way into another space: from a place to the same place relative to another rectangle.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Link {
     /// Where it begins.
     pub from: Bounds,
@@ -102,7 +102,7 @@ pub struct Link {
 }
 
 /// Free-standing static geometry.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Solid {
     /// What it counts as.
     pub tags: TagSet,
@@ -111,7 +111,7 @@ pub struct Solid {
 }
 
 /// A rectangle, px.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Bounds {
     /// Its least x.
     pub left: f64,
@@ -147,7 +147,7 @@ impl Bounds {
 }
 
 /// A place for an instance, with the instance's first values.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Slot {
     /// The instance's name.
     pub name: String,
@@ -174,7 +174,7 @@ pub struct Slot {
 }
 
 /// A player.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Player {
     /// The number as written.
     pub number: u32,
@@ -183,7 +183,7 @@ pub struct Player {
 }
 
 /// Colliders with a tag of `left` and one with a tag of `right` meet.
-#[derive(Debug, Clone, Copy, Serialize)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub struct Collide {
     /// The one side.
     pub left: TagSet,
@@ -194,7 +194,7 @@ pub struct Collide {
 }
 
 /// A `goal` or a `never`.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Predicate {
     /// Its name.
     pub name: String,

@@ -1,5 +1,7 @@
 //! Maps from rows of characters: written between quotes in a `.hyped` file, or the lines of a text file.
 
+use crate::ir::{TileKind, TileMap};
+
 use std::collections::BTreeMap;
 
 use serde::de::IgnoredAny;
@@ -9,7 +11,7 @@ use crate::diagnostic::catalogue::file::TooMany;
 use crate::diagnostic::catalogue::world::{EmptyMap, NotRows, RowLength, UnknownTile};
 use crate::source::{FileId, Span};
 
-use super::{MAX_TILES, TileKind, TileMap};
+use super::MAX_TILES;
 
 /// A tile of the set that a map is read with.
 pub struct InlineTile<T> {

@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::lint::BeyondBounds;
-use crate::sema::checked::{Checked, CompareOp, Entity, Origin, Subject, Term, TermKind, World};
-use crate::sema::ids::{EntityId, IdVec, ParamId, SlotId};
+use crate::ir::{CompareOp, EntityId, IdVec, Origin, ParamId, SlotId, Subject};
+use crate::sema::checked::{Checked, Entity, Term, TermKind, World};
 use crate::sema::{ConstantContext, evaluate};
 
 /// Where a player can be as long as its run lasts; px. Above is open sky.
@@ -148,7 +148,7 @@ impl Within<'_> {
             }
             TermKind::Compare(op, sides) => {
                 let [a, b] = sides.as_ref();
-                self.never_compares(*op, a, b) || self.never_compares(flipped(*op), b, a)
+                self.never_compares(*op, a, b) || self.never_compares(op.mirrored(), b, a)
             }
             TermKind::Near(asked) => {
                 let (of, numbers) = asked.as_ref();
@@ -177,16 +177,5 @@ impl Within<'_> {
             CompareOp::Equal => number < least || number > greatest,
             CompareOp::Unequal => false,
         }
-    }
-}
-
-/// The comparison with its sides changed.
-fn flipped(op: CompareOp) -> CompareOp {
-    match op {
-        CompareOp::Less => CompareOp::Greater,
-        CompareOp::AtMost => CompareOp::AtLeast,
-        CompareOp::Greater => CompareOp::Less,
-        CompareOp::AtLeast => CompareOp::AtMost,
-        CompareOp::Equal | CompareOp::Unequal => op,
     }
 }

@@ -1,9 +1,10 @@
 //! What the text of guards alone tells: whether one always or never holds, follows from another one, excludes it.
 
+use crate::ir::{CompareOp, ModeId, Press, Subject};
+
 use std::cell::Cell;
 
-use crate::sema::checked::{CompareOp, Entity, Press, Subject, Term, TermKind};
-use crate::sema::ids::ModeId;
+use crate::sema::checked::{Entity, Term, TermKind};
 
 use super::range::{Range, fact, facts, range};
 use super::terms::same;

@@ -2,8 +2,8 @@
 
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::lint::{ConstantGuard, Shadowed, Trap, UnreachableMode};
+use crate::ir::{EdgeId, IdVec, ModeId};
 use crate::sema::checked::{Edge, Entity, Mode, Term, TermKind};
-use crate::sema::ids::{EdgeId, IdVec, ModeId};
 use crate::source::Span;
 
 use super::guard::{implied, truth};

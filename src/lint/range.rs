@@ -1,7 +1,9 @@
 //! The values that a number can have, as far as the text alone tells: literals, the ranges of discrete variables,
 //! clocks that never run backwards, axes, and what a guard asks for.
 
-use crate::sema::checked::{Arithmetic, CompareOp, Entity, Function, Subject, Term, TermKind, Type};
+use crate::ir::{Arithmetic, CompareOp, Function, Subject};
+
+use crate::sema::checked::{Entity, Term, TermKind, Type};
 
 use super::terms::same;
 

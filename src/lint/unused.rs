@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::lint::Unused;
-use crate::sema::checked::{Action, By, Checked, Entity, Given, Name, Place, Subject, Term, TermKind};
-use crate::sema::ids::{AxisId, ButtonId, DiscreteId, EntityId, ParamId, RefId, VarId, WorldId};
+use crate::ir::{AxisId, ButtonId, DiscreteId, EntityId, ParamId, Place, RefId, Subject, VarId, WorldId};
+use crate::sema::checked::{Action, By, Checked, Entity, Given, Name, Term, TermKind};
 use crate::source::{FileId, Span};
 
 use super::terms;

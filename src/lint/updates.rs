@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::lint::{GroupClash, MayLeaveRange};
-use crate::sema::checked::{Entity, Place, Subject, Term, TermKind, Type, Update};
-use crate::sema::ids::{GroupId, ModeId};
+use crate::ir::{GroupId, ModeId, Place, Subject};
+use crate::sema::checked::{Entity, Term, TermKind, Type, Update};
 
 use super::guard::{exclusive, is_in, truth};
 use super::range::{facts, range};

@@ -5,11 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::diagnostic::catalogue::lint::{LinkNowhere, NoPlayer, PlacedInside, UncarriedTag, UnpairedTouch};
 use crate::diagnostic::{Diagnostics, similar};
-use crate::sema::checked::{
-    Checked, CollideRule, Entity, Instance, Origin, Push, Shape, Solid, Space, Subject, TermKind, Touching, World,
-};
-use crate::sema::ids::{EntityId, TagId};
-use crate::sema::{ConstantContext, MAX_TAGS, evaluate};
+use crate::ir::{EntityId, MAX_TAGS, Origin, Push, Subject, TagId};
+use crate::sema::checked::{Checked, CollideRule, Entity, Instance, Shape, Solid, Space, TermKind, Touching, World};
+use crate::sema::{ConstantContext, evaluate};
 use crate::source::Span;
 
 use super::terms;

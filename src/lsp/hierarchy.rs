@@ -1,11 +1,11 @@
 //! Edges as calls: which modes lead into a mode, and where a mode leads.
 
+use crate::ir::ModeId;
 use gen_lsp_types as types;
 use gen_lsp_types::{CallHierarchyIncomingCall, CallHierarchyItem, CallHierarchyOutgoingCall, SymbolKind};
 use serde_json::{Value, json};
 
 use crate::sema::checked::Entity;
-use crate::sema::ids::ModeId;
 use crate::syntax::occurrence::NameKind;
 
 use super::hover::owners;

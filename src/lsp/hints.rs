@@ -1,12 +1,13 @@
 //! What is shown between the words: dimensions of parameters, what variables can be, how high and how long a jump goes;
 //! and above worlds and goals, what can be run.
 
+use crate::ir::{EntityId, Id, IdVec, ModeId, ParamId, Place, VarId};
+
 use gen_lsp_types as types;
 use gen_lsp_types::{CodeLens, Command, InlayHint, InlayHintKind};
 use serde_json::json;
 
-use crate::sema::checked::{Action, Checked, DriveBy, Edge, Entity, Place, Term, TermKind};
-use crate::sema::ids::{EntityId, Id, IdVec, ModeId, ParamId, VarId};
+use crate::sema::checked::{Action, Checked, DriveBy, Edge, Entity, Term, TermKind};
 use crate::sema::{ConstantContext, evaluate};
 use crate::source::{FileId, Span};
 use crate::syntax::ast::{Item, Name, WorldItem};

@@ -3,6 +3,7 @@
 
 use std::collections::BTreeSet;
 
+use crate::ir::EntityId;
 use gen_lsp_types as types;
 use gen_lsp_types::{Hover, MarkupContent, MarkupKind, Range};
 
@@ -10,7 +11,6 @@ use crate::analysis::Values;
 use crate::diagnostic::page::{Page, Part};
 use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::sema::checked::{Checked, Entity, Type};
-use crate::sema::ids::EntityId;
 use crate::source::{FileId, Span};
 use crate::syntax;
 use crate::syntax::occurrence::{NameKind, Occurrence, Role};

@@ -65,8 +65,8 @@ fn naive(world: &World, entity: &Entity, slot: SlotId, all: Vec<Coordinate>) -> 
         .groups
         .pairs()
         .filter_map(|(group, g)| {
-            let first = entity.modes[g.modes.0].leaves.0;
-            let after = entity.leaves.ids().rev().find(|l| entity.leaves[*l].mode < g.modes.1);
+            let first = entity.modes[g.modes.from].leaves.from;
+            let after = entity.leaves.ids().rev().find(|l| entity.leaves[*l].mode < g.modes.to);
             let count = after.map_or(0, |last| last.0 + 1 - first.0);
             (count > 1).then_some((group, Leaf::Any(first.0, count)))
         })
@@ -101,7 +101,7 @@ fn reduced(entity: &Entity, slot: SlotId, space: &SlotSpace, all: &[Coordinate])
         if let Some(Interval { low, high }) = found().filter_map(|v| v.hull()).reduce(Interval::or) {
             let unit = match c.quantity {
                 // A px is a px, however far something can go.
-                Quantity::Var(_, var, 0) if var.index() < 2 => c.unit,
+                Quantity::Var(_, var, 0) if var.is_position() => c.unit,
                 Quantity::Var(_, _, 0) | Quantity::Discrete(..) => high - low,
                 Quantity::Var(..) | Quantity::Timer(..) => (high - low) * FLEETING,
             };

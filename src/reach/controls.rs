@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::ir::{By, Entity, Expr, ExprId, Function, Id, Inputs, LeafId, Program};
+use crate::ir::{By, Entity, Expr, ExprId, Function, Inputs, LeafId, Program};
 use crate::sim::{Input, PlayerInput};
 
 use super::problem::Problem;
@@ -125,8 +125,7 @@ fn entity_reads_between(program: &Program, entity: &Entity) -> bool {
         _ => None,
     };
     let is_zero = |id: ExprId| matches!(program.exprs[id], Expr::Number(0.0));
-    let (first, after) = entity.code;
-    let code = || program.exprs.pairs().skip(first.index()).take(after.index().saturating_sub(first.index()));
+    let code = || entity.code.ids().map(|id| (id, &program.exprs[id]));
     // An axis has one reader; one that is no operand drives something by itself.
     let mut by_sign = Vec::new();
     for (_, expr) in code() {

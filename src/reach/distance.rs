@@ -80,7 +80,7 @@ impl Distances {
         let far = places.iter().flatten().filter(|d| **d != FAR).max()? + 1;
         let pace = problem.time().map(|_| Pace {
             places: [[1, 0, 0], [0, 1, 0]].map(|costs| flood(&grids, problem, &goal, costs, meter)),
-            steps: [VarId(0), VarId(1)].map(|var| {
+            steps: VarId::XY.map(|var| {
                 let fastest = fastest(space, player, var) * problem.sim.world().step.seconds();
                 if fastest > 0.0 { PLACE / fastest } else { 0.0 }
             }),

@@ -5,7 +5,7 @@
 use rand::Rng;
 
 use crate::analysis::ConfigurationSpace;
-use crate::ir::{Bounds, DiscreteId, GroupId, Id, SlotId, Space, TimerId, VarId, World};
+use crate::ir::{Bounds, DiscreteId, GroupId, SlotId, Space, TimerId, VarId, World};
 use crate::sim::Simulator;
 
 use super::bounds::{self, Sampling};
@@ -162,7 +162,7 @@ impl Metric {
                 if !metric.players.contains(&slot) {
                     continue;
                 }
-                let is_position = |c: &Coordinate| matches!(c.quantity, Quantity::Var(_, var, 0) if var.index() < 2);
+                let is_position = |c: &Coordinate| matches!(c.quantity, Quantity::Var(_, var, 0) if var.is_position());
                 let kept: Vec<bool> = coordinates.iter().map(is_position).collect();
                 part.keep(&kept);
                 coordinates.retain(is_position);
@@ -204,7 +204,7 @@ impl Metric {
         let real = |c: &Coordinate| {
             let width = (c.high - c.low).clamp(f64::MIN_POSITIVE, f64::MAX);
             let (level, cells, counts) = match c.quantity {
-                Quantity::Var(slot, var, 0) if is_player(slot) && var.index() < 2 => {
+                Quantity::Var(slot, var, 0) if is_player(slot) && var.is_position() => {
                     (1, (width / PLACE).max(1.0), false)
                 }
                 Quantity::Discrete(..) => (2, width + 1.0, true),

@@ -145,8 +145,8 @@ impl Prover<'_> {
             Expr::Discrete(Subject::Slot(slot), discrete) => add(Quantity::Discrete(slot, discrete)),
             Expr::Near { of, x, y, radius } => {
                 if let Subject::Slot(slot) = of {
-                    add(Quantity::Var(slot, VarId(0), 0));
-                    add(Quantity::Var(slot, VarId(1), 0));
+                    add(Quantity::Var(slot, VarId::X, 0));
+                    add(Quantity::Var(slot, VarId::Y, 0));
                 }
                 [x, y, radius].into_iter().for_each(|id| self.reads(id, out));
             }

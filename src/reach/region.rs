@@ -3,7 +3,7 @@
 
 use rand::{Rng, RngExt};
 
-use crate::ir::{CompareOp, Entity, Expr, ExprId, LeafId, SlotId, Subject, TagSet, TouchId, VarId};
+use crate::ir::{CompareOp, Entity, Expr, ExprId, SlotId, Subject, TagSet, TouchId, VarId};
 
 use super::metric::{MODE_PENALTY, Metric, Point, Quantity};
 use super::problem::Problem;
@@ -109,7 +109,7 @@ impl Finder<'_> {
                 let Some(index) = self.metric.mode_index(slot, mode.group) else {
                     return anything();
                 };
-                let leaves = (mode.leaves.0.0..mode.leaves.1.0).take(MAX_BOXES).map(LeafId);
+                let leaves = mode.leaves.ids().take(MAX_BOXES);
                 leaves.map(|leaf| Region { reals: Vec::new(), modes: vec![(index, leaf.0 as f32)] }).collect()
             }
             Expr::Touching(Subject::Slot(slot), touch) => {
@@ -132,7 +132,7 @@ impl Finder<'_> {
     }
 
     fn position_box(&self, slot: SlotId, x: (f64, f64), y: (f64, f64)) -> Region {
-        let axes = [(VarId(0), x), (VarId(1), y)];
+        let axes = [(VarId::X, x), (VarId::Y, y)];
         let ranges = axes.iter().filter_map(|(var, (low, high))| self.range(Quantity::Var(slot, *var, 0), *low, *high));
         Region { reals: ranges.collect(), modes: Vec::new() }
     }

@@ -118,8 +118,8 @@ impl Finder<'_> {
             Expr::Number(n) => constant(n),
             Expr::Negate(a) => self.linear(a).map(|a| a.map(|a| -a)),
             Expr::Var(Subject::Slot(slot), var, 0) if slot == self.player => match var {
-                VarId(0) => Some([1.0, 0.0, 0.0]),
-                VarId(1) => Some([0.0, 1.0, 0.0]),
+                VarId::X => Some([1.0, 0.0, 0.0]),
+                VarId::Y => Some([0.0, 1.0, 0.0]),
                 _ => None,
             },
             Expr::Var(Subject::Slot(slot), var, 0) => constant(world.slots[slot].vars[var][0]),
@@ -178,7 +178,7 @@ impl Finder<'_> {
             targets.extend(unmoving(space, wanted, MAX_BOXES).map(|bounds| (id, bounds)));
         }
         for (id, slot) in world.slots.pairs().filter(|(_, s)| s.origin != Origin::Free) {
-            let (x, y) = (slot.vars[VarId(0)][0], slot.vars[VarId(1)][0]);
+            let (x, y) = (slot.vars[VarId::X][0], slot.vars[VarId::Y][0]);
             let colliders = program.entities[slot.entity].colliders.iter().filter(|c| c.tags.meets(wanted));
             let boxes = colliders.filter_map(|c| extent(self.problem, id, c));
             targets.extend(boxes.map(|b| {

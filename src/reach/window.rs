@@ -161,8 +161,7 @@ impl<'a> Things<'a> {
         let (program, world) = (self.problem.sim.program(), self.problem.sim.world());
         let used: BTreeSet<EntityId> = world.slots.iter().map(|slot| slot.entity).collect();
         for entity in used {
-            let (from, to) = program.entities[entity].code;
-            let code: Vec<ExprId> = (from.0..to.0).map(ExprId).collect();
+            let code: Vec<ExprId> = program.entities[entity].code.ids().collect();
             let put = positions_put(&program.entities[entity]);
             for slot in world.slots.ids().filter(|slot| world.slots[*slot].entity == entity) {
                 code.iter().for_each(|&id| self.add_comparison(id, Some(slot)));
@@ -204,7 +203,7 @@ impl<'a> Things<'a> {
             }
             Expr::Near { of, x, y, radius } => {
                 let Some(radius) = self.constant(radius, me) else { return };
-                for (var, middle) in [(VarId(0), x), (VarId(1), y)] {
+                for (var, middle) in [(VarId::X, x), (VarId::Y, y)] {
                     let Some(middle) = self.constant(middle, me) else { continue };
                     for value in [middle - radius, middle + radius] {
                         self.note(slot_of(of, me), var, value);
@@ -218,7 +217,7 @@ impl<'a> Things<'a> {
     /// Whose position along which axis an expression is, up to a constant that is added to it.
     fn position(&self, id: ExprId, me: Option<SlotId>) -> Option<(Option<SlotId>, VarId, f64)> {
         match self.problem.sim.program().exprs[id] {
-            Expr::Var(of, var, 0) if var.index() < 2 => Some((slot_of(of, me), var, 0.0)),
+            Expr::Var(of, var, 0) if var.is_position() => Some((slot_of(of, me), var, 0.0)),
             Expr::Arithmetic(op @ (Arithmetic::Add | Arithmetic::Subtract), a, b) => {
                 if let (Some((of, var, shift)), Some(value)) = (self.position(a, me), self.constant(b, me)) {
                     let value = if op == Arithmetic::Add { value } else { -value };
@@ -273,7 +272,7 @@ fn positions_put(entity: &Entity) -> Vec<(VarId, ExprId)> {
     });
     let clamps = entity.clamps.iter().filter(|clamp| clamp.degree == 0);
     let clamped = clamps.flat_map(|c| c.low.into_iter().chain(c.high).map(|end| (c.var, end)));
-    updated.chain(driven).chain(clamped).filter(|(var, _)| var.index() < 2).collect()
+    updated.chain(driven).chain(clamped).filter(|(var, _)| var.is_position()).collect()
 }
 
 /// The slot that a subject of some slot's code, or of the world's, stands for; none if it can be several.
@@ -286,7 +285,7 @@ fn slot_of(subject: Subject, me: Option<SlotId>) -> Option<SlotId> {
 }
 
 fn first_position(slot: &Slot) -> (f64, f64) {
-    (slot.vars[VarId(0)][0], slot.vars[VarId(1)][0])
+    (slot.vars[VarId::X][0], slot.vars[VarId::Y][0])
 }
 
 fn joined(known: Option<Bounds>, more: Bounds) -> Option<Bounds> {

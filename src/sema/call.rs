@@ -3,14 +3,14 @@
 use crate::diagnostic::catalogue::structure::JointCycle;
 use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::WrongArguments;
+use crate::ir::{Function, Id, Press, Side, SpaceId, Subject};
 use crate::source::Span;
 use crate::syntax::ast::{Expr, ExprKind, Name, PathRef};
 use crate::syntax::occurrence::NameKind;
 
 use super::Checker;
-use super::checked::{BoundTouch, Function, Press, Side, Subject, Term, TermKind, Touching, Type};
+use super::checked::{BoundTouch, Term, TermKind, Touching, Type};
 use super::expression::{Reads, Scope};
-use super::ids::{Id, SpaceId};
 use super::names::unknown;
 
 impl Checker<'_> {

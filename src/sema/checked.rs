@@ -4,19 +4,18 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use serde::Serialize;
+use crate::ir::{
+    Arithmetic, AxisId, ButtonId, ColliderId, CompareOp, DiscreteId, EdgeId, EntityId, EnvelopeId, Function, GroupId,
+    Id, IdVec, ModeId, ParamId, Place, Press, RefId, Side, SlotId, SpaceId, Subject, TagId, TouchId, VarId, WorldId,
+};
 
 pub use super::annotation::Annotation;
 pub use super::checked_world::*;
 use crate::source::Span;
-pub use crate::syntax::ast::{CompareOp, Name};
+pub use crate::syntax::ast::Name;
 use crate::syntax::occurrence::Occurrences;
 
 use super::dimension::Dimensions;
-use super::ids::{
-    AxisId, ButtonId, ColliderId, DiscreteId, EdgeId, EntityId, EnvelopeId, GroupId, IdVec, ModeId, ParamId, RefId,
-    SetId, SlotId, SpaceId, TagId, TouchId, VarId, WorldId,
-};
 
 /// A program without errors.
 #[derive(Debug, Clone, Default)]
@@ -39,6 +38,20 @@ pub struct Checked {
     pub dimensions: Dimensions,
 }
 
+/// A list of names that discrete variables range over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SetId(pub u32);
+
+impl Id for SetId {
+    fn from_index(index: usize) -> Self {
+        SetId(index as u32)
+    }
+
+    fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
 /// A type of values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Type {
@@ -52,20 +65,6 @@ pub enum Type {
     Set(SetId),
     /// An instance of an entity (of any, if none), or none.
     Ref(Option<EntityId>),
-}
-
-/// Whose variable, contact or mode an expression reads.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Subject {
-    /// The instance that the code runs for.
-    Me,
-    /// A named instance of the world.
-    Slot(SlotId),
-    /// What a reference of the instance refers to.
-    Ref(RefId),
-    /// The instance that a contact question of the instance found (`touching(…) as e`).
-    Touched(TouchId),
 }
 
 /// An expression with its type.
@@ -84,78 +83,6 @@ impl Term {
     pub fn take(&mut self) -> Term {
         Term { kind: std::mem::replace(&mut self.kind, TermKind::NoneRef), ty: self.ty, span: self.span }
     }
-}
-
-/// Arithmetic on two numbers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Arithmetic {
-    /// `a + b`
-    Add,
-    /// `a - b`
-    Subtract,
-    /// `a * b`
-    Multiply,
-    /// `a / b`; dividing by zero stops the step.
-    Divide,
-}
-
-/// Functions of numbers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Function {
-    /// The smaller of two.
-    Min,
-    /// The larger of two.
-    Max,
-    /// The size without the sign.
-    Abs,
-    /// -1, 0 or 1.
-    Sign,
-    /// `clamp(x, low, high)`
-    Clamp,
-    /// The next whole number below.
-    Floor,
-    /// The next whole number above.
-    Ceil,
-    /// The nearest whole number, half away from zero.
-    Round,
-    /// The square root; of a negative number it stops the step.
-    Sqrt,
-    /// The sine of an angle in radians, as a portable library computes it.
-    Sin,
-    /// The cosine of an angle in radians.
-    Cos,
-    /// `atan2(y, x)`: the angle of a direction, in radians.
-    Atan2,
-    /// `if(condition, a, b)`
-    If,
-}
-
-/// When a button counts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Press {
-    /// It went down at this step.
-    Pressed,
-    /// It is down.
-    Held,
-    /// It went up at this step.
-    Released,
-}
-
-/// A side of a collider.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Side {
-    /// Towards smaller x.
-    Left,
-    /// Towards larger x.
-    Right,
-    /// Towards larger y.
-    Above,
-    /// Towards smaller y.
-    Below,
 }
 
 /// What an expression computes. A large text has many of them, so what is seldom or large stands in boxes.
@@ -521,18 +448,6 @@ pub struct Update {
     pub value: Term,
     /// The whole.
     pub span: Span,
-}
-
-/// What an update can write.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Place {
-    /// A continuous variable or one of its derivatives.
-    Var(VarId, u8),
-    /// A discrete variable.
-    Discrete(DiscreteId),
-    /// A reference.
-    Ref(RefId),
 }
 
 /// An envelope: attack, decay, sustain, release.

@@ -1,15 +1,14 @@
 //! The checked program's worlds: spaces, instances with their first values, who meets whom, what is asked.
 
-use serde::Serialize;
+use crate::ir::{
+    DiscreteId, EntityId, GoalId, IdVec, NeverId, Origin, ParamId, PlayerId, RefId, Response, SlotId, SpaceId, TagId,
+    TileMap, VarId,
+};
 
-use crate::level::TileMap;
 use crate::source::Span;
 use crate::syntax::ast::Name;
 
 use super::checked::Term;
-use super::ids::{
-    DiscreteId, EntityId, GoalId, IdVec, NeverId, ParamId, PlayerId, RefId, SlotId, SpaceId, TagId, VarId,
-};
 
 /// A world.
 #[derive(Debug, Clone)]
@@ -36,29 +35,6 @@ pub struct World {
     pub open: Option<SpaceId>,
     /// The whole.
     pub span: Span,
-}
-
-/// What a contact does.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Push {
-    /// It is noticed.
-    Sense,
-    /// What came from above is held up by what is below.
-    FromAbove,
-    /// The one that can move is pushed out.
-    Block,
-}
-
-/// What a contact does. The order is that of strength.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
-pub struct Response {
-    /// Whether it is pushed.
-    pub push: Push,
-    /// The velocity into the surface is set to 0.
-    pub stop: bool,
-    /// What stands on the other moves along.
-    pub carry: bool,
 }
 
 /// A `collide` line.
@@ -138,18 +114,6 @@ pub struct Instance {
     pub given: Vec<(Given, Term)>,
     /// Where it is placed.
     pub span: Span,
-}
-
-/// How an instance comes to be.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Origin {
-    /// It has a name; its slot is never used again.
-    Named,
-    /// A tile makes it; once it is destroyed its slot is free.
-    Tile,
-    /// Nothing is there at first.
-    Free,
 }
 
 /// What a `place` or a `spawn` can set.

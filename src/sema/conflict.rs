@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 
 use crate::diagnostic::catalogue::structure::FlowConflict;
+use crate::ir::{GroupId, IdVec, VarId};
 
 use super::Checker;
 use super::checked::{Drive, Entity};
-use super::ids::{GroupId, IdVec, VarId};
 
 impl Checker<'_> {
     /// Two drives of one variable in one mode, or in modes of two groups.

@@ -1,10 +1,9 @@
 //! Values that are known before a world runs: constants, parameters of an instance, first values.
 
+use crate::ir::{Function, IdVec, ParamId, Subject, arithmetic, call, compare};
 use crate::source::Span;
-use crate::syntax::ast::CompareOp;
 
-use super::checked::{Arithmetic, Function, Subject, Term, TermKind};
-use super::ids::{IdVec, ParamId};
+use super::checked::{Term, TermKind};
 
 /// What a constant term may read.
 #[derive(Debug, Clone, Copy)]
@@ -94,81 +93,4 @@ pub fn evaluate(term: &Term, context: ConstantContext<'_>) -> Result<f64, Broken
         | TermKind::Near(_) => return Err(unknown),
     };
     if result.is_finite() { Ok(result) } else { Err(Broken::NotFinite(term.span)) }
-}
-
-/// Arithmetic as the simulator does it; dividing by zero gives no finite number.
-pub fn arithmetic(op: Arithmetic, a: f64, b: f64) -> f64 {
-    match op {
-        Arithmetic::Add => a + b,
-        Arithmetic::Subtract => a - b,
-        Arithmetic::Multiply => a * b,
-        Arithmetic::Divide => a / b,
-    }
-}
-
-/// A comparison.
-pub fn compare(op: CompareOp, a: f64, b: f64) -> bool {
-    match op {
-        CompareOp::Equal => a == b,
-        CompareOp::Unequal => a != b,
-        CompareOp::Less => a < b,
-        CompareOp::AtMost => a <= b,
-        CompareOp::Greater => a > b,
-        CompareOp::AtLeast => a >= b,
-    }
-}
-
-/// A function of up to three numbers, `if` excepted.
-pub fn call(function: Function, [a, b, c]: [f64; 3]) -> f64 {
-    match function {
-        Function::Min => a.min(b),
-        Function::Max => a.max(b),
-        Function::Abs => a.abs(),
-        Function::Sign if a == 0.0 => 0.0,
-        Function::Sign => a.signum(),
-        // The upper bound wins where the bounds are crossed, as in min(max(x, low), high).
-        Function::Clamp => a.max(b).min(c),
-        Function::Floor => a.floor(),
-        Function::Ceil => a.ceil(),
-        Function::Round => a.round(),
-        Function::Sqrt => a.sqrt(),
-        // The standard library's last bits differ between platforms.
-        Function::Sin => libm::sin(a),
-        Function::Cos => libm::cos(a),
-        Function::Atan2 => libm::atan2(a, b),
-        Function::If => {
-            if a != 0.0 {
-                b
-            } else {
-                c
-            }
-        }
-    }
-}
-
-impl CompareOp {
-    /// What holds where this one fails.
-    #[must_use]
-    pub fn negated(self) -> Self {
-        match self {
-            CompareOp::Equal => CompareOp::Unequal,
-            CompareOp::Unequal => CompareOp::Equal,
-            CompareOp::Less => CompareOp::AtLeast,
-            CompareOp::AtMost => CompareOp::Greater,
-            CompareOp::Greater => CompareOp::AtMost,
-            CompareOp::AtLeast => CompareOp::Less,
-        }
-    }
-
-    /// `b op a` for `a op b`.
-    #[must_use]
-    pub fn mirrored(self) -> Self {
-        match self {
-            CompareOp::Equal | CompareOp::Unequal => self,
-            CompareOp::Less => CompareOp::Greater,
-            CompareOp::AtMost => CompareOp::AtLeast,
-            CompareOp::Greater => CompareOp::Less,
-            CompareOp::AtLeast => CompareOp::AtMost,
-        }
-    }
 }

@@ -6,16 +6,14 @@
 
 mod report;
 
+use crate::ir::{Arithmetic, EntityId, Function, ParamId, Place, SlotId, Subject, VarId};
+
 use std::collections::BTreeMap;
 
 use crate::diagnostic::Diagnostics;
 use crate::source::{SourceMap, Span};
 
-use super::checked::{
-    Action, Arithmetic, By, Checked, DriveBy, Entity, Function, Given, Place, Rate, Release, Subject, Term, TermKind,
-    World,
-};
-use super::ids::{EntityId, ParamId, SlotId, VarId};
+use super::checked::{Action, By, Checked, DriveBy, Entity, Given, Rate, Release, Term, TermKind, World};
 
 /// A fraction in lowest terms with a positive denominator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -216,7 +214,7 @@ impl Solver<'_> {
 
     fn name(&mut self, name: Named) -> Dim {
         if let Named::Var(_, var) = name
-            && var <= super::entity::Y
+            && var <= VarId::Y
         {
             return Dim::known(1, 0);
         }
@@ -350,7 +348,7 @@ impl Solver<'_> {
             TermKind::Var(of, var, degree) => {
                 let base = match entity(*of) {
                     Some(entity) => self.name(Named::Var(entity, *var)),
-                    None if *var <= super::entity::Y => Dim::known(LENGTH.0, LENGTH.1),
+                    None if *var <= VarId::Y => Dim::known(LENGTH.0, LENGTH.1),
                     None => return None,
                 };
                 Some(base.plus(&Dim::known(0, -i64::from(*degree)), Ratio::ONE))

@@ -5,13 +5,13 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::diagnostic::catalogue::world::{BadLevel, TileInstances, UnknownSetting, UnknownThing};
 use crate::diagnostic::similar;
-use crate::level::{Drawn, Format, Meaning, Thing, TileKind, TileMap, Value, drawn};
+use crate::ir::{EntityId, Id, Origin, SlotId, SpaceId, TagId, TileKind, TileMap};
+use crate::level::{Drawn, Format, Meaning, Thing, Value, drawn};
 use crate::source::{FileId, Span};
 use crate::syntax::ast::{self, Expr, ExprKind, Name};
 
 use super::Checker;
-use super::checked::{Given, Instance, Origin, Solid, World};
-use super::ids::{EntityId, Id, SlotId, SpaceId, TagId};
+use super::checked::{Given, Instance, Solid, World};
 use super::names::{Table, unknown};
 use super::population::Population;
 

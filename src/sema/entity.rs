@@ -7,24 +7,22 @@ use crate::diagnostic::catalogue::file::TooMany;
 use crate::diagnostic::catalogue::structure::MixedGroups;
 use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::{NotConstant, OutOfRange};
+use crate::ir::{
+    AxisId, ButtonId, DiscreteId, EntityId, GroupId, IdVec, MAX_AXES, MAX_BUTTONS, ModeId, ParamId, RefId, VarId,
+};
 use crate::source::Span;
 use crate::syntax::ast::{self, Domain, Expr, Member, Name, Word};
 use crate::syntax::occurrence::NameKind;
 
+use super::checked::SetId;
 use super::checked::{Annotation, Discrete, Entity, Group, Param, Reference, Term, TermKind, Type, Var};
 use super::constant::{Broken, ConstantContext, evaluate};
 use super::expression::{Reads, Scope};
 use super::facts::Facts;
-use super::ids::{AxisId, ButtonId, DiscreteId, EntityId, GroupId, IdVec, ModeId, ParamId, RefId, SetId, VarId};
 use super::mode::ModeNames;
 use super::names::{Known, Table, unknown};
 use super::reference::lost_by;
-use super::{Checker, MAX_AXES, MAX_BUTTONS, Set};
-
-/// The variable `x`.
-pub(super) const X: VarId = VarId(0);
-/// The variable `y`.
-pub(super) const Y: VarId = VarId(1);
+use super::{Checker, Set};
 
 /// The names of an entity, and the syntax of its modes.
 #[derive(Debug)]
@@ -436,7 +434,7 @@ impl<'a> Checker<'a> {
             let (Some(&var), Some(initial)) = (names.vars.get(&c.name.text), &c.initial) else {
                 continue;
             };
-            if seen.insert(var) && var > Y {
+            if seen.insert(var) && !var.is_position() {
                 entity.vars[var].initial = self.number(initial, &scope);
             }
         }

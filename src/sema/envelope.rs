@@ -2,6 +2,7 @@
 
 use crate::diagnostic::catalogue::names::UnknownName;
 use crate::diagnostic::catalogue::structure::BadEnvelope;
+use crate::ir::{AxisId, ModeId, VarId};
 use crate::source::Span;
 use crate::syntax::ast::{self, ExprKind, RampKind};
 use crate::syntax::occurrence::NameKind;
@@ -9,7 +10,6 @@ use crate::syntax::occurrence::NameKind;
 use super::Checker;
 use super::checked::{By, Drive, DriveBy, Entity, Envelope, Rate, Release, Term, TermKind};
 use super::expression::Scope;
-use super::ids::{AxisId, ModeId, VarId};
 use super::names::unknown;
 
 /// The most ways a direction is cut into.

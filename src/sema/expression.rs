@@ -6,14 +6,14 @@ use std::rc::Rc;
 use crate::diagnostic::catalogue::names::UnknownName;
 use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::{BadChain, NotConstant, TypeMismatch};
+use crate::ir::{self, Arithmetic, EntityId, ModeId, SlotId, Subject};
 use crate::source::Span;
 use crate::syntax::ast::{BinaryOp, CompareOp, Expr, ExprKind, Name, PathRef, Unit};
 use crate::syntax::occurrence::{NameKind, Role};
 
 use super::Checker;
-use super::checked::{Arithmetic, Entity, Given, Subject, Term, TermKind, Touching, Type};
+use super::checked::{Entity, Given, Term, TermKind, Touching, Type};
 use super::entity::Skeleton;
-use super::ids::{EntityId, ModeId, SlotId};
 use super::mode::ModeNames;
 use super::names::{Known, unknown};
 
@@ -100,6 +100,19 @@ impl<'s> Scope<'s> {
 
     pub fn reading(self, reads: Reads) -> Self {
         Scope { reads, ..self }
+    }
+}
+
+impl From<CompareOp> for ir::CompareOp {
+    fn from(op: CompareOp) -> Self {
+        match op {
+            CompareOp::Equal => ir::CompareOp::Equal,
+            CompareOp::Unequal => ir::CompareOp::Unequal,
+            CompareOp::Less => ir::CompareOp::Less,
+            CompareOp::AtMost => ir::CompareOp::AtMost,
+            CompareOp::Greater => ir::CompareOp::Greater,
+            CompareOp::AtLeast => ir::CompareOp::AtLeast,
+        }
     }
 }
 
@@ -539,7 +552,7 @@ impl Checker<'_> {
                 }
             }
         };
-        let compared = Term { kind: TermKind::Compare(op, Box::new([a, b])), ty: Type::Bool, span };
+        let compared = Term { kind: TermKind::Compare(op.into(), Box::new([a, b])), ty: Type::Bool, span };
         Some(if scope.world.is_some() { super::predicate::while_alive(compared) } else { compared })
     }
 

@@ -1,11 +1,12 @@
 //! What is known where an expression stands: references that were tested, instances that a guard named. A guard tells
 //! what follows it in the same `and`, the updates of its edge, and the branches of an `if`.
 
+use crate::ir::{EntityId, IdVec, ModeId, RefId, Subject, TouchId};
+
 use crate::source::Span;
 use crate::syntax::ast::Name;
 
-use super::checked::{BoundTouch, Subject, Term, TermKind};
-use super::ids::{EntityId, IdVec, ModeId, RefId, TouchId};
+use super::checked::{BoundTouch, Term, TermKind};
 use super::names::Known;
 
 /// What is known at the place that is being checked, and what was met on the way there.

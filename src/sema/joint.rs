@@ -1,11 +1,11 @@
 //! Joint transitions: a group whose guards ask what another group does in the same step is decided after it.
 
 use crate::diagnostic::catalogue::structure::JointCycle;
+use crate::ir::{GroupId, Id, IdVec};
 use crate::source::Span;
 
 use super::Checker;
 use super::checked::{Entity, Term, TermKind};
-use super::ids::{GroupId, Id, IdVec};
 
 impl Checker<'_> {
     /// The groups in the order in which they are decided; reports groups that wait for each other.

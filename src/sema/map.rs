@@ -5,13 +5,13 @@ use std::collections::BTreeSet;
 
 use crate::diagnostic::catalogue::names::DuplicateName;
 use crate::diagnostic::catalogue::world::{KnownReading, NoCharacters, RedundantLegend, UnreadLevel};
-use crate::level::{Format, InlineTile, TileMap, inline_map, legend, text_rows};
+use crate::ir::{SpaceId, TileMap};
+use crate::level::{Format, InlineTile, inline_map, legend, text_rows};
 use crate::source::{FileId, Span};
 use crate::syntax::ast::{self, MapSource, Name};
 use crate::syntax::occurrence::NameKind;
 
 use super::checked::World;
-use super::ids::SpaceId;
 use super::names::{Table, unknown};
 use super::population::Population;
 use super::world::TileSet;

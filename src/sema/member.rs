@@ -2,6 +2,7 @@
 
 use crate::diagnostic::catalogue::structure::BadCollider;
 use crate::diagnostic::catalogue::types::{TypeMismatch, WrongArguments};
+use crate::ir::VarId;
 use crate::syntax::ast;
 use crate::syntax::occurrence::Role;
 
@@ -9,7 +10,6 @@ use super::Checker;
 use super::checked::{Clamp, Collider, Drive, DriveBy, Given, Shape, Term};
 use super::constant::{ConstantContext, evaluate};
 use super::expression::{Reads, Scope, rate};
-use super::ids::VarId;
 use super::names::unknown;
 
 impl Checker<'_> {

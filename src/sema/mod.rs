@@ -15,7 +15,6 @@ mod entity;
 mod envelope;
 mod expression;
 mod facts;
-pub mod ids;
 mod joint;
 mod map;
 mod member;
@@ -36,30 +35,21 @@ use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::file::TooMany;
 use crate::diagnostic::catalogue::syntax::ExpressionTooLong;
 use crate::diagnostic::catalogue::types::TypeMismatch;
+use crate::ir::{EntityId, IdVec, MAX_TAGS, TagId};
 use crate::source::{FileId, SourceMap, Span};
 use crate::syntax::occurrence::{NameKind, Occurrences};
 use crate::syntax::{MAX_OPERATORS, ast};
 
 use checked::Checked;
-pub use constant::{Broken, ConstantContext, arithmetic, call, compare, evaluate};
-use ids::{EntityId, IdVec, SetId, TagId};
+use checked::SetId;
+pub use constant::{Broken, ConstantContext, evaluate};
 use names::Table;
 pub use unused::names_of_unused;
 
-/// The most distinct tags of a program: a set of tags is one machine word.
-pub const MAX_TAGS: usize = 64;
-/// The most buttons one entity may read.
-pub const MAX_BUTTONS: usize = 64;
-/// The most axes one entity may read.
-pub const MAX_AXES: usize = 4;
 /// The most entities of a program, imported ones included: each is a table of its own, and nobody writes more by hand.
 pub const MAX_ENTITIES: usize = 10_000;
 /// The most worlds of a program, imported ones included.
 pub const MAX_WORLDS: usize = 10_000;
-/// The most modes one entity may have.
-pub const MAX_MODES: usize = 4_096;
-/// The most instances one world may have.
-pub const MAX_INSTANCES: usize = 10_000;
 /// The most kinds of tiles one set may have.
 pub const MAX_TILE_KINDS: usize = 4_096;
 
@@ -267,7 +257,7 @@ fn operators(term: &checked::Term) -> usize {
 
 impl<I, T> IdVec<I, T>
 where
-    I: ids::Id,
+    I: crate::ir::Id,
 {
     /// Whether a table has reached a limit.
     fn is_full(&self, limit: usize) -> bool {

@@ -1,5 +1,7 @@
 //! Modes: their tree, the look-up of a mode by path, edges and updates.
 
+use crate::ir::{EdgeId, GroupId, Id, MAX_MODES, ModeId, Place, RefId};
+
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
@@ -10,12 +12,11 @@ use crate::source::Span;
 use crate::syntax::ast::{self, Initial, Member, PathRef};
 use crate::syntax::occurrence::{NameKind, Role};
 
-use super::checked::{Action, Edge, Entity, Follow, Given, Mode, Place, Term, Type, Update};
+use super::Checker;
+use super::checked::{Action, Edge, Entity, Follow, Given, Mode, Term, Type, Update};
 use super::expression::{Reads, Scope};
-use super::ids::{EdgeId, GroupId, Id, ModeId, RefId};
 use super::names::{Known, unknown};
 use super::reference::lost_by;
-use super::{Checker, MAX_MODES};
 
 /// What a look-up by path needs to know of an entity's modes.
 #[derive(Debug, Clone, Default)]

@@ -2,15 +2,14 @@
 
 use crate::diagnostic::catalogue::structure::BadCollider;
 use crate::diagnostic::catalogue::types::{OutOfRange, TypeMismatch};
+use crate::ir::{DiscreteId, EntityId, IdVec, Origin, ParamId, RefId, SlotId, SpaceId, VarId};
 use crate::source::Span;
 use crate::syntax::ast::{self, ExprKind, Name};
 
 use super::Checker;
-use super::checked::{Entity, Given, Instance, Origin};
+use super::checked::{Entity, Given, Instance};
 use super::constant::{ConstantContext, evaluate};
-use super::entity::{X, Y};
 use super::expression::Scope;
-use super::ids::{DiscreteId, EntityId, IdVec, ParamId, RefId, SlotId, SpaceId, VarId};
 use super::names::{Table, unknown};
 
 /// What is set of an instance; the rest follows from the entity.
@@ -45,7 +44,7 @@ impl Checker<'_> {
         let scope = Scope::constant();
         let mut at = [None, None];
         let mut given = Vec::new();
-        for ((value, e), var) in at.iter_mut().zip([&place.x, &place.y]).zip([X, Y]) {
+        for ((value, e), var) in at.iter_mut().zip([&place.x, &place.y]).zip(VarId::XY) {
             if let Some(term) = self.number(e, &scope) {
                 *value = self.evaluated(&term, constants).and_then(|value| self.length(value, e.span));
                 given.push((Given::Var(var, 0), term));
@@ -58,8 +57,8 @@ impl Checker<'_> {
         };
         let entity = self.checked.entities[id].clone();
         let mut values = Values::of(&entity);
-        values.vars[X][0] = at[0];
-        values.vars[Y][0] = at[1];
+        values.vars[VarId::X][0] = at[0];
+        values.vars[VarId::Y][0] = at[1];
         let mut set: Table<()> = Table::new("setting");
         let mut fits = at[0].is_some() && at[1].is_some();
         for setting in &place.settings {

@@ -1,5 +1,7 @@
 //! Who lives in a world: placed instances, instances that tiles make, and the slots that a `limit` leaves free.
 
+use crate::ir::{EntityId, Id, IdVec, MAX_INSTANCES, Origin, RefId, SlotId, SpaceId, VarId};
+
 use std::collections::BTreeMap;
 
 use crate::diagnostic::catalogue::names::DuplicateName;
@@ -9,14 +11,12 @@ use crate::source::Span;
 use crate::syntax::ast::{self, Name, Word, WorldItem};
 use crate::syntax::occurrence::NameKind;
 
-use super::checked::{Action, Instance, Origin, World};
+use super::Checker;
+use super::checked::{Action, Instance, World};
 use super::constant::ConstantContext;
-use super::entity::{X, Y};
 use super::expression::Scope;
-use super::ids::{EntityId, Id, IdVec, RefId, SlotId, SpaceId};
 use super::names::{Table, unknown};
 use super::world::TileSet;
-use super::{Checker, MAX_INSTANCES};
 
 /// The instances of a world while they are counted.
 pub(super) struct Population {
@@ -293,8 +293,8 @@ impl Checker<'_> {
     ) -> Option<Instance> {
         let e = self.checked.entities[entity].clone();
         let mut given = super::place::Values::of(&e);
-        given.vars[X][0] = Some(position.0);
-        given.vars[Y][0] = Some(position.1);
+        given.vars[VarId::X][0] = Some(position.0);
+        given.vars[VarId::Y][0] = Some(position.1);
         self.instance_of(entity, given, name, origin, space, step, span)
     }
 }

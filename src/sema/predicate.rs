@@ -2,14 +2,14 @@
 
 use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::TypeMismatch;
+use crate::ir::{EntityId, SlotId, Subject, VarId};
 use crate::source::Span;
 use crate::syntax::ast::{Expr, ExprKind, Name, PathRef};
 use crate::syntax::occurrence::{NameKind, Role};
 
 use super::Checker;
-use super::checked::{Given, Subject, Term, TermKind, Type};
+use super::checked::{Given, Term, TermKind, Type};
 use super::expression::{Reads, Scope};
-use super::ids::{EntityId, SlotId};
 use super::names::{Known, unknown};
 
 impl Checker<'_> {
@@ -94,8 +94,8 @@ impl Checker<'_> {
         let Some(entity) = entity else {
             // Every instance has a position.
             let var = match &*second.text {
-                "x" => super::entity::X,
-                "y" => super::entity::Y,
+                "x" => VarId::X,
+                "y" => VarId::Y,
                 _ => {
                     self.of_any(first.span, "to read more than `x` and `y` of it");
                     return None;
@@ -157,7 +157,7 @@ impl Checker<'_> {
             let (slot, _) = self.instance(place, scope)?;
             let read =
                 |var| Term { kind: TermKind::Var(Subject::Slot(slot), var, 0), ty: Type::Real, span: place.span };
-            (read(super::entity::X), read(super::entity::Y))
+            (read(VarId::X), read(VarId::Y))
         };
         let radius = self.number(radius, scope)?;
         self.relation(subject, span, scope, |_, slot, _| {

@@ -8,15 +8,15 @@ use crate::diagnostic::catalogue::names::DuplicateName;
 use crate::diagnostic::catalogue::structure::{LostEntry, LostRead};
 use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::TypeMismatch;
+use crate::ir::{EntityId, ModeId, Place, RefId, Subject};
 use crate::source::Span;
 use crate::syntax::ast::{self, Expr, ExprKind, Name};
 use crate::syntax::occurrence::Role;
 
 use super::Checker;
-use super::checked::{Action, Edge, Entity, Given, Place, Spawn, Subject, Term, TermKind, Type};
-use super::entity::{Skeleton, Y};
+use super::checked::{Action, Edge, Entity, Given, Spawn, Term, TermKind, Type};
+use super::entity::Skeleton;
 use super::expression::Scope;
-use super::ids::{EntityId, ModeId, RefId};
 use super::names::{Table, unknown};
 
 /// The reference that a guard says is lost, if that is all it says.
@@ -199,7 +199,7 @@ impl Checker<'_> {
     /// Reports a position that a `place` sets a second time.
     pub(super) fn position_is_placed(&mut self, place: &ast::Place, setting: &ast::Assignment, what: Given) -> bool {
         let Given::Var(var, 0) = what else { return false };
-        if var > Y {
+        if !var.is_position() {
             return false;
         }
         self.diagnostics.report(DuplicateName {

@@ -1,13 +1,14 @@
 //! Notes where names stand, as they are resolved: see [`Occurrences`](crate::syntax::occurrence::Occurrences).
 
+use crate::ir::{EntityId, Subject, TagId};
 use crate::source::Span;
 use crate::syntax::ast::{Name, PathRef};
 use crate::syntax::occurrence::{NameKind, Role};
 
 use super::Checker;
-use super::checked::{Entity, Given, Subject};
+use super::checked::SetId;
+use super::checked::{Entity, Given};
 use super::expression::{Scope, WorldNames};
-use super::ids::{EntityId, SetId, TagId};
 use super::mode::ModeNames;
 
 impl Checker<'_> {

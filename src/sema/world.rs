@@ -1,5 +1,7 @@
 //! Worlds: the step, collision lines, tiles and maps, placed instances with their first values, players, goals.
 
+use crate::ir::{Arithmetic, IdVec, Origin, Push, Response, SpaceId, TagId};
+
 use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::OutOfRange;
 use crate::diagnostic::catalogue::world::{BadPlayer, BadStep, BadTile};
@@ -8,12 +10,9 @@ use crate::source::Span;
 use crate::syntax::ast::{self, Expr, Name, SpaceItem, WorldItem};
 use crate::syntax::occurrence::NameKind;
 
-use super::checked::{
-    Arithmetic, CollideRule, Link, Origin, Player, Push, Question, Response, Solid, Space, Term, TermKind, World,
-};
+use super::checked::{CollideRule, Link, Player, Question, Solid, Space, Term, TermKind, World};
 use super::constant::ConstantContext;
 use super::expression::{Scope, WorldNames};
-use super::ids::{IdVec, SpaceId, TagId};
 use super::names::{Table, unknown};
 use super::population::Population;
 use super::{Checker, MAX_TILE_KINDS};
@@ -105,7 +104,7 @@ impl Checker<'_> {
                 }
             }
             // A world whose map is not given yet, or is wrong, is checked, but not run: its size does not matter.
-            let known = world.spaces[id].map.as_ref().map(crate::level::TileMap::size);
+            let known = world.spaces[id].map.as_ref().map(crate::ir::TileMap::size);
             sizes.push((space.name.clone(), known.or(map_at.map(|_| (0.0, 0.0)))));
         }
         self.limits(syntax, &mut population);

@@ -57,7 +57,7 @@ pub(super) struct Plan {
 
 impl Code {
     fn new(entity: &Entity, exprs: Box<[Expr]>) -> Self {
-        let base = entity.code.0.0;
+        let base = entity.code.from.0;
         let fixed = |drive: &Drive| match *drive {
             Drive::Coast(var) => Some((var.index(), COAST)),
             Drive::Flow { var, degree, value } => match exprs[(value.0 - base) as usize] {
@@ -157,12 +157,12 @@ pub(super) fn actors<'p>(program: &'p Program, world: &'p World) -> Vec<Actor<'p
         let none = IdVec::new();
         let params = if slot.is_fixed { &slot.params } else { &none };
         let code = known.entry(key).or_insert_with(|| {
-            let exprs = entity.code.0.0..entity.code.1.0;
+            let exprs = entity.code.from.0..entity.code.to.0;
             let exprs = exprs.map(|e| folded(program, ExprId(e), params, world.step)).collect();
             Arc::new(Code::new(entity, exprs))
         });
         let layout = world.layout.slots[id].clone();
-        let (code, base) = (code.clone(), entity.code.0.0);
+        let (code, base) = (code.clone(), entity.code.from.0);
         let has_peaks = entity.envelopes.iter().any(|e| e.peak.is_some());
         let is_bounded = has_peaks || !entity.clamps.is_empty() && code.limits.is_none();
         out.push(Actor {

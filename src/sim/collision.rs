@@ -256,8 +256,8 @@ fn leaves(program: &Program, entity: &Entity, guard: ExprId) -> Option<(GroupId,
     match program.exprs[guard] {
         Expr::InMode(Subject::Me, mode) => {
             let mode = &entity.modes[mode];
-            let (first, after) = mode.leaves;
-            Some((mode.group, entity.leaves.ids().map(|leaf| first <= leaf && leaf < after).collect()))
+            let inside = mode.leaves;
+            Some((mode.group, entity.leaves.ids().map(|leaf| inside.contains(leaf)).collect()))
         }
         Expr::Not(a) => leaves(program, entity, a).map(|(group, held)| (group, held.iter().map(|h| !h).collect())),
         Expr::And(a, b) => both(a, b, &|a, b| a && b),
@@ -393,8 +393,8 @@ impl Simulator<'_> {
             let (x, y) = self.position(state, carrier);
             let (from_x, from_y) = start[carrier.index()];
             let (own_x, own_y) = self.position(state, me);
-            layout.set_var(state, VarId(0), 0, own_x + (x - from_x));
-            layout.set_var(state, VarId(1), 0, own_y + (y - from_y));
+            layout.set_var(state, VarId::X, 0, own_x + (x - from_x));
+            layout.set_var(state, VarId::Y, 0, own_y + (y - from_y));
         }
         layout.set_carrier(state, None);
     }

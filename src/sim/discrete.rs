@@ -4,7 +4,7 @@
 
 use std::cell::Cell;
 
-use crate::ir::{Actions, EdgeId, Entity, Follow, GroupId, Id, Leaf, LeafId, ModeId, Place, SlotId, Update};
+use crate::ir::{Actions, EdgeId, Entity, Follow, GroupId, Id, Leaf, LeafId, Place, SlotId, Transition, Update};
 
 use super::actor::{Actor, Plan};
 use super::evaluate::Reader;
@@ -17,11 +17,7 @@ use super::simulator::{Scratch, Simulator};
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Taken {
     pub edge: EdgeId,
-    pub target: ModeId,
-    /// The leaf that was active.
-    pub from: LeafId,
-    /// The leaf that becomes active.
-    pub to: LeafId,
+    pub transition: Transition,
 }
 
 /// A group that does something in this step.
@@ -78,7 +74,7 @@ impl Simulator<'_> {
                     let plan = &actor.code.plans[from];
                     let edge = first_edge(&alone, plan);
                     if edge.is_some() || plan.is_busy {
-                        let choice = edge.and_then(|edge| taking(&alone, entity, from, edge));
+                        let choice = edge.and_then(|edge| taking(&alone, entity, group, from, edge));
                         acting.push(Acting { slot, group, choice });
                     }
                 }
@@ -90,7 +86,7 @@ impl Simulator<'_> {
                 let reader = self.reader(actor, state, frames, &taken[own.clone()], fault);
                 let from = actor.layout.leaf(state, group);
                 let edge = first_edge(&reader, &actor.code.plans[from]);
-                let choice = edge.and_then(|edge| taking(&reader, entity, from, edge));
+                let choice = edge.and_then(|edge| taking(&reader, entity, group, from, edge));
                 taken[own.start + group.index()] = choice;
             }
             for (group, &choice) in entity.groups.ids().zip(&taken[own]) {
@@ -124,7 +120,7 @@ impl Simulator<'_> {
             }
         }
         if let Some(taken) = taken {
-            self.take(state, reader, entity, group, taken, changes);
+            self.take(state, reader, entity, taken, changes);
         }
         for &follow in &leaf.follows {
             let follow: &Follow = &entity.follows[follow];
@@ -139,29 +135,15 @@ impl Simulator<'_> {
     }
 
     /// Leaves and enters modes and runs the updates: entries from the outermost in, then the edge's own.
-    fn take(
-        &self,
-        state: &mut [u8],
-        reader: &Reader<'_>,
-        entity: &Entity,
-        group: GroupId,
-        taken: Taken,
-        changes: &mut Changes,
-    ) {
-        let Taken { edge, target, from, to } = taken;
+    fn take(&self, state: &mut [u8], reader: &Reader<'_>, entity: &Entity, taken: Taken, changes: &mut Changes) {
+        let Taken { edge, transition } = taken;
         let layout = self.layout(reader.me);
-        layout.set_leaf(state, group, to);
-        let (first, after) = entity.groups[group].modes;
-        for (id, timer) in entity.timers.pairs() {
-            let inside = first <= timer.mode && timer.mode < after;
-            if inside && !(is_active(entity, to, timer.mode) && is_kept(entity, from, target, timer.mode)) {
-                layout.set_timer(state, id, 0);
-            }
+        layout.set_leaf(state, transition.group, transition.to);
+        for timer in transition.resets(entity) {
+            layout.set_timer(state, timer, 0);
         }
-        for &mode in &entity.leaves[to].path {
-            if !is_kept(entity, from, target, mode) {
-                self.act(state, reader, &entity.modes[mode].entry, changes);
-            }
+        for mode in transition.entered(entity) {
+            self.act(state, reader, &entity.modes[mode].entry, changes);
         }
         self.act(state, reader, &entity.edges[edge].actions, changes);
     }
@@ -236,18 +218,7 @@ fn first_edge(reader: &Reader<'_>, plan: &Plan) -> Option<EdgeId> {
 }
 
 /// Where an edge leads.
-fn taking(reader: &Reader<'_>, entity: &Entity, from: LeafId, edge: EdgeId) -> Option<Taken> {
+fn taking(reader: &Reader<'_>, entity: &Entity, group: GroupId, from: LeafId, edge: EdgeId) -> Option<Taken> {
     let target = entity.edges[edge].target?;
-    Some(Taken { edge, target, from, to: reader.entered(target) })
-}
-
-/// Whether a mode is active while a leaf is.
-pub(super) fn is_active(entity: &Entity, leaf: LeafId, mode: ModeId) -> bool {
-    let (first, after) = entity.modes[mode].leaves;
-    first <= leaf && leaf < after
-}
-
-/// Whether an edge from a leaf to `target` neither leaves nor enters a mode: an active proper ancestor of the target.
-pub(super) fn is_kept(entity: &Entity, active: LeafId, target: ModeId, mode: ModeId) -> bool {
-    mode < target && target < entity.modes[mode].end && is_active(entity, active, mode)
+    Some(Taken { edge, transition: Transition { group, from, target, to: reader.entered(target) } })
 }

@@ -66,9 +66,9 @@ fn steered<const N: usize>(reader: &Reader<'_>, id: EnvelopeId, envelope: &Envel
 pub(super) fn next_peak(reader: &Reader<'_>, entity: &Entity, envelope: &Envelope) -> u16 {
     let layout = reader.mine();
     let is_active = envelope.mode.is_none_or(|mode| {
-        let (first, after) = entity.modes[mode].leaves;
+        let inside = entity.modes[mode].leaves;
         let leaf = layout.leaf(reader.state, entity.modes[mode].group);
-        first <= leaf && leaf < after
+        inside.contains(leaf)
     });
     let (true, Some(peak)) = (is_active, envelope.peak) else { return 0 };
     let Some(direction) = driven(reader, envelope) else { return 0 };

@@ -9,7 +9,7 @@ use crate::ir::{
 };
 
 use super::actor::Actor;
-use super::discrete::{Taken, is_active, is_kept};
+use super::discrete::Taken;
 use super::fault::{Fault, FaultKind};
 use super::input::Frame;
 use super::simulator::Simulator;
@@ -94,8 +94,8 @@ impl<'a> Reader<'a> {
     fn joint(&self, mode: ModeId, entering: bool) -> bool {
         let entity = self.sim.entity(self.me);
         let taken = self.taken.get(entity.modes[mode].group.index());
-        let Some(Some(Taken { from, to, target, .. })) = taken.copied() else { return false };
-        is_active(entity, if entering { to } else { from }, mode) && !is_kept(entity, from, target, mode)
+        let Some(Some(Taken { transition, .. })) = taken.copied() else { return false };
+        if entering { transition.enters(entity, mode) } else { transition.leaves(entity, mode) }
     }
 
     fn frame(&self) -> Option<&Frame> {
@@ -245,7 +245,7 @@ impl<'a> Reader<'a> {
             Expr::InMode(of, mode) => self.instance(of).is_some_and(|slot| {
                 let mode = &self.sim.entity(slot).modes[mode];
                 let leaf = self.sim.layout(slot).leaf(self.state, mode.group);
-                mode.leaves.0 <= leaf && leaf < mode.leaves.1
+                mode.leaves.contains(leaf)
             }),
             Expr::InSpace(of, space) => {
                 self.instance(of).is_some_and(|s| self.sim.layout(s).space(self.state) == space)

@@ -132,13 +132,13 @@ impl Simulator<'_> {
             let (x, y) = self.position(state, me);
             layout.set_var(
                 state,
-                VarId(0),
+                VarId::X,
                 0,
                 along(x, (link.from.left, link.from.right), (link.to.left, link.to.right)),
             );
             layout.set_var(
                 state,
-                VarId(1),
+                VarId::Y,
                 0,
                 along(y, (link.from.bottom, link.from.top), (link.to.bottom, link.to.top)),
             );
@@ -155,8 +155,8 @@ impl Simulator<'_> {
         layout.clear(state);
         layout.set_life(state, Life::Born);
         let (x, y) = self.position(spawner.state, spawner.me);
-        layout.set_var(state, VarId(0), 0, x);
-        layout.set_var(state, VarId(1), 0, y);
+        layout.set_var(state, VarId::X, 0, x);
+        layout.set_var(state, VarId::Y, 0, y);
         let space: SpaceId = self.space(spawner.state, spawner.me);
         layout.set_space(state, space);
         let fault = spawner.fault;

@@ -337,7 +337,7 @@ impl<'p> Simulator<'p> {
     /// A slot's position, px.
     pub fn position(&self, state: &[u8], slot: SlotId) -> (f64, f64) {
         let layout = self.layout(slot);
-        (layout.var(state, VarId(0), 0), layout.var(state, VarId(1), 0))
+        (layout.var(state, VarId::X, 0), layout.var(state, VarId::Y, 0))
     }
 
     /// The space that a slot is in.

@@ -1,6 +1,6 @@
 //! Where a goal lies, as far as its predicate says so of the player's position; and what else it names.
 
-use crate::ir::{Bounds, CompareOp, Expr, ExprId, Id, IdVec, Program, SlotId, SpaceId, Subject, TagSet, VarId, World};
+use crate::ir::{Bounds, CompareOp, Expr, ExprId, IdVec, Program, SlotId, SpaceId, Subject, TagSet, VarId, World};
 
 use super::frame::{moved, shared};
 
@@ -117,7 +117,7 @@ impl Reader<'_> {
     fn half_plane(&self, op: CompareOp, a: ExprId, b: ExprId) -> Option<Bounds> {
         let me = Subject::Slot(self.player);
         let axis = |id| match self.program.exprs[id] {
-            Expr::Var(of, var, 0) if of == me && var.index() < 2 => Some(var),
+            Expr::Var(of, var, 0) if of == me && var.is_position() => Some(var),
             _ => None,
         };
         let (var, value, turned) = match (axis(a), axis(b)) {
@@ -133,7 +133,7 @@ impl Reader<'_> {
             }
             _ => (value, f64::INFINITY),
         };
-        Some(if var == VarId(0) {
+        Some(if var == VarId::X {
             Bounds { left: low, right: high, ..EVERYWHERE }
         } else {
             Bounds { bottom: low, top: high, ..EVERYWHERE }

@@ -1,9 +1,10 @@
 //! All that can happen in a small world: breadth first over all inputs of single steps, each state once.
 
+use hypedc::ir::{Id, ModeId, Side, TagId};
+
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
-use hypedc::sema::checked::{Action, By, DriveBy, Entity, Release, Side, Term, TermKind, Type};
-use hypedc::sema::ids::{Id, ModeId, TagId};
+use hypedc::sema::checked::{Action, By, DriveBy, Entity, Release, Term, TermKind, Type};
 
 use crate::evaluate::touching;
 use crate::model::{Fault, Keys, Oracle, State};
@@ -258,7 +259,7 @@ fn note(oracle: &Oracle<'_>, term: &Term, times: &mut BTreeMap<ModeId, Option<f6
                 reads.questions.push(question);
             }
         }
-        TermKind::Button(press, id) if *press != hypedc::sema::checked::Press::Held => {
+        TermKind::Button(press, id) if *press != hypedc::ir::Press::Held => {
             reads.presses.insert(id.0);
         }
         _ => {}

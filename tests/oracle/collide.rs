@@ -1,9 +1,10 @@
 //! Collisions: every pair is looked at, tiles are rectangles of their own.
 
+use hypedc::ir::{Push, Response, Side, TagId};
+
 use std::collections::BTreeSet;
 
-use hypedc::sema::checked::{CollideRule, Push, Response, Shape, Side};
-use hypedc::sema::ids::TagId;
+use hypedc::sema::checked::{CollideRule, Shape};
 
 use crate::model::{Contact, Fault, Oracle, State};
 use crate::step::Passing;

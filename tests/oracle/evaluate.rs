@@ -1,9 +1,10 @@
 //! The value of an expression; truth values are 0 and 1.
 
+use hypedc::ir::{Arithmetic, CompareOp, Function, ModeId, Press, Side, Subject, TagId, TouchId};
+
 use std::collections::BTreeSet;
 
-use hypedc::sema::checked::{Arithmetic, CompareOp, Function, Press, Side, Subject, Term, TermKind};
-use hypedc::sema::ids::{ModeId, TagId, TouchId};
+use hypedc::sema::checked::{Term, TermKind};
 
 use crate::model::{Contact, Fault, Keys, Oracle, State, Thing};
 

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use hypedc::ir::{Id, VarId};
 use hypedc::sema::checked::{By, Drive, DriveBy, Envelope, Rate, Release, Term};
-use hypedc::sema::ids::{Id, VarId};
 
 use crate::evaluate::Code;
 use crate::model::{Fault, Oracle, State};
@@ -150,7 +150,7 @@ impl Oracle<'_> {
             Some(guard) => code.holds(guard)?,
             None => true,
         };
-        let axis = |a: &hypedc::sema::ids::AxisId| code.keys.map_or(0.0, |(keys, _)| keys.axes[a.index()]);
+        let axis = |a: &hypedc::ir::AxisId| code.keys.map_or(0.0, |(keys, _)| keys.axes[a.index()]);
         let (direction, way): (Vec<f64>, [i64; 2]) = match &e.by {
             By::Button(button) => {
                 let held = code.keys.is_some_and(|(keys, _)| keys.held.contains(&button.0));

@@ -1,9 +1,11 @@
 //! What a world is between two steps, as plain as it can be said.
+use hypedc::ir::{Id, SlotId};
+
+use hypedc::ir::{EntityId, ModeId, Side, TagId, WorldId};
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use hypedc::sema::checked::{Checked, Entity, Side, World};
-use hypedc::sema::ids::{EntityId, ModeId, TagId, WorldId};
+use hypedc::sema::checked::{Checked, Entity, World};
 
 /// A broken rule.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -89,7 +91,6 @@ impl<'p> Oracle<'p> {
     }
 
     pub fn entity_id(&self, slot: usize) -> EntityId {
-        use hypedc::sema::ids::{Id, SlotId};
         self.world.instances[SlotId::from_index(slot)].entity
     }
 

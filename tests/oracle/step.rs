@@ -1,10 +1,11 @@
 //! One step: inputs, edges with all that they bring about, then flows and collisions (in files of their own), and what
 //! is looked at in the end.
 
+use hypedc::ir::{DiscreteId, EdgeId, EntityId, GroupId, Id, ModeId, Origin, Place, RefId, SlotId, Subject};
+
 use std::collections::{BTreeMap, BTreeSet};
 
-use hypedc::sema::checked::{Action, Given, Link, Origin, Place, Spawn, Subject, Term, Update};
-use hypedc::sema::ids::{DiscreteId, EdgeId, EntityId, GroupId, Id, ModeId, RefId, SlotId};
+use hypedc::sema::checked::{Action, Given, Link, Spawn, Term, Update};
 
 use crate::evaluate::Code;
 use crate::model::{Fault, Keys, Oracle, State, Thing};

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use crate::diagnostic::catalogue::values::{GuardByValue, Reason};
 use crate::diagnostic::{Code, Diagnostics};
-use crate::ir::{Drive, EdgeId, Entity, Expr, ExprId, Id, Leaf, LeafId, Program};
+use crate::ir::{Drive, EdgeId, Entity, Expr, ExprId, Id, IdRange, Leaf, LeafId, Program};
 use crate::source::Span;
 
 use super::super::configuration::Configuration;
@@ -238,7 +238,6 @@ fn is_said_everywhere(scene: &Scene<'_>, accounts: &Accounts<'_>, at: Span, hold
 }
 
 /// Whether a leaf of a range is among some.
-pub(super) fn any_of(leaves: &BTreeSet<LeafId>, (first, after): (LeafId, LeafId)) -> bool {
-    debug_assert!(first.index() <= after.index());
-    leaves.range(first..after).next().is_some()
+pub(super) fn any_of(leaves: &BTreeSet<LeafId>, of: IdRange<LeafId>) -> bool {
+    leaves.range(of.from..of.to).next().is_some()
 }

@@ -228,8 +228,8 @@ fn concerned(entity: &Entity, reads: &Reads) -> Vec<bool> {
         Drive::Envelope(id, _) => entity.envelopes[id].vars.iter().any(|v| is_read(*v)),
     };
     let of = |group: &Group| {
-        let (first, after) = group.modes;
-        let is_own = |mode: ModeId| first <= mode && mode < after;
+        let inside = group.modes;
+        let is_own = |mode: ModeId| inside.contains(mode);
         entity.groups.len() == 1
             || reads.modes
             || entity.leaves.iter().any(|l| is_own(l.mode) && l.drives.iter().any(drives))

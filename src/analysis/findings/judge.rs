@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::ir::{DiscreteId, Entity, Expr, ExprId, Id, IdVec, ParamId, Program, TimerId, VarId};
+use crate::ir::{DiscreteId, Entity, Expr, ExprId, IdVec, ParamId, Program, TimerId, VarId};
 
 use super::super::evaluate::{Reader, Truth};
 use super::account::{Account, Occurrence};
@@ -90,7 +90,7 @@ impl Reads {
     /// Whether it reads a coordinate that the entity itself does not bound.
     fn asks_where(&self, entity: &Entity) -> bool {
         let own = |var: VarId| entity.clamps.iter().any(|c| c.var == var && c.degree == 0);
-        self.vars.iter().any(|(var, degree)| *degree == 0 && var.index() < 2 && !own(*var))
+        self.vars.iter().any(|(var, degree)| *degree == 0 && var.is_position() && !own(*var))
     }
 
     /// Whether anything that it reads changes while a world runs.

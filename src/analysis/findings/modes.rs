@@ -32,7 +32,7 @@ pub(super) fn modes(subject: &Account<'_>, found: &mut Diagnostics) -> BTreeSet<
         }
         let leads_here = |target: ModeId| {
             let initial = entity.modes[target].initial;
-            inside(target, mode) || (m.leaves.0 <= initial && initial < m.leaves.1)
+            inside(target, mode) || m.leaves.contains(initial)
         };
         // Edges of modes that are never active either are no reason.
         let edges: Vec<&Site> = subject

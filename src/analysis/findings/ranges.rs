@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::diagnostic::catalogue::values::LeavesRange;
 use crate::diagnostic::{Code, Diagnostics};
-use crate::ir::{Actions, DiscreteId, Domain, Entity, ExprId, LeafId, ModeId, Place, Program};
+use crate::ir::{Actions, DiscreteId, Domain, Entity, ExprId, LeafId, ModeId, Place, Program, Transition};
 
 use super::super::configuration::Configuration;
 use super::super::values::{Interval, Values};
@@ -133,12 +133,7 @@ fn visit(program: &Program, entity: &Entity, cases: &[(&Occurrence<'_>, &Configu
 
 /// The modes that an edge from a leaf to a mode may enter.
 fn entered(entity: &Entity, from: LeafId, target: ModeId) -> BTreeSet<ModeId> {
-    let m = &entity.modes[target];
-    let is_active = |mode: ModeId| entity.leaves[from].path.contains(&mode);
-    let is_kept = |mode: ModeId| mode < target && target < entity.modes[mode].end && is_active(mode);
-    let leaves = entity.leaves.ids().filter(|l| match m.chooses {
-        true => m.leaves.0 <= *l && *l < m.leaves.1,
-        false => *l == m.initial,
-    });
-    leaves.flat_map(|l| entity.leaves[l].path.iter().copied()).filter(|mode| !is_kept(*mode)).collect()
+    let group = entity.modes[target].group;
+    let transitions = entity.enterable(target).ids().map(|to| Transition { group, from, target, to });
+    transitions.flat_map(|transition| transition.entered(entity).collect::<Vec<_>>()).collect()
 }

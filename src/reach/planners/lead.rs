@@ -18,7 +18,7 @@ use hashbrown::HashMap;
 use rand::RngExt;
 use rustc_hash::FxBuildHasher;
 
-use crate::ir::{Id, SlotId, VarId};
+use crate::ir::{SlotId, VarId};
 use crate::reach::coverage::{PLACE, mixed};
 use crate::reach::distance::Distances;
 use crate::reach::ground::Ground;
@@ -78,7 +78,7 @@ impl<'m> Lead<'m> {
     pub fn new(problem: &Problem<'_>, metric: &Metric, distances: Option<&'m Distances>) -> Self {
         let is_player = |slot: SlotId| problem.players().contains(&slot);
         let velocity = |(index, c): (usize, &crate::reach::metric::Coordinate)| match c.quantity {
-            Quantity::Var(slot, var, 1) if is_player(slot) && var.index() < 2 => {
+            Quantity::Var(slot, var, 1) if is_player(slot) && var.is_position() => {
                 let width = (c.high - c.low).max(f64::MIN_POSITIVE);
                 Some((index, (VELOCITIES * c.unit / width) as f32, c.scaled(c.low)))
             }
@@ -107,7 +107,7 @@ impl<'m> Lead<'m> {
         let mut place = 0;
         for &slot in ground.problem.players() {
             let layout = &world.layout.slots[slot];
-            let (x, y) = (layout.var(state, VarId(0), 0), layout.var(state, VarId(1), 0));
+            let (x, y) = (layout.var(state, VarId::X, 0), layout.var(state, VarId::Y, 0));
             for number in [f64::from(layout.space(state).0), (x / PLACE).floor(), (y / PLACE).floor()] {
                 place = mixed(place, number as i64 as u64);
             }

@@ -1,12 +1,13 @@
 //! What the solver found wrong, put into facts: two uses of one name, two terms that do not go together, a term in a place
 //! that asks for another dimension.
 
+use crate::ir::{Arithmetic, EntityId, Function, Subject};
+
 use crate::diagnostic::catalogue::types::{DimensionConflict, Dimensioned, NoSquare, Unjoinable, WrongDimension};
 use crate::diagnostic::{Diagnostics, similar};
 use crate::source::{SourceMap, Span};
 
-use super::super::checked::{Arithmetic, Function, Subject, Term, TermKind};
-use super::super::ids::EntityId;
+use super::super::checked::{Term, TermKind};
 use super::{Beside, Conflict, Dim, Joint, Named, Ratio, Solver};
 
 /// So many characters of an expression are shown.

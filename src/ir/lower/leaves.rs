@@ -3,8 +3,8 @@
 
 use crate::sema::checked::{self, DriveBy};
 
-use super::fold::Context;
-use super::{
+use super::term::Context;
+use crate::ir::{
     Actions, By, Drive, EntityId, Expr, ExprId, FollowId, GroupId, Id, IdVec, Inputs, Leaf, ModeId, Program, Release,
     Update, VarId,
 };
@@ -39,7 +39,7 @@ fn of(drives: &[(VarId, Drive)], var: VarId) -> Option<Drive> {
 
 /// The resolved leaves of an entity.
 pub(super) struct Leaves {
-    pub leaves: IdVec<super::LeafId, Leaf>,
+    pub leaves: IdVec<crate::ir::LeafId, Leaf>,
     /// Inputs that are read in whatever mode.
     pub always: Inputs,
 }
@@ -137,7 +137,7 @@ impl Reads<'_> {
             Drive::Flow { value, .. } => self.expr(value),
             Drive::Envelope(id, _) => {
                 let envelope = &self.program.entities[self.id].envelopes[id];
-                let axis = |id: super::AxisId| Inputs { buttons: 0, axes: 1 << id.index() };
+                let axis = |id: crate::ir::AxisId| Inputs { buttons: 0, axes: 1 << id.index() };
                 let by = match &envelope.by {
                     By::Button(button) => Inputs { buttons: 1 << button.index(), axes: 0 },
                     By::Axis(id) => axis(*id),

@@ -1,11 +1,10 @@
 //! Dense ids, one type for each kind of thing, and tables keyed by them: a `VarId` cannot index modes.
-//! Defined with the checked program and used by every later stage.
 
 use std::fmt;
 use std::marker::PhantomData;
 use std::ops::{Index, IndexMut};
 
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// A dense index into the table of its kind.
 pub trait Id: Copy {
@@ -18,7 +17,7 @@ pub trait Id: Copy {
 macro_rules! ids {
     ($($name:ident $prefix:literal $doc:literal)*) => {$(
         #[doc = $doc]
-        #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+        #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
         pub struct $name(pub u32);
 
         impl Id for $name {
@@ -47,7 +46,6 @@ macro_rules! ids {
 ids! {
     EntityId "entity" "An entity of the program."
     WorldId "world" "A world of the program."
-    SetId "set" "A list of names that discrete variables range over."
     TagId "tag" "A collision tag of the program."
     ParamId "param" "A parameter of one entity."
     VarId "var" "A continuous variable of one entity; 0 is `x`, 1 is `y`."
@@ -71,6 +69,74 @@ ids! {
     LeafId "leaf" "A mode without modes inside, of one entity, in preorder."
     TouchId "touch" "A distinct contact question of one entity: one bit of the state."
     TimerId "timer" "A mode whose time is read, of one entity: one counter of the state."
+}
+
+impl VarId {
+    /// The variable `x`.
+    pub const X: VarId = VarId(0);
+    /// The variable `y`.
+    pub const Y: VarId = VarId(1);
+    /// Both, by axis.
+    pub const XY: [VarId; 2] = [VarId::X, VarId::Y];
+
+    /// Whether it is `x` or `y`.
+    pub fn is_position(self) -> bool {
+        self <= VarId::Y
+    }
+}
+
+/// Neighbours in a table: all ids from one to before another.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub struct IdRange<I> {
+    /// The first.
+    pub from: I,
+    /// The one after the last.
+    pub to: I,
+}
+
+impl<I: Id + Ord> IdRange<I> {
+    /// All from the first to before the second.
+    pub fn new(from: I, to: I) -> Self {
+        IdRange { from, to }
+    }
+
+    /// Whether an id is one of them.
+    pub fn contains(self, id: I) -> bool {
+        self.from <= id && id < self.to
+    }
+
+    /// How many there are.
+    pub fn len(self) -> usize {
+        self.to.index().saturating_sub(self.from.index())
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(self) -> bool {
+        self.to <= self.from
+    }
+
+    /// The ids in order.
+    pub fn ids(self) -> impl DoubleEndedIterator<Item = I> + ExactSizeIterator {
+        (self.from.index()..self.to.index().max(self.from.index())).map(I::from_index)
+    }
+}
+
+impl<I: fmt::Debug> fmt::Debug for IdRange<I> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:?}..{:?}", self.from, self.to)
+    }
+}
+
+impl<I: Serialize> Serialize for IdRange<I> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        (&self.from, &self.to).serialize(serializer)
+    }
+}
+
+impl<'de, I: Deserialize<'de>> Deserialize<'de> for IdRange<I> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Deserialize::deserialize(deserializer).map(|(from, to)| IdRange { from, to })
+    }
 }
 
 /// A table keyed by an id.
@@ -185,5 +251,11 @@ impl<I, T: fmt::Debug> fmt::Debug for IdVec<I, T> {
 impl<I, T: Serialize> Serialize for IdVec<I, T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         self.entries.serialize(serializer)
+    }
+}
+
+impl<'de, I, T: Deserialize<'de>> Deserialize<'de> for IdVec<I, T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Deserialize::deserialize(deserializer).map(|entries| IdVec { entries, kind: PhantomData })
     }
 }

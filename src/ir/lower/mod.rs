@@ -1,17 +1,21 @@
 //! Lowering: a checked program into the tables.
 
+mod actions;
+mod leaves;
+mod term;
+mod world;
+
 use std::sync::Arc;
 
 use crate::sema::checked::{self, Checked};
 use crate::source::Span;
 
-use super::actions;
-use super::fold::{Context, duration, rate};
-use super::{
+use crate::ir::{
     Arithmetic, By, Choice, Clamp, Collider, Discrete, Domain, Edge, Entity, EntityId, EntitySpans, Envelope, Expr,
-    ExprId, Follow, FollowId, Function, Group, Id, IdVec, Inputs, LeafId, Mode, ModeId, Param, Program, Reference,
-    Release, Shape, TagSet, Touch, leaf, verify, world,
+    ExprId, Follow, FollowId, Function, Group, Id, IdRange, IdVec, Inputs, LeafId, Mode, ModeId, Param, Program,
+    Reference, Release, Shape, TagSet, Touch, verify,
 };
+use term::{Context, duration, rate};
 
 /// Lowers a program that checked without errors. What is lowered goes at once, unless it is shared: of a large program both
 /// are large.
@@ -31,7 +35,7 @@ pub fn lower(mut checked: Checked) -> Program {
         entity_code(&mut program, id, Arc::unwrap_or_clone(entity));
         let to = ExprId::from_index(program.exprs.len());
         program.timer_thresholds(id, from, to);
-        program.entities[id].code = (from, to);
+        program.entities[id].code = IdRange::new(from, to);
     }
     // Contact questions of every world, before any layout counts them.
     let mortal = world::mortal(&program);
@@ -40,7 +44,8 @@ pub fn lower(mut checked: Checked) -> Program {
     for (w, predicates) in checked.worlds.into_iter().zip(predicates) {
         world::lower(&mut program, &w, predicates);
     }
-    verify::verify(&program);
+    // A failure is a mistake of this module.
+    debug_assert_eq!(verify(&program), Ok(()));
     program
 }
 
@@ -86,7 +91,7 @@ fn shell(e: &checked::Entity) -> Entity {
         order: e.order.clone(),
         free: Vec::new(),
         inputs: Inputs::default(),
-        code: (ExprId(0), ExprId(0)),
+        code: IdRange::new(ExprId(0), ExprId(0)),
     }
 }
 
@@ -167,8 +172,8 @@ fn entity_code(program: &mut Program, id: EntityId, mut e: checked::Entity) {
         program.entities[id].invariants.push(holds);
     }
     modes(program, id, &e, &context);
-    let tables = leaf::drives(program, &e, &context);
-    let built = leaf::leaves(program, id, &e, &tables);
+    let tables = leaves::drives(program, &e, &context);
+    let built = leaves::leaves(program, id, &e, &tables);
     let entity = &mut program.entities[id];
     entity.inputs = built.always;
     entity.free = tables.free;
@@ -227,10 +232,10 @@ fn lower_envelope(program: &mut Program, id: EntityId, e: &checked::Envelope, co
         checked::By::Button(button) => By::Button(*button),
         checked::By::Axis(axis) => By::Axis(*axis),
         checked::By::Axes(axes, ways) => {
-            let at = |i: usize| axes.get(i).copied().unwrap_or(super::AxisId(0));
+            let at = |i: usize| axes.get(i).copied().unwrap_or(crate::ir::AxisId(0));
             By::Axes([at(0), at(1)], ways.map_or(Vec::new(), directions))
         }
-        checked::By::Clock(_) => By::Button(super::ButtonId(0)),
+        checked::By::Clock(_) => By::Button(crate::ir::ButtonId(0)),
     };
     let guard = e.driven_while.as_ref().map(|g| program.term(g, context));
     let (vars, degree) = (e.vars.clone(), e.degree);
@@ -297,7 +302,7 @@ fn modes(program: &mut Program, id: EntityId, e: &checked::Entity, context: &Con
             parent: m.parent,
             end: ModeId(ends[mode.index()]),
             group: m.group,
-            leaves: (LeafId(first), LeafId(after)),
+            leaves: IdRange::new(LeafId(first), LeafId(after)),
             initial: initial(mode),
             chooses: !choices.is_empty(),
             choices,
@@ -318,7 +323,7 @@ fn modes(program: &mut Program, id: EntityId, e: &checked::Entity, context: &Con
         let end = group.modes.last().map_or(0, |last| ends[last.index()]);
         program.entities[id].groups.push(Group {
             name: group.name.as_ref().map(|n| n.text.to_string()),
-            modes: (first, ModeId(end)),
+            modes: IdRange::new(first, ModeId(end)),
             first: first_of(e, &group.modes).unwrap_or(first),
             choices,
         });

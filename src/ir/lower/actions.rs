@@ -2,8 +2,8 @@
 
 use crate::sema::checked::{self, Given, TermKind};
 
-use super::fold::Context;
-use super::{Actions, EntityId, Place, Program, RefUpdate, RefValue, Spawn, Update};
+use super::term::Context;
+use crate::ir::{Actions, EntityId, Place, Program, RefUpdate, RefValue, Spawn, Update};
 
 /// The actions of one edge or entry.
 pub(super) fn lower(

@@ -4,7 +4,9 @@ use crate::sema::checked::{self, Term, TermKind, Type};
 use crate::sema::{ConstantContext, evaluate};
 use crate::source::Span;
 
-use super::{EntityId, Expr, ExprId, IdVec, ModeId, Program, SlotId, Subject, TagSet, Timer, TimerId, Touch, TouchId};
+use crate::ir::{
+    EntityId, Expr, ExprId, IdVec, ModeId, Program, SlotId, Subject, TagSet, Timer, TimerId, Touch, TouchId,
+};
 
 /// Where a term is lowered: whose numbers its questions get.
 pub(super) struct Context<'a> {
@@ -147,7 +149,7 @@ impl Program {
         }
         // An envelope by the clock is done after the sum of its parts.
         for envelope in self.entities[entity].envelopes.iter() {
-            if let super::By::Clock { timer, total, .. } = envelope.by {
+            if let crate::ir::By::Clock { timer, total, .. } = envelope.by {
                 uses[timer.0 as usize] += 1;
                 if known_per_instance(&self.exprs, total) {
                     thresholds[timer.0 as usize].push(total);
@@ -186,7 +188,7 @@ pub(super) fn duration(
         checked::Rate::Over(time) => program.term(time, context),
         checked::Rate::Accel(a) => {
             let a = program.term(a, context);
-            program.push(Expr::Arithmetic(super::Arithmetic::Divide, distance, a), span)
+            program.push(Expr::Arithmetic(crate::ir::Arithmetic::Divide, distance, a), span)
         }
     }
 }
@@ -204,7 +206,7 @@ pub(super) fn rate(
         checked::Rate::Accel(a) => Some(program.term(a, context)),
         checked::Rate::Over(time) => {
             let time = program.term(time, context);
-            Some(program.push(Expr::Arithmetic(super::Arithmetic::Divide, distance, time), span))
+            Some(program.push(Expr::Arithmetic(crate::ir::Arithmetic::Divide, distance, time), span))
         }
     }
 }

@@ -1,12 +1,12 @@
 //! Lowering of worlds: predicates, slots with their first values, the layout.
 
-use crate::sema::{arithmetic, call, checked, compare};
-
-use super::fold::Context;
-use super::{
-    Bounds, Collide, EntityId, Expr, ExprId, GoalId, IdVec, Layout, Link, NeverId, Origin, ParamId, Player, PlayerId,
-    Predicate, Program, RefValue, Slot, SlotId, Solid, Space, SpaceId, Step, Subject, TagSet, Timer, World, WorldSpans,
+use crate::ir::{
+    Bounds, Collide, EntityId, ExprId, GoalId, IdVec, Layout, Link, NeverId, Origin, Player, PlayerId, Predicate,
+    Program, RefValue, Slot, SlotId, Solid, Space, SpaceId, Step, Subject, TagSet, World, WorldSpans,
 };
+use crate::sema::checked;
+
+use super::term::Context;
 
 /// The predicates of a world, lowered.
 pub(super) struct Predicates {
@@ -81,12 +81,8 @@ pub(super) fn lower(program: &mut Program, w: &checked::World, predicates: Predi
             vars: instance.vars.clone(),
             discretes: instance.discretes.clone(),
             refs: instance.refs.clone(),
-            timer_limits: {
-                // A slot that can be used again has no parameters that are known now.
-                let none = IdVec::new();
-                let known = if is_fixed(instance) { &instance.params } else { &none };
-                timer_limits(program, instance.entity, known, step)
-            },
+            // A slot that can be used again has no parameters that are known now.
+            timer_limits: program.timer_limits(instance.entity, is_fixed(instance).then_some(&instance.params), step),
         })
         .collect();
     let layout = Layout::new(&slots, players.len(), &program.entities);
@@ -140,60 +136,5 @@ fn space(s: &checked::Space, guards: &[Option<ExprId>]) -> Space {
             .zip(guards)
             .map(|(l, guard)| Link { from: Bounds::new(l.from), space: l.space, to: Bounds::new(l.to), guard: *guard })
             .collect(),
-    }
-}
-
-/// The count above which a timer's value no longer matters: the first whose time exceeds all it is compared with.
-fn timer_limits(
-    program: &Program,
-    entity: EntityId,
-    params: &IdVec<ParamId, f64>,
-    step: Step,
-) -> IdVec<super::TimerId, u32> {
-    let limit = |timer: &Timer| {
-        let Some(thresholds) = &timer.thresholds else {
-            return u32::MAX;
-        };
-        let mut greatest = 0.0f64;
-        for &id in thresholds {
-            match program.constant(id, params, step) {
-                Some(value) => greatest = greatest.max(value),
-                None => return u32::MAX,
-            }
-        }
-        let estimate = (greatest / step.seconds()).floor();
-        if estimate >= f64::from(u32::MAX - 2) {
-            return u32::MAX;
-        }
-        let mut count = estimate as u32;
-        while step.times(count) <= greatest && count < u32::MAX {
-            count += 1;
-        }
-        count
-    };
-    program.entities[entity].timers.iter().map(limit).collect()
-}
-
-impl Program {
-    /// The value of an expression that reads nothing but parameters and the step; none if it reads more, or has no
-    /// finite value.
-    pub fn constant(&self, id: ExprId, params: &IdVec<ParamId, f64>, step: Step) -> Option<f64> {
-        let value = |id| self.constant(id, params, step);
-        let result = match self.exprs[id] {
-            Expr::Number(n) => n,
-            Expr::Frames(n) => step.frames(n),
-            Expr::Bool(b) => f64::from(u8::from(b)),
-            // What is not a number is not known.
-            Expr::Param(Subject::Me, p) => params.get(p).copied().filter(|p| p.is_finite())?,
-            Expr::Negate(a) => -value(a)?,
-            Expr::Not(a) => f64::from(u8::from(value(a)? == 0.0)),
-            Expr::And(a, b) => f64::from(u8::from(value(a)? != 0.0 && value(b)? != 0.0)),
-            Expr::Or(a, b) => f64::from(u8::from(value(a)? != 0.0 || value(b)? != 0.0)),
-            Expr::Arithmetic(op, a, b) => arithmetic(op, value(a)?, value(b)?),
-            Expr::Compare(op, a, b) => f64::from(u8::from(compare(op, value(a)?, value(b)?))),
-            Expr::Call(function, [a, b, c]) => call(function, [value(a)?, value(b)?, value(c)?]),
-            _ => return None,
-        };
-        result.is_finite().then_some(result)
     }
 }

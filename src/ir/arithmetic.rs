@@ -1,0 +1,53 @@
+//! Operators and functions on numbers: the one arithmetic of the constants, the simulator and the analysis.
+
+use super::{Arithmetic, CompareOp, Function};
+
+/// Arithmetic as the simulator does it; dividing by zero gives no finite number.
+pub fn arithmetic(op: Arithmetic, a: f64, b: f64) -> f64 {
+    match op {
+        Arithmetic::Add => a + b,
+        Arithmetic::Subtract => a - b,
+        Arithmetic::Multiply => a * b,
+        Arithmetic::Divide => a / b,
+    }
+}
+
+/// A comparison.
+pub fn compare(op: CompareOp, a: f64, b: f64) -> bool {
+    match op {
+        CompareOp::Equal => a == b,
+        CompareOp::Unequal => a != b,
+        CompareOp::Less => a < b,
+        CompareOp::AtMost => a <= b,
+        CompareOp::Greater => a > b,
+        CompareOp::AtLeast => a >= b,
+    }
+}
+
+/// A function of up to three numbers, `if` excepted.
+pub fn call(function: Function, [a, b, c]: [f64; 3]) -> f64 {
+    match function {
+        Function::Min => a.min(b),
+        Function::Max => a.max(b),
+        Function::Abs => a.abs(),
+        Function::Sign if a == 0.0 => 0.0,
+        Function::Sign => a.signum(),
+        // The upper bound wins where the bounds are crossed, as in min(max(x, low), high).
+        Function::Clamp => a.max(b).min(c),
+        Function::Floor => a.floor(),
+        Function::Ceil => a.ceil(),
+        Function::Round => a.round(),
+        Function::Sqrt => a.sqrt(),
+        // The standard library's last bits differ between platforms.
+        Function::Sin => libm::sin(a),
+        Function::Cos => libm::cos(a),
+        Function::Atan2 => libm::atan2(a, b),
+        Function::If => {
+            if a != 0.0 {
+                b
+            } else {
+                c
+            }
+        }
+    }
+}

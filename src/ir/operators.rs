@@ -1,0 +1,183 @@
+//! What expressions are made of: whose values they read, operators and functions, sides and responses of contacts.
+
+use serde::{Deserialize, Serialize};
+
+use super::{DiscreteId, RefId, SlotId, TouchId, VarId};
+
+/// Whose variable, contact or mode an expression reads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Subject {
+    /// The instance that the code runs for.
+    Me,
+    /// A named instance of the world.
+    Slot(SlotId),
+    /// What a reference of the instance refers to.
+    Ref(RefId),
+    /// The instance that a contact question of the instance found (`touching(…) as e`).
+    Touched(TouchId),
+}
+
+/// Arithmetic on two numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Arithmetic {
+    /// `a + b`
+    Add,
+    /// `a - b`
+    Subtract,
+    /// `a * b`
+    Multiply,
+    /// `a / b`; dividing by zero stops the step.
+    Divide,
+}
+
+/// Functions of numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Function {
+    /// The smaller of two.
+    Min,
+    /// The larger of two.
+    Max,
+    /// The size without the sign.
+    Abs,
+    /// -1, 0 or 1.
+    Sign,
+    /// `clamp(x, low, high)`
+    Clamp,
+    /// The next whole number below.
+    Floor,
+    /// The next whole number above.
+    Ceil,
+    /// The nearest whole number, half away from zero.
+    Round,
+    /// The square root; of a negative number it stops the step.
+    Sqrt,
+    /// The sine of an angle in radians, as a portable library computes it.
+    Sin,
+    /// The cosine of an angle in radians.
+    Cos,
+    /// `atan2(y, x)`: the angle of a direction, in radians.
+    Atan2,
+    /// `if(condition, a, b)`
+    If,
+}
+
+/// When a button counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Press {
+    /// It went down at this step.
+    Pressed,
+    /// It is down.
+    Held,
+    /// It went up at this step.
+    Released,
+}
+
+/// A side of a collider.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Side {
+    /// Towards smaller x.
+    Left,
+    /// Towards larger x.
+    Right,
+    /// Towards larger y.
+    Above,
+    /// Towards smaller y.
+    Below,
+}
+
+/// What an update can write.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Place {
+    /// A continuous variable or one of its derivatives.
+    Var(VarId, u8),
+    /// A discrete variable.
+    Discrete(DiscreteId),
+    /// A reference.
+    Ref(RefId),
+}
+
+/// What a contact does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Push {
+    /// It is noticed.
+    Sense,
+    /// What came from above is held up by what is below.
+    FromAbove,
+    /// The one that can move is pushed out.
+    Block,
+}
+
+/// What a contact does. The order is that of strength.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct Response {
+    /// Whether it is pushed.
+    pub push: Push,
+    /// The velocity into the surface is set to 0.
+    pub stop: bool,
+    /// What stands on the other moves along.
+    pub carry: bool,
+}
+
+/// How an instance comes to be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Origin {
+    /// It has a name; its slot is never used again.
+    Named,
+    /// A tile makes it; once it is destroyed its slot is free.
+    Tile,
+    /// Nothing is there at first.
+    Free,
+}
+
+/// Comparisons.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CompareOp {
+    /// `==`
+    Equal,
+    /// `!=`
+    Unequal,
+    /// `<`
+    Less,
+    /// `<=`
+    AtMost,
+    /// `>`
+    Greater,
+    /// `>=`
+    AtLeast,
+}
+
+impl CompareOp {
+    /// What holds where this one fails.
+    #[must_use]
+    pub fn negated(self) -> Self {
+        match self {
+            CompareOp::Equal => CompareOp::Unequal,
+            CompareOp::Unequal => CompareOp::Equal,
+            CompareOp::Less => CompareOp::AtLeast,
+            CompareOp::AtMost => CompareOp::Greater,
+            CompareOp::Greater => CompareOp::AtMost,
+            CompareOp::AtLeast => CompareOp::Less,
+        }
+    }
+
+    /// `b op a` for `a op b`.
+    #[must_use]
+    pub fn mirrored(self) -> Self {
+        match self {
+            CompareOp::Equal | CompareOp::Unequal => self,
+            CompareOp::Less => CompareOp::Greater,
+            CompareOp::AtMost => CompareOp::AtLeast,
+            CompareOp::Greater => CompareOp::Less,
+            CompareOp::AtLeast => CompareOp::AtMost,
+        }
+    }
+}

@@ -1,0 +1,49 @@
+//! A grid of tiles, as levels give it and as worlds hold it.
+
+use serde::{Deserialize, Serialize};
+
+/// A grid of tiles. Column 0 is the leftmost, row 0 the lowest; its lower-left corner is the space's origin.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TileMap<T> {
+    /// The number of columns.
+    pub columns: usize,
+    /// The number of rows.
+    pub rows: usize,
+    /// Width and height of a tile, px.
+    pub tile: (f64, f64),
+    /// The kinds of tiles.
+    pub kinds: Vec<TileKind<T>>,
+    /// The kind of each tile, row by row from the lowest.
+    pub cells: Vec<u16>,
+}
+
+/// A kind of tile.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TileKind<T> {
+    /// Its character in the text.
+    pub symbol: char,
+    /// Its tags.
+    pub tags: Vec<T>,
+}
+
+impl<T> TileMap<T> {
+    /// The kind of the tile at a column and a row; none outside of the map.
+    pub fn kind(&self, column: i64, row: i64) -> Option<usize> {
+        let (column, row) = (usize::try_from(column).ok()?, usize::try_from(row).ok()?);
+        if column >= self.columns {
+            return None;
+        }
+        self.cells.get(row * self.columns + column).map(|&k| usize::from(k))
+    }
+
+    /// Where a tile is, by its index among the cells: its lower-left corner, its width and its height, px.
+    pub fn rectangle(&self, cell: usize) -> [f64; 4] {
+        let (column, row) = ((cell % self.columns) as f64, (cell / self.columns) as f64);
+        [column * self.tile.0, row * self.tile.1, self.tile.0, self.tile.1]
+    }
+
+    /// Width and height of the whole map, px.
+    pub fn size(&self) -> (f64, f64) {
+        (self.columns as f64 * self.tile.0, self.rows as f64 * self.tile.1)
+    }
+}

@@ -1,0 +1,75 @@
+//! What an edge does to the modes of its group: which it keeps, leaves and enters, whose time begins anew. The simulator
+//! and the analysis both take it from here: where they drift apart, proofs become false.
+
+use super::{Entity, Group, GroupId, Id, IdRange, LeafId, ModeId, TimerId};
+
+/// An edge that is taken: from the leaf that was active to the one that is from now on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Transition {
+    /// The group whose modes change.
+    pub group: GroupId,
+    /// The leaf that was active.
+    pub from: LeafId,
+    /// Where the edge leads.
+    pub target: ModeId,
+    /// The leaf that becomes active.
+    pub to: LeafId,
+}
+
+impl Transition {
+    /// Whether it neither leaves nor enters a mode: an active proper ancestor of the target.
+    pub fn keeps(self, entity: &Entity, mode: ModeId) -> bool {
+        mode < self.target && self.target < entity.modes[mode].end && entity.is_active_in(mode, self.from)
+    }
+
+    /// Whether it leaves a mode.
+    pub fn leaves(self, entity: &Entity, mode: ModeId) -> bool {
+        entity.is_active_in(mode, self.from) && !self.keeps(entity, mode)
+    }
+
+    /// Whether it enters a mode, be it from the mode itself.
+    pub fn enters(self, entity: &Entity, mode: ModeId) -> bool {
+        entity.is_active_in(mode, self.to) && !self.keeps(entity, mode)
+    }
+
+    /// The modes that it enters, from the outermost in, as their entries run.
+    pub fn entered(self, entity: &Entity) -> impl Iterator<Item = ModeId> + '_ {
+        let path = entity.leaves[self.to].path.iter().copied();
+        path.filter(move |mode| !self.keeps(entity, *mode))
+    }
+
+    /// The timers of its group that are 0 from now on: those of all modes but the ones that it keeps.
+    pub fn resets(self, entity: &Entity) -> impl Iterator<Item = TimerId> + '_ {
+        let inside = entity.groups[self.group].modes;
+        let kept = move |mode: ModeId| entity.is_active_in(mode, self.to) && self.keeps(entity, mode);
+        let of_group = entity.timers.pairs().filter(move |(_, timer)| inside.contains(timer.mode));
+        of_group.filter(move |(_, timer)| !kept(timer.mode)).map(|(id, _)| id)
+    }
+}
+
+impl Entity {
+    /// Whether a mode is active while a leaf is.
+    pub fn is_active_in(&self, mode: ModeId, leaf: LeafId) -> bool {
+        self.modes[mode].leaves.contains(leaf)
+    }
+
+    /// Whether a mode is another one, or lies inside of it.
+    pub fn is_inside(&self, mode: ModeId, outer: ModeId) -> bool {
+        outer <= mode && mode < self.modes[outer].end
+    }
+
+    /// The leaves of a group.
+    pub fn leaves_of(&self, group: &Group) -> IdRange<LeafId> {
+        let last = ModeId::from_index(group.modes.to.index() - 1);
+        IdRange::new(self.modes[group.modes.from].leaves.from, self.modes[last].leaves.to)
+    }
+
+    /// The leaves that can become active where a mode is entered: which of them may depend on parameters.
+    pub fn enterable(&self, mode: ModeId) -> IdRange<LeafId> {
+        let mode = &self.modes[mode];
+        match mode.chooses {
+            true => mode.leaves,
+            false => IdRange::new(mode.initial, LeafId(mode.initial.0 + 1)),
+        }
+    }
+}

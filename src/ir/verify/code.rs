@@ -1,0 +1,200 @@
+//! Expressions: that operands come before operators, that what is read is there. Whose variables a reference to any entity
+//! or a contact has is known where a guard has asked for it (`e is Foe and e.hp > 0`); that is followed as `sema` does.
+
+use std::cell::Cell;
+
+use crate::ir::{EntityId, Expr, ExprId, Function, Id, Press, Program, RefValue, Subject, WorldId};
+
+use super::{At, Checked, Invalid, each, exists, must};
+
+/// The most expressions that one is made of, each counted as often as it occurs.
+const MOST_PARTS: u64 = 1 << 24;
+/// The most that lie inside of one another: they are read by recursion.
+const MOST_DEEP: u32 = 1 << 12;
+
+/// What is known of all expressions.
+pub(super) struct Code<'p> {
+    program: &'p Program,
+    /// How much work is left for what is looked at in the light of guards.
+    patience: Cell<u64>,
+}
+
+/// Whose code an expression is.
+#[derive(Clone, Copy)]
+pub(super) enum Owner {
+    Entity(EntityId),
+    World(WorldId),
+}
+
+/// What guards have said: what a subject is.
+pub(super) type Facts = Vec<(Subject, EntityId)>;
+
+impl<'p> Code<'p> {
+    /// Looks at what holds of an expression wherever it stands.
+    pub fn new(program: &'p Program) -> Result<Self, Invalid> {
+        let mut sizes: Vec<(u64, u32)> = Vec::with_capacity(program.exprs.len());
+        each("exprs", &program.exprs, |id, expr| {
+            let (mut parts, mut deep) = (1_u64, 0);
+            for operand in expr.operands() {
+                must(operand < id, "an operand does not come before it")?;
+                let (of_it, within) = sizes[operand.index()];
+                parts = parts.saturating_add(of_it);
+                deep = deep.max(within + 1);
+            }
+            must(parts <= MOST_PARTS && deep <= MOST_DEEP, "it is made of too many parts")?;
+            sizes.push((parts, deep));
+            match *expr {
+                Expr::Number(number) | Expr::Frames(number) => must(number.is_finite(), "a number is not finite"),
+                Expr::Var(_, _, degree) => must(degree <= 2, "there are no derivatives but the first and the second"),
+                Expr::Call(function, _) => must(function != Function::Atan2 || deep > 0, "it has no arguments"),
+                _ => Ok(()),
+            }
+        })?;
+        let work = 16 * program.exprs.len() as u64 + (1 << 20);
+        Ok(Code { program, patience: Cell::new(work) })
+    }
+
+    /// Whether an expression can be read as code of an entity or a world, where some facts hold.
+    pub fn check(&self, owner: Owner, id: ExprId, facts: &mut Facts) -> Checked {
+        exists(id, &self.program.exprs)?;
+        if let Owner::Entity(entity) = owner {
+            let code = self.program.entities[entity].code;
+            must(code.contains(id), "it is not among the expressions of its entity")?;
+        }
+        let left = self.patience.get();
+        self.patience.set(left.saturating_sub(1));
+        must(left > 0, "its expressions share too much")?;
+        let program = self.program;
+        let expr = program.exprs[id];
+        let inside = |id: ExprId, facts: &mut Facts| {
+            self.check(owner, id, facts).map_err(|inner| match inner.at.is_empty() {
+                true => inner.within(&format!("exprs[{}]", id.index())),
+                false => inner,
+            })
+        };
+        match expr {
+            Expr::And(a, b) | Expr::Or(a, b) => {
+                inside(a, facts)?;
+                let known = facts.len();
+                self.learn(a, matches!(expr, Expr::And(..)), facts);
+                let b = inside(b, facts);
+                facts.truncate(known);
+                return b;
+            }
+            Expr::Call(Function::If, [condition, a, b]) => {
+                inside(condition, facts)?;
+                for (branch, outcome) in [(a, true), (b, false)] {
+                    let known = facts.len();
+                    self.learn(condition, outcome, facts);
+                    let branch = inside(branch, facts);
+                    facts.truncate(known);
+                    branch?;
+                }
+                return Ok(());
+            }
+            _ => {}
+        }
+        expr.operands().into_iter().try_for_each(|operand| inside(operand, facts))?;
+        let of = |subject: Subject| {
+            let of = self.entity(owner, subject, facts)?;
+            exists(of, &program.entities).map(|()| &program.entities[of])
+        };
+        let me = || match owner {
+            Owner::Entity(me) => Ok(&program.entities[me]),
+            Owner::World(_) => Err(Invalid::new("a world reads nobody's inputs and timers")),
+        };
+        match expr {
+            Expr::Param(subject, param) => exists(param, &of(subject)?.params),
+            Expr::Var(subject, var, _) => exists(var, &of(subject)?.vars),
+            Expr::Discrete(subject, id) => exists(id, &of(subject)?.discretes),
+            Expr::InMode(subject, mode) => exists(mode, &of(subject)?.modes),
+            Expr::Touching(subject, touch) => exists(touch, &of(subject)?.touches),
+            Expr::Axis(axis) => exists(axis, &me()?.axes),
+            Expr::Button(Press::Pressed | Press::Held | Press::Released, button) => exists(button, &me()?.buttons),
+            Expr::Timer(timer) => exists(timer, &me()?.timers),
+            Expr::Joint(mode, _) => exists(mode, &me()?.modes),
+            Expr::IsNone(subject) | Expr::Near { of: subject, .. } => self.subject(owner, subject),
+            Expr::Is(subject, entity) => {
+                self.subject(owner, subject)?;
+                exists(entity, &program.entities)
+            }
+            Expr::Alive(slot) => self.subject(owner, Subject::Slot(slot)),
+            Expr::InSpace(subject, space) => {
+                self.subject(owner, subject)?;
+                match owner {
+                    Owner::World(world) => exists(space, &program.worlds[world].spaces),
+                    Owner::Entity(_) => Err(Invalid::new("an entity knows no spaces")),
+                }
+            }
+            Expr::Number(_)
+            | Expr::Frames(_)
+            | Expr::Bool(_)
+            | Expr::Negate(_)
+            | Expr::Not(_)
+            | Expr::Arithmetic(..)
+            | Expr::Compare(..)
+            | Expr::Call(..)
+            | Expr::And(..)
+            | Expr::Or(..) => Ok(()),
+        }
+    }
+
+    /// Whether there is such a subject.
+    pub fn subject(&self, owner: Owner, subject: Subject) -> Checked {
+        match (owner, subject) {
+            (Owner::Entity(_), Subject::Me) => Ok(()),
+            (Owner::Entity(me), Subject::Ref(id)) => exists(id, &self.program.entities[me].refs),
+            (Owner::Entity(me), Subject::Touched(id)) => {
+                exists(id, &self.program.entities[me].touches)?;
+                must(id.index() < self.program.entities[me].bound, "the contact question does not keep whom it finds")
+            }
+            (Owner::World(world), Subject::Slot(slot)) => exists(slot, &self.program.worlds[world].slots),
+            (Owner::Entity(_), Subject::Slot(_)) => Err(Invalid::new("an entity knows no instances of a world")),
+            (Owner::World(_), _) => Err(Invalid::new("a world has no references and contacts of its own")),
+        }
+    }
+
+    /// The entity that a subject is of.
+    fn entity(&self, owner: Owner, subject: Subject, facts: &Facts) -> Result<EntityId, Invalid> {
+        self.subject(owner, subject)?;
+        let declared = match (owner, subject) {
+            (Owner::Entity(me), Subject::Me) => Some(me),
+            (Owner::Entity(me), Subject::Ref(id)) => self.program.entities[me].refs[id].entity,
+            (Owner::World(world), Subject::Slot(slot)) => Some(self.program.worlds[world].slots[slot].entity),
+            _ => None,
+        };
+        let known = || facts.iter().rev().find(|(of, _)| *of == subject).map(|(_, entity)| *entity);
+        declared.or_else(known).ok_or_else(|| Invalid::new("it reads an instance that may be of any entity"))
+    }
+
+    /// Learns what a guard says if it has this outcome.
+    pub fn learn(&self, guard: ExprId, outcome: bool, facts: &mut Facts) {
+        match (self.program.exprs[guard], outcome) {
+            (Expr::And(a, b), true) | (Expr::Or(a, b), false) => {
+                self.learn(a, outcome, facts);
+                self.learn(b, outcome, facts);
+            }
+            (Expr::Not(a), _) => self.learn(a, !outcome, facts),
+            (Expr::Is(subject, entity), true) => facts.push((subject, entity)),
+            _ => {}
+        }
+    }
+
+    /// Whether a value that a reference gets is an instance that there may be.
+    pub fn instance(&self, owner: Owner, value: RefValue) -> Checked {
+        match value {
+            RefValue::None => Ok(()),
+            RefValue::Of(subject) => self.subject(owner, subject),
+        }
+    }
+}
+
+/// Checks that the code of entities lies apart, in their order.
+pub(super) fn apart(program: &Program) -> Checked {
+    let mut end = ExprId(0);
+    each("entities", &program.entities, |_, entity| {
+        must(entity.code.from >= end, "its expressions are another entity's, too").at("code")?;
+        end = entity.code.to;
+        Ok(())
+    })
+}

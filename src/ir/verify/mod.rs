@@ -1,0 +1,118 @@
+//! One look at every id, range and offset of a program, so that whoever runs it may index without asking: what `lower`
+//! makes holds by construction, what is read from a file may be anything. Each struct is taken apart without `..`, so
+//! that a new field does not build before it is looked at.
+
+mod code;
+mod entity;
+mod world;
+
+use std::fmt;
+
+use super::{Id, IdRange, IdVec, MAX_TAGS, Program, TagSet};
+use code::Code;
+
+/// What is wrong with a program, and where.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Invalid {
+    /// The entry: `entities[2].edges[5].guard`.
+    pub at: String,
+    /// What is wrong with it.
+    pub why: String,
+}
+
+impl fmt::Display for Invalid {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.at, self.why)
+    }
+}
+
+impl std::error::Error for Invalid {}
+
+impl Invalid {
+    fn new(why: impl Into<String>) -> Self {
+        Invalid { at: String::new(), why: why.into() }
+    }
+
+    /// The same, seen from around.
+    fn within(mut self, around: &str) -> Self {
+        let joint = if self.at.is_empty() || self.at.starts_with('[') { "" } else { "." };
+        self.at = format!("{around}{joint}{}", self.at);
+        self
+    }
+}
+
+type Checked = Result<(), Invalid>;
+
+/// Whether a program can be run.
+///
+/// # Errors
+/// [`Invalid`], the first thing found that an instance, a world or an expression could not be run with.
+pub fn verify(program: &Program) -> Checked {
+    let Program { tags, exprs, entities, worlds, spans } = program;
+    must(tags.len() <= MAX_TAGS, "there are more tags than fit a set").at("tags")?;
+    same(spans.tags.len(), tags.len()).at("spans.tags")?;
+    same(spans.exprs.len(), exprs.len()).at("spans.exprs")?;
+    same(spans.entities.len(), entities.len()).at("spans.entities")?;
+    same(spans.worlds.len(), worlds.len()).at("spans.worlds")?;
+    let code = Code::new(program)?;
+    each("entities", entities, |id, entity| entity::verify(program, &code, id, entity))?;
+    code::apart(program)?;
+    each("worlds", worlds, |id, world| world::verify(program, &code, id, world))
+}
+
+/// Names the place of a check.
+trait At {
+    /// Says where what was checked stands.
+    fn at(self, place: &str) -> Checked;
+}
+
+impl At for Checked {
+    fn at(self, place: &str) -> Checked {
+        self.map_err(|invalid| invalid.within(place))
+    }
+}
+
+fn must(holds: bool, why: &str) -> Checked {
+    if holds { Ok(()) } else { Err(Invalid::new(why)) }
+}
+
+fn same(count: usize, wanted: usize) -> Checked {
+    if count == wanted { Ok(()) } else { Err(Invalid::new(format!("{count} entries where there must be {wanted}"))) }
+}
+
+/// Checks that an id is of a table.
+fn exists<I: Id + fmt::Debug, T>(id: I, table: &IdVec<I, T>) -> Checked {
+    if id.index() < table.len() {
+        Ok(())
+    } else {
+        Err(Invalid::new(format!("there is no {id:?}, only {}", table.len())))
+    }
+}
+
+fn all_exist<'i, I: Id + fmt::Debug + 'i, T>(ids: impl IntoIterator<Item = &'i I>, table: &IdVec<I, T>) -> Checked {
+    ids.into_iter().enumerate().try_for_each(|(at, id)| exists(*id, table).at(&format!("[{at}]")))
+}
+
+/// Checks that a range is of a table and not empty.
+fn range<I: Id + Ord + fmt::Debug, T>(range: IdRange<I>, table: &IdVec<I, T>) -> Checked {
+    must(!range.is_empty(), "the range is empty")?;
+    must(range.to.index() <= table.len(), "the range goes beyond the table")
+}
+
+fn each<I: Id, T>(name: &str, table: &IdVec<I, T>, mut check: impl FnMut(I, &T) -> Checked) -> Checked {
+    table.pairs().try_for_each(|(id, entry)| check(id, entry).at(&format!("{name}[{}]", id.index())))
+}
+
+fn each_of<T>(name: &str, list: &[T], mut check: impl FnMut(&T) -> Checked) -> Checked {
+    list.iter().enumerate().try_for_each(|(at, entry)| check(entry).at(&format!("{name}[{at}]")))
+}
+
+/// Checks that a set holds tags of the program alone; that of all tags stands for any.
+fn tags(set: TagSet, program: &Program) -> Checked {
+    let known = program.tags.ids().collect::<TagSet>();
+    must(set == TagSet::ALL || set.0 & !known.0 == 0, "a tag of the set is not among the program's")
+}
+
+fn finite(numbers: &[f64]) -> Checked {
+    must(numbers.iter().all(|number| number.is_finite()), "a number is not finite")
+}

@@ -1,0 +1,148 @@
+//! Compiled programs as files: what is written is read back as the same, and what is not a program is refused or runs, but
+//! never breaks anything.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod support;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+
+use hypedc::analysis::watched_space;
+use hypedc::compile::{LevelFile, compile_with};
+use hypedc::ir::{Program, WorldId};
+use hypedc::sim::{Input, Simulator};
+use hypedc::watch::Patience;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+use serde_json::Value;
+use support::{Disk, files};
+
+/// The examples, with a level where they leave their map open.
+fn programs() -> Vec<(String, Program)> {
+    let mut all = Vec::new();
+    for path in files("examples", "hyped") {
+        let levels = files(path.parent().unwrap().to_str().unwrap(), "txt");
+        let level = levels.first().map(|level| LevelFile::new(level)).unwrap_or_default();
+        for level in [LevelFile::default(), level] {
+            let program = compile_with(&path, level, &Disk).program;
+            let Some(program) = program.filter(|p| p.worlds.iter().all(|w| w.open.is_none())) else { continue };
+            all.push((path.display().to_string(), program));
+            break;
+        }
+    }
+    assert!(all.len() > 10, "{}", all.len());
+    all
+}
+
+fn written(program: &Program) -> String {
+    let mut out = Vec::new();
+    program.write_json(&mut out).unwrap();
+    String::from_utf8(out).unwrap()
+}
+
+/// The states of a world under random inputs, up to a fault.
+fn states(program: &Program, world: WorldId, steps: usize, seed: u64) -> Vec<Vec<u8>> {
+    let sim = Simulator::new(program, world);
+    let mut scratch = sim.scratch();
+    let Ok(mut state) = sim.initial(&mut scratch) else { return Vec::new() };
+    let mut all = vec![state.clone()];
+    let mut rng = Pcg64::seed_from_u64(seed);
+    let mut input = Input::nothing(sim.world().players.len());
+    for step in 0..steps {
+        if step % 8 == 0 {
+            for player in &mut input.0 {
+                player.buttons = rng.random();
+                player.axes.iter_mut().for_each(|axis| *axis = [-1.0, 0.0, 1.0, 0.5][rng.random_range(0..4)]);
+            }
+        }
+        if sim.step(&mut state, &input, &mut scratch).is_err() {
+            break;
+        }
+        all.push(state.clone());
+    }
+    all
+}
+
+#[test]
+fn what_is_written_is_read_back_and_runs_the_same() {
+    for (name, program) in programs() {
+        let text = written(&program);
+        let back = Program::from_json(&text).unwrap_or_else(|why| panic!("{name}: {why}"));
+        assert_eq!(written(&Program { spans: back.spans.clone(), ..program.clone() }), written(&back), "{name}");
+        for world in program.worlds.ids() {
+            assert!(states(&program, world, 400, 1) == states(&back, world, 400, 1), "{name}");
+        }
+    }
+}
+
+/// The places of all numbers in a value.
+fn numbers(value: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
+    match value {
+        Value::Number(_) => visit(value),
+        Value::Array(all) => all.iter_mut().for_each(|v| numbers(v, visit)),
+        Value::Object(all) => all.values_mut().for_each(|v| numbers(v, visit)),
+        Value::Null | Value::Bool(_) | Value::String(_) => {}
+    }
+}
+
+#[test]
+fn any_number_changed_is_refused_or_runs() {
+    let mut programs = programs();
+    // A level of thousands of tiles is mostly tiles.
+    programs.retain(|(_, program)| written(program).len() < 60_000);
+    let times = if std::env::var_os("HYPEDC_LONG").is_some() { 100_000 } else { 10_000 };
+    let (mut refused, mut run) = (0, 0);
+    let texts: Vec<(String, Value, usize)> = programs
+        .iter()
+        .map(|(name, program)| {
+            let mut value: Value = serde_json::from_str(&written(program)).unwrap();
+            value["program"].as_object_mut().unwrap().remove("spans");
+            let mut count = 0;
+            numbers(&mut value, &mut |_| count += 1);
+            (name.clone(), value, count)
+        })
+        .collect();
+    for seed in 0..times {
+        let mut rng = Pcg64::seed_from_u64(seed);
+        let (name, value, count) = &texts[rng.random_range(0..texts.len())];
+        let (mut value, chosen) = (value.clone(), rng.random_range(0..*count));
+        let mut at = 0;
+        numbers(&mut value, &mut |number| {
+            if at == chosen {
+                let old = number.as_i64().unwrap_or(0);
+                *number = match rng.random_range(0..6) {
+                    0 => (old + 1).into(),
+                    1 => (old - 1).into(),
+                    2 => rng.random_range(0..40).into(),
+                    3 => u64::from(u32::MAX).into(),
+                    4 => rng.random_range(-1e6..1e6).into(),
+                    _ => 0.into(),
+                };
+            }
+            at += 1;
+        });
+        let text = value.to_string();
+        let tried = catch_unwind(AssertUnwindSafe(|| match Program::from_json(&text) {
+            Err(_) => false,
+            Ok(program) => {
+                for world in program.worlds.ids() {
+                    states(&program, world, 60, seed);
+                    watched_space(&program, world, &[], &Patience::new(20));
+                }
+                true
+            }
+        }));
+        match tried {
+            Ok(true) => run += 1,
+            Ok(false) => refused += 1,
+            Err(_) => {
+                let path = std::env::temp_dir().join("hypedc-compiled.json");
+                std::fs::write(&path, text).unwrap();
+                panic!("{name}, seed {seed}: it broke; see {}", Path::display(&path));
+            }
+        }
+    }
+    println!("{refused} refused, {run} run");
+    assert!(refused > times / 10 && run > times / 10, "{refused} {run}");
+}

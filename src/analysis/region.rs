@@ -136,6 +136,14 @@ impl Scene<'_> {
         if self.meter.is_stopped() || has_narrow_gap(&all, &reached, (far, apart), &self.meter) {
             return None;
         }
+        for body in of.kept_out() {
+            let mut of_body = self.blockers((body.tags, body.extent?), space, [].iter());
+            of_body.retain(|(_, push)| *push == Push::Block);
+            let of_body: Vec<_> = of_body.into_iter().map(|(sides, _)| sides).collect();
+            if has_ledge(&of_body, &reached, (far, apart), &self.meter) {
+                return None;
+            }
+        }
         let wide = |i: Interval| Interval { low: i.low - ROUNDING, high: i.high + ROUNDING };
         Region::new(reached.into_iter().map(|strip| strip.map(wide)).collect())
     }
@@ -211,6 +219,42 @@ fn has_narrow_gap(
                     return true;
                 }
                 reached.iter().any(|r| near(r[0], gap[0]) && near(r[1], gap[1]))
+            })
+        })
+    })
+}
+
+/// Whether something covers a face of another and is no thicker there than a step, near to what is reached: a step can lead
+/// through it into the other, whose face gives no side, so that the push goes to another side, however far that is. So, too,
+/// where the meter stops the search for one.
+fn has_ledge(
+    blockers: &[[Interval; 2]],
+    reached: &[[Interval; 2]],
+    (far, apart): (f64, f64),
+    meter: &Meter<'_>,
+) -> bool {
+    let thickest = far + TOLERANCE + 4.0 * ROUNDING;
+    let near = |a: Interval, b: Interval| a.low - apart <= b.high && b.low - apart <= a.high;
+    let mirrored = |i: Interval| Interval { low: -i.high, high: -i.low };
+    [(0, false), (0, true), (1, false), (1, true)].into_iter().any(|(axis, is_mirrored)| {
+        let across = 1 - axis;
+        let along = |b: &[Interval; 2]| if is_mirrored { mirrored(b[axis]) } else { b[axis] };
+        let mut order: Vec<&[Interval; 2]> = blockers.iter().collect();
+        order.sort_by(|a, b| along(a).high.total_cmp(&along(b).high));
+        order.iter().any(|a| {
+            let face = along(a).high;
+            let first = order.partition_point(|b| along(b).high <= face);
+            let after = order.partition_point(|b| along(b).high <= face + thickest);
+            order.get(first..after).unwrap_or_default().iter().any(|b| {
+                if along(b).low > face + apart || !near(a[across], b[across]) {
+                    return false;
+                }
+                let ledge = Interval { low: face, high: along(b).high };
+                let ledge = if is_mirrored { mirrored(ledge) } else { ledge };
+                if meter.spend(reached.len() as u64) {
+                    return true;
+                }
+                reached.iter().any(|r| near(r[axis], ledge) && near(r[across], b[across]))
             })
         })
     })

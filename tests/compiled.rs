@@ -22,7 +22,9 @@ use support::{Disk, files};
 fn programs() -> Vec<(String, Program)> {
     let mut all = Vec::new();
     for path in files("examples", "hyped") {
-        let levels = files(path.parent().unwrap().to_str().unwrap(), "txt");
+        let beside = std::fs::read_dir(path.parent().unwrap()).unwrap().map(|entry| entry.unwrap().path());
+        let mut levels: Vec<_> = beside.filter(|path| path.extension().is_some_and(|e| e == "txt")).collect();
+        levels.sort_unstable();
         let level = levels.first().map(|level| LevelFile::new(level)).unwrap_or_default();
         for level in [LevelFile::default(), level] {
             let program = compile_with(&path, level, &Disk).program;

@@ -85,7 +85,7 @@ impl Instance<'_> {
             Expr::InMode(Subject::Me, mode) => {
                 let entity = &self.sim.program().entities[self.sim.world().slots[self.slot].entity];
                 let leaf = layout.leaf(self.state, entity.modes[mode].group);
-                Some(entity.modes[mode].leaves.0 <= leaf && leaf < entity.modes[mode].leaves.1)
+                Some(entity.is_active_in(mode, leaf))
             }
             Expr::Touching(Subject::Me, touch) => Some(layout.touch(self.state, touch)),
             Expr::Discrete(Subject::Me, d) => Some(layout.discrete(self.state, d) != 0),

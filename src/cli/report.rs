@@ -99,9 +99,8 @@ fn load_compiled(path: &Path, level: LevelFile<'_>, barred: Option<Barred<'_>>) 
         show_fact(&sources, only("a predicate is compiled with the text"))?;
         return Ok(None);
     }
-    let program = compiled(path).and_then(|text| {
-        Program::from_json(&text).map_err(|why| ReadError::Unreadable(why.to_string()))
-    });
+    let program =
+        compiled(path).and_then(|text| Program::from_json(&text).map_err(|why| ReadError::Unreadable(why.to_string())));
     match program {
         Ok(program) => Ok(Some(Loaded { sources, program })),
         Err(error) => {

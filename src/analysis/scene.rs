@@ -30,7 +30,8 @@ const MAX_COORDINATE: f64 = (1_u64 << 26) as f64;
 
 /// How much rounding can shift where edges meet at some coordinates, px.
 pub(super) fn rounding(at: f64) -> f64 {
-    ROUNDING + at.abs() * 1e-12
+    // What has no end is not rounded there.
+    if at.is_finite() { ROUNDING + at.abs() * 1e-12 } else { 0.0 }
 }
 
 /// An interval, and what is so near to it that only rounding tells them apart.

@@ -141,11 +141,9 @@ impl Scene<'_> {
             let Some(extent) = body.extent else { return kinds.contains(&true) || solids.count() > 0 };
             // Cells that share a line with what blocks overlap it by the rounding of both.
             let slack = if matches!(landing.whose, Whose::One { .. }) { 4.0 } else { 1.0 };
-            // What has no end has no rounding there.
-            let slack = |at: f64| if at.is_finite() { slack * rounding(at) } else { 0.0 };
             let wide = |at: Interval, e: Interval| Interval {
-                low: at.low + e.low + slack(at.low),
-                high: at.high + e.high - slack(at.high),
+                low: at.low + e.low + slack * rounding(at.low),
+                high: at.high + e.high - slack * rounding(at.high),
             };
             let (x, y) = (wide(x, extent[0]), wide(y, extent[1]));
             let overlaps = |b: Bounds| x.low < b.right && b.left < x.high && y.low < b.top && b.bottom < y.high;

@@ -138,17 +138,11 @@ impl Within<'_> {
     /// Whether a predicate can only hold out of bounds.
     fn never_holds(&self, term: &Term) -> bool {
         match &term.kind {
-            TermKind::And(sides) => {
-                let [a, b] = sides.as_ref();
-                self.never_holds(a) || self.never_holds(b)
-            }
-            TermKind::Or(sides) => {
-                let [a, b] = sides.as_ref();
-                self.never_holds(a) && self.never_holds(b)
-            }
+            TermKind::And(sides) => sides.iter().any(|side| self.never_holds(side)),
+            TermKind::Or(sides) => sides.iter().all(|side| self.never_holds(side)),
             TermKind::Compare(op, sides) => {
                 let [a, b] = sides.as_ref();
-                self.never_compares(*op, a, b) || self.never_compares(flipped(*op), b, a)
+                self.never_compares(*op, a, b) || self.never_compares(op.mirrored(), b, a)
             }
             TermKind::Near(asked) => {
                 let (of, numbers) = asked.as_ref();
@@ -177,16 +171,5 @@ impl Within<'_> {
             CompareOp::Equal => number < least || number > greatest,
             CompareOp::Unequal => false,
         }
-    }
-}
-
-/// The comparison with its sides changed.
-fn flipped(op: CompareOp) -> CompareOp {
-    match op {
-        CompareOp::Less => CompareOp::Greater,
-        CompareOp::AtMost => CompareOp::AtLeast,
-        CompareOp::Greater => CompareOp::Less,
-        CompareOp::AtLeast => CompareOp::AtMost,
-        CompareOp::Equal | CompareOp::Unequal => op,
     }
 }

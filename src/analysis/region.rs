@@ -307,11 +307,13 @@ impl Plane {
                 let after = after.min(count(axis));
                 first.min(after)..after
             };
-            if meter.spend(1 + (range(0).len() / 16 * range(1).len()) as u64) {
+            let (across, up) = (range(0), range(1));
+            // A row costs a call at least.
+            if meter.spend(((across.len() / 16 + 4) * up.len()) as u64) {
                 return None;
             }
-            for row in range(1) {
-                is_blocked[row * count(0)..][range(0)].fill(true);
+            for row in up {
+                is_blocked[row * count(0)..][across.clone()].fill(true);
             }
         }
         Some(Plane { lines, is_blocked })

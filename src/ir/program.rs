@@ -25,7 +25,7 @@ pub struct Program {
 }
 
 /// A set of tags, one bit each.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize)]
 pub struct TagSet(pub u64);
 
 impl TagSet {

@@ -96,6 +96,16 @@ fn shapes() -> Vec<(&'static str, u64, String)> {
         ),
         ("rectangles", 40, lines("world W { space main {\n", "} }\n", |i| format!("rect wall ({i}, 0, 8, 8)\n"))),
         (
+            "rectangles that are touched",
+            40,
+            lines(
+                "entity A { collider a: rect(0, 0, 8, 8)\nmode m { when touching(a, wall) -> n } mode n { } }
+world W { collide a with wall: block\nspace main { place a: A at (0, 9)\n",
+                "} }\n",
+                |i| format!("rect wall ({i}, 0, 8, 8)\n"),
+            ),
+        ),
+        (
             "goals",
             40,
             lines("entity A { }\nworld W { space main { place a: A at (0, 0) }\n", "}\n", |i| {

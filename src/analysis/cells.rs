@@ -11,6 +11,7 @@
 use std::sync::Arc;
 
 use crate::ir::{DiscreteId, Entity, SpaceId, VarId, World};
+use crate::watch::Meter;
 
 use super::configuration::Configuration;
 use super::local::Surfaces;
@@ -277,12 +278,16 @@ impl Fine {
     }
 }
 
-/// Around the positions at which a collider of a kind can meet anything that never moves; none if it never can.
-pub(super) fn near_statics(world: &World, kind: &Kind) -> Option<[Interval; 2]> {
+/// Around the positions at which a collider of a kind can meet anything that never moves; none if it never can, or if
+/// the meter stops the search.
+pub(super) fn near_statics(world: &World, kind: &Kind, meter: &Meter<'_>) -> Option<[Interval; 2]> {
     let mut hull: Option<[Interval; 2]> = None;
     for body in &kind.bodies {
         for space in world.spaces.ids() {
             let tiles = Tiles::new(world, space);
+            if tiles.spend(meter) || meter.spend(world.spaces[space].solids.len() as u64) {
+                return None;
+            }
             let kinds: Vec<bool> = tiles.tags.iter().map(|t| world.meeting(body.tags, *t).is_some()).collect();
             let solids = world.spaces[space].solids.iter().filter(|s| world.meeting(body.tags, s.tags).is_some());
             let boxes = tiles.boxes(|kind| kinds[kind]).map(along).chain(solids.map(|s| along(s.bounds)));

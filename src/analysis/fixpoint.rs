@@ -1,10 +1,10 @@
 //! Steps from all that an instance can be until nothing new is found, then cuts the result to what follows from it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::ir::{
-    DiscreteId, Entity, EntityId, ExprId, Id, IdVec, LeafId, Origin, ParamId, Program, RefValue, SlotId, Subject,
-    VarId, World,
+    DiscreteId, Entity, EntityId, ExprId, Id, IdVec, LeafId, Origin, ParamId, Program, RefValue, SlotId, SpaceId,
+    Subject, VarId, World,
 };
 
 use crate::watch::Watch;
@@ -45,6 +45,8 @@ pub(super) struct Slot {
     /// Why, if so.
     pub why: Option<GivenUp>,
     pub params: IdVec<ParamId, Values>,
+    /// The spaces to which links lead it: what it meets there decides whether it can be there at all.
+    pub entered: BTreeSet<SpaceId>,
     /// px/s
     pub speed: [f64; 2],
     pub near_speed: [f64; 2],
@@ -268,7 +270,7 @@ impl<'a> Analysis<'a> {
             params: known.params.clone(),
             vars: entity.vars.ids().map(|v| [0, 1, 2].map(|d| all(&|c| c.vars[v][d]))).collect(),
             discretes: entity.discretes.ids().map(|id| all(&|c| c.discretes[id])).collect(),
-            spaces: known.configurations.values().flat_map(|g| g.at.spaces.iter().copied()).collect(),
+            spaces: known.configurations.values().flat_map(|g| &*g.at.spaces).chain(&known.entered).copied().collect(),
             contact: known.contact,
             speed: known.speed,
             near_speed: known.near_speed,
@@ -484,10 +486,19 @@ impl<'a> Analysis<'a> {
             known.is_changed |= is_more;
             changed |= is_more;
         }
+        if !outcome.spaces.is_subset(&known.entered) {
+            known.entered.extend(outcome.spaces);
+            known.is_changed = true;
+            changed = true;
+        }
         for landing in outcome.landings {
             changed |= self.land(slot, &landing);
         }
-        let kind = &mut self.scene.kinds[self.scene.of[slot]];
+        let number = self.scene.of[slot];
+        for leaves in outcome.comes {
+            changed |= self.scene.activate(number, &leaves);
+        }
+        let kind = &mut self.scene.kinds[number];
         changed |= outcome.appears && !kind.appears;
         kind.appears |= outcome.appears;
         changed

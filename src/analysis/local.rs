@@ -11,6 +11,7 @@ use super::scene::{Body, Edges, Kind, along, edge_at, face, near, rounded, sides
 use super::tiles::Tiles;
 use super::values::Interval;
 use crate::ir::{Bounds, Meeting, Side, World};
+use crate::watch::Meter;
 
 /// More surfaces than that are not looked at one by one.
 const MAX_SURFACES: usize = 1 << 14;
@@ -51,8 +52,8 @@ pub(super) struct Surfaces {
 }
 
 impl Surfaces {
-    /// None if there are too many, or if a collider is not always the same.
-    pub fn new(world: &World, kind: &Kind, space: SpaceId) -> Option<Surfaces> {
+    /// None if there are too many, if a collider is not always the same, or if the meter stops it.
+    pub fn new(world: &World, kind: &Kind, space: SpaceId, meter: &Meter<'_>) -> Option<Surfaces> {
         let mut out = Surfaces { presences: presences(kind), ..Surfaces::default() };
         let tiles = Tiles::new(world, space);
         let solids = &world.spaces[space].solids;
@@ -72,6 +73,9 @@ impl Surfaces {
                 let is_covered = tiles.neighbour(at, side).is_some_and(|kind| blocks[kind]);
                 is_covered && !has_solids
             };
+            if tiles.spend(meter) {
+                return None;
+            }
             for at in 0..tiles.count().0 * tiles.count().1 {
                 let Some(kind) = tiles.kind(at) else { continue };
                 let Some(meeting) = meetings[kind] else { continue };

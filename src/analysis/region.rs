@@ -190,6 +190,11 @@ impl Scene<'_> {
     }
 }
 
+/// Whether two intervals are no further apart than so much.
+fn near(a: Interval, b: Interval, apart: f64) -> bool {
+    a.low - apart <= b.high && b.low - apart <= a.high
+}
+
 /// Whether two things leave a gap that is too narrow by no more than two steps, near to what is reached: they push against
 /// each other, or a push by one of them ends inside of the other; so, too, where the meter stops the search for one.
 fn has_narrow_gap(
@@ -199,7 +204,6 @@ fn has_narrow_gap(
     meter: &Meter<'_>,
 ) -> bool {
     let thickest = 2.0 * far + TOLERANCE + 4.0 * ROUNDING;
-    let near = |a: Interval, b: Interval| a.low - apart <= b.high && b.low - apart <= a.high;
     let mut order: Vec<&[Interval; 2]> = blockers.iter().collect();
     [0, 1].into_iter().any(|axis| {
         let across = 1 - axis;
@@ -209,7 +213,7 @@ fn has_narrow_gap(
             let first = order.partition_point(|b| b[axis].low < side.high - thickest);
             let after = order.partition_point(|b| b[axis].low < side.high);
             order.get(first..after).unwrap_or_default().iter().any(|b| {
-                if side.low >= b[axis].low || !near(a[across], b[across]) {
+                if side.low >= b[axis].low || !near(a[across], b[across], apart) {
                     return false;
                 }
                 let mut gap = [side; 2];
@@ -218,7 +222,7 @@ fn has_narrow_gap(
                 if meter.spend(reached.len() as u64) {
                     return true;
                 }
-                reached.iter().any(|r| near(r[0], gap[0]) && near(r[1], gap[1]))
+                reached.iter().any(|r| near(r[0], gap[0], apart) && near(r[1], gap[1], apart))
             })
         })
     })
@@ -234,7 +238,6 @@ fn has_ledge(
     meter: &Meter<'_>,
 ) -> bool {
     let thickest = far + TOLERANCE + 4.0 * ROUNDING;
-    let near = |a: Interval, b: Interval| a.low - apart <= b.high && b.low - apart <= a.high;
     let mirrored = |i: Interval| Interval { low: -i.high, high: -i.low };
     [(0, false), (0, true), (1, false), (1, true)].into_iter().any(|(axis, is_mirrored)| {
         let across = 1 - axis;
@@ -246,7 +249,7 @@ fn has_ledge(
             let first = order.partition_point(|b| along(b).high <= face);
             let after = order.partition_point(|b| along(b).high <= face + thickest);
             order.get(first..after).unwrap_or_default().iter().any(|b| {
-                if along(b).low > face + apart || !near(a[across], b[across]) {
+                if along(b).low > face + apart || !near(a[across], b[across], apart) {
                     return false;
                 }
                 let ledge = Interval { low: face, high: along(b).high };
@@ -254,7 +257,7 @@ fn has_ledge(
                 if meter.spend(reached.len() as u64) {
                     return true;
                 }
-                reached.iter().any(|r| near(r[axis], ledge) && near(r[across], b[across]))
+                reached.iter().any(|r| near(r[axis], ledge, apart) && near(r[across], b[across], apart))
             })
         })
     })
@@ -304,11 +307,13 @@ impl Plane {
                 let after = after.min(count(axis));
                 first.min(after)..after
             };
-            if meter.spend(1 + (range(0).len() / 16 * range(1).len()) as u64) {
+            let (across, up) = (range(0), range(1));
+            // A row costs a call at least.
+            if meter.spend(((across.len() / 16 + 4) * up.len()) as u64) {
                 return None;
             }
-            for row in range(1) {
-                is_blocked[row * count(0)..][range(0)].fill(true);
+            for row in up {
+                is_blocked[row * count(0)..][across.clone()].fill(true);
             }
         }
         Some(Plane { lines, is_blocked })
@@ -345,14 +350,13 @@ impl Plane {
             strips.extend(self.strips(row));
         }
         starts.push(strips.len());
-        let near = |a: Interval, b: Interval| a.low - apart <= b.high && b.low - apart <= a.high;
         let mut is_reached = vec![false; strips.len()];
         let mut open: Vec<usize> = Vec::new();
         for (at, strip) in strips.iter().enumerate() {
             if meter.spend(seeds.len() as u64) {
                 return Vec::new();
             }
-            if seeds.iter().any(|s| near(s[0], strip[0]) && near(s[1], strip[1])) {
+            if seeds.iter().any(|s| near(s[0], strip[0], apart) && near(s[1], strip[1], apart)) {
                 is_reached[at] = true;
                 open.push(at);
             }
@@ -361,8 +365,9 @@ impl Plane {
         while let Some(at) = open.pop() {
             let [x, y] = strips[at];
             let row = row_of(at);
-            let below = (0..=row).rev().take_while(|r| near(y, Interval::point(self.lines[1][r + 1])) || *r == row);
-            let above = (row + 1..rows).take_while(|r| near(y, Interval::point(self.lines[1][*r])));
+            let below =
+                (0..=row).rev().take_while(|r| near(y, Interval::point(self.lines[1][r + 1]), apart) || *r == row);
+            let above = (row + 1..rows).take_while(|r| near(y, Interval::point(self.lines[1][*r]), apart));
             for other in below.chain(above) {
                 if meter.spend(16) {
                     return Vec::new();

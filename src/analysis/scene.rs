@@ -30,7 +30,8 @@ const MAX_COORDINATE: f64 = (1_u64 << 26) as f64;
 
 /// How much rounding can shift where edges meet at some coordinates, px.
 pub(super) fn rounding(at: f64) -> f64 {
-    ROUNDING + at.abs() * 1e-12
+    // What has no end is not rounded there.
+    if at.is_finite() { ROUNDING + at.abs() * 1e-12 } else { 0.0 }
 }
 
 /// An interval, and what is so near to it that only rounding tells them apart.
@@ -197,7 +198,7 @@ impl<'a> Scene<'a> {
 
     /// Around the positions at which a kind can meet what never moves: instances that nothing can move, too.
     fn near(&self, kind: usize) -> Option<Extent> {
-        let mut hull = near_statics(self.world, &self.kinds[kind]);
+        let mut hull = near_statics(self.world, &self.kinds[kind], &self.meter);
         for pair in self.pairs[kind].iter().filter(|pair| pair.meeting.response.push != Push::Sense) {
             let (mine, theirs) = (&self.kinds[kind].bodies[pair.mine], &self.kinds[pair.kind].bodies[pair.theirs]);
             let (Some(extent), Some(other), false) = (mine.extent, theirs.extent, mine.kinematic) else { continue };
@@ -250,7 +251,8 @@ impl<'a> Scene<'a> {
             if kind.slots.iter().any(|s| self.world.slots[*s].player.is_none()) {
                 continue;
             }
-            let surfaces = self.world.spaces.ids().map(|s| Some((s, Arc::new(Surfaces::new(self.world, kind, s)?))));
+            let surfaces =
+                self.world.spaces.ids().map(|s| Some((s, Arc::new(Surfaces::new(self.world, kind, s, &self.meter)?))));
             let Some(surfaces) = surfaces.collect::<Option<Vec<_>>>() else { continue };
             // Which of its colliders can be there is not known yet.
             let mut whole = kind.clone();

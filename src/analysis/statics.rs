@@ -1,5 +1,7 @@
 //! What a kind of instances meets in a space that never moves: where contacts with it are, and where its pushes end.
 
+use std::collections::BTreeSet;
+
 use crate::ir::{Bounds, Id, Meeting, Push, SpaceId, TagSet};
 
 use super::scene::{Body, Edges, Kind, Scene, along, disjoin, edge, face, near, rounding, sides_of};
@@ -34,13 +36,14 @@ pub(super) struct Statics {
 }
 
 impl Scene<'_> {
-    /// Looks at all that never moves.
+    /// Looks at all that never moves; not at all of it if the meter stops it.
     pub fn look(&self, kind: &Kind, space: SpaceId) -> Statics {
         let (world, entity) = (self.world, &self.program.entities[kind.entity]);
         let mut out = Statics::default();
         let tiles = Tiles::new(world, space);
         let solids = &world.spaces[space].solids;
-        let tags: Vec<TagSet> = tiles.tags.iter().copied().chain(solids.iter().map(|s| s.tags)).collect();
+        // Many have the same.
+        let tags: BTreeSet<TagSet> = tiles.tags.iter().copied().chain(solids.iter().map(|s| s.tags)).collect();
         for touch in entity.touches.iter() {
             let asking: Vec<&Body> = kind.bodies.iter().filter(|b| b.is_live && b.tags.meets(touch.mine)).collect();
             let mut places = [Vec::new(), Vec::new()];
@@ -51,8 +54,11 @@ impl Scene<'_> {
                     continue;
                 }
                 pushed &= meeting.response.push != Push::Sense && !body.kinematic;
+                if self.meter.spend(solids.len() as u64) {
+                    return out;
+                }
                 let boxes = solids.iter().filter(|s| s.tags == tags).map(|s| along(s.bounds));
-                let (columns, rows) = tiles.lines(|at| tiles.tag(at) == tags);
+                let (columns, rows) = tiles.lines(|at| tiles.tag(at) == tags, &self.meter);
                 let lines = [columns, rows];
                 for (axis, places) in places.iter_mut().enumerate() {
                     let lines = lines[axis].iter().copied().chain(boxes.clone().map(|b| b[axis]));
@@ -64,6 +70,9 @@ impl Scene<'_> {
             out.pushed.push(pushed);
         }
         for body in kind.bodies.iter().filter(|b| !b.kinematic && b.is_live) {
+            if self.meter.spend(solids.len() as u64) {
+                return out;
+            }
             self.pushes(body, space, &tiles, &mut out);
         }
         out.edges.iter_mut().chain(&mut out.faces).flatten().for_each(disjoin);
@@ -101,19 +110,19 @@ impl Scene<'_> {
         let meetings: Vec<Option<Meeting>> = tiles.tags.iter().map(|t| pushing(*t)).collect();
         let blocks: Vec<bool> = meetings.iter().map(|m| m.is_some_and(|m| m.response.push == Push::Block)).collect();
         for (kind, meeting) in meetings.iter().enumerate().filter_map(|(k, m)| Some((k, (*m)?))) {
-            if !tiles.has(kind) {
+            if tiles.spend(&self.meter) || !tiles.has(kind) {
                 continue;
             }
             met(meeting, tiles.size());
             let Some(extent) = body.extent else { continue };
             for side in sides_of(meeting) {
                 let (axis, end) = face(side);
-                let all = tiles.lines(|at| tiles.kind(at) == Some(kind));
+                let all = tiles.lines(|at| tiles.kind(at) == Some(kind), &self.meter);
                 // What is open from one side pushes whatever covers it. Beside a rectangle, what goes into a corner can be
                 // pushed to a face that is covered.
                 let covers = |at| tiles.neighbour(at, side).is_some_and(|k| blocks[k]);
                 let covered = |at| meeting.response.push == Push::Block && !beside_solids && covers(at);
-                let open = tiles.lines(|at| tiles.kind(at) == Some(kind) && !covered(at));
+                let open = tiles.lines(|at| tiles.kind(at) == Some(kind) && !covered(at), &self.meter);
                 for (lines, edges) in [(all, &mut out.edges), (open, &mut out.faces)] {
                     let lines = if axis == 0 { lines.0 } else { lines.1 };
                     edges[axis][end].extend(lines.into_iter().map(|line| edge(extent, axis, end, line)));
@@ -137,15 +146,14 @@ impl Scene<'_> {
             let blocks =
                 |tags: TagSet| self.world.meeting(body.tags, tags).is_some_and(|m| m.response.push != Push::Sense);
             let solids = self.world.spaces[space].solids.iter().filter(|s| blocks(s.tags));
+            self.meter.spend(self.world.spaces[space].solids.len() as u64);
             let kinds: Vec<bool> = tiles.tags.iter().map(|t| blocks(*t)).collect();
             let Some(extent) = body.extent else { return kinds.contains(&true) || solids.count() > 0 };
             // Cells that share a line with what blocks overlap it by the rounding of both.
             let slack = if matches!(landing.whose, Whose::One { .. }) { 4.0 } else { 1.0 };
-            // What has no end has no rounding there.
-            let slack = |at: f64| if at.is_finite() { slack * rounding(at) } else { 0.0 };
             let wide = |at: Interval, e: Interval| Interval {
-                low: at.low + e.low + slack(at.low),
-                high: at.high + e.high - slack(at.high),
+                low: at.low + e.low + slack * rounding(at.low),
+                high: at.high + e.high - slack * rounding(at.high),
             };
             let (x, y) = (wide(x, extent[0]), wide(y, extent[1]));
             let overlaps = |b: Bounds| x.low < b.right && b.left < x.high && y.low < b.top && b.bottom < y.high;

@@ -12,7 +12,6 @@ use crate::ir::{
 use super::configuration::Configuration;
 use super::evaluate::{Phase, Reader};
 use super::flow::Followed;
-use super::presence::Presence;
 use super::scene::Scene;
 use super::values::{Interval, Values};
 
@@ -29,6 +28,8 @@ pub(super) struct Outcome {
     pub can_end: bool,
     /// Whether a collider that is never pushed can come back.
     pub appears: bool,
+    /// Active leaves with which a collider comes.
+    pub comes: Vec<Vec<LeafId>>,
     /// Of both axes, how fast it moves before anything stops it, px/s.
     pub speed: [f64; 2],
     /// The same, where that leads to where there is something that never moves.
@@ -39,6 +40,8 @@ pub(super) struct Outcome {
     pub contact: [Values; 2],
     /// Where updates and links put it.
     pub landings: Vec<Landing>,
+    /// The spaces to which links lead it.
+    pub spaces: BTreeSet<SpaceId>,
 }
 
 /// Where something puts an instance, px.
@@ -148,7 +151,6 @@ impl<'a> Stepper<'a> {
         for (taken, at) in ways {
             self.take(&taken, &at, &mut followed, &mut outcome);
         }
-        self.activations(from, &mut outcome);
         outcome.next.retain(|c| !c.is_impossible());
         Some(outcome)
     }
@@ -240,6 +242,7 @@ impl<'a> Stepper<'a> {
         let moved: Vec<Configuration> =
             nexts.iter().flat_map(|next| links.iter().map(|link| self.through(*link, next, put, is_covered))).collect();
         outcome.landings.extend(moved.iter().filter_map(Landing::of));
+        outcome.spaces.extend(moved.iter().flat_map(|next| next.spaces.iter()));
         let is_put = put != [false; 2];
         let jumps = |next: &Configuration| {
             [0, 1].map(|axis| if put[axis as usize] { shift(at, next, VarId(axis)) } else { Interval::point(0.0) })
@@ -257,26 +260,34 @@ impl<'a> Stepper<'a> {
             return;
         }
         for (beginning, next) in nexts {
-            if let Some(mut moved) = self.flowed(&next, beginning, followed, outcome) {
+            let mut moved = self.flowed(&next, beginning, followed, outcome);
+            if let Some(moved) = &mut moved {
                 moved.leaves.clone_from(&next.leaves);
                 moved.timers = self.time(&next);
-                outcome.next.push(moved);
             }
+            self.activations(at, &next.leaves, moved.as_ref(), outcome);
+            outcome.next.extend(moved);
         }
     }
 
     /// A collider that was not there can be so inside of something: where the instance was, and not only where it goes,
-    /// as what it meets on the way can push it.
-    fn activations(&self, from: &Configuration, outcome: &mut Outcome) {
-        let scene = self.scene;
-        let kind = &scene.kinds[scene.of[self.slot]];
-        let away = |presence: &Presence| !presence.is_there(&from.leaves);
+    /// as what it meets on the way can push it. That counts even if it seems to get nowhere (`moved` is none), or where it
+    /// never may be: what is known of pushes holds only for the colliders that are known to come, and where they do.
+    fn activations(
+        &self,
+        from: &Configuration,
+        leaves: &[LeafId],
+        moved: Option<&Configuration>,
+        outcome: &mut Outcome,
+    ) {
+        let kind = &self.scene.kinds[self.scene.of[self.slot]];
         for (collider, body) in self.entity().colliders.ids().zip(&kind.bodies) {
-            let Some(presence) = body.presence.as_ref().filter(|p| away(p)) else { continue };
-            let comes = |next: &&Configuration| presence.is_there(&next.leaves);
-            let mut next = outcome.next.iter().filter(comes).peekable();
-            if next.peek().is_none() {
+            let Some(presence) = &body.presence else { continue };
+            if presence.is_there(&from.leaves) || !presence.is_there(leaves) {
                 continue;
+            }
+            if !body.is_live {
+                outcome.comes.push(leaves.to_vec());
             }
             if body.kinematic {
                 outcome.appears = true;
@@ -284,9 +295,8 @@ impl<'a> Stepper<'a> {
             }
             let was_bare = !kind.cover().covers(&from.leaves);
             let whose = Whose::One { collider, was_bare };
-            let at = std::iter::once(from).chain(next).filter_map(Landing::of);
-            let landings: Vec<Landing> = at.map(|l| Landing { whose: whose.clone(), ..l }).collect();
-            outcome.landings.extend(landings);
+            let at = [Some(from), moved].into_iter().flatten().filter_map(Landing::of);
+            outcome.landings.extend(at.map(|l| Landing { whose: whose.clone(), ..l }));
         }
     }
 

@@ -1,6 +1,7 @@
 //! The tiles of a space as the analysis looks at them: which kinds stand where, in which columns and rows.
 
 use crate::ir::{Bounds, Side, SpaceId, TagId, TagSet, TileMap, World};
+use crate::watch::Meter;
 
 use super::values::Interval;
 
@@ -29,6 +30,12 @@ impl<'a> Tiles<'a> {
     /// Columns and rows.
     pub fn count(&self) -> (usize, usize) {
         self.map.map_or((0, 0), |m| (m.columns, m.rows))
+    }
+
+    /// Counts a look at every cell; gives whether all should end.
+    pub fn spend(&self, meter: &Meter<'_>) -> bool {
+        let (columns, rows) = self.count();
+        meter.spend(columns as u64 * rows as u64)
     }
 
     /// The kind of the tile in a cell, by its number.
@@ -68,13 +75,19 @@ impl<'a> Tiles<'a> {
         }
     }
 
-    /// The columns and the rows in which some cell is meant.
-    pub fn lines(&self, is_meant: impl Fn(usize) -> bool) -> (Lines, Lines) {
+    /// The columns and the rows in which some cell is meant; not all of them if the meter stops it.
+    pub fn lines(&self, is_meant: impl Fn(usize) -> bool, meter: &Meter<'_>) -> (Lines, Lines) {
         let Some(map) = self.map else { return (Vec::new(), Vec::new()) };
         let (mut columns, mut rows) = (vec![false; map.columns], vec![false; map.rows]);
-        for at in (0..map.cells.len()).filter(|at| is_meant(*at)) {
-            columns[at % map.columns] = true;
-            rows[at / map.columns] = true;
+        for (row, is_in_row) in rows.iter_mut().enumerate() {
+            if meter.spend(4 * map.columns as u64) {
+                break;
+            }
+            for (column, is_in_column) in columns.iter_mut().enumerate() {
+                let is_in = is_meant(row * map.columns + column);
+                *is_in_row |= is_in;
+                *is_in_column |= is_in;
+            }
         }
         let lines = |on: &[bool], size: f64| {
             let on = on.iter().enumerate().filter(|(_, on)| **on);

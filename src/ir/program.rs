@@ -26,7 +26,7 @@ pub struct Program {
 }
 
 /// A set of tags, one bit each.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
 pub struct TagSet(pub u64);
 
 impl TagSet {

@@ -138,14 +138,8 @@ impl Within<'_> {
     /// Whether a predicate can only hold out of bounds.
     fn never_holds(&self, term: &Term) -> bool {
         match &term.kind {
-            TermKind::And(sides) => {
-                let [a, b] = sides.as_ref();
-                self.never_holds(a) || self.never_holds(b)
-            }
-            TermKind::Or(sides) => {
-                let [a, b] = sides.as_ref();
-                self.never_holds(a) && self.never_holds(b)
-            }
+            TermKind::And(sides) => sides.iter().any(|side| self.never_holds(side)),
+            TermKind::Or(sides) => sides.iter().all(|side| self.never_holds(side)),
             TermKind::Compare(op, sides) => {
                 let [a, b] = sides.as_ref();
                 self.never_compares(*op, a, b) || self.never_compares(op.mirrored(), b, a)

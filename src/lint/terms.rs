@@ -2,24 +2,10 @@
 
 use crate::sema::checked::{Action, DriveBy, Entity, Rate, Release, Term, TermKind, Update};
 
-/// The terms directly inside of a term.
-pub(super) fn children(term: &Term) -> Vec<&Term> {
-    match &term.kind {
-        TermKind::Negate(a) | TermKind::Not(a) => vec![a],
-        TermKind::Arithmetic(_, sides) | TermKind::Compare(_, sides) | TermKind::And(sides) | TermKind::Or(sides) => {
-            let [a, b] = sides.as_ref();
-            vec![a, b]
-        }
-        TermKind::Call(call) => call.1.iter().collect(),
-        TermKind::Near(asked) => asked.1.iter().collect(),
-        _ => Vec::new(),
-    }
-}
-
 /// Calls `visit` with a term and all terms inside of it.
 pub(super) fn walk<'t>(term: &'t Term, visit: &mut dyn FnMut(&'t Term)) {
     visit(term);
-    for child in children(term) {
+    for child in term.operands() {
         walk(child, visit);
     }
 }
@@ -90,8 +76,8 @@ pub(super) fn of_entity(entity: &Entity) -> Vec<&Term> {
 /// Whether two terms of one entity say the same, wherever they stand.
 pub(super) fn same(a: &Term, b: &Term) -> bool {
     let inside = |a: &Term, b: &Term| {
-        let (a, b) = (children(a), children(b));
-        a.len() == b.len() && a.iter().zip(&b).all(|(a, b)| same(a, b))
+        let (a, b) = (a.operands(), b.operands());
+        a.len() == b.len() && a.iter().zip(b).all(|(a, b)| same(a, b))
     };
     match (&a.kind, &b.kind) {
         (TermKind::Negate(_), TermKind::Negate(_))
@@ -102,6 +88,6 @@ pub(super) fn same(a: &Term, b: &Term) -> bool {
         (TermKind::Compare(f, ..), TermKind::Compare(g, ..)) => f == g && inside(a, b),
         (TermKind::Call(f), TermKind::Call(g)) => f.0 == g.0 && inside(a, b),
         (TermKind::Near(f), TermKind::Near(g)) => f.0 == g.0 && inside(a, b),
-        (f, g) => children(a).is_empty() && children(b).is_empty() && f == g,
+        (f, g) => a.operands().is_empty() && b.operands().is_empty() && f == g,
     }
 }

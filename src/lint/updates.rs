@@ -81,14 +81,8 @@ fn together(entity: &Entity, a: &When<'_>, b: &When<'_>) -> bool {
 /// Whether a guard holds only while a mode beside this one is active.
 fn asks_for_another(entity: &Entity, guard: &Term, mode: ModeId) -> bool {
     match &guard.kind {
-        TermKind::And(sides) => {
-            let [a, b] = sides.as_ref();
-            asks_for_another(entity, a, mode) || asks_for_another(entity, b, mode)
-        }
-        TermKind::Or(sides) => {
-            let [a, b] = sides.as_ref();
-            asks_for_another(entity, a, mode) && asks_for_another(entity, b, mode)
-        }
+        TermKind::And(sides) => sides.iter().any(|side| asks_for_another(entity, side, mode)),
+        TermKind::Or(sides) => sides.iter().all(|side| asks_for_another(entity, side, mode)),
         TermKind::InMode(Subject::Me, other) => {
             let same_group = entity.modes[*other].group == entity.modes[mode].group;
             same_group && !is_in(entity, *other, mode) && !is_in(entity, mode, *other)

@@ -208,14 +208,8 @@ fn ends_by_contact(entity: &Entity, leaf: ModeId) -> bool {
 fn needs_contact(guard: &Term) -> bool {
     match &guard.kind {
         TermKind::Touching(_) => true,
-        TermKind::And(sides) => {
-            let [a, b] = sides.as_ref();
-            needs_contact(a) || needs_contact(b)
-        }
-        TermKind::Or(sides) => {
-            let [a, b] = sides.as_ref();
-            needs_contact(a) && needs_contact(b)
-        }
+        TermKind::And(sides) => sides.iter().any(needs_contact),
+        TermKind::Or(sides) => sides.iter().all(needs_contact),
         _ => false,
     }
 }

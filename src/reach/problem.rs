@@ -186,12 +186,9 @@ impl<'s> Problem<'s> {
     /// # Errors
     /// Where the run ends on the way, or the watch stops it.
     pub fn after_watched(mut self, script: Script, watch: &dyn Watch) -> Result<Self, BadStart> {
-        let mut scratch = self.sim.scratch();
-        let meter = Meter::new(watch);
-        let mut state = self.sim.metered_initial(&mut scratch, &meter).map_err(|f| BadStart::Fault(f, 0))?;
-        if meter.is_stopped() {
-            return Err(BadStart::Stopped);
-        }
+        let initial = self.initial(watch).map_err(|f| BadStart::Fault(f, 0))?;
+        let mut state = initial.ok_or(BadStart::Stopped)?;
+        let (mut scratch, meter) = (self.sim.scratch(), Meter::new(watch));
         let over = |state: &[u8], step: u64| match self.judge(state) {
             Ok(Standing::Dead(death)) => Err(BadStart::Over(death, step)),
             Ok(_) => Ok(()),
@@ -217,18 +214,21 @@ impl<'s> Problem<'s> {
         if !self.starts.is_empty() {
             return Ok(Some(self.starts.clone()));
         }
-        let state = match self.initial.get() {
-            Some(known) => known.clone()?,
-            None => {
-                let meter = Meter::new(watch);
-                let state = self.sim.metered_initial(&mut self.sim.scratch(), &meter);
-                if meter.is_stopped() {
-                    return Ok(None);
-                }
-                self.initial.get_or_init(|| state).clone()?
-            }
-        };
-        Ok(Some(vec![Start { script: Script::default(), after: 0, state }]))
+        let start = |state| vec![Start { script: Script::default(), after: 0, state }];
+        Ok(self.initial(watch)?.map(start))
+    }
+
+    /// The initial state; none if the watch stops it before that is known.
+    fn initial(&self, watch: &dyn Watch) -> Result<Option<Vec<u8>>, Fault> {
+        if let Some(known) = self.initial.get() {
+            return known.clone().map(Some);
+        }
+        let meter = Meter::new(watch);
+        let state = self.sim.metered_initial(&mut self.sim.scratch(), &meter);
+        if meter.is_stopped() {
+            return Ok(None);
+        }
+        self.initial.get_or_init(|| state).clone().map(Some)
     }
 
     /// The slots that players control.

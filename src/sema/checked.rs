@@ -79,6 +79,20 @@ pub struct Term {
 }
 
 impl Term {
+    /// The terms directly inside of it.
+    pub fn operands(&self) -> &[Term] {
+        match &self.kind {
+            TermKind::Negate(a) | TermKind::Not(a) => std::slice::from_ref(a),
+            TermKind::Arithmetic(_, sides)
+            | TermKind::Compare(_, sides)
+            | TermKind::And(sides)
+            | TermKind::Or(sides) => sides.as_slice(),
+            TermKind::Call(call) => &call.1,
+            TermKind::Near(asked) => &asked.1,
+            _ => &[],
+        }
+    }
+
     /// The term, and nothing in its place.
     pub fn take(&mut self) -> Term {
         Term { kind: std::mem::replace(&mut self.kind, TermKind::NoneRef), ty: self.ty, span: self.span }

@@ -59,13 +59,6 @@ impl Checker<'_> {
 fn collect(entity: &Entity, term: &Term, out: &mut Vec<(GroupId, Span)>) {
     match &term.kind {
         TermKind::Joint { mode, .. } => out.push((entity.modes[*mode].group, term.span)),
-        TermKind::And(sides) | TermKind::Or(sides) | TermKind::Compare(_, sides) | TermKind::Arithmetic(_, sides) => {
-            let [a, b] = sides.as_ref();
-            collect(entity, a, out);
-            collect(entity, b, out);
-        }
-        TermKind::Not(a) | TermKind::Negate(a) => collect(entity, a, out),
-        TermKind::Call(call) => call.1.iter().for_each(|a| collect(entity, a, out)),
-        _ => {}
+        _ => term.operands().iter().for_each(|operand| collect(entity, operand, out)),
     }
 }

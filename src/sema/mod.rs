@@ -243,16 +243,8 @@ impl<'a> Checker<'a> {
 
 /// How many operators and calls a constant holds, those of the constants in it included.
 fn operators(term: &checked::Term) -> usize {
-    use checked::TermKind as K;
-    match &term.kind {
-        K::Negate(a) | K::Not(a) => 1 + operators(a),
-        K::Arithmetic(_, sides) | K::Compare(_, sides) | K::And(sides) | K::Or(sides) => {
-            let [a, b] = sides.as_ref();
-            1 + operators(a) + operators(b)
-        }
-        K::Call(call) => 1 + call.1.iter().map(operators).sum::<usize>(),
-        _ => 0,
-    }
+    let operands = term.operands();
+    usize::from(!operands.is_empty()) + operands.iter().map(operators).sum::<usize>()
 }
 
 impl<I, T> IdVec<I, T>

@@ -279,18 +279,8 @@ fn read_slots(term: &Term, out: &mut Vec<SlotId>) {
         | TermKind::InMode(of, _)
         | TermKind::InSpace(of, _) => add(of),
         TermKind::Touching(asked) => add(&asked.of),
-        TermKind::Near(asked) => {
-            let (of, numbers) = asked.as_ref();
-            add(of);
-            numbers.iter().for_each(|t| read_slots(t, out));
-        }
-        TermKind::Negate(a) | TermKind::Not(a) => read_slots(a, out),
-        TermKind::Arithmetic(_, sides) | TermKind::Compare(_, sides) | TermKind::And(sides) | TermKind::Or(sides) => {
-            let [a, b] = sides.as_ref();
-            read_slots(a, out);
-            read_slots(b, out);
-        }
-        TermKind::Call(call) => call.1.iter().for_each(|a| read_slots(a, out)),
+        TermKind::Near(asked) => add(&asked.0),
         _ => {}
     }
+    term.operands().iter().for_each(|operand| read_slots(operand, out));
 }

@@ -4,7 +4,7 @@
 //! what blocks the same body lies on all of that part, right outside of it. Which rectangles have others beside them, and
 //! which tiles have rectangles beside them, is known beforehand: the rest costs nothing.
 
-use crate::ir::{Bounds, Push, Side, Space, SpaceId};
+use crate::ir::{Bounds, Push, Side, Solid, Space, SpaceId};
 
 use super::collision::{Encounter, Kind};
 use super::contact::{Overlap, Rect, TOLERANCE};
@@ -35,24 +35,85 @@ struct Face {
 
 impl Seams {
     pub fn new(space: &Space) -> Self {
-        let mut order: Vec<usize> = (0..space.solids.len()).collect();
-        let bounds = |at: usize| space.solids[at].bounds;
-        order.sort_by(|a, b| bounds(*a).left.total_cmp(&bounds(*b).left));
-        let mut rects = vec![false; order.len()];
-        // Those that begin before this one ends, up to one that is known to have a neighbour.
-        for (nth, &a) in order.iter().enumerate() {
-            for &b in order[nth + 1..].iter().take_while(|b| bounds(**b).left <= bounds(a).right + TOLERANCE) {
-                if rects[a] && rects[b] {
-                    continue;
-                }
-                let (a_is, b_is) = (bounds(a), bounds(b));
-                if b_is.bottom <= a_is.top + TOLERANCE && a_is.bottom <= b_is.top + TOLERANCE {
-                    rects[a] = true;
-                    rects[b] = true;
-                }
-            }
+        Seams { rects: with_neighbours(&space.solids), cells: cells(space) }
+    }
+}
+
+/// Of each rectangle, whether another one touches or overlaps it: in the order of their left ends, each asks what has come
+/// before it at its height how far that goes, and what comes after it where that begins.
+fn with_neighbours(solids: &[Solid]) -> Vec<bool> {
+    let bounds = |at: usize| solids[at].bounds;
+    let mut order: Vec<usize> = (0..solids.len()).collect();
+    order.sort_by(|a, b| bounds(*a).left.total_cmp(&bounds(*b).left));
+    let ends = |at: usize| (bounds(at).bottom, bounds(at).top + TOLERANCE);
+    let mut heights: Vec<f64> = order.iter().flat_map(|at| [ends(*at).0, ends(*at).1]).collect();
+    heights.sort_by(f64::total_cmp);
+    heights.dedup();
+    let rank = |at: f64| heights.partition_point(|h| *h < at);
+    let ranks = |at: usize| (rank(ends(at).0), rank(ends(at).1) + 1);
+    let mut found = vec![false; order.len()];
+    let (mut before, mut after) = (Greatest::new(heights.len()), Greatest::new(heights.len()));
+    for &at in &order {
+        found[at] |= before.within(ranks(at)) >= bounds(at).left;
+        before.raise(ranks(at), bounds(at).right + TOLERANCE);
+    }
+    for &at in order.iter().rev() {
+        found[at] |= -after.within(ranks(at)) <= bounds(at).right + TOLERANCE;
+        after.raise(ranks(at), -bounds(at).left);
+    }
+    found
+}
+
+/// The greatest of the numbers that ranges of places were given: a segment tree.
+struct Greatest {
+    /// Of each node, what was given to all below it, and the greatest that was given to any.
+    nodes: Vec<(f64, f64)>,
+}
+
+impl Greatest {
+    fn new(places: usize) -> Self {
+        Greatest { nodes: vec![(f64::NEG_INFINITY, f64::NEG_INFINITY); 2 * places.next_power_of_two()] }
+    }
+
+    /// Calls `visit` with the nodes that make up a range, and with those on the way to them, which reach beyond it.
+    fn cover(
+        &mut self,
+        (node, span): (usize, (usize, usize)),
+        range: (usize, usize),
+        visit: &mut impl FnMut(&mut (f64, f64), bool),
+    ) {
+        if range.1 <= span.0 || span.1 <= range.0 {
+            return;
         }
-        Seams { rects, cells: cells(space) }
+        let is_whole = range.0 <= span.0 && span.1 <= range.1;
+        visit(&mut self.nodes[node], is_whole);
+        if !is_whole {
+            let middle = usize::midpoint(span.0, span.1);
+            self.cover((2 * node, (span.0, middle)), range, visit);
+            self.cover((2 * node + 1, (middle, span.1)), range, visit);
+        }
+    }
+
+    fn root(&self) -> (usize, (usize, usize)) {
+        (1, (0, self.nodes.len() / 2))
+    }
+
+    fn raise(&mut self, range: (usize, usize), to: f64) {
+        self.cover(self.root(), range, &mut |(all, any), is_whole| {
+            *any = any.max(to);
+            if is_whole {
+                *all = all.max(to);
+            }
+        });
+    }
+
+    /// Of what was given to any place of a range.
+    fn within(&mut self, range: (usize, usize)) -> f64 {
+        let mut greatest = f64::NEG_INFINITY;
+        self.cover(self.root(), range, &mut |(all, any), is_whole| {
+            greatest = greatest.max(if is_whole { *any } else { *all });
+        });
+        greatest
     }
 }
 
@@ -192,6 +253,36 @@ impl Simulator<'_> {
             if reach <= before {
                 return false;
             }
+        }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::ir::TagSet;
+
+    proptest! {
+        #[test]
+        fn neighbours_are_those_that_touch_or_overlap(
+            boxes in prop::collection::vec((0..40i8, 0..40i8, 1..9i8, 1..9i8), 0..24)
+        ) {
+            let solid = |(x, y, width, height): &(i8, i8, i8, i8)| {
+                let (left, bottom) = (f64::from(*x), f64::from(*y));
+                let bounds = Bounds { left, bottom, right: left + f64::from(*width), top: bottom + f64::from(*height) };
+                Solid { bounds, tags: TagSet::default() }
+            };
+            let solids: Vec<Solid> = boxes.iter().map(solid).collect();
+            let meets = |a: &Bounds, b: &Bounds| {
+                a.left <= b.right && b.left <= a.right && a.bottom <= b.top && b.bottom <= a.top
+            };
+            let slow: Vec<bool> = (0..boxes.len())
+                .map(|a| (0..boxes.len()).any(|b| a != b && meets(&solids[a].bounds, &solids[b].bounds)))
+                .collect();
+            prop_assert_eq!(with_neighbours(&solids), slow);
         }
     }
 }

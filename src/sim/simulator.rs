@@ -35,6 +35,8 @@ pub struct Simulator<'p> {
     lives_change: bool,
     /// The buttons that a state remembers: of the others nobody asks when they went down or up.
     remembered: u64,
+    /// What evaluating all code once costs, in units of work.
+    cost: u64,
 }
 
 /// The working memory of a step; made once, reused by every step.
@@ -95,6 +97,8 @@ impl<'p> Simulator<'p> {
             all.into_iter().any(|a| !a.spawns.is_empty() || !a.destroys.is_empty())
         });
         let actors = actors(program, world);
+        let nevers = program.with_operands(world.nevers.iter().map(|n| n.holds).collect());
+        let cost = actors.iter().map(|a| a.code.exprs.len()).sum::<usize>() + nevers.len();
         Simulator {
             program,
             world,
@@ -106,6 +110,7 @@ impl<'p> Simulator<'p> {
             actors,
             lives_change,
             remembered: remembered(program),
+            cost: cost as u64,
         }
     }
 
@@ -254,7 +259,7 @@ impl<'p> Simulator<'p> {
         if self.lives_change {
             self.bury(state, scratch);
         }
-        meter.spend(1 + scratch.work().wrapping_sub(before));
+        meter.spend(1 + self.cost + scratch.work().wrapping_sub(before));
         Ok(())
     }
 

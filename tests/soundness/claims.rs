@@ -254,7 +254,7 @@ impl Claims {
             for (_, mode) in self.modes.iter().filter(|(e, _)| *e == s.entity && layout.alive(state)) {
                 let m = &entity.modes[*mode];
                 let leaf = layout.leaf(state, m.group);
-                if m.leaves.0 <= leaf && leaf < m.leaves.1 {
+                if m.leaves.contains(leaf) {
                     return Some(Violation::new(
                         "mode",
                         format!("{} is in {}, which is never entered", s.name, m.path),

@@ -172,7 +172,7 @@ impl<'a> Eye<'a> {
                 let group = modes[mode].group;
                 let holds = self.taken.get(group.index()).copied().flatten().is_some_and(|m| {
                     let there = if is_entering { m.to } else { m.from };
-                    let is_active = |leaf: LeafId| modes[mode].leaves.0 <= leaf && leaf < modes[mode].leaves.1;
+                    let is_active = |leaf: LeafId| modes[mode].leaves.contains(leaf);
                     let is_around = mode < m.target && m.target < modes[mode].end;
                     is_active(there) && !(is_around && is_active(m.from))
                 });
@@ -189,7 +189,7 @@ impl<'a> Eye<'a> {
                     let modes = &self.entity(slot).modes;
                     modes.get(mode).is_some_and(|m| {
                         let leaf = slots[slot].leaf(self.state, m.group);
-                        m.leaves.0 <= leaf && leaf < m.leaves.1
+                        m.leaves.contains(leaf)
                     })
                 });
                 atom(name, holds)

@@ -105,6 +105,8 @@ impl<'p> Code<'p> {
         };
         match expr {
             Expr::Param(subject, param) => exists(param, &of(subject)?.params),
+            // Whatever it is has a position.
+            Expr::Var(subject, var, _) if var.is_position() => self.subject(owner, subject),
             Expr::Var(subject, var, _) => exists(var, &of(subject)?.vars),
             Expr::Discrete(subject, id) => exists(id, &of(subject)?.discretes),
             Expr::InMode(subject, mode) => exists(mode, &of(subject)?.modes),

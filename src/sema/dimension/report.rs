@@ -178,15 +178,10 @@ fn factor(term: &Term) -> Option<&Term> {
 /// The names in a term that its dimension comes from.
 fn leaves<'t>(term: &'t Term, out: &mut Vec<&'t Term>) {
     match &term.kind {
-        TermKind::Negate(a) | TermKind::Not(a) => leaves(a, out),
-        TermKind::Arithmetic(_, sides) | TermKind::Compare(_, sides) => {
-            let [a, b] = sides.as_ref();
-            leaves(a, out);
-            leaves(b, out);
-        }
-        TermKind::Call(call) => call.1.iter().for_each(|a| leaves(a, out)),
         TermKind::Param(..) | TermKind::Var(..) | TermKind::Discrete(..) | TermKind::Axis(_) => out.push(term),
-        _ => {}
+        // Truth values and places have none.
+        TermKind::And(_) | TermKind::Or(_) | TermKind::Near(_) => {}
+        _ => term.operands().iter().for_each(|operand| leaves(operand, out)),
     }
 }
 

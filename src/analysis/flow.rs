@@ -143,8 +143,9 @@ impl Stepper<'_> {
         let contact = self.reader.surroundings.collide(self.slot, &Way { from: begin, own, far }, &mut moved);
         let greatest = |known: &mut [f64; 2]| *known = [known[0].max(speeds[0]), known[1].max(speeds[1])];
         greatest(&mut outcome.speed);
-        // What leaves the place of all walls in one step has moved among them, too.
-        if [begin, contact].iter().any(|at| self.reader.surroundings.is_near_statics(self.slot, at)) {
+        // What leaves the place of all walls in one step has moved among them, too, and what steps over it.
+        let crossed = [0, 1].map(|axis| Values::any(begin[axis].or(&contact[axis]).hull()));
+        if self.reader.surroundings.is_near_statics(self.slot, &crossed) {
             greatest(&mut outcome.near_speed);
         }
         for (known, at) in outcome.contact.iter_mut().zip(contact) {

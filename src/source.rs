@@ -132,6 +132,20 @@ fn counted(bytes: &[u8]) -> (usize, usize) {
     (characters, bytes.iter().filter(|b| **b >= 0xf0).count())
 }
 
+/// What a [`SourceMap`] holds, as it is written.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub struct Texts {
+    files: Vec<Text>,
+    copies: Vec<(FileId, Span)>,
+}
+
+/// A file, as it is written.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct Text {
+    path: String,
+    text: String,
+}
+
 /// All files of one compilation, in the order in which they were read.
 #[derive(Debug, Clone, Default)]
 pub struct SourceMap {
@@ -202,6 +216,33 @@ impl SourceMap {
     /// The text under a span, or nothing if the span is not of this map.
     pub fn slice(&self, span: Span) -> &str {
         self.files.get(self.original(span.file).0 as usize).and_then(|f| f.text.get(span.range())).unwrap_or("")
+    }
+
+    /// All that it holds, to be written and read back.
+    pub fn texts(&self) -> Texts {
+        let text = |file: &SourceFile| Text { path: file.path.to_string_lossy().into_owned(), text: file.text.clone() };
+        Texts { files: self.files.iter().map(text).collect(), copies: self.copies.clone() }
+    }
+
+    /// The map that was written; none if a copy is of no file, or was not put into what was there before it.
+    pub fn of(texts: Texts) -> Option<SourceMap> {
+        let mut map = SourceMap::new();
+        for Text { path, text } in texts.files {
+            map.add(path, text);
+        }
+        for (of, put_at) in texts.copies {
+            if of.0 as usize >= map.files.len() || !map.holds(put_at) {
+                return None;
+            }
+            map.copy(of, put_at);
+        }
+        Some(map)
+    }
+
+    /// Whether a span lies in a file of this map, or in a copy.
+    pub fn holds(&self, span: Span) -> bool {
+        let file = self.files.get(self.original(span.file).0 as usize);
+        file.is_some_and(|file| file.text.get(span.range()).is_some())
     }
 
     /// All files with their ids.

@@ -198,9 +198,58 @@ fn the_ir_is_text_and_json() {
     insta::assert_snapshot!(shown(&["ir", TEST2]));
     let output = hypedc(&["ir", TEST2, "--format", "json"]);
     let json: Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert_eq!(json["worlds"][0]["slots"][0]["name"], "hero");
-    assert_eq!(json["exprs"].as_array().unwrap().len(), json["spans"]["exprs"].as_array().unwrap().len());
+    let (version, program) = (&json["hypedc_program"], &json["program"]);
+    assert_eq!(version, 1);
+    assert_eq!(program["worlds"][0]["slots"][0]["name"], "hero");
+    assert_eq!(program["exprs"].as_array().unwrap().len(), program["spans"]["exprs"].as_array().unwrap().len());
     assert_eq!(code(&["ir", "tests/ui/step.hyped"]), 2);
+}
+
+#[test]
+fn a_compiled_program_stands_where_its_text_does() {
+    let compiled = temporary("compiled.json");
+    let compiled = compiled.to_str().unwrap();
+    std::fs::write(compiled, hypedc(&["ir", TEST1, "--format", "json"]).stdout).unwrap();
+    for question in [
+        &["sim", "FILE", "--inputs", "right*40 left+right*3 -*10"][..],
+        &["reach", "FILE", "--seed", "3", "--nodes", "5000", "--threads", "1", "--format", "json"],
+        &["bounds", "FILE"],
+        &["graph", "FILE"],
+    ] {
+        let said = |file: &str| {
+            let arguments: Vec<&str> = question.iter().map(|a| if *a == "FILE" { file } else { a }).collect();
+            let output = hypedc(&arguments);
+            let text = String::from_utf8(output.stdout).unwrap().replace(file, "FILE");
+            // Neither time nor the bytes of the file are part of the answer.
+            let is_apart = |line: &str| ["\"seconds\"", "analysis_seconds", "sha256"].iter().any(|w| line.contains(w));
+            let lines = text.lines().filter(|line| !is_apart(line)).map(str::to_string);
+            (output.status.code(), lines.collect::<Vec<_>>())
+        };
+        assert_eq!(said(TEST1), said(compiled), "{question:?}");
+    }
+}
+
+#[test]
+fn a_compiled_program_that_cannot_be_run_is_refused() {
+    let text = String::from_utf8(hypedc(&["ir", TEST1, "--format", "json"]).stdout).unwrap();
+    let refused = |name: &str, text: &str| {
+        let file = temporary(name);
+        std::fs::write(&file, text).unwrap();
+        let file = file.to_str().unwrap();
+        assert_eq!(code(&["sim", file, "--inputs", "-*2"]), 2);
+        shown(&["sim", file, "--inputs", "-*2"]).replace(file, name)
+    };
+    let mut far: Value = serde_json::from_str(&text).unwrap();
+    far["program"]["entities"][2]["edges"][0]["target"] = 77.into();
+    insta::assert_snapshot!(
+        [
+            refused("newer.json", &text.replace("\"hypedc_program\": 1", "\"hypedc_program\": 9")),
+            refused("other.json", "{}"),
+            refused("cut.json", &text[..3000]),
+            refused("far.json", &far.to_string()),
+        ]
+        .join("\n")
+    );
 }
 
 #[test]

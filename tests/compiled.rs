@@ -12,6 +12,7 @@ use hypedc::analysis::watched_space;
 use hypedc::compile::{LevelFile, compile_with};
 use hypedc::ir::{Program, WorldId};
 use hypedc::sim::{Input, Simulator};
+use hypedc::source::SourceMap;
 use hypedc::watch::Patience;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -19,7 +20,7 @@ use serde_json::Value;
 use support::{Disk, files};
 
 /// The examples, with a level where they leave their map open.
-fn programs() -> Vec<(String, Program)> {
+fn programs() -> Vec<(String, Program, SourceMap)> {
     let mut all = Vec::new();
     for path in files("examples", "hyped") {
         let beside = std::fs::read_dir(path.parent().unwrap()).unwrap().map(|entry| entry.unwrap().path());
@@ -27,9 +28,11 @@ fn programs() -> Vec<(String, Program)> {
         levels.sort_unstable();
         let level = levels.first().map(|level| LevelFile::new(level)).unwrap_or_default();
         for level in [LevelFile::default(), level] {
-            let program = compile_with(&path, level, &Disk).program;
-            let Some(program) = program.filter(|p| p.worlds.iter().all(|w| w.open.is_none())) else { continue };
-            all.push((path.display().to_string(), program));
+            let compilation = compile_with(&path, level, &Disk);
+            let Some(program) = compilation.program.filter(|p| p.worlds.iter().all(|w| w.open.is_none())) else {
+                continue;
+            };
+            all.push((path.display().to_string(), program, compilation.sources));
             break;
         }
     }
@@ -37,9 +40,9 @@ fn programs() -> Vec<(String, Program)> {
     all
 }
 
-fn written(program: &Program) -> String {
+fn written(program: &Program, sources: &SourceMap) -> String {
     let mut out = Vec::new();
-    program.write_json(&mut out).unwrap();
+    program.write_json(sources, &mut out).unwrap();
     String::from_utf8(out).unwrap()
 }
 
@@ -68,10 +71,10 @@ fn states(program: &Program, world: WorldId, steps: usize, seed: u64) -> Vec<Vec
 
 #[test]
 fn what_is_written_is_read_back_and_runs_the_same() {
-    for (name, program) in programs() {
-        let text = written(&program);
-        let back = Program::from_json(&text).unwrap_or_else(|why| panic!("{name}: {why}"));
-        assert_eq!(written(&Program { spans: back.spans.clone(), ..program.clone() }), written(&back), "{name}");
+    for (name, program, sources) in programs() {
+        let text = written(&program, &sources);
+        let (back, texts) = Program::from_json(&text).unwrap_or_else(|why| panic!("{name}: {why}"));
+        assert!(text == written(&back, &texts), "{name}");
         for world in program.worlds.ids() {
             assert!(states(&program, world, 400, 1) == states(&back, world, 400, 1), "{name}");
         }
@@ -92,13 +95,15 @@ fn numbers(value: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
 fn any_number_changed_is_refused_or_runs() {
     let mut programs = programs();
     // A level of thousands of tiles is mostly tiles.
-    programs.retain(|(_, program)| written(program).len() < 60_000);
+    programs.retain(|(_, program, sources)| written(program, sources).len() < 100_000);
     let times = if std::env::var_os("HYPEDC_LONG").is_some() { 100_000 } else { 10_000 };
     let (mut refused, mut run) = (0, 0);
     let texts: Vec<(String, Value, usize)> = programs
         .iter()
-        .map(|(name, program)| {
-            let mut value: Value = serde_json::from_str(&written(program)).unwrap();
+        .map(|(name, program, sources)| {
+            let mut value: Value = serde_json::from_str(&written(program, sources)).unwrap();
+            // Most numbers would be places in the text.
+            value.as_object_mut().unwrap().remove("sources");
             value["program"].as_object_mut().unwrap().remove("spans");
             let mut count = 0;
             numbers(&mut value, &mut |_| count += 1);
@@ -127,7 +132,7 @@ fn any_number_changed_is_refused_or_runs() {
         let text = value.to_string();
         let tried = catch_unwind(AssertUnwindSafe(|| match Program::from_json(&text) {
             Err(_) => false,
-            Ok(program) => {
+            Ok((program, _)) => {
                 for world in program.worlds.ids() {
                     states(&program, world, 60, seed);
                     watched_space(&program, world, &[], &Patience::new(20));
@@ -147,4 +152,29 @@ fn any_number_changed_is_refused_or_runs() {
     }
     println!("{refused} refused, {run} run");
     assert!(refused > times / 10 && run > times / 10, "{refused} {run}");
+}
+
+#[test]
+fn the_text_that_comes_with_a_program_is_its_own() {
+    let (name, program, sources) = programs().swap_remove(0);
+    let value: Value = serde_json::from_str(&written(&program, &sources)).unwrap();
+    let read = |change: &dyn Fn(&mut Value)| {
+        let mut value = value.clone();
+        change(&mut value);
+        Program::from_json(&value.to_string()).map(|_| ()).map_err(|why| why.to_string())
+    };
+    assert_eq!(read(&|_| {}), Ok(()), "{name}");
+    assert_eq!(read(&|v| v["sources"] = Value::Null), Ok(()));
+    let outside = "its `spans` lie outside of its `sources`, which may be left out";
+    let changes: [&dyn Fn(&mut Value); 5] = [
+        &|v| v["sources"]["files"][0]["text"] = "entity A { }".into(),
+        &|v| v["sources"]["files"] = Value::Array(Vec::new()),
+        &|v| v["program"]["spans"]["exprs"][0]["file"] = 99.into(),
+        &|v| v["program"]["spans"]["exprs"][0]["start"] = 4_000_000_000_u32.into(),
+        // A copy that was put into itself.
+        &|v| v["sources"]["copies"] = serde_json::json!([[0, { "file": 1_u32 << 31, "start": 0, "end": 0 }]]),
+    ];
+    for change in changes {
+        assert_eq!(read(change), Err(outside.to_string()));
+    }
 }

@@ -18,7 +18,7 @@ pub(super) fn run(args: &IrArgs) -> io::Result<Answer> {
     let mut out = io::stdout().lock();
     match args.format {
         ResultFormat::Human => write!(out, "{}", text(&loaded.program))?,
-        ResultFormat::Json => loaded.program.write_json(&mut out)?,
+        ResultFormat::Json => loaded.program.write_json(&loaded.sources, &mut out)?,
     }
     Ok(Answer::Yes)
 }

@@ -102,7 +102,7 @@ fn load_compiled(path: &Path, level: LevelFile<'_>, barred: Option<Barred<'_>>) 
     let program =
         compiled(path).and_then(|text| Program::from_json(&text).map_err(|why| ReadError::Unreadable(why.to_string())));
     match program {
-        Ok(program) => Ok(Some(Loaded { sources, program })),
+        Ok((program, sources)) => Ok(Some(Loaded { sources, program })),
         Err(error) => {
             show_fact(&sources, Unreadable::named(path, error))?;
             Ok(None)

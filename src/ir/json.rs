@@ -1,5 +1,5 @@
-//! A compiled program as JSON, and read back. What is read is looked at as a whole before anybody runs it. Where things
-//! stood in the text is told, and forgotten on the way back: the text may be gone.
+//! A compiled program as JSON, and read back. What is read is verified as a whole before anybody runs it. The text that it
+//! was compiled from comes with it, for excerpts and for diagnostics of runs; who writes such a file may leave it out.
 
 use std::fmt;
 use std::io::{self, Write};
@@ -7,6 +7,7 @@ use std::io::{self, Write};
 use serde::{Deserialize, Serialize};
 
 use super::{Invalid, Program, Spans, verify};
+use crate::source::{SourceMap, Texts};
 
 /// The version of the format; another one is not read.
 pub const JSON_VERSION: u32 = 1;
@@ -16,12 +17,14 @@ pub const JSON_VERSION: u32 = 1;
 struct Written<'p> {
     hypedc_program: u32,
     program: &'p Program,
+    sources: Texts,
 }
 
 /// The whole of a file, read back.
 #[derive(Deserialize)]
 struct Read {
     program: Program,
+    sources: Option<Texts>,
 }
 
 /// Which version a file is of.
@@ -37,6 +40,8 @@ pub enum NotAProgram {
     Json(serde_json::Error),
     /// It is of another version of the format.
     Version(u32),
+    /// The text is not the one that it was compiled from.
+    Sources,
     /// It could not be run.
     Invalid(Invalid),
 }
@@ -48,6 +53,7 @@ impl fmt::Display for NotAProgram {
             NotAProgram::Version(version) => {
                 write!(f, "it is of version {version} of the format, and this is version {JSON_VERSION}")
             }
+            NotAProgram::Sources => write!(f, "its `spans` lie outside of its `sources`, which may be left out"),
             NotAProgram::Invalid(invalid) => write!(f, "it cannot be run: {invalid}"),
         }
     }
@@ -56,27 +62,39 @@ impl fmt::Display for NotAProgram {
 impl std::error::Error for NotAProgram {}
 
 impl Program {
-    /// Writes it as JSON, indented.
+    /// Writes it as JSON, indented, with the text that it was compiled from.
     ///
     /// # Errors
     /// Those of the writer.
-    pub fn write_json(&self, out: &mut dyn Write) -> io::Result<()> {
-        serde_json::to_writer_pretty(&mut *out, &Written { hypedc_program: JSON_VERSION, program: self })?;
+    pub fn write_json(&self, sources: &SourceMap, out: &mut dyn Write) -> io::Result<()> {
+        let written = Written { hypedc_program: JSON_VERSION, program: self, sources: sources.texts() };
+        serde_json::to_writer_pretty(&mut *out, &written)?;
         writeln!(out)
     }
 
-    /// Reads what [`Program::write_json`] has written.
+    /// Reads what [`Program::write_json`] has written. Without `sources` everything comes from nowhere.
     ///
     /// # Errors
     /// [`NotAProgram`] if it is something else, or anything in it could not be run.
-    pub fn from_json(text: &str) -> Result<Program, NotAProgram> {
+    pub fn from_json(text: &str) -> Result<(Program, SourceMap), NotAProgram> {
         let Version { hypedc_program: version } = serde_json::from_str(text).map_err(NotAProgram::Json)?;
         if version != JSON_VERSION {
             return Err(NotAProgram::Version(version));
         }
-        let Read { mut program } = serde_json::from_str(text).map_err(NotAProgram::Json)?;
-        program.spans = Spans::nowhere(&program);
+        let Read { mut program, sources } = serde_json::from_str(text).map_err(NotAProgram::Json)?;
+        let sources = match sources {
+            Some(texts) => SourceMap::of(texts).ok_or(NotAProgram::Sources)?,
+            None => {
+                program.spans = Spans::nowhere(&program);
+                let mut blank = SourceMap::new();
+                blank.add("", "");
+                blank
+            }
+        };
         verify(&program).map_err(NotAProgram::Invalid)?;
-        Ok(program)
+        if !program.spans.all().all(|span| sources.holds(span)) {
+            return Err(NotAProgram::Sources);
+        }
+        Ok((program, sources))
     }
 }

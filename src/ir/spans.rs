@@ -23,6 +23,14 @@ pub struct Spans {
 }
 
 impl Spans {
+    /// All of them.
+    pub fn all(&self) -> impl Iterator<Item = Span> + '_ {
+        let of_program = self.tags.iter().chain(self.exprs.iter()).copied();
+        of_program
+            .chain(self.entities.iter().flat_map(EntitySpans::all))
+            .chain(self.worlds.iter().flat_map(WorldSpans::all))
+    }
+
     /// For a program whose text is not known: the beginning of the first file, for all entries.
     pub(super) fn nowhere(program: &Program) -> Spans {
         fn blank<I: Id, J: Id, T>(table: &IdVec<J, T>) -> IdVec<I, Span> {
@@ -124,4 +132,44 @@ pub struct WorldSpans {
     pub goals: IdVec<GoalId, Span>,
     /// Of each never's name.
     pub nevers: IdVec<NeverId, Span>,
+}
+
+fn slice<I: Id>(table: &IdVec<I, Span>) -> &[Span] {
+    table.iter().as_slice()
+}
+
+impl EntitySpans {
+    fn all(&self) -> Vec<Span> {
+        let EntitySpans {
+            name,
+            params,
+            vars,
+            discretes,
+            refs,
+            spawns,
+            follows,
+            invariants,
+            buttons,
+            axes,
+            colliders,
+            groups,
+            touches,
+            modes,
+            edges,
+            envelopes,
+        } = self;
+        let first = [&[*name], slice(params), slice(vars), slice(discretes), slice(refs), slice(spawns)];
+        let second = [slice(follows), invariants, slice(buttons), slice(axes), slice(colliders), slice(groups)];
+        let third = [slice(touches), slice(modes), slice(edges), slice(envelopes)];
+        [first.concat(), second.concat(), third.concat()].concat()
+    }
+}
+
+impl WorldSpans {
+    fn all(&self) -> Vec<Span> {
+        let WorldSpans { name, spaces, solids, links, slots, players, goals, nevers } = self;
+        let tables = [&[*name], slice(spaces), slice(slots), slice(players), slice(goals), slice(nevers)];
+        let of_spaces = solids.iter().chain(links.iter()).flatten().copied();
+        tables.concat().into_iter().chain(of_spaces).collect()
+    }
 }

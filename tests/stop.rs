@@ -58,6 +58,25 @@ fn crowd(count: usize) -> Program {
 }
 
 #[test]
+fn a_step_counts_the_code_that_it_evaluates() {
+    const EDGES: u64 = 20_000;
+    const STEPS: u64 = 100;
+    let edges: String = (0..EDGES).map(|i| format!("when x > {} -> a\n", i + 1)).collect();
+    let p = program(compile_text(&format!(
+        "entity A {{ mode a {{ {edges} }} }}
+         world W {{ space main {{ place a: A at (0, 0) }} }}"
+    )));
+    let (sim, watch) = (Simulator::new(&p, WORLD), Counting::new(u64::MAX));
+    let (meter, mut scratch) = (Meter::new(&watch), sim.scratch());
+    let mut state = sim.initial(&mut scratch).unwrap();
+    for _ in 0..STEPS {
+        sim.metered_step(&mut state, &Input::nothing(0), &mut scratch, &meter).unwrap();
+    }
+    // At least a unit for each guard.
+    assert!(watch.asked() >= STEPS * EDGES / WORK, "{}", watch.asked());
+}
+
+#[test]
 fn a_search_among_many_bodies_is_asked_by_work_done() {
     let p = crowd(150);
     let sim = Simulator::new(&p, WORLD);

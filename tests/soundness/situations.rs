@@ -203,6 +203,12 @@ impl Generator<'_> {
             self.line(format!("player 1: p{place}"));
         }
         self.questions();
+        // Beyond what it stands on or leans against it never may be.
+        if self.draw.chance(20) {
+            let coordinate = self.draw.one(&["y", "y", "x"]);
+            let beyond = self.axes.read("p0.", coordinate);
+            self.line(format!("never n1: {beyond} < 0"));
+        }
         self.line("}");
         std::mem::take(&mut self.out)
     }

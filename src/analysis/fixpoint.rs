@@ -314,6 +314,9 @@ impl<'a> Analysis<'a> {
 
     /// Steps until nothing new is found.
     pub fn run(&mut self) {
+        // The guards of links read the world's instances.
+        let is_guarded = self.world.spaces.iter().any(|space| space.links.iter().any(|link| link.guard.is_some()));
+        let reads_others = |entity: &Entity| reads_others(entity) || (is_guarded && !entity.follows.is_empty());
         let reads_others: IdVec<SlotId, bool> = self.world.slots.ids().map(|s| reads_others(self.entity(s))).collect();
         let firsts: Vec<SlotId> = self.world.slots.ids().filter(|s| self.is_first(*s)).collect();
         let mut others_changed = true;

@@ -41,18 +41,22 @@
 //! [`format`]: mod@format
 
 pub mod analysis;
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod compile;
+#[cfg(feature = "cli")]
 pub mod corpus;
 pub mod crew;
 pub mod diagnostic;
 pub mod experiment;
 pub mod format;
 pub mod graph;
+#[cfg(feature = "cli")]
 pub mod import;
 pub mod ir;
 pub mod level;
 pub mod lint;
+#[cfg(feature = "lsp")]
 pub mod lsp;
 pub mod reach;
 pub mod sema;

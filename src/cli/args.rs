@@ -42,6 +42,7 @@ pub(super) enum Command {
     Bounds(BoundsArgs),
     /// Draws the modes and edges of entities.
     Graph(GraphArgs),
+    #[cfg(feature = "lsp")]
     /// Serves an editor: the language server over standard input and output.
     Lsp(LspArgs),
     /// Makes a folder with a small project to start from.
@@ -52,6 +53,7 @@ pub(super) enum Command {
     Man(ManArgs),
 }
 
+#[cfg(feature = "lsp")]
 #[derive(Debug, Args)]
 pub(super) struct LspArgs {
     /// Over standard input and output, which is all there is: editors say so by habit.

@@ -23,6 +23,7 @@ mod fmt;
 mod graph;
 mod import;
 mod ir;
+#[cfg(feature = "lsp")]
 mod lsp;
 mod new;
 mod reach;
@@ -77,6 +78,7 @@ pub fn main() -> ExitCode {
         Command::Graph(args) => graph::run(&args),
         Command::New(args) => new::run(&args),
         Command::Completions(args) => about::completions(&args),
+        #[cfg(feature = "lsp")]
         Command::Lsp(_) => lsp::run(),
         Command::Man(args) => about::man(&args),
     };

@@ -10,6 +10,8 @@ mod node;
 mod numbers;
 mod objects;
 mod tiled;
+#[cfg(feature = "tiled")]
+mod xml;
 
 pub use drawn::{Drawn, Meaning, Setting, Thing, Value};
 pub use editor::{Format, drawn, read_beside};

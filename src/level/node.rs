@@ -8,10 +8,13 @@ use serde::Deserialize;
 use serde::de::{IgnoredAny, MapAccess, Visitor};
 use serde_json::value::RawValue;
 
+#[cfg(feature = "tiled")]
+use super::xml::read as xml;
+
 /// How deep nodes may be nested.
-const MAX_DEPTH: usize = 64;
+pub(super) const MAX_DEPTH: usize = 64;
 /// The most nodes of one file.
-const MAX_NODES: usize = 1_000_000;
+pub(super) const MAX_NODES: usize = 1_000_000;
 
 /// What is wrong with a file, and the bytes where.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -49,21 +52,24 @@ pub(super) struct Node<'t> {
     /// Where it stands.
     pub at: Range<usize>,
     /// Attributes; members that are neither objects nor arrays.
-    attributes: Vec<(Cow<'t, str>, Scalar<'t>)>,
+    pub attributes: Vec<(Cow<'t, str>, Scalar<'t>)>,
     /// Elements inside; members that are objects, or arrays of them.
-    children: Vec<Node<'t>>,
+    pub children: Vec<Node<'t>>,
     /// The text inside of an element, or an array of scalars with its brackets, as written.
     pub text: &'t str,
     /// Where that text begins.
     pub text_at: usize,
     /// Whether it is an array of scalars, or an empty one.
-    is_list: bool,
+    pub is_list: bool,
 }
 
 impl<'t> Node<'t> {
     /// Reads a file: XML if it begins with `<`, else JSON.
     pub fn read(text: &'t str) -> Result<Self, Trouble> {
-        if text.trim_start().starts_with('<') { xml(text) } else { json(text) }
+        match text.trim_start().starts_with('<') {
+            true => xml(text),
+            false => json(text),
+        }
     }
 
     /// An attribute.
@@ -119,49 +125,11 @@ impl<'t> Node<'t> {
     }
 }
 
-// ---- XML ------------------------------------------------------------------------------------------------------------
-
+#[cfg(not(feature = "tiled"))]
 fn xml(text: &str) -> Result<Node<'_>, Trouble> {
-    // Old maps name their document type. Entities of one's own could make a small file endless.
-    let allow_dtd = !text.contains("<!ENTITY");
-    let options = roxmltree::ParsingOptions { nodes_limit: MAX_NODES as u32, allow_dtd, ..Default::default() };
-    let document = roxmltree::Document::parse_with_options(text, options).map_err(|error| {
-        let place = error.pos();
-        let line: usize = text.split_inclusive('\n').take(place.row.saturating_sub(1) as usize).map(str::len).sum();
-        let rest = text.get(line..).unwrap_or("");
-        let column: usize = rest.chars().take(place.col.saturating_sub(1) as usize).map(char::len_utf8).sum();
-        let why = error.to_string();
-        // The place is shown with the finding.
-        let why = why.rsplit_once(" at ").map_or(why.as_str(), |(why, _)| why);
-        Trouble::new(character(text, line + column), format!("the XML is broken: {why}"))
-    })?;
-    element(text, document.root_element(), 0)
+    let why = "this build of `hypedc` reads no XML (feature `tiled`): choose JSON in the editor";
+    Err(Trouble::new(character(text, text.len() - text.trim_start().len()), why))
 }
-
-fn element<'t>(text: &'t str, from: roxmltree::Node<'_, 't>, depth: usize) -> Result<Node<'t>, Trouble> {
-    let at = from.range();
-    if depth > MAX_DEPTH {
-        return Err(Trouble::new(at.start..at.start, "too many elements in each other"));
-    }
-    let attribute = |a: roxmltree::Attribute<'_, 't>| {
-        let scalar = Scalar { text: Cow::Owned(a.value().to_string()), at: a.range_value() };
-        (Cow::Owned(a.name().to_string()), scalar)
-    };
-    let inside = from.children().filter(|child| child.is_text()).map(|child| child.range());
-    let text_at = inside.max_by_key(ExactSizeIterator::len).unwrap_or(at.start..at.start);
-    let children = from.children().filter(roxmltree::Node::is_element);
-    Ok(Node {
-        name: Cow::Owned(from.tag_name().name().to_string()),
-        at,
-        attributes: from.attributes().map(attribute).collect(),
-        children: children.map(|child| element(text, child, depth + 1)).collect::<Result<_, _>>()?,
-        text: text.get(text_at.clone()).unwrap_or(""),
-        text_at: text_at.start,
-        is_list: false,
-    })
-}
-
-// ---- JSON -----------------------------------------------------------------------------------------------------------
 
 /// The members of an object, each as written.
 struct Members<'t>(Vec<(String, &'t RawValue)>);
@@ -275,7 +243,7 @@ impl<'t> JsonReader<'t> {
 }
 
 /// The bytes of the character at or before a byte.
-fn character(text: &str, byte: usize) -> Range<usize> {
+pub(super) fn character(text: &str, byte: usize) -> Range<usize> {
     let mut start = byte.min(text.len());
     while !text.is_char_boundary(start) {
         start -= 1;

@@ -1,10 +1,6 @@
 //! The numbers of a layer's tiles: a list with commas, or base64 of little-endian words, compressed or not.
 
-use std::io::Read;
 use std::ops::Range;
-
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
 
 use super::node::Trouble;
 
@@ -52,21 +48,7 @@ impl Data<'_> {
                 }
             }
             ("base64", compression) => {
-                let packed = STANDARD.decode(self.text.trim()).map_err(|error| wrong(format!("no base64: {error}")))?;
-                // One word more than there may be shows that there are too many.
-                let most = 4 * (count as u64 + 1);
-                let mut bytes = Vec::new();
-                let unpacked = match compression {
-                    "" => packed.as_slice().take(most).read_to_end(&mut bytes),
-                    "zlib" => flate2::read::ZlibDecoder::new(packed.as_slice()).take(most).read_to_end(&mut bytes),
-                    "gzip" => flate2::read::GzDecoder::new(packed.as_slice()).take(most).read_to_end(&mut bytes),
-                    other => {
-                        let why =
-                            format!("the compression `{other}` is not read: choose zlib, gzip or none in the editor");
-                        return Err(wrong(why));
-                    }
-                };
-                unpacked.map_err(|error| wrong(format!("cannot be unpacked: {error}")))?;
+                let bytes = unpacked(self.text, compression, 4 * (count as u64 + 1)).map_err(wrong)?;
                 numbers.extend(
                     bytes
                         .chunks(4)
@@ -89,4 +71,30 @@ impl Data<'_> {
             _ => self.at.clone(),
         }
     }
+}
+
+/// The bytes that base64 stands for, unpacked: as many as given at most, which is more than there may be.
+#[cfg(feature = "tiled")]
+fn unpacked(text: &str, compression: &str, most: u64) -> Result<Vec<u8>, String> {
+    use std::io::Read;
+
+    use base64::Engine as _;
+    use base64::engine::general_purpose::STANDARD;
+
+    let packed = STANDARD.decode(text.trim()).map_err(|error| format!("no base64: {error}"))?;
+    let mut bytes = Vec::new();
+    let unpacked = match compression {
+        "" => packed.as_slice().take(most).read_to_end(&mut bytes),
+        "zlib" => flate2::read::ZlibDecoder::new(packed.as_slice()).take(most).read_to_end(&mut bytes),
+        "gzip" => flate2::read::GzDecoder::new(packed.as_slice()).take(most).read_to_end(&mut bytes),
+        other => {
+            return Err(format!("the compression `{other}` is not read: choose zlib, gzip or none in the editor"));
+        }
+    };
+    unpacked.map(|_| bytes).map_err(|error| format!("cannot be unpacked: {error}"))
+}
+
+#[cfg(not(feature = "tiled"))]
+fn unpacked(_: &str, _: &str, _: u64) -> Result<Vec<u8>, String> {
+    Err("this build of `hypedc` reads no packed tiles (feature `tiled`): choose CSV in the editor".to_string())
 }

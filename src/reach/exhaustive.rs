@@ -15,10 +15,9 @@
 
 use std::cmp::{Ordering, Reverse};
 use std::collections::{BinaryHeap, VecDeque};
-use std::hash::Hasher;
+use std::hash::BuildHasher;
 
-use hashbrown::HashTable;
-use rustc_hash::FxHasher;
+use hashbrown::{DefaultHashBuilder, HashTable};
 
 use super::ground::{Extension, Ground, Notes};
 use super::metric::Point;
@@ -152,6 +151,7 @@ pub(super) struct Exhaustive<'a> {
     ground: Ground<'a>,
     region: GoalRegion,
     change: Change,
+    hashes: DefaultHashBuilder,
     /// The nodes, by state and input that is held.
     known: HashTable<u32>,
     /// Where inputs that are held can go on: a node of each state at which others have begun.
@@ -176,6 +176,7 @@ impl<'a> Exhaustive<'a> {
             region: GoalRegion::new(ground.problem, ground.metric),
             ground,
             change,
+            hashes: DefaultHashBuilder::default(),
             known: HashTable::new(),
             begun: HashTable::new(),
             held: Vec::new(),
@@ -198,7 +199,7 @@ impl<'a> Exhaustive<'a> {
                 true => self.ground.held_at_start(root).unwrap_or(NONE),
                 false => NONE,
             };
-            let hash = hashed(self.ground.tree.state(root), held);
+            let hash = hashed(&self.hashes, self.ground.tree.state(root), held);
             self.keep(root, held, hash);
         }
     }
@@ -217,8 +218,8 @@ impl<'a> Exhaustive<'a> {
         if self.change.goes_on() {
             self.held.push(held);
         }
-        let held = &self.held;
-        let rehash = |id: &u32| hashed(tree.state(NodeId(*id)), held_by(held, *id));
+        let (held, hashes) = (&self.held, &self.hashes);
+        let rehash = |id: &u32| hashed(hashes, tree.state(NodeId(*id)), held_by(held, *id));
         match find(&mut self.known, tree, held, hash, node) {
             // It was reached later before.
             Some(later) => *later = node.0,
@@ -236,17 +237,17 @@ impl<'a> Exhaustive<'a> {
             if !self.change.goes_on() {
                 return Some(Turn { node, goes_on: false, begins: (0, inputs) });
             }
-            let tree = &self.ground.tree;
+            let (tree, hashes) = (&self.ground.tree, &self.hashes);
             let (state, held) = (tree.state(node), held_by(&self.held, node.0));
-            let hash = hashed(state, held);
+            let hash = hashed(hashes, state, held);
             if find(&mut self.known, tree, &self.held, hash, node).is_none_or(|known| *known != node.0) {
                 // It was reached sooner since.
                 continue;
             }
-            let hash = hashed(state, NONE);
+            let hash = hashed(hashes, state, NONE);
             let is_new = self.begun.find(hash, |id| tree.state(NodeId(*id)) == state).is_none();
             if is_new {
-                self.begun.insert_unique(hash, node.0, |id| hashed(tree.state(NodeId(*id)), NONE));
+                self.begun.insert_unique(hash, node.0, |id| hashed(hashes, tree.state(NodeId(*id)), NONE));
             }
             return Some(Turn { node, goes_on: held != NONE, begins: (0, if is_new { inputs } else { 0 }) });
         }
@@ -274,7 +275,7 @@ impl<'a> Exhaustive<'a> {
                 let state = self.ground.reached();
                 let held = if self.change.goes_on() { choice.input as u16 } else { NONE };
                 let (tree, all) = (&self.ground.tree, &self.held);
-                let hash = hashed(state, held);
+                let hash = hashed(&self.hashes, state, held);
                 let is_same = |id: &u32| held_by(all, *id) == held && tree.state(NodeId(*id)) == state;
                 let known = self.known.find(hash, is_same);
                 // A longer hold may lead there before a shorter one that began later.
@@ -398,13 +399,8 @@ fn held_by(held: &[u16], node: u32) -> u16 {
     held.get(node as usize).copied().unwrap_or(NONE)
 }
 
-fn hashed(state: &[u8], held: u16) -> u64 {
-    let mut hasher = FxHasher::default();
-    hasher.write(state);
-    if held != NONE {
-        hasher.write_u16(held);
-    }
-    hasher.finish()
+fn hashed(hashes: &DefaultHashBuilder, state: &[u8], held: u16) -> u64 {
+    hashes.hash_one((state, held))
 }
 
 /// The entry of a node's state and input.

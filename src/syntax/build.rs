@@ -4,10 +4,10 @@
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 
+use hashbrown::HashSet;
 use pest::Parser;
 use pest::error::InputLocation;
 use pest::iterators::Pair;
-use rustc_hash::FxHashSet;
 
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::syntax::{TooManyErrors, Unexpected};
@@ -39,7 +39,7 @@ pub(super) struct Builder<'a> {
     broken: usize,
     suspects: BTreeSet<String>,
     /// The words that were met.
-    words: RefCell<FxHashSet<Word>>,
+    words: RefCell<HashSet<Word>>,
     errors: usize,
     diagnostics: &'a mut Diagnostics,
 }

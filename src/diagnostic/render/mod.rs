@@ -2,19 +2,25 @@
 //! JSON object for a whole run: [`json`], our own, and [`sarif`], the exchange format of checkers. From the pages that
 //! explain them: [`page()`].
 
+#[cfg(feature = "cli")]
 mod human;
 mod json;
 mod page;
+#[cfg(feature = "cli")]
 mod sarif;
+#[cfg(feature = "cli")]
 mod short;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+#[cfg(feature = "cli")]
 pub use human::human;
 pub use json::json;
 pub use page::page;
+#[cfg(feature = "cli")]
 pub use sarif::sarif;
+#[cfg(feature = "cli")]
 pub use short::short;
 
 use super::{Diagnostic, Diagnostics};

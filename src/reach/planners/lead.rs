@@ -16,7 +16,6 @@ use std::collections::BinaryHeap;
 
 use hashbrown::HashMap;
 use rand::RngExt;
-use rustc_hash::FxBuildHasher;
 
 use crate::ir::{SlotId, VarId};
 use crate::reach::coverage::{PLACE, mixed};
@@ -69,7 +68,7 @@ pub struct Lead<'m> {
     /// Of each place that was ever open.
     far: Vec<Far>,
     /// Where there is a time to keep: of each innermost cell, after how many steps it was reached at the soonest.
-    soonest: HashMap<u64, u32, FxBuildHasher>,
+    soonest: HashMap<u64, u32>,
     queue: BinaryHeap<Queued>,
 }
 

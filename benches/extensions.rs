@@ -12,6 +12,7 @@ mod support;
 mod yardstick;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::Mutex;
 use std::time::Duration;
 
@@ -52,7 +53,7 @@ impl Files for WithGoal {
 /// A world to search in.
 struct World {
     name: &'static str,
-    program: Program,
+    program: Arc<Program>,
     goal: GoalId,
     space: ConfigurationSpace,
 }

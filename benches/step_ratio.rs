@@ -66,8 +66,8 @@ fn episode<W: ByHand>(seed: u64) -> Vec<Held> {
 }
 
 /// A test both ways, and what is played in it.
-struct Test<'p> {
-    sim: Simulator<'p>,
+struct Test {
+    sim: Simulator,
     /// The state before the first step.
     start: Vec<u8>,
     /// The interpreter's form of each input.
@@ -75,8 +75,8 @@ struct Test<'p> {
     episodes: Vec<Vec<Held>>,
 }
 
-impl<'p> Test<'p> {
-    fn new<W: ByHand>(sim: Simulator<'p>, seeds: &[u64]) -> Self {
+impl Test {
+    fn new<W: ByHand>(sim: Simulator, seeds: &[u64]) -> Self {
         let mut start = sim.initial(&mut sim.scratch()).unwrap();
         // The system of 2017 sees no contact before the first step.
         for (slot, layout) in sim.world().layout.slots.pairs() {
@@ -166,7 +166,7 @@ impl<'p> Test<'p> {
 }
 
 /// What a player gives who holds these.
-fn input(sim: &Simulator<'_>, held: u8) -> Input {
+fn input(sim: &Simulator, held: u8) -> Input {
     let names = [(LEFT, "left"), (RIGHT, "right"), (JUMP, "jump")];
     let held: Vec<&str> = names.iter().filter(|(bit, _)| held & bit != 0).map(|(_, name)| *name).collect();
     let text = if held.is_empty() { "-".to_string() } else { held.join("+") };

@@ -2,6 +2,7 @@
 //! all that is wrong adds the analysis of values.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use crate::analysis;
 use crate::diagnostic::Diagnostics;
@@ -23,7 +24,7 @@ pub struct Compilation {
     /// All files that were read.
     pub sources: SourceMap,
     /// The program; none if there are errors.
-    pub program: Option<Program>,
+    pub program: Option<Arc<Program>>,
     /// Everything that was found.
     pub diagnostics: Diagnostics,
 }
@@ -170,8 +171,8 @@ fn stages(
     diagnostics.trace(&sources);
     diagnostics.sort();
     let program = (!diagnostics.has_errors()).then(|| match is_kept {
-        true => ir::lower(checked.clone()),
-        false => ir::lower(std::mem::take(&mut checked)),
+        true => Arc::new(ir::lower(checked.clone())),
+        false => Arc::new(ir::lower(std::mem::take(&mut checked))),
     });
     ((Compilation { sources, program, diagnostics }, checked), trees)
 }

@@ -7,6 +7,7 @@ mod support;
 
 use std::path::Path;
 use std::process::Command;
+use std::sync::Arc;
 
 use hypedc::analysis::configuration_space;
 use hypedc::compile::compile;
@@ -19,7 +20,7 @@ use support::{Disk, compile_text, program};
 
 const WORLD: WorldId = WorldId(0);
 
-fn of_file(name: &str) -> Program {
+fn of_file(name: &str) -> Arc<Program> {
     let paths = ["tests/border", "tests/analysis/found/small"];
     let paths = paths.map(|folder| Path::new(folder).join(format!("{name}.hyped")));
     program(compile(paths.iter().find(|path| path.exists()).unwrap(), &Disk))
@@ -39,7 +40,7 @@ fn ask(problem: &Problem<'_>, planner: Planner, hold: Option<(u16, u16)>) -> Out
 }
 
 /// A walker on a map of 96 × 32 px without walls at its sides; `more` goes into the space, `asked` into the world.
-fn meadow(more: &str, asked: &str) -> Program {
+fn meadow(more: &str, asked: &str) -> Arc<Program> {
     program(compile_text(&format!(
         "entity Walker {{
             param speed = 60

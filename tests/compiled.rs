@@ -7,6 +7,7 @@ mod support;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
+use std::sync::Arc;
 
 use hypedc::analysis::watched_space;
 use hypedc::compile::{LevelFile, compile_with};
@@ -20,7 +21,7 @@ use serde_json::Value;
 use support::{Disk, files};
 
 /// The examples, with a level where they leave their map open.
-fn programs() -> Vec<(String, Program, SourceMap)> {
+fn programs() -> Vec<(String, Arc<Program>, SourceMap)> {
     let mut all = Vec::new();
     for path in files("examples", "hyped") {
         let beside = std::fs::read_dir(path.parent().unwrap()).unwrap().map(|entry| entry.unwrap().path());
@@ -47,7 +48,7 @@ fn written(program: &Program, sources: &SourceMap) -> String {
 }
 
 /// The states of a world under random inputs, up to a fault.
-fn states(program: &Program, world: WorldId, steps: usize, seed: u64) -> Vec<Vec<u8>> {
+fn states(program: &Arc<Program>, world: WorldId, steps: usize, seed: u64) -> Vec<Vec<u8>> {
     let sim = Simulator::new(program, world);
     let mut scratch = sim.scratch();
     let Ok(mut state) = sim.initial(&mut scratch) else { return Vec::new() };

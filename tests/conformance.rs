@@ -11,13 +11,14 @@ mod record;
 mod support;
 
 use std::path::Path;
+use std::sync::Arc;
 
 use hypedc::compile::compile;
 use hypedc::ir::Program;
 use support::Disk;
 
 /// The world of a recorded run, with entities written by hand.
-fn by_hand(name: &str) -> Program {
+fn by_hand(name: &str) -> Arc<Program> {
     support::program(compile(&Path::new("tests/conformance").join(format!("{name}.hyped")), &Disk))
 }
 

@@ -7,6 +7,7 @@ mod support;
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use hypedc::compile::compile;
 use hypedc::diagnostic::render;
@@ -19,19 +20,19 @@ use support::{Disk, files, program};
 const IDLE_STEPS: u32 = 600;
 
 /// What happened in a run.
-struct Run<'p> {
-    sim: Simulator<'p>,
+struct Run {
+    sim: Simulator,
     steps: u64,
     state: Vec<u8>,
     /// For each goal, the first step at which it held.
     goals: Vec<Option<u64>>,
     /// Each `never` that held, with the first step.
-    violated: Vec<(&'p str, u64)>,
+    violated: Vec<(String, u64)>,
 }
 
-impl<'p> Run<'p> {
+impl Run {
     /// Runs a world to the end of a script; a fault fails the test.
-    fn new(program: &'p Program, world: WorldId, script: &Script, name: &str) -> Self {
+    fn new(program: &Arc<Program>, world: WorldId, script: &Script, name: &str) -> Self {
         let sim = Simulator::new(program, world);
         let mut scratch = sim.scratch();
         let state = sim.initial(&mut scratch).unwrap_or_else(|f| panic!("{name}: {f:?} before the first step"));
@@ -57,7 +58,7 @@ impl<'p> Run<'p> {
         for never in world.nevers.iter() {
             let new = self.violated.iter().all(|(name, _)| *name != never.name);
             if new && self.sim.holds(&self.state, never.holds).unwrap() {
-                self.violated.push((&never.name, self.steps));
+                self.violated.push((never.name.clone(), self.steps));
             }
         }
     }

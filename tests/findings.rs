@@ -6,6 +6,7 @@
 mod support;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use hypedc::analysis::{InvariantVerdict, configuration_space, invariants};
 use hypedc::compile::{Compilation, LevelFile, check_with, compile};
@@ -40,7 +41,7 @@ impl Files for Changed<'_> {
 
 /// An instance in a state, read without the simulator's own reader; inputs and other instances are not known.
 struct Instance<'a> {
-    sim: &'a Simulator<'a>,
+    sim: &'a Simulator,
     state: &'a [u8],
     slot: SlotId,
 }
@@ -107,7 +108,7 @@ fn parts(program: &Program, id: ExprId) -> Vec<ExprId> {
 }
 
 /// Runs a world at random; `visit` sees every state, and says whether to go on from it.
-fn run(program: &Program, id: WorldId, seed: u64, mut visit: impl FnMut(&Simulator<'_>, &[u8]) -> bool) {
+fn run(program: &Arc<Program>, id: WorldId, seed: u64, mut visit: impl FnMut(&Simulator, &[u8]) -> bool) {
     let sim = Simulator::new(program, id);
     let mut scratch = sim.scratch();
     let Ok(start) = sim.initial(&mut scratch) else { return };
@@ -133,7 +134,7 @@ fn run(program: &Program, id: WorldId, seed: u64, mut visit: impl FnMut(&Simulat
 }
 
 /// Whether no player is below or beside its space.
-fn is_inside(sim: &Simulator<'_>, state: &[u8]) -> bool {
+fn is_inside(sim: &Simulator, state: &[u8]) -> bool {
     sim.world().players.iter().all(|p| {
         let layout = &sim.world().layout.slots[p.slot];
         let bounds = sim.world().spaces[layout.space(state)].bounds;
@@ -211,13 +212,7 @@ fn renumbered(text: &str, rng: &mut Pcg64) -> Option<String> {
 }
 
 /// What a finding says of a run that the run does not bear out.
-fn contradicted(
-    compilation: &Compilation,
-    program: &Program,
-    d: &Diagnostic,
-    sim: &Simulator<'_>,
-    state: &[u8],
-) -> bool {
+fn contradicted(compilation: &Compilation, program: &Program, d: &Diagnostic, sim: &Simulator, state: &[u8]) -> bool {
     let Some(at) = d.primary.as_ref().map(|l| l.span) else { return false };
     let trace = |span| compilation.sources.trace(span).0;
     sim.world().slots.pairs().any(|(slot, s)| {

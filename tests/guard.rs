@@ -6,6 +6,7 @@
 mod support;
 
 use std::path::Path;
+use std::sync::Arc;
 
 use hypedc::analysis::{ConfigurationSpace, configuration_space};
 use hypedc::compile::compile;
@@ -51,7 +52,7 @@ fn nothing_that_a_search_makes_lies_outside() {
 }
 
 /// Its player walks at a speed.
-fn walker(speed: u32) -> Program {
+fn walker(speed: u32) -> Arc<Program> {
     program(compile_text(&format!(
         "entity Walker {{
             button go
@@ -68,7 +69,7 @@ fn walker(speed: u32) -> Program {
 }
 
 /// A fast walker, and what is said of a slow one: an analysis that is wrong.
-fn wrong() -> (Program, ConfigurationSpace) {
+fn wrong() -> (Arc<Program>, ConfigurationSpace) {
     (walker(60), configuration_space(&walker(30), WORLD))
 }
 

@@ -13,6 +13,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::Arc;
 
 use hypedc::compile::{LevelFile, check_with, compile};
 use hypedc::diagnostic::{Code, render};
@@ -70,7 +71,7 @@ fn instances() -> BTreeMap<String, Vec<Instance>> {
 }
 
 /// The world of a recorded run, in which imported entities take the place of those written by hand.
-fn imported(name: &str) -> Program {
+fn imported(name: &str) -> Arc<Program> {
     let instances = instances().remove(name).unwrap();
     let mut program = String::new();
     let mut entities: BTreeMap<&str, (String, String)> = BTreeMap::new();
@@ -102,7 +103,7 @@ fn imported(name: &str) -> Program {
 }
 
 /// The world of a recorded run, with entities written by hand.
-fn by_hand(name: &str) -> Program {
+fn by_hand(name: &str) -> Arc<Program> {
     support::program(compile(&Path::new("tests/conformance").join(format!("{name}.hyped")), &Disk))
 }
 

@@ -7,6 +7,7 @@ mod support;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use hypedc::compile::{Compilation, LevelFile, compile, compile_with};
 use hypedc::diagnostic::render;
@@ -82,7 +83,7 @@ fn tiles(program: &Program) -> (usize, (f64, f64), Vec<Vec<String>>) {
 }
 
 /// Where the named instances are at each of some steps.
-fn ways(program: &Program, names: &[&str]) -> Vec<Vec<[f64; 2]>> {
+fn ways(program: &Arc<Program>, names: &[&str]) -> Vec<Vec<[f64; 2]>> {
     let sim = Simulator::new(program, WorldId(0));
     let mut scratch = sim.scratch();
     let mut state = sim.initial(&mut scratch).unwrap();

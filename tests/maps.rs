@@ -6,6 +6,7 @@
 mod support;
 
 use std::path::Path;
+use std::sync::Arc;
 
 use hypedc::compile::{LevelFile, compile, compile_with};
 use hypedc::ir::{Origin, Program, SpaceId, WorldId};
@@ -14,7 +15,7 @@ use hypedc::source::{Files, ReadError};
 use support::{Disk, program};
 
 /// Runs the first world without input; gives how many instances it began with.
-fn run(program: &Program, steps: usize) -> usize {
+fn run(program: &Arc<Program>, steps: usize) -> usize {
     let sim = Simulator::new(program, WorldId(0));
     let mut scratch = sim.scratch();
     let mut state = sim.initial(&mut scratch).unwrap();

@@ -9,6 +9,7 @@ mod support;
 use hypedc::ir::{Id, Program, SlotId, VarId, WorldId};
 use hypedc::sim::{Fault, Input, PlayerInput, Simulator};
 use proptest::prelude::*;
+use std::sync::Arc;
 use support::{compile_text, program};
 
 /// The input of a step, drawn from a number.
@@ -30,7 +31,7 @@ fn noise(seed: u64) -> impl Iterator<Item = u64> {
 }
 
 /// Every rule that a state keeps between two steps.
-fn is_sound(sim: &Simulator<'_>, state: &[u8]) {
+fn is_sound(sim: &Simulator, state: &[u8]) {
     let (program, world) = (sim.program(), sim.world());
     for (id, slot) in world.slots.pairs() {
         let (layout, entity) = (&world.layout.slots[id], &program.entities[slot.entity]);
@@ -59,7 +60,7 @@ fn is_sound(sim: &Simulator<'_>, state: &[u8]) {
 }
 
 /// Runs so many steps; gives the states, and the fault that ended the run.
-fn run(program: &Program, seed: u64, steps: usize) -> (Vec<Vec<u8>>, Option<Fault>) {
+fn run(program: &Arc<Program>, seed: u64, steps: usize) -> (Vec<Vec<u8>>, Option<Fault>) {
     let sim = Simulator::new(program, WorldId(0));
     let mut scratch = sim.scratch();
     let mut state = match sim.initial(&mut scratch) {
@@ -135,7 +136,7 @@ fn most_random_programs_run() {
 }
 
 /// A closed room of blocking tiles with a body in it that is driven at will.
-fn room(width: f64, height: f64, tile: u32, (columns, rows): (usize, usize), pillars: u64) -> Program {
+fn room(width: f64, height: f64, tile: u32, (columns, rows): (usize, usize), pillars: u64) -> Arc<Program> {
     let mut map = String::new();
     for row in 0..rows {
         for column in 0..columns {

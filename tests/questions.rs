@@ -7,6 +7,7 @@ mod support;
 use std::collections::{HashSet, VecDeque};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::sync::Arc;
 use std::time::Duration;
 
 use hypedc::analysis::configuration_space;
@@ -27,7 +28,7 @@ const WORLD: WorldId = WorldId(0);
 /// Where the worlds of these tests are: some are those of which something false was said once.
 const FOLDERS: [&str; 2] = ["tests/questions", "tests/analysis/found/small"];
 
-fn world(name: &str) -> Program {
+fn world(name: &str) -> Arc<Program> {
     let paths = FOLDERS.map(|folder| Path::new(folder).join(name).with_extension("hyped"));
     program(compile(paths.iter().find(|path| path.exists()).unwrap(), &Disk))
 }
@@ -108,7 +109,7 @@ fn by_steps(problem: &Problem<'_>, least: usize, most: usize) -> Option<Option<u
 }
 
 /// Each goal and each `never` of the small worlds.
-fn small_questions() -> Vec<(String, Program, Target)> {
+fn small_questions() -> Vec<(String, Arc<Program>, Target)> {
     let here = FOLDERS.into_iter().flat_map(|folder| files(folder, "hyped"));
     let is_world = |path: &PathBuf| path.parent() == Some(Path::new("tests/verdicts"));
     let verdicts = files("tests/verdicts", "hyped").into_iter().filter(is_world);

@@ -6,6 +6,7 @@
 mod support;
 
 use std::path::Path;
+use std::sync::Arc;
 
 use hypedc::analysis::configuration_space;
 use hypedc::compile::compile;
@@ -24,15 +25,15 @@ use support::{Disk, compile_text, files, program};
 
 const WORLD: WorldId = WorldId(0);
 
-fn example(path: &str) -> Program {
+fn example(path: &str) -> Arc<Program> {
     program(compile(Path::new(path), &Disk))
 }
 
-fn search(program: &Program, goal: u32, seed: u64, nodes: u64) -> Outcome {
+fn search(program: &Arc<Program>, goal: u32, seed: u64, nodes: u64) -> Outcome {
     search_in(program, goal, seed, nodes, Sampling::Reduced)
 }
 
-fn search_in(program: &Program, goal: u32, seed: u64, nodes: u64, sampling: Sampling) -> Outcome {
+fn search_in(program: &Arc<Program>, goal: u32, seed: u64, nodes: u64, sampling: Sampling) -> Outcome {
     let sim = Simulator::new(program, WORLD);
     let problem = Problem::new(&sim, GoalId(goal));
     let space = configuration_space(program, WORLD);
@@ -41,7 +42,7 @@ fn search_in(program: &Program, goal: u32, seed: u64, nodes: u64, sampling: Samp
 }
 
 /// Writes the script as text, reads it back, runs it: the goal holds at its end and not before, no `never` holds.
-fn replay(program: &Program, goal: u32, plan: &Plan) {
+fn replay(program: &Arc<Program>, goal: u32, plan: &Plan) {
     let text = plan.script.text(program, WORLD);
     let file = SourceMap::new().add("inputs", text.clone());
     let (script, found) = parse_script(program, WORLD, file, &text);
@@ -157,7 +158,7 @@ fn a_branch_ends_below_and_beside_the_bounds_but_not_above() {
 }
 
 /// Searches without asking the analysis whether there is any use.
-fn search_regardless(program: &Program, goal: u32, nodes: u64) -> (Outcome, Option<Proof>) {
+fn search_regardless(program: &Arc<Program>, goal: u32, nodes: u64) -> (Outcome, Option<Proof>) {
     let sim = Simulator::new(program, WORLD);
     let problem = Problem::new(&sim, GoalId(goal));
     let space = configuration_space(program, WORLD);
@@ -166,7 +167,7 @@ fn search_regardless(program: &Program, goal: u32, nodes: u64) -> (Outcome, Opti
     (outcome, Proof::of(&problem, &space))
 }
 
-fn jumper(goal: &str) -> Program {
+fn jumper(goal: &str) -> Arc<Program> {
     program(compile_text(&format!(
         "entity Hero {{
              axis horizontal
@@ -372,7 +373,7 @@ proptest! {
 }
 
 /// A walker in a room with a chamber of solid rock, which has a gap of some width.
-fn chamber(gap: f64, goal: &str) -> Program {
+fn chamber(gap: f64, goal: &str) -> Arc<Program> {
     let text = format!(
         "entity Walker {{
              axis horizontal, vertical
@@ -404,7 +405,7 @@ fn chamber(gap: f64, goal: &str) -> Program {
 }
 
 /// A walker in a room of long walls, with a way into a second one in its far corner, where the goal is.
-fn two_mazes(goal: &str) -> Program {
+fn two_mazes(goal: &str) -> Arc<Program> {
     let text = format!(
         "entity Hero {{
             param speed = 120

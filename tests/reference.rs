@@ -15,6 +15,7 @@ mod support;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use hypedc::compile::{Compilation, LevelFile, check_with};
 use hypedc::diagnostic::{Code, render};
@@ -221,7 +222,7 @@ fn compiled(text: &str, block: &Block, all: &[Block]) -> Compilation {
 }
 
 /// Runs a world to the end of the inputs, or to where a player leaves the bounds; gives the code of the error that ended it early, if one did, and the claims that do not hold then.
-fn run(program: &Program, world: WorldId, inputs: Option<&str>) -> (Option<Code>, Vec<String>) {
+fn run(program: &Arc<Program>, world: WorldId, inputs: Option<&str>) -> (Option<Code>, Vec<String>) {
     let script = inputs.unwrap_or("-*120");
     let file = SourceMap::new().add("inputs", script);
     let (script, found) = parse_script(program, world, file, script);

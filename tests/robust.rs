@@ -9,6 +9,7 @@ use hypedc::diagnostic::render;
 use hypedc::ir::WorldId;
 use hypedc::sim::{Input, Simulator};
 use proptest::prelude::*;
+use std::sync::Arc;
 use support::{compile_text, files};
 
 /// The example programs, each as one text without imports.
@@ -144,7 +145,7 @@ proptest! {
 }
 
 /// A few steps with every button held in turn; a fault is an answer, too.
-fn run(program: &hypedc::ir::Program, world: WorldId) {
+fn run(program: &Arc<hypedc::ir::Program>, world: WorldId) {
     let sim = Simulator::new(program, world);
     let mut scratch = sim.scratch();
     let Ok(mut state) = sim.initial(&mut scratch) else { return };

@@ -7,18 +7,19 @@ mod support;
 use hypedc::ir::{Program, SlotId, VarId, WorldId};
 use hypedc::sim::{Input, Scratch, Simulator, parse_script};
 use hypedc::source::SourceMap;
+use std::sync::Arc;
 use support::{compile_text, program};
 
 /// A run of the first world of a program.
 struct Run<'p> {
     program: &'p Program,
-    sim: Simulator<'p>,
+    sim: Simulator,
     scratch: Scratch,
     state: Vec<u8>,
 }
 
 impl<'p> Run<'p> {
-    fn new(program: &'p Program) -> Self {
+    fn new(program: &'p Arc<Program>) -> Self {
         let sim = Simulator::new(program, WorldId(0));
         let mut scratch = sim.scratch();
         let state = sim.initial(&mut scratch).unwrap();
@@ -67,7 +68,7 @@ impl<'p> Run<'p> {
 }
 
 /// One entity, placed once as `a` under player 1, in a world without a map.
-fn alone(entity: &str) -> Program {
+fn alone(entity: &str) -> Arc<Program> {
     program(compile_text(&format!(
         "entity A {{ {entity} }}
          world W {{ step 1/10; space main {{ place a: A at (0, 0) }} player 1: a }}"
@@ -277,7 +278,7 @@ fn a_two_way_envelope_rises_holds_and_falls() {
 }
 
 /// Entities in a level of tiles; the first is player 1's.
-fn level(entities: &str, collide: &str, map: &str, places: &str) -> Program {
+fn level(entities: &str, collide: &str, map: &str, places: &str) -> Arc<Program> {
     program(compile_text(&format!(
         "{entities}
          world W {{
@@ -640,7 +641,7 @@ fn what_a_clamp_hides_stops_the_run_too() {
 }
 
 /// A hero of 16 px in a world of rectangles and tiles.
-fn among(walls: &str, entity: &str, at: &str) -> Program {
+fn among(walls: &str, entity: &str, at: &str) -> Arc<Program> {
     program(compile_text(&format!(
         "entity A {{ collider body: rect(0, 0, 16, 16)
              {entity} }}

@@ -6,6 +6,7 @@
 mod support;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use hypedc::analysis::configuration_space;
 use hypedc::compile::{LevelFile, compile_with};
@@ -33,7 +34,7 @@ impl Files for WithLevel<'_> {
     }
 }
 
-fn level(text: &str) -> Program {
+fn level(text: &str) -> Arc<Program> {
     program(compile_with(
         Path::new(ROOT),
         LevelFile { map: Some(Path::new(LEVEL)), ..LevelFile::default() },
@@ -46,7 +47,7 @@ fn corpus(name: &str) -> String {
 }
 
 /// Open ground, 200 tiles long, with something in its rows: the row from below, the column, and the tile.
-fn ground(tiles: &[(usize, usize, char)]) -> Program {
+fn ground(tiles: &[(usize, usize, char)]) -> Arc<Program> {
     let mut rows = vec![vec!['-'; 200]; 14];
     rows[13].fill('X');
     for &(row, column, tile) in tiles {
@@ -61,7 +62,7 @@ fn hero(program: &Program) -> SlotId {
 }
 
 /// After each step of a script: where the hero is and how fast, and how many enemies are left.
-fn run(program: &Program, inputs: &str) -> Vec<([f64; 2], [f64; 2], usize, bool)> {
+fn run(program: &Arc<Program>, inputs: &str) -> Vec<([f64; 2], [f64; 2], usize, bool)> {
     let sim = Simulator::new(program, WORLD);
     let file = SourceMap::new().add("inputs", inputs.to_string());
     let (script, found) = parse_script(program, WORLD, file, inputs);
@@ -137,7 +138,7 @@ fn enemies_sleep_until_they_are_seen_and_turn_at_walls() {
     assert!((94.0..97.0).contains(&least) && (209.0..212.0).contains(&most), "{least}..{most}");
 }
 
-fn search(program: &Program, seed: u64, nodes: u64) -> Verdict {
+fn search(program: &Arc<Program>, seed: u64, nodes: u64) -> Verdict {
     let sim = Simulator::new(program, WORLD);
     let problem = Problem::new(&sim, GoalId(0));
     let space = configuration_space(program, WORLD);

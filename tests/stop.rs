@@ -6,6 +6,7 @@ mod support;
 
 use std::fmt::Write;
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use hypedc::analysis::{GivenUp, configuration_space, watched_space};
@@ -43,7 +44,7 @@ impl Watch for Counting {
 }
 
 /// So many bodies in one place that push each other.
-fn crowd(count: usize) -> Program {
+fn crowd(count: usize) -> Arc<Program> {
     let mut places = String::new();
     for i in 0..count {
         writeln!(places, "place b{i}: Ball at ({}, 0)", i % 7).unwrap();

@@ -6,6 +6,7 @@
 mod support;
 
 use std::path::Path;
+use std::sync::Arc;
 
 use hypedc::analysis::{ConfigurationSpace, configuration_space};
 use hypedc::compile::{LevelFile, check_with, compile};
@@ -68,7 +69,7 @@ fn bound(program: &Program, space: &ConfigurationSpace) -> f64 {
 }
 
 /// The greatest value that random runs show.
-fn seen(program: &Program) -> f64 {
+fn seen(program: &Arc<Program>) -> f64 {
     let sim = Simulator::new(program, WORLD);
     let hero = sim.world().slots.find(|s| s.name == "hero").unwrap();
     let mut scratch = sim.scratch();

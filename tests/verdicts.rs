@@ -7,6 +7,7 @@ mod support;
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use hypedc::analysis::{ConfigurationSpace, configuration_space, configuration_space_without};
@@ -48,7 +49,7 @@ struct Case {
     answer: Answer,
     /// A way there, if the file tells one.
     way: Option<String>,
-    program: Program,
+    program: Arc<Program>,
     world: WorldId,
     id: GoalId,
 }
@@ -87,7 +88,7 @@ fn cases_of(path: &Path) -> Vec<Case> {
 /// What a way must do: from a question that need not know how it was found.
 struct Question<'a> {
     what: &'a str,
-    program: &'a Program,
+    program: &'a Arc<Program>,
     world: WorldId,
     target: Target,
 }
@@ -132,7 +133,7 @@ impl Question<'_> {
 }
 
 /// Whether each player that lives is in its space.
-fn is_within(sim: &Simulator<'_>, state: &[u8]) -> bool {
+fn is_within(sim: &Simulator, state: &[u8]) -> bool {
     let world = sim.world();
     world.players.iter().filter(|p| world.layout.slots[p.slot].alive(state)).all(|player| {
         let (x, y) = sim.position(state, player.slot);
@@ -296,8 +297,8 @@ fn hastens(
 }
 
 /// The examples with each of their worlds.
-fn examples() -> Vec<(PathBuf, Program)> {
-    let is_world = |(_, program): &(PathBuf, Program)| !program.worlds.is_empty();
+fn examples() -> Vec<(PathBuf, Arc<Program>)> {
+    let is_world = |(_, program): &(PathBuf, Arc<Program>)| !program.worlds.is_empty();
     let all = files("examples", "hyped").into_iter().map(|path| (path.clone(), program(compile(&path, &Disk))));
     all.filter(is_world).collect()
 }

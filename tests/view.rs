@@ -7,6 +7,7 @@ mod support;
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
 
 use hypedc::compile::compile;
 use hypedc::ir::{Program, SpaceId, WorldId};
@@ -36,7 +37,7 @@ struct Walk {
 }
 
 /// Grows a tree from states in places that few nodes have been in.
-fn walk(program: &Program, count: usize) -> Walk {
+fn walk(program: &Arc<Program>, count: usize) -> Walk {
     let sim = Simulator::new(program, WORLD);
     let world = sim.world();
     let player = world.players.iter().next().unwrap().slot;
@@ -109,7 +110,7 @@ fn walk(program: &Program, count: usize) -> Walk {
     Walk { nodes, path }
 }
 
-fn example(path: &str) -> Program {
+fn example(path: &str) -> Arc<Program> {
     program(compile(Path::new(path), &Disk))
 }
 
@@ -318,7 +319,7 @@ world Rooms {
 }
 ";
 
-fn rooms() -> (Program, Walk) {
+fn rooms() -> (Arc<Program>, Walk) {
     let program = program(compile_text(ROOMS));
     let (cave, yard) = (SpaceId(0), SpaceId(1));
     let stop = |space: SpaceId, x: f64, y: f64, changes: bool| Stop { space, at: [x, y], changes };

@@ -7,6 +7,7 @@ mod support;
 
 use std::collections::BTreeSet;
 use std::path::Path;
+use std::sync::Arc;
 
 use hypedc::analysis::configuration_space;
 use hypedc::compile::{LevelFile, check_with, compile};
@@ -81,7 +82,7 @@ fn rooms_and_doors_are_those_of_the_game() {
 }
 
 /// The rooms that a script leads through.
-fn walk(program: &Program, inputs: &str) -> Vec<String> {
+fn walk(program: &Arc<Program>, inputs: &str) -> Vec<String> {
     let sim = Simulator::new(program, WORLD);
     let file = SourceMap::new().add("inputs", inputs.to_string());
     let (script, found) = parse_script(program, WORLD, file, inputs);

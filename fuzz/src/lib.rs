@@ -4,6 +4,7 @@
 mod outside;
 
 use std::path::Path;
+use std::sync::Arc;
 
 use hypedc::analysis::configuration_space;
 use hypedc::compile::{Compilation, LevelFile, check_with, compile};
@@ -181,7 +182,7 @@ fn drawn(sources: &SourceMap, program: &Program) {
 
 /// Fifty steps, every button held in turn; a fault is an answer, too. The same step gives the same state, and none is
 /// outside of what the analysis of values has found.
-fn run(program: &Program, world: WorldId) {
+fn run(program: &Arc<Program>, world: WorldId) {
     let sim = Simulator::new(program, world);
     let mut scratch = sim.scratch();
     let Ok(mut state) = sim.initial(&mut scratch) else { return };

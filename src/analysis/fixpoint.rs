@@ -129,7 +129,7 @@ impl<'a> Analysis<'a> {
             watch,
             is_stopped: false,
             is_narrowing: false,
-            is_read: program.entities.iter().any(reads_others),
+            is_read: program.entities.iter().any(|entity| reads_others(entity)),
             thresholds: Thresholds::default(),
         };
         analysis.overall = world.slots.ids().map(|s| analysis.overall(s)).collect();

@@ -71,6 +71,8 @@ pub use findings::{InvariantVerdict, Spaces, findings, invariants, watched_findi
 pub use membership::{Beyond, Membership, Outside, Reading};
 pub use values::{Interval, Values};
 
+use std::sync::Arc;
+
 use crate::ir::{ExprId, GoalId, IdVec, Program, SlotId, World, WorldId};
 
 use crate::watch::{Unwatched, Watch};
@@ -163,7 +165,7 @@ pub fn watched_space(
 /// no `never`. What a run of the world comes to it comes to there, too, the state included in which it ends.
 pub fn endless(program: &Program, world: WorldId) -> Program {
     let mut endless = program.clone();
-    endless.worlds[world].spaces.iter_mut().for_each(|space| space.bounds = None);
+    Arc::make_mut(&mut endless.worlds[world]).spaces.iter_mut().for_each(|space| space.bounds = None);
     endless
 }
 

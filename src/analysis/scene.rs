@@ -162,7 +162,7 @@ impl<'a> Scene<'a> {
             program,
             world,
             kinds: Vec::new(),
-            moving: program.entities.iter().map(moving).collect(),
+            moving: program.entities.iter().map(|entity| moving(entity)).collect(),
             flowing: program.entities.ids().map(|e| flowing(program, e)).collect(),
             covering: program.entities.iter().map(|e| covering(program, e)).collect(),
             of: IdVec::new(),

@@ -96,7 +96,7 @@ impl Prepared {
 pub(super) struct Asking<'a> {
     args: &'a ReachArgs,
     loaded: &'a Loaded,
-    sim: Simulator<'a>,
+    sim: Simulator,
     space: ConfigurationSpace,
     /// Holds all states that are made for any of the questions against the space, unless that is not wished.
     guard: Option<Guard>,

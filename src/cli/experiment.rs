@@ -44,7 +44,7 @@ struct Source {
 /// A world of a program, analysed.
 struct Analysed<'s> {
     source: &'s Source,
-    sim: Simulator<'s>,
+    sim: Simulator,
     space: ConfigurationSpace,
     seconds: f64,
 }

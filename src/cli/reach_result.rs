@@ -274,7 +274,7 @@ pub(super) struct Answered {
 impl Answered {
     pub fn new(
         loaded: &Loaded,
-        sim: &Simulator<'_>,
+        sim: &Simulator,
         target: Target,
         question: Question,
         outcome: &Outcome,

@@ -2,6 +2,7 @@
 
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
+use std::sync::Arc;
 
 use sha2::{Digest, Sha256};
 
@@ -40,7 +41,7 @@ pub(super) fn plain_error(message: &str) -> io::Result<()> {
 /// A program that compiled, and its files.
 pub(super) struct Loaded {
     pub sources: SourceMap,
-    pub program: Program,
+    pub program: Arc<Program>,
 }
 
 /// What tells programs apart: of the flat IR, so that what else is compiled the same has the same; in hexadecimal digits.
@@ -111,7 +112,7 @@ fn load_compiled(path: &Path, level: LevelFile<'_>, barred: Option<Barred<'_>>) 
 }
 
 /// Whether worlds have all their maps; shows how to give the one that is missing.
-pub(super) fn has_maps<'w>(loaded: &Loaded, worlds: impl IntoIterator<Item = &'w World>) -> io::Result<bool> {
+pub(super) fn has_maps<'w>(loaded: &Loaded, worlds: impl IntoIterator<Item = &'w Arc<World>>) -> io::Result<bool> {
     let Some(open) = worlds.into_iter().find(|w| w.open.is_some()) else {
         return Ok(true);
     };

@@ -98,13 +98,7 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Answer> {
 }
 
 /// All that a run depends on.
-pub(super) fn header(
-    sim: &Simulator<'_>,
-    file: &Path,
-    level: LevelFile<'_>,
-    script: &Script,
-    steps: u64,
-) -> TraceHeader {
+pub(super) fn header(sim: &Simulator, file: &Path, level: LevelFile<'_>, script: &Script, steps: u64) -> TraceHeader {
     let step = sim.world().step;
     TraceHeader {
         trace: TRACE_VERSION,
@@ -235,7 +229,7 @@ pub(super) enum Ended {
 
 /// Runs at most so many steps and shows every state, the initial one first.
 pub(super) fn drive(
-    sim: &Simulator<'_>,
+    sim: &Simulator,
     script: &Script,
     frames: u64,
     watch: &dyn Watch,
@@ -275,7 +269,7 @@ pub(super) fn drive(
 
 /// What happened during a run.
 struct Report<'s> {
-    sim: &'s Simulator<'s>,
+    sim: &'s Simulator,
     goals: Vec<Option<u64>>,
     nevers: Vec<Option<u64>>,
     /// The first broken invariant: the step, whose, and its number.
@@ -289,7 +283,7 @@ struct Report<'s> {
 }
 
 impl<'s> Report<'s> {
-    fn new(sim: &'s Simulator<'s>) -> Self {
+    fn new(sim: &'s Simulator) -> Self {
         let world = sim.world();
         Report {
             sim,

@@ -12,7 +12,7 @@ pub struct Question<'a> {
     /// Which test of the paper it is, if it is one.
     pub paper: Option<super::paper::Test>,
     /// The simulator of the world.
-    pub sim: &'a Simulator<'a>,
+    pub sim: &'a Simulator,
     /// What the analysis finds that the world can be.
     pub space: &'a ConfigurationSpace,
     /// What is asked for.

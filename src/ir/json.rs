@@ -3,6 +3,7 @@
 
 use std::fmt;
 use std::io::{self, Write};
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
@@ -76,7 +77,7 @@ impl Program {
     ///
     /// # Errors
     /// [`NotAProgram`] if it is something else, or anything in it could not be run.
-    pub fn from_json(text: &str) -> Result<(Program, SourceMap), NotAProgram> {
+    pub fn from_json(text: &str) -> Result<(Arc<Program>, SourceMap), NotAProgram> {
         let Version { hypedc_program: version } = serde_json::from_str(text).map_err(NotAProgram::Json)?;
         if version != JSON_VERSION {
             return Err(NotAProgram::Version(version));
@@ -95,6 +96,6 @@ impl Program {
         if !program.spans.all().all(|span| sources.holds(span)) {
             return Err(NotAProgram::Sources);
         }
-        Ok((program, sources))
+        Ok((program.into(), sources))
     }
 }

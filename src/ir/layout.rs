@@ -3,6 +3,8 @@
 //! The players' buttons come first, then one block for each slot. Within a block the widest fields come first, so that
 //! every field is aligned: real numbers, whole numbers and timers, leaves, references and spaces, flags, contact bits.
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
 use super::{Entity, EntityId, IdVec, PlayerId, Slot, SlotId};
@@ -51,7 +53,7 @@ pub struct SlotLayout {
 
 impl Layout {
     /// Lays out the state of a world with these slots and so many players.
-    pub(super) fn new(slots: &IdVec<SlotId, Slot>, players: usize, entities: &IdVec<EntityId, Entity>) -> Layout {
+    pub(super) fn new(slots: &IdVec<SlotId, Slot>, players: usize, entities: &IdVec<EntityId, Arc<Entity>>) -> Layout {
         let mut at = 0;
         let mut take = |bytes: usize| {
             let start = at;

@@ -1,5 +1,7 @@
 //! The tables. Their fields say what they mean at run time and what always holds of them.
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
 use super::Spans;
@@ -17,9 +19,9 @@ pub struct Program {
     /// All expressions. An operand has a lower id than its operator, so ids are in evaluation order.
     pub exprs: IdVec<ExprId, Expr>,
     /// All entities.
-    pub entities: IdVec<EntityId, Entity>,
+    pub entities: IdVec<EntityId, Arc<Entity>>,
     /// All worlds.
-    pub worlds: IdVec<WorldId, World>,
+    pub worlds: IdVec<WorldId, Arc<World>>,
     /// Where each entry comes from.
     #[serde(default)]
     pub spans: Spans,

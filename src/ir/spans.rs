@@ -67,8 +67,8 @@ impl Spans {
         Spans {
             tags: blank(&program.tags),
             exprs: blank(&program.exprs),
-            entities: program.entities.iter().map(entity).collect(),
-            worlds: program.worlds.iter().map(world).collect(),
+            entities: program.entities.iter().map(|e| entity(e)).collect(),
+            worlds: program.worlds.iter().map(|w| world(w)).collect(),
         }
     }
 }

@@ -252,7 +252,7 @@ impl EntityText<'_> {
     fn expr(&self, id: ExprId) -> String {
         let entity = |of: Subject| match of {
             Subject::Me => Some(self.e),
-            Subject::Ref(id) => self.e.refs[id].entity.map(|e| &self.p.entities[e]),
+            Subject::Ref(id) => self.e.refs[id].entity.map(|e| &*self.p.entities[e]),
             Subject::Slot(_) | Subject::Touched(_) => None,
         };
         expression(self.p, id, &entity, self.e, &|of| self.owner(of))
@@ -370,7 +370,7 @@ fn expression<'a>(
 fn world_expression(p: &Program, w: &World, id: ExprId) -> String {
     let Some(none) = p.entities.iter().next() else { return String::new() };
     let entity = |of: Subject| match of {
-        Subject::Slot(slot) => Some(&p.entities[w.slots[slot].entity]),
+        Subject::Slot(slot) => Some(&*p.entities[w.slots[slot].entity]),
         _ => None,
     };
     let owner = |of: Subject| match of {

@@ -41,7 +41,7 @@ impl Guard {
     }
 
     /// What of a state is outside, if anything is.
-    pub fn outside(&self, sim: &Simulator<'_>, state: &[u8]) -> Option<Outside> {
+    pub fn outside(&self, sim: &Simulator, state: &[u8]) -> Option<Outside> {
         let (program, world) = (sim.program(), sim.world_id());
         sim.world().layout.slots.pairs().find_map(|(slot, layout)| {
             let instance = layout.alive(state).then_some(Instance { layout, state });

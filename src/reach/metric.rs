@@ -139,7 +139,7 @@ impl Point {
 
 impl Metric {
     /// The space of a world, sampled from the chosen bounds and measured by all of it.
-    pub fn new(sim: &Simulator<'_>, space: &ConfigurationSpace, sampling: Sampling) -> Self {
+    pub fn new(sim: &Simulator, space: &ConfigurationSpace, sampling: Sampling) -> Self {
         let extent = sim.world().spaces.iter().filter_map(Space::extent).reduce(Bounds::join);
         Metric::measuring(sim, space, (sampling, extent), Measure::Full)
     }
@@ -147,7 +147,7 @@ impl Metric {
     /// The space of a world, sampled from the chosen bounds; positions that nothing bounds from an extent, or else from
     /// around what is placed.
     pub fn measuring(
-        sim: &Simulator<'_>,
+        sim: &Simulator,
         space: &ConfigurationSpace,
         (sampling, extent): (Sampling, Option<Bounds>),
         measure: Measure,

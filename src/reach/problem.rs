@@ -83,7 +83,7 @@ pub enum BadStart {
 #[derive(Clone)]
 pub struct Problem<'s> {
     /// The simulator of the world.
-    pub sim: &'s Simulator<'s>,
+    pub sim: &'s Simulator,
     /// What is asked for.
     pub target: Target,
     /// Predicates of the world that may not hold on the way, nor at its end.
@@ -103,12 +103,12 @@ pub struct Problem<'s> {
 
 impl<'s> Problem<'s> {
     /// Asks for a goal of the simulator's world, from its initial state.
-    pub fn new(sim: &'s Simulator<'s>, goal: GoalId) -> Self {
+    pub fn new(sim: &'s Simulator, goal: GoalId) -> Self {
         Problem::asking(sim, Target::Goal(goal))
     }
 
     /// Asks for a goal, or for a way to break a `never`.
-    pub fn asking(sim: &'s Simulator<'s>, target: Target) -> Self {
+    pub fn asking(sim: &'s Simulator, target: Target) -> Self {
         let players = sim.world().players.iter().map(|p| p.slot).collect();
         Problem {
             sim,

@@ -5,7 +5,7 @@ use std::ops;
 use std::sync::Arc;
 
 use crate::ir::{
-    Drive, EdgeId, Entity, EntityId, Expr, ExprId, Id, IdVec, LeafId, Program, Slot, SlotId, SlotLayout, Step, Subject,
+    Drive, EdgeId, Entity, EntityId, Expr, ExprId, Id, IdVec, LeafId, Program, SlotId, SlotLayout, Step, Subject,
     TimerId, World,
 };
 
@@ -119,10 +119,11 @@ fn limits(entity: &Entity, number: impl Fn(ExprId) -> Option<f64>) -> Option<Vec
 
 /// A slot with what belongs to it.
 #[derive(Debug)]
-pub(super) struct Actor<'p> {
+pub(super) struct Actor {
     pub id: SlotId,
-    pub slot: &'p Slot,
-    pub entity: &'p Entity,
+    pub entity: Arc<Entity>,
+    /// Of each timer, the count above which it no longer matters.
+    pub timer_limits: IdVec<TimerId, u32>,
     pub layout: SlotLayout,
     /// What the entity does.
     pub code: Arc<Code>,
@@ -140,7 +141,7 @@ pub(super) struct Actor<'p> {
 }
 
 /// The actors of a world.
-pub(super) fn actors<'p>(program: &'p Program, world: &'p World) -> Vec<Actor<'p>> {
+pub(super) fn actors(program: &Program, world: &World) -> Vec<Actor> {
     // Instances of one entity with the same parameters (as bits) share their code.
     type Key = (EntityId, Option<Vec<u64>>);
     let mut known: BTreeMap<Key, Arc<Code>> = BTreeMap::new();
@@ -167,8 +168,8 @@ pub(super) fn actors<'p>(program: &'p Program, world: &'p World) -> Vec<Actor<'p
         let is_bounded = has_peaks || !entity.clamps.is_empty() && code.limits.is_none();
         out.push(Actor {
             id,
-            slot,
-            entity,
+            entity: Arc::clone(entity),
+            timer_limits: slot.timer_limits.clone(),
             layout,
             code,
             base,
@@ -196,7 +197,7 @@ fn folded(program: &Program, id: ExprId, params: &IdVec<crate::ir::ParamId, f64>
 }
 
 /// Whether no instance reads another one while it moves.
-pub(super) fn is_private(actors: &[Actor<'_>]) -> bool {
+pub(super) fn is_private(actors: &[Actor]) -> bool {
     let other = |of: Subject| of != Subject::Me;
     actors.iter().all(|actor| {
         !actor.code.exprs.iter().any(|e| match *e {
@@ -207,7 +208,7 @@ pub(super) fn is_private(actors: &[Actor<'_>]) -> bool {
     })
 }
 
-impl Actor<'_> {
+impl Actor {
     /// Its number.
     pub fn index(&self) -> usize {
         self.id.index()

@@ -277,7 +277,7 @@ fn box_of(shape: &Shape, number: impl Fn(ExprId) -> Option<f64>) -> Option<[f64;
     })
 }
 
-impl Simulator<'_> {
+impl Simulator {
     /// Finds all contacts and, with `push`, resolves the blocking ones; leaves when the meter stops it.
     pub(super) fn collide(
         &self,
@@ -491,7 +491,7 @@ impl Simulator<'_> {
     fn touch_more(
         &self,
         state: &mut [u8],
-        actor: &Actor<'_>,
+        actor: &Actor,
         mine: TagSet,
         other: TagSet,
         instance: Option<SlotId>,

@@ -16,7 +16,7 @@ use super::input::Frame;
 use super::simulator::{Scratch, Simulator};
 use super::state::{set_triple, triple};
 
-impl Simulator<'_> {
+impl Simulator {
     /// Moves every live slot by one step.
     pub(super) fn flow(&self, state: &mut [u8], scratch: &mut Scratch) -> Result<(), Fault> {
         let Scratch { frames, flows, clamps, peaks, taken, start, .. } = scratch;
@@ -54,7 +54,7 @@ impl Simulator<'_> {
     fn read_flows(
         &self,
         state: &[u8],
-        actor: &Actor<'_>,
+        actor: &Actor,
         frames: &[Frame],
         taken: &[Option<Taken>],
         own: &mut [Flow],
@@ -63,7 +63,7 @@ impl Simulator<'_> {
         let taken = if actor.code.is_joint { &taken[actor.groups.clone()] } else { &[] };
         let reader = self.reader(actor, state, frames, taken, fault);
         for drive in &actor.code.free {
-            read_drive(&reader, actor.entity, *drive, own);
+            read_drive(&reader, &actor.entity, *drive, own);
         }
         for group in actor.entity.groups.ids() {
             let plan = &actor.code.plans[actor.layout.leaf(state, group)];
@@ -71,7 +71,7 @@ impl Simulator<'_> {
                 own[var] = flow;
             }
             for drive in &plan.drives {
-                read_drive(&reader, actor.entity, *drive, own);
+                read_drive(&reader, &actor.entity, *drive, own);
             }
         }
     }
@@ -80,7 +80,7 @@ impl Simulator<'_> {
     fn read_bounds(
         &self,
         state: &[u8],
-        actor: &Actor<'_>,
+        actor: &Actor,
         frames: &[Frame],
         clamps: &mut [(f64, f64)],
         peaks: &mut [u16],
@@ -95,7 +95,7 @@ impl Simulator<'_> {
         }
         for (envelope, peak) in actor.entity.envelopes.iter().zip(&mut peaks[actor.envelopes.clone()]) {
             if envelope.peak.is_some() {
-                *peak = next_peak(&reader, actor.entity, envelope);
+                *peak = next_peak(&reader, &actor.entity, envelope);
             }
         }
     }
@@ -105,7 +105,7 @@ impl Simulator<'_> {
     fn move_by(
         &self,
         state: &mut [u8],
-        actor: &Actor<'_>,
+        actor: &Actor,
         flows: &[Flow],
         clamps: &[(f64, f64)],
         peaks: &[u16],
@@ -159,13 +159,13 @@ impl Simulator<'_> {
 
 /// What alone drives an instance of one group.
 #[inline]
-fn only_plan<'a>(state: &[u8], actor: &'a Actor<'_>) -> Option<&'a Plan> {
+fn only_plan<'a>(state: &[u8], actor: &'a Actor) -> Option<&'a Plan> {
     actor.code.is_single.then(|| &actor.code.plans[actor.layout.leaf(state, GroupId(0))])
 }
 
 /// What drives each variable: what was read, unless it is known beforehand.
 #[inline]
-fn flows_of<'a>(actor: &Actor<'_>, plan: Option<&'a Plan>, read: &'a [Flow]) -> &'a [Flow] {
+fn flows_of<'a>(actor: &Actor, plan: Option<&'a Plan>, read: &'a [Flow]) -> &'a [Flow] {
     match plan {
         Some(plan) if plan.is_steady => &plan.row,
         _ => &read[actor.vars.clone()],
@@ -198,7 +198,7 @@ fn total([position, velocity, acceleration]: [f64; 3]) -> f64 {
 
 /// Fails if a variable or a derivative is not finite: with the first one.
 #[cold]
-fn diverged(actor: &Actor<'_>, values: &[[u8; 24]]) -> Result<(), Fault> {
+fn diverged(actor: &Actor, values: &[[u8; 24]]) -> Result<(), Fault> {
     for (var, values) in (0..).map(VarId).zip(values) {
         if let Some(degree) = triple(values).iter().position(|v| !v.is_finite()) {
             return Err(Fault { slot: actor.id, kind: FaultKind::Diverged(var, degree as u8) });

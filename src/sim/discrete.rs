@@ -28,7 +28,7 @@ pub(super) struct Acting {
     choice: Option<Taken>,
 }
 
-impl Simulator<'_> {
+impl Simulator {
     /// Takes the edges of every live slot.
     pub(super) fn transitions(&self, state: &mut [u8], scratch: &mut Scratch) -> Result<(), Fault> {
         let Scratch { before, frames, taken, acting, changes, .. } = scratch;
@@ -45,7 +45,7 @@ impl Simulator<'_> {
         for &Acting { slot, group, choice } in acting.iter() {
             let actor = &self.actors[slot.index()];
             let reader = self.reader(actor, before, frames, &taken[actor.groups.clone()], &fault);
-            self.run(state, &reader, actor.entity, group, choice, changes);
+            self.run(state, &reader, &actor.entity, group, choice, changes);
         }
         Self::settle(&fault)?;
         if changes.is_none() { Ok(()) } else { self.change(state, scratch) }
@@ -65,7 +65,7 @@ impl Simulator<'_> {
             if !actor.layout.acts(state) {
                 continue;
             }
-            let (entity, slot) = (actor.entity, actor.id);
+            let (entity, slot) = (&*actor.entity, actor.id);
             if !actor.code.is_joint {
                 // No group waits for another.
                 alone.turn_to(actor);
@@ -192,15 +192,15 @@ impl Simulator<'_> {
 
     /// The new state's slot is where timers of active modes are counted.
     #[inline]
-    pub(super) fn count_timers(&self, state: &mut [u8], actor: &Actor<'_>) {
-        let Actor { entity, layout, slot, code, .. } = actor;
+    pub(super) fn count_timers(&self, state: &mut [u8], actor: &Actor) {
+        let Actor { entity, layout, timer_limits, code, .. } = actor;
         if entity.timers.is_empty() {
             return;
         }
         for group in entity.groups.ids() {
             for &id in &code.plans[layout.leaf(state, group)].timers {
                 let count = layout.timer(state, id);
-                layout.set_timer(state, id, count.saturating_add(1).min(slot.timer_limits[id]));
+                layout.set_timer(state, id, count.saturating_add(1).min(timer_limits[id]));
             }
         }
     }

@@ -17,14 +17,14 @@ use super::simulator::Simulator;
 /// What an expression is read against.
 #[derive(Clone, Copy)]
 pub(super) struct Reader<'a> {
-    pub sim: &'a Simulator<'a>,
+    pub sim: &'a Simulator,
     pub state: &'a [u8],
     pub frames: &'a [Frame],
     /// What the groups of the instance do in this step, as far as it is decided.
     pub taken: &'a [Option<Taken>],
     pub fault: &'a Cell<Option<Fault>>,
     /// The instance that `Subject::Me` stands for; none in a world's predicate.
-    pub actor: Option<&'a Actor<'a>>,
+    pub actor: Option<&'a Actor>,
     /// Its slot.
     pub me: SlotId,
     /// The expressions, from the one with the number `base` on.
@@ -35,7 +35,7 @@ pub(super) struct Reader<'a> {
 impl<'a> Reader<'a> {
     /// Makes `Subject::Me` stand for another instance, and reads its code.
     #[inline]
-    pub fn turn_to(&mut self, actor: &'a Actor<'a>) {
+    pub fn turn_to(&mut self, actor: &'a Actor) {
         self.actor = Some(actor);
         self.me = actor.id;
         self.code = &actor.code.exprs;

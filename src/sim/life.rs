@@ -80,7 +80,7 @@ impl Changes {
     }
 }
 
-impl Simulator<'_> {
+impl Simulator {
     /// The first link of the instance's space that is open and in whose rectangle the instance stands.
     pub(super) fn link_at(&self, reader: &Reader<'_>) -> Option<usize> {
         let (x, y) = self.position(reader.state, reader.me);

@@ -181,7 +181,7 @@ impl Face {
     }
 }
 
-impl Simulator<'_> {
+impl Simulator {
     /// Of the upright and the level face of something that are turned to a body, whether neighbours cover them, as far as
     /// that matters: the one along which the overlap is least, and the other one if that is covered.
     pub(super) fn covered(

@@ -1,6 +1,7 @@
 //! The simulator of one world: what is prepared once, and the order of the phases.
 
 use std::cell::Cell;
+use std::sync::Arc;
 
 use crate::ir::{
     Entity, Expr, ExprId, GoalId, Id, NeverId, Origin, Press, Program, SlotId, SlotLayout, SpaceId, SpawnId, VarId,
@@ -19,16 +20,16 @@ use super::life::Changes;
 use super::state::{Life, buttons, set_buttons};
 
 /// Simulates one world of a program.
-pub struct Simulator<'p> {
-    program: &'p Program,
-    world: &'p World,
+pub struct Simulator {
+    program: Arc<Program>,
+    world: Arc<World>,
     id: WorldId,
     pub(super) step: f64,
     pub(super) collision: Collision,
     /// Of each entity, the slots that a spawn may take.
     pub(super) pools: Vec<Vec<SlotId>>,
     /// What every step looks up of each slot.
-    pub(super) actors: Vec<Actor<'p>>,
+    pub(super) actors: Vec<Actor>,
     /// Whether no instance reads another one while it moves.
     pub(super) is_private: bool,
     /// Whether anything can be destroyed or spawned.
@@ -81,9 +82,9 @@ impl Scratch {
     }
 }
 
-impl<'p> Simulator<'p> {
+impl Simulator {
     /// Prepares a world.
-    pub fn new(program: &'p Program, id: WorldId) -> Self {
+    pub fn new(program: &Arc<Program>, id: WorldId) -> Self {
         let world = &program.worlds[id];
         let collision = Collision::new(program, world);
         let pool = |entity| {
@@ -100,8 +101,8 @@ impl<'p> Simulator<'p> {
         let nevers = program.with_operands(world.nevers.iter().map(|n| n.holds).collect());
         let cost = actors.iter().map(|a| a.code.exprs.len()).sum::<usize>() + nevers.len();
         Simulator {
-            program,
-            world,
+            program: Arc::clone(program),
+            world: Arc::clone(world),
             id,
             is_private: is_private(&actors),
             step: world.step.seconds(),
@@ -115,13 +116,13 @@ impl<'p> Simulator<'p> {
     }
 
     /// The program.
-    pub fn program(&self) -> &'p Program {
-        self.program
+    pub fn program(&self) -> &Arc<Program> {
+        &self.program
     }
 
     /// The world.
-    pub fn world(&self) -> &'p World {
-        self.world
+    pub fn world(&self) -> &World {
+        &self.world
     }
 
     /// The world's id.
@@ -129,8 +130,8 @@ impl<'p> Simulator<'p> {
         self.id
     }
 
-    pub(super) fn entity(&self, slot: SlotId) -> &'p Entity {
-        self.actors[slot.index()].entity
+    pub(super) fn entity(&self, slot: SlotId) -> &Entity {
+        &self.actors[slot.index()].entity
     }
 
     pub(super) fn layout(&self, slot: SlotId) -> &SlotLayout {
@@ -140,7 +141,7 @@ impl<'p> Simulator<'p> {
     /// Reads expressions of an instance's own code.
     pub(super) fn reader<'a>(
         &'a self,
-        actor: &'a Actor<'a>,
+        actor: &'a Actor,
         state: &'a [u8],
         frames: &'a [Frame],
         taken: &'a [Option<Taken>],
@@ -177,7 +178,7 @@ impl<'p> Simulator<'p> {
             before: vec![0; self.world.layout.size],
             frames: vec![Frame::default(); self.world.players.len()],
             flows: self.actors.iter().flat_map(|a| a.code.steady.iter().copied()).collect(),
-            collision: self.collision.scratch(self.world),
+            collision: self.collision.scratch(&self.world),
         }
     }
 

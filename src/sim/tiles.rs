@@ -22,7 +22,7 @@ impl Tiles<'_> {
     }
 }
 
-impl Simulator<'_> {
+impl Simulator {
     /// A body and the tiles that it may touch; gives how many were looked at.
     pub(super) fn collide_tiles(
         &self,

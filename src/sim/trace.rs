@@ -79,7 +79,7 @@ impl TraceHeader {
 
 /// Makes the lines of a trace.
 pub struct TraceLines<'s> {
-    sim: &'s Simulator<'s>,
+    sim: &'s Simulator,
     format: TraceFormat,
 }
 
@@ -96,7 +96,7 @@ struct Line<'a> {
 
 impl<'s> TraceLines<'s> {
     /// For the runs of a world.
-    pub fn new(sim: &'s Simulator<'s>, format: TraceFormat) -> Self {
+    pub fn new(sim: &'s Simulator, format: TraceFormat) -> Self {
         TraceLines { sim, format }
     }
 
@@ -276,7 +276,7 @@ fn difference(path: String, old: &serde_json::Value, new: &serde_json::Value) ->
 }
 
 struct Instances<'a> {
-    sim: &'a Simulator<'a>,
+    sim: &'a Simulator,
     state: &'a [u8],
 }
 
@@ -294,7 +294,7 @@ impl Serialize for Instances<'_> {
 }
 
 struct Instance<'a> {
-    sim: &'a Simulator<'a>,
+    sim: &'a Simulator,
     state: &'a [u8],
     slot: SlotId,
 }

@@ -6,6 +6,7 @@ use hypedc::ir::{GoalId, Program, WorldId};
 use hypedc::reach::{Limits, Problem, Settings, Verdict, search};
 use hypedc::sim::Simulator;
 use hypedc::watch::Unwatched;
+use std::sync::Arc;
 
 use crate::support::{compile_text, program};
 
@@ -63,7 +64,7 @@ fn verdicts(text: &str) -> (bool, bool) {
 }
 
 /// Whether the first goal is ruled out by a space, and whether a search finds a way.
-pub fn of_first_goal(program: &Program, space: &ConfigurationSpace) -> (bool, bool) {
+pub fn of_first_goal(program: &Arc<Program>, space: &ConfigurationSpace) -> (bool, bool) {
     let is_ruled_out = !space.can_hold(program, WorldId(0), GoalId(0));
     let sim = Simulator::new(program, WorldId(0));
     let problem = Problem::new(&sim, GoalId(0));

@@ -2,6 +2,7 @@
 //! transition of the analysis. Whatever is said of them now holds in every state of scripted and of random runs.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use hypedc::analysis::{ConfigurationSpace, InvariantVerdict, configuration_space, invariants};
 use hypedc::compile::compile;
@@ -41,7 +42,7 @@ impl Script {
 }
 
 /// What is false in a run.
-fn refuted(program: &Program, world: WorldId, space: &ConfigurationSpace, script: &Script) -> Option<String> {
+fn refuted(program: &Arc<Program>, world: WorldId, space: &ConfigurationSpace, script: &Script) -> Option<String> {
     let sim = Simulator::new(program, world);
     let guard = Guard::new(space, program, world);
     let mut scratch = sim.scratch();

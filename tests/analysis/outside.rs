@@ -7,12 +7,12 @@ use hypedc::reach::Guard;
 use hypedc::sim::Simulator;
 
 /// What of a state is outside, if anything is.
-pub fn outside(sim: &Simulator<'_>, guard: &Guard, state: &[u8]) -> Option<String> {
+pub fn outside(sim: &Simulator, guard: &Guard, state: &[u8]) -> Option<String> {
     guard.outside(sim, state).map(|what| what.to_string())
 }
 
 /// What of the goals of a world holds, although the space says that it never does.
-pub fn ruled_out(program: &Program, sim: &Simulator<'_>, space: &ConfigurationSpace, state: &[u8]) -> Option<String> {
+pub fn ruled_out(program: &Program, sim: &Simulator, space: &ConfigurationSpace, state: &[u8]) -> Option<String> {
     let (world, id) = (sim.world(), sim.world_id());
     let holds = |goal: &GoalId| sim.goal(state, *goal) == Ok(true) && !space.can_hold(program, id, *goal);
     let goal = world.goals.ids().find(holds)?;
@@ -20,6 +20,6 @@ pub fn ruled_out(program: &Program, sim: &Simulator<'_>, space: &ConfigurationSp
 }
 
 /// Whether a search would go on: no player is below or beside its space.
-pub fn goes_on(sim: &Simulator<'_>, state: &[u8]) -> bool {
+pub fn goes_on(sim: &Simulator, state: &[u8]) -> bool {
     sim.left_bounds(state).is_none()
 }

@@ -6,6 +6,7 @@ use hypedc::reach::Guard;
 use hypedc::sim::{Input, PlayerInput, Simulator};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
+use std::sync::Arc;
 
 use crate::outside::{goes_on, outside, ruled_out};
 use crate::patience::Patience;
@@ -36,7 +37,7 @@ pub const LOOKS_BY_PLACE: u32 = 600;
 const GOALS_EVERY: usize = 16;
 
 /// Runs a world at random.
-pub fn run(program: &Program, id: WorldId, steps: usize, seed: u64) -> Run {
+pub fn run(program: &Arc<Program>, id: WorldId, steps: usize, seed: u64) -> Run {
     // Players are told apart by place as well: the guard looks at both.
     let space = configuration_space(program, id).by_place(program, id, &[], &Patience::new(LOOKS_BY_PLACE));
     let is_by_place = !std::ptr::eq(space.finest(), &space);
@@ -85,7 +86,7 @@ pub fn run(program: &Program, id: WorldId, steps: usize, seed: u64) -> Run {
 }
 
 /// Notes what happens.
-fn see(sim: &Simulator<'_>, state: &[u8], run: &mut Run) {
+fn see(sim: &Simulator, state: &[u8], run: &mut Run) {
     let world = sim.world();
     for (slot, s) in world.slots.pairs() {
         let layout = &world.layout.slots[slot];

@@ -8,6 +8,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::Path;
+use std::sync::Arc;
 
 use hypedc::analysis::{Configuration, ConfigurationSpace, Interval, Values, configuration_space};
 use hypedc::compile::compile;
@@ -18,7 +19,7 @@ use crate::support::{Disk, program};
 const X: VarId = VarId(0);
 const Y: VarId = VarId(1);
 
-fn space(path: &str) -> (Program, ConfigurationSpace) {
+fn space(path: &str) -> (Arc<Program>, ConfigurationSpace) {
     let program = program(compile(Path::new(path), &Disk));
     let space = configuration_space(&program, WorldId(0));
     (program, space)

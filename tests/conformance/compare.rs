@@ -3,6 +3,7 @@
 
 use std::fmt::Write;
 use std::path::Path;
+use std::sync::Arc;
 
 use hypedc::ir::{Id, Program, SlotId, VarId, WorldId};
 use hypedc::sim::{Input, Simulator};
@@ -69,7 +70,7 @@ fn reason(before: &Record, after: &Record, all: &[Difference], difference: &Diff
 }
 
 /// All in which a state and a record differ.
-fn differences(sim: &Simulator<'_>, state: &[u8], record: &Record) -> Vec<Difference> {
+fn differences(sim: &Simulator, state: &[u8], record: &Record) -> Vec<Difference> {
     let (program, world) = (sim.program(), sim.world());
     let contacts = record::with_contacts(sim, state, record);
     let mut differences = Vec::new();
@@ -157,7 +158,7 @@ impl Tally {
 }
 
 /// Takes each recorded step from the record before it.
-fn step_by_step(trace: &Trace, program: &Program) -> Tally {
+fn step_by_step(trace: &Trace, program: &Arc<Program>) -> Tally {
     let sim = Simulator::new(program, WorldId(0));
     let mut scratch = sim.scratch();
     let inputs = trace.inputs(program, WorldId(0));
@@ -177,7 +178,7 @@ fn step_by_step(trace: &Trace, program: &Program) -> Tally {
 
 /// Takes each step of all recorded runs, in the world that `load` gives for a run: for each run how many steps agree,
 /// and why the others do not. A step that differs for no known reason is a mistake.
-pub fn steps(load: impl Fn(&str) -> Program) -> String {
+pub fn steps(load: impl Fn(&str) -> Arc<Program>) -> String {
     let mut table = String::new();
     let mut wrong = Vec::new();
     let (mut steps, mut agree) = (0, 0);
@@ -199,7 +200,7 @@ pub fn steps(load: impl Fn(&str) -> Program) -> String {
 }
 
 /// For how many steps a free run agrees with the record, of how many, and the first difference.
-fn free_run(name: &str, trace: &Trace, program: &Program) -> (usize, usize, Option<String>) {
+fn free_run(name: &str, trace: &Trace, program: &Arc<Program>) -> (usize, usize, Option<String>) {
     let sim = Simulator::new(program, WorldId(0));
     let mut scratch = sim.scratch();
     let first = |differences: Vec<Difference>| differences.into_iter().next().map(|d| d.text);
@@ -218,7 +219,7 @@ fn free_run(name: &str, trace: &Trace, program: &Program) -> (usize, usize, Opti
 }
 
 /// Runs all recorded inputs freely, in the world that `load` gives for a run: for how many steps each agrees.
-pub fn free_runs(load: impl Fn(&str) -> Program) -> String {
+pub fn free_runs(load: impl Fn(&str) -> Arc<Program>) -> String {
     let mut table = String::new();
     for name in names() {
         let trace = trace(&name);

@@ -171,7 +171,7 @@ pub fn discrete(entity: &Entity, name: &str) -> DiscreteId {
 
 /// The timer of a recorded mode, and the count that its seconds are: 0 while the mode is not active, at most where
 /// ours saturates.
-pub fn timer(sim: &Simulator<'_>, slot: SlotId, recorded: &Recorded, mode: &str) -> (TimerId, u32) {
+pub fn timer(sim: &Simulator, slot: SlotId, recorded: &Recorded, mode: &str) -> (TimerId, u32) {
     let s = &sim.world().slots[slot];
     let entity = &sim.program().entities[s.entity];
     let path = our_path(mode);
@@ -182,7 +182,7 @@ pub fn timer(sim: &Simulator<'_>, slot: SlotId, recorded: &Recorded, mode: &str)
 }
 
 /// The state that a record says, after a step in which `held` was held.
-pub fn state(sim: &Simulator<'_>, record: &Record, held: &Input, scratch: &mut Scratch) -> Vec<u8> {
+pub fn state(sim: &Simulator, record: &Record, held: &Input, scratch: &mut Scratch) -> Vec<u8> {
     let (program, world) = (sim.program(), sim.world());
     // What a record does not say is as it is at first.
     let mut state = sim.initial(scratch).unwrap();
@@ -215,7 +215,7 @@ pub fn state(sim: &Simulator<'_>, record: &Record, held: &Input, scratch: &mut S
 }
 
 /// A state with the contact bits that a record asks for.
-pub fn with_contacts(sim: &Simulator<'_>, state: &[u8], record: &Record) -> Vec<u8> {
+pub fn with_contacts(sim: &Simulator, state: &[u8], record: &Record) -> Vec<u8> {
     let mut state = state.to_vec();
     for (slot, s) in sim.world().slots.pairs() {
         let touches = sim.program().entities[s.entity].touches.len();
@@ -246,13 +246,13 @@ pub fn with_contacts(sim: &Simulator<'_>, state: &[u8], record: &Record) -> Vec<
     state
 }
 
-fn collider_tags(sim: &Simulator<'_>, entity: usize, collider: usize) -> TagSet {
+fn collider_tags(sim: &Simulator, entity: usize, collider: usize) -> TagSet {
     let slot = &sim.world().slots[SlotId::from_index(entity)];
     sim.program().entities[slot.entity].colliders[ColliderId::from_index(collider)].tags
 }
 
 /// Sets the bits of one instance for a contact between tags of its own and of another, on a side of its own.
-fn touch(sim: &Simulator<'_>, state: &mut [u8], slot: SlotId, (mine, theirs, side): (TagSet, TagSet, Side)) {
+fn touch(sim: &Simulator, state: &mut [u8], slot: SlotId, (mine, theirs, side): (TagSet, TagSet, Side)) {
     let entity = &sim.program().entities[sim.world().slots[slot].entity];
     for (id, touch) in entity.touches.pairs() {
         let on_side = touch.side.is_none_or(|wanted| wanted == side);

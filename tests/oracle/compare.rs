@@ -5,6 +5,7 @@ use hypedc::sema::checked::Checked;
 use hypedc::sim::state::real;
 use hypedc::sim::{FaultKind, Input, PlayerInput, Simulator};
 use rand::{Rng, RngExt};
+use std::sync::Arc;
 
 use crate::evaluate::touching;
 use crate::model::{Fault, Keys, Oracle, State};
@@ -44,7 +45,7 @@ pub struct Run {
 }
 
 /// Runs both with random inputs until they differ, break a rule or have done so many steps.
-pub fn run(program: &Program, checked: &Checked, world: WorldId, steps: usize, rng: &mut impl Rng) -> Run {
+pub fn run(program: &Arc<Program>, checked: &Checked, world: WorldId, steps: usize, rng: &mut impl Rng) -> Run {
     let oracle = Oracle::new(checked, world);
     let sim = Simulator::new(program, world);
     let mut scratch = sim.scratch();
@@ -100,7 +101,7 @@ pub fn run(program: &Program, checked: &Checked, world: WorldId, steps: usize, r
 }
 
 /// What the two states differ in.
-pub fn differences(sim: &Simulator<'_>, state: &[u8], ours: &State) -> Vec<String> {
+pub fn differences(sim: &Simulator, state: &[u8], ours: &State) -> Vec<String> {
     let (program, world) = (sim.program(), sim.world());
     let mut all = Vec::new();
     for (slot, s) in world.slots.pairs() {
@@ -164,7 +165,7 @@ pub fn differences(sim: &Simulator<'_>, state: &[u8], ours: &State) -> Vec<Strin
 }
 
 /// The questions of a world that get different answers.
-fn questions(sim: &Simulator<'_>, state: &[u8], oracle: &Oracle<'_>, ours: &State) -> Vec<String> {
+fn questions(sim: &Simulator, state: &[u8], oracle: &Oracle<'_>, ours: &State) -> Vec<String> {
     let mut all = Vec::new();
     let mut differs = |name: &str, theirs: String, ours: String| {
         if theirs != ours {

@@ -6,6 +6,7 @@ use hypedc::ir::{Program, WorldId};
 use hypedc::reach::{Limits, Planner, Problem, Settings, Target, Verdict, search};
 use hypedc::sim::{Script, Simulator};
 use hypedc::watch::Unwatched;
+use std::sync::Arc;
 
 use crate::brute::{Explored, explore};
 use crate::compare::input;
@@ -97,7 +98,7 @@ fn analysed(program: &Program, world: WorldId, explored: &Explored, tally: &mut 
 }
 
 fn exhausted(
-    program: &Program,
+    program: &Arc<Program>,
     world: WorldId,
     explored: &Explored,
     most: usize,

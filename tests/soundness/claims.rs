@@ -207,7 +207,7 @@ impl Claims {
     }
 
     /// What a state is against, if it is reached by a run of this kind.
-    pub fn refuted(&self, sim: &Simulator<'_>, state: &[u8], standing: Standing) -> Option<Violation> {
+    pub fn refuted(&self, sim: &Simulator, state: &[u8], standing: Standing) -> Option<Violation> {
         let (program, world) = (sim.program(), sim.world());
         if standing.is_inside {
             if let Some(what) = outside(sim, &self.guard, state) {
@@ -265,7 +265,7 @@ impl Claims {
         None
     }
 
-    fn broken(&self, sim: &Simulator<'_>, state: &[u8], proven: &[(EntityId, usize)]) -> Option<String> {
+    fn broken(&self, sim: &Simulator, state: &[u8], proven: &[(EntityId, usize)]) -> Option<String> {
         let (program, world) = (sim.program(), sim.world());
         let input = Input::nothing(world.players.len());
         for (slot, s) in world.slots.pairs().filter(|(slot, _)| world.layout.slots[*slot].alive(state)) {
@@ -281,7 +281,7 @@ impl Claims {
     }
 
     /// What a step from a state with an input is against.
-    pub fn refuted_by_step(&self, sim: &Simulator<'_>, state: &[u8], input: &Input) -> Option<Violation> {
+    pub fn refuted_by_step(&self, sim: &Simulator, state: &[u8], input: &Input) -> Option<Violation> {
         let (program, world) = (sim.program(), sim.world());
         for claim in &self.guards {
             for (slot, _) in world.slots.pairs().filter(|(_, s)| s.entity == claim.entity) {

@@ -24,7 +24,7 @@ pub struct Drawn {
 }
 
 /// Steps states that are drawn from what is claimed and what was reached.
-pub fn consecution(sim: &Simulator<'_>, claims: &Claims, samples: &[Vec<u8>], tries: usize, seed: u64) -> Drawn {
+pub fn consecution(sim: &Simulator, claims: &Claims, samples: &[Vec<u8>], tries: usize, seed: u64) -> Drawn {
     let mut out = Drawn::default();
     if samples.is_empty() {
         return out;
@@ -50,7 +50,7 @@ pub fn consecution(sim: &Simulator<'_>, claims: &Claims, samples: &[Vec<u8>], tr
     out
 }
 
-fn drawn(sim: &Simulator<'_>, claims: &Claims, samples: &[Vec<u8>], rng: &mut Pcg64) -> Vec<u8> {
+fn drawn(sim: &Simulator, claims: &Claims, samples: &[Vec<u8>], rng: &mut Pcg64) -> Vec<u8> {
     let (program, world) = (sim.program(), sim.world());
     let mut state = samples[rng.random_range(0..samples.len())].clone();
     for (slot, s) in world.slots.pairs() {

@@ -63,7 +63,7 @@ impl Inputs {
 }
 
 /// Whether any player gives inputs that anything reads; all runs are the same otherwise.
-pub fn has_inputs(sim: &Simulator<'_>) -> bool {
+pub fn has_inputs(sim: &Simulator) -> bool {
     let entities = sim.world().players.iter().map(|p| &sim.program().entities[sim.world().slots[p.slot].entity]);
     entities.into_iter().any(|e| !e.buttons.is_empty() || !e.axes.is_empty())
 }
@@ -74,7 +74,7 @@ const STILL: [u32; 2] = [2, 60];
 const BEYOND: u32 = 60;
 
 /// Runs a world for some steps from its beginning; ends at the first claim that is refuted.
-pub fn run(sim: &Simulator<'_>, claims: &Claims, steps: usize, seed: u64, runs: &mut Runs) {
+pub fn run(sim: &Simulator, claims: &Claims, steps: usize, seed: u64, runs: &mut Runs) {
     let mut scratch = sim.scratch();
     let Ok(mut state) = sim.initial(&mut scratch) else { return };
     let mut inputs = Inputs::new(seed, sim.world().players.len());
@@ -113,7 +113,7 @@ pub fn run(sim: &Simulator<'_>, claims: &Claims, steps: usize, seed: u64, runs: 
 const MOST_INPUTS: usize = 36;
 
 /// All inputs that the players of a world can give, axes at their ends or in the middle; none if there are too many.
-fn all_inputs(sim: &Simulator<'_>) -> Option<Vec<Input>> {
+fn all_inputs(sim: &Simulator) -> Option<Vec<Input>> {
     let mut all = vec![Input::default()];
     for player in sim.world().players.iter() {
         let entity: &Entity = &sim.program().entities[sim.world().slots[player.slot].entity];
@@ -145,7 +145,7 @@ fn all_inputs(sim: &Simulator<'_>) -> Option<Vec<Input>> {
 const MOST_STEPS: usize = 2_500;
 
 /// Runs a world with all inputs there are, each held for some steps, breadth first, up to a number of states.
-pub fn exhaust(sim: &Simulator<'_>, claims: &Claims, most: usize, hold: u32, runs: &mut Runs) {
+pub fn exhaust(sim: &Simulator, claims: &Claims, most: usize, hold: u32, runs: &mut Runs) {
     let mut scratch = sim.scratch();
     let (Some(inputs), Ok(start)) = (all_inputs(sim), sim.initial(&mut scratch)) else { return };
     // One way only is a run.

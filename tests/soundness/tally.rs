@@ -106,7 +106,7 @@ impl Tally {
     }
 
     /// Notes what happens in a step.
-    pub fn watch(&self, sim: &Simulator<'_>, before: &[u8], input: &Input, after: &[u8], scratch: &Scratch) {
+    pub fn watch(&self, sim: &Simulator, before: &[u8], input: &Input, after: &[u8], scratch: &Scratch) {
         let (program, world) = (sim.program(), sim.world());
         if sim.refused(scratch).is_some() {
             self.note("a spawn is refused");
@@ -168,7 +168,7 @@ impl Tally {
 
     fn eye<'a>(
         &'a self,
-        sim: &'a Simulator<'_>,
+        sim: &'a Simulator,
         state: &'a [u8],
         input: &'a Input,
         me: SlotId,
@@ -178,7 +178,7 @@ impl Tally {
     }
 
     /// Notes steps that are longer than rooms are wide, and what is done in a room that one has come to by a link.
-    fn watch_rooms(&self, sim: &Simulator<'_>, before: &[u8], after: &[u8], slot: SlotId) {
+    fn watch_rooms(&self, sim: &Simulator, before: &[u8], after: &[u8], slot: SlotId) {
         /// More than one room of the suite is wide, px.
         const FAR: f64 = 400.0;
         let (world, layout) = (sim.world(), &sim.world().layout.slots[slot]);
@@ -213,7 +213,7 @@ impl Tally {
     }
 
     /// Notes what a world is made of, as far as that is no construct of the language.
-    pub fn survey(&self, sim: &Simulator<'_>, is_by_place: bool) {
+    pub fn survey(&self, sim: &Simulator, is_by_place: bool) {
         if is_by_place {
             self.note("a player is told apart by place");
         }
@@ -231,7 +231,7 @@ impl Tally {
         }
     }
 
-    fn watch_edges(&self, sim: &Simulator<'_>, before: &[u8], input: &Input, slot: SlotId, after: &[u8]) {
+    fn watch_edges(&self, sim: &Simulator, before: &[u8], input: &Input, slot: SlotId, after: &[u8]) {
         let world = sim.world();
         let entity = &sim.program().entities[world.slots[slot].entity];
         let layout = &world.layout.slots[slot];
@@ -292,7 +292,7 @@ impl Tally {
         }
     }
 
-    fn watch_actions(&self, sim: &Simulator<'_>, slot: SlotId, actions: &Actions) {
+    fn watch_actions(&self, sim: &Simulator, slot: SlotId, actions: &Actions) {
         let entity = &sim.program().entities[sim.world().slots[slot].entity];
         for update in &actions.updates {
             self.note(match update.place {
@@ -334,7 +334,7 @@ impl Tally {
         }
     }
 
-    fn watch_flows(&self, sim: &Simulator<'_>, before: &[u8], input: &Input, slot: SlotId, after: &[u8]) {
+    fn watch_flows(&self, sim: &Simulator, before: &[u8], input: &Input, slot: SlotId, after: &[u8]) {
         let world = sim.world();
         let entity = &sim.program().entities[world.slots[slot].entity];
         let layout = &world.layout.slots[slot];
@@ -419,7 +419,7 @@ impl Tally {
     }
 
     /// Notes which colliders meet, and how; seen from where they are after the step.
-    fn watch_contacts(&self, sim: &Simulator<'_>, state: &[u8], input: &Input) {
+    fn watch_contacts(&self, sim: &Simulator, state: &[u8], input: &Input) {
         let (program, world) = (sim.program(), sim.world());
         for space in world.spaces.ids() {
             let mut bodies = Vec::new();
@@ -496,7 +496,7 @@ impl Tally {
         }
     }
 
-    fn meet(&self, sim: &Simulator<'_>, a: &Body, b: &Body, is_first: bool, pushed: &mut [bool; 4]) {
+    fn meet(&self, sim: &Simulator, a: &Body, b: &Body, is_first: bool, pushed: &mut [bool; 4]) {
         const NEAR: f64 = 0.01;
         let Some(meeting) = sim.world().meeting(a.tags, b.tags) else { return };
         let over = |axis: usize| {

@@ -8,6 +8,7 @@ use hypedc::ir::{
 use hypedc::sim::Input;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
+use std::sync::Arc;
 
 use super::eye::{Eye, Nobody};
 use super::frame::number;
@@ -24,7 +25,7 @@ pub struct Denied {
 
 /// The first predicate that turns out as it never does in one of some states.
 pub fn denied(
-    program: &Program,
+    program: &Arc<Program>,
     world: WorldId,
     space: &ConfigurationSpace,
     states: &[Vec<u8>],
@@ -33,7 +34,8 @@ pub fn denied(
     if states.is_empty() {
         return None;
     }
-    let mut maker = Maker { program: program.clone(), world: &program.worlds[world], rng: Pcg64::seed_from_u64(seed) };
+    let mut maker =
+        Maker { program: Program::clone(program), world: &program.worlds[world], rng: Pcg64::seed_from_u64(seed) };
     let table = &program.worlds[world];
     let mut all: Vec<Part> = Vec::new();
     table.goals.iter().chain(table.nevers.iter()).for_each(|p| questions(program, p.holds, &mut all));

@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "not every test binary uses all of it")]
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use hypedc::compile::{Compilation, compile};
 use hypedc::diagnostic::render;
@@ -43,13 +44,13 @@ pub fn compile_text(text: &str) -> Compilation {
 }
 
 /// The program of a compilation, or what is wrong with it.
-pub fn program(compilation: Compilation) -> Program {
+pub fn program(compilation: Compilation) -> Arc<Program> {
     let Compilation { sources, program, diagnostics } = compilation;
     program.unwrap_or_else(|| panic!("{}", render::human(&sources, diagnostics.iter(), false)))
 }
 
 /// Runs a script from the beginning: no `never` holds on the way, and the goal holds at its end.
-pub fn assert_leads_to(sim: &Simulator<'_>, script: &Script, goal: GoalId) {
+pub fn assert_leads_to(sim: &Simulator, script: &Script, goal: GoalId) {
     let mut scratch = sim.scratch();
     let mut state = sim.initial(&mut scratch).unwrap();
     for input in script.inputs() {

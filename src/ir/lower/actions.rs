@@ -24,7 +24,7 @@ pub(super) fn lower(
             checked::Action::Spawn(spawn) => {
                 let lowered = lower_spawn(program, spawn, context);
                 program.spans.entities[entity].spawns.push(spawn.span);
-                out.spawns.push(program.entities[entity].spawns.push(lowered));
+                out.spawns.push(program.entity_mut(entity).spawns.push(lowered));
             }
             checked::Action::Destroy(what) => out.destroys.push(reference_value(what)),
         }

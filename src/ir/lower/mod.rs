@@ -26,7 +26,7 @@ pub fn lower(mut checked: Checked) -> Program {
     program.spans.entities.reserve(checked.entities.len());
     // Goals add contact questions to entities that are lowered already, so all entities must exist first.
     for entity in checked.entities.iter() {
-        program.entities.push(shell(entity));
+        program.entities.push(shell(entity).into());
         program.spans.entities.push(spans(entity));
     }
     for (index, entity) in std::mem::take(&mut checked.entities).into_iter().enumerate() {
@@ -35,7 +35,7 @@ pub fn lower(mut checked: Checked) -> Program {
         entity_code(&mut program, id, Arc::unwrap_or_clone(entity));
         let to = ExprId::from_index(program.exprs.len());
         program.timer_thresholds(id, from, to);
-        program.entities[id].code = IdRange::new(from, to);
+        program.entity_mut(id).code = IdRange::new(from, to);
     }
     // Contact questions of every world, before any layout counts them.
     let mortal = world::mortal(&program);
@@ -120,14 +120,15 @@ fn entity_code(program: &mut Program, id: EntityId, mut e: checked::Entity) {
     let context = Context { me: Some(id), slots: &|_| id, immortal: &|_| false };
     for param in e.params.iter() {
         let default = program.term(&param.default, &context);
-        program.entities[id].params.push(Param { name: param.name.text.to_string(), default });
+        program.entity_mut(id).params.push(Param { name: param.name.text.to_string(), default });
     }
     for var in e.vars.iter() {
         let first = var.initial.as_ref().map(|first| program.term(first, &context));
-        program.entities[id].first.push(first);
+        program.entity_mut(id).first.push(first);
     }
     for (index, discrete) in e.discretes.pairs() {
-        program.entities[id].discretes[index].first = program.term(&discrete.initial, &context);
+        let first = program.term(&discrete.initial, &context);
+        program.entity_mut(id).discretes[index].first = first;
     }
     for collider in e.colliders.iter() {
         let shape = match &collider.shape {
@@ -136,45 +137,45 @@ fn entity_code(program: &mut Program, id: EntityId, mut e: checked::Entity) {
         };
         let guard = collider.guard.as_ref().map(|g| program.term(g, &context));
         let tags = collider.tags.iter().copied().collect::<TagSet>();
-        program.entities[id].colliders.push(Collider { tags, kinematic: collider.kinematic, shape, guard });
+        program.entity_mut(id).colliders.push(Collider { tags, kinematic: collider.kinematic, shape, guard });
     }
     for envelope in e.envelopes.iter() {
         let envelope = lower_envelope(program, id, envelope, &context);
-        program.entities[id].envelopes.push(envelope);
+        program.entity_mut(id).envelopes.push(envelope);
     }
     for (index, mode) in e.modes.pairs() {
         for drive in &mode.drives {
             if let checked::DriveBy::Envelope(envelope) = drive.by {
-                program.entities[id].envelopes[envelope].mode = Some(index);
+                program.entity_mut(id).envelopes[envelope].mode = Some(index);
             }
         }
     }
-    program.entities[id].edges.reserve(e.edges.len());
+    program.entity_mut(id).edges.reserve(e.edges.len());
     for edge in e.edges.iter_mut() {
         let guard = program.term(&edge.guard.take(), &context);
         let actions = actions::lower(program, id, &std::mem::take(&mut edge.actions), &context);
         let (source, target, needs) = (edge.source, edge.target, std::mem::take(&mut edge.needs));
-        program.entities[id].edges.push(Edge { source, target, guard, actions, needs });
+        program.entity_mut(id).edges.push(Edge { source, target, guard, actions, needs });
     }
     for follow in e.modes.iter().flat_map(|m| &m.follows) {
         let guard = follow.guard.as_ref().map(|g| program.term(g, &context));
         let actions = actions::lower(program, id, &follow.actions, &context);
         let needs = follow.needs.clone();
-        let _: FollowId = program.entities[id].follows.push(Follow { guard, actions, needs });
+        let _: FollowId = program.entity_mut(id).follows.push(Follow { guard, actions, needs });
     }
     for clamp in &e.clamps {
         let mut bound = |b: &Option<checked::Term>| b.as_ref().map(|b| program.term(b, &context));
         let (low, high) = (bound(&clamp.low), bound(&clamp.high));
-        program.entities[id].clamps.push(Clamp { var: clamp.var, degree: clamp.degree, low, high });
+        program.entity_mut(id).clamps.push(Clamp { var: clamp.var, degree: clamp.degree, low, high });
     }
     for invariant in &e.invariants {
         let holds = program.term(invariant, &context);
-        program.entities[id].invariants.push(holds);
+        program.entity_mut(id).invariants.push(holds);
     }
     modes(program, id, &e, &context);
     let tables = leaves::drives(program, &e, &context);
     let built = leaves::leaves(program, id, &e, &tables);
-    let entity = &mut program.entities[id];
+    let entity = program.entity_mut(id);
     entity.inputs = built.always;
     entity.free = tables.free;
     entity.leaves = built.leaves;
@@ -297,7 +298,7 @@ fn modes(program: &mut Program, id: EntityId, e: &checked::Entity, context: &Con
         let entry = actions::lower(program, id, &m.entry, context);
         let choices = choices_of(program, e, &m.children, context);
         let (first, after) = leaves[mode.index()];
-        program.entities[id].modes.push(Mode {
+        program.entity_mut(id).modes.push(Mode {
             path: m.path.join("."),
             parent: m.parent,
             end: ModeId(ends[mode.index()]),
@@ -311,7 +312,7 @@ fn modes(program: &mut Program, id: EntityId, e: &checked::Entity, context: &Con
         });
     }
     // A mode chooses if anything inside it does; inner modes come later, so from the last to the first.
-    let table = &mut program.entities[id].modes;
+    let table = &mut program.entity_mut(id).modes;
     for mode in (0..count as u32).rev().map(ModeId) {
         if let Some(parent) = table[mode].parent {
             table[parent].chooses |= table[mode].chooses;
@@ -321,7 +322,7 @@ fn modes(program: &mut Program, id: EntityId, e: &checked::Entity, context: &Con
         let first = group.modes.first().copied().unwrap_or(ModeId(0));
         let choices = choices_of(program, e, &group.modes, context);
         let end = group.modes.last().map_or(0, |last| ends[last.index()]);
-        program.entities[id].groups.push(Group {
+        program.entity_mut(id).groups.push(Group {
             name: group.name.as_ref().map(|n| n.text.to_string()),
             modes: IdRange::new(first, ModeId(end)),
             first: first_of(e, &group.modes).unwrap_or(first),

@@ -1,11 +1,13 @@
 //! Terms into the arena: operands before operators, constants folded, contact questions and timers numbered.
 
+use std::sync::Arc;
+
 use crate::sema::checked::{self, Term, TermKind, Type};
 use crate::sema::{ConstantContext, evaluate};
 use crate::source::Span;
 
 use crate::ir::{
-    EntityId, Expr, ExprId, IdVec, ModeId, Program, SlotId, Subject, TagSet, Timer, TimerId, Touch, TouchId,
+    Entity, EntityId, Expr, ExprId, IdVec, ModeId, Program, SlotId, Subject, TagSet, Timer, TimerId, Touch, TouchId,
 };
 
 /// Where a term is lowered: whose numbers its questions get.
@@ -30,6 +32,10 @@ impl Context<'_> {
 }
 
 impl Program {
+    pub(super) fn entity_mut(&mut self, id: EntityId) -> &mut Entity {
+        Arc::make_mut(&mut self.entities[id])
+    }
+
     pub(super) fn push(&mut self, expr: Expr, span: Span) -> ExprId {
         self.spans.exprs.push(span);
         self.exprs.push(expr)
@@ -115,7 +121,7 @@ impl Program {
 
     /// The number of a contact question of an entity.
     fn touch(&mut self, entity: EntityId, touch: Touch, span: Span) -> TouchId {
-        let touches = &mut self.entities[entity].touches;
+        let touches = &mut Arc::make_mut(&mut self.entities[entity]).touches;
         touches.find(|t| *t == touch).unwrap_or_else(|| {
             self.spans.entities[entity].touches.push(span);
             touches.push(touch)
@@ -123,7 +129,7 @@ impl Program {
     }
 
     pub(super) fn timer(&mut self, entity: EntityId, mode: ModeId) -> TimerId {
-        let timers = &mut self.entities[entity].timers;
+        let timers = &mut self.entity_mut(entity).timers;
         timers.find(|t| t.mode == mode).unwrap_or_else(|| timers.push(Timer { mode, thresholds: Some(Vec::new()) }))
     }
 
@@ -156,7 +162,7 @@ impl Program {
                 }
             }
         }
-        for (index, timer) in self.entities[entity].timers.iter_mut().enumerate() {
+        for (index, timer) in self.entity_mut(entity).timers.iter_mut().enumerate() {
             let compared = std::mem::take(&mut thresholds[index]);
             timer.thresholds = (compared.len() == uses[index]).then_some(compared);
         }

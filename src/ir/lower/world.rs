@@ -106,7 +106,7 @@ pub(super) fn lower(program: &mut Program, w: &checked::World, predicates: Predi
         goals: w.goals.iter().map(|g| g.name.span).collect(),
         nevers: w.nevers.iter().map(|n| n.name.span).collect(),
     });
-    program.worlds.push(World {
+    let world = World {
         name: w.name.text.to_string(),
         step,
         spaces,
@@ -117,7 +117,8 @@ pub(super) fn lower(program: &mut Program, w: &checked::World, predicates: Predi
         nevers: predicates.nevers,
         open: w.open,
         layout,
-    });
+    };
+    program.worlds.push(world.into());
 }
 
 fn space(s: &checked::Space, guards: &[Option<ExprId>]) -> Space {

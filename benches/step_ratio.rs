@@ -17,7 +17,7 @@ use std::time::Instant;
 
 use hypedc::compile::compile;
 use hypedc::ir::{SlotId, VarId, WorldId};
-use hypedc::sim::{Input, Simulator, parse_script};
+use hypedc::sim::{Input, Simulator, State, parse_script};
 use hypedc::source::SourceMap;
 use support::{Disk, program};
 use yardstick::{ByHand, JUMP, LEFT, RIGHT, Test1, Test2};
@@ -69,7 +69,7 @@ fn episode<W: ByHand>(seed: u64) -> Vec<Held> {
 struct Test {
     sim: Simulator,
     /// The state before the first step.
-    start: Vec<u8>,
+    start: State,
     /// The interpreter's form of each input.
     inputs: Vec<Input>,
     episodes: Vec<Vec<Held>>,

@@ -11,6 +11,7 @@ pub const MAX_FILE_BYTES: usize = 16 << 20;
 
 /// A file of a [`SourceMap`].
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct FileId(pub u32);
 
 impl fmt::Debug for FileId {
@@ -21,6 +22,7 @@ impl fmt::Debug for FileId {
 
 /// A range of bytes in one file, end exclusive.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Span {
     /// The file it lies in.
     pub file: FileId,
@@ -134,6 +136,7 @@ fn counted(bytes: &[u8]) -> (usize, usize) {
 
 /// What a [`SourceMap`] holds, as it is written.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Texts {
     files: Vec<Text>,
     copies: Vec<(FileId, Span)>,
@@ -141,6 +144,7 @@ pub struct Texts {
 
 /// A file, as it is written.
 #[derive(Debug, Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 struct Text {
     path: String,
     text: String,

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use hypedc::analysis::watched_space;
 use hypedc::compile::{LevelFile, compile_with};
 use hypedc::ir::{Program, WorldId};
-use hypedc::sim::{Input, Simulator};
+use hypedc::sim::{Input, Simulator, State};
 use hypedc::source::SourceMap;
 use hypedc::watch::Patience;
 use rand::{RngExt, SeedableRng};
@@ -48,7 +48,7 @@ fn written(program: &Program, sources: &SourceMap) -> String {
 }
 
 /// The states of a world under random inputs, up to a fault.
-fn states(program: &Arc<Program>, world: WorldId, steps: usize, seed: u64) -> Vec<Vec<u8>> {
+fn states(program: &Arc<Program>, world: WorldId, steps: usize, seed: u64) -> Vec<State> {
     let sim = Simulator::new(program, world);
     let mut scratch = sim.scratch();
     let Ok(mut state) = sim.initial(&mut scratch) else { return Vec::new() };
@@ -177,5 +177,52 @@ fn the_text_that_comes_with_a_program_is_its_own() {
     ];
     for change in changes {
         assert_eq!(read(change), Err(outside.to_string()));
+    }
+}
+
+/// The schema in the documentation: `UPDATE=1 cargo test --test compiled` writes it anew.
+#[test]
+fn what_is_written_is_as_the_schema_says() {
+    let path = "docs/schemas/program.json";
+    let schema = Program::json_schema();
+    let text = serde_json::to_string_pretty(&schema).unwrap() + "\n";
+    if std::env::var_os("UPDATE").is_some() {
+        std::fs::write(path, &text).unwrap();
+    }
+    assert!(std::fs::read_to_string(path).unwrap() == text, "`hypedc ir --schema > {path}` writes it anew");
+    let validator = jsonschema::draft202012::new(&schema).unwrap();
+    for (name, program, sources) in programs() {
+        let value: Value = serde_json::from_str(&written(&program, &sources)).unwrap();
+        if let Some(error) = validator.iter_errors(&value).next() {
+            panic!("{name}: {error} at {}", error.instance_path());
+        }
+        // What is left out, misspelt or of another kind is seen.
+        let mut keys = Vec::new();
+        entries(&value, &mut Vec::new(), &mut keys);
+        for at in keys.iter().step_by(keys.len() / 40 + 1) {
+            let (last, path) = at.split_last().unwrap();
+            let mut broken = value.clone();
+            let parent = path.iter().fold(&mut broken, |value, key| value.pointer_mut(&format!("/{key}")).unwrap());
+            let old = parent.as_object_mut().unwrap().remove(last).unwrap();
+            parent[format!("{last}_")] = old;
+            assert!(!validator.is_valid(&broken), "{name}: {at:?} has another name");
+        }
+    }
+}
+
+/// The ways to all entries of objects.
+fn entries(value: &Value, at: &mut Vec<String>, out: &mut Vec<Vec<String>>) {
+    let mut inside = |key: String, value: &Value, is_named: bool| {
+        at.push(key);
+        if is_named {
+            out.push(at.clone());
+        }
+        entries(value, at, out);
+        at.pop();
+    };
+    match value {
+        Value::Array(all) => all.iter().enumerate().for_each(|(index, value)| inside(index.to_string(), value, false)),
+        Value::Object(all) => all.iter().for_each(|(key, value)| inside(key.clone(), value, true)),
+        _ => {}
     }
 }

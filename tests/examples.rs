@@ -12,7 +12,7 @@ use std::sync::Arc;
 use hypedc::compile::compile;
 use hypedc::diagnostic::render;
 use hypedc::ir::{Program, WorldId};
-use hypedc::sim::{Input, Script, Simulator, parse_script};
+use hypedc::sim::{Input, Script, Simulator, State, parse_script};
 use hypedc::source::SourceMap;
 use support::{Disk, files, program};
 
@@ -23,7 +23,7 @@ const IDLE_STEPS: u32 = 600;
 struct Run {
     sim: Simulator,
     steps: u64,
-    state: Vec<u8>,
+    state: State,
     /// For each goal, the first step at which it held.
     goals: Vec<Option<u64>>,
     /// Each `never` that held, with the first step.

@@ -7,7 +7,7 @@ mod generate;
 mod support;
 
 use hypedc::ir::{Id, Program, SlotId, VarId, WorldId};
-use hypedc::sim::{Fault, Input, PlayerInput, Simulator};
+use hypedc::sim::{Fault, Input, PlayerInput, Simulator, State};
 use proptest::prelude::*;
 use std::sync::Arc;
 use support::{compile_text, program};
@@ -60,7 +60,7 @@ fn is_sound(sim: &Simulator, state: &[u8]) {
 }
 
 /// Runs so many steps; gives the states, and the fault that ended the run.
-fn run(program: &Arc<Program>, seed: u64, steps: usize) -> (Vec<Vec<u8>>, Option<Fault>) {
+fn run(program: &Arc<Program>, seed: u64, steps: usize) -> (Vec<State>, Option<Fault>) {
     let sim = Simulator::new(program, WorldId(0));
     let mut scratch = sim.scratch();
     let mut state = match sim.initial(&mut scratch) {

@@ -16,7 +16,7 @@ use hypedc::ir::{Id, Program, SlotId, WorldId};
 use hypedc::reach::{
     Argument, Limits, Outcome, Planner, Problem, Settings, Standing, Target, Verdict, reach, search as grow,
 };
-use hypedc::sim::{Input, PlayerInput, Script, Simulator, parse_script};
+use hypedc::sim::{Input, PlayerInput, Script, Simulator, State, parse_script};
 use hypedc::source::SourceMap;
 use hypedc::watch::Unwatched;
 use proptest::prelude::*;
@@ -85,7 +85,7 @@ fn by_steps(problem: &Problem<'_>, least: usize, most: usize) -> Option<Option<u
     let inputs = inputs(problem.sim.program());
     let mut scratch = problem.sim.scratch();
     let initial = problem.sim.initial(&mut scratch).unwrap();
-    let mut known: HashSet<(Vec<u8>, usize, usize)> = HashSet::new();
+    let mut known: HashSet<(State, usize, usize)> = HashSet::new();
     let mut open = VecDeque::from([(initial, usize::MAX, least, 0)]);
     while let Some((state, held, count, depth)) = open.pop_front() {
         match problem.judge(&state).unwrap() {

@@ -5,7 +5,7 @@
 mod support;
 
 use hypedc::ir::{Program, SlotId, VarId, WorldId};
-use hypedc::sim::{Input, Scratch, Simulator, parse_script};
+use hypedc::sim::{Input, Scratch, Simulator, State, parse_script};
 use hypedc::source::SourceMap;
 use std::sync::Arc;
 use support::{compile_text, program};
@@ -15,7 +15,7 @@ struct Run<'p> {
     program: &'p Program,
     sim: Simulator,
     scratch: Scratch,
-    state: Vec<u8>,
+    state: State,
 }
 
 impl<'p> Run<'p> {

@@ -216,8 +216,11 @@ pub(super) struct BoundsArgs {
 #[derive(Debug, Args)]
 pub(super) struct IrArgs {
     /// The program.
-    #[arg(value_name = "FILE")]
-    pub file: PathBuf,
+    #[arg(value_name = "FILE", required_unless_present = "schema")]
+    pub file: Option<PathBuf>,
+    /// Prints the JSON Schema of compiled programs instead.
+    #[arg(long, conflicts_with_all = ["file", "map", "legend", "tile", "format"])]
+    pub schema: bool,
     #[command(flatten)]
     pub level: LevelArgs,
     /// As text for people, or as JSON.

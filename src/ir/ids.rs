@@ -18,6 +18,7 @@ macro_rules! ids {
     ($($name:ident $prefix:literal $doc:literal)*) => {$(
         #[doc = $doc]
         #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+        #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
         pub struct $name(pub u32);
 
         impl Id for $name {
@@ -257,5 +258,44 @@ impl<I, T: Serialize> Serialize for IdVec<I, T> {
 impl<'de, I, T: Deserialize<'de>> Deserialize<'de> for IdVec<I, T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         Deserialize::deserialize(deserializer).map(|entries| IdVec { entries, kind: PhantomData })
+    }
+}
+
+#[cfg(feature = "cli")]
+mod schema {
+    //! Ranges and tables, as JSON has them.
+
+    use std::borrow::Cow;
+
+    use schemars::{JsonSchema, Schema, SchemaGenerator};
+
+    use super::{IdRange, IdVec};
+
+    impl<I: JsonSchema> JsonSchema for IdRange<I> {
+        fn inline_schema() -> bool {
+            true
+        }
+
+        fn schema_name() -> Cow<'static, str> {
+            format!("Range_of_{}", I::schema_name()).into()
+        }
+
+        fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+            <(I, I)>::json_schema(generator)
+        }
+    }
+
+    impl<I, T: JsonSchema> JsonSchema for IdVec<I, T> {
+        fn inline_schema() -> bool {
+            true
+        }
+
+        fn schema_name() -> Cow<'static, str> {
+            format!("Table_of_{}", T::schema_name()).into()
+        }
+
+        fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+            Vec::<T>::json_schema(generator)
+        }
     }
 }

@@ -15,6 +15,7 @@ pub const JSON_VERSION: u32 = 1;
 
 /// The whole of a file.
 #[derive(Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 struct Written<'p> {
     hypedc_program: u32,
     program: &'p Program,
@@ -71,6 +72,22 @@ impl Program {
         let written = Written { hypedc_program: JSON_VERSION, program: self, sources: sources.texts() };
         serde_json::to_writer_pretty(&mut *out, &written)?;
         writeln!(out)
+    }
+
+    /// What [`Program::write_json`] writes, as a schema (JSON Schema, draft 2020-12).
+    #[cfg(feature = "cli")]
+    pub fn json_schema() -> serde_json::Value {
+        use schemars::transform::{RecursiveTransform, Transform};
+
+        let mut schema = schemars::schema_for!(Written<'_>);
+        schema.insert("title".into(), "A program that was compiled by hypedc".into());
+        let closed = |schema: &mut schemars::Schema| {
+            if schema.get("properties").is_some() {
+                schema.insert("additionalProperties".into(), false.into());
+            }
+        };
+        RecursiveTransform(closed).transform(&mut schema);
+        schema.to_value()
     }
 
     /// Reads what [`Program::write_json`] has written. Without `sources` everything comes from nowhere.

@@ -13,6 +13,7 @@ use super::{
 
 /// A compiled program.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Program {
     /// All tags, in order of first use; at most 64.
     pub tags: IdVec<TagId, String>,
@@ -29,6 +30,7 @@ pub struct Program {
 
 /// A set of tags, one bit each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct TagSet(pub u64);
 
 impl TagSet {
@@ -66,6 +68,7 @@ impl FromIterator<TagId> for TagSet {
 /// An expression. Numbers are `f64`; a whole number or the index of a set's value is one, too.
 /// Guards are read as truth values; reading a truth value as a number gives 0 or 1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Expr {
     /// A number; always finite.
@@ -129,6 +132,7 @@ pub enum Expr {
 
 /// One automaton with every name resolved and every group flattened.
 #[derive(Debug, Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Entity {
     /// Its name.
     pub name: String,
@@ -187,6 +191,7 @@ pub struct Entity {
 
 /// A parameter.
 #[derive(Debug, Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Param {
     /// Its name.
     pub name: String,
@@ -196,6 +201,7 @@ pub struct Param {
 
 /// A discrete variable.
 #[derive(Debug, Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Discrete {
     /// Its name.
     pub name: String,
@@ -209,6 +215,7 @@ pub struct Discrete {
 
 /// What a discrete variable's number stands for.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Domain {
     /// Itself.
@@ -221,6 +228,7 @@ pub enum Domain {
 
 /// A reference to another instance.
 #[derive(Debug, Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Reference {
     /// Its name.
     pub name: String,
@@ -230,6 +238,7 @@ pub struct Reference {
 
 /// A soft bound, applied in the continuous phase: to a velocity before it moves the position, to a position after.
 #[derive(Debug, Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Clamp {
     /// The variable.
     pub var: VarId,
@@ -243,6 +252,7 @@ pub struct Clamp {
 
 /// The shape of a collider relative to the position, px; read at the start of the collision phase.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Shape {
     /// x and y of the lower-left corner, width, height.
@@ -263,6 +273,7 @@ impl Shape {
 
 /// A collider.
 #[derive(Debug, Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Collider {
     /// What it counts as.
     pub tags: TagSet,
@@ -276,6 +287,7 @@ pub struct Collider {
 
 /// A group of modes, one of whose leaves is active.
 #[derive(Debug, Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Group {
     /// Its name; none for the anonymous one.
     pub name: Option<String>,
@@ -289,6 +301,7 @@ pub struct Group {
 
 /// A mode that is the initial one where its guard holds; the guard reads parameters only.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Choice {
     /// When it is.
     pub guard: ExprId,
@@ -298,6 +311,7 @@ pub struct Choice {
 
 /// A mode.
 #[derive(Debug, Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Mode {
     /// Its full path: `movement.air.rising`.
     pub path: String,
@@ -323,6 +337,7 @@ pub struct Mode {
 
 /// An edge.
 #[derive(Debug, Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Edge {
     /// The mode that holds it.
     pub source: ModeId,
@@ -338,6 +353,7 @@ pub struct Edge {
 
 /// `follow links`: the instance goes where a link leads.
 #[derive(Debug, Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Follow {
     /// When; always if none.
     pub guard: Option<ExprId>,
@@ -349,6 +365,7 @@ pub struct Follow {
 
 /// What happens on an edge, or when a mode is entered. All right sides read the state before the step.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Actions {
     /// Variables that change.
     pub updates: Vec<Update>,
@@ -362,6 +379,7 @@ pub struct Actions {
 
 /// A reference gets a value.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct RefUpdate {
     /// The reference.
     pub reference: RefId,
@@ -371,6 +389,7 @@ pub struct RefUpdate {
 
 /// An instance or none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum RefValue {
     /// None.
@@ -381,6 +400,7 @@ pub enum RefValue {
 
 /// A new instance takes the lowest free slot of its entity; `x`, `y` and the space are the spawner's where not given.
 #[derive(Debug, Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Spawn {
     /// The entity.
     pub entity: EntityId,
@@ -396,6 +416,7 @@ pub struct Spawn {
 
 /// An update; the right side reads the state before the step.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Update {
     /// What is written.
     pub place: Place,
@@ -405,6 +426,7 @@ pub struct Update {
 
 /// What drives a variable during the continuous phase.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Drive {
     /// No flow: the last acceleration stays in force.
@@ -424,6 +446,7 @@ pub enum Drive {
 
 /// An envelope: while driven, towards the direction times `sustain`.
 #[derive(Debug, Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Envelope {
     /// The mode that holds it; none at the entity's own level.
     pub mode: Option<ModeId>,
@@ -449,6 +472,7 @@ pub struct Envelope {
 
 /// What drives an envelope.
 #[derive(Debug, Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum By {
     /// A button: while it is down.
@@ -474,6 +498,7 @@ pub enum By {
 
 /// How an envelope ends.
 #[derive(Debug, Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Release {
     /// It stays.
@@ -489,6 +514,7 @@ pub enum Release {
 
 /// Buttons and axes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Inputs {
     /// One bit for each button.
     pub buttons: u64,
@@ -506,6 +532,7 @@ impl Inputs {
 
 /// A mode without modes inside, resolved: what is active and what to try while it is.
 #[derive(Debug, Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Leaf {
     /// The mode.
     pub mode: ModeId,
@@ -525,6 +552,7 @@ pub struct Leaf {
 
 /// A contact question: a collider of one's own tagged with one of `mine`, something tagged `other`, on a side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Touch {
     /// Tags of one's own collider.
     pub mine: TagSet,
@@ -538,6 +566,7 @@ pub struct Touch {
 
 /// A mode whose time is read.
 #[derive(Debug, Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Timer {
     /// The mode.
     pub mode: ModeId,

@@ -11,6 +11,7 @@ use crate::source::{FileId, Span};
 
 /// Where the entries of the tables come from.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Spans {
     /// Of each tag: its first use.
     pub tags: IdVec<TagId, Span>,
@@ -78,6 +79,7 @@ const NOWHERE: Span = Span { file: FileId(0), start: 0, end: 0 };
 
 /// Where an entity's entries come from; a leaf and a timer come from their modes.
 #[derive(Debug, Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct EntitySpans {
     /// The entity's name.
     pub name: Span,
@@ -115,6 +117,7 @@ pub struct EntitySpans {
 
 /// Where a world's entries come from.
 #[derive(Debug, Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct WorldSpans {
     /// The world's name.
     pub name: Span,

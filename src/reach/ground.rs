@@ -172,7 +172,7 @@ impl<'a> Ground<'a> {
 
     /// The states to begin in, each with the steps that have led there from where the search began.
     pub(super) fn start_states(&self) -> impl Iterator<Item = (&[u8], u32)> {
-        self.starts.iter().map(|start| (start.state.as_slice(), start.steps()))
+        self.starts.iter().map(|start| (&*start.state, start.steps()))
     }
 
     /// Forgets the tree.

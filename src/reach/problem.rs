@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use crate::ir::{ExprId, GoalId, NeverId, SlotId};
-use crate::sim::{Fault, Script, Simulator};
+use crate::sim::{Fault, Script, Simulator, State};
 use crate::watch::{Meter, Unwatched, Watch};
 
 use super::guard::Guard;
@@ -58,7 +58,7 @@ pub struct Start {
     /// How many of its steps are given; during those after them its last input is held for as long as it must be.
     pub after: u64,
     /// What it leads to.
-    pub state: Vec<u8>,
+    pub state: State,
 }
 
 impl Start {
@@ -98,7 +98,7 @@ pub struct Problem<'s> {
     /// From where; none: from the initial state alone.
     starts: Vec<Start>,
     /// The initial state, once it was asked for: of a large world it takes long.
-    initial: OnceLock<Result<Vec<u8>, Fault>>,
+    initial: OnceLock<Result<State, Fault>>,
 }
 
 impl<'s> Problem<'s> {
@@ -219,7 +219,7 @@ impl<'s> Problem<'s> {
     }
 
     /// The initial state; none if the watch stops it before that is known.
-    fn initial(&self, watch: &dyn Watch) -> Result<Option<Vec<u8>>, Fault> {
+    fn initial(&self, watch: &dyn Watch) -> Result<Option<State>, Fault> {
         if let Some(known) = self.initial.get() {
             return known.clone().map(Some);
         }

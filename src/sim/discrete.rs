@@ -113,13 +113,15 @@ impl Simulator {
         let set = |needs: &[crate::ir::RefId]| {
             needs.iter().all(|&r| self.layout(reader.me).reference(reader.state, r).is_some())
         };
-        for &edge in &leaf.internal {
-            let edge = &entity.edges[edge];
+        for &id in &leaf.internal {
+            let edge = &entity.edges[id];
             if set(&edge.needs) && reader.truth(edge.guard) {
+                changes.takes(reader.me, id);
                 self.act(state, reader, &edge.actions, changes);
             }
         }
         if let Some(taken) = taken {
+            changes.takes(reader.me, taken.edge);
             self.take(state, reader, entity, taken, changes);
         }
         for &follow in &leaf.follows {

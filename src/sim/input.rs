@@ -1,7 +1,9 @@
 //! The inputs of one step: for each player the buttons that are down and the axes.
 
 use crate::ir::MAX_AXES;
-use crate::ir::{Id, PlayerId};
+use crate::ir::{AxisId, ButtonId, Id, PlayerId};
+
+use super::simulator::Simulator;
 
 /// What one player gives at one step.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -25,6 +27,40 @@ impl Input {
     /// Nothing from so many players.
     pub fn nothing(players: usize) -> Input {
         Input(vec![PlayerInput::default(); players])
+    }
+}
+
+/// A button or an axis of the entity that a player controls.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Control {
+    /// A button.
+    Button(PlayerId, ButtonId),
+    /// An axis.
+    Axis(PlayerId, AxisId),
+}
+
+impl Simulator {
+    /// The button or axis with a name of the player with a number.
+    pub fn control(&self, player: u32, name: &str) -> Option<Control> {
+        let id = self.world().players.find(|p| p.number == player)?;
+        let entity = self.entity(self.world().players[id].slot);
+        let button = entity.button_named(name).map(|button| Control::Button(id, button));
+        button.or_else(|| entity.axis_named(name).map(|axis| Control::Axis(id, axis)))
+    }
+}
+
+impl Input {
+    /// Sets an axis, from -1 to 1, or a button, which is down unless the value is 0.
+    pub fn set(&mut self, control: Control, value: f64) {
+        let (Control::Button(player, _) | Control::Axis(player, _)) = control;
+        let Some(input) = self.0.get_mut(player.index()) else { return };
+        match control {
+            Control::Button(_, button) if value != 0.0 => input.buttons |= 1 << button.index(),
+            Control::Button(_, button) => input.buttons &= !(1 << button.index()),
+            // What is not a number is no direction.
+            Control::Axis(_, axis) if value.is_nan() => input.axes[axis.index()] = 0.0,
+            Control::Axis(_, axis) => input.axes[axis.index()] = value.clamp(-1.0, 1.0),
+        }
     }
 }
 

@@ -5,7 +5,7 @@
 
 use std::cell::Cell;
 
-use crate::ir::{Id, Place, RefId, SlotId, SpaceId, SpawnId, VarId};
+use crate::ir::{EdgeId, Id, Place, RefId, SlotId, SpaceId, SpawnId, VarId};
 
 use super::evaluate::Reader;
 use super::fault::{Fault, FaultKind};
@@ -20,6 +20,8 @@ pub(super) struct Changes {
     spawns: Vec<(SlotId, SpawnId, Option<RefId>)>,
     /// Who goes through which link of its space.
     moves: Vec<(SlotId, usize)>,
+    /// Who took which edge.
+    edges: Vec<(SlotId, EdgeId)>,
     /// Whether any slot began or ended in this step.
     lives: bool,
     /// The first spawn of the step that found no free slot.
@@ -28,11 +30,12 @@ pub(super) struct Changes {
 
 impl Changes {
     /// With room for all that one step can ask for.
-    pub fn with_room(destroys: usize, spawns: usize, slots: usize) -> Self {
+    pub fn with_room(destroys: usize, spawns: usize, slots: usize, edges: usize) -> Self {
         Changes {
             destroys: Vec::with_capacity(destroys),
             spawns: Vec::with_capacity(spawns),
             moves: Vec::with_capacity(slots),
+            edges: Vec::with_capacity(edges),
             ..Changes::default()
         }
     }
@@ -41,6 +44,7 @@ impl Changes {
         self.destroys.clear();
         self.spawns.clear();
         self.moves.clear();
+        self.edges.clear();
         self.lives = false;
         self.refused = None;
     }
@@ -69,6 +73,15 @@ impl Changes {
 
     pub fn go(&mut self, me: SlotId, link: usize) {
         self.moves.push((me, link));
+    }
+
+    pub fn takes(&mut self, me: SlotId, edge: EdgeId) {
+        self.edges.push((me, edge));
+    }
+
+    /// Who took which edge, in order.
+    pub fn edges(&self) -> &[(SlotId, EdgeId)] {
+        &self.edges
     }
 
     pub fn is_moving(&self, me: SlotId) -> bool {

@@ -17,6 +17,7 @@ use super::evaluate::Reader;
 use super::fault::Fault;
 use super::input::{Frame, Input};
 use super::life::Changes;
+use super::saved::State;
 use super::state::{Life, buttons, set_buttons};
 
 /// Simulates one world of a program.
@@ -35,7 +36,7 @@ pub struct Simulator {
     /// Whether anything can be destroyed or spawned.
     lives_change: bool,
     /// The buttons that a state remembers: of the others nobody asks when they went down or up.
-    remembered: u64,
+    pub(super) remembered: u64,
     /// What evaluating all code once costs, in units of work.
     cost: u64,
 }
@@ -171,7 +172,7 @@ impl Simulator {
         Scratch {
             taken: vec![None; sum(&|e| e.groups.len())],
             acting: Vec::with_capacity(sum(&|e| e.groups.len())),
-            changes: Changes::with_room(destroys, sum(&|e| e.spawns.len()), slots),
+            changes: Changes::with_room(destroys, sum(&|e| e.spawns.len()), slots, sum(&|e| e.edges.len())),
             clamps: vec![(0.0, 0.0); sum(&|e| e.clamps.len())],
             peaks: vec![0; sum(&|e| e.envelopes.len())],
             start: vec![(0.0, 0.0); slots],
@@ -186,7 +187,7 @@ impl Simulator {
     ///
     /// # Errors
     /// A [`Fault`] if a collider's size or guard breaks a rule.
-    pub fn initial(&self, scratch: &mut Scratch) -> Result<Vec<u8>, Fault> {
+    pub fn initial(&self, scratch: &mut Scratch) -> Result<State, Fault> {
         self.metered_initial(scratch, &Meter::new(&Unwatched))
     }
 
@@ -194,8 +195,8 @@ impl Simulator {
     ///
     /// # Errors
     /// As there.
-    pub fn metered_initial(&self, scratch: &mut Scratch, meter: &Meter<'_>) -> Result<Vec<u8>, Fault> {
-        let mut state = vec![0; self.world.layout.size];
+    pub fn metered_initial(&self, scratch: &mut Scratch, meter: &Meter<'_>) -> Result<State, Fault> {
+        let mut state = State::new(vec![0; self.world.layout.size]);
         for (id, slot) in self.world.slots.pairs().filter(|(_, s)| s.origin != Origin::Free) {
             let layout = self.layout(id);
             for (param, value) in slot.params.pairs() {

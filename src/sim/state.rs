@@ -1,4 +1,5 @@
-//! Reading and writing a state: plain functions over a block of bytes and the offsets of the layout.
+//! Reading and writing a state: plain functions over a block of bytes and the offsets of the layout. Numbers are
+//! little-endian, so that a state can be saved on one machine and read back on another.
 
 use crate::ir::{
     DiscreteId, EnvelopeId, GroupId, Id, LeafId, ParamId, RefId, SlotId, SlotLayout, SpaceId, TimerId, TouchId, VarId,
@@ -19,7 +20,7 @@ pub enum Life {
 
 fn short(state: &[u8], at: usize) -> u16 {
     // Numbers of two bytes stand at multiples of 2.
-    u16::from_ne_bytes(state.as_chunks().0[at / 2])
+    u16::from_le_bytes(state.as_chunks().0[at / 2])
 }
 
 /// A slot as 1 plus its number, 0 for none; a world has at most `sema::MAX_INSTANCES` slots, so it fits.
@@ -28,7 +29,7 @@ fn slot(state: &[u8], at: usize) -> Option<SlotId> {
 }
 
 fn set_slot(state: &mut [u8], at: usize, slot: Option<SlotId>) {
-    store(state, at, slot.map_or(0, |s| s.0 as u16 + 1).to_ne_bytes());
+    store(state, at, slot.map_or(0, |s| s.0 as u16 + 1).to_le_bytes());
 }
 
 fn load<const N: usize>(state: &[u8], at: usize) -> [u8; N] {
@@ -44,12 +45,12 @@ fn store<const N: usize>(state: &mut [u8], at: usize, bytes: [u8; N]) {
 /// A real number at an offset.
 pub fn real(state: &[u8], at: usize) -> f64 {
     // Real numbers stand at multiples of 8.
-    f64::from_ne_bytes(state.as_chunks().0[at / 8])
+    f64::from_le_bytes(state.as_chunks().0[at / 8])
 }
 
 /// Writes a real number at an offset.
 pub fn set_real(state: &mut [u8], at: usize, value: f64) {
-    state.as_chunks_mut().0[at / 8] = value.to_ne_bytes();
+    state.as_chunks_mut().0[at / 8] = value.to_le_bytes();
 }
 
 /// A continuous variable with its derivatives.
@@ -73,12 +74,12 @@ fn one_zero(value: f64) -> f64 {
 
 /// The buttons of a player's last step.
 pub fn buttons(state: &[u8], at: usize) -> u64 {
-    u64::from_ne_bytes(load(state, at))
+    u64::from_le_bytes(load(state, at))
 }
 
 /// Writes the buttons of a player's last step.
 pub fn set_buttons(state: &mut [u8], at: usize, buttons: u64) {
-    store(state, at, buttons.to_ne_bytes());
+    store(state, at, buttons.to_le_bytes());
 }
 
 /// Where an instance's position, space and life are in a state.
@@ -141,22 +142,22 @@ impl SlotLayout {
 
     /// A discrete variable.
     pub fn discrete(&self, state: &[u8], id: DiscreteId) -> i32 {
-        i32::from_ne_bytes(load(state, self.discretes + 4 * id.index()))
+        i32::from_le_bytes(load(state, self.discretes + 4 * id.index()))
     }
 
     /// Writes a discrete variable.
     pub fn set_discrete(&self, state: &mut [u8], id: DiscreteId, value: i32) {
-        store(state, self.discretes + 4 * id.index(), value.to_ne_bytes());
+        store(state, self.discretes + 4 * id.index(), value.to_le_bytes());
     }
 
     /// A timer's count of steps.
     pub fn timer(&self, state: &[u8], id: TimerId) -> u32 {
-        u32::from_ne_bytes(load(state, self.timers + 4 * id.index()))
+        u32::from_le_bytes(load(state, self.timers + 4 * id.index()))
     }
 
     /// Writes a timer's count of steps.
     pub fn set_timer(&self, state: &mut [u8], id: TimerId, count: u32) {
-        store(state, self.timers + 4 * id.index(), count.to_ne_bytes());
+        store(state, self.timers + 4 * id.index(), count.to_le_bytes());
     }
 
     /// The active leaf of a group.
@@ -172,7 +173,7 @@ impl SlotLayout {
     /// Makes a leaf of a group the active one.
     pub fn set_leaf(&self, state: &mut [u8], group: GroupId, leaf: LeafId) {
         // An entity has at most `sema::MAX_MODES` modes, so a leaf fits.
-        store(state, self.leaves + 2 * group.index(), (leaf.0 as u16).to_ne_bytes());
+        store(state, self.leaves + 2 * group.index(), (leaf.0 as u16).to_le_bytes());
     }
 
     /// The space that the instance is in.
@@ -182,7 +183,7 @@ impl SlotLayout {
 
     /// Moves the instance to a space.
     pub fn set_space(&self, state: &mut [u8], space: SpaceId) {
-        store(state, self.space, (space.0 as u16).to_ne_bytes());
+        store(state, self.space, (space.0 as u16).to_le_bytes());
     }
 
     /// Whether there is an instance. Between two steps it is alive.
@@ -263,7 +264,7 @@ impl SlotLayout {
 
     /// Notes the direction in which an envelope reached its peak.
     pub fn set_peak(&self, state: &mut [u8], id: EnvelopeId, peak: u16) {
-        store(state, self.peaks + 2 * id.index(), peak.to_ne_bytes());
+        store(state, self.peaks + 2 * id.index(), peak.to_le_bytes());
     }
 
     /// Whether a contact question held in the last collision phase.

@@ -89,7 +89,7 @@ pub fn run(sim: &Simulator, claims: &Claims, steps: usize, seed: u64, runs: &mut
         beyond += u32::from(!standing.is_inside);
         runs.states += 1;
         if step % 16 == 0 && standing.is_inside {
-            runs.samples.push(state.clone());
+            runs.samples.push(state.to_vec());
         }
         let input = inputs.next();
         let violation = claims.refuted(sim, &state, standing).or_else(|| claims.refuted_by_step(sim, &state, input));
@@ -155,7 +155,7 @@ pub fn exhaust(sim: &Simulator, claims: &Claims, most: usize, hold: u32, runs: &
     let until = runs.states + MOST_STEPS;
     let mut known: HashSet<Vec<u8>> = HashSet::new();
     // Each with where it comes from: a state's number and an input's.
-    let mut open: Vec<(Vec<u8>, bool, usize, usize)> = vec![(start, true, 0, 0)];
+    let mut open: Vec<(Vec<u8>, bool, usize, usize)> = vec![(start.to_vec(), true, 0, 0)];
     let mut at = 0;
     while at < open.len() && open.len() < most && runs.states < until {
         for (number, input) in inputs.iter().enumerate() {

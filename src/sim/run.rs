@@ -1,0 +1,140 @@
+//! A world in somebody's game loop: its state, and what a step needs.
+
+use std::sync::Arc;
+
+use crate::ir::{Program, SlotId, World, WorldId};
+
+use super::event::Event;
+use super::fault::Fault;
+use super::input::Input;
+use super::instance::Instance;
+use super::saved::State;
+use super::simulator::{Scratch, Simulator};
+
+/// A world that runs.
+///
+/// ```
+/// use std::path::Path;
+/// use std::sync::Arc;
+///
+/// use hypedc::compile::compile;
+/// use hypedc::ir::WorldId;
+/// use hypedc::sim::{Event, Run};
+/// use hypedc::source::{Files, ReadError};
+///
+/// /// Where the game keeps its text.
+/// struct Assets;
+///
+/// impl Files for Assets {
+///     fn read(&self, _: &Path) -> Result<String, ReadError> {
+///         Ok("entity Ball {
+///                 button up
+///                 mode fall { y'' = -100; when held(up) -> rise }
+///                 mode rise { y' = 50 }
+///             }
+///             world Sky {
+///                 space main { place ball: Ball at (0, 80) }
+///                 player 1: ball
+///                 goal high: ball.y > 90
+///             }"
+///         .to_string())
+///     }
+/// }
+///
+/// let program = compile(Path::new("ball.hyped"), &Assets).program.ok_or("it has errors")?;
+/// let mut run = Run::new(&program, WorldId(0)).map_err(|fault| format!("{fault:?}"))?;
+/// let ball = run.world().slot_named("ball").ok_or("no ball")?;
+/// let up = run.simulator().control(1, "up").ok_or("no button")?;
+/// let mut input = run.nothing();
+/// let mut reached = None;
+/// for frame in 1..=120 {
+///     input.set(up, if frame > 20 { 1.0 } else { 0.0 });
+///     let mut heard = Vec::new();
+///     run.step_and_tell(&input, &mut |event| heard.push(event)).map_err(|fault| format!("{fault:?}"))?;
+///     if heard.iter().any(|event| matches!(event, Event::Goal(_))) {
+///         reached = Some((frame, run.instance(ball).position().1));
+///     }
+/// }
+/// assert!(reached.is_some_and(|(frame, y)| frame > 20 && y > 90.0));
+/// # Ok::<(), String>(())
+/// ```
+#[derive(Clone)]
+pub struct Run {
+    sim: Arc<Simulator>,
+    state: State,
+    scratch: Scratch,
+    /// The state as the step began, where somebody listens.
+    before: State,
+}
+
+impl Run {
+    /// Begins a run of a world.
+    ///
+    /// # Errors
+    /// A [`Fault`] if the initial state breaks a rule of the language.
+    pub fn new(program: &Arc<Program>, world: WorldId) -> Result<Run, Fault> {
+        Run::of(Arc::new(Simulator::new(program, world)))
+    }
+
+    /// Begins a run in a simulator that several runs share.
+    ///
+    /// # Errors
+    /// As [`Run::new`].
+    pub fn of(sim: Arc<Simulator>) -> Result<Run, Fault> {
+        let mut scratch = sim.scratch();
+        let state = sim.initial(&mut scratch)?;
+        Ok(Run { before: state.clone(), state, scratch, sim })
+    }
+
+    /// One step of time.
+    ///
+    /// # Errors
+    /// A [`Fault`] if the program breaks a rule of the language; the run goes on from the state before the step.
+    pub fn step(&mut self, input: &Input) -> Result<(), Fault> {
+        self.before.clone_from(&self.state);
+        let stepped = self.sim.step(&mut self.state, input, &mut self.scratch);
+        if stepped.is_err() {
+            self.state.clone_from(&self.before);
+        }
+        stepped
+    }
+
+    /// One step of time; tells what happens in it.
+    ///
+    /// # Errors
+    /// As [`Run::step`].
+    pub fn step_and_tell(&mut self, input: &Input, listen: &mut dyn FnMut(Event)) -> Result<(), Fault> {
+        self.step(input)?;
+        self.sim.events(&self.before, &self.state, &self.scratch, listen)
+    }
+
+    /// The state.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Goes on from another state of the same world: one of this run, or one that was [read back](Simulator::load).
+    pub fn set_state(&mut self, state: &State) {
+        self.state.clone_from(state);
+    }
+
+    /// The simulator.
+    pub fn simulator(&self) -> &Arc<Simulator> {
+        &self.sim
+    }
+
+    /// The world.
+    pub fn world(&self) -> &World {
+        self.sim.world()
+    }
+
+    /// The instance of a slot.
+    pub fn instance(&self, slot: SlotId) -> Instance<'_> {
+        self.sim.instance(&self.state, slot)
+    }
+
+    /// No input from any player.
+    pub fn nothing(&self) -> Input {
+        Input::nothing(self.world().players.len())
+    }
+}

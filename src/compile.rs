@@ -13,9 +13,9 @@ use crate::level::{Format, read_beside};
 use crate::lint;
 use crate::sema::checked::Checked;
 use crate::sema::{self, Level};
-use crate::source::{FileId, Files, SourceMap};
+use crate::source::{FileId, Files, SourceMap, Span};
 use crate::syntax;
-use crate::syntax::ast::{self, MapSource};
+use crate::syntax::ast::{self, MapSource, Name, Question};
 use crate::syntax::occurrence::{Occurrence, Occurrences};
 
 /// What came of compiling a file and all that it imports.
@@ -115,13 +115,12 @@ fn stages(
     let mut sources = SourceMap::new();
     let (mut trees, mut diagnostics) = syntax::load(root, files, &mut sources);
     if let Some(barred) = barred {
-        // The predicate has a line of its own, as findings show whole lines.
-        let text = format!("world it {{ never {}:\n{}\n}}", barred.name, barred.predicate);
-        let file = sources.add(Path::new(barred.origin), text.clone());
-        let (tree, found) = syntax::parse(file, &text);
+        let file = sources.add(Path::new(barred.origin), barred.predicate);
+        let (predicate, found) = syntax::parse_predicate(file, barred.predicate);
         diagnostics.append(found);
-        if let Some(root) = trees.first_mut() {
-            root.bar(&tree, barred.world);
+        if let (Some(root), Some(predicate)) = (trees.first_mut(), predicate) {
+            let name = Name { text: barred.name.into(), span: Span::new(file, 0, barred.predicate.len()) };
+            root.bar(&Question { name, predicate }, barred.world);
         }
     }
     diagnostics.append(syntax::expand(&mut trees, &mut sources, &mut occurrences));

@@ -298,6 +298,18 @@ fn only_what_changed_is_done_anew() {
     assert_eq!(kept(&format!("{of} --seed 2 --threads 3")).0, 4, "threads are no setting");
     place.write("game.hyped", &GAME.replace("320", "330"));
     assert_eq!(kept(&format!("{of} --seed 2")).0, 0, "another program");
+    // Another layout, comments and documentation mean the same.
+    let changed = GAME.replace("320", "330").replace("{ y' := 330 }", "{\n  // As high as a wall.\n y' :=   330 }");
+    place.write("game.hyped", &format!("/// A walker.\n{}", changed.trim_start()));
+    assert!(
+        Command::new(env!("CARGO_BIN_EXE_hypedc"))
+            .arg("fmt")
+            .arg(place.0.join("game.hyped"))
+            .status()
+            .unwrap()
+            .success()
+    );
+    assert_eq!(kept(&format!("{of} --seed 2")).0, 4, "another layout");
     // A level less and one more: the file holds those that are asked for, in their order.
     std::fs::remove_file(place.0.join("levels/a.txt")).unwrap();
     place.write("levels/bb.txt", LEVELS[0].1);

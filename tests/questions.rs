@@ -547,3 +547,49 @@ fn long_scripts_are_interrupted_at_once() {
     }
     let _ = std::fs::remove_file(&trace);
 }
+
+/// A world with a `never` that is called as the option is.
+const CALLED_WITHOUT: &str = "entity A { button go
+mode stand { x' = 0; when held(go) -> walk }
+mode walk { x' = 60; when not held(go) -> stand }
+}
+world W { space main { place a: A at (0, 0) }; player 1: a
+goal there: a.x > 30
+never without: a.x > 60 }
+";
+
+#[test]
+fn a_predicate_of_the_command_line_is_a_predicate_and_nothing_else() {
+    let folder = std::env::temp_dir().join(format!("hypedc-without-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = folder.join("w.hyped");
+    std::fs::write(&file, CALLED_WITHOUT).unwrap();
+    let asked = |more: &[&str]| {
+        let all = [&["reach", file.to_str().unwrap(), "--seed", "1", "--nodes", "3000"], more].concat();
+        let output = hypedc(&all);
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).replace(file.to_str().unwrap(), "w.hyped");
+        (output.status.code().unwrap(), text(&output.stdout), text(&output.stderr))
+    };
+    // The author's own `never` is still there.
+    let (code, shown, _) = asked(&["--without", "a.x > 10"]);
+    assert!(code == 1 && shown.contains("goal there: proven unreachable"), "{shown}");
+    let (code, shown, _) = asked(&["--without", "a.x < -10", "--never", "without"]);
+    assert!(code == 1 && shown.contains("never without: violated"), "{shown}");
+    let mut findings = String::new();
+    for predicate in [
+        "a.x > 10\nnever other: true",
+        "a.x > 10; player 2: a",
+        "a.x >",
+        "",
+        "b.x > 3",
+        "a.x",
+        "a.x > 10 }",
+        "a.y > 1s",
+    ] {
+        let (code, shown, error) = asked(&["--without", predicate]);
+        assert_eq!((code, shown.as_str()), (2, ""), "{predicate}");
+        findings += &format!("{predicate}\n{error}\n");
+    }
+    insta::assert_snapshot!(findings);
+    std::fs::remove_dir_all(&folder).unwrap();
+}

@@ -28,8 +28,8 @@ use super::report::{Loaded, plain_error, show};
 use super::sim::save_script;
 use super::time::{Time, held};
 
-/// What the predicate of `--without` is called.
-const WITHOUT: &str = "without";
+/// What the predicate of `--without` is called: no author can call one so.
+const WITHOUT: &str = "--without";
 
 /// Why a question cannot be asked, or its answer not be kept.
 pub(super) enum Refusal {
@@ -67,7 +67,7 @@ pub(super) fn barred(args: &ReachArgs) -> Option<Barred<'_>> {
         world: args.world.as_deref(),
         name: WITHOUT,
         predicate,
-        origin: "--without",
+        origin: WITHOUT,
     })
 }
 
@@ -288,7 +288,7 @@ impl<'a> Asking<'a> {
         answered.violations = outcome
             .violations
             .iter()
-            .filter(|(never, _)| self.sim.world().nevers[*never].name != WITHOUT)
+            .filter(|(never, _)| self.barred() != Some(*never))
             .map(|(never, path)| Violation::new(self.sim.world(), *never, path.len(), script(path)))
             .collect();
         if self.args.tree {
@@ -299,6 +299,11 @@ impl<'a> Asking<'a> {
 
     fn limits(&self) -> Limits {
         Limits { nodes: nodes_limit(self.args), memory: self.args.memory << 20 }
+    }
+
+    /// The predicate of `--without`: the last `never` of the world.
+    fn barred(&self) -> Option<NeverId> {
+        self.args.without.as_ref().and_then(|_| self.sim.world().nevers.ids().next_back())
     }
 
     /// How many steps a way may take.
@@ -313,10 +318,8 @@ impl<'a> Asking<'a> {
         if let Some(guard) = &self.guard {
             problem = problem.guarded(guard);
         }
-        if self.args.without.is_some()
-            && let Some(never) = world.nevers.iter().last()
-        {
-            problem = problem.without(never.holds);
+        if let Some(never) = self.barred() {
+            problem = problem.without(world.nevers[never].holds);
         }
         if let Some(steps) = self.within() {
             problem = problem.within(steps);
@@ -467,7 +470,10 @@ fn read_scripts(loaded: &mut Loaded, world: WorldId, texts: &[String]) -> Result
 fn choose_targets(table: &World, args: &ReachArgs) -> Result<Vec<Target>, Refusal> {
     let mut chosen = Vec::new();
     let goals: Vec<&str> = table.goals.iter().map(|g| g.name.as_str()).collect();
-    let nevers: Vec<&str> = table.nevers.iter().map(|g| g.name.as_str()).filter(|n| *n != WITHOUT).collect();
+    let mut nevers: Vec<&str> = table.nevers.iter().map(|g| g.name.as_str()).collect();
+    if args.without.is_some() {
+        nevers.pop();
+    }
     for (kind, names, wanted) in [("goal", &goals, &args.goal), ("never", &nevers, &args.never)] {
         for name in wanted {
             let Some(at) = names.iter().position(|n| n == name) else {

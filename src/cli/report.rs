@@ -44,9 +44,9 @@ pub(super) struct Loaded {
     pub program: Arc<Program>,
 }
 
-/// What tells programs apart: of the flat IR, so that what else is compiled the same has the same; in hexadecimal digits.
+/// What tells programs apart that mean different things; in hexadecimal digits.
 pub(super) fn program_sha256(program: &Program) -> String {
-    let json = serde_json::to_vec(program).unwrap_or_default();
+    let json = serde_json::to_vec(&program.meaning()).unwrap_or_default();
     sha256(&json)
 }
 

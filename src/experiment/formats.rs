@@ -29,7 +29,7 @@ const RESULT_VERSION: u32 = 1;
 /// | `nodes`, `trees`, `extensions`, `steps` | over the whole run; steps simulated |
 /// | `seconds` | CPU time of the search |
 /// | `path_steps` | steps of the way to the goal; empty if there is none |
-/// | `program_sha256` | of the flat IR |
+/// | `program_sha256` | of what the program means |
 /// | `version` | of `hypedc` |
 pub const CSV_HEADER: [&str; 17] = [
     "test",

@@ -11,6 +11,7 @@ mod json;
 mod layout;
 mod limits;
 mod lower;
+mod meaning;
 mod names;
 mod operators;
 mod program;

@@ -47,19 +47,13 @@ impl File {
         spaces.flat_map(|s| &s.items).filter_map(|i| if let SpaceItem::Map(map) = i { Some(&**map) } else { None })
     }
 
-    /// Adds what another text says that may never happen to a world of this file, or to all of them.
-    pub(crate) fn bar(&mut self, with: &File, world: Option<&str>) {
-        let worlds = |item: &Item| match item {
-            Item::World(world) => world.items.clone(),
-            _ => Vec::new(),
-        };
-        let nevers = with.items.iter().flat_map(worlds).filter(|i| matches!(i, WorldItem::Never(_)));
-        let nevers: Vec<WorldItem> = nevers.collect();
+    /// Adds a `never` to a world of this file, or to all of them.
+    pub(crate) fn bar(&mut self, never: &Question, world: Option<&str>) {
         for item in &mut self.items {
             if let Item::World(known) = item
                 && world.is_none_or(|name| &*known.name.text == name)
             {
-                known.items.extend(nevers.iter().cloned());
+                known.items.push(WorldItem::Never(never.clone().into()));
             }
         }
     }

@@ -53,19 +53,7 @@ pub(super) fn file(id: FileId, source: &str, mut scan: Scan, diagnostics: &mut D
         out.suspects.insert("*".into());
         return out;
     };
-    let mut b = Builder {
-        file: id,
-        source,
-        scan: &scan,
-        text: &text,
-        base: 0,
-        stuck: 0,
-        broken: 0,
-        suspects: BTreeSet::new(),
-        words: RefCell::default(),
-        errors: 0,
-        diagnostics,
-    };
+    let mut b = Builder::new(id, source, &scan, &text, diagnostics);
     match b.block(&ITEMS, 0) {
         Some((items, _)) => out.items = items,
         None => {
@@ -81,7 +69,37 @@ pub(super) fn file(id: FileId, source: &str, mut scan: Scan, diagnostics: &mut D
     out
 }
 
+/// Parses a scanned text that is a predicate and nothing else.
+pub(super) fn predicate(id: FileId, source: &str, mut scan: Scan, diagnostics: &mut Diagnostics) -> Option<Expr> {
+    let text = scan.text.take()?;
+    let b = Builder::new(id, source, &scan, &text, diagnostics);
+    match Grammar::parse(Rule::only_predicate, &text) {
+        Ok(mut pairs) => b.expression(parts(&pairs.next()?).first()?),
+        Err(_) => {
+            let fact = message::explain(Rule::only_predicate, &text, 0, text.len(), &|from, to| b.span(from, to));
+            b.diagnostics.report(fact);
+            None
+        }
+    }
+}
+
 impl<'a> Builder<'a> {
+    fn new(file: FileId, source: &'a str, scan: &'a Scan, text: &'a str, diagnostics: &'a mut Diagnostics) -> Self {
+        Builder {
+            file,
+            source,
+            scan,
+            text,
+            base: 0,
+            stuck: 0,
+            broken: 0,
+            suspects: BTreeSet::new(),
+            words: RefCell::default(),
+            errors: 0,
+            diagnostics,
+        }
+    }
+
     /// The next part by a rule, from a byte of the mended text on: what it is and where it ends.
     fn next(&mut self, rule: Rule, at: usize) -> Option<(Pair<'a, Rule>, usize)> {
         // What separates parts is passed over here: the parser notes every end of a line in what it is given.

@@ -49,6 +49,14 @@ pub(crate) fn pairs(file: FileId, text: &str) -> Option<Pairs<'_, Rule>> {
     if diagnostics.has_errors() { None } else { Grammar::parse(Rule::file, text).ok() }
 }
 
+/// Parses a text that is a predicate and nothing else: what `goal` and `never` ask. None if the diagnostics hold an error.
+pub fn parse_predicate(file: FileId, text: &str) -> (Option<ast::Expr>, Diagnostics) {
+    let mut diagnostics = Diagnostics::new();
+    let scanned = scan::scan(file, text, &mut diagnostics);
+    let predicate = build::predicate(file, text, scanned, &mut diagnostics);
+    (predicate.filter(|_| !diagnostics.has_errors()), diagnostics)
+}
+
 /// Parses one file. The tree holds what could be read; the diagnostics say what could not.
 pub fn parse(file: FileId, text: &str) -> (ast::File, Diagnostics) {
     let mut diagnostics = Diagnostics::new();

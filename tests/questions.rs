@@ -403,10 +403,10 @@ fn a_never_is_proven_or_not_answered() {
     has(&["reach", PIT_PROOF, "--never", "hurt", "--planner", "exhaustive"], 1, &["never hurt: violated"]);
     let (_, text) = told(&["reach", STEPS, "--never", "away", "--planner", "exhaustive", "--format", "json"]);
     let json: Value = serde_json::from_str(&text).unwrap();
-    assert_eq!((&json["version"], &json["goals"][0]["verdict"]), (&4.into(), &"proven-unreachable".into()));
+    assert_eq!((&json["version"], &json["goals"][0]["verdict"]), (&5.into(), &"proven-unreachable".into()));
     let (_, text) = told(&["reach", STEPS, "--never", "away", "--planner", "rrt", "--nodes", "50", "--format", "json"]);
     let json: Value = serde_json::from_str(&text).unwrap();
-    assert_eq!(json["goals"][0]["verdict"], "not answered");
+    assert_eq!(json["goals"][0]["verdict"], "not-answered");
     let still = written(
         "still_never.hyped",
         "entity Rock { }\nworld W {\n    space main { place rock: Rock at (3, 4) }\n    never gone: not near(rock, (3, 4), 0)\n}\n",
@@ -426,11 +426,11 @@ fn rows_tell_the_same() {
         (code, text, std::fs::read_to_string(&csv).unwrap(), std::fs::read_to_string(&junit).unwrap())
     };
     let (code, text, csv, junit) = of("exhaustive");
-    assert!(code == 0 && text.contains("proven-unreachable") && csv.contains("proven-unreachable"), "{text}{csv}");
+    assert!(code == 0 && text.contains("proven unreachable") && csv.contains("proven-unreachable"), "{text}{csv}");
     assert!(junit.contains("failures=\"0\""), "{junit}");
     let (code, text, csv, junit) = of("rrt");
-    assert!(code == 1 && text.contains("not answered") && csv.contains("not answered"), "{text}{csv}");
-    assert!(junit.contains("failures=\"1\"") && junit.contains("type=\"not answered\""), "{junit}");
+    assert!(code == 1 && text.contains("not answered") && csv.contains("not-answered"), "{text}{csv}");
+    assert!(junit.contains("failures=\"1\"") && junit.contains("type=\"not-answered\""), "{junit}");
 }
 
 #[test]

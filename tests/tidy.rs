@@ -31,7 +31,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("graph", &["source", "ir"]),
     ("view", &["ir"]),
     ("experiment", &["source", "watch", "crew", "tabular", "ir", "analysis", "compile", "sim", "reach"]),
-    ("corpus", &["tabular"]),
+    ("corpus", &["tabular", "reach"]),
     ("lsp", &["source", "watch", "diagnostic", "syntax", "format", "sema", "ir", "analysis", "compile"]),
     (
         "cli",

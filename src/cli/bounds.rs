@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use crate::analysis::{Configuration, ConfigurationSpace, Interval, SlotSpace, Values, configuration_space};
 use crate::ir::{Bounds, Entity, Id, Program, SlotId, World, WorldId};
-use crate::reach::{Problem, Proof};
+use crate::reach::{Conclusion, Problem, Proof};
 use crate::sim::Simulator;
 use crate::watch::Unwatched;
 
@@ -205,7 +205,7 @@ fn goals(loaded: &Loaded, id: WorldId, space: &ConfigurationSpace) -> Vec<(Strin
 }
 
 fn goal_json(name: &str, why: Option<&[String]>) -> Value {
-    let verdict = if why.is_some() { "proven-unreachable" } else { "not ruled out" };
+    let verdict = if why.is_some() { Conclusion::ProvenUnreachable.name() } else { "not ruled out" };
     json!({ "goal": name, "verdict": verdict, "argument": why.map(|w| w.join("; ")) })
 }
 

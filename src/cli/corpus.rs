@@ -29,7 +29,7 @@ use super::report::{find_world, has_maps, load_barred, plain_error};
 use super::watching::interrupted;
 
 /// The version of the JSON result.
-const RESULT_VERSION: u32 = 1;
+const RESULT_VERSION: u32 = 2;
 
 /// What the file names of levels end with, where a folder is given.
 const EXTENSIONS: [&str; 3] = ["txt", "tmx", "tmj"];

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use cpu_time::ThreadTime;
 
 use crate::compile::{Compilation, compile_barred};
-use crate::corpus::{Broken, Coverage, Exhausted, Kept, Key, Kind, Record, Row, Settings, Timing, Verdict};
+use crate::corpus::{Broken, Coverage, Exhausted, Kept, Key, Kind, Record, Row, Settings, Timing};
 use crate::crew::Desk;
 use crate::diagnostic::{Severity, render};
 use crate::reach;
@@ -192,7 +192,7 @@ fn row(blank: Row, asked: Asked) -> Row {
     };
     let a = asked.answered;
     Row {
-        verdict: Verdict::named(a.verdict).unwrap_or(Verdict::Error),
+        verdict: a.verdict.into(),
         is_as_wished: a.is_as_wished,
         error: None,
         argument: a.argument,

@@ -132,7 +132,7 @@ mod tests {
     use super::*;
     use crate::analysis::configuration_space;
     use crate::ir::GoalId;
-    use crate::reach::Target;
+    use crate::reach::{Conclusion, Target};
 
     fn source(speed: u32) -> String {
         format!(
@@ -181,11 +181,11 @@ mod tests {
         };
 
         let (code, answered) = answer(&slow, &[]);
-        assert_eq!((code, answered.verdict), (Answer::No, "proven-unreachable"));
+        assert_eq!((code, answered.verdict), (Answer::No, Conclusion::ProvenUnreachable));
         assert!(written().is_empty(), "of itself, it is right");
 
         let (code, answered) = answer(&fast, &[]);
-        assert_eq!((code, answered.verdict), (Answer::No, "not answered"));
+        assert_eq!((code, answered.verdict), (Answer::No, Conclusion::NotAnswered));
         assert!(answered.human(Target::Goal(GoalId(0))).contains("the analysis is wrong about this world"));
         // What is found is as wished, what was found on the way is not.
         assert_eq!(answer(&fast, &["--goal", "far", "--seed", "7"]).0, Answer::No);

@@ -7,7 +7,9 @@ use serde::Serialize;
 
 use crate::analysis::{Interval, Values};
 use crate::ir::{Bounds, NeverId, Program, World, WorldId};
-use crate::reach::{Argument, Count, Cut, End, Exhaustion, Outcome, Restart, Settings, Target, TooFar, Verdict};
+use crate::reach::{
+    Argument, Conclusion, Count, Cut, End, Exhaustion, Outcome, Restart, Settings, Target, TooFar, Verdict,
+};
 use crate::sim::Simulator;
 
 use super::args::ReachArgs;
@@ -18,7 +20,7 @@ use super::report::{Loaded, program_sha256};
 use super::values;
 
 /// The version of the JSON result.
-const RESULT_VERSION: u32 = 4;
+const RESULT_VERSION: u32 = 5;
 
 /// All answers of one run of the command.
 #[derive(Serialize)]
@@ -214,7 +216,7 @@ pub(super) struct Answered {
     /// `goal` or `never`.
     pub kind: &'static str,
     pub goal: String,
-    pub verdict: &'static str,
+    pub verdict: Conclusion,
     /// Why there is no way.
     pub argument: Option<String>,
     /// If all states were visited: how many there are.
@@ -267,6 +269,9 @@ pub(super) struct Answered {
     asked: String,
     #[serde(skip)]
     least_hold: u16,
+    /// Whether the analysis shows that it holds in no state, however that is come to.
+    #[serde(skip)]
+    is_in_no_state: bool,
     #[serde(skip)]
     pub is_as_wished: bool,
 }
@@ -312,15 +317,7 @@ impl Answered {
         Answered {
             kind,
             goal: goal.clone(),
-            verdict: match (&outcome.verdict, target) {
-                (Verdict::Reached(_), Target::Goal(_)) => "reached",
-                (Verdict::Reached(_), Target::Never(_)) => "violated",
-                (Verdict::NotFound, _) if outcome.is_withdrawn => "not answered",
-                (Verdict::NotFound, Target::Goal(_)) => "not found",
-                (Verdict::NotFound, Target::Never(_)) => "not answered",
-                (Verdict::Unreachable(_), _) => "proven-unreachable",
-                (Verdict::Exhausted(_), _) => "exhausted",
-            },
+            verdict: outcome.conclusion(target),
             argument,
             states: match outcome.verdict {
                 Verdict::Unreachable(Argument::Exhaustion(all)) | Verdict::Exhausted(all) => Some(all.states),
@@ -368,16 +365,14 @@ impl Answered {
             reasons,
             asked: format!("{}{}", within.unwrap_or_default(), if least_hold > 1 { hold } else { String::new() }),
             least_hold,
-            is_as_wished: match target {
-                Target::Goal(_) => plan.is_some(),
-                Target::Never(_) => matches!(outcome.verdict, Verdict::Unreachable(_)),
-            },
+            is_in_no_state: matches!(&outcome.verdict, Verdict::Unreachable(Argument::Analysis(_))),
+            is_as_wished: outcome.conclusion(target).is_as_wished(target),
         }
     }
 
     /// In a word or two.
     pub fn verdict(&self) -> &'static str {
-        self.verdict
+        self.verdict.words()
     }
 
     /// The figures, as lines under a picture.
@@ -403,17 +398,19 @@ impl Answered {
         let is_never = matches!(target, Target::Never(_));
         let verdict = match self.verdict {
             // The analysis looks at states, however they are come to.
-            "proven-unreachable" if self.planner == "analysis" && self.least_steps.is_none() => match is_never {
+            Conclusion::ProvenUnreachable if self.is_in_no_state => match is_never {
                 true => "proven, it holds in no state that the world can be in".to_string(),
                 false => "proven unreachable, in no state that the world can be in".to_string(),
             },
-            "proven-unreachable" if is_never => format!("proven, there is no way to break it{asked}"),
-            "proven-unreachable" => format!("proven unreachable{asked}"),
-            "exhausted" if is_never => format!("not answered, no way to break it with axes at -1, 0 and 1{asked}"),
-            "exhausted" => format!("no way with axes at -1, 0 and 1{asked}"),
-            "not answered" if !is_never => "not answered".to_string(),
-            "not answered" => "not answered, no way to break it was found".to_string(),
-            verdict => verdict.to_string(),
+            Conclusion::ProvenUnreachable if is_never => format!("proven, there is no way to break it{asked}"),
+            Conclusion::ProvenUnreachable => format!("proven unreachable{asked}"),
+            Conclusion::Exhausted if is_never => {
+                format!("not answered, no way to break it with axes at -1, 0 and 1{asked}")
+            }
+            Conclusion::Exhausted => format!("no way with axes at -1, 0 and 1{asked}"),
+            Conclusion::NotAnswered if !is_never => "not answered".to_string(),
+            Conclusion::NotAnswered => "not answered, no way to break it was found".to_string(),
+            Conclusion::Reached | Conclusion::Violated | Conclusion::NotFound => self.verdict.words().to_string(),
         };
         let mut out = format!("  {kind} {goal}: {verdict}\n");
         self.reasons.iter().for_each(|reason| out.push_str(&format!("    {reason}\n")));
@@ -441,7 +438,7 @@ impl Answered {
             "    search  {nodes} in {trees}, {:.3} s; {} of {} extensions failed ({by})\n",
             self.seconds, self.failures, self.extensions
         ));
-        let is_open = ["not found", "not answered"].contains(&self.verdict);
+        let is_open = self.verdict.is_open();
         if is_open {
             let c = &self.coverage;
             out.push_str(&format!(

@@ -132,13 +132,13 @@ impl Comparison {
                 Change::Worse => "worse",
                 Change::Other => "other",
             };
-            line(mark, key, format!("{} → {}", from.name(), to.name()));
+            line(mark, key, format!("{} → {}", from.words(), to.words()));
         }
         for Lone { key, verdict, .. } in &self.added {
-            line("new", key, verdict.name().to_string());
+            line("new", key, verdict.words());
         }
         for Lone { key, verdict, .. } in &self.vanished {
-            line("gone", key, format!("was {}", verdict.name()));
+            line("gone", key, format!("was {}", verdict.words()));
         }
         for Lengthened { key, from, to } in &self.lengths {
             let mark = if to > from { "longer" } else { "shorter" };

@@ -143,7 +143,7 @@ pub fn table(rows: &[&Row]) -> String {
         let searched = |number: f64| is_searched.then_some(number);
         let whole = |number: f64| format!("{number:.0}");
         cells.extend([
-            row.verdict.name().into(),
+            row.verdict.words().into(),
             Cell::of(row.steps.map(|n| n as f64), whole),
             Cell::of(searched(row.nodes as f64), whole),
             Cell::of(searched(row.coverage.places as f64), whole),
@@ -158,7 +158,7 @@ pub fn table(rows: &[&Row]) -> String {
 /// How many rows have which verdict, in one line without its end: `3 questions: 2 reached, 1 error`.
 pub fn summary(rows: &[&Row]) -> String {
     let counts = Verdict::ALL.map(|verdict| (verdict, rows.iter().filter(|r| r.verdict == verdict).count()));
-    let parts = counts.iter().filter(|(_, count)| *count > 0).map(|(v, count)| format!("{count} {}", v.name()));
+    let parts = counts.iter().filter(|(_, count)| *count > 0).map(|(v, count)| format!("{count} {}", v.words()));
     let mut levels: Vec<&Option<String>> = rows.iter().map(|r| &r.level).collect();
     levels.dedup();
     let (questions, levels) = (counted(rows.len(), "question"), counted(levels.len(), "level"));

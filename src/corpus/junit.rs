@@ -101,8 +101,8 @@ fn case(out: &mut Writer<Vec<u8>>, row: &Row) -> io::Result<()> {
         if !row.is_as_wished {
             let what = if row.verdict == Verdict::Error { "error" } else { "failure" };
             let message = match row.reason() {
-                reason if reason.is_empty() => row.verdict.name().to_string(),
-                reason => format!("{}: {reason}", row.verdict.name()),
+                reason if reason.is_empty() => row.verdict.words(),
+                reason => format!("{}: {reason}", row.verdict.words()),
             };
             let element = out.create_element(what).with_attribute(("message", printable(&message).as_str()));
             let element = element.with_attribute(("type", row.verdict.name()));

@@ -3,8 +3,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::reach::Conclusion;
+
 /// The version of the rows.
-pub const ROW_VERSION: u32 = 2;
+pub const ROW_VERSION: u32 = 3;
 
 /// What is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -28,27 +30,21 @@ impl Kind {
 
 /// The answer about a level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// There is a way to the goal.
-    #[serde(rename = "reached")]
     Reached,
     /// There is a way to break the `never`.
-    #[serde(rename = "violated")]
     Violated,
     /// No way to the goal was found; this proves nothing.
-    #[serde(rename = "not found")]
     NotFound,
     /// No way to break the `never` was found, or a proof was withdrawn; this proves nothing.
-    #[serde(rename = "not answered")]
     NotAnswered,
     /// No inputs with axes at -1, 0 and 1 do it; values between, which can make a difference, were not tried.
-    #[serde(rename = "exhausted")]
     Exhausted,
     /// There is no way, for a reason that the row has.
-    #[serde(rename = "proven-unreachable")]
     ProvenUnreachable,
     /// The question could not be asked about this level.
-    #[serde(rename = "error")]
     Error,
 }
 
@@ -69,17 +65,30 @@ impl Verdict {
         match self {
             Verdict::Reached => "reached",
             Verdict::Violated => "violated",
-            Verdict::NotFound => "not found",
-            Verdict::NotAnswered => "not answered",
+            Verdict::NotFound => "not-found",
+            Verdict::NotAnswered => "not-answered",
             Verdict::Exhausted => "exhausted",
             Verdict::ProvenUnreachable => "proven-unreachable",
             Verdict::Error => "error",
         }
     }
 
-    /// That of a name.
-    pub fn named(name: &str) -> Option<Verdict> {
-        Verdict::ALL.into_iter().find(|v| v.name() == name)
+    /// As people read it.
+    pub fn words(self) -> String {
+        self.name().replace('-', " ")
+    }
+}
+
+impl From<Conclusion> for Verdict {
+    fn from(conclusion: Conclusion) -> Verdict {
+        match conclusion {
+            Conclusion::Reached => Verdict::Reached,
+            Conclusion::Violated => Verdict::Violated,
+            Conclusion::NotFound => Verdict::NotFound,
+            Conclusion::NotAnswered => Verdict::NotAnswered,
+            Conclusion::Exhausted => Verdict::Exhausted,
+            Conclusion::ProvenUnreachable => Verdict::ProvenUnreachable,
+        }
     }
 }
 
@@ -378,9 +387,12 @@ pub(super) mod tests {
 
     #[test]
     fn verdicts_are_written_as_they_are_called() {
+        for conclusion in Conclusion::ALL {
+            assert_eq!(Verdict::from(conclusion).name(), conclusion.name());
+            assert_eq!(Verdict::from(conclusion).words(), conclusion.words());
+        }
         for verdict in Verdict::ALL {
             assert_eq!(serde_json::to_value(verdict).unwrap(), verdict.name());
-            assert_eq!(Verdict::named(verdict.name()), Some(verdict));
         }
     }
 }

@@ -18,6 +18,8 @@ pub use formats::{CSV_HEADER, csv_line};
 pub use report::Report;
 pub use row::{Row, Spread};
 
+use crate::reach::Conclusion;
+
 /// How a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Finding {
@@ -37,11 +39,11 @@ impl Finding {
     /// As it is written in results.
     pub fn name(self) -> &'static str {
         match self {
-            Finding::Reached => "reached",
-            Finding::NotFound => "not-found",
+            Finding::Reached => Conclusion::Reached.name(),
+            Finding::NotFound => Conclusion::NotFound.name(),
             Finding::OutOfMemory => "out-of-memory",
-            Finding::Unreachable => "proven-unreachable",
-            Finding::Exhausted => "exhausted",
+            Finding::Unreachable => Conclusion::ProvenUnreachable.name(),
+            Finding::Exhausted => Conclusion::Exhausted.name(),
         }
     }
 }

@@ -15,6 +15,7 @@
 //! the analysis is wrong about this world: no proof that rests on it is given then.
 
 mod bounds;
+mod conclusion;
 mod controls;
 mod coverage;
 mod distance;
@@ -43,6 +44,7 @@ mod whereabouts;
 mod window;
 
 pub use bounds::Sampling;
+pub use conclusion::Conclusion;
 pub use controls::MAX_CONTROLS;
 pub use coverage::{Count, Covered, PLACE};
 pub use exchange::passed;

@@ -2,13 +2,11 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod support;
-
+use crate::support::{Disk, files, program};
 use allocation_counter::measure;
 use hypedc::compile::compile;
 use hypedc::ir::{Id, World};
 use hypedc::sim::{Input, Simulator};
-use support::{Disk, files, program};
 
 /// The steps that are counted in each world.
 const STEPS: u64 = 300;

@@ -26,18 +26,17 @@ mod regions;
 mod run;
 #[path = "analysis/sharp.rs"]
 mod sharp;
-mod support;
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use crate::support::{Disk, compile_text, files};
 use hypedc::compile::compile;
 use hypedc::ir::WorldId;
 use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestError, TestRunner};
 use run::{Run, run};
-use support::{Disk, compile_text, files};
 
 /// Whether there is time.
 fn is_long() -> bool {

@@ -3,12 +3,11 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod support;
-
 use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
 
+use crate::support::{Disk, compile_text, program};
 use hypedc::analysis::configuration_space;
 use hypedc::compile::compile;
 use hypedc::ir::{GoalId, NeverId, Program, WorldId};
@@ -16,7 +15,6 @@ use hypedc::reach::{Death, Exhaustion, Limits, Outcome, Planner, Problem, Settin
 use hypedc::sim::{Script, Simulator, parse_script};
 use hypedc::source::SourceMap;
 use hypedc::watch::Unwatched;
-use support::{Disk, compile_text, program};
 
 const WORLD: WorldId = WorldId(0);
 

@@ -2,14 +2,12 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod support;
-
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::{Command, Output, Stdio};
 
+use crate::support::files;
 use serde_json::Value;
-use support::files;
 
 fn hypedc(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_hypedc")).args(arguments).output().unwrap()

@@ -3,12 +3,11 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod support;
-
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::Arc;
 
+use crate::support::{Disk, files};
 use hypedc::analysis::watched_space;
 use hypedc::compile::{LevelFile, compile_with};
 use hypedc::ir::{Program, WorldId};
@@ -18,7 +17,6 @@ use hypedc::watch::Patience;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde_json::Value;
-use support::{Disk, files};
 
 /// The examples, with a level where they leave their map open.
 fn programs() -> Vec<(String, Arc<Program>, SourceMap)> {

@@ -8,18 +8,17 @@
 mod compare;
 #[path = "conformance/record.rs"]
 mod record;
-mod support;
 
 use std::path::Path;
 use std::sync::Arc;
 
+use crate::support::Disk;
 use hypedc::compile::compile;
 use hypedc::ir::Program;
-use support::Disk;
 
 /// The world of a recorded run, with entities written by hand.
 fn by_hand(name: &str) -> Arc<Program> {
-    support::program(compile(&Path::new("tests/conformance").join(format!("{name}.hyped")), &Disk))
+    crate::support::program(compile(&Path::new("tests/conformance").join(format!("{name}.hyped")), &Disk))
 }
 
 #[test]

@@ -5,19 +5,18 @@
 #[path = "../examples/embed.rs"]
 #[allow(dead_code, reason = "its `main` prints")]
 mod embed;
-mod support;
 
 use std::collections::{BTreeSet, HashSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
+use crate::support::{Disk, compile_text, files, program};
 use allocation_counter::measure;
 use hypedc::compile::compile;
 use hypedc::ir::{Id, Program, SlotId, WorldId};
 use hypedc::sim::{Control, Event, Input, Instance, NotAState, Run, Simulator, State};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use support::{Disk, compile_text, files, program};
 
 fn worlds() -> Vec<(String, Arc<Program>, WorldId)> {
     let programs = ["examples", "tests/conformance"].iter().flat_map(|folder| files(folder, "hyped"));

@@ -3,18 +3,16 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod support;
-
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use crate::support::{Disk, files, program};
 use hypedc::compile::compile;
 use hypedc::diagnostic::render;
 use hypedc::ir::{Program, WorldId};
 use hypedc::sim::{Input, Script, Simulator, State, parse_script};
 use hypedc::source::SourceMap;
-use support::{Disk, files, program};
 
 /// How long every world is run without input.
 const IDLE_STEPS: u32 = 600;

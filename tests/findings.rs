@@ -3,11 +3,10 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod support;
-
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use crate::support::{Disk, files};
 use hypedc::analysis::{InvariantVerdict, configuration_space, invariants};
 use hypedc::compile::{Compilation, LevelFile, check_with, compile};
 use hypedc::diagnostic::{Code, Diagnostic, render};
@@ -18,7 +17,6 @@ use hypedc::sim::{Input, PlayerInput, Simulator};
 use hypedc::source::{Files, ReadError};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use support::{Disk, files};
 
 /// Random steps of each world.
 const STEPS: usize = 3_000;
@@ -515,7 +513,7 @@ world A { space main { place a: Counter at (0, 0) } }";
 
 /// The findings of `check` about a text, as people see them.
 fn checked(text: &str) -> String {
-    let compiled = check_with(Path::new("test.hyped"), LevelFile::default(), &support::Text(text));
+    let compiled = check_with(Path::new("test.hyped"), LevelFile::default(), &crate::support::Text(text));
     render::human(&compiled.sources, compiled.diagnostics.iter(), false)
 }
 

@@ -2,17 +2,15 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod support;
-
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use crate::support::{Disk, Text, compile_text, files};
 use hypedc::compile::{Compilation, compile};
 use hypedc::diagnostic::Code;
 use hypedc::diagnostic::fix::{by_file, mended};
 use hypedc::source::{Files, ReadError};
-use support::{Disk, Text, compile_text, files};
 
 /// The disk with other texts in place of some files.
 struct Overlay(BTreeMap<PathBuf, String>);

@@ -5,17 +5,16 @@
 
 #[path = "properties/generate.rs"]
 mod generate;
-mod support;
 
 use std::path::Path;
 
+use crate::support::{Disk, files};
 use hypedc::compile::compile;
 use hypedc::format::{WIDTH, format};
 use hypedc::ir;
 use hypedc::source::{FileId, Files, ReadError};
 use hypedc::syntax::parse;
 use proptest::prelude::*;
-use support::{Disk, files};
 
 const FILE: FileId = FileId(0);
 

@@ -2,14 +2,12 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod support;
-
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use crate::support::files;
 use hypedc::diagnostic::Code;
 use serde_json::Value;
-use support::files;
 
 fn hypedc(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_hypedc")).args(arguments).output().unwrap()

@@ -2,26 +2,24 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod support;
-
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use crate::support::{Disk, compile_text, files};
 use hypedc::compile::compile;
 use hypedc::graph::{Chart, chart, dot, mermaid, svg};
-use support::{Disk, compile_text, files};
 
 fn charts(path: &Path) -> Vec<Chart> {
     let compilation = compile(path, &Disk);
     let sources = compilation.sources.clone();
-    let program = support::program(compilation);
+    let program = crate::support::program(compilation);
     program.entities.ids().map(|id| chart(&program, &sources, id)).collect()
 }
 
 fn charts_of(text: &str) -> Vec<Chart> {
     let compilation = compile_text(text);
     let sources = compilation.sources.clone();
-    let program = support::program(compilation);
+    let program = crate::support::program(compilation);
     program.entities.ids().map(|id| chart(&program, &sources, id)).collect()
 }
 

@@ -3,11 +3,10 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod support;
-
 use std::path::Path;
 use std::sync::Arc;
 
+use crate::support::{Disk, compile_text, files, program};
 use hypedc::analysis::{ConfigurationSpace, configuration_space};
 use hypedc::compile::compile;
 use hypedc::ir::{GoalId, Program, WorldId};
@@ -17,7 +16,6 @@ use hypedc::reach::{
 use hypedc::sim::{Script, Simulator, parse_script};
 use hypedc::source::SourceMap;
 use hypedc::watch::Unwatched;
-use support::{Disk, compile_text, files, program};
 
 const WORLD: WorldId = WorldId(0);
 const FAST: GoalId = GoalId(0);

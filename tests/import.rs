@@ -7,7 +7,6 @@
 mod compare;
 #[path = "conformance/record.rs"]
 mod record;
-mod support;
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -15,6 +14,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::Arc;
 
+use crate::support::{Disk, Text, compile_text, files};
 use hypedc::compile::{LevelFile, check_with, compile};
 use hypedc::diagnostic::{Code, render};
 use hypedc::format::format;
@@ -23,7 +23,6 @@ use hypedc::ir::Program;
 use hypedc::source::{Files, SourceMap};
 use proptest::prelude::*;
 use serde::Deserialize;
-use support::{Disk, Text, compile_text, files};
 
 /// Imports a text; gives what came of it, and the findings as they are shown.
 fn import(path: &Path, text: &str) -> (Import, String) {
@@ -99,12 +98,12 @@ fn imported(name: &str) -> Arc<Program> {
         writeln!(program, "place {instance}: {entity} at {at}) {{{settings} }}").unwrap();
     }
     assert!(instances.next().is_none(), "{name}: all instances are placed");
-    support::program(compile_text(&program))
+    crate::support::program(compile_text(&program))
 }
 
 /// The world of a recorded run, with entities written by hand.
 fn by_hand(name: &str) -> Arc<Program> {
-    support::program(compile(&Path::new("tests/conformance").join(format!("{name}.hyped")), &Disk))
+    crate::support::program(compile(&Path::new("tests/conformance").join(format!("{name}.hyped")), &Disk))
 }
 
 #[test]

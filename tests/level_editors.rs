@@ -3,19 +3,17 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod support;
-
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use crate::support::program;
 use hypedc::compile::{Compilation, LevelFile, compile, compile_with};
 use hypedc::diagnostic::render;
 use hypedc::ir::{Program, SpaceId, VarId, WorldId};
 use hypedc::sim::{Input, Simulator};
 use hypedc::source::{Files, ReadError, decode};
 use proptest::prelude::*;
-use support::program;
 
 const FOLDER: &str = "tests/maps/editors";
 

@@ -3,16 +3,14 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod support;
-
 use std::path::Path;
 use std::sync::Arc;
 
+use crate::support::{Disk, program};
 use hypedc::compile::{LevelFile, compile, compile_with};
 use hypedc::ir::{Origin, Program, SpaceId, WorldId};
 use hypedc::sim::{Input, Simulator};
 use hypedc::source::{Files, ReadError};
-use support::{Disk, program};
 
 /// Runs the first world without input; gives how many instances it began with.
 fn run(program: &Arc<Program>, steps: usize) -> usize {

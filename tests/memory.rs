@@ -3,12 +3,10 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod support;
-
 use std::path::Path;
 
+use crate::support::Text;
 use hypedc::compile::check_with;
-use support::Text;
 
 /// The bytes of a text.
 const SIZE: usize = 1 << 20;

@@ -8,12 +8,12 @@
 
 #[path = "mutation/mutate.rs"]
 mod mutate;
-mod support;
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
+use crate::support::{Disk, files};
 use hypedc::compile::{Compilation, compile};
 use hypedc::diagnostic::Diagnostic;
 use hypedc::ir::Program;
@@ -21,7 +21,6 @@ use hypedc::source::{Files, ReadError};
 use mutate::{Kind, Mutant, mutant};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use support::{Disk, files};
 
 /// How many mutants of each kind are made.
 const EACH: usize = 200;

@@ -24,20 +24,19 @@ mod lively;
 mod model;
 #[path = "oracle/step.rs"]
 mod step;
-mod support;
 #[path = "oracle/verdict.rs"]
 mod verdict;
 
 use std::cell::RefCell;
 use std::path::Path;
 
+use crate::support::{Disk, Text, files};
 use hypedc::compile::{Study, study};
 use hypedc::ir::WorldId;
 use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestError, TestRunner};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
-use support::{Disk, Text, files};
 use verdict::{Judge, Tally};
 
 /// Whether there is time.

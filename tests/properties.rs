@@ -4,13 +4,12 @@
 
 #[path = "properties/generate.rs"]
 mod generate;
-mod support;
 
+use crate::support::{compile_text, program};
 use hypedc::ir::{Id, Program, SlotId, VarId, WorldId};
 use hypedc::sim::{Fault, Input, PlayerInput, Simulator, State};
 use proptest::prelude::*;
 use std::sync::Arc;
-use support::{compile_text, program};
 
 /// The input of a step, drawn from a number.
 fn input(players: usize, bits: u64) -> Input {

@@ -3,11 +3,10 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod support;
-
 use std::path::Path;
 use std::sync::Arc;
 
+use crate::support::{Disk, compile_text, files, program};
 use hypedc::analysis::configuration_space;
 use hypedc::compile::compile;
 use hypedc::ir::{GoalId, Program, SlotId, VarId, WorldId};
@@ -21,7 +20,6 @@ use hypedc::watch::Unwatched;
 use proptest::prelude::*;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
-use support::{Disk, compile_text, files, program};
 
 const WORLD: WorldId = WorldId(0);
 

@@ -3,14 +3,12 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod support;
-
+use crate::support::{compile_text, files};
 use hypedc::diagnostic::render;
 use hypedc::ir::WorldId;
 use hypedc::sim::{Input, Simulator};
 use proptest::prelude::*;
 use std::sync::Arc;
-use support::{compile_text, files};
 
 /// The example programs, each as one text without imports.
 fn texts() -> Vec<String> {

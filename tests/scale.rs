@@ -5,14 +5,13 @@
 
 #[path = "../benches/large/mod.rs"]
 mod large;
-mod support;
 
 use std::path::{Path, PathBuf};
 
+use crate::support::compile_text;
 use hypedc::compile::compile;
 use hypedc::diagnostic::{Severity, render};
 use hypedc::source::{Files, ReadError};
-use support::compile_text;
 
 #[test]
 fn large_programs_are_right() {

@@ -2,13 +2,11 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod support;
-
+use crate::support::{compile_text, program};
 use hypedc::ir::{Program, SlotId, VarId, WorldId};
 use hypedc::sim::{Input, Scratch, Simulator, State, parse_script};
 use hypedc::source::SourceMap;
 use std::sync::Arc;
-use support::{compile_text, program};
 
 /// A run of the first world of a program.
 struct Run<'p> {

@@ -3,11 +3,10 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod support;
-
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use crate::support::{Disk, assert_leads_to, program};
 use hypedc::analysis::configuration_space;
 use hypedc::compile::{LevelFile, compile_with};
 use hypedc::ir::{GoalId, Origin, Program, SlotId, VarId, WorldId};
@@ -15,7 +14,6 @@ use hypedc::reach::{Limits, Problem, Settings, Verdict, reach};
 use hypedc::sim::{Simulator, parse_script};
 use hypedc::source::{Files, ReadError, SourceMap};
 use hypedc::watch::Unwatched;
-use support::{Disk, assert_leads_to, program};
 
 const WORLD: WorldId = WorldId(0);
 const ROOT: &str = "examples/smb/smb.hyped";

@@ -10,53 +10,50 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "it says how much it has seen")]
 
+mod alike;
+mod arena;
+mod choices;
+mod claims;
+mod consecution;
+mod entities;
+mod expressions;
+mod eye;
+mod files;
+mod flows;
+mod frame;
+mod generate;
+mod hunt;
+mod mutants;
 #[path = "mutation/mutate.rs"]
 #[allow(dead_code, reason = "the lines of changes are not told")]
 mod mutate;
 #[path = "analysis/outside.rs"]
 #[allow(dead_code, reason = "how runs end is told by the simulator")]
 mod outside;
-mod soundness {
-    pub mod alike;
-    pub mod arena;
-    pub mod choices;
-    pub mod claims;
-    pub mod consecution;
-    pub mod entities;
-    pub mod expressions;
-    pub mod eye;
-    pub mod files;
-    pub mod flows;
-    pub mod frame;
-    pub mod generate;
-    pub mod hunt;
-    pub mod mutants;
-    pub mod patience;
-    pub mod run;
-    pub mod shrink;
-    pub mod situations;
-    pub mod tally;
-    pub mod updates;
-    pub mod witness;
-}
-mod support;
+mod patience;
+mod run;
+mod shrink;
+mod situations;
+mod tally;
+mod updates;
+mod witness;
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::support::files;
+use alike::Otherwise;
+use choices::choices;
+use claims::Claims;
+use consecution::consecution;
+use files::compiled;
+use frame::Frame;
+use generate::program;
+use hunt::{Source, hunt, refuted_by};
 use hypedc::ir::WorldId;
 use hypedc::sim::Simulator;
-use soundness::alike::Otherwise;
-use soundness::choices::choices;
-use soundness::claims::Claims;
-use soundness::consecution::consecution;
-use soundness::files::compiled;
-use soundness::frame::Frame;
-use soundness::generate::program;
-use soundness::hunt::{Source, hunt, refuted_by};
-use soundness::mutants::originals;
-use soundness::run::{Inputs, Runs, run};
-use soundness::tally::Tally;
-use support::files;
+use mutants::originals;
+use run::{Inputs, Runs, run};
+use tally::Tally;
 
 /// The numbers of the worlds to look at: some from the first on, or as the environment says.
 fn seeds(usual: u64) -> std::ops::Range<u64> {

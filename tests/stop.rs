@@ -2,13 +2,12 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod support;
-
 use std::fmt::Write;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use crate::support::{compile_text, program};
 use hypedc::analysis::{GivenUp, configuration_space, watched_space};
 use hypedc::compile::{LevelFile, compile_with};
 use hypedc::diagnostic::render;
@@ -17,7 +16,6 @@ use hypedc::reach::{Limits, Planner, Problem, Settings, Verdict, reach};
 use hypedc::sim::{Input, Simulator};
 use hypedc::source::{Files, ReadError};
 use hypedc::watch::{Meter, WORK, Watch};
-use support::{compile_text, program};
 
 const WORLD: WorldId = WorldId(0);
 

@@ -3,18 +3,16 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod support;
-
 use std::path::Path;
 use std::sync::Arc;
 
+use crate::support::{Disk, Text, compile_text, program};
 use hypedc::analysis::{ConfigurationSpace, configuration_space};
 use hypedc::compile::{LevelFile, check_with, compile};
 use hypedc::ir::{GoalId, Id, Program, WorldId};
 use hypedc::sim::{Input, PlayerInput, Simulator};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use support::{Disk, Text, compile_text, program};
 
 const WORLD: WorldId = WorldId(0);
 

@@ -3,11 +3,9 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod support;
-
 use std::path::Path;
 
-use support::files;
+use crate::support::files;
 
 /// Each module of the library with those that it may use, in the order of the pipeline.
 const ARROWS: &[(&str, &[&str])] = &[

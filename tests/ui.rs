@@ -2,17 +2,15 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod support;
-
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
+use crate::support::Disk;
 use hypedc::compile::{LevelFile, check_with};
 use hypedc::diagnostic::{Code, render};
-use support::Disk;
 
 fn programs() -> Vec<PathBuf> {
-    support::files("tests/ui", "hyped")
+    crate::support::files("tests/ui", "hyped")
 }
 
 #[test]

@@ -3,13 +3,12 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod support;
-
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use crate::support::{Disk, files, program};
 use hypedc::analysis::{ConfigurationSpace, configuration_space, configuration_space_without};
 use hypedc::compile::{Barred, LevelFile, compile, compile_barred};
 use hypedc::ir::{GoalId, Program, WorldId};
@@ -20,7 +19,6 @@ use hypedc::reach::{
 use hypedc::sim::{Script, Simulator, parse_script};
 use hypedc::source::SourceMap;
 use hypedc::watch::{Unwatched, Watch};
-use support::{Disk, files, program};
 
 /// What is true of a goal. Each goal of a world in `tests/verdicts` has a comment line that begins with one of these in
 /// lower case, its name, and why. A script between backticks in that line reaches the goal.

@@ -3,19 +3,17 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod support;
-
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
+use crate::support::{Disk, compile_text, program};
 use hypedc::compile::compile;
 use hypedc::ir::{Program, SpaceId, WorldId};
 use hypedc::sim::{Input, Simulator};
 use hypedc::view::{Node, Search, Stop, search_svg};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use support::{Disk, compile_text, program};
 
 const WORLD: WorldId = WorldId(0);
 const EXAMPLES: [&str; 6] = [

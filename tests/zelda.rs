@@ -3,12 +3,11 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod support;
-
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 
+use crate::support::{Disk, assert_leads_to, program};
 use hypedc::analysis::configuration_space;
 use hypedc::compile::{LevelFile, check_with, compile};
 use hypedc::diagnostic::render;
@@ -20,7 +19,6 @@ use hypedc::sim::{Simulator, parse_script};
 use hypedc::source::SourceMap;
 use hypedc::watch::Unwatched;
 use proptest::prelude::*;
-use support::{Disk, assert_leads_to, program};
 
 const WORLD: WorldId = WorldId(0);
 
@@ -128,7 +126,7 @@ fn one_walks_through_doors_and_back() {
         let text = imported.text.expect(&shown);
         let entities = std::fs::read_to_string("examples/zelda/link.hyped").unwrap();
         let text = text.replace("import \"link.hyped\"", &entities);
-        let program = program(support::compile_text(&text));
+        let program = program(crate::support::compile_text(&text));
         let rooms = walk(&program, &format!("{there} {back}"));
         let expected = if is_below { ["a2", "a1", "a2"] } else { ["a1", "b1", "a1"] };
         assert_eq!(rooms, expected, "{text}");

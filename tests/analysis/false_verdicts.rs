@@ -12,9 +12,9 @@ use hypedc::sim::{Input, PlayerInput, Simulator};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use crate::outside::{outside, ruled_out};
-use crate::patience::Patience;
-use crate::run::LOOKS_BY_PLACE;
+use super::outside::{outside, ruled_out};
+use super::patience::Patience;
+use super::run::LOOKS_BY_PLACE;
 use crate::support::{Disk, files, program};
 
 /// How many steps a run lasts.

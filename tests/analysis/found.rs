@@ -2,7 +2,7 @@
 
 use hypedc::ir::WorldId;
 
-use crate::run::run;
+use super::run::run;
 use crate::support::{compile_text, program};
 
 /// Runs a program at random; nothing is outside.

@@ -4,7 +4,7 @@
 use hypedc::analysis::configuration_space;
 use hypedc::ir::WorldId;
 
-use crate::by_place::of_first_goal;
+use super::by_place::of_first_goal;
 use crate::support::{compile_text, program};
 
 /// Runs and flies, small and big in turns as something says.

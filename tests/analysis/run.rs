@@ -8,8 +8,8 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use std::sync::Arc;
 
-use crate::outside::{goes_on, outside, ruled_out};
-use crate::patience::Patience;
+use super::outside::{goes_on, outside, ruled_out};
+use super::patience::Patience;
 
 /// What came of a run.
 #[derive(Debug, Default)]

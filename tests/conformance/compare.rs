@@ -8,7 +8,7 @@ use std::sync::Arc;
 use hypedc::ir::{Id, Program, SlotId, VarId, WorldId};
 use hypedc::sim::{Input, Simulator};
 
-use crate::record::{self, Record, Trace, our_path};
+use super::record::{self, Record, Trace, our_path};
 use crate::support::files;
 
 /// How far two numbers may differ.

@@ -7,8 +7,8 @@ use hypedc::compile::{LevelFile, check_with};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
-use crate::SLIME;
-use crate::client::{Client, Memory};
+use super::SLIME;
+use super::client::{Client, Memory};
 
 const URI: &str = "file:///game/a.hyped";
 

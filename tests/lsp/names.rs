@@ -2,8 +2,8 @@
 
 use serde_json::json;
 
-use crate::SLIME;
-use crate::session::Session;
+use super::SLIME;
+use super::session::Session;
 
 const BOUNCER: &str = "\
 /// Falls and bounces.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
 
-use crate::client::Client;
+use super::client::Client;
 
 /// A session, and what was written down of it.
 pub struct Session {

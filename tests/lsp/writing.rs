@@ -2,9 +2,9 @@
 
 use serde_json::{Value, json};
 
-use crate::SLIME;
-use crate::client::Client;
-use crate::session::{Session, uri};
+use super::SLIME;
+use super::client::Client;
+use super::session::{Session, uri};
 
 /// A text that stands in the middle of being written: `|` is the cursor.
 fn completed(session: &mut Session, old: &str, new: &str) {
@@ -20,7 +20,7 @@ fn completed_in(session: &mut Session, whole: &str, old: &str, new: &str) {
     session.client.change(&uri("slime.hyped"), json!([{ "text": text }]));
     let params = json!({
         "textDocument": { "uri": uri("slime.hyped") },
-        "position": crate::session::position(&text, byte),
+        "position": super::session::position(&text, byte),
     });
     let items = session.client.request("textDocument/completion", params).unwrap();
     let mut shown: Vec<String> = Vec::new();
@@ -163,7 +163,7 @@ fn programs_are_offered_to_be_imported() {
         let byte = text.find('|').unwrap();
         session.open(file, &text.replace('|', ""));
         session.client.settle();
-        let position = crate::session::position(text, byte);
+        let position = super::session::position(text, byte);
         session.ask("textDocument/completion", file, json!({ "position": position }));
     }
     insta::assert_snapshot!(session.end());

@@ -6,8 +6,8 @@ use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 use hypedc::sema::checked::{Action, By, DriveBy, Entity, Release, Term, TermKind, Type};
 
-use crate::evaluate::touching;
-use crate::model::{Fault, Keys, Oracle, State};
+use super::evaluate::touching;
+use super::model::{Fault, Keys, Oracle, State};
 
 /// A contact question: tag of one's own, tag of the other, side, and whether the other is named.
 type Question = (Option<TagId>, TagId, Option<Side>, bool);

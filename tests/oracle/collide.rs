@@ -6,8 +6,8 @@ use std::collections::BTreeSet;
 
 use hypedc::sema::checked::{CollideRule, Shape};
 
-use crate::model::{Contact, Fault, Oracle, State};
-use crate::step::Passing;
+use super::model::{Contact, Fault, Oracle, State};
+use super::step::Passing;
 
 /// How far inside something may have stood that counts as outside of it, px.
 const TOLERANCE: f64 = 0.001;

@@ -7,8 +7,8 @@ use hypedc::sim::{FaultKind, Input, PlayerInput, Simulator};
 use rand::{Rng, RngExt};
 use std::sync::Arc;
 
-use crate::evaluate::touching;
-use crate::model::{Fault, Keys, Oracle, State};
+use super::evaluate::touching;
+use super::model::{Fault, Keys, Oracle, State};
 
 /// What the input of a player is to the simulator.
 pub fn input(keys: &[Keys]) -> Input {

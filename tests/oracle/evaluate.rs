@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 
 use hypedc::sema::checked::{Term, TermKind};
 
-use crate::model::{Contact, Fault, Keys, Oracle, State, Thing};
+use super::model::{Contact, Fault, Keys, Oracle, State, Thing};
 
 /// What code reads.
 #[derive(Clone, Copy)]

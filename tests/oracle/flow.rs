@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use hypedc::ir::{Id, VarId};
 use hypedc::sema::checked::{By, Drive, DriveBy, Envelope, Rate, Release, Term};
 
-use crate::evaluate::Code;
-use crate::model::{Fault, Oracle, State};
-use crate::step::{Frame, Passing};
+use super::evaluate::Code;
+use super::model::{Fault, Oracle, State};
+use super::step::{Frame, Passing};
 
 impl Oracle<'_> {
     /// Lets everything flow that does not come or go in this step.

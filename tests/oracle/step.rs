@@ -7,8 +7,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use hypedc::sema::checked::{Action, Given, Link, Spawn, Term, Update};
 
-use crate::evaluate::Code;
-use crate::model::{Fault, Keys, Oracle, State, Thing};
+use super::evaluate::Code;
+use super::model::{Fault, Keys, Oracle, State, Thing};
 
 /// What a player gives, and the buttons that were down before.
 pub type Frame = (Keys, BTreeSet<u32>);

@@ -8,9 +8,9 @@ use hypedc::sim::{Script, Simulator};
 use hypedc::watch::Unwatched;
 use std::sync::Arc;
 
-use crate::brute::{Explored, explore};
-use crate::compare::input;
-use crate::model::{Keys, Oracle};
+use super::brute::{Explored, explore};
+use super::compare::input;
+use super::model::{Keys, Oracle};
 
 /// Who gives verdicts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -9,8 +9,8 @@ use hypedc::sim::{Input, Simulator};
 use hypedc::source::{FileId, Span};
 
 use super::eye::{Eye, Nobody};
+use super::outside::outside;
 use super::patience::Patience;
-use crate::outside::outside;
 
 /// A state or an event that cannot be, and was.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use rand::RngExt;
 use rand::seq::IndexedRandom;
 use rand_pcg::Pcg64;
 
-use crate::mutate::{Kind, mutant};
+use super::mutate::{Kind, mutant};
 use crate::support::files;
 
 /// The programs to change: those of which something false was said once, and those with a comment on each verdict.

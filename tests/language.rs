@@ -1,0 +1,22 @@
+//! From text to a program: diagnostics, layout, imports, levels, editors.
+
+mod support;
+
+mod compiled;
+mod editors;
+mod explain;
+mod fix;
+mod fmt;
+mod formats;
+mod graph;
+mod import;
+mod level_editors;
+mod lsp;
+mod maps;
+mod mutation;
+mod new;
+mod reference;
+mod robust;
+mod scale;
+mod tidy;
+mod ui;

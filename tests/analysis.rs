@@ -1,6 +1,6 @@
 //! What a world can be, held against what it is: no state of random runs lies outside.
 //!
-//! `HYPEDC_LONG=1 cargo test --test analysis` runs a million steps of each world and 5,000 random programs, other ones
+//! `HYPEDC_LONG=1 cargo test --test proofs analysis` runs a million steps of each world and 5,000 random programs, other ones
 //! each time; without it the random programs are always the same.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]

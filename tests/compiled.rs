@@ -178,7 +178,7 @@ fn the_text_that_comes_with_a_program_is_its_own() {
     }
 }
 
-/// The schema in the documentation: `UPDATE=1 cargo test --test compiled` writes it anew.
+/// The schema in the documentation: `UPDATE=1 cargo test --test language compiled` writes it anew.
 #[test]
 fn what_is_written_is_as_the_schema_says() {
     let path = "docs/schemas/program.json";

@@ -160,7 +160,7 @@ fn rows_are_the_same_on_any_number_of_threads() {
     let csv = untimed(place.read("1.csv"));
     assert_eq!(csv, untimed(place.read("4.csv")));
     assert_eq!(csv.len(), 1 + expected.len());
-    assert!(csv[1].starts_with("2,levels/a.txt,goal,out,reached,true,"), "{}", csv[1]);
+    assert!(csv[1].starts_with("3,levels/a.txt,goal,out,reached,true,"), "{}", csv[1]);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //! language, and changed ones whose verdicts hang by a thread. Claims are what variables, modes, timers and spaces can be,
 //! goals that are proven unreachable, invariants, and what `check` says of guards and modes.
 //!
-//! `HYPEDC_LONG=1 HYPEDC_WORLDS=1000000 cargo test --test soundness nothing -- --nocapture` looks at that many worlds of
+//! `HYPEDC_LONG=1 HYPEDC_WORLDS=1000000 cargo test --test proofs soundness::nothing -- --nocapture` looks at that many worlds of
 //! each kind, and tells of every 10,000th. The number of a world is its seed: `HYPEDC_FROM=N` goes on where another run
 //! was stopped, and several processes can share the numbers. A violation is printed as soon as it is found, as a program
 //! of a few lines with the inputs that lead there.

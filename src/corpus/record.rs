@@ -139,7 +139,7 @@ mod tests {
         let mut two = text(&["a"]);
         two.push_str("{\"row\":1,\n");
         assert_eq!(Record::read(two.as_bytes()).unwrap_err().line, 2, "a whole line is not cut off");
-        let newer = text(&["a"]).replace("{\"row\":2,", "{\"row\":99,");
+        let newer = text(&["a"]).replace(&format!("{{\"row\":{ROW_VERSION},"), "{\"row\":99,");
         assert!(Record::read(newer.as_bytes()).unwrap_err().why.contains("version 99"));
     }
 

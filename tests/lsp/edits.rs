@@ -274,7 +274,7 @@ fn many_edits() {
 fn memory_of_many_edits_is_bounded() {
     let tests = std::env::current_exe().unwrap();
     let output =
-        std::process::Command::new(tests).args(["edits::many_edits", "--exact", "--ignored"]).output().unwrap();
+        std::process::Command::new(tests).args(["lsp::edits::many_edits", "--exact", "--ignored"]).output().unwrap();
     let said = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success() && said.contains("1 passed"), "{said}");
 }

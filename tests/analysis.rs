@@ -7,30 +7,21 @@
 #![allow(clippy::print_stdout, reason = "it says how much it has seen")]
 
 #[path = "properties/generate.rs"]
-mod any_program;
-#[path = "analysis/by_place.rs"]
+pub mod any_program;
 mod by_place;
-#[path = "analysis/false_verdicts.rs"]
 mod false_verdicts;
-#[path = "analysis/found.rs"]
 mod found;
-#[path = "analysis/generate.rs"]
-mod generate;
-#[path = "analysis/outside.rs"]
-mod outside;
-#[path = "soundness/patience.rs"]
-mod patience;
-#[path = "analysis/regions.rs"]
+pub mod generate;
+pub mod outside;
 mod regions;
-#[path = "analysis/run.rs"]
 mod run;
-#[path = "analysis/sharp.rs"]
 mod sharp;
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use crate::soundness::patience;
 use crate::support::{Disk, compile_text, files};
 use hypedc::compile::compile;
 use hypedc::ir::WorldId;

@@ -4,9 +4,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-#[path = "conformance/compare.rs"]
 mod compare;
-#[path = "conformance/record.rs"]
 mod record;
 
 use std::path::Path;

@@ -1,5 +1,7 @@
 //! From text to a program: diagnostics, layout, imports, levels, editors.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
 mod support;
 
 mod compiled;

@@ -3,15 +3,10 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-#[path = "lsp/client.rs"]
 mod client;
-#[path = "lsp/edits.rs"]
 mod edits;
-#[path = "lsp/names.rs"]
 mod names;
-#[path = "lsp/session.rs"]
 mod session;
-#[path = "lsp/writing.rs"]
 mod writing;
 
 use serde_json::json;

@@ -6,7 +6,6 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-#[path = "mutation/mutate.rs"]
 mod mutate;
 
 use std::collections::BTreeMap;

@@ -4,32 +4,20 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "it says how much it has seen")]
 
-#[path = "properties/generate.rs"]
-mod any_program;
-#[path = "oracle/brute.rs"]
 mod brute;
-#[path = "oracle/collide.rs"]
 mod collide;
-#[path = "oracle/compare.rs"]
 mod compare;
-#[path = "oracle/evaluate.rs"]
 mod evaluate;
-#[path = "oracle/flow.rs"]
 mod flow;
-#[path = "oracle/generate.rs"]
 mod generate;
-#[path = "analysis/generate.rs"]
-mod lively;
-#[path = "oracle/model.rs"]
 mod model;
-#[path = "oracle/step.rs"]
 mod step;
-#[path = "oracle/verdict.rs"]
 mod verdict;
 
 use std::cell::RefCell;
 use std::path::Path;
 
+use crate::analysis::{any_program, generate as lively};
 use crate::support::{Disk, Text, files};
 use hypedc::compile::{Study, study};
 use hypedc::ir::WorldId;

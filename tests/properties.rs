@@ -2,7 +2,6 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-#[path = "properties/generate.rs"]
 mod generate;
 
 use crate::support::{compile_text, program};

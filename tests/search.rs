@@ -1,5 +1,7 @@
 //! Questions and answers: planners, verdicts, many levels, experiments, the command line.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
 mod support;
 
 mod border;

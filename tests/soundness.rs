@@ -27,10 +27,7 @@ mod mutants;
 #[path = "mutation/mutate.rs"]
 #[allow(dead_code, reason = "the lines of changes are not told")]
 mod mutate;
-#[path = "analysis/outside.rs"]
-#[allow(dead_code, reason = "how runs end is told by the simulator")]
-mod outside;
-mod patience;
+pub mod patience;
 mod run;
 mod shrink;
 mod situations;
@@ -40,6 +37,7 @@ mod witness;
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::analysis::outside;
 use crate::support::files;
 use alike::Otherwise;
 use choices::choices;

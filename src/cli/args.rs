@@ -7,8 +7,8 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use crate::compile::LevelFile;
 use crate::reach::{Planner, Restart};
 
-use super::corpus_args::CorpusArgs;
-use super::experiment_args::ExperimentArgs;
+use super::corpus::args::CorpusArgs;
+use super::experiment::args::ExperimentArgs;
 use super::time::{Hold, Time};
 
 /// Compiles, simulates and analyses action-game entities written as hybrid automata.

@@ -6,17 +6,11 @@
 
 mod about;
 mod args;
-mod asking;
 mod bounds;
-mod bounds_table;
 mod check;
 mod corpus;
-mod corpus_args;
-mod corpus_files;
-mod corpus_level;
 mod disk;
 mod experiment;
-mod experiment_args;
 mod explain;
 mod fix;
 mod fmt;
@@ -27,8 +21,6 @@ mod ir;
 mod lsp;
 mod new;
 mod reach;
-mod reach_result;
-mod refuted;
 mod replay;
 mod report;
 mod sim;
@@ -71,6 +63,7 @@ pub fn main() -> ExitCode {
         Command::Import(command) => import::run(&command),
         Command::Ir(args) => ir::run(&args),
         Command::Sim(args) => sim::run(&args),
+        Command::Reach(args) if corpus::is_asked(&args) => corpus::run(&args),
         Command::Reach(args) => reach::run(&args),
         Command::Experiment(args) => experiment::run(&args),
         Command::Explain(args) => explain::run(&args),

@@ -6,7 +6,7 @@ use clap::Args;
 
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Many levels")]
-pub(super) struct CorpusArgs {
+pub(in crate::cli) struct CorpusArgs {
     /// Keeps a row for each level and goal in a file of JSON lines, each as soon as it is done; a later run with the same
     /// file does only what is missing or has changed.
     #[arg(long, value_name = "FILE.jsonl")]

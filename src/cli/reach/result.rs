@@ -12,19 +12,19 @@ use crate::reach::{
 };
 use crate::sim::Simulator;
 
-use super::args::ReachArgs;
-use super::asking::nodes_limit;
 use super::refuted::Refuted;
+use super::session::nodes_limit;
+use crate::cli::args::ReachArgs;
 
-use super::report::{Loaded, program_sha256};
-use super::values;
+use crate::cli::report::{Loaded, program_sha256};
+use crate::cli::values;
 
 /// The version of the JSON result.
 const RESULT_VERSION: u32 = 5;
 
 /// All answers of one run of the command.
 #[derive(Serialize)]
-pub(super) struct RunResult {
+pub(in crate::cli) struct RunResult {
     version: u32,
     hypedc: &'static str,
     file: String,
@@ -134,7 +134,7 @@ impl RunResult {
 }
 
 /// When trees are begun anew, as results have it; none: as the planner does by itself.
-pub(super) fn restart_text(restart: Restart) -> Option<String> {
+pub(in crate::cli) fn restart_text(restart: Restart) -> Option<String> {
     match restart {
         Restart::ByPlanner => None,
         Restart::After(nodes) => Some(nodes.to_string()),
@@ -144,7 +144,7 @@ pub(super) fn restart_text(restart: Restart) -> Option<String> {
 
 /// A `never` that was broken on the way, and how.
 #[derive(Serialize)]
-pub(super) struct Violation {
+pub(in crate::cli) struct Violation {
     pub never: String,
     pub steps: u64,
     pub inputs: String,
@@ -158,7 +158,7 @@ impl Violation {
 
 /// How much a search covered.
 #[derive(Serialize)]
-pub(super) struct CoverageResult {
+pub(in crate::cli) struct CoverageResult {
     /// The side of a place, px.
     pub place: f64,
     pub places: u64,
@@ -172,7 +172,7 @@ pub(super) struct CoverageResult {
 
 /// Branches that were given up because a player left the search window of a space.
 #[derive(Serialize)]
-pub(super) struct CutResult {
+pub(in crate::cli) struct CutResult {
     pub space: String,
     pub left: f64,
     pub right: f64,
@@ -203,7 +203,7 @@ fn counted(count: u64, what: &str) -> String {
 
 /// What ways a question admits.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Question {
+pub(in crate::cli) struct Question {
     /// For how many steps an input is held at least.
     pub least_hold: u16,
     /// How many steps a way may take.
@@ -212,7 +212,7 @@ pub(super) struct Question {
 
 /// The answer to one question.
 #[derive(Serialize)]
-pub(super) struct Answered {
+pub(in crate::cli) struct Answered {
     /// `goal` or `never`.
     pub kind: &'static str,
     pub goal: String,

@@ -1,23 +1,23 @@
 //! `hypedc reach`: searches for inputs that bring about a world's goals, one verdict for each. Of several levels
-//! [`super::corpus`] makes rows.
+//! [`crate::cli::corpus`] makes rows.
+
+pub(in crate::cli) mod refuted;
+pub(in crate::cli) mod result;
+pub(in crate::cli) mod session;
 
 use std::io::{self, Write};
 
 use crate::ir::{World, WorldId};
 
-use super::Answer;
-use super::args::{ReachArgs, ResultFormat};
-use super::asking::{Asking, Found, Prepared, Refusal, barred, target_name};
-use super::corpus;
-use super::reach_result::RunResult;
-use super::refuted::command_line;
-use super::report::{Loaded, choose_world, load_barred, show_fact};
-use super::watching::{CommandWatch, Interrupt};
+use crate::cli::Answer;
+use crate::cli::args::{ReachArgs, ResultFormat};
+use crate::cli::report::{Loaded, choose_world, load_barred, show_fact};
+use crate::cli::watching::{CommandWatch, Interrupt};
+use refuted::command_line;
+use result::RunResult;
+use session::{Asking, Found, Prepared, Refusal, barred, target_name};
 
-pub(super) fn run(args: &ReachArgs) -> io::Result<Answer> {
-    if corpus::is_asked(args) {
-        return corpus::run(args);
-    }
+pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Answer> {
     let level = args.reading.of(args.map.first().map(AsRef::as_ref));
     let Some(mut loaded) = load_barred(&args.file, level, barred(args))? else {
         return Ok(Answer::Unasked);
@@ -128,9 +128,9 @@ mod tests {
 
     use clap::Parser;
 
-    use super::super::args::{Arguments, Command};
     use super::*;
     use crate::analysis::configuration_space;
+    use crate::cli::args::{Arguments, Command};
     use crate::ir::GoalId;
     use crate::reach::{Conclusion, Target};
 

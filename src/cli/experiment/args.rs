@@ -8,15 +8,15 @@ use clap::{Args, Subcommand, ValueEnum};
 use crate::experiment::Setup;
 use crate::reach::{Measure, Planner, Sampling};
 
-use super::args::{LevelArgs, seconds};
-use super::time::{Hold, held};
+use crate::cli::args::{LevelArgs, seconds};
+use crate::cli::time::{Hold, held};
 
 /// What `--planners` calls all of them.
 const ALL: &str = "all";
 
 #[derive(Debug, Args)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
-pub(super) struct ExperimentArgs {
+pub(in crate::cli) struct ExperimentArgs {
     #[command(subcommand)]
     pub known: Option<Known>,
     #[command(flatten)]
@@ -25,13 +25,13 @@ pub(super) struct ExperimentArgs {
 
 /// An experiment that the binary carries with it.
 #[derive(Debug, Subcommand)]
-pub(super) enum Known {
+pub(in crate::cli) enum Known {
     /// Tables 1 and 2 of Osborn, Lambrigger and Mateas, HyPED, AIIDE 2017.
     Paper(PaperArgs),
 }
 
 #[derive(Debug, Args)]
-pub(super) struct PaperArgs {
+pub(in crate::cli) struct PaperArgs {
     /// The tests to run.
     #[arg(long, value_name = "1,2", default_value = "1,2", value_delimiter = ',', value_parser = clap::value_parser!(u8).range(1..=2))]
     pub tests: Vec<u8>,
@@ -44,7 +44,7 @@ pub(super) struct PaperArgs {
 
 /// A goal of the paper's Test 2.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum PaperGoal {
+pub(in crate::cli) enum PaperGoal {
     /// The tile on the upper left, as in the paper's Figure 3.
     Drawn,
     /// As in the paper's code: a jump on the spot reaches it.
@@ -62,7 +62,7 @@ impl PaperGoal {
 }
 
 #[derive(Debug, Args)]
-pub(super) struct FilesArgs {
+pub(in crate::cli) struct FilesArgs {
     /// The programs, for all goals of all their worlds.
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
@@ -77,7 +77,7 @@ pub(super) struct FilesArgs {
 
 /// What all experiments have.
 #[derive(Debug, Args)]
-pub(super) struct ExperimentOptions {
+pub(in crate::cli) struct ExperimentOptions {
     /// How often each planner is run: with the seeds 1 to N.
     #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u32).range(1..))]
     pub seeds: u32,
@@ -141,7 +141,7 @@ impl ExperimentOptions {
 
 /// Where the searches of an experiment draw their samples from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum BoundsChoice {
+pub(in crate::cli) enum BoundsChoice {
     /// A box for everything.
     Naive,
     /// What the analysis finds that can be.
@@ -152,7 +152,7 @@ pub(super) enum BoundsChoice {
 
 /// What the searches of an experiment measure distances in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum MetricChoice {
+pub(in crate::cli) enum MetricChoice {
     /// The whole state.
     Full,
     /// The players' positions.
@@ -163,7 +163,7 @@ pub(super) enum MetricChoice {
 
 /// How an experiment is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum ExperimentFormat {
+pub(in crate::cli) enum ExperimentFormat {
     /// A table for each goal.
     Text,
     /// A line for each run.

@@ -1,5 +1,7 @@
 //! `hypedc bounds`: what each part of a world can be, as tables or as JSON, and how many dimensions that leaves.
 
+mod table;
+
 use std::io::{self, Write};
 use std::ops::AddAssign;
 
@@ -12,11 +14,11 @@ use crate::reach::{Conclusion, Problem, Proof};
 use crate::sim::Simulator;
 use crate::watch::Unwatched;
 
-use super::Answer;
-use super::args::{BoundsArgs, ResultFormat};
-use super::bounds_table::write_table;
-use super::report::{Loaded, choose_world, load};
-use super::values::{is_bounded, reasons};
+use crate::cli::Answer;
+use crate::cli::args::{BoundsArgs, ResultFormat};
+use crate::cli::report::{Loaded, choose_world, load};
+use crate::cli::values::{is_bounded, reasons};
+use table::write_table;
 
 /// The version of the JSON result.
 const RESULT_VERSION: u32 = 1;
@@ -24,7 +26,7 @@ const RESULT_VERSION: u32 = 1;
 /// How many numbers a state has: three for each continuous variable (it and two derivatives), one for each discrete
 /// variable and each timer, one for each group of modes that has several.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
-pub(super) struct Dimensions {
+pub(in crate::cli) struct Dimensions {
     /// As the program is written.
     pub all: usize,
     /// Those that are not the same in all that can be.
@@ -41,7 +43,7 @@ impl AddAssign for Dimensions {
     }
 }
 
-pub(super) fn dimensions(entity: &Entity, space: &SlotSpace) -> Dimensions {
+pub(in crate::cli) fn dimensions(entity: &Entity, space: &SlotSpace) -> Dimensions {
     let numbers = |c: &Configuration| -> Vec<Values> {
         let vars = c.vars.iter().flatten().cloned();
         vars.chain(c.discretes.iter().cloned()).chain(c.timers.iter().map(|t| Values::from(*t))).collect()
@@ -74,7 +76,7 @@ pub(super) fn dimensions(entity: &Entity, space: &SlotSpace) -> Dimensions {
 }
 
 /// What is asked of one world.
-pub(super) struct Asked<'a> {
+pub(in crate::cli) struct Asked<'a> {
     pub program: &'a Program,
     pub world: &'a World,
     pub space: &'a ConfigurationSpace,
@@ -94,7 +96,7 @@ impl<'a> Asked<'a> {
     }
 }
 
-pub(super) fn run(args: &BoundsArgs) -> io::Result<Answer> {
+pub(in crate::cli) fn run(args: &BoundsArgs) -> io::Result<Answer> {
     let Some(loaded) = load(&args.file, args.level.file())? else { return Ok(Answer::Unasked) };
     let Some(id) = choose_world(&loaded, &args.file, args.world.as_deref())? else { return Ok(Answer::Unasked) };
     let space = configuration_space(&loaded.program, id);

@@ -7,8 +7,8 @@ use std::io::{self, Write};
 use crate::analysis::{Configuration, Interval, SlotSpace, Values};
 use crate::ir::{DiscreteId, Domain, Entity, GroupId, Id, LeafId, SlotId, TimerId, VarId, World};
 
-use super::bounds::{Asked, Dimensions, dimensions};
-use super::values::{number, shown, variable};
+use crate::cli::bounds::{Asked, Dimensions, dimensions};
+use crate::cli::values::{number, shown, variable};
 
 /// The widest a line gets, where it can be broken.
 const WIDTH: usize = 110;
@@ -37,7 +37,7 @@ struct Alike {
 }
 
 /// Writes all slots, those that are alike together, and the sum of their dimensions.
-pub(super) fn write_table(out: &mut impl Write, asked: &Asked<'_>) -> io::Result<()> {
+pub(in crate::cli) fn write_table(out: &mut impl Write, asked: &Asked<'_>) -> io::Result<()> {
     let mut all: Vec<Alike> = Vec::new();
     for slot in asked.space.slots.ids() {
         let s = Slot { world: asked.world, entity: asked.entity(slot), space: &asked.space.slots[slot] };

@@ -1,5 +1,9 @@
 //! `hypedc reach` about many levels: which they are, the threads, the files, what is shown at the end. A level is
-//! [`super::corpus_level`]'s; what rows are and mean is [`crate::corpus`]'s.
+//! [`level`]'s; what rows are and mean is [`crate::corpus`]'s.
+
+pub(in crate::cli) mod args;
+mod files;
+mod level;
 
 use std::collections::BTreeSet;
 use std::fs::{File, read_dir, write};
@@ -19,14 +23,14 @@ use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::reach::Target;
 use crate::source::SourceMap;
 
-use super::Answer;
-use super::args::{ReachArgs, ResultFormat};
-use super::asking::{Prepared, Refusal, barred, target_name};
-use super::corpus_files::{CsvFile, RecordFile};
-use super::corpus_level::{Common, Done, Level, row_settings};
-use super::disk::{open, rows};
-use super::report::{find_world, has_maps, load_barred, plain_error};
-use super::watching::interrupted;
+use crate::cli::Answer;
+use crate::cli::args::{ReachArgs, ResultFormat};
+use crate::cli::disk::{open, rows};
+use crate::cli::reach::session::{Prepared, Refusal, barred, target_name};
+use crate::cli::report::{find_world, has_maps, load_barred, plain_error};
+use crate::cli::watching::interrupted;
+use files::{CsvFile, RecordFile};
+use level::{Common, Done, Level, row_settings};
 
 /// The version of the JSON result.
 const RESULT_VERSION: u32 = 2;
@@ -35,14 +39,14 @@ const RESULT_VERSION: u32 = 2;
 const EXTENSIONS: [&str; 3] = ["txt", "tmx", "tmj"];
 
 /// Whether the arguments ask about many levels, or for what only they have.
-pub(super) fn is_asked(args: &ReachArgs) -> bool {
+pub(in crate::cli) fn is_asked(args: &ReachArgs) -> bool {
     let of = &args.corpus;
     let wants = [&of.results, &of.csv, &of.junit, &of.baseline].iter().any(|path| path.is_some());
     wants || args.map.len() > 1 || args.map.iter().any(|path| path.is_dir())
 }
 
 /// Asks the questions of each level.
-pub(super) fn run(args: &ReachArgs) -> io::Result<Answer> {
+pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Answer> {
     // What is asked wrongly is wrong for all levels, and told before any of them.
     let Some(mut loaded) = load_barred(&args.file, args.reading.of(None), barred(args))? else {
         return Ok(Answer::Unasked);

@@ -12,23 +12,23 @@ use crate::diagnostic::{Severity, render};
 use crate::reach;
 use crate::watch::Watch;
 
-use super::args::ReachArgs;
-use super::asking::{Asked, Asking, Prepared, Refusal, barred, named, nodes_limit};
-use super::disk::Disk;
-use super::reach_result::{Answered, restart_text};
-use super::refuted::command_line;
-use super::report::{Loaded, find_world, level_sha256, program_sha256};
+use crate::cli::args::ReachArgs;
+use crate::cli::disk::Disk;
+use crate::cli::reach::refuted::command_line;
+use crate::cli::reach::result::{Answered, restart_text};
+use crate::cli::reach::session::{Asked, Asking, Prepared, Refusal, barred, named, nodes_limit};
+use crate::cli::report::{Loaded, find_world, level_sha256, program_sha256};
 
 /// A level of many; none for a program that has its maps in it.
 #[derive(Debug, Clone)]
-pub(super) struct Level {
+pub(in crate::cli) struct Level {
     pub path: Option<PathBuf>,
     /// What it is called in the names of files, if there are several.
     pub name: Option<String>,
 }
 
 /// What all levels have in common.
-pub(super) struct Common<'c> {
+pub(in crate::cli) struct Common<'c> {
     pub args: &'c ReachArgs,
     pub world: String,
     /// The questions, in the order of their rows.
@@ -39,7 +39,7 @@ pub(super) struct Common<'c> {
 }
 
 /// What comes of a question, with its number.
-pub(super) enum Done {
+pub(in crate::cli) enum Done {
     /// As an earlier run found it.
     Kept(usize, Box<Kept>),
     /// Now.
@@ -49,7 +49,7 @@ pub(super) enum Done {
 }
 
 /// How a search is done, as rows have it.
-pub(super) fn row_settings(args: &ReachArgs, settings: &reach::Settings) -> Settings {
+pub(in crate::cli) fn row_settings(args: &ReachArgs, settings: &reach::Settings) -> Settings {
     Settings {
         hypedc: env!("CARGO_PKG_VERSION").to_string(),
         seed: settings.seed,

@@ -11,14 +11,14 @@ use crate::analysis::Beyond;
 use crate::ir::{Program, WorldId};
 use crate::reach::Refutation;
 
-use super::report::program_sha256;
+use crate::cli::report::program_sha256;
 
 /// So many files of one name are numbered.
 const MOST_FILES: usize = 10_000;
 
 /// A run that refutes the analysis, as results have it.
 #[derive(Debug, Clone, Serialize)]
-pub(super) struct Refuted {
+pub(in crate::cli) struct Refuted {
     pub instance: String,
     pub modes: Vec<String>,
     pub beyond: Vec<BeyondResult>,
@@ -32,14 +32,14 @@ pub(super) struct Refuted {
 
 /// A number that is as it never is.
 #[derive(Debug, Clone, Serialize)]
-pub(super) struct BeyondResult {
+pub(in crate::cli) struct BeyondResult {
     pub variable: String,
     pub value: String,
     pub allowed: String,
 }
 
 /// What was asked of which files.
-pub(super) struct Occasion<'o> {
+pub(in crate::cli) struct Occasion<'o> {
     pub file: &'o Path,
     pub level: Option<&'o Path>,
     pub seed: u64,
@@ -127,7 +127,7 @@ impl Refuted {
 }
 
 /// The command line of this process.
-pub(super) fn command_line() -> String {
+pub(in crate::cli) fn command_line() -> String {
     let quoted = |argument: String| {
         let plain = |c: char| c.is_alphanumeric() || "-_./=+:,*@%".contains(c);
         match !argument.is_empty() && argument.chars().all(plain) {

@@ -1,6 +1,8 @@
 //! `hypedc experiment`: runs planners many times over goals, and writes tables, CSV and JSON. Here are the clock, the
 //! programs and the files; what is run and how it is counted is [`crate::experiment`]'s.
 
+pub(in crate::cli) mod args;
+
 use std::fs::File;
 use std::io::{self, BufWriter, IsTerminal, Write};
 use std::ops::ControlFlow;
@@ -20,10 +22,10 @@ use crate::ir::GoalId;
 use crate::reach::{Limits, Planner, Problem, Proof};
 use crate::sim::Simulator;
 
-use super::Answer;
-use super::experiment_args::{ExperimentArgs, ExperimentFormat, ExperimentOptions, FilesArgs, Known, PaperArgs};
-use super::report::{Loaded, has_maps, load, plain_error, program_sha256, show, show_fact};
-use super::watching::interrupted;
+use crate::cli::Answer;
+use crate::cli::report::{Loaded, has_maps, load, plain_error, program_sha256, show, show_fact};
+use crate::cli::watching::interrupted;
+use args::{ExperimentArgs, ExperimentFormat, ExperimentOptions, FilesArgs, Known, PaperArgs};
 
 /// The CPU time of the thread that asks: other programs on the machine do not count.
 struct ThreadClock;
@@ -49,7 +51,7 @@ struct Analysed<'s> {
     seconds: f64,
 }
 
-pub(super) fn run(args: &ExperimentArgs) -> io::Result<Answer> {
+pub(in crate::cli) fn run(args: &ExperimentArgs) -> io::Result<Answer> {
     if let Err(error) = ThreadTime::try_now() {
         plain_error(&format!("the system does not tell the CPU time of a thread: {error}"))?;
         return Ok(Answer::Unasked);

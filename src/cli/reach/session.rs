@@ -21,18 +21,18 @@ use crate::source::SourceMap;
 use crate::view::{Node, Search, Stop, search_svg};
 use crate::watch::Watch;
 
-use super::args::{MetricName, ReachArgs, SampleBounds};
-use super::reach_result::{Answered, Question, Violation};
 use super::refuted::{Occasion, Refuted};
-use super::report::{Loaded, plain_error, show};
-use super::sim::save_script;
-use super::time::{Time, held};
+use super::result::{Answered, Question, Violation};
+use crate::cli::args::{MetricName, ReachArgs, SampleBounds};
+use crate::cli::report::{Loaded, plain_error, show};
+use crate::cli::sim::save_script;
+use crate::cli::time::{Time, held};
 
 /// What the predicate of `--without` is called: no author can call one so.
 const WITHOUT: &str = "--without";
 
 /// Why a question cannot be asked, or its answer not be kept.
-pub(super) enum Refusal {
+pub(in crate::cli) enum Refusal {
     Findings(Diagnostics),
     Plain(String),
 }
@@ -62,7 +62,7 @@ impl Refusal {
 }
 
 /// The predicate that may never hold, if there is one.
-pub(super) fn barred(args: &ReachArgs) -> Option<Barred<'_>> {
+pub(in crate::cli) fn barred(args: &ReachArgs) -> Option<Barred<'_>> {
     args.without.as_deref().map(|predicate| Barred {
         world: args.world.as_deref(),
         name: WITHOUT,
@@ -72,7 +72,7 @@ pub(super) fn barred(args: &ReachArgs) -> Option<Barred<'_>> {
 }
 
 /// What the arguments mean for a world.
-pub(super) struct Prepared {
+pub(in crate::cli) struct Prepared {
     world: WorldId,
     pub targets: Vec<Target>,
     pub settings: Settings,
@@ -93,7 +93,7 @@ impl Prepared {
 }
 
 /// A world with all that questions about it have in common.
-pub(super) struct Asking<'a> {
+pub(in crate::cli) struct Asking<'a> {
     args: &'a ReachArgs,
     loaded: &'a Loaded,
     sim: Simulator,
@@ -106,7 +106,7 @@ pub(super) struct Asking<'a> {
 }
 
 /// What was found about a question.
-pub(super) struct Found<'q> {
+pub(in crate::cli) struct Found<'q> {
     target: Target,
     /// None if it was stopped before it could be asked.
     problem: Option<Problem<'q>>,
@@ -124,7 +124,7 @@ impl Found<'_> {
 }
 
 /// An answer, and how it was found.
-pub(super) struct Asked {
+pub(in crate::cli) struct Asked {
     pub answered: Answered,
     pub outcome: Outcome,
 }
@@ -404,7 +404,7 @@ impl<'a> Asking<'a> {
 }
 
 /// What a target is called.
-pub(super) fn target_name(world: &World, target: Target) -> &str {
+pub(in crate::cli) fn target_name(world: &World, target: Target) -> &str {
     match target {
         Target::Goal(id) => &world.goals[id].name,
         Target::Never(id) => &world.nevers[id].name,
@@ -412,7 +412,7 @@ pub(super) fn target_name(world: &World, target: Target) -> &str {
 }
 
 /// How many nodes may grow.
-pub(super) fn nodes_limit(args: &ReachArgs) -> u64 {
+pub(in crate::cli) fn nodes_limit(args: &ReachArgs) -> u64 {
     args.nodes.unwrap_or(if args.seconds.is_some() { u64::MAX } else { Limits::default().nodes })
 }
 
@@ -505,7 +505,7 @@ fn choose_targets(table: &World, args: &ReachArgs) -> Result<Vec<Target>, Refusa
 }
 
 /// A path with some words before its extension.
-pub(super) fn named<'w>(path: &Path, words: impl IntoIterator<Item = &'w str>) -> PathBuf {
+pub(in crate::cli) fn named<'w>(path: &Path, words: impl IntoIterator<Item = &'w str>) -> PathBuf {
     let mut name = path.file_stem().unwrap_or_default().to_os_string();
     for word in words {
         name.push(".");

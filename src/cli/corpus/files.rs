@@ -10,10 +10,10 @@ use crate::corpus::{CSV_HEADER, Kept, Key, Record, Row, csv_line};
 use crate::source::ReadError;
 use crate::tabular::csv;
 
-use super::disk::{is_regular, replace, rows as disk_rows};
+use crate::cli::disk::{is_regular, replace, rows as disk_rows};
 
 /// The file of rows, open for more.
-pub(super) struct RecordFile {
+pub(in crate::cli) struct RecordFile {
     path: PathBuf,
     file: File,
     /// What it held when it was opened.
@@ -90,7 +90,7 @@ impl RecordFile {
 }
 
 /// The CSV, open for more.
-pub(super) struct CsvFile {
+pub(in crate::cli) struct CsvFile {
     path: PathBuf,
     file: File,
 }

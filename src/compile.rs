@@ -31,7 +31,7 @@ pub struct Compilation {
 
 /// A predicate that may never hold, beside those of the program.
 #[derive(Debug, Clone, Copy)]
-pub struct Barred<'a> {
+pub struct ExtraConstraint<'a> {
     /// The world; none: all of the file.
     pub world: Option<&'a str>,
     /// What it is called.
@@ -79,13 +79,18 @@ pub fn compile_with(root: &Path, level: LevelFile<'_>, files: &dyn Files) -> Com
 
 /// As [`compile_with`], with one more `never` in each world of the file that is named, or in all: a predicate that comes
 /// from the command line. It is the last one of its world.
-pub fn compile_barred(root: &Path, level: LevelFile<'_>, barred: Option<Barred<'_>>, files: &dyn Files) -> Compilation {
+pub fn compile_barred(
+    root: &Path,
+    level: LevelFile<'_>,
+    barred: Option<ExtraConstraint<'_>>,
+    files: &dyn Files,
+) -> Compilation {
     stages(root, level, barred, files, Occurrences::default()).0.0
 }
 
 /// A compilation, and what its stages know of names: what an editor shows.
 #[derive(Debug, Clone)]
-pub struct Study {
+pub struct IdeCompilation {
     /// What came of it.
     pub compilation: Compilation,
     /// The checked program, as far as there is one.
@@ -95,12 +100,12 @@ pub struct Study {
 }
 
 /// As [`compile`], and keeps what its stages know of names.
-pub fn study(root: &Path, files: &dyn Files) -> Study {
+pub fn study(root: &Path, files: &dyn Files) -> IdeCompilation {
     let ((mut compilation, mut checked), trees) = stages(root, LevelFile::default(), None, files, Occurrences::kept());
     let mut occurrences = std::mem::take(&mut checked.occurrences).sorted(&compilation.sources);
     occurrences.extend(sema::names_of_unused(&trees, &mut compilation.sources, &occurrences));
     occurrences.sort_unstable();
-    Study { compilation, checked, occurrences }
+    IdeCompilation { compilation, checked, occurrences }
 }
 
 /// A compilation, the checked program, and the trees that it was made of, behaviours in place; no trees where nobody wants
@@ -108,7 +113,7 @@ pub fn study(root: &Path, files: &dyn Files) -> Study {
 fn stages(
     root: &Path,
     level: LevelFile<'_>,
-    barred: Option<Barred<'_>>,
+    barred: Option<ExtraConstraint<'_>>,
     files: &dyn Files,
     mut occurrences: Occurrences,
 ) -> ((Compilation, Checked), Vec<ast::File>) {

@@ -15,7 +15,7 @@
 //! |---|---|
 //! | [`source`] | files, spans, line and column look-up |
 //! | [`watch`] | progress and interruption of long work |
-//! | [`crew`] | tasks done side by side |
+//! | [`parallel`] | tasks done side by side |
 //! | [`tabular`] | tables in plain text and as CSV |
 //! | [`diagnostic`] | what is wrong with a program: facts, wording, pages that explain it, renderers |
 //! | [`syntax`] | the grammar's pairs as an abstract syntax tree, with recovery |
@@ -46,7 +46,6 @@ pub mod cli;
 pub mod compile;
 #[cfg(feature = "cli")]
 pub mod corpus;
-pub mod crew;
 pub mod diagnostic;
 pub mod experiment;
 pub mod format;
@@ -58,6 +57,7 @@ pub mod level;
 pub mod lint;
 #[cfg(feature = "lsp")]
 pub mod lsp;
+pub mod parallel;
 pub mod reach;
 pub mod sema;
 pub mod sim;

@@ -11,7 +11,9 @@ use crate::support::{Disk, compile_text, program};
 use hypedc::analysis::configuration_space;
 use hypedc::compile::compile;
 use hypedc::ir::{GoalId, NeverId, Program, WorldId};
-use hypedc::reach::{Death, Exhaustion, Limits, Outcome, Planner, Problem, Settings, Standing, Target, Verdict, reach};
+use hypedc::reach::{
+    Exhaustion, Limits, Outcome, Planner, Problem, Settings, StateStatus, Target, Termination, Verdict, reach,
+};
 use hypedc::sim::{Script, Simulator, parse_script};
 use hypedc::source::SourceMap;
 use hypedc::watch::Unwatched;
@@ -250,16 +252,16 @@ fn bounds_end_a_run_where_a_never_counts_and_a_goal_does_not() {
         sim.step(&mut state, input, &mut scratch).unwrap();
     }
     assert_eq!(sim.left_bounds(&state), Some(sim.world().players[hypedc::ir::PlayerId(0)].slot));
-    assert_eq!(Problem::new(&sim, GoalId(0)).judge(&state), Ok(Standing::Dead(Death::Never(NeverId(0)))));
-    assert_eq!(Problem::asking(&sim, Target::Never(NeverId(0))).judge(&state), Ok(Standing::Goal));
+    assert_eq!(Problem::new(&sim, GoalId(0)).judge(&state), Ok(StateStatus::Dead(Termination::Never(NeverId(0)))));
+    assert_eq!(Problem::asking(&sim, Target::Never(NeverId(0))).judge(&state), Ok(StateStatus::Goal));
     let program = meadow(more, "goal left: hero.x < 0");
     let sim = Simulator::new(&program, WORLD);
-    assert_eq!(Problem::new(&sim, GoalId(0)).judge(&state), Ok(Standing::Dead(Death::Outside)));
+    assert_eq!(Problem::new(&sim, GoalId(0)).judge(&state), Ok(StateStatus::Dead(Termination::Outside)));
     // Without bounds, nothing ends.
     let program = meadow("", "goal left: hero.x < 0");
     let sim = Simulator::new(&program, WORLD);
     assert_eq!(sim.left_bounds(&state), None);
-    assert_eq!(Problem::new(&sim, GoalId(0)).judge(&state), Ok(Standing::Goal));
+    assert_eq!(Problem::new(&sim, GoalId(0)).judge(&state), Ok(StateStatus::Goal));
 }
 
 /// What the command prints to its standard output and error, and whether it says yes.

@@ -11,7 +11,7 @@ use hypedc::analysis::{ConfigurationSpace, configuration_space};
 use hypedc::compile::compile;
 use hypedc::ir::{GoalId, Program, WorldId};
 use hypedc::reach::{
-    Argument, Guard, Limits, Outcome, Planner, Problem, Settings, Verdict, hasten, reach, search, shorten,
+    Argument, Guard, Limits, Outcome, Planner, Problem, Settings, Verdict, improve_duration, reach, search, shorten,
 };
 use hypedc::sim::{Script, Simulator, parse_script};
 use hypedc::source::SourceMap;
@@ -148,7 +148,7 @@ fn replayed_ways_are_looked_at() {
         let problem = Problem::new(&sim, FAR).guarded(&guard);
         match way {
             0 => drop(shorten(&problem, &plan, &Unwatched)),
-            _ => drop(hasten(&problem, &space, &unchecked, &limits(500), &plan, &Unwatched)),
+            _ => drop(improve_duration(&problem, &space, &unchecked, &limits(500), &plan, &Unwatched)),
         }
         assert!(guard.refutation().is_some(), "{way}");
     }

@@ -19,7 +19,7 @@ use std::path::Path;
 
 use crate::analysis::{any_program, generate as lively};
 use crate::support::{Disk, Text, files};
-use hypedc::compile::{Study, study};
+use hypedc::compile::{IdeCompilation, study};
 use hypedc::ir::WorldId;
 use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestError, TestRunner};
@@ -37,12 +37,12 @@ fn set(name: &str) -> Option<u64> {
     std::env::var(name).ok().map(|text| text.parse().unwrap())
 }
 
-fn study_text(text: &str) -> Study {
+fn study_text(text: &str) -> IdeCompilation {
     study(Path::new("test.hyped"), &Text(text))
 }
 
 /// Draws so many programs and checks them. One that fails shrinks and is told of.
-fn hold(worlds: u64, generate: fn(&[u16]) -> String, check: impl Fn(&Study, u64) -> Result<(), String>) {
+fn hold(worlds: u64, generate: fn(&[u16]) -> String, check: impl Fn(&IdeCompilation, u64) -> Result<(), String>) {
     let seed = set("HYPEDC_SEED").unwrap_or(if is_long() { u64::from(std::process::id()) } else { 1 });
     println!("HYPEDC_SEED={seed}");
     let cases = worlds as u32;

@@ -13,7 +13,7 @@ use hypedc::analysis::configuration_space;
 use hypedc::compile::compile;
 use hypedc::ir::{Id, Program, SlotId, WorldId};
 use hypedc::reach::{
-    Argument, Limits, Outcome, Planner, Problem, Settings, Standing, Target, Verdict, reach, search as grow,
+    Argument, Limits, Outcome, Planner, Problem, Settings, StateStatus, Target, Verdict, reach, search as grow,
 };
 use hypedc::sim::{Input, PlayerInput, Script, Simulator, State, parse_script};
 use hypedc::source::SourceMap;
@@ -87,9 +87,9 @@ fn by_steps(problem: &Problem<'_>, least: usize, most: usize) -> Option<Option<u
     let mut open = VecDeque::from([(initial, usize::MAX, least, 0)]);
     while let Some((state, held, count, depth)) = open.pop_front() {
         match problem.judge(&state).unwrap() {
-            Standing::Goal => return Some(Some(depth)),
-            Standing::Dead(_) => continue,
-            Standing::Open => {}
+            StateStatus::Goal => return Some(Some(depth)),
+            StateStatus::Dead(_) => continue,
+            StateStatus::Open => {}
         }
         if known.len() > most {
             return None;

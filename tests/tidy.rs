@@ -11,7 +11,7 @@ use crate::support::files;
 const ARROWS: &[(&str, &[&str])] = &[
     ("source", &[]),
     ("watch", &[]),
-    ("crew", &[]),
+    ("parallel", &[]),
     ("tabular", &[]),
     ("diagnostic", &["source"]),
     ("syntax", &["source", "diagnostic"]),
@@ -28,14 +28,14 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("reach", &["watch", "ir", "analysis", "sim"]),
     ("graph", &["source", "ir"]),
     ("view", &["ir"]),
-    ("experiment", &["source", "watch", "crew", "tabular", "ir", "analysis", "compile", "sim", "reach"]),
+    ("experiment", &["source", "watch", "parallel", "tabular", "ir", "analysis", "compile", "sim", "reach"]),
     ("corpus", &["tabular", "reach"]),
     ("lsp", &["source", "watch", "diagnostic", "syntax", "format", "sema", "ir", "analysis", "compile"]),
     (
         "cli",
         &[
             "source",
-            "crew",
+            "parallel",
             "tabular",
             "corpus",
             "analysis",

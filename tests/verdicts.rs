@@ -10,11 +10,11 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use crate::support::{Disk, files, program};
 use hypedc::analysis::{ConfigurationSpace, configuration_space, configuration_space_without};
-use hypedc::compile::{Barred, LevelFile, compile, compile_barred};
+use hypedc::compile::{ExtraConstraint, LevelFile, compile, compile_barred};
 use hypedc::ir::{GoalId, Program, WorldId};
 use hypedc::reach::{
-    Argument, Limits, Outcome, Plan, Planner, Problem, Proof, Sampling, Settings, Target, Verdict, hasten, reach,
-    search as grow, shorten,
+    Argument, Limits, Outcome, Plan, Planner, Problem, Proof, Sampling, Settings, Target, Verdict, improve_duration,
+    reach, search as grow, shorten,
 };
 use hypedc::sim::{Script, Simulator, parse_script};
 use hypedc::source::SourceMap;
@@ -289,7 +289,7 @@ fn hastens(
     settings: &Settings,
     plan: &Plan,
 ) {
-    let fast = hasten(problem, space, settings, &limits(1_000), plan, &Unwatched);
+    let fast = improve_duration(problem, space, settings, &limits(1_000), plan, &Unwatched);
     question.replay(&fast);
     assert!(fast.steps - fast.after < plan.steps - plan.after || fast == *plan, "{}", question.what);
 }
@@ -405,7 +405,7 @@ fn ways_go_on_from_where_a_script_leads() {
 /// A goal of a world, with one more `never`; how the analysis and all planners answer.
 fn without(file: &str, goal: &str, predicate: &str) -> Vec<Verdict> {
     let path = Path::new("tests/verdicts").join(file).with_extension("hyped");
-    let barred = Barred { world: None, name: "without", predicate, origin: "test" };
+    let barred = ExtraConstraint { world: None, name: "without", predicate, origin: "test" };
     let program = program(compile_barred(&path, LevelFile::default(), Some(barred), &Disk));
     let world = WorldId(0);
     let id = program.worlds[world].goals.find(|g| g.name == goal).unwrap();

@@ -273,7 +273,7 @@ enum Jump {
     Falling,
     Control,
     Fixed,
-    Ground,
+    SearchContext,
 }
 
 /// Test 2.
@@ -326,7 +326,7 @@ impl ByHand for Test2 {
         let pressed = held && !self.held;
         self.held = held;
         let last = self.jump;
-        let next = if last == Jump::Ground {
+        let next = if last == Jump::SearchContext {
             if !self.below {
                 self.vy = 0.0;
                 Jump::Falling
@@ -334,10 +334,10 @@ impl ByHand for Test2 {
                 self.vy = 200.0;
                 Jump::Control
             } else {
-                Jump::Ground
+                Jump::SearchContext
             }
         } else if self.below {
-            Jump::Ground
+            Jump::SearchContext
         } else if self.above {
             Jump::Falling
         } else {
@@ -347,7 +347,7 @@ impl ByHand for Test2 {
                 _ => last,
             }
         };
-        if (next == Jump::Ground) != (last == Jump::Ground) {
+        if (next == Jump::SearchContext) != (last == Jump::SearchContext) {
             self.outer_time = 0.0;
         }
         self.outer_time += DT;
@@ -361,7 +361,7 @@ impl ByHand for Test2 {
             0.0
         };
         let (target, reach);
-        if next == Jump::Ground {
+        if next == Jump::SearchContext {
             target = way * 100.0;
             reach = 500.0 * DT;
             self.vy = -30.0;

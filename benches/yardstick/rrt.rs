@@ -9,7 +9,7 @@ use super::{ByHand, Jump, Platform, Test1, Test2};
 /// So many nodes stand in a block.
 const LANES: usize = 16;
 /// The most coordinates of a point, its modes included.
-const MOST_ROWS: usize = 22;
+const MAX_ROWS: usize = 22;
 /// How many modes a point ends with.
 const MODES: usize = 3;
 /// What a mode that differs adds to the squared distance.
@@ -22,7 +22,7 @@ const HOLD: u32 = 10;
 const GOAL_EVERY: u32 = 20;
 
 /// A state as the planner sees it: the player's x, x', y and y', what else there is, then the modes.
-pub type Point = [f32; MOST_ROWS];
+pub type Point = [f32; MAX_ROWS];
 
 /// A world that an RRT can be grown in.
 pub trait Planned: ByHand + Send {
@@ -230,7 +230,7 @@ impl Planned for Test1 {
 
     #[inline(always)]
     fn point(&self) -> Point {
-        let mut out = [0.0; MOST_ROWS];
+        let mut out = [0.0; MAX_ROWS];
         out[..4].copy_from_slice(&self.player().map(|value| value as f32));
         out[4 + self.walk as usize] = self.time as f32;
         self.brown.point(true, &mut out[7..]);
@@ -241,7 +241,7 @@ impl Planned for Test1 {
     }
 
     fn sample(random: &mut Random) -> Point {
-        let mut out = [0.0; MOST_ROWS];
+        let mut out = [0.0; MAX_ROWS];
         let walk = random.below(3) as usize;
         let speed = [60.0, 0.0, -60.0][walk];
         out[0] = random.up_to(Self::WIDTH);
@@ -265,15 +265,15 @@ impl Planned for Test2 {
 
     fn available(&self) -> u8 {
         // The button tells whether a jump begins, and how long it goes on.
-        if matches!(self.jump, Jump::Ground | Jump::Control) { 0b11_1111 } else { 0b00_0111 }
+        if matches!(self.jump, Jump::SearchContext | Jump::Control) { 0b11_1111 } else { 0b00_0111 }
     }
 
     #[inline(always)]
     fn point(&self) -> Point {
-        let mut out = [0.0; MOST_ROWS];
+        let mut out = [0.0; MAX_ROWS];
         out[..4].copy_from_slice(&self.player().map(|value| value as f32));
         out[4] = [-400.0, -250.0, -250.0, 0.0][self.jump as usize];
-        out[if self.jump == Jump::Ground { 9 } else { 5 }] = self.outer_time as f32;
+        out[if self.jump == Jump::SearchContext { 9 } else { 5 }] = self.outer_time as f32;
         out[6 + self.inner as usize] = self.inner_time as f32;
         self.brown.point(true, &mut out[10..]);
         self.green.point(false, &mut out[15..]);
@@ -283,12 +283,12 @@ impl Planned for Test2 {
     }
 
     fn sample(random: &mut Random) -> Point {
-        let mut out = [0.0; MOST_ROWS];
+        let mut out = [0.0; MAX_ROWS];
         let jump = random.below(4) as usize;
         out[0] = random.up_to(Self::WIDTH);
         out[1] = random.up_to(200) - 100.0;
         out[2] = random.up_to(320);
-        if jump == Jump::Ground as usize {
+        if jump == Jump::SearchContext as usize {
             out[3] = [-30.0, 0.0, 200.0][random.below(3) as usize];
             out[9] = random.up_to(10);
         } else {

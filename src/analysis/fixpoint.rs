@@ -9,20 +9,20 @@ use crate::ir::{
 
 use crate::watch::Watch;
 
-use super::barred::Barred;
+use super::barred::ExtraConstraint;
 use super::cells::{CellId, Cells};
 use super::configuration::{Between, Configuration, Overall};
+use super::counter_bounds::Limits;
 use super::evaluate::{Joined, Phase, Reader};
 use super::scene::Scene;
 use super::step::{Landing, Outcome, Stepper, Whose};
-use super::supply::Limits;
 use super::surroundings::Surroundings;
 use super::values::{Interval, Values};
 use super::widen::{Patience, Thresholds, within_bounds};
 use super::{ConfigurationSpace, GivenUp, SlotSpace};
 
 /// More combinations of leaves than that are not told apart.
-pub(super) const MOST_CONFIGURATIONS: usize = 1_024;
+pub(super) const MAX_CONFIGURATIONS: usize = 1_024;
 /// How often the result is cut to what follows from it.
 const NARROWINGS: usize = 2;
 
@@ -80,7 +80,7 @@ pub(super) struct Analysis<'a> {
     /// What discrete variables can be at most, whatever the steps.
     limits: Limits,
     /// What never holds.
-    barred: Barred<'a>,
+    barred: ExtraConstraint<'a>,
     /// Whether some instance reads others.
     is_read: bool,
     /// Whether what is found is cut, so that nothing grows for ever.
@@ -96,7 +96,13 @@ pub(super) struct Analysis<'a> {
 }
 
 impl<'a> Analysis<'a> {
-    pub fn new(scene: Scene<'a>, barred: Barred<'a>, limits: Limits, effort: usize, watch: &'a dyn Watch) -> Self {
+    pub fn new(
+        scene: Scene<'a>,
+        barred: ExtraConstraint<'a>,
+        limits: Limits,
+        effort: usize,
+        watch: &'a dyn Watch,
+    ) -> Self {
         let (program, world) = (barred.program, barred.world);
         let slots: IdVec<SlotId, Slot> = world
             .slots
@@ -212,7 +218,7 @@ impl<'a> Analysis<'a> {
             self.scene.activate(self.scene.of[slot], &key.0);
             known.configurations.insert(key, Growing { at: found, patience, is_new: true });
             known.is_changed = true;
-            if known.configurations.len() > MOST_CONFIGURATIONS && known.combinations() > MOST_CONFIGURATIONS {
+            if known.configurations.len() > MAX_CONFIGURATIONS && known.combinations() > MAX_CONFIGURATIONS {
                 self.give_up(slot, GivenUp::Combinations);
             }
             return true;

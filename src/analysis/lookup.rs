@@ -4,7 +4,7 @@ use super::region::Region;
 use super::values::Interval;
 
 /// The most bins of a grid along an axis.
-const MOST_BINS: usize = 256;
+const MAX_BINS: usize = 256;
 
 /// Rows by where they are: the plane around all their ends, in bins of the same size; what lies beyond belongs to the bins at
 /// the border.
@@ -28,7 +28,7 @@ impl Grid {
             ends.reduce(Interval::or)
         };
         let around = [ends(0)?, ends(1)?];
-        let count = ((hulls.len() as f64).sqrt() as usize).clamp(1, MOST_BINS);
+        let count = ((hulls.len() as f64).sqrt() as usize).clamp(1, MAX_BINS);
         let scale = around.map(|i| if i.low < i.high { count as f64 / (i.high - i.low) } else { 0.0 });
         let mut grid = Grid { low: around.map(|i| i.low), scale, count, starts: Vec::new(), items: Vec::new() };
         let mut bins: Vec<Vec<u32>> = vec![Vec::new(); count * count];

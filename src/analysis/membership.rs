@@ -21,7 +21,7 @@ use super::values::{Interval, Values};
 use super::{ConfigurationSpace, SlotSpace};
 
 /// With more combinations of leaves than that, those that can be are looked through one by one.
-const MOST_KEYS: usize = 1 << 16;
+const MAX_KEYS: usize = 1 << 16;
 /// So few rows are looked through one by one.
 const FEW_ROWS: u32 = 8;
 /// In every space.
@@ -287,7 +287,7 @@ impl Table {
                 count += 1;
             }
             stride = stride.saturating_mul(count.max(1));
-            if stride > MOST_KEYS {
+            if stride > MAX_KEYS {
                 return None;
             }
         }

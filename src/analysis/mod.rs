@@ -11,7 +11,7 @@
 //! transitions can happen or not. Positions are known from levels in three ways: a push ends where edges meet and a
 //! contact tells where both are (`surroundings`), and what moves in small steps among walls stays where it can get
 //! (`region`); how far something gets in a number of steps is `pace`. Speed and height under a constant acceleration are
-//! tied to each other (`energy`). What can be used up once bounds what counts it (`supply`). Players can be told apart by
+//! tied to each other (`energy`). What can be used up once bounds what counts it (`counter_bounds`). Players can be told apart by
 //! place (`cells`, `local`).
 //!
 //! What is lost: else variables are not related to each other, nor instances. An entity with more than a thousand
@@ -25,11 +25,11 @@
 //!
 //! | simulator | here | told apart or given up | tests |
 //! |---|---|---|---|
-//! | `Simulator::initial`: contacts are found, nothing is pushed | `birth::begin`: the first positions are places of contacts | what begins inside of something is pushed anywhere beside it | `found/*initial*`, `*slight*` |
+//! | `Simulator::initial`: contacts are found, nothing is pushed | `initial::begin`: the first positions are places of contacts | what begins inside of something is pushed anywhere beside it | `found/*initial*`, `*slight*` |
 //! | input: buttons, axes | `Reader::truth`, `number`: anything, if there is a player | – | oracle, exhaustive |
 //! | discrete: `decide`, edges in order, first guard that holds | `Stepper::choices`: refined by each guard in turn | others are read as the step began (`Phase::Discrete`) | `verdicts/*` |
 //! | discrete: `take`, entries, updates, timers anew | `Stepper::take`, `enter`, `act` | ways of groups are joined beyond 512 | `found.rs` |
-//! | `life::change`: destroy, spawn | `outcome.can_end`, `birth::spawn`: parameters are part of what a spawned instance can be | which slot is taken is not known | `found/spawnchain*`, `pair`, `home` |
+//! | `life::change`: destroy, spawn | `outcome.can_end`, `initial::spawn`: parameters are part of what a spawned instance can be | which slot is taken is not known | `found/spawnchain*`, `pair`, `home` |
 //! | what dies is read until the step ends | `Between`: what the discrete phase makes of it, modes included | – | `found/*dying*` |
 //! | `life::change`: links | `Stepper::through` | – | `found/linkout`, `found.rs` |
 //! | continuous: flows, envelopes, clamps | `flow::flow`: contacts are those of the last collision (`Phase::Continuous`) | of others, all they are within a step | `found/*stale*`, `*clamp*` |
@@ -37,19 +37,20 @@
 //! | contacts, where everything is before pushes | `Overall::contact`, `places` | – | `found/false-pushed-pusher` |
 //! | pushes: along an axis the deepest counts | `Contacts::push_out`: it ends at an edge of what it meets | instances that move and push (`crowd`); colliders that appear inside of something (`Stepper::activations`); overlaps; gaps a little too narrow: anywhere beside it | `found/false-opposite-pushes`, `verdicts/slit*` |
 //! | velocities into surfaces become 0 | the same, beside the old one | energies: only of what never moves | `found/false-clamped*` |
-//! | `life::bury`: references become none | references may always be none | – | oracle |
+//! | `life::remove_destroyed`: references become none | references may always be none | – | oracle |
 //! | observation: `never`, then written bounds, then `goal` | `barred`, `widen::within_bounds`, `can_turn_out` | – | `tests/border.rs` |
 
 mod barred;
-mod birth;
 mod cells;
 mod configuration;
+mod counter_bounds;
 mod crowd;
 mod energy;
 mod evaluate;
 mod findings;
 mod fixpoint;
 mod flow;
+mod initial;
 mod local;
 mod lookup;
 mod membership;
@@ -60,7 +61,6 @@ mod region;
 mod scene;
 mod statics;
 mod step;
-mod supply;
 mod surroundings;
 mod tiles;
 mod values;
@@ -77,19 +77,19 @@ use crate::ir::{ExprId, GoalId, IdVec, Program, SlotId, World, WorldId};
 
 use crate::watch::{Unwatched, Watch};
 
-use barred::Barred;
+use barred::ExtraConstraint;
 use configuration::Overall;
+use counter_bounds::Limits;
 use evaluate::{Joined, Phase, Pinned, Reader};
 use fixpoint::Analysis;
 use scene::Scene;
-use supply::Limits;
 use surroundings::Surroundings;
 
 /// So where players are told apart by place, with each place that a way leads to.
-const MOST_EFFORT_BY_PLACE: usize = 60_000;
+const MAX_EFFORT_BY_PLACE: usize = 60_000;
 
 /// After so many ways of steps a world is given up: everything can be anything.
-const MOST_EFFORT: usize = 300_000;
+const MAX_EFFORT: usize = 300_000;
 
 /// Why everything is taken to be possible.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -106,7 +106,7 @@ impl GivenUp {
     /// In words, of an analysis.
     pub fn reason(self) -> String {
         match self {
-            GivenUp::Combinations => format!("more than {} combinations of modes", fixpoint::MOST_CONFIGURATIONS),
+            GivenUp::Combinations => format!("more than {} combinations of modes", fixpoint::MAX_CONFIGURATIONS),
             GivenUp::Effort => "the world takes too many steps to analyse".to_string(),
             GivenUp::Stopped => "the analysis was stopped".to_string(),
         }
@@ -141,13 +141,13 @@ pub struct ConfigurationSpace {
 /// Finds what a world can be.
 pub fn configuration_space(program: &Program, world: WorldId) -> ConfigurationSpace {
     let world = &program.worlds[world];
-    within_limits(program, world, &[], supply::limits(program, world), &mut { MOST_EFFORT }, &Unwatched)
+    within_limits(program, world, &[], counter_bounds::limits(program, world), &mut { MAX_EFFORT }, &Unwatched)
 }
 
 /// As [`configuration_space`], of all runs on which some predicates of the world never hold.
 pub fn configuration_space_without(program: &Program, world: WorldId, predicates: &[ExprId]) -> ConfigurationSpace {
     let world = &program.worlds[world];
-    within_limits(program, world, predicates, supply::limits(program, world), &mut { MOST_EFFORT }, &Unwatched)
+    within_limits(program, world, predicates, counter_bounds::limits(program, world), &mut { MAX_EFFORT }, &Unwatched)
 }
 
 /// As [`configuration_space_without`], until a watch stops it: then everything is possible.
@@ -158,7 +158,7 @@ pub fn watched_space(
     watch: &dyn Watch,
 ) -> ConfigurationSpace {
     let world = &program.worlds[world];
-    within_limits(program, world, predicates, supply::limits(program, world), &mut { MOST_EFFORT }, watch)
+    within_limits(program, world, predicates, counter_bounds::limits(program, world), &mut { MAX_EFFORT }, watch)
 }
 
 /// A program in whose world nothing ends a run but a fault: it has no `bounds`, and a space of it without predicates knows of
@@ -172,8 +172,13 @@ pub fn endless(program: &Program, world: WorldId) -> Program {
 /// As [`configuration_space`], but whatever the number of things that can be picked up: that is a matter of the level.
 /// Takes what it needs from an effort; a world that needs more than is left is given up. The world need not be one of the
 /// program's, but is of its entities.
-fn with_any_supply(program: &Program, world: &World, effort: &mut usize, watch: &dyn Watch) -> ConfigurationSpace {
-    within_limits(program, world, &[], supply::ranges(program, world), effort, watch)
+fn without_counter_bounds(
+    program: &Program,
+    world: &World,
+    effort: &mut usize,
+    watch: &dyn Watch,
+) -> ConfigurationSpace {
+    within_limits(program, world, &[], counter_bounds::ranges(program, world), effort, watch)
 }
 
 fn within_limits(
@@ -184,7 +189,7 @@ fn within_limits(
     effort: &mut usize,
     watch: &dyn Watch,
 ) -> ConfigurationSpace {
-    let barred = Barred { program, world, predicates };
+    let barred = ExtraConstraint { program, world, predicates };
     let scene = Scene::new(program, world, watch);
     let mut analysis = Analysis::new(scene, barred, limits, *effort, watch);
     analysis.run();
@@ -201,9 +206,9 @@ impl ConfigurationSpace {
         let table = &program.worlds[world];
         let mut scene = Scene::new(program, table, watch);
         if scene.refine() {
-            let barred = Barred { program, world: table, predicates };
-            let limits = supply::limits(program, table);
-            let mut analysis = Analysis::new(scene, barred, limits, MOST_EFFORT_BY_PLACE, watch);
+            let barred = ExtraConstraint { program, world: table, predicates };
+            let limits = counter_bounds::limits(program, table);
+            let mut analysis = Analysis::new(scene, barred, limits, MAX_EFFORT_BY_PLACE, watch);
             analysis.run();
             let finer = analysis.finish();
             let is_known = finer.slots.iter().all(|s| !s.is_given_up);

@@ -13,7 +13,7 @@ use super::values::Values;
 use super::widen::{both, extended};
 
 /// How often a configuration is extended by what comes of it before that is given up.
-const MOST_EXTENSIONS: usize = 8;
+const MAX_EXTENSIONS: usize = 8;
 
 impl Analysis<'_> {
     /// Steps once from all that was found, and keeps of it only what comes of that or is there from the start. Ends that
@@ -70,7 +70,7 @@ impl Analysis<'_> {
     /// What a configuration can be that begins with what comes in, if it was known to be no more than `known`.
     fn restarted(&self, slot: SlotId, cell: CellId, entries: Configuration, known: &Configuration) -> Configuration {
         let mut at = entries.clone();
-        for _ in 0..MOST_EXTENSIONS {
+        for _ in 0..MAX_EXTENSIONS {
             let Some(outcome) = self.stepper(slot).run_on(&at) else { break };
             let here = |next: Configuration| {
                 let is_covered = self.surroundings.is_covered(slot, &next.leaves);

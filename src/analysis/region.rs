@@ -21,11 +21,11 @@ use super::tiles::Tiles;
 use super::values::{Interval, Values};
 
 /// More cells than that are not looked at: everything is free.
-const MOST_CELLS: usize = 1 << 22;
+const MAX_CELLS: usize = 1 << 22;
 /// With more strips than that only the box around all of them is used.
-const MOST_STRIPS: usize = 256;
+const MAX_STRIPS: usize = 256;
 /// So for what is asked of the world, which is looked at in each of them once.
-const MOST_BOXES: usize = 1 << 16;
+const MAX_BOXES: usize = 1 << 16;
 
 /// Boxes of positions, px.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,7 +46,7 @@ impl Region {
     pub fn cut(&self, x: &Values, y: &Values) -> [Values; 2] {
         let cut = [x.within(self.hull[0]), y.within(self.hull[1])];
         let (Some(across), Some(up)) = (cut[0].hull(), cut[1].hull()) else { return cut };
-        if self.strips.len() > MOST_STRIPS {
+        if self.strips.len() > MAX_STRIPS {
             return cut;
         }
         let meets = |[x, y]: &&[Interval; 2]| x.and(across).is_some() && y.and(up).is_some();
@@ -56,7 +56,7 @@ impl Region {
 
     /// The boxes; few enough to look at each.
     pub fn boxes(&self) -> &[[Interval; 2]] {
-        match self.strips.len() > MOST_BOXES {
+        match self.strips.len() > MAX_BOXES {
             true => std::slice::from_ref(&self.hull),
             false => &self.strips,
         }
@@ -295,7 +295,7 @@ impl Plane {
             lines
         });
         let count = |axis: usize| lines[axis].len() - 1;
-        if count(0).saturating_mul(count(1)) > MOST_CELLS || count(0) == 0 || count(1) == 0 {
+        if count(0).saturating_mul(count(1)) > MAX_CELLS || count(0) == 0 || count(1) == 0 {
             return None;
         }
         let mut is_blocked = vec![false; count(0) * count(1)];

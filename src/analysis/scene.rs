@@ -21,7 +21,7 @@ use super::values::{Interval, Values};
 pub(super) const ROUNDING: f64 = 1e-6;
 
 /// More places than that where instances are put are not told apart.
-const MOST_SEEDS: usize = 64;
+const MAX_SEEDS: usize = 64;
 
 /// How far inside of a platform something may have stood that comes from above, px; as the simulator has it.
 pub(super) const TOLERANCE: f64 = 0.001;
@@ -406,7 +406,7 @@ fn add(known: &mut Vec<[Interval; 2]>, at: [Interval; 2]) -> bool {
     let is_known = known.iter().any(|k| (0..2).all(|a| k[a].low <= at[a].low && at[a].high <= k[a].high));
     if !is_known {
         known.push(at);
-        if known.len() > MOST_SEEDS {
+        if known.len() > MAX_SEEDS {
             let hull = known.iter().copied().reduce(|a, b| [a[0].or(b[0]), a[1].or(b[1])]);
             known.clear();
             known.extend(hull);

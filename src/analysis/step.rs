@@ -16,7 +16,7 @@ use super::scene::Scene;
 use super::values::{Interval, Values};
 
 /// The most ways of a step that are told apart.
-const MOST_WAYS: usize = 512;
+const MAX_WAYS: usize = 512;
 
 /// What can come of a step.
 #[derive(Debug, Default)]
@@ -142,7 +142,7 @@ impl<'a> Stepper<'a> {
                 self.choices(group, &taken, &at, stays, &mut next);
             }
             ways = next;
-            if ways.len() > MOST_WAYS {
+            if ways.len() > MAX_WAYS {
                 return None;
             }
         }

@@ -14,7 +14,7 @@ use super::fix::mend;
 use super::report::colored;
 
 /// So many findings of a program are shown to people.
-const MOST_SHOWN: usize = 100;
+const MAX_SHOWN: usize = 100;
 
 pub(super) fn run(args: &CheckArgs) -> io::Result<Answer> {
     let color = colored(io::stdout().is_terminal());
@@ -73,8 +73,8 @@ pub(super) fn run(args: &CheckArgs) -> io::Result<Answer> {
 /// What is shown to people, who mend the first mistakes first: errors rather than warnings if there are too many.
 fn first_of(found: &Diagnostics) -> Vec<&Diagnostic> {
     let (errors, warnings) = found.iter().partition::<Vec<_>, _>(|d| d.severity == Severity::Error);
-    let mut errors = errors.len().min(MOST_SHOWN);
-    let mut warnings = warnings.len().min(MOST_SHOWN - errors);
+    let mut errors = errors.len().min(MAX_SHOWN);
+    let mut warnings = warnings.len().min(MAX_SHOWN - errors);
     let shown = found.iter().filter(|d| {
         let left = if d.severity == Severity::Error { &mut errors } else { &mut warnings };
         let shows = *left > 0;

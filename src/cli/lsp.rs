@@ -13,8 +13,8 @@ use super::Answer;
 use super::disk::Disk;
 
 /// So many programs of a workspace are looked at, and so many folders searched for them.
-const MOST_PROGRAMS: usize = 2_000;
-const MOST_FOLDERS: usize = 20_000;
+const MAX_PROGRAMS: usize = 2_000;
+const MAX_FOLDERS: usize = 20_000;
 
 /// The programs on the disk.
 struct Folders;
@@ -34,7 +34,7 @@ impl Workspace for Folders {
         let (mut found, mut folders, mut searched) = (Vec::new(), vec![folder.to_path_buf()], 0);
         while let Some(folder) = folders.pop() {
             searched += 1;
-            if searched > MOST_FOLDERS || found.len() >= MOST_PROGRAMS {
+            if searched > MAX_FOLDERS || found.len() >= MAX_PROGRAMS {
                 break;
             }
             let Ok(entries) = std::fs::read_dir(&folder) else { continue };
@@ -51,7 +51,7 @@ impl Workspace for Folders {
             }
         }
         found.sort();
-        found.truncate(MOST_PROGRAMS);
+        found.truncate(MAX_PROGRAMS);
         found
     }
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use sha2::{Digest, Sha256};
 
-use crate::compile::{Barred, Compilation, LevelFile, compile_barred, level_file};
+use crate::compile::{Compilation, ExtraConstraint, LevelFile, compile_barred, level_file};
 use crate::diagnostic::catalogue::file::Unreadable;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::{Diagnostics, Fact, render, similar};
@@ -67,7 +67,11 @@ pub(super) fn load(path: &Path, level: LevelFile<'_>) -> io::Result<Option<Loade
 }
 
 /// As [`load`], with a predicate that may never hold.
-pub(super) fn load_barred(path: &Path, level: LevelFile<'_>, barred: Option<Barred<'_>>) -> io::Result<Option<Loaded>> {
+pub(super) fn load_barred(
+    path: &Path,
+    level: LevelFile<'_>,
+    barred: Option<ExtraConstraint<'_>>,
+) -> io::Result<Option<Loaded>> {
     if path.extension().is_some_and(|extension| extension == "json") {
         return load_compiled(path, level, barred);
     }
@@ -85,7 +89,7 @@ pub(super) fn load_barred(path: &Path, level: LevelFile<'_>, barred: Option<Barr
 }
 
 /// Reads a program that `hypedc ir --format json` has written; shows what is wrong and gives nothing if it cannot be run.
-fn load_compiled(path: &Path, level: LevelFile<'_>, barred: Option<Barred<'_>>) -> io::Result<Option<Loaded>> {
+fn load_compiled(path: &Path, level: LevelFile<'_>, barred: Option<ExtraConstraint<'_>>) -> io::Result<Option<Loaded>> {
     let mut sources = SourceMap::new();
     sources.add(path, "");
     let only = |what: &str| {

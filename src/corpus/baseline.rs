@@ -54,12 +54,12 @@ pub struct Lone {
     /// What it came to.
     pub verdict: Verdict,
     /// Whether that is as wished.
-    pub is_as_wished: bool,
+    pub is_expected: bool,
 }
 
 impl Lone {
     fn of(row: &Row) -> Lone {
-        Lone { key: row.key(), verdict: row.verdict, is_as_wished: row.is_as_wished }
+        Lone { key: row.key(), verdict: row.verdict, is_expected: row.is_expected }
     }
 }
 
@@ -96,7 +96,7 @@ impl Comparison {
             if before.verdict == row.verdict {
                 found.unchanged += 1;
             } else {
-                let change = match (before.is_as_wished, row.is_as_wished) {
+                let change = match (before.is_expected, row.is_expected) {
                     (true, false) => Change::Worse,
                     (false, true) => Change::Better,
                     _ => Change::Other,
@@ -115,7 +115,7 @@ impl Comparison {
 
     /// Whether something that was as wished is not any more, or something new is not as wished.
     pub fn is_worse(&self) -> bool {
-        self.flips.iter().any(|flip| flip.change == Change::Worse) || self.added.iter().any(|lone| !lone.is_as_wished)
+        self.flips.iter().any(|flip| flip.change == Change::Worse) || self.added.iter().any(|lone| !lone.is_expected)
     }
 
     /// As text, a line each.
@@ -156,7 +156,7 @@ mod tests {
     use crate::corpus::row::tests::row;
 
     fn with(level: &str, verdict: Verdict, steps: Option<u64>) -> Row {
-        Row { verdict, is_as_wished: verdict == Verdict::Reached, steps, ..row(level) }
+        Row { verdict, is_expected: verdict == Verdict::Reached, steps, ..row(level) }
     }
 
     #[test]
@@ -171,8 +171,7 @@ mod tests {
         assert!(!Comparison::of(&old[1..], &new[1..], 0.1).is_worse());
         assert!(Comparison::of(&[with("a", Reached, None)], &[with("a", Error, None)], 0.1).is_worse());
         // A way to break a `never` is no good news.
-        let never =
-            |verdict: Verdict| Row { kind: Kind::Never, verdict, is_as_wished: verdict == NotFound, ..row("a") };
+        let never = |verdict: Verdict| Row { kind: Kind::Never, verdict, is_expected: verdict == NotFound, ..row("a") };
         let found = Comparison::of(&[never(NotFound)], &[never(Verdict::Violated)], 0.1);
         assert_eq!(found.flips[0].change, Change::Worse);
     }

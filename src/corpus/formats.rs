@@ -11,7 +11,7 @@ pub const CSV_HEADER: [&str; 48] = [
     "kind",
     "goal",
     "verdict",
-    "is_as_wished",
+    "is_expected",
     "steps",
     "nodes",
     "places",
@@ -71,7 +71,7 @@ pub fn csv_line(row: &Row) -> String {
         row.kind.name().to_string(),
         row.goal.clone(),
         row.verdict.name().to_string(),
-        row.is_as_wished.to_string(),
+        row.is_expected.to_string(),
         number(row.steps),
         row.nodes.to_string(),
         c.places.to_string(),
@@ -186,7 +186,7 @@ mod tests {
     fn rows() -> Vec<Row> {
         let missed = Row {
             verdict: Verdict::NotFound,
-            is_as_wished: false,
+            is_expected: false,
             steps: None,
             inputs: None,
             nodes: 200_000,
@@ -195,7 +195,7 @@ mod tests {
         };
         let failed = Row {
             verdict: Verdict::Error,
-            is_as_wished: false,
+            is_expected: false,
             error: Some("levels/b.txt:2:1: error[E0501]: a row has 2 tiles, others have 3\nmore".into()),
             steps: None,
             nodes: 0,

@@ -32,7 +32,7 @@ pub fn junit(rows: &[&Row]) -> io::Result<String> {
 /// What a report and a suite say of their cases.
 fn counts(rows: &[&Row]) -> [(&'static str, String); 4] {
     let errors = rows.iter().filter(|r| r.verdict == Verdict::Error).count();
-    let failures = rows.iter().filter(|r| !r.is_as_wished).count() - errors;
+    let failures = rows.iter().filter(|r| !r.is_expected).count() - errors;
     [
         ("tests", rows.len().to_string()),
         ("failures", failures.to_string()),
@@ -93,12 +93,12 @@ fn case(out: &mut Writer<Vec<u8>>, row: &Row) -> io::Result<()> {
     let case = out.create_element("testcase").with_attributes([("name", name.as_str()), ("classname", &class)]);
     let case = case.with_attribute(("time", time.as_str()));
     let output = row.inputs.as_ref().map(|inputs| printable(inputs));
-    if row.is_as_wished && output.is_none() {
+    if row.is_expected && output.is_none() {
         case.write_empty()?;
         return Ok(());
     }
     case.write_inner_content(|out| {
-        if !row.is_as_wished {
+        if !row.is_expected {
             let what = if row.verdict == Verdict::Error { "error" } else { "failure" };
             let message = match row.reason() {
                 reason if reason.is_empty() => row.verdict.words(),
@@ -136,8 +136,7 @@ mod tests {
     #[test]
     fn odd_names_are_text_all_the_same() {
         let odd = "levels/<a> & \"b\"\u{1}.txt";
-        let bad =
-            Row { verdict: Verdict::Error, is_as_wished: false, error: Some("]]> & <x>\u{0}".into()), ..row(odd) };
+        let bad = Row { verdict: Verdict::Error, is_expected: false, error: Some("]]> & <x>\u{0}".into()), ..row(odd) };
         let text = junit(&[&bad]).unwrap();
         let read = roxmltree::Document::parse(&text).unwrap();
         let suite = read.descendants().find(|n| n.has_tag_name("testsuite")).unwrap();

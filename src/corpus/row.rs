@@ -221,7 +221,7 @@ pub struct Row {
     /// The answer.
     pub verdict: Verdict,
     /// Whether that is as wished: a goal reached, a `never` proven.
-    pub is_as_wished: bool,
+    pub is_expected: bool,
     /// Why there is no answer: what is wrong with the program, the level or where the search begins.
     pub error: Option<String>,
     /// Why it is proven unreachable.
@@ -286,7 +286,7 @@ impl Row {
             program_sha256: None,
             settings,
             verdict: Verdict::Error,
-            is_as_wished: false,
+            is_expected: false,
             error: Some(error),
             argument: None,
             states: None,
@@ -364,7 +364,7 @@ pub(super) mod tests {
             level_sha256: Some("4f".into()),
             program_sha256: Some("a0".into()),
             verdict: Verdict::Reached,
-            is_as_wished: true,
+            is_expected: true,
             error: None,
             steps: Some(120),
             inputs: Some("right*120".into()),

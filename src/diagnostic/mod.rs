@@ -141,7 +141,7 @@ impl Diagnostic {
 /// What a check found, before it is put into words.
 pub trait Fact {
     /// The words.
-    fn word(self) -> Diagnostic;
+    fn into_diagnostic(self) -> Diagnostic;
 }
 
 /// So many findings are kept, errors rather than warnings; the rest is only counted.
@@ -163,7 +163,7 @@ impl Diagnostics {
 
     /// Records a fact.
     pub fn report(&mut self, fact: impl Fact) {
-        self.list.push(fact.word());
+        self.list.push(fact.into_diagnostic());
         // Only now and then, as they are sorted for it.
         if self.list.len() >= MAX_FINDINGS + MAX_FINDINGS / 4 {
             self.limit();
@@ -218,7 +218,7 @@ impl Diagnostics {
     }
 
     /// Takes away what would change files of some kind: fixes are for programs.
-    pub fn unfix(&mut self, is_kept_out: impl Fn(FileId) -> bool) {
+    pub fn strip_fixes(&mut self, is_kept_out: impl Fn(FileId) -> bool) {
         for d in &mut self.list {
             d.fix = d.fix.take().filter(|fix| !fix.edits.iter().any(|(span, _)| is_kept_out(span.file)));
         }

@@ -4,7 +4,7 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::crew::{self, Desk};
+use crate::parallel::{self, TaskContext};
 use crate::reach::{End, Outcome, Verdict, search};
 use crate::sim::Fault;
 use crate::watch::Watch;
@@ -46,7 +46,7 @@ pub fn conduct(
     let tasks = tasks(design, questions);
     let mut found: Vec<Option<Run>> = vec![None; tasks.len()];
     let (mut told, mut is_broken_off, mut unasked) = (0, false, None);
-    let run = |at: usize, desk: &Desk<'_, Result<Run, Unasked>>| {
+    let run = |at: usize, desk: &TaskContext<'_, Result<Run, Unasked>>| {
         let task = tasks[at];
         match run(design, questions, clock, task, desk) {
             Ok(None) => {}
@@ -54,7 +54,7 @@ pub fn conduct(
             Err(fault) => desk.hand_in(Err(Unasked { question: task.question, fault })),
         }
     };
-    crew::work(tasks.len(), threads, stop, &run, &mut |task, result| {
+    parallel::work(tasks.len(), threads, stop, &run, &mut |task, result| {
         match result {
             Ok(run) => found[task] = Some(run),
             Err(error) => unasked = unasked.or(Some(error)),
@@ -104,7 +104,7 @@ fn run(
     questions: &[Question<'_>],
     clock: &dyn Clock,
     task: Task,
-    desk: &Desk<'_, Result<Run, Unasked>>,
+    desk: &TaskContext<'_, Result<Run, Unasked>>,
 ) -> Result<Option<Run>, Fault> {
     let Task { question, setup, seed } = task;
     let q = &questions[question];

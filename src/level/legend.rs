@@ -33,7 +33,7 @@ impl TryFrom<String> for Symbol {
 }
 
 /// So many keys are told of what is no legend.
-const MOST_KEYS: usize = 6;
+const MAX_KEYS: usize = 6;
 
 /// The tags of each character, in the order of the characters; none if the text is no legend.
 pub fn legend(file: &SourceFile, id: FileId, diagnostics: &mut Diagnostics) -> Option<Vec<(char, Vec<String>)>> {
@@ -47,7 +47,7 @@ pub fn legend(file: &SourceFile, id: FileId, diagnostics: &mut Diagnostics) -> O
             if let Ok(keys) = serde_json::from_str::<BTreeMap<String, IgnoredAny>>(text)
                 && !keys.contains_key("tiles")
             {
-                let keys: Vec<String> = keys.keys().take(MOST_KEYS).map(|key| format!("`{key}`")).collect();
+                let keys: Vec<String> = keys.keys().take(MAX_KEYS).map(|key| format!("`{key}`")).collect();
                 why = match keys.as_slice() {
                     [] => "it is empty".to_string(),
                     _ => format!("it has no `tiles`, but {}", keys.join(", ")),

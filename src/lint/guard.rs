@@ -13,7 +13,7 @@ use super::terms::same;
 const PATIENCE: u32 = 2_000;
 
 /// So many parts of a conjunction are held against each other.
-const MOST_FACTS: usize = 64;
+const MAX_FACTS: usize = 64;
 
 /// Whether a guard always (or never) holds; none if that depends.
 pub(super) fn truth(entity: &Entity, guard: &Term) -> Option<bool> {
@@ -81,7 +81,7 @@ fn compared(op: CompareOp, a: Range, b: Range) -> Option<bool> {
 /// Whether the parts of a conjunction leave a number no value.
 fn contradictory(entity: &Entity, guard: &Term) -> bool {
     let mut facts = facts(entity, guard);
-    facts.truncate(MOST_FACTS);
+    facts.truncate(MAX_FACTS);
     facts.len() >= 2 && facts.iter().any(|f| range(entity, f.of, &facts).is_empty())
 }
 

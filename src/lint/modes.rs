@@ -9,7 +9,7 @@ use crate::source::Span;
 use super::guard::{implied, truth};
 
 /// An edge is compared with at most so many that are tried before it.
-const MOST_COMPARED: usize = 64;
+const MAX_COMPARED: usize = 64;
 
 /// Judges the modes and edges of an entity.
 pub(super) fn modes(entity: &Entity, found: &mut Diagnostics) {
@@ -113,13 +113,13 @@ fn shadow(
     edge: EdgeId,
 ) -> Option<Dead> {
     let this = &entity.edges[edge];
-    let mut before: Vec<EdgeId> = earlier.iter().rev().take(MOST_COMPARED).copied().collect();
+    let mut before: Vec<EdgeId> = earlier.iter().rev().take(MAX_COMPARED).copied().collect();
     let mut around = entity.modes[mode].parent;
-    while let Some(outer) = around.filter(|_| before.len() < MOST_COMPARED) {
-        before.extend(entity.modes[outer].edges.iter().take(MOST_COMPARED));
+    while let Some(outer) = around.filter(|_| before.len() < MAX_COMPARED) {
+        before.extend(entity.modes[outer].edges.iter().take(MAX_COMPARED));
         around = entity.modes[outer].parent;
     }
-    let possible = before.into_iter().take(MOST_COMPARED).map(|id| (id, &entity.edges[id])).filter(|(id, other)| {
+    let possible = before.into_iter().take(MAX_COMPARED).map(|id| (id, &entity.edges[id])).filter(|(id, other)| {
         // Edges on `lost` come before all others; a guard that is no choice is told of where it stands.
         other.target.is_some()
             && (this.lost.is_none() || other.lost.is_some())

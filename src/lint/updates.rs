@@ -12,7 +12,7 @@ use super::range::{facts, range};
 use super::terms::updates;
 
 /// So many updates of one variable by one group are looked at.
-const MOST_COMPARED: usize = 32;
+const MAX_COMPARED: usize = 32;
 
 /// When an update happens.
 struct When<'a> {
@@ -48,7 +48,7 @@ pub(super) fn clashes(entity: &Entity, found: &mut Diagnostics) {
     for when in all(entity) {
         let groups = by_place.entry(when.update.place).or_default();
         let list = groups.entry(entity.modes[when.mode].group).or_default();
-        if list.len() < MOST_COMPARED {
+        if list.len() < MAX_COMPARED {
             list.push(when);
         }
     }

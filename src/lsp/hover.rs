@@ -25,9 +25,9 @@ use super::values::written;
 use super::words::{SIGNATURES, begins};
 
 /// So many lines of worlds that carry a tag are listed.
-const MOST_CARRIERS: usize = 5;
+const MAX_CARRIERS: usize = 5;
 /// So many modes are listed.
-const MOST_MODES: usize = 12;
+const MAX_MODES: usize = 12;
 
 impl Server {
     pub(super) fn hover(&mut self, params: types::HoverParams) -> Result<Option<Hover>, Failure> {
@@ -294,8 +294,8 @@ impl About<'_> {
                 || declared.is_some_and(|(low, high)| first.1 == format!("{low}..{high}"));
             return Some(format!("`{written}` is {}", first.1)).filter(|_| !says_nothing);
         }
-        let lines = rows.iter().take(MOST_MODES).map(|(mode, values)| format!("| `{mode}` | {values} |"));
-        let more = rows.len().saturating_sub(MOST_MODES);
+        let lines = rows.iter().take(MAX_MODES).map(|(mode, values)| format!("| `{mode}` | {values} |"));
+        let more = rows.len().saturating_sub(MAX_MODES);
         let more = if more > 0 { format!("\n\n… and {more} more modes") } else { String::new() };
         Some(format!("| in | `{written}` is |\n|---|---|\n{}{more}", lines.collect::<Vec<_>>().join("\n")))
     }
@@ -332,7 +332,7 @@ impl About<'_> {
         // Tiles and rectangles carry it where they stand in worlds.
         let in_worlds = |at: Span| checked.worlds.iter().any(|w| w.span.contains(at));
         let all = self.snapshot.matching(&BTreeSet::from([self.snapshot.key(&self.o)]));
-        let here = all.filter(|o| o.role == Role::Declared && in_worlds(o.at)).take(MOST_CARRIERS);
+        let here = all.filter(|o| o.role == Role::Declared && in_worlds(o.at)).take(MAX_CARRIERS);
         let lines = here.map(|o| format!("`{}`", self.snapshot.line(o.at)));
         colliders.into_iter().chain(lines).collect::<Vec<_>>().join("  \n")
     }

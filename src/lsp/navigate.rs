@@ -20,7 +20,7 @@ use super::snapshot::{Key, Snapshot};
 use super::uri::{clean, path_of, uri_of};
 
 /// So many symbols of a workspace are told at once.
-const MOST_SYMBOLS: usize = 500;
+const MAX_SYMBOLS: usize = 500;
 
 /// A place in one of the programs that hold it.
 pub(super) struct Spot<'a> {
@@ -192,7 +192,7 @@ impl Server {
         found.sort_by_key(|(later, s)| {
             (*later, s.base_symbol_information.name.len(), s.base_symbol_information.name.clone())
         });
-        found.truncate(MOST_SYMBOLS);
+        found.truncate(MAX_SYMBOLS);
         Ok(Some(found.into_iter().map(|(_, symbol)| symbol).collect::<Vec<_>>().into()))
     }
 

@@ -8,7 +8,7 @@ use std::sync::{Arc, OnceLock};
 
 use gen_lsp_types::{Location, Range, Uri};
 
-use crate::compile::{Study, study};
+use crate::compile::{IdeCompilation, study};
 use crate::source::{FileId, Files, ReadError, Span, decode};
 use crate::syntax;
 use crate::syntax::ast::{Behavior, Item};
@@ -49,7 +49,7 @@ pub(super) struct Snapshot {
     /// The file that was compiled.
     pub root: PathBuf,
     /// What came of it.
-    pub study: Study,
+    pub study: IdeCompilation,
     /// What was read, or was to be read.
     pub asked: BTreeSet<PathBuf>,
     open: Arc<Open>,

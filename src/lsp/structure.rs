@@ -14,7 +14,7 @@ use super::text::{Encoding, Text};
 use super::uri::path_of;
 
 /// So many characters of a guard are shown.
-const MOST_DETAIL: usize = 60;
+const MAX_DETAIL: usize = 60;
 
 /// A text is looked at by itself.
 const ONLY: FileId = FileId(0);
@@ -343,7 +343,7 @@ impl Outline<'_> {
         let written = self.text.code().get(at.range()).unwrap_or_default();
         let words: Vec<&str> = written.split_whitespace().collect();
         let line = words.join(" ");
-        match line.char_indices().nth(MOST_DETAIL) {
+        match line.char_indices().nth(MAX_DETAIL) {
             Some((end, _)) => format!("{}…", line.get(..end).unwrap_or_default()),
             None => line,
         }

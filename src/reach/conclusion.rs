@@ -62,7 +62,7 @@ impl Conclusion {
     }
 
     /// Whether it is what an author wants to hear: that a goal is reached, that a `never` is proven.
-    pub fn is_as_wished(self, target: Target) -> bool {
+    pub fn is_expected(self, target: Target) -> bool {
         match target {
             Target::Goal(_) => self == Conclusion::Reached,
             Target::Never(_) => self == Conclusion::ProvenUnreachable,

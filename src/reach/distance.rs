@@ -14,7 +14,7 @@ use super::problem::Problem;
 use super::whereabouts::{Place, extent, wanted};
 
 /// With more places than that there is no field.
-const MOST_PLACES: usize = 1 << 21;
+const MAX_PLACES: usize = 1 << 21;
 /// How far above the bounds of a space, and around what is in one without bounds, there are places; px.
 const MARGIN: f64 = 8.0 * PLACE;
 /// At so many positions along each side of a place is tried whether the player fits there.
@@ -71,7 +71,7 @@ impl Distances {
         for id in problem.sim.world().spaces.ids() {
             let grid = Grid::new(problem, player, id, &goal, meter)?;
             count += grid.columns * grid.rows;
-            if count > MOST_PLACES {
+            if count > MAX_PLACES {
                 return None;
             }
             grids.push(grid);
@@ -197,7 +197,7 @@ impl Grid {
         };
         let count = |low: f64, high: f64| ((high - low) / PLACE).ceil().max(1.0);
         let (columns, rows) = (count(area.left, area.right), count(area.bottom, area.top));
-        if columns * rows > MOST_PLACES as f64 {
+        if columns * rows > MAX_PLACES as f64 {
             return None;
         }
         let (columns, rows) = (columns as usize, rows as usize);

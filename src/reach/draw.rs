@@ -11,7 +11,7 @@ use super::metric::{Coordinate, NO_LEAF, Point};
 const LEAST_SHARE: f64 = 1.0 / 16.0;
 
 /// Lengths count up to this, so that all weights together are a number.
-const MOST_LENGTH: f64 = 1e30;
+const MAX_LENGTH: f64 = 1e30;
 
 /// How the values of one slot are drawn.
 #[derive(Debug, Clone, Default)]
@@ -47,10 +47,10 @@ impl Draw {
     /// Uniform over intervals by length; whole numbers each count the same.
     pub fn of(coordinate: &Coordinate, intervals: &[Interval], whole: bool) -> Self {
         let hull = intervals.iter().copied().reduce(Interval::or);
-        let least = hull.map_or(0.0, |h| (h.high - h.low).min(MOST_LENGTH)) * LEAST_SHARE;
+        let least = hull.map_or(0.0, |h| (h.high - h.low).min(MAX_LENGTH)) * LEAST_SHARE;
         let mut sum = 0.0;
         let part = |i: &Interval| {
-            let length = (i.high - i.low).min(MOST_LENGTH);
+            let length = (i.high - i.low).min(MAX_LENGTH);
             sum += if whole { length + 1.0 } else { length.max(least) };
             (sum as f32, coordinate.scaled(i.low), coordinate.scaled(i.high))
         };

@@ -3,10 +3,10 @@
 use crate::sim::Script;
 use crate::watch::{Meter, Watch};
 
-use super::ground::replays_to;
 use super::outcome::Plan;
 use super::problem::Problem;
 use super::seam::is_held;
+use super::search_context::replays_to;
 
 /// A plan for a question from a script that was found for another one, if what is asked for holds on the way. The script
 /// begins with so many steps that were given, as those of the question do.

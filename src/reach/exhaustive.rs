@@ -19,11 +19,11 @@ use std::hash::BuildHasher;
 
 use hashbrown::{DefaultHashBuilder, HashTable};
 
-use super::ground::{Extension, Ground, Notes};
 use super::metric::Point;
 use super::outcome::{Cut, Exhaustion, Plan};
 use super::planners::Planner;
 use super::region::GoalRegion;
+use super::search_context::{Extension, Notes, SearchContext};
 use super::searcher::{Ending, Searcher};
 use super::strategy::Choice;
 use super::tree::{NodeId, Tree};
@@ -148,7 +148,7 @@ struct Turn {
 
 /// All states that were reached.
 pub(super) struct Exhaustive<'a> {
-    ground: Ground<'a>,
+    ground: SearchContext<'a>,
     region: GoalRegion,
     change: Change,
     hashes: DefaultHashBuilder,
@@ -167,7 +167,7 @@ pub(super) struct Exhaustive<'a> {
 
 impl<'a> Exhaustive<'a> {
     /// Breadth first, or the nearest to the goal first.
-    pub fn new(ground: Ground<'a>, change: Change, best_first: bool) -> Self {
+    pub fn new(ground: SearchContext<'a>, change: Change, best_first: bool) -> Self {
         let order = match best_first {
             true => Order::Best(BinaryHeap::new()),
             false => Order::Breadth { first: 0, layers: VecDeque::new() },

@@ -8,7 +8,7 @@
 //!
 //! Then searchers grow trees of states ([`search`]). Those that sample share one loop (`sampler.rs`), to which a planner
 //! adds a strategy (`planners/`); `exhaustive.rs` visits each state once and can prove a "no"; `portfolio.rs` lets several
-//! take turns. A found path is replayed in the simulator before it is reported, and can be made faster (`hasten.rs`) and simpler
+//! take turns. A found path is replayed in the simulator before it is reported, and can be made faster (`improve_duration.rs`) and simpler
 //! (`shorten.rs`); what is found for one question can answer another one (`exchange.rs`).
 //!
 //! Every state that is made on the way is held against what the analysis says (`guard.rs`). One that lies outside shows that
@@ -22,9 +22,8 @@ mod distance;
 mod draw;
 mod exchange;
 mod exhaustive;
-mod ground;
 mod guard;
-mod hasten;
+mod improve_duration;
 mod metric;
 mod nearest;
 mod outcome;
@@ -36,6 +35,7 @@ mod region;
 mod sampler;
 mod seam;
 mod search;
+mod search_context;
 mod searcher;
 mod shorten;
 mod strategy;
@@ -49,12 +49,12 @@ pub use controls::MAX_CONTROLS;
 pub use coverage::{Count, Covered, PLACE};
 pub use exchange::passed;
 pub use guard::{Guard, Refutation};
-pub use hasten::hasten;
+pub use improve_duration::improve_duration;
 pub use metric::{Coordinate, Measure, Metric, Point, Quantity};
 pub use nearest::{Index, Neighbour};
 pub use outcome::{Argument, Cut, End, Exhaustion, Outcome, Plan, Statistics, Verdict, Visited};
 pub use planners::Planner;
-pub use problem::{BadStart, Death, Problem, Standing, Start, Target};
+pub use problem::{BadStart, Problem, Start, StateStatus, Target, Termination};
 pub use proof::{Part, Proof, TooFar};
 pub use search::{Limits, Restart, Settings, search};
 pub use shorten::shorten;

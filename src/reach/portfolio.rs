@@ -1,7 +1,7 @@
 //! A portfolio: several planners in turns, each of which is good at what others are not. The first answer counts.
 
-use super::ground::Notes;
 use super::outcome::Plan;
+use super::search_context::Notes;
 use super::searcher::{Ending, Searcher};
 
 /// A turn of the first round, nodes for each share; turns grow with what was spent, so that few are taken.

@@ -19,7 +19,7 @@ pub enum Target {
 
 /// Why a branch ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Death {
+pub enum Termination {
     /// A `never` holds.
     Never(NeverId),
     /// What the question asks to do without holds.
@@ -30,22 +30,22 @@ pub enum Death {
 
 /// What the simulator makes of a state on the way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Standing {
+pub enum StateStatus {
     /// Go on.
     Open,
     /// What is asked for holds.
     Goal,
     /// The branch ends.
-    Dead(Death),
+    Dead(Termination),
 }
 
-impl Standing {
+impl StateStatus {
     /// Whether the run is over: at a goal it could go on, where a `never` is broken it cannot, be that as asked.
     pub(super) fn is_over(self, target: Target) -> bool {
         match self {
-            Standing::Open => false,
-            Standing::Goal => matches!(target, Target::Never(_)),
-            Standing::Dead(_) => true,
+            StateStatus::Open => false,
+            StateStatus::Goal => matches!(target, Target::Never(_)),
+            StateStatus::Dead(_) => true,
         }
     }
 }
@@ -74,7 +74,7 @@ pub enum BadStart {
     /// A run-time error at a step.
     Fault(Fault, u64),
     /// The run is over at a step (0: before the first).
-    Over(Death, u64),
+    Over(Termination, u64),
     /// The watch stopped the replay.
     Stopped,
 }
@@ -190,7 +190,7 @@ impl<'s> Problem<'s> {
         let mut state = initial.ok_or(BadStart::Stopped)?;
         let (mut scratch, meter) = (self.sim.scratch(), Meter::new(watch));
         let over = |state: &[u8], step: u64| match self.judge(state) {
-            Ok(Standing::Dead(death)) => Err(BadStart::Over(death, step)),
+            Ok(StateStatus::Dead(death)) => Err(BadStart::Over(death, step)),
             Ok(_) => Ok(()),
             Err(fault) => Err(BadStart::Fault(fault, step)),
         };
@@ -250,26 +250,26 @@ impl<'s> Problem<'s> {
     ///
     /// # Errors
     /// A [`Fault`] if a predicate breaks a rule.
-    pub fn judge(&self, state: &[u8]) -> Result<Standing, Fault> {
+    pub fn judge(&self, state: &[u8]) -> Result<StateStatus, Fault> {
         for &predicate in &self.avoided {
             if self.sim.holds(state, predicate)? {
-                return Ok(Standing::Dead(Death::Avoided));
+                return Ok(StateStatus::Dead(Termination::Avoided));
             }
         }
         if let Target::Never(never) = self.target
             && self.sim.holds(state, self.sim.world().nevers[never].holds)?
         {
-            return Ok(Standing::Goal);
+            return Ok(StateStatus::Goal);
         }
         if let Some(never) = self.sim.violated(state)? {
-            return Ok(Standing::Dead(Death::Never(never)));
+            return Ok(StateStatus::Dead(Termination::Never(never)));
         }
         if self.sim.left_bounds(state).is_some() {
-            return Ok(Standing::Dead(Death::Outside));
+            return Ok(StateStatus::Dead(Termination::Outside));
         }
         Ok(match self.target {
-            Target::Goal(goal) if self.sim.goal(state, goal)? => Standing::Goal,
-            _ => Standing::Open,
+            Target::Goal(goal) if self.sim.goal(state, goal)? => StateStatus::Goal,
+            _ => StateStatus::Open,
         })
     }
 }

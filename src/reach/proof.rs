@@ -54,7 +54,7 @@ pub struct TooFar {
 }
 
 /// What takes more steps than this at least is looked at no closer.
-const MOST_STEPS: u64 = 1 << 32;
+const MAX_STEPS: u64 = 1 << 32;
 
 impl TooFar {
     /// Whether the analysis shows that no player can be where the goal holds within the time that there is.
@@ -81,7 +81,7 @@ impl TooFar {
         let time = u64::from(time);
         let found = problem.players().iter().find(|player| !can(**player, time)).map(|&player| {
             let (mut low, mut high) = (time, time.saturating_mul(2).max(1));
-            while high < MOST_STEPS && !can(player, high) {
+            while high < MAX_STEPS && !can(player, high) {
                 (low, high) = (high, high * 2);
             }
             // It cannot after `low` steps; after `high` perhaps.

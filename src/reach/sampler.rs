@@ -7,10 +7,10 @@
 use rand::RngExt;
 
 use super::distance::Distances;
-use super::ground::{Extension, Ground, Notes};
 use super::metric::Point;
 use super::outcome::Plan;
 use super::region::GoalRegion;
+use super::search_context::{Extension, Notes, SearchContext};
 use super::searcher::{Ending, Searcher};
 use super::strategy::{Choice, Growth, Strategy};
 
@@ -29,7 +29,7 @@ const COMPARED: u64 = 16;
 
 /// A tree that a strategy grows from samples, planted anew now and then.
 pub(super) struct Sampler<'a> {
-    ground: Ground<'a>,
+    ground: SearchContext<'a>,
     strategy: Box<dyn Strategy + Send + 'a>,
     /// The planner's.
     name: &'static str,
@@ -54,7 +54,7 @@ pub(super) struct Sampler<'a> {
 
 impl<'a> Sampler<'a> {
     pub fn new(
-        ground: Ground<'a>,
+        ground: SearchContext<'a>,
         strategy: Box<dyn Strategy + Send + 'a>,
         name: &'static str,
         goal_bias: f64,

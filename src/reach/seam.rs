@@ -4,7 +4,7 @@
 use crate::sim::{Fault, Script};
 use crate::watch::{Meter, Watch};
 
-use super::problem::{Problem, Standing, Start};
+use super::problem::{Problem, Start, StateStatus};
 
 /// What becomes of a start.
 pub(super) enum Settled {
@@ -37,9 +37,9 @@ pub(super) fn settled(problem: &Problem<'_>, mut start: Start, watch: &dyn Watch
             guard.take().inspect(|guard| guard.refute(problem, &start.script));
         }
         match standing {
-            Standing::Open => {}
-            Standing::Dead(_) => return Ok(Settled::Over),
-            Standing::Goal => return Ok(Settled::Goal { script: start.script, after: start.after }),
+            StateStatus::Open => {}
+            StateStatus::Dead(_) => return Ok(Settled::Over),
+            StateStatus::Goal => return Ok(Settled::Goal { script: start.script, after: start.after }),
         }
         let Some(held) = held.as_ref().filter(|_| left > 0) else { return Ok(Settled::Open(start)) };
         if problem.time().is_some_and(|most| start.steps() >= most) {

@@ -16,7 +16,6 @@ use super::controls::{ControlSets, reads_between};
 use super::coverage::mixed;
 use super::distance::Distances;
 use super::exhaustive::{Change, Exhaustive};
-use super::ground::{Ground, Notes};
 use super::guard::guarded;
 use super::metric::{Measure, Metric};
 use super::outcome::{Argument, End, Outcome, Plan, Verdict};
@@ -25,6 +24,7 @@ use super::portfolio::{Portfolio, Refinement};
 use super::problem::{Problem, Start};
 use super::sampler::Sampler;
 use super::seam::{Settled, settled};
+use super::search_context::{Notes, SearchContext};
 use super::searcher::{Ending, Searcher};
 use super::window::Windows;
 
@@ -221,12 +221,12 @@ impl<'a> Builder<'_, 'a> {
 
     /// What a tree stands on. Trees begin at different starts and with different seeds, of which the first is the one that is
     /// given.
-    fn ground(&self, tree: usize, controls: ControlSets, hold: (u16, u16)) -> Ground<'a> {
+    fn ground(&self, tree: usize, controls: ControlSets, hold: (u16, u16)) -> SearchContext<'a> {
         let mut starts = self.starts.to_vec();
         starts.rotate_left(tree % self.starts.len().max(1));
         let seed = if tree == 0 { self.settings.seed } else { mixed(self.settings.seed, tree as u64) };
         let rng = Pcg64::seed_from_u64(seed);
-        Ground::new(self.problem, self.measures, controls, starts, hold, rng, self.watch)
+        SearchContext::new(self.problem, self.measures, controls, starts, hold, rng, self.watch)
             .recording(self.settings.records)
     }
 

@@ -1,7 +1,7 @@
 //! A search that can be continued: what the planning loop, the exhaustion and the portfolio have in common.
 
-use super::ground::Notes;
 use super::outcome::{Exhaustion, Plan};
+use super::search_context::Notes;
 
 /// How a part of a search ended.
 #[derive(Debug)]

@@ -4,13 +4,13 @@
 use crate::sim::{Script, ScriptStep};
 use crate::watch::{Meter, Watch};
 
-use super::ground::replays_to;
 use super::outcome::Plan;
 use super::problem::Problem;
 use super::seam::is_held;
+use super::search_context::replays_to;
 
 /// How many steps may be simulated, about.
-const MOST_STEPS: u64 = 10_000_000;
+const MAX_STEPS: u64 = 10_000_000;
 
 /// Shortens a plan of a question until no change of one place makes it better, or the watch stops it. Better is: no more
 /// steps and no more changes of inputs, and fewer of one of them. What leads to where the search began stays, and inputs are
@@ -43,7 +43,7 @@ pub fn shorten(problem: &Problem<'_>, plan: &Plan, watch: &dyn Watch) -> Plan {
         new.0 <= old.0 && new.1 <= old.1 && new != old
     };
     let mut changed = true;
-    let mut left = MOST_STEPS;
+    let mut left = MAX_STEPS;
     while std::mem::take(&mut changed) && left > 0 {
         let mut at = 0;
         while at < best.len() && left > 0 {

@@ -1,8 +1,8 @@
 //! Where planners differ: where samples lean, which node to grow and how, what to learn from it.
 
-use super::ground::Ground;
 use super::metric::Point;
 use super::region::GoalRegion;
+use super::search_context::SearchContext;
 use super::tree::NodeId;
 
 /// A node, the index of an input of its control set, and for how many steps it is held.
@@ -31,15 +31,15 @@ pub enum Growth<'p> {
 pub trait Strategy {
     /// Moves a sample towards what the planner leans to; false to leave that to the loop, which draws a share of all
     /// samples from the goal.
-    fn aim(&mut self, _ground: &mut Ground<'_>, _goal: &GoalRegion, _toward: &mut Point) -> bool {
+    fn aim(&mut self, _ground: &mut SearchContext<'_>, _goal: &GoalRegion, _toward: &mut Point) -> bool {
         false
     }
 
     /// Which node to grow and how; none to discard this sample. The input is marked as tried.
-    fn choose(&mut self, ground: &mut Ground<'_>, toward: &Point) -> Option<Choice>;
+    fn choose(&mut self, ground: &mut SearchContext<'_>, toward: &Point) -> Option<Choice>;
 
     /// Told what came of a choice, or of none at a root.
-    fn learn(&mut self, ground: &mut Ground<'_>, choice: Option<Choice>, growth: Growth<'_>);
+    fn learn(&mut self, ground: &mut SearchContext<'_>, choice: Option<Choice>, growth: Growth<'_>);
 
     /// Whether it looks at samples at all.
     fn samples(&self) -> bool {

@@ -45,7 +45,7 @@ impl Checker<'_> {
         let Some(level) = level else {
             if file.is_some() || world.open != Some(id) {
                 // Whatever stands in it is not known, and that is explained already.
-                self.suspects.insert("*".into());
+                self.poisoned_names.insert("*".into());
             }
             let named = kinds.values().filter_map(|kind| kind.spawn.as_ref()?.name.as_ref().map(|name| (*kind, name)));
             for (kind, name) in named.filter(|_| world.open == Some(id)) {
@@ -69,7 +69,7 @@ impl Checker<'_> {
         }
         self.things(&things, &kinds, at, id, population);
         let read: BTreeSet<FileId> = things.iter().map(|t| t.at.file).chain(file.map(|(_, file, _)| file)).collect();
-        self.diagnostics.unfix(|file| read.contains(&file));
+        self.diagnostics.strip_fixes(|file| read.contains(&file));
     }
 
     /// Whether a name stands for tags, or for an entity that the program has; says that it has not.
@@ -137,7 +137,7 @@ impl Checker<'_> {
             if count != 1 {
                 let (tile, name, count) = ((*name).to_string(), spawned.text.to_string(), count as u64);
                 self.diagnostics.report(TileInstances { at: spawned.span, name, tile, count, map: at });
-                self.suspects.insert(spawned.text.to_string());
+                self.poisoned_names.insert(spawned.text.to_string());
             }
         }
         // What a thing is called must be known before another one refers to it.
@@ -198,7 +198,7 @@ impl Checker<'_> {
             let slot = SlotId::from_index(population.instances.len());
             match self.place(&place, id, population.step, slot, &mut population.references) {
                 Some(instance) => drop(self.populate(population, Instance { origin, ..instance })),
-                None => drop(self.suspects.insert(name.text.to_string())),
+                None => drop(self.poisoned_names.insert(name.text.to_string())),
             }
         }
         for ((entity, name), (span, count)) in unset {

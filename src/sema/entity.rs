@@ -124,7 +124,7 @@ impl<'a> Checker<'a> {
                             let known = self.entities.names().chain([Known::from("any")]);
                             let fact = unknown("entity", &r.entity.text, r.entity.span, known);
                             self.report_unknown(fact);
-                            self.suspects.insert(r.name.text.to_string());
+                            self.poisoned_names.insert(r.name.text.to_string());
                             continue;
                         }
                     };

@@ -220,7 +220,7 @@ impl Checker<'_> {
 
     /// Reports an unknown name unless an earlier error explains it.
     pub(super) fn report_unknown(&mut self, fact: UnknownName) {
-        if !self.suspects.contains(&fact.name) && !self.suspects.contains("*") {
+        if !self.poisoned_names.contains(&fact.name) && !self.poisoned_names.contains("*") {
             self.diagnostics.report(fact);
         }
     }

@@ -113,7 +113,7 @@ impl Checker<'_> {
         self.report_unknown(fact);
         if variable.primes == 0 {
             // `speed = 3`, its `param` forgotten: once is enough.
-            self.suspects.insert(name.text.to_string());
+            self.poisoned_names.insert(name.text.to_string());
         }
         None
     }

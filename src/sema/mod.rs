@@ -23,8 +23,8 @@ mod names;
 mod place;
 mod population;
 mod predicate;
+mod record_uses;
 mod reference;
-mod seen;
 mod unused;
 mod world;
 
@@ -117,7 +117,7 @@ struct Checker<'a> {
     /// Entities whose names and modes are known, and whose bodies are still to be checked.
     skeletons: Vec<(&'a ast::Entity, Box<entity::Skeleton<'a>>)>,
     /// Names that broken slices would have declared.
-    suspects: BTreeSet<String>,
+    poisoned_names: BTreeSet<String>,
     /// What is known at the place that is being checked.
     facts: facts::Facts,
     /// The names of the modes of entities that others ask.
@@ -148,7 +148,7 @@ impl<'a> Checker<'a> {
             sets: IdVec::new(),
             set_ids: std::collections::BTreeMap::new(),
             values: std::collections::BTreeMap::new(),
-            suspects: files.iter().flat_map(|f| f.suspects.iter().cloned()).collect(),
+            poisoned_names: files.iter().flat_map(|f| f.poisoned_names.iter().cloned()).collect(),
         }
     }
 
@@ -174,7 +174,7 @@ impl<'a> Checker<'a> {
             self.too_many("entities", MAX_ENTITIES, first.span);
         }
         // Nothing is said of who uses those.
-        self.suspects.extend(others.map(|name| name.text.to_string()));
+        self.poisoned_names.extend(others.map(|name| name.text.to_string()));
         for entity in entities().take(MAX_ENTITIES) {
             let (checked, skeleton) = self.skeleton(entity);
             self.checked.entities.push(checked.into());
@@ -204,7 +204,7 @@ impl<'a> Checker<'a> {
         if let Some(term) = term {
             self.constants.declare(&constant.name, term, &mut self.diagnostics);
         } else {
-            self.suspects.insert(constant.name.text.to_string());
+            self.poisoned_names.insert(constant.name.text.to_string());
         }
     }
 

@@ -74,7 +74,7 @@ impl Checker<'_> {
             }
             // Goals may still name it.
             None => {
-                self.suspects.insert(place.name.text.to_string());
+                self.poisoned_names.insert(place.name.text.to_string());
             }
         }
     }
@@ -108,7 +108,7 @@ impl Checker<'_> {
             let named = named.filter_map(|(spawn, entity)| Some((spawn.as_ref()?.name.as_ref()?, *entity)));
             for (name, entity) in named {
                 let Some(entity) = entity.filter(|_| world.open == Some(id)) else {
-                    self.suspects.insert(name.text.to_string());
+                    self.poisoned_names.insert(name.text.to_string());
                     continue;
                 };
                 population.names.declare(name, (), &mut self.diagnostics);
@@ -156,7 +156,7 @@ impl Checker<'_> {
                     map: at,
                 });
                 if counts[kind] == 0 {
-                    self.suspects.insert(name.text.to_string());
+                    self.poisoned_names.insert(name.text.to_string());
                 }
             }
         }

@@ -24,8 +24,8 @@ pub fn names_of_unused(files: &[File], sources: &mut SourceMap, known: &[Occurre
             }
             items.push(item.clone());
         }
-        let (id, is_broken, suspects) = (file.id, file.is_broken, file.suspects.clone());
-        trees.push(File { id, items, is_broken, suspects, texts: Vec::new() });
+        let (id, is_broken, poisoned_names) = (file.id, file.is_broken, file.poisoned_names.clone());
+        trees.push(File { id, items, is_broken, poisoned_names, texts: Vec::new() });
     }
     if unused.is_empty() {
         return Vec::new();

@@ -210,7 +210,7 @@ impl Checker<'_> {
                 sets.declare(&tiles.name, set, &mut self.diagnostics);
             }
             _ => {
-                self.suspects.insert(tiles.name.text.to_string());
+                self.poisoned_names.insert(tiles.name.text.to_string());
             }
         }
     }

@@ -123,7 +123,7 @@ impl Simulator {
                     let actor = &self.actors[me.index()];
                     let fault = Cell::new(None);
                     let spawner = self.reader(actor, before, frames, &taken[actor.groups.clone()], &fault);
-                    self.give_birth(state, slot, spawn, &spawner);
+                    self.initialize_spawned(state, slot, spawn, &spawner);
                     Self::settle(&fault)?;
                     changes.lives = true;
                 }
@@ -161,7 +161,7 @@ impl Simulator {
     }
 
     /// Fills a free slot with what a spawn gives it.
-    fn give_birth(&self, state: &mut [u8], slot: SlotId, spawn: SpawnId, spawner: &Reader<'_>) {
+    fn initialize_spawned(&self, state: &mut [u8], slot: SlotId, spawn: SpawnId, spawner: &Reader<'_>) {
         let spawn = &self.entity(spawner.me).spawns[spawn];
         let layout = self.layout(slot);
         let entity = self.entity(slot);
@@ -217,7 +217,7 @@ impl Simulator {
     }
 
     /// Ends a step: what was destroyed is gone, and nothing refers to it.
-    pub(super) fn bury(&self, state: &mut [u8], scratch: &Scratch) {
+    pub(super) fn remove_destroyed(&self, state: &mut [u8], scratch: &Scratch) {
         if !scratch.changes.lives {
             return;
         }

@@ -259,7 +259,7 @@ impl Simulator {
         self.flow(state, scratch)?;
         self.collide(state, scratch, true, meter)?;
         if self.lives_change {
-            self.bury(state, scratch);
+            self.remove_destroyed(state, scratch);
         }
         meter.spend(1 + self.cost + scratch.work().wrapping_sub(before));
         Ok(())

@@ -21,7 +21,7 @@ pub struct File {
     pub is_broken: bool,
     /// The names that such a slice was probably about to declare, `*` if they can be any: later stages keep quiet about
     /// them.
-    pub suspects: BTreeSet<String>,
+    pub poisoned_names: BTreeSet<String>,
     /// The files that its maps name, where they are named.
     pub texts: Vec<(Span, FileId)>,
 }

@@ -37,7 +37,7 @@ pub(super) struct Builder<'a> {
     stuck: usize,
     /// How many slices fit no rule.
     broken: usize,
-    suspects: BTreeSet<String>,
+    poisoned_names: BTreeSet<String>,
     /// The words that were met.
     words: RefCell<HashSet<Word>>,
     errors: usize,
@@ -46,11 +46,11 @@ pub(super) struct Builder<'a> {
 
 /// Parses the scanned text and builds the tree.
 pub(super) fn file(id: FileId, source: &str, mut scan: Scan, diagnostics: &mut Diagnostics) -> File {
-    let mut out = File { id, items: Vec::new(), is_broken: false, suspects: BTreeSet::new(), texts: Vec::new() };
+    let mut out = File { id, items: Vec::new(), is_broken: false, poisoned_names: BTreeSet::new(), texts: Vec::new() };
     let Some(text) = scan.text.take() else {
         // Nothing of the file was read: later stages must not complain of what it would have declared.
         out.is_broken = true;
-        out.suspects.insert("*".into());
+        out.poisoned_names.insert("*".into());
         return out;
     };
     let mut b = Builder::new(id, source, &scan, &text, diagnostics);
@@ -61,11 +61,11 @@ pub(super) fn file(id: FileId, source: &str, mut scan: Scan, diagnostics: &mut D
             let at = b.span(b.stuck, b.stuck + 1);
             b.diagnostics.report(Unexpected { at, found: None, expected: Vec::new(), help: None, meant: None });
             b.broken += 1;
-            b.suspects.insert("*".into());
+            b.poisoned_names.insert("*".into());
         }
     }
     out.is_broken = b.broken > 0;
-    out.suspects = b.suspects;
+    out.poisoned_names = b.poisoned_names;
     out
 }
 
@@ -93,7 +93,7 @@ impl<'a> Builder<'a> {
             base: 0,
             stuck: 0,
             broken: 0,
-            suspects: BTreeSet::new(),
+            poisoned_names: BTreeSet::new(),
             words: RefCell::default(),
             errors: 0,
             diagnostics,
@@ -205,7 +205,7 @@ impl<'a> Builder<'a> {
         let (from, to) = (self.start_of(pair), self.base + pair.as_span().end());
         let span = self.span_of(pair);
         self.broken += 1;
-        note_declared(pair.as_str(), &mut self.suspects);
+        note_declared(pair.as_str(), &mut self.poisoned_names);
         if self.is_explained(span) {
             return;
         }

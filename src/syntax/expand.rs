@@ -54,10 +54,10 @@ pub fn expand(files: &mut [File], sources: &mut SourceMap, occurrences: &mut Occ
             }
         }
     }
-    let suspects = files.iter().flat_map(|f| f.suspects.iter().map(|name| name.as_str().into())).collect();
+    let poisoned_names = files.iter().flat_map(|f| f.poisoned_names.iter().map(|name| name.as_str().into())).collect();
     let mut expander = Expander {
         behaviors,
-        suspects,
+        poisoned_names,
         sources,
         diagnostics,
         occurrences,
@@ -80,7 +80,7 @@ pub fn expand(files: &mut [File], sources: &mut SourceMap, occurrences: &mut Occ
 struct Expander<'a> {
     behaviors: BTreeMap<Word, Behavior>,
     /// Names that broken slices would have declared.
-    suspects: BTreeSet<Word>,
+    poisoned_names: BTreeSet<Word>,
     sources: &'a mut SourceMap,
     diagnostics: Diagnostics,
     occurrences: &'a mut Occurrences,
@@ -176,7 +176,7 @@ impl Expander<'_> {
     fn put(&mut self, put: &Use) -> Vec<Member> {
         let name = &put.behavior.text;
         let Some(behavior) = self.behaviors.get(name).cloned() else {
-            if !self.suspects.contains(name) && !self.suspects.contains("*") {
+            if !self.poisoned_names.contains(name) && !self.poisoned_names.contains("*") {
                 let known = self.behaviors.values().map(|b| (&*b.name.text, Some(b.name.span)));
                 self.diagnostics.report(UnknownName::new("behavior", name, put.behavior.span, known));
             }

@@ -52,7 +52,7 @@ pub fn load(root: &Path, files: &dyn Files, sources: &mut SourceMap) -> (Vec<Fil
                 None => {
                     if let Some(top) = stack.last_mut() {
                         top.file.is_broken = true;
-                        top.file.suspects.insert("*".into());
+                        top.file.poisoned_names.insert("*".into());
                     }
                 }
             }

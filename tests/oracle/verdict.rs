@@ -1,7 +1,7 @@
 //! What is said of the goals of a tiny world, held against all that can happen in it.
 
 use hypedc::analysis::configuration_space;
-use hypedc::compile::Study;
+use hypedc::compile::IdeCompilation;
 use hypedc::ir::{Program, WorldId};
 use hypedc::reach::{Limits, Planner, Problem, Settings, Target, Verdict, search};
 use hypedc::sim::{Script, Simulator};
@@ -51,7 +51,7 @@ pub fn written(program: &Program, world: WorldId, way: &[Vec<Keys>]) -> String {
 }
 
 /// Judges a world; the first verdict that is false is an error.
-pub fn check(study: &Study, judge: Judge, most: usize, tally: &mut Tally) -> Result<(), String> {
+pub fn check(study: &IdeCompilation, judge: Judge, most: usize, tally: &mut Tally) -> Result<(), String> {
     let program = study.compilation.program.as_ref().unwrap();
     let world = WorldId(0);
     let oracle = Oracle::new(&study.checked, world);

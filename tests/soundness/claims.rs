@@ -28,7 +28,7 @@ impl Violation {
 
 /// How far a run has come, in what the analysis assumes of runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Standing {
+pub struct StateStatus {
     /// No player has left its bounds.
     pub is_inside: bool,
     /// No `never` has held.
@@ -36,11 +36,11 @@ pub struct Standing {
 }
 
 fn patience() -> Patience {
-    Patience::new(MOST_LOOKS)
+    Patience::new(MAX_LOOKS)
 }
 
 /// Combinations of modes that are looked at, each time that more is known of it.
-const MOST_LOOKS: u32 = 250;
+const MAX_LOOKS: u32 = 250;
 
 fn findings_of(compilation: &Compilation, program: &Program) -> Option<(Diagnostics, Spaces)> {
     watched_findings(program, &compilation.sources, FileId(0), &compilation.diagnostics, &patience())
@@ -207,7 +207,7 @@ impl Claims {
     }
 
     /// What a state is against, if it is reached by a run of this kind.
-    pub fn refuted(&self, sim: &Simulator, state: &[u8], standing: Standing) -> Option<Violation> {
+    pub fn refuted(&self, sim: &Simulator, state: &[u8], standing: StateStatus) -> Option<Violation> {
         let (program, world) = (sim.program(), sim.world());
         if standing.is_inside {
             if let Some(what) = outside(sim, &self.guard, state) {

@@ -11,7 +11,7 @@ use hypedc::sim::Simulator;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use super::claims::{Claims, Standing, Violation};
+use super::claims::{Claims, StateStatus, Violation};
 use super::run::Inputs;
 
 /// What came of some drawn states.
@@ -31,7 +31,7 @@ pub fn consecution(sim: &Simulator, claims: &Claims, samples: &[Vec<u8>], tries:
     }
     let mut rng = Pcg64::seed_from_u64(seed);
     let mut scratch = sim.scratch();
-    let standing = Standing { is_inside: true, is_allowed: false };
+    let standing = StateStatus { is_inside: true, is_allowed: false };
     let is_possible = |state: &[u8]| sim.left_bounds(state).is_none() && claims.refuted(sim, state, standing).is_none();
     let mut inputs = Inputs::new(seed, sim.world().players.len());
     for _ in 0..tries {

@@ -7,7 +7,7 @@ use hypedc::sim::{Input, PlayerInput, Script, Simulator};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use super::claims::{Claims, Standing, Violation};
+use super::claims::{Claims, StateStatus, Violation};
 
 /// A claim that a run refutes, and the inputs that lead there.
 #[derive(Debug, Clone)]
@@ -78,7 +78,7 @@ pub fn run(sim: &Simulator, claims: &Claims, steps: usize, seed: u64, runs: &mut
     let mut scratch = sim.scratch();
     let Ok(mut state) = sim.initial(&mut scratch) else { return };
     let mut inputs = Inputs::new(seed, sim.world().players.len());
-    let mut standing = Standing { is_inside: true, is_allowed: true };
+    let mut standing = StateStatus { is_inside: true, is_allowed: true };
     let mut script = Script::default();
     let mut beyond = 0;
     let (mut before, mut still) = (state.clone(), 0);
@@ -110,7 +110,7 @@ pub fn run(sim: &Simulator, claims: &Claims, steps: usize, seed: u64, runs: &mut
 }
 
 /// More inputs than that, of all players together, are not tried one by one.
-const MOST_INPUTS: usize = 36;
+const MAX_INPUTS: usize = 36;
 
 /// All inputs that the players of a world can give, axes at their ends or in the middle; none if there are too many.
 fn all_inputs(sim: &Simulator) -> Option<Vec<Input>> {
@@ -134,7 +134,7 @@ fn all_inputs(sim: &Simulator) -> Option<Vec<Input>> {
             }
         }
         all = next;
-        if all.len() > MOST_INPUTS {
+        if all.len() > MAX_INPUTS {
             return None;
         }
     }
@@ -142,7 +142,7 @@ fn all_inputs(sim: &Simulator) -> Option<Vec<Input>> {
 }
 
 /// Steps that an exhaustive run takes in all.
-const MOST_STEPS: usize = 2_500;
+const MAX_STEPS: usize = 2_500;
 
 /// Runs a world with all inputs there are, each held for some steps, breadth first, up to a number of states.
 pub fn exhaust(sim: &Simulator, claims: &Claims, most: usize, hold: u32, runs: &mut Runs) {
@@ -152,7 +152,7 @@ pub fn exhaust(sim: &Simulator, claims: &Claims, most: usize, hold: u32, runs: &
     if inputs.len() < 2 {
         return;
     }
-    let until = runs.states + MOST_STEPS;
+    let until = runs.states + MAX_STEPS;
     let mut known: HashSet<Vec<u8>> = HashSet::new();
     // Each with where it comes from: a state's number and an input's.
     let mut open: Vec<(Vec<u8>, bool, usize, usize)> = vec![(start.to_vec(), true, 0, 0)];
@@ -163,7 +163,7 @@ pub fn exhaust(sim: &Simulator, claims: &Claims, most: usize, hold: u32, runs: &
             for step in 0..hold {
                 is_allowed &= sim.violated(&state) == Ok(None);
                 let is_inside = sim.left_bounds(&state).is_none();
-                let standing = Standing { is_inside, is_allowed };
+                let standing = StateStatus { is_inside, is_allowed };
                 runs.states += 1;
                 let violation =
                     claims.refuted(sim, &state, standing).or_else(|| claims.refuted_by_step(sim, &state, input));

@@ -26,13 +26,13 @@ use crate::source::{FileId, SourceMap, Span};
 use crate::watch::{Unwatched, Watch};
 
 use super::configuration::Configuration;
-use super::{ConfigurationSpace, with_any_supply};
+use super::{ConfigurationSpace, without_counter_bounds};
 
 use account::{Account, Occurrence};
 use tunnelling::Tunnelling;
 
 /// So many ways of steps are looked at for all worlds of a program: a check is to answer while one types.
-const MOST_EFFORT: usize = 200_000;
+const MAX_EFFORT: usize = 200_000;
 
 /// Looks for what values tell of the entities of a file. `said` is what was found before: nothing is said twice.
 pub fn findings(program: &Program, sources: &SourceMap, root: FileId, said: &Diagnostics) -> Diagnostics {
@@ -73,13 +73,14 @@ fn look(
     let occurs = |w: &World| w.slots.iter().any(|s| scene.is_ours(s.entity));
     let others = program.worlds.iter().filter(|w| !occurs(w));
     let unseen: BTreeSet<EntityId> = others.flat_map(|w| w.slots.iter().map(|s| s.entity)).collect();
-    let mut effort = MOST_EFFORT;
+    let mut effort = MAX_EFFORT;
     for (world_id, original) in program.worlds.pairs().filter(|(_, w)| occurs(w)) {
         let world = &*freed(program, original);
         // Of the others it is known how they begin.
         let is_looked_at = world.open.is_none() && effort > 0;
         let mut nothing = 0;
-        let space = with_any_supply(program, world, if is_looked_at { &mut effort } else { &mut nothing }, watch);
+        let space =
+            without_counter_bounds(program, world, if is_looked_at { &mut effort } else { &mut nothing }, watch);
         let mut entities: BTreeMap<EntityId, Vec<Occurrence<'_>>> = BTreeMap::new();
         for (slot, found) in space.slots.pairs() {
             let occurrence = Occurrence { world_id, world, space: &space, slot, found };

@@ -128,14 +128,14 @@ impl Seen {
             let joined = known[from..to].iter().fold(*new, |all, i| all.or(*i));
             known.splice(from..to, [joined]);
         }
-        if known.len() > MOST_APART {
+        if known.len() > MAX_APART {
             *known = Values::any(known.drain(..)).intervals().to_vec();
         }
     }
 }
 
 /// So many intervals are kept apart while they are gathered.
-const MOST_APART: usize = 64;
+const MAX_APART: usize = 64;
 
 /// Each variable that is read, with its name and what it can be.
 pub(super) fn read(entity: &Entity, reads: &Reads, at: &[Case<'_>]) -> Vec<String> {

@@ -7,8 +7,8 @@ use cpu_time::ThreadTime;
 
 use crate::compile::{Compilation, compile_barred};
 use crate::corpus::{Broken, Coverage, Exhausted, Kept, Key, Kind, Record, Row, Settings, Timing};
-use crate::crew::Desk;
 use crate::diagnostic::{Severity, render};
+use crate::parallel::TaskContext;
 use crate::reach;
 use crate::watch::Watch;
 
@@ -16,7 +16,7 @@ use crate::cli::args::ReachArgs;
 use crate::cli::disk::Disk;
 use crate::cli::reach::refuted::command_line;
 use crate::cli::reach::result::{Answered, restart_text};
-use crate::cli::reach::session::{Asked, Asking, Prepared, Refusal, barred, named, nodes_limit};
+use crate::cli::reach::session::{Asked, Prepared, ReachSession, Refusal, barred, named, nodes_limit};
 use crate::cli::report::{Loaded, find_world, level_sha256, program_sha256};
 
 /// A level of many; none for a program that has its maps in it.
@@ -74,7 +74,7 @@ pub(in crate::cli) fn row_settings(args: &ReachArgs, settings: &reach::Settings)
 
 impl Common<'_> {
     /// Does a level; hands in something for each question, or less if all is to end.
-    pub fn level(&self, level: &Level, desk: &Desk<'_, Done>) {
+    pub fn level(&self, level: &Level, desk: &TaskContext<'_, Done>) {
         let path = level.path.as_deref();
         let level_sha256 = path.and_then(level_sha256);
         let blank = |target: usize, error: String| {
@@ -121,7 +121,7 @@ impl Common<'_> {
         if open.is_empty() {
             return;
         }
-        let asking = Asking::new(self.args, &loaded, prepared, &LevelWatch::new(desk, self.args.seconds));
+        let asking = ReachSession::new(self.args, &loaded, prepared, &LevelWatch::new(desk, self.args.seconds));
         // What refutes the analysis may come to light in the search for another goal of the level.
         let mut waiting = Vec::new();
         let timing = |seconds: f64, cpu_seconds: Option<f64>| Timing {
@@ -193,7 +193,7 @@ fn row(blank: Row, asked: Asked) -> Row {
     let a = asked.answered;
     Row {
         verdict: a.verdict.into(),
-        is_as_wished: a.is_as_wished,
+        is_expected: a.is_expected,
         error: None,
         argument: a.argument,
         steps: a.steps,
@@ -229,12 +229,12 @@ fn cpu_seconds() -> Option<f64> {
 
 /// Watches one search: its seconds, and whether all is to end.
 struct LevelWatch<'w> {
-    desk: &'w Desk<'w, Done>,
+    desk: &'w TaskContext<'w, Done>,
     until: Option<Instant>,
 }
 
 impl<'w> LevelWatch<'w> {
-    fn new(desk: &'w Desk<'w, Done>, seconds: Option<f64>) -> Self {
+    fn new(desk: &'w TaskContext<'w, Done>, seconds: Option<f64>) -> Self {
         let until =
             seconds.and_then(|s| Duration::try_from_secs_f64(s).ok()).and_then(|s| Instant::now().checked_add(s));
         LevelWatch { desk, until }

@@ -17,9 +17,9 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 
 use crate::corpus::{Comparison, Kept, Key, Kind, Record, Row, junit, summary, table};
-use crate::crew::{self, Desk};
 use crate::diagnostic::catalogue::file::Unreadable;
 use crate::diagnostic::catalogue::run::NoQuestion;
+use crate::parallel::{self, TaskContext};
 use crate::reach::Target;
 use crate::source::SourceMap;
 
@@ -142,8 +142,8 @@ impl Run<'_> {
             writeln!(io::stderr(), "the last row of `{}` was cut off, and is done anew", path.display())?;
         }
         let Run { common, levels, files, .. } = &mut self;
-        let task = |at: usize, desk: &Desk<'_, Done>| common.level(&levels[at], desk);
-        crew::work(levels.len(), usize::from(args.threads), &stop, &task, &mut |level, done| {
+        let task = |at: usize, desk: &TaskContext<'_, Done>| common.level(&levels[at], desk);
+        parallel::work(levels.len(), usize::from(args.threads), &stop, &task, &mut |level, done| {
             bar.inc(1);
             let written = match done {
                 Done::Broken(why) => Err(why),
@@ -203,7 +203,7 @@ impl Run<'_> {
         }
         let is_no = match &comparison {
             Some(comparison) => comparison.is_worse(),
-            None => rows.iter().any(|kept| !kept.row.is_as_wished),
+            None => rows.iter().any(|kept| !kept.row.is_expected),
         };
         // Whatever was wished, a mistake of the analysis is none of it.
         let is_refuted = rows.iter().any(|kept| kept.row.refuted.is_some());

@@ -15,7 +15,7 @@ use crate::cli::report::{Loaded, choose_world, load_barred, show_fact};
 use crate::cli::watching::{CommandWatch, Interrupt};
 use refuted::command_line;
 use result::RunResult;
-use session::{Asking, Found, Prepared, Refusal, barred, target_name};
+use session::{Found, Prepared, ReachSession, Refusal, barred, target_name};
 
 pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Answer> {
     let level = args.reading.of(args.map.first().map(AsRef::as_ref));
@@ -34,13 +34,13 @@ pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Answer> {
     };
     // What the analysis takes is part of the time for the first goal.
     let watch = CommandWatch::new("analysis", args.seconds);
-    let asking = Asking::new(args, &loaded, prepared, &watch);
+    let asking = ReachSession::new(args, &loaded, prepared, &watch);
     watch.finish();
     answer_all(args, &loaded, world, &asking)
 }
 
 /// Asks all questions, then shows the answers: a search can refute what was proven before.
-fn answer_all(args: &ReachArgs, loaded: &Loaded, world: WorldId, asking: &Asking<'_>) -> io::Result<Answer> {
+fn answer_all(args: &ReachArgs, loaded: &Loaded, world: WorldId, asking: &ReachSession<'_>) -> io::Result<Answer> {
     let program = &loaded.program;
     let mut result = RunResult::new(args, program, world, asking.settings(), asking.analysis_seconds);
     result.given_up = asking.given_up();
@@ -72,7 +72,7 @@ fn answer_all(args: &ReachArgs, loaded: &Loaded, world: WorldId, asking: &Asking
         if args.format == ResultFormat::Human {
             write!(io::stdout(), "{}", answered.human(target))?;
         }
-        if !answered.is_as_wished {
+        if !answered.is_expected {
             answer = answer.max(Answer::No);
         }
         result.add(answered);
@@ -89,7 +89,7 @@ fn answer_all(args: &ReachArgs, loaded: &Loaded, world: WorldId, asking: &Asking
 }
 
 /// What is found about each question, until it is interrupted. A way that is found for one may answer others.
-fn find<'q>(args: &ReachArgs, asking: &'q Asking<'_>, world: &World) -> Result<Vec<Found<'q>>, Refusal> {
+fn find<'q>(args: &ReachArgs, asking: &'q ReachSession<'_>, world: &World) -> Result<Vec<Found<'q>>, Refusal> {
     let targets = asking.targets();
     let mut all: Vec<Found<'q>> = Vec::new();
     let mut is_interrupted = false;
@@ -168,7 +168,7 @@ mod tests {
             let space = configuration_space(&slow.program, world);
             let mut loaded = load_barred(&args.file, level(), None).unwrap().unwrap();
             let prepared = Prepared::new(&args, &mut loaded, world).unwrap_or_else(|_| panic!());
-            let asking = Asking::resting_on(&args, &loaded, prepared, space, 0.0);
+            let asking = ReachSession::resting_on(&args, &loaded, prepared, space, 0.0);
             let answer = answer_all(&args, &loaded, world, &asking).unwrap();
             let first = asking.find(Target::Goal(GoalId(0)), &crate::watch::Unwatched).unwrap_or_else(|_| panic!());
             (answer, asking.answer(first).answered)

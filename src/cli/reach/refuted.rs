@@ -14,7 +14,7 @@ use crate::reach::Refutation;
 use crate::cli::report::program_sha256;
 
 /// So many files of one name are numbered.
-const MOST_FILES: usize = 10_000;
+const MAX_FILES: usize = 10_000;
 
 /// A run that refutes the analysis, as results have it.
 #[derive(Debug, Clone, Serialize)]
@@ -141,7 +141,7 @@ pub(in crate::cli) fn command_line() -> String {
 
 /// Writes a file that is not there yet; numbers it where one is.
 fn write_new(folder: &Path, stem: &str, text: &str) -> io::Result<PathBuf> {
-    for number in 1..=MOST_FILES {
+    for number in 1..=MAX_FILES {
         let name = if number == 1 { format!("{stem}.txt") } else { format!("{stem}-{number}.txt") };
         let path = folder.join(name);
         match File::options().write(true).create_new(true).open(&path) {

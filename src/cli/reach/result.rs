@@ -273,7 +273,7 @@ pub(in crate::cli) struct Answered {
     #[serde(skip)]
     is_in_no_state: bool,
     #[serde(skip)]
-    pub is_as_wished: bool,
+    pub is_expected: bool,
 }
 
 impl Answered {
@@ -366,7 +366,7 @@ impl Answered {
             asked: format!("{}{}", within.unwrap_or_default(), if least_hold > 1 { hold } else { String::new() }),
             least_hold,
             is_in_no_state: matches!(&outcome.verdict, Verdict::Unreachable(Argument::Analysis(_))),
-            is_as_wished: outcome.conclusion(target).is_as_wished(target),
+            is_expected: outcome.conclusion(target).is_expected(target),
         }
     }
 

@@ -8,13 +8,13 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::analysis::{ConfigurationSpace, watched_space};
-use crate::compile::Barred;
+use crate::compile::ExtraConstraint;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::{Diagnostics, Fact, render, similar};
 use crate::ir::{ExprId, GoalId, NeverId, World, WorldId};
 use crate::reach::{
-    BadStart, Death, End, Guard, Limits, Measure, Outcome, Plan, Planner, Problem, Refutation, Sampling, Settings,
-    Target, Verdict, Visited, hasten, passed, reach, shorten,
+    BadStart, End, Guard, Limits, Measure, Outcome, Plan, Planner, Problem, Refutation, Sampling, Settings, Target,
+    Termination, Verdict, Visited, improve_duration, passed, reach, shorten,
 };
 use crate::sim::{Script, Simulator, parse_script};
 use crate::source::SourceMap;
@@ -62,8 +62,8 @@ impl Refusal {
 }
 
 /// The predicate that may never hold, if there is one.
-pub(in crate::cli) fn barred(args: &ReachArgs) -> Option<Barred<'_>> {
-    args.without.as_deref().map(|predicate| Barred {
+pub(in crate::cli) fn barred(args: &ReachArgs) -> Option<ExtraConstraint<'_>> {
+    args.without.as_deref().map(|predicate| ExtraConstraint {
         world: args.world.as_deref(),
         name: WITHOUT,
         predicate,
@@ -93,7 +93,7 @@ impl Prepared {
 }
 
 /// A world with all that questions about it have in common.
-pub(in crate::cli) struct Asking<'a> {
+pub(in crate::cli) struct ReachSession<'a> {
     args: &'a ReachArgs,
     loaded: &'a Loaded,
     sim: Simulator,
@@ -129,7 +129,7 @@ pub(in crate::cli) struct Asked {
     pub outcome: Outcome,
 }
 
-impl<'a> Asking<'a> {
+impl<'a> ReachSession<'a> {
     /// Works out what the world can be, until it is stopped.
     pub fn new(args: &'a ReachArgs, loaded: &'a Loaded, prepared: Prepared, watch: &dyn Watch) -> Self {
         let started = Instant::now();
@@ -138,7 +138,7 @@ impl<'a> Asking<'a> {
         let nevers: Vec<ExprId> = program.worlds[world].nevers.iter().map(|never| never.holds).collect();
         let space = watched_space(program, world, &nevers, watch);
         let analysis_seconds = started.elapsed().as_secs_f64();
-        Asking::resting_on(args, loaded, prepared, space, analysis_seconds)
+        ReachSession::resting_on(args, loaded, prepared, space, analysis_seconds)
     }
 
     /// Rests its proofs on what the world can be.
@@ -151,7 +151,7 @@ impl<'a> Asking<'a> {
     ) -> Self {
         let (program, world) = (&loaded.program, prepared.world);
         let guard = (!args.no_check_states).then(|| Guard::new(&space, program, world));
-        Asking { args, loaded, sim: Simulator::new(program, world), space, guard, prepared, analysis_seconds }
+        ReachSession { args, loaded, sim: Simulator::new(program, world), space, guard, prepared, analysis_seconds }
     }
 
     /// A run that shows that the analysis is wrong about this world, if the search for any of the answers has met one.
@@ -216,7 +216,7 @@ impl<'a> Asking<'a> {
         else {
             return;
         };
-        let plan = hasten(problem, &self.space, self.settings(), &self.limits(), plan, watch);
+        let plan = improve_duration(problem, &self.space, self.settings(), &self.limits(), plan, watch);
         found.outcome.verdict = Verdict::Reached(shorten(problem, &plan, watch));
     }
 
@@ -337,9 +337,9 @@ impl<'a> Asking<'a> {
                 Err(BadStart::Over(death, step)) => (death, step),
             };
             let why = match death {
-                Death::Never(id) => format!("`never {}` holds", world.nevers[id].name),
-                Death::Avoided => "the predicate of `--without` holds".to_string(),
-                Death::Outside => "the player is out of bounds".to_string(),
+                Termination::Never(id) => format!("`never {}` holds", world.nevers[id].name),
+                Termination::Avoided => "the predicate of `--without` holds".to_string(),
+                Termination::Outside => "the player is out of bounds".to_string(),
             };
             let why = format!("`--after \"{text}\"` leads nowhere: {why} after step {step}");
             let help = Some("give a script whose run is not over at its end".to_string());

@@ -23,7 +23,7 @@ impl Unreadable {
 }
 
 impl Fact for Unreadable {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let path = self.path.display();
         let d = match self.error {
             ReadError::Unreadable(why) => Diagnostic::new(Code::Unreadable, format!("cannot read `{path}`: {why}")),
@@ -67,7 +67,7 @@ pub struct ImportCycle {
 }
 
 impl Fact for ImportCycle {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let chain: Vec<String> = self.files.iter().map(|f| format!("`{}`", f.display())).collect();
         Diagnostic::new(Code::ImportCycle, format!("files import each other: {}", chain.join(" → ")))
             .at(self.import, "this import closes the cycle")
@@ -88,7 +88,7 @@ pub struct TooMany {
 }
 
 impl Fact for TooMany {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         Diagnostic::new(Code::TooLarge, format!("too many {}: {}, at most {}", self.what, self.count, self.limit))
             .at(self.at, format!("{} {}", self.count, self.what))
     }

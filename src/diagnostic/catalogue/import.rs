@@ -27,7 +27,7 @@ pub struct NotWellFormed {
 }
 
 impl Fact for NotWellFormed {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let d = Diagnostic::new(Code::NotWellFormed, shown(&self.what)).at(self.at, "here");
         self.help.into_iter().fold(d, Diagnostic::help)
     }
@@ -132,7 +132,7 @@ pub enum Misfit {
 }
 
 impl Fact for BadForm {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let form = |message: String| Diagnostic::new(Code::BadForm, message);
         let at = self.at;
         let name = |text: &String| shown(text);
@@ -201,7 +201,7 @@ pub struct NotCarriedOver {
 }
 
 impl Fact for NotCarriedOver {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         Diagnostic::new(Code::NotCarriedOver, format!("{} cannot be carried over", shown(&self.what)))
             .at(self.at, self.why)
             .help(self.help)
@@ -223,7 +223,7 @@ pub struct Renamed {
 }
 
 impl Fact for Renamed {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let Renamed { kind, from, to, why, at } = self;
         Diagnostic::new(Code::Renamed, format!("the {kind} `{}` is called `{}`", shown(&from), shown(&to))).at(at, why)
     }
@@ -240,7 +240,7 @@ pub struct LeftOut {
 }
 
 impl Fact for LeftOut {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         Diagnostic::new(Code::LeftOut, format!("{} is left out", shown(&self.what))).at(self.at, self.why)
     }
 }
@@ -256,7 +256,7 @@ pub struct Assumed {
 }
 
 impl Fact for Assumed {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         Diagnostic::new(Code::Assumed, self.what).at(self.at, "here").help(self.help)
     }
 }
@@ -272,7 +272,7 @@ pub struct Bounded {
 }
 
 impl Fact for Bounded {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let (low, high) = self.range;
         Diagnostic::new(Code::Bounded, format!("`{}` is given the range {low}..{high}", shown(&self.name)))
             .at(self.at, "a number without bounds")

@@ -16,7 +16,7 @@ pub struct Unused {
 }
 
 impl Fact for Unused {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let Unused { kind, name, at, written } = self;
         let verb = if kind == "behavior" { "uses" } else { "reads" };
         let d = Diagnostic::new(Code::Unused, format!("nothing {verb} the {kind} `{name}`"));
@@ -46,7 +46,7 @@ pub struct MayLeaveRange {
 }
 
 impl Fact for MayLeaveRange {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let MayLeaveRange { name, range: (low, high), declared, at, value } = self;
         let found = match value {
             (f64::NEG_INFINITY, f64::INFINITY) => "this can be any number".to_string(),
@@ -72,7 +72,7 @@ pub struct ConstantGuard {
 }
 
 impl Fact for ConstantGuard {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let (always, help) = if self.holds {
             ("always true", "write `true` if that is meant")
         } else {
@@ -93,7 +93,7 @@ pub struct UnreachableMode {
 }
 
 impl Fact for UnreachableMode {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let d = Diagnostic::new(Code::UnreachableMode, format!("the mode `{}` can never be entered", self.path))
             .at(self.at, "no edge that can be taken leads here");
         match self.first {
@@ -115,7 +115,7 @@ pub struct Trap {
 }
 
 impl Fact for Trap {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let d = Diagnostic::new(Code::Trap, format!("the mode `{}` can never be left", self.path))
             .at(self.at, "none of its edges can be taken");
         self.edges.into_iter().take(4).fold(d, |d, (span, why)| d.and(span, why))
@@ -133,7 +133,7 @@ pub struct Shadowed {
 }
 
 impl Fact for Shadowed {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let d = Diagnostic::new(Code::Shadowed, "this edge is never taken: another one comes before it")
             .at(self.at, "whenever this holds …")
             .and(self.by, "… this holds, too, and is tried first");
@@ -156,7 +156,7 @@ pub struct GroupClash {
 }
 
 impl Fact for GroupClash {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let message = format!("two groups can update `{}` in one step", self.variable);
         Diagnostic::new(Code::GroupClash, message)
             .at(self.last, "if both happen, this one counts")
@@ -176,7 +176,7 @@ pub struct UncarriedTag {
 }
 
 impl Fact for UncarriedTag {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let near = super::did_you_mean(self.near.as_ref().map(|(name, _)| name));
         let d = Diagnostic::new(Code::UncarriedTag, format!("nothing carries the tag `{}`{near}", self.tag))
             .at(self.at, "no collider, tile or `rect` has it");
@@ -200,7 +200,7 @@ pub struct UnpairedTouch {
 }
 
 impl Fact for UnpairedTouch {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let (mine, other) = self.tags;
         let quoted: Vec<String> = mine.iter().map(|t| format!("`{t}`")).collect();
         let (world, span) = self.world;
@@ -228,7 +228,7 @@ pub struct NoPlayer {
 }
 
 impl Fact for NoPlayer {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let (name, span) = self.instance;
         Diagnostic::new(Code::NoPlayer, format!("no player gives the inputs of `{}`", self.entity))
             .at(self.at, "never pressed")
@@ -250,7 +250,7 @@ pub struct PlacedInside {
 }
 
 impl Fact for PlacedInside {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let deep = format!("{:.3}", self.depth);
         let deep = deep.trim_end_matches('0').trim_end_matches('.');
         let d = Diagnostic::new(Code::PlacedInside, format!("`{}` begins inside of what blocks it", self.name));
@@ -275,7 +275,7 @@ pub struct LinkNowhere {
 }
 
 impl Fact for LinkNowhere {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let (left, right, bottom, top) = self.extent;
         Diagnostic::new(Code::LinkNowhere, format!("a link to nowhere: it ends outside of `{}`", self.space))
             .at(self.at, "leads to where nothing is")
@@ -292,7 +292,7 @@ pub struct BeyondBounds {
 }
 
 impl Fact for BeyondBounds {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         Diagnostic::new(Code::BeyondBounds, format!("{} only out of `bounds`, where a run has ended", self.what))
             .at(self.at, "out of bounds")
             .help("make the bounds larger, or leave them out: a run then ends at no border")

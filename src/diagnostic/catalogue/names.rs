@@ -24,7 +24,7 @@ pub struct UnknownName {
 }
 
 /// So many names are listed.
-const MOST_LISTED: usize = 8;
+const MAX_LISTED: usize = 8;
 
 impl UnknownName {
     /// The name of some kind that stands at a place, and all names of that kind with where they are declared.
@@ -37,7 +37,7 @@ impl UnknownName {
         let known: Vec<(&str, Option<Span>)> = known.into_iter().take(MAX_CANDIDATES).collect();
         let near = nearest(name, known.iter().map(|(text, _)| *text));
         let declared = near.and_then(|(near, _)| known.iter().find(|(text, _)| *text == near)?.1);
-        let listed = if near.is_some() || known.len() > MOST_LISTED { &[] } else { known.as_slice() };
+        let listed = if near.is_some() || known.len() > MAX_LISTED { &[] } else { known.as_slice() };
         UnknownName {
             kind,
             name: name.to_string(),
@@ -61,7 +61,7 @@ impl UnknownName {
 }
 
 impl Fact for UnknownName {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let UnknownName { kind, name, at, near, declared, known, rather } = self;
         let hint = did_you_mean(near.as_ref().map(|(near, _)| near));
         let label = if rather.is_some() { "does not fit here" } else { "not declared" };
@@ -101,7 +101,7 @@ pub struct DuplicateName {
 }
 
 impl Fact for DuplicateName {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         Diagnostic::new(Code::DuplicateName, format!("{} `{}` is declared twice", self.kind, self.name))
             .at(self.second, "declared again")
             .and(self.first, "first declared here")
@@ -119,7 +119,7 @@ pub struct AmbiguousMode {
 }
 
 impl Fact for AmbiguousMode {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let paths: Vec<String> = self.fits.iter().map(|(path, _)| format!("`{path}`")).collect();
         let mut d = Diagnostic::new(Code::AmbiguousMode, format!("`{}` fits several modes", self.name))
             .at(self.at, "which one?")
@@ -140,7 +140,7 @@ pub struct BehaviorCycle {
 }
 
 impl Fact for BehaviorCycle {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let chain: Vec<String> = self.names.iter().map(|n| format!("`{n}`")).collect();
         Diagnostic::new(Code::BehaviorCycle, format!("behaviours use each other: {}", chain.join(" → ")))
             .at(self.at, "this use closes the cycle")

@@ -15,7 +15,7 @@ pub struct BadInput {
 }
 
 impl Fact for BadInput {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let d = Diagnostic::new(Code::BadInput, self.why).at(self.at, "cannot be given");
         match self.help {
             Some(help) => d.help(help),
@@ -35,7 +35,7 @@ pub struct NoQuestion {
 }
 
 impl Fact for NoQuestion {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let d = Diagnostic::new(Code::NoQuestion, format!("{}{}", self.why, did_you_mean(self.near.as_ref())));
         match self.help {
             Some(help) => d.help(help),
@@ -59,7 +59,7 @@ pub struct RunFault {
 }
 
 impl Fact for RunFault {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let RunFault { at, what, instance, step, values } = self;
         let d = Diagnostic::new(Code::Fault, format!("step {step} stopped: {what} in `{instance}`")).at(at, what);
         if values.is_empty() {
@@ -81,7 +81,7 @@ pub struct BrokenInvariant {
 }
 
 impl Fact for BrokenInvariant {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let message = format!("after step {}: an invariant of `{}` does not hold", self.step, self.instance);
         Diagnostic::new(Code::InvariantBroken, message).at(self.at, "does not hold")
     }
@@ -100,7 +100,7 @@ pub struct RefusedSpawn {
 }
 
 impl Fact for RefusedSpawn {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let RefusedSpawn { at, instance, entity, step } = self;
         Diagnostic::new(
             Code::SpawnRefused,

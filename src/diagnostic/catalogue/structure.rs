@@ -16,7 +16,7 @@ pub struct EdgeOutOfGroup {
 }
 
 impl Fact for EdgeOutOfGroup {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let own: Vec<String> = self.own.iter().map(|m| format!("`{m}`")).collect();
         let d = Diagnostic::new(
             Code::EdgeOutOfGroup,
@@ -44,7 +44,7 @@ pub struct FlowConflict {
 }
 
 impl Fact for FlowConflict {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let d = Diagnostic::new(Code::FlowConflict, format!("`{}` is driven twice at once", self.variable))
             .at(self.second, "driven again here")
             .and(self.first, "driven here");
@@ -67,7 +67,7 @@ pub struct UpdateConflict {
 }
 
 impl Fact for UpdateConflict {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         Diagnostic::new(Code::UpdateConflict, format!("`{}` is updated twice", self.variable))
             .at(self.second, "updated again here")
             .and(self.first, "updated here")
@@ -84,7 +84,7 @@ pub struct MixedGroups {
 }
 
 impl Fact for MixedGroups {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         Diagnostic::new(Code::MixedGroups, "a mode stands beside named groups")
             .at(self.mode, "in no group")
             .and(self.group, "a named group")
@@ -105,7 +105,7 @@ pub struct BadEnvelope {
 }
 
 impl Fact for BadEnvelope {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let mut d = Diagnostic::new(Code::BadEnvelope, self.why).at(self.at, "this envelope");
         if let Some(other) = self.other {
             d = d.and(other, "first given here");
@@ -130,7 +130,7 @@ pub struct BadCollider {
 }
 
 impl Fact for BadCollider {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let d = Diagnostic::new(Code::BadCollider, format!("a collider's {} is {}", self.what, self.value))
             .at(self.at, "must be more than 0 px");
         match self.instance {
@@ -147,7 +147,7 @@ pub struct IdleEdge {
 }
 
 impl Fact for IdleEdge {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         Diagnostic::new(Code::IdleEdge, "this edge does nothing: it has neither a target nor updates")
             .at(self.at, "leads nowhere")
             .help("add `-> MODE`, or updates in `{ }`")
@@ -165,7 +165,7 @@ pub struct LostRead {
 }
 
 impl Fact for LostRead {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let LostRead { at, name, in_mode } = self;
         let d = Diagnostic::new(Code::LostReference, format!("`{name}` is read, but it may be none"))
             .at(at, "stops the step where there is nothing to read");
@@ -192,7 +192,7 @@ pub struct LostEntry {
 }
 
 impl Fact for LostEntry {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let LostEntry { at, name, mode, read } = self;
         Diagnostic::new(
             Code::LostReference,
@@ -211,7 +211,7 @@ pub struct JointCycle {
 }
 
 impl Fact for JointCycle {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let mut names: Vec<&str> = self.steps.iter().map(|(name, _)| name.as_str()).collect();
         names.extend(self.steps.first().map(|(name, _)| name.as_str()));
         let message = match names.as_slice() {

@@ -19,7 +19,7 @@ pub struct Unexpected {
 }
 
 impl Fact for Unexpected {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let found = match &self.found {
             Some(token) => format!("`{token}`"),
             None => "the end of the line".to_string(),
@@ -50,7 +50,7 @@ pub struct TooManyErrors {
 }
 
 impl Fact for TooManyErrors {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         Diagnostic::new(Code::Syntax, "too many syntax errors; those from here on are not shown")
             .at(self.at, "the first that is not shown")
     }
@@ -67,7 +67,7 @@ pub struct LongWord {
 }
 
 impl Fact for LongWord {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let message = format!("a word has {} letters, at most {} are read", self.length, self.limit);
         Diagnostic::new(Code::TooLarge, message).at(self.at, "begins here").note("nothing after this place was checked")
     }
@@ -82,7 +82,7 @@ pub struct TooManyTokens {
 }
 
 impl Fact for TooManyTokens {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let message = format!("this file has more than {} words, numbers and signs", self.limit);
         Diagnostic::new(Code::TooLarge, message)
             .at(self.at, "too many from here on")
@@ -100,7 +100,7 @@ pub struct NestingTooDeep {
 }
 
 impl Fact for NestingTooDeep {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         Diagnostic::new(Code::NestingTooDeep, format!("more than {} brackets are open at once", self.limit))
             .at(self.at, "one bracket too many")
             .help("is a bracket left open further up? if not, name parts of the expression or flatten the modes")
@@ -119,7 +119,7 @@ pub struct ExpressionTooLong {
 }
 
 impl Fact for ExpressionTooLong {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let d =
             Diagnostic::new(Code::ExpressionTooLong, format!("an expression has more than {} operators", self.limit))
                 .at(
@@ -146,7 +146,7 @@ pub struct UnclosedBrace {
 }
 
 impl Fact for UnclosedBrace {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let d = Diagnostic::new(Code::UnbalancedBrace, "this `{` is never closed").at(self.open, "opened here");
         match self.here {
             Some(here) => d.and(here, "by the indentation of what follows, a `}` is missing after this"),
@@ -162,7 +162,7 @@ pub struct MissingOpenBrace {
 }
 
 impl Fact for MissingOpenBrace {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         Diagnostic::new(Code::UnbalancedBrace, "a `{` is missing").at(self.header, "expected `{` after this")
     }
 }
@@ -174,7 +174,7 @@ pub struct StrayBrace {
 }
 
 impl Fact for StrayBrace {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         Diagnostic::new(Code::UnbalancedBrace, "this `}` closes nothing")
             .at(self.at, "no `{` is open here")
             .help("remove it, or look for a `{` that is missing further up")
@@ -190,7 +190,7 @@ pub struct UnterminatedMap {
 }
 
 impl Fact for UnterminatedMap {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         if self.opening {
             return Diagnostic::new(Code::UnterminatedMap, "this map has no opening quote")
                 .at(self.open, "the map begins here")
@@ -215,7 +215,7 @@ pub struct Misplaced {
 }
 
 impl Fact for Misplaced {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         Diagnostic::new(Code::Misplaced, format!("{} cannot stand in {}", self.what, self.inside))
             .at(self.at, "out of place")
             .help(format!("it belongs {}", self.belongs))

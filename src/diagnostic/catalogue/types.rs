@@ -17,7 +17,7 @@ pub struct TypeMismatch {
 }
 
 impl Fact for TypeMismatch {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let d = Diagnostic::new(Code::TypeMismatch, format!("expected {}, found {}", self.expected, self.found))
             .at(self.at, format!("this is {}", self.found));
         match self.help {
@@ -42,7 +42,7 @@ pub struct DimensionConflict {
 }
 
 impl Fact for DimensionConflict {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let ((at, here), (span, there)) = (self.at, self.other);
         let near = did_you_mean(self.near.as_ref());
         let message = format!("{} is used as {} and as {}{near}", self.what, kind(&here), kind(&there));
@@ -78,7 +78,7 @@ pub struct WrongDimension {
 }
 
 impl Fact for WrongDimension {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let WrongDimension { this, needed, also, near, help } = self;
         let (found, needed) = (measured(&this.dimension), measured(&needed));
         let near = did_you_mean(near.as_ref());
@@ -105,7 +105,7 @@ pub struct Unjoinable {
 }
 
 impl Fact for Unjoinable {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let Unjoinable { first, second, how, also, near, help } = self;
         let (one, other) = (measured(&first.dimension), measured(&second.dimension));
         let near = did_you_mean(near.as_ref());
@@ -131,7 +131,7 @@ pub struct NoSquare {
 }
 
 impl Fact for NoSquare {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let dimension = measured(&self.dimension);
         let message = format!("{} has no square root: it is {dimension}, which is no square", self.of);
         Diagnostic::new(Code::DimensionConflict, message).at(self.at, dimension)
@@ -185,7 +185,7 @@ pub struct WrongArguments {
 }
 
 impl Fact for WrongArguments {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         Diagnostic::new(Code::WrongArguments, format!("`{}` is called with the wrong arguments", self.function))
             .at(self.at, format!("expected {}", self.usage))
     }
@@ -202,7 +202,7 @@ pub struct NotConstant {
 }
 
 impl Fact for NotConstant {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         Diagnostic::new(Code::NotConstant, format!("{} cannot depend on this", self.what))
             .at(self.at, "not known when it is needed")
             .help(format!("it may read {}", self.may_read))
@@ -216,7 +216,7 @@ pub struct BadChain {
 }
 
 impl Fact for BadChain {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         Diagnostic::new(Code::BadChain, "a chain of comparisons must go one way")
             .at(self.at, "its comparisons point both ways")
             .help("join two comparisons with `and`")
@@ -234,7 +234,7 @@ pub struct OutOfRange {
 }
 
 impl Fact for OutOfRange {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         Diagnostic::new(Code::OutOfRange, format!("{} lies outside of {}", self.what, self.range))
             .at(self.at, format!("must be within {}", self.range))
     }
@@ -253,7 +253,7 @@ pub struct MissingArguments {
 }
 
 impl Fact for MissingArguments {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let missing: Vec<String> = self.missing.iter().map(|m| format!("`{m}`")).collect();
         let usage: Vec<String> = self.missing.iter().map(|m| format!("{m} = …")).collect();
         let message = format!("`use {}` leaves out {}", self.name, super::list(&missing, "and"));

@@ -30,7 +30,7 @@ pub struct GuardByValue {
 }
 
 impl Fact for GuardByValue {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let GuardByValue { holds, reason } = self;
         let (verb, help) = match holds {
             true => ("always holds", "write `true` if that is meant"),
@@ -55,7 +55,7 @@ pub struct ModeByValue {
 }
 
 impl Fact for ModeByValue {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let d = Diagnostic::new(Code::ModeByValue, format!("the mode `{}` is never entered", self.path));
         let d = match self.reasons.len() {
             1 => d.at(self.at, "the edge that leads here is never taken"),
@@ -86,7 +86,7 @@ pub struct Broken {
 }
 
 impl Fact for Broken {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let (name, placed) = self.instance;
         let what = self.values.unwrap_or_else(|| "does not hold".to_string());
         Diagnostic::new(Code::BrokenAtStart, format!("this invariant does not hold for `{name}` at the start"))
@@ -108,7 +108,7 @@ pub struct Unproven {
 }
 
 impl Fact for Unproven {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let Unproven { at, values, modes, instance } = self;
         let quoted: Vec<String> = modes.iter().map(|(path, _)| format!("`{path}`")).collect();
         let place = if quoted.is_empty() { String::new() } else { format!("in {}, ", super::list(&quoted, "and")) };
@@ -134,7 +134,7 @@ pub struct Unknown {
 }
 
 impl Fact for Unknown {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let whose = self.instance.map_or(String::new(), |name| format!(" for `{name}`"));
         Diagnostic::new(Code::UnprovenInvariant, format!("this invariant is not proven{whose}"))
             .at(self.at, self.why)
@@ -164,7 +164,7 @@ pub struct LeavesRange {
 }
 
 impl Fact for LeavesRange {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let LeavesRange { name, range: (low, high), declared, at, value, always, mode, reads } = self;
         let verb = if always { "leaves" } else { "may leave" };
         let d = Diagnostic::new(Code::LeavesRange, format!("`{name}` {verb} its range, {low} to {high}"))
@@ -199,7 +199,7 @@ pub struct Tunnels {
 }
 
 impl Fact for Tunnels {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let short = |x: f64| {
             let text = format!("{x:.3}");
             text.trim_end_matches('0').trim_end_matches('.').to_string()

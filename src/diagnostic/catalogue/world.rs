@@ -19,7 +19,7 @@ pub struct RowLength {
 }
 
 impl Fact for RowLength {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let tiles = |count: usize| format!("{count} tile{}", if count == 1 { "" } else { "s" });
         let length = tiles(self.length);
         Diagnostic::new(Code::BadMap, format!("row {} has {length}, others have {}", self.row, self.expected))
@@ -45,14 +45,14 @@ pub struct UnknownTile {
 }
 
 /// So many characters of a tile set are told.
-const MOST_TOLD: usize = 20;
+const MAX_TOLD: usize = 20;
 
 /// The characters of a tile set, those first that one may have meant: the other case of a letter.
 fn told(mut known: Vec<char>, symbol: char) -> Option<String> {
     let is_case = |c: &char| c.to_lowercase().eq(symbol.to_lowercase());
     known.sort_unstable_by_key(|c| (!is_case(c), *c));
-    let shown: Vec<String> = known.iter().take(MOST_TOLD).map(|c| format!("`{c}`")).collect();
-    let more = known.len().saturating_sub(MOST_TOLD);
+    let shown: Vec<String> = known.iter().take(MAX_TOLD).map(|c| format!("`{c}`")).collect();
+    let more = known.len().saturating_sub(MAX_TOLD);
     match (shown.is_empty(), more) {
         (true, _) => None,
         (false, 0) => Some(format!("it has {}", shown.join(" "))),
@@ -61,7 +61,7 @@ fn told(mut known: Vec<char>, symbol: char) -> Option<String> {
 }
 
 impl Fact for UnknownTile {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let times = if self.count == 1 { String::new() } else { format!(" ({} times)", self.count) };
         let d = Diagnostic::new(Code::BadMap, format!("no tile `{}` in `{}`{times}", self.symbol, self.tiles))
             .at(self.at, "no tile has this character")
@@ -85,7 +85,7 @@ pub struct NotRows {
 }
 
 impl Fact for NotRows {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let d = Diagnostic::new(Code::BadMap, format!("this level is {}, not rows of tiles", self.what));
         let d = d.at(self.at, "here");
         match self.help {
@@ -102,7 +102,7 @@ pub struct EmptyMap {
 }
 
 impl Fact for EmptyMap {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         Diagnostic::new(Code::BadMap, "this map has no tiles").at(self.at, "no rows")
     }
 }
@@ -114,7 +114,7 @@ pub struct BadStep {
 }
 
 impl Fact for BadStep {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         Diagnostic::new(Code::BadStep, "a step is a positive number of seconds, at most 10")
             .at(self.at, "not an exact fraction of a second")
             .help("write it as a number or as a fraction of two numbers: `step 1/60`")
@@ -132,7 +132,7 @@ pub struct BadPlayer {
 }
 
 impl Fact for BadPlayer {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let d = Diagnostic::new(Code::BadPlayer, self.why).at(self.at, "this player");
         match self.other {
             Some(other) => d.and(other, "the other one"),
@@ -148,7 +148,7 @@ pub struct BadTile {
 }
 
 impl Fact for BadTile {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         Diagnostic::new(Code::BadMap, "a tile is neither white space nor `\"`")
             .at(self.at, "cannot stand in a map")
             .help("rows are trimmed, and a `\"` ends the map; use another character")
@@ -170,7 +170,7 @@ pub struct OverLimit {
 }
 
 impl Fact for OverLimit {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let OverLimit { at, name, living, limit, one } = self;
         let message = format!("{living} instances of `{name}` live at first, at most {limit} may");
         let d = Diagnostic::new(Code::BadLimit, message).at(at, format!("at most {limit}"));
@@ -192,7 +192,7 @@ pub struct MissingLimit {
 }
 
 impl Fact for MissingLimit {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let MissingLimit { at, name, spawn } = self;
         Diagnostic::new(Code::BadLimit, format!("`{name}` is spawned in a world that sets no limit for it"))
             .at(at, "this world")
@@ -216,7 +216,7 @@ pub struct TileInstances {
 }
 
 impl Fact for TileInstances {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let TileInstances { at, name, tile, count, map } = self;
         let message =
             format!("the tile `{tile}` stands {count} times in the map, so `{name}` names no single instance");
@@ -236,7 +236,7 @@ pub struct BadLegend {
 }
 
 impl Fact for BadLegend {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         Diagnostic::new(Code::BadMap, format!("this is no legend: {}", self.why))
             .at(self.at, "here")
             .help("a legend is JSON: `{ \"tiles\": { \"X\": [\"solid\", \"ground\"], … } }`")
@@ -256,7 +256,7 @@ pub struct UnreadLevel {
 }
 
 impl Fact for UnreadLevel {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let missing: &[&str] = match (self.legend, self.tile) {
             (true, true) => &["--legend LEGEND.json", "--tile 16x16"],
             (true, false) => &["--legend LEGEND.json"],
@@ -284,7 +284,7 @@ pub struct RedundantLegend {
 }
 
 impl Fact for RedundantLegend {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let RedundantLegend { legend, tiles, at } = self;
         let message = format!("`tiles {tiles}` has all characters of `{legend}`: the legend says nothing");
         Diagnostic::new(Code::NoQuestion, message)
@@ -302,7 +302,7 @@ pub struct BadLevel {
 }
 
 impl Fact for BadLevel {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         Diagnostic::new(Code::BadLevel, self.why).at(self.at, "here")
     }
 }
@@ -322,7 +322,7 @@ pub struct UnknownThing {
 }
 
 impl Fact for UnknownThing {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let UnknownThing { at, class, count, near, map } = self;
         let times = if count == 1 { String::new() } else { format!(" ({count} of them)") };
         let message =
@@ -351,7 +351,7 @@ pub struct UnknownSetting {
 }
 
 impl Fact for UnknownSetting {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let UnknownSetting { at, name, entity, count, near } = self;
         let times = if count == 1 { String::new() } else { format!(" ({count} times)") };
         let message =
@@ -369,7 +369,7 @@ pub struct NoCharacters {
 }
 
 impl Fact for NoCharacters {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         Diagnostic::new(Code::BadMap, "the tiles of a level editor have names, not characters")
             .at(self.at, "never in the level")
             .help(
@@ -389,7 +389,7 @@ pub struct KnownReading {
 }
 
 impl Fact for KnownReading {
-    fn word(self) -> Diagnostic {
+    fn into_diagnostic(self) -> Diagnostic {
         let message =
             format!("`{}` is for levels of characters: `{}` says itself how it is read", self.option, self.path);
         Diagnostic::new(Code::NoQuestion, message).at(self.at, "this map").help(format!("leave out `{}`", self.option))

@@ -8,9 +8,9 @@ use crate::ir::{EntityId, Expr, ExprId, Function, Id, Press, Program, RefValue, 
 use super::{At, Checked, Invalid, each, exists, must};
 
 /// The most expressions that one is made of, each counted as often as it occurs.
-const MOST_PARTS: u64 = 1 << 24;
+const MAX_PARTS: u64 = 1 << 24;
 /// The most that lie inside of one another: they are read by recursion.
-const MOST_DEEP: u32 = 1 << 12;
+const MAX_DEEP: u32 = 1 << 12;
 
 /// What is known of all expressions.
 pub(super) struct Code<'p> {
@@ -41,7 +41,7 @@ impl<'p> Code<'p> {
                 parts = parts.saturating_add(of_it);
                 deep = deep.max(within + 1);
             }
-            must(parts <= MOST_PARTS && deep <= MOST_DEEP, "it is made of too many parts")?;
+            must(parts <= MAX_PARTS && deep <= MAX_DEEP, "it is made of too many parts")?;
             sizes.push((parts, deep));
             match *expr {
                 Expr::Number(number) | Expr::Frames(number) => must(number.is_finite(), "a number is not finite"),

@@ -11,9 +11,9 @@ use hashbrown::HashTable;
 use rand::RngExt;
 
 use crate::reach::coverage::mixed;
-use crate::reach::ground::Ground;
 use crate::reach::metric::{Metric, Point};
 use crate::reach::region::GoalRegion;
+use crate::reach::search_context::SearchContext;
 use crate::reach::strategy::{Choice, Growth, Strategy};
 
 use super::rrt::Rrt;
@@ -72,7 +72,7 @@ impl Adaptive {
     }
 
     /// Moves the sample into a cell beside a covered one; false if none was found that is not covered.
-    fn beside(&mut self, ground: &mut Ground<'_>, toward: &mut Point) -> bool {
+    fn beside(&mut self, ground: &mut SearchContext<'_>, toward: &mut Point) -> bool {
         for _ in 0..LOOKS {
             let node = ground.draw_node();
             ground.point(node, &mut self.point);
@@ -91,7 +91,7 @@ impl Adaptive {
 }
 
 impl Strategy for Adaptive {
-    fn aim(&mut self, ground: &mut Ground<'_>, goal: &GoalRegion, toward: &mut Point) -> bool {
+    fn aim(&mut self, ground: &mut SearchContext<'_>, goal: &GoalRegion, toward: &mut Point) -> bool {
         let weights = self.weights();
         let mut drawn = ground.rng.random::<f32>();
         self.source = Source::Uniform;
@@ -114,11 +114,11 @@ impl Strategy for Adaptive {
         true
     }
 
-    fn choose(&mut self, ground: &mut Ground<'_>, toward: &Point) -> Option<Choice> {
+    fn choose(&mut self, ground: &mut SearchContext<'_>, toward: &Point) -> Option<Choice> {
         self.rrt.choose(ground, toward)
     }
 
-    fn learn(&mut self, ground: &mut Ground<'_>, choice: Option<Choice>, growth: Growth<'_>) {
+    fn learn(&mut self, ground: &mut SearchContext<'_>, choice: Option<Choice>, growth: Growth<'_>) {
         let is_new = match growth {
             Growth::Rooted(_, point) | Growth::Added(_, point) => {
                 if matches!(growth, Growth::Rooted(..)) {

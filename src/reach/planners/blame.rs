@@ -7,7 +7,7 @@
 
 use rand::RngExt;
 
-use crate::reach::ground::Ground;
+use crate::reach::search_context::SearchContext;
 use crate::reach::tree::NodeId;
 
 /// What is less changes nothing.
@@ -30,7 +30,7 @@ impl Blame {
     }
 
     /// An extension of a node has failed.
-    pub fn fail(&mut self, ground: &Ground<'_>, node: NodeId) {
+    pub fn fail(&mut self, ground: &SearchContext<'_>, node: NodeId) {
         let share = 1.0 / ground.inputs(node).max(1) as f32;
         let mut term = share;
         let mut at = Some(node);
@@ -45,7 +45,7 @@ impl Blame {
     }
 
     /// What tells, for one search, which nodes take part.
-    pub fn lottery(&self, ground: &mut Ground<'_>) -> impl Fn(NodeId) -> bool + '_ {
+    pub fn lottery(&self, ground: &mut SearchContext<'_>) -> impl Fn(NodeId) -> bool + '_ {
         let drawn: f32 = ground.rng.random();
         move |node| self.violations.get(node.index()).is_none_or(|v| *v <= drawn)
     }

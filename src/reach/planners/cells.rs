@@ -4,7 +4,7 @@
 use hashbrown::HashTable;
 use rand::RngExt;
 
-use crate::reach::ground::Ground;
+use crate::reach::search_context::SearchContext;
 use crate::reach::tree::NodeId;
 
 /// How many cells are drawn, of which the most important is taken.
@@ -129,7 +129,7 @@ impl Cells {
     }
 
     /// The most important of a few cells: a cell counts the less, the more often it was chosen and the more it holds.
-    pub fn draw(&self, ground: &mut Ground<'_>, of: &[u32]) -> Option<u32> {
+    pub fn draw(&self, ground: &mut SearchContext<'_>, of: &[u32]) -> Option<u32> {
         let importance = |id: u32| {
             let cell = &self.cells[id as usize];
             1.0 / (f64::from(1 + cell.chosen) * f64::from(cell.held.max(1)))
@@ -149,9 +149,9 @@ impl Cells {
 
     /// A node of a cell of the last level. What came last is likelier, as in KPIECE: the least of two drawn distances from
     /// the end.
-    pub fn draw_node(&self, ground: &mut Ground<'_>, cell: u32) -> NodeId {
+    pub fn draw_node(&self, ground: &mut SearchContext<'_>, cell: u32) -> NodeId {
         let nodes = self.inside(cell);
-        let back = |ground: &mut Ground<'_>| ground.rng.random_range(0..nodes.len());
+        let back = |ground: &mut SearchContext<'_>| ground.rng.random_range(0..nodes.len());
         let from_end = back(ground).min(back(ground));
         NodeId(nodes[nodes.len() - 1 - from_end])
     }

@@ -10,8 +10,8 @@
 //! is where the players are, the third everything else that varies.
 
 use crate::reach::coverage::mixed;
-use crate::reach::ground::Ground;
 use crate::reach::metric::{Metric, Point, Projected};
+use crate::reach::search_context::SearchContext;
 use crate::reach::strategy::{Choice, Growth, Strategy};
 use crate::reach::tree::NodeId;
 
@@ -77,7 +77,7 @@ impl CoverageGuided {
     }
 
     /// Notes what an extension changed.
-    fn compare(&mut self, ground: &Ground<'_>, from: NodeId, point: &Point) {
+    fn compare(&mut self, ground: &SearchContext<'_>, from: NodeId, point: &Point) {
         ground.point(from, &mut self.before);
         let before = self.before.reals.iter().chain(&self.before.modes);
         for ((axis, before), after) in self.axes.iter_mut().zip(before).zip(point.reals.iter().chain(&point.modes)) {
@@ -87,7 +87,7 @@ impl CoverageGuided {
     }
 
     /// Tells anew what seldom changes, and sorts all nodes accordingly.
-    fn look(&mut self, ground: &Ground<'_>) {
+    fn look(&mut self, ground: &SearchContext<'_>) {
         self.next_look = self.extensions * 2;
         let mut is_other = false;
         for axis in &mut self.axes {
@@ -126,7 +126,7 @@ impl CoverageGuided {
 }
 
 impl Strategy for CoverageGuided {
-    fn choose(&mut self, ground: &mut Ground<'_>, _toward: &Point) -> Option<Choice> {
+    fn choose(&mut self, ground: &mut SearchContext<'_>, _toward: &Point) -> Option<Choice> {
         let mut cell = self.cells.draw(ground, self.cells.first())?;
         self.cells.choose(cell);
         for _ in 1..LEVELS {
@@ -141,7 +141,7 @@ impl Strategy for CoverageGuided {
         choice
     }
 
-    fn learn(&mut self, ground: &mut Ground<'_>, choice: Option<Choice>, growth: Growth<'_>) {
+    fn learn(&mut self, ground: &mut SearchContext<'_>, choice: Option<Choice>, growth: Growth<'_>) {
         match (growth, choice) {
             (Growth::Rooted(root, point), _) => {
                 self.cells.clear();

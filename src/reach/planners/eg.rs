@@ -3,8 +3,8 @@
 //! Jaillet, Hoffman, van den Berg, Abbeel, Porta and Goldberg, *EG-RRT: Environment-Guided Random Trees for Kinodynamic
 //! Motion Planning with Uncertainty and Obstacles*, 2011.
 
-use crate::reach::ground::Ground;
 use crate::reach::metric::{Metric, Point};
+use crate::reach::search_context::SearchContext;
 use crate::reach::strategy::{Choice, Growth, Strategy};
 
 use super::blame::Blame;
@@ -25,12 +25,12 @@ impl Eg {
 }
 
 impl Strategy for Eg {
-    fn choose(&mut self, ground: &mut Ground<'_>, toward: &Point) -> Option<Choice> {
+    fn choose(&mut self, ground: &mut SearchContext<'_>, toward: &Point) -> Option<Choice> {
         let takes_part = self.blame.lottery(ground);
         self.reachable.choose_where(ground, toward, takes_part)
     }
 
-    fn learn(&mut self, ground: &mut Ground<'_>, choice: Option<Choice>, growth: Growth<'_>) {
+    fn learn(&mut self, ground: &mut SearchContext<'_>, choice: Option<Choice>, growth: Growth<'_>) {
         let node = match (growth, choice) {
             (Growth::Rooted(root, _), _) => {
                 self.reachable.clear();

@@ -8,13 +8,13 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-use crate::reach::ground::Ground;
 use crate::reach::metric::{MODE_PENALTY, Point};
+use crate::reach::search_context::SearchContext;
 use crate::reach::strategy::{Choice, Growth, Strategy};
 use crate::reach::tree::NodeId;
 
 /// So many extensions a local search may take.
-const MOST_EXTENSIONS: u32 = 24;
+const MAX_EXTENSIONS: u32 = 24;
 
 /// A strategy with a best-first search as local planner.
 #[derive(Debug)]
@@ -81,7 +81,7 @@ impl<S: Strategy> Guided<S> {
 }
 
 impl<S: Strategy> Strategy for Guided<S> {
-    fn choose(&mut self, ground: &mut Ground<'_>, toward: &Point) -> Option<Choice> {
+    fn choose(&mut self, ground: &mut SearchContext<'_>, toward: &Point) -> Option<Choice> {
         while self.left > 0 {
             let Some(best) = self.open.peek() else { break };
             if let Some(choice) = ground.draw_untried(best.node) {
@@ -92,7 +92,7 @@ impl<S: Strategy> Strategy for Guided<S> {
         }
         let choice = self.below.choose(ground, toward)?;
         self.open.clear();
-        self.left = MOST_EXTENSIONS;
+        self.left = MAX_EXTENSIONS;
         self.toward.clone_from(toward);
         ground.point(choice.node, &mut self.point);
         let from = std::mem::take(&mut self.point);
@@ -101,7 +101,7 @@ impl<S: Strategy> Strategy for Guided<S> {
         Some(choice)
     }
 
-    fn learn(&mut self, ground: &mut Ground<'_>, choice: Option<Choice>, growth: Growth<'_>) {
+    fn learn(&mut self, ground: &mut SearchContext<'_>, choice: Option<Choice>, growth: Growth<'_>) {
         match (growth, choice) {
             (Growth::Rooted(..), _) => {
                 self.open.clear();

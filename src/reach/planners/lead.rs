@@ -20,9 +20,9 @@ use rand::RngExt;
 use crate::ir::{SlotId, VarId};
 use crate::reach::coverage::{PLACE, mixed};
 use crate::reach::distance::Distances;
-use crate::reach::ground::Ground;
 use crate::reach::metric::{Metric, Point, Quantity};
 use crate::reach::problem::Problem;
+use crate::reach::search_context::SearchContext;
 use crate::reach::strategy::{Choice, Growth, Strategy};
 use crate::reach::tree::NodeId;
 
@@ -100,7 +100,7 @@ impl<'m> Lead<'m> {
     }
 
     /// The cell of a node's place and of what the players do there.
-    fn keys(&self, ground: &Ground<'_>, node: NodeId, point: &Point) -> [u64; 2] {
+    fn keys(&self, ground: &SearchContext<'_>, node: NodeId, point: &Point) -> [u64; 2] {
         let state = ground.tree.state(node);
         let world = ground.problem.sim.world();
         let mut place = 0;
@@ -124,7 +124,7 @@ impl<'m> Lead<'m> {
         [place, inner]
     }
 
-    fn add(&mut self, ground: &mut Ground<'_>, node: NodeId, point: &Point) {
+    fn add(&mut self, ground: &mut SearchContext<'_>, node: NodeId, point: &Point) {
         let keys = self.keys(ground, node, point);
         let (depth, is_timed) = (ground.tree.depth(node), ground.problem.time().is_some());
         if is_timed {
@@ -162,7 +162,7 @@ impl<'m> Lead<'m> {
     }
 
     /// Puts an open place into the queue, by what it costs now.
-    fn enqueue(&mut self, ground: &mut Ground<'_>, place: u32) {
+    fn enqueue(&mut self, ground: &mut SearchContext<'_>, place: u32) {
         let cost = self.cost(place, ground.problem.time().is_some());
         self.queue.push(Reverse((cost, ground.rng.random(), place)));
     }
@@ -180,7 +180,7 @@ impl<'m> Lead<'m> {
 }
 
 impl Strategy for Lead<'_> {
-    fn choose(&mut self, ground: &mut Ground<'_>, _toward: &Point) -> Option<Choice> {
+    fn choose(&mut self, ground: &mut SearchContext<'_>, _toward: &Point) -> Option<Choice> {
         let place = if ground.rng.random_ratio(1, ANY) {
             let open = self.cells.first();
             if open.is_empty() {
@@ -204,7 +204,7 @@ impl Strategy for Lead<'_> {
         choice
     }
 
-    fn learn(&mut self, ground: &mut Ground<'_>, _choice: Option<Choice>, growth: Growth<'_>) {
+    fn learn(&mut self, ground: &mut SearchContext<'_>, _choice: Option<Choice>, growth: Growth<'_>) {
         match growth {
             Growth::Rooted(root, point) => {
                 self.cells.clear();

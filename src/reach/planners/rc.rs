@@ -2,8 +2,8 @@
 //!
 //! Cheng and LaValle, *Resolution Complete Rapidly-Exploring Random Trees*, 2002.
 
-use crate::reach::ground::Ground;
 use crate::reach::metric::{Metric, Point};
+use crate::reach::search_context::SearchContext;
 use crate::reach::strategy::{Choice, Growth, Strategy};
 
 use super::blame::Blame;
@@ -24,12 +24,12 @@ impl Rc {
 }
 
 impl Strategy for Rc {
-    fn choose(&mut self, ground: &mut Ground<'_>, toward: &Point) -> Option<Choice> {
+    fn choose(&mut self, ground: &mut SearchContext<'_>, toward: &Point) -> Option<Choice> {
         let takes_part = self.blame.lottery(ground);
         self.rrt.choose_where(ground, toward, takes_part)
     }
 
-    fn learn(&mut self, ground: &mut Ground<'_>, choice: Option<Choice>, growth: Growth<'_>) {
+    fn learn(&mut self, ground: &mut SearchContext<'_>, choice: Option<Choice>, growth: Growth<'_>) {
         match (growth, choice) {
             (Growth::Rooted(..), _) => {
                 self.blame.clear();

@@ -5,14 +5,14 @@
 //! cannot go. The reachable set is the set of the states that the node's inputs lead to, each held for a drawn time. It is
 //! made when the node is added; what fails then is not tried again.
 
-use crate::reach::ground::{Extension, Ground};
 use crate::reach::metric::{MODE_PENALTY, Metric, Point};
 use crate::reach::nearest::Index;
+use crate::reach::search_context::{Extension, SearchContext};
 use crate::reach::strategy::Choice;
 use crate::reach::tree::NodeId;
 
 /// Of a node with more inputs than that, so many are looked ahead, by lot.
-const MOST_AHEAD: usize = 64;
+const MAX_AHEAD: usize = 64;
 
 /// The states that one extension more would lead to.
 #[derive(Debug)]
@@ -44,11 +44,11 @@ impl Reachable {
     }
 
     /// Looks ahead from a new node; gives as many nodes as inputs failed (the node itself, each time).
-    pub fn add(&mut self, ground: &mut Ground<'_>, node: NodeId) -> &[NodeId] {
+    pub fn add(&mut self, ground: &mut SearchContext<'_>, node: NodeId) -> &[NodeId] {
         self.failed.clear();
         let inputs = ground.inputs(node);
-        for nth in 0..inputs.min(MOST_AHEAD) {
-            let input = if inputs <= MOST_AHEAD { nth } else { ground.draw_input(node) };
+        for nth in 0..inputs.min(MAX_AHEAD) {
+            let input = if inputs <= MAX_AHEAD { nth } else { ground.draw_input(node) };
             let choice = Choice { node, input, hold: ground.draw_hold() };
             match ground.preview(choice, &mut self.point) {
                 Extension::Dead => {
@@ -68,7 +68,7 @@ impl Reachable {
     /// The choice that leads nearest to a sample, of nodes that are accepted; none if its node is nearer already.
     pub fn choose_where(
         &mut self,
-        ground: &mut Ground<'_>,
+        ground: &mut SearchContext<'_>,
         toward: &Point,
         mut accept: impl FnMut(NodeId) -> bool,
     ) -> Option<Choice> {

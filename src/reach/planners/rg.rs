@@ -3,8 +3,8 @@
 //!
 //! Shkolnik, Walter and Tedrake, *Reachability-Guided Sampling for Planning Under Differential Constraints*, 2009.
 
-use crate::reach::ground::Ground;
 use crate::reach::metric::{Metric, Point};
+use crate::reach::search_context::SearchContext;
 use crate::reach::strategy::{Choice, Growth, Strategy};
 
 use super::reachable::Reachable;
@@ -23,11 +23,11 @@ impl Rg {
 }
 
 impl Strategy for Rg {
-    fn choose(&mut self, ground: &mut Ground<'_>, toward: &Point) -> Option<Choice> {
+    fn choose(&mut self, ground: &mut SearchContext<'_>, toward: &Point) -> Option<Choice> {
         self.reachable.choose_where(ground, toward, |_| true)
     }
 
-    fn learn(&mut self, ground: &mut Ground<'_>, _choice: Option<Choice>, growth: Growth<'_>) {
+    fn learn(&mut self, ground: &mut SearchContext<'_>, _choice: Option<Choice>, growth: Growth<'_>) {
         match growth {
             Growth::Rooted(root, _) => {
                 self.reachable.clear();

@@ -3,9 +3,9 @@
 //! LaValle, *Rapidly-Exploring Random Trees: A New Tool for Path Planning*, 1998. Inputs are finitely many here, and
 //! each is tried at most once at a node; a node without untried inputs is no longer looked at.
 
-use crate::reach::ground::Ground;
 use crate::reach::metric::{MODE_PENALTY, Metric, Point};
 use crate::reach::nearest::Index;
+use crate::reach::search_context::SearchContext;
 use crate::reach::strategy::{Choice, Growth, Strategy};
 use crate::reach::tree::NodeId;
 
@@ -25,7 +25,7 @@ impl Rrt {
     /// As [`Strategy::choose`], among the nodes that are accepted.
     pub(super) fn choose_where(
         &mut self,
-        ground: &mut Ground<'_>,
+        ground: &mut SearchContext<'_>,
         toward: &Point,
         accept: impl FnMut(NodeId) -> bool,
     ) -> Option<Choice> {
@@ -34,7 +34,7 @@ impl Rrt {
         self.grow(ground, NodeId(nearest.index as u32))
     }
 
-    fn grow(&mut self, ground: &mut Ground<'_>, node: NodeId) -> Option<Choice> {
+    fn grow(&mut self, ground: &mut SearchContext<'_>, node: NodeId) -> Option<Choice> {
         let choice = ground.draw_untried(node);
         if ground.tree.untried(node) == 0 {
             self.open.remove(node.index());
@@ -44,12 +44,12 @@ impl Rrt {
 }
 
 impl Strategy for Rrt {
-    fn choose(&mut self, ground: &mut Ground<'_>, toward: &Point) -> Option<Choice> {
+    fn choose(&mut self, ground: &mut SearchContext<'_>, toward: &Point) -> Option<Choice> {
         let nearest = self.open.nearest(&toward.reals, &toward.modes)?;
         self.grow(ground, NodeId(nearest.index as u32))
     }
 
-    fn learn(&mut self, _ground: &mut Ground<'_>, _choice: Option<Choice>, growth: Growth<'_>) {
+    fn learn(&mut self, _ground: &mut SearchContext<'_>, _choice: Option<Choice>, growth: Growth<'_>) {
         match growth {
             Growth::Rooted(_, point) => {
                 self.open.clear();

@@ -15,11 +15,11 @@ use super::search::{Limits, Settings, search};
 const TIMES: [u64; 4] = [60, 80, 90, 97];
 /// One search is given this part of the nodes, and never more than so many.
 const SHARE: u64 = 4;
-const MOST_NODES: u64 = 100_000;
+const MAX_NODES: u64 = 100_000;
 
 /// A faster plan than one of a question, if one is found; `limits` bound all searches for it together.
 #[must_use]
-pub fn hasten(
+pub fn improve_duration(
     problem: &Problem<'_>,
     space: &ConfigurationSpace,
     settings: &Settings,
@@ -38,7 +38,7 @@ pub fn hasten(
             break;
         }
         round += 1;
-        let nodes = (limits.nodes / SHARE).clamp(1, MOST_NODES).min(left);
+        let nodes = (limits.nodes / SHARE).clamp(1, MAX_NODES).min(left);
         let settings = Settings { planner, seed: mixed(settings.seed, round), records: false, ..*settings };
         let limits = Limits { nodes, ..*limits };
         let hurried = problem.clone().within(u32::try_from(steps).unwrap_or(u32::MAX));

@@ -41,7 +41,7 @@ pub(super) fn limits(program: &Program, world: &World) -> Limits {
     if world.open.is_some() {
         return limits;
     }
-    let mut supply = Supply { program, world, lives: IdVec::new(), runs: BTreeMap::new() };
+    let mut supply = CounterBounds { program, world, lives: IdVec::new(), runs: BTreeMap::new() };
     supply.lives = supply.lives();
     for (slot, limits) in world.slots.iter().zip(limits.iter_mut()) {
         for (id, limit) in program.entities[slot.entity].discretes.ids().zip(limits.iter_mut()) {
@@ -96,7 +96,7 @@ impl Upper {
     }
 }
 
-struct Supply<'a> {
+struct CounterBounds<'a> {
     program: &'a Program,
     world: &'a World,
     /// How many instances of each entity there are at most in a whole run.
@@ -105,7 +105,7 @@ struct Supply<'a> {
     runs: BTreeMap<(EntityId, EdgeId), f64>,
 }
 
-impl<'a> Supply<'a> {
+impl<'a> CounterBounds<'a> {
     /// How many instances of each entity there are at most in a whole run.
     fn lives(&self) -> IdVec<EntityId, f64> {
         let (program, world) = (self.program, self.world);

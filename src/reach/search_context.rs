@@ -12,7 +12,7 @@ use super::controls::ControlSets;
 use super::coverage::Coverage;
 use super::metric::{Metric, Point};
 use super::outcome::{Cut, Plan, Statistics, Visited};
-use super::problem::{Death, Problem, Standing, Start};
+use super::problem::{Problem, Start, StateStatus, Termination};
 use super::strategy::Choice;
 use super::tree::{NodeId, Tree};
 use super::window::Windows;
@@ -87,7 +87,7 @@ impl Notes {
 }
 
 /// A tree in its world.
-pub struct Ground<'a> {
+pub struct SearchContext<'a> {
     /// The question.
     pub problem: &'a Problem<'a>,
     /// The space that is sampled.
@@ -115,8 +115,8 @@ pub struct Ground<'a> {
     recorded: Option<usize>,
 }
 
-impl<'a> Ground<'a> {
-    /// Ground for a search from some starts.
+impl<'a> SearchContext<'a> {
+    /// What a search from some starts needs.
     pub(super) fn new(
         problem: &'a Problem<'a>,
         (metric, windows): (&'a Metric, &'a Windows),
@@ -127,7 +127,7 @@ impl<'a> Ground<'a> {
         watch: &'a dyn Watch,
     ) -> Self {
         let size = problem.sim.world().layout.size;
-        Ground {
+        SearchContext {
             problem,
             metric,
             windows,
@@ -273,15 +273,15 @@ impl<'a> Ground<'a> {
             }
             match stepped.and_then(|()| self.problem.judge(&self.work)) {
                 // What is compared with a position is so in the next step: whatever the speed, one is made beyond.
-                Ok(Standing::Open) => match self.windows.left(self.problem, &self.work) {
+                Ok(StateStatus::Open) => match self.windows.left(self.problem, &self.work) {
                     Some(space) if was_beyond => {
                         self.note_cut(space, self.tree.depth(choice.node) + u32::from(step));
                         return Extension::Dead;
                     }
                     left => was_beyond = left.is_some(),
                 },
-                Ok(Standing::Goal) => return Extension::Goal(step),
-                Ok(Standing::Dead(death)) => {
+                Ok(StateStatus::Goal) => return Extension::Goal(step),
+                Ok(StateStatus::Dead(death)) => {
                     self.note_death(choice, step, death);
                     return Extension::Dead;
                 }
@@ -303,8 +303,8 @@ impl<'a> Ground<'a> {
         }
     }
 
-    fn note_death(&mut self, choice: Choice, step: u16, death: Death) {
-        if let Death::Never(never) = death
+    fn note_death(&mut self, choice: Choice, step: u16, death: Termination) {
+        if let Termination::Never(never) = death
             && self.notes.violations.iter().all(|(known, _)| *known != never)
         {
             let script = self.script(choice, step);
@@ -427,9 +427,9 @@ pub(super) fn replays_to(
                 guard.take().inspect(|guard| guard.refute(problem, script));
             }
             match standing {
-                Standing::Open => {}
-                Standing::Goal => return Some(step),
-                Standing::Dead(_) => return None,
+                StateStatus::Open => {}
+                StateStatus::Goal => return Some(step),
+                StateStatus::Dead(_) => return None,
             }
         }
         problem.sim.metered_step(&mut state, inputs.next()?, scratch, meter).ok()?;

@@ -3,7 +3,7 @@
 use crate::ir::{IdVec, LeafId, Origin, Place, SlotId, SpawnId, VarId};
 
 use super::configuration::Configuration;
-use super::fixpoint::{Analysis, MOST_CONFIGURATIONS};
+use super::fixpoint::{Analysis, MAX_CONFIGURATIONS};
 use super::step::{Landing, Whose};
 use super::values::Values;
 use super::widen::within_bounds;
@@ -45,7 +45,7 @@ impl Analysis<'_> {
                 .flat_map(|c| {
                     leaves.iter().map(move |l| c.iter().copied().chain([*l]).collect::<Vec<_>>()).collect::<Vec<_>>()
                 })
-                .take(MOST_CONFIGURATIONS + 1)
+                .take(MAX_CONFIGURATIONS + 1)
                 .collect();
         }
         let mut changed = false;

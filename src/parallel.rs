@@ -7,13 +7,13 @@ use std::sync::mpsc::{self, Sender};
 use std::thread;
 
 /// Where a task meets whoever asked for it.
-pub struct Desk<'d, T> {
+pub struct TaskContext<'d, T> {
     task: usize,
     sender: &'d Sender<(usize, T)>,
     is_over: &'d (dyn Fn() -> bool + Sync),
 }
 
-impl<T> Desk<'_, T> {
+impl<T> TaskContext<'_, T> {
     /// Whether all is to end; a task that leaves then may leave without a result.
     pub fn is_over(&self) -> bool {
         (self.is_over)()
@@ -34,7 +34,7 @@ pub fn work<T: Send>(
     tasks: usize,
     threads: usize,
     stop: &(dyn Fn() -> bool + Sync),
-    task: &(dyn Fn(usize, &Desk<'_, T>) + Sync),
+    task: &(dyn Fn(usize, &TaskContext<'_, T>) + Sync),
     each: &mut dyn FnMut(usize, T) -> ControlFlow<()>,
 ) {
     let (next, is_broken_off) = (AtomicUsize::new(0), AtomicBool::new(false));
@@ -48,7 +48,7 @@ pub fn work<T: Send>(
                 if at >= tasks {
                     return;
                 }
-                task(at, &Desk { task: at, sender: &sender, is_over });
+                task(at, &TaskContext { task: at, sender: &sender, is_over });
             }
         };
         let mut is_alone = true;
@@ -78,7 +78,7 @@ mod tests {
 
     fn squares(threads: usize, enough: usize) -> Vec<(usize, usize)> {
         let mut found = Vec::new();
-        let square = |at: usize, desk: &Desk<'_, usize>| desk.hand_in(at * at);
+        let square = |at: usize, desk: &TaskContext<'_, usize>| desk.hand_in(at * at);
         work(100, threads, &|| false, &square, &mut |at, result| {
             found.push((at, result));
             if found.len() >= enough { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn nothing_is_begun_once_it_is_enough() {
-        let none = |_: usize, _: &Desk<'_, ()>| panic!("was begun");
+        let none = |_: usize, _: &TaskContext<'_, ()>| panic!("was begun");
         work(100, 2, &|| true, &none, &mut |_, ()| ControlFlow::Continue(()));
         assert!(squares(2, 5).len() >= 5);
     }

@@ -7,7 +7,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::support::{Disk, files};
+use crate::support::{Disk, files, stir};
 use hypedc::analysis::watched_space;
 use hypedc::compile::{LevelFile, compile_with};
 use hypedc::ir::{Program, WorldId};
@@ -55,10 +55,7 @@ fn states(program: &Arc<Program>, world: WorldId, steps: usize, seed: u64) -> Ve
     let mut input = Input::nothing(sim.world().players.len());
     for step in 0..steps {
         if step % 8 == 0 {
-            for player in &mut input.0 {
-                player.buttons = rng.random();
-                player.axes.iter_mut().for_each(|axis| *axis = [-1.0, 0.0, 1.0, 0.5][rng.random_range(0..4)]);
-            }
+            stir(&mut input, &mut rng);
         }
         if sim.step(&mut state, &input, &mut scratch).is_err() {
             break;

@@ -10,12 +10,12 @@ use std::collections::{BTreeSet, HashSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
-use crate::support::{Disk, compile_text, files, program};
+use crate::support::{Disk, compile_text, files, program, stir};
 use allocation_counter::measure;
 use hypedc::compile::compile;
 use hypedc::ir::{Id, Program, SlotId, WorldId};
 use hypedc::sim::{Control, Event, Input, Instance, NotAState, Run, Simulator, State};
-use rand::{Rng, RngExt, SeedableRng};
+use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 fn worlds() -> Vec<(String, Arc<Program>, WorldId)> {
@@ -28,14 +28,6 @@ fn worlds() -> Vec<(String, Arc<Program>, WorldId)> {
     }
     assert!(all.len() > 20, "{}", all.len());
     all
-}
-
-/// Changes all that the players do.
-fn stir(input: &mut Input, rng: &mut impl Rng) {
-    for player in &mut input.0 {
-        player.buttons = rng.random();
-        player.axes.iter_mut().for_each(|axis| *axis = [-1.0, 0.0, 1.0, 0.5][rng.random_range(0..4)]);
-    }
 }
 
 #[test]

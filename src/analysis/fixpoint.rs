@@ -9,11 +9,11 @@ use crate::ir::{
 
 use crate::watch::Watch;
 
-use super::barred::ExtraConstraint;
 use super::cells::{CellId, Cells};
 use super::configuration::{Between, Configuration, Overall};
 use super::counter_bounds::Limits;
 use super::evaluate::{Joined, Phase, Reader};
+use super::forbidden::Forbidden;
 use super::scene::Scene;
 use super::step::{Landing, Outcome, Stepper, Whose};
 use super::surroundings::Surroundings;
@@ -80,7 +80,7 @@ pub(super) struct Analysis<'a> {
     /// What discrete variables can be at most, whatever the steps.
     limits: Limits,
     /// What never holds.
-    barred: ExtraConstraint<'a>,
+    forbidden: Forbidden<'a>,
     /// Whether some instance reads others.
     is_read: bool,
     /// Whether what is found is cut, so that nothing grows for ever.
@@ -98,12 +98,12 @@ pub(super) struct Analysis<'a> {
 impl<'a> Analysis<'a> {
     pub fn new(
         scene: Scene<'a>,
-        barred: ExtraConstraint<'a>,
+        forbidden: Forbidden<'a>,
         limits: Limits,
         effort: usize,
         watch: &'a dyn Watch,
     ) -> Self {
-        let (program, world) = (barred.program, barred.world);
+        let (program, world) = (forbidden.program, forbidden.world);
         let slots: IdVec<SlotId, Slot> = world
             .slots
             .iter()
@@ -129,7 +129,7 @@ impl<'a> Analysis<'a> {
             first: first.collect(),
             scene,
             limits,
-            barred,
+            forbidden,
             surroundings: Surroundings::default(),
             effort,
             watch,
@@ -179,7 +179,7 @@ impl<'a> Analysis<'a> {
             return false;
         }
         cut(&mut found, &self.limits[slot]);
-        if found.is_impossible() || !self.barred.cut(slot, &mut found) {
+        if found.is_impossible() || !self.forbidden.cut(slot, &mut found) {
             return false;
         }
         let mut changed = false;
@@ -235,7 +235,7 @@ impl<'a> Analysis<'a> {
                 growing.patience.widen(&growing.at, &mut joined, &self.thresholds, is_own, others);
             }
             cut(&mut joined, &self.limits[slot]);
-            self.barred.cut(slot, &mut joined);
+            self.forbidden.cut(slot, &mut joined);
             joined.sharpen();
             self.scene.kinds[self.scene.of[slot]].cells.cut(cell, &mut joined);
             growing.at = within_bounds(self.world, slot, joined);

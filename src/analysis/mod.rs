@@ -38,9 +38,8 @@
 //! | pushes: along an axis the deepest counts | `Contacts::push_out`: it ends at an edge of what it meets | instances that move and push (`crowd`); colliders that appear inside of something (`Stepper::activations`); overlaps; gaps a little too narrow: anywhere beside it | `found/false-opposite-pushes`, `verdicts/slit*` |
 //! | velocities into surfaces become 0 | the same, beside the old one | energies: only of what never moves | `found/false-clamped*` |
 //! | `life::remove_destroyed`: references become none | references may always be none | – | oracle |
-//! | observation: `never`, then written bounds, then `goal` | `barred`, `widen::within_bounds`, `can_turn_out` | – | `tests/border.rs` |
+//! | observation: `never`, then written bounds, then `goal` | `forbidden`, `widen::within_bounds`, `can_turn_out` | – | `tests/border.rs` |
 
-mod barred;
 mod cells;
 mod configuration;
 mod counter_bounds;
@@ -50,6 +49,7 @@ mod evaluate;
 mod findings;
 mod fixpoint;
 mod flow;
+mod forbidden;
 mod initial;
 mod local;
 mod lookup;
@@ -77,11 +77,11 @@ use crate::ir::{ExprId, GoalId, IdVec, Program, SlotId, World, WorldId};
 
 use crate::watch::{Unwatched, Watch};
 
-use barred::ExtraConstraint;
 use configuration::Overall;
 use counter_bounds::Limits;
 use evaluate::{Joined, Phase, Pinned, Reader};
 use fixpoint::Analysis;
+use forbidden::Forbidden;
 use scene::Scene;
 use surroundings::Surroundings;
 
@@ -189,9 +189,9 @@ fn within_limits(
     effort: &mut usize,
     watch: &dyn Watch,
 ) -> ConfigurationSpace {
-    let barred = ExtraConstraint { program, world, predicates };
+    let forbidden = Forbidden { program, world, predicates };
     let scene = Scene::new(program, world, watch);
-    let mut analysis = Analysis::new(scene, barred, limits, *effort, watch);
+    let mut analysis = Analysis::new(scene, forbidden, limits, *effort, watch);
     analysis.run();
     *effort = analysis.effort;
     analysis.finish()
@@ -206,9 +206,9 @@ impl ConfigurationSpace {
         let table = &program.worlds[world];
         let mut scene = Scene::new(program, table, watch);
         if scene.refine() {
-            let barred = ExtraConstraint { program, world: table, predicates };
+            let forbidden = Forbidden { program, world: table, predicates };
             let limits = counter_bounds::limits(program, table);
-            let mut analysis = Analysis::new(scene, barred, limits, MAX_EFFORT_BY_PLACE, watch);
+            let mut analysis = Analysis::new(scene, forbidden, limits, MAX_EFFORT_BY_PLACE, watch);
             analysis.run();
             let finer = analysis.finish();
             let is_known = finer.slots.iter().all(|s| !s.is_given_up);

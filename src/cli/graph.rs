@@ -36,7 +36,7 @@ fn choose(loaded: &Loaded, args: &GraphArgs) -> io::Result<Option<Vec<EntityId>>
     let names: Vec<&str> = entities.iter().map(|e| e.name.as_str()).collect();
     let mut chosen = Vec::new();
     for name in &args.entity {
-        let Some(id) = entities.find(|e| e.name == *name) else {
+        let Some(id) = loaded.program.entity_named(name) else {
             let list: Vec<String> = names.iter().map(|n| format!("`{n}`")).collect();
             let fact = NoQuestion {
                 why: format!("no entity `{name}` in `{file}`"),

@@ -143,7 +143,7 @@ pub(super) fn find_world(program: &Program, path: &Path, name: Option<&str>) -> 
     let names: Vec<&str> = worlds.iter().map(|w| w.name.as_str()).collect();
     let list = || format!("there is {}", names.iter().map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", "));
     let found = match name {
-        Some(name) => worlds.find(|w| w.name == name),
+        Some(name) => program.world_named(name),
         None => worlds.ids().next().filter(|_| worlds.len() == 1),
     };
     found.ok_or_else(|| match name {

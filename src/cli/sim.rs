@@ -147,11 +147,11 @@ impl Expected {
         };
         let mut expected = Expected { goals: Vec::new(), not_goals: Vec::new(), not_nevers: Vec::new() };
         for name in &args.expect {
-            let id = world.goals.find(|g| g.name == *name).ok_or_else(|| unknown("goal", name, &goals))?;
+            let id = world.goal_named(name).ok_or_else(|| unknown("goal", name, &goals))?;
             expected.goals.push(id);
         }
         for name in &args.expect_not {
-            let (goal, never) = (world.goals.find(|g| g.name == *name), world.nevers.find(|n| n.name == *name));
+            let (goal, never) = (world.goal_named(name), world.never_named(name));
             if goal.is_none() && never.is_none() {
                 return Err(unknown("goal and no never", name, &[goals.as_slice(), nevers.as_slice()].concat()));
             }

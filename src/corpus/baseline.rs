@@ -135,7 +135,7 @@ impl Comparison {
             line(mark, key, format!("{} → {}", from.words(), to.words()));
         }
         for Lone { key, verdict, .. } in &self.added {
-            line("new", key, verdict.words());
+            line("new", key, verdict.words().to_string());
         }
         for Lone { key, verdict, .. } in &self.vanished {
             line("gone", key, format!("was {}", verdict.words()));
@@ -154,31 +154,35 @@ mod tests {
     use super::*;
     use crate::corpus::row::Kind;
     use crate::corpus::row::tests::row;
+    use crate::reach::Conclusion;
 
     fn with(level: &str, verdict: Verdict, steps: Option<u64>) -> Row {
-        Row { verdict, is_expected: verdict == Verdict::Reached, steps, ..row(level) }
+        Row { verdict, is_expected: verdict == Verdict::Of(Conclusion::Reached), steps, ..row(level) }
     }
 
     #[test]
     fn flips_have_a_direction() {
-        use Verdict::{Error, NotFound, ProvenUnreachable, Reached};
-        let old = [with("a", Reached, Some(100)), with("b", NotFound, None), with("c", NotFound, None)];
-        let new = [with("a", NotFound, None), with("b", Reached, Some(9)), with("c", ProvenUnreachable, None)];
+        use Verdict::Error;
+        let [reached, not_found, proven_unreachable] =
+            [Conclusion::Reached, Conclusion::NotFound, Conclusion::ProvenUnreachable].map(Verdict::Of);
+        let old = [with("a", reached, Some(100)), with("b", not_found, None), with("c", not_found, None)];
+        let new = [with("a", not_found, None), with("b", reached, Some(9)), with("c", proven_unreachable, None)];
         let found = Comparison::of(&old, &new, 0.1);
         let changes: Vec<Change> = found.flips.iter().map(|f| f.change).collect();
         assert_eq!(changes, [Change::Worse, Change::Better, Change::Other]);
         assert!(found.is_worse() && found.unchanged == 0);
         assert!(!Comparison::of(&old[1..], &new[1..], 0.1).is_worse());
-        assert!(Comparison::of(&[with("a", Reached, None)], &[with("a", Error, None)], 0.1).is_worse());
+        assert!(Comparison::of(&[with("a", reached, None)], &[with("a", Error, None)], 0.1).is_worse());
         // A way to break a `never` is no good news.
-        let never = |verdict: Verdict| Row { kind: Kind::Never, verdict, is_expected: verdict == NotFound, ..row("a") };
-        let found = Comparison::of(&[never(NotFound)], &[never(Verdict::Violated)], 0.1);
+        let never =
+            |verdict: Verdict| Row { kind: Kind::Never, verdict, is_expected: verdict == not_found, ..row("a") };
+        let found = Comparison::of(&[never(not_found)], &[never(Verdict::Of(Conclusion::Violated))], 0.1);
         assert_eq!(found.flips[0].change, Change::Worse);
     }
 
     #[test]
     fn what_came_and_went_is_told() {
-        let (old, new) = ([row("a"), row("gone")], [row("a"), with("new", Verdict::NotFound, None)]);
+        let (old, new) = ([row("a"), row("gone")], [row("a"), with("new", Verdict::Of(Conclusion::NotFound), None)]);
         let found = Comparison::of(&old, &new, 0.1);
         assert_eq!((found.unchanged, found.added.len(), found.vanished.len()), (1, 1, 1));
         assert!(found.is_worse(), "what is new and fails is worse than nothing");
@@ -191,7 +195,7 @@ mod tests {
 
     #[test]
     fn lengths_are_compared_by_share() {
-        let long = |steps| [with("a", Verdict::Reached, Some(steps))];
+        let long = |steps| [with("a", Verdict::Of(Conclusion::Reached), Some(steps))];
         let told = |from, to| !Comparison::of(&long(from), &long(to), 0.1).lengths.is_empty();
         assert!(!told(100, 110) && told(100, 111) && !told(100, 90) && told(100, 89));
         assert!(told(0, 1) && !told(0, 0));

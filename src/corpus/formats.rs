@@ -157,8 +157,8 @@ pub fn table(rows: &[&Row]) -> String {
 
 /// How many rows have which verdict, in one line without its end: `3 questions: 2 reached, 1 error`.
 pub fn summary(rows: &[&Row]) -> String {
-    let counts = Verdict::ALL.map(|verdict| (verdict, rows.iter().filter(|r| r.verdict == verdict).count()));
-    let parts = counts.iter().filter(|(_, count)| *count > 0).map(|(v, count)| format!("{count} {}", v.words()));
+    let counts = Verdict::all().map(|verdict| (verdict, rows.iter().filter(|r| r.verdict == verdict).count()));
+    let parts = counts.filter(|(_, count)| *count > 0).map(|(v, count)| format!("{count} {}", v.words()));
     let mut levels: Vec<&Option<String>> = rows.iter().map(|r| &r.level).collect();
     levels.dedup();
     let (questions, levels) = (counted(rows.len(), "question"), counted(levels.len(), "level"));
@@ -179,13 +179,15 @@ fn counted(count: usize, what: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use crate::reach::Conclusion;
+
     use super::*;
     use crate::corpus::row::tests::row;
     use crate::corpus::row::{Broken, Exhausted};
 
     fn rows() -> Vec<Row> {
         let missed = Row {
-            verdict: Verdict::NotFound,
+            verdict: Verdict::Of(Conclusion::NotFound),
             is_expected: false,
             steps: None,
             inputs: None,

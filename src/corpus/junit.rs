@@ -101,7 +101,7 @@ fn case(out: &mut Writer<Vec<u8>>, row: &Row) -> io::Result<()> {
         if !row.is_expected {
             let what = if row.verdict == Verdict::Error { "error" } else { "failure" };
             let message = match row.reason() {
-                reason if reason.is_empty() => row.verdict.words(),
+                reason if reason.is_empty() => row.verdict.words().to_string(),
                 reason => format!("{}: {reason}", row.verdict.words()),
             };
             let element = out.create_element(what).with_attribute(("message", printable(&message).as_str()));

@@ -30,65 +30,48 @@ impl Kind {
 
 /// The answer about a level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[serde(into = "&'static str", try_from = "String")]
 pub enum Verdict {
-    /// There is a way to the goal.
-    Reached,
-    /// There is a way to break the `never`.
-    Violated,
-    /// No way to the goal was found; this proves nothing.
-    NotFound,
-    /// No way to break the `never` was found, or a proof was withdrawn; this proves nothing.
-    NotAnswered,
-    /// No inputs with axes at -1, 0 and 1 do it; values between, which can make a difference, were not tried.
-    Exhausted,
-    /// There is no way, for a reason that the row has.
-    ProvenUnreachable,
+    /// What came of the question.
+    Of(Conclusion),
     /// The question could not be asked about this level.
     Error,
 }
 
 impl Verdict {
     /// All of them, best first where a goal is asked for.
-    pub const ALL: [Verdict; 7] = [
-        Verdict::Reached,
-        Verdict::Violated,
-        Verdict::NotFound,
-        Verdict::NotAnswered,
-        Verdict::Exhausted,
-        Verdict::ProvenUnreachable,
-        Verdict::Error,
-    ];
+    pub fn all() -> impl Iterator<Item = Verdict> {
+        Conclusion::ALL.into_iter().map(Verdict::Of).chain([Verdict::Error])
+    }
 
     /// As it is written in rows.
     pub fn name(self) -> &'static str {
         match self {
-            Verdict::Reached => "reached",
-            Verdict::Violated => "violated",
-            Verdict::NotFound => "not-found",
-            Verdict::NotAnswered => "not-answered",
-            Verdict::Exhausted => "exhausted",
-            Verdict::ProvenUnreachable => "proven-unreachable",
+            Verdict::Of(conclusion) => conclusion.name(),
             Verdict::Error => "error",
         }
     }
 
     /// As people read it.
-    pub fn words(self) -> String {
-        self.name().replace('-', " ")
+    pub fn words(self) -> &'static str {
+        match self {
+            Verdict::Of(conclusion) => conclusion.words(),
+            Verdict::Error => "error",
+        }
     }
 }
 
-impl From<Conclusion> for Verdict {
-    fn from(conclusion: Conclusion) -> Verdict {
-        match conclusion {
-            Conclusion::Reached => Verdict::Reached,
-            Conclusion::Violated => Verdict::Violated,
-            Conclusion::NotFound => Verdict::NotFound,
-            Conclusion::NotAnswered => Verdict::NotAnswered,
-            Conclusion::Exhausted => Verdict::Exhausted,
-            Conclusion::ProvenUnreachable => Verdict::ProvenUnreachable,
-        }
+impl From<Verdict> for &'static str {
+    fn from(verdict: Verdict) -> &'static str {
+        verdict.name()
+    }
+}
+
+impl TryFrom<String> for Verdict {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<Verdict, String> {
+        Verdict::all().find(|verdict| verdict.name() == name).ok_or_else(|| format!("`{name}` is no verdict"))
     }
 }
 
@@ -322,12 +305,14 @@ impl Row {
     pub fn reason(&self) -> String {
         match (self.verdict, &self.error, &self.argument) {
             (Verdict::Error, Some(error), _) => error.lines().next().unwrap_or_default().to_string(),
-            (Verdict::ProvenUnreachable | Verdict::Exhausted, _, Some(argument)) => argument.clone(),
+            (Verdict::Of(Conclusion::ProvenUnreachable | Conclusion::Exhausted), _, Some(argument)) => argument.clone(),
             _ if self.refuted.is_some() => self.refuted.clone().unwrap_or_default(),
-            (Verdict::NotFound | Verdict::NotAnswered, ..) if self.stopped => "the time is spent".to_string(),
-            (Verdict::NotFound | Verdict::NotAnswered, ..) if self.out_of_memory => "the memory is full".to_string(),
-            (Verdict::NotFound | Verdict::NotAnswered, ..) => format!("not among {} nodes", self.nodes),
-            (Verdict::Violated, ..) => "there is a way to break it".to_string(),
+            (Verdict::Of(conclusion), ..) if conclusion.is_open() => match (self.stopped, self.out_of_memory) {
+                (true, _) => "the time is spent".to_string(),
+                (false, true) => "the memory is full".to_string(),
+                (false, false) => format!("not among {} nodes", self.nodes),
+            },
+            (Verdict::Of(Conclusion::Violated), ..) => "there is a way to break it".to_string(),
             _ => String::new(),
         }
     }
@@ -363,7 +348,7 @@ pub(super) mod tests {
         Row {
             level_sha256: Some("4f".into()),
             program_sha256: Some("a0".into()),
-            verdict: Verdict::Reached,
+            verdict: Verdict::Of(Conclusion::Reached),
             is_expected: true,
             error: None,
             steps: Some(120),
@@ -387,12 +372,11 @@ pub(super) mod tests {
 
     #[test]
     fn verdicts_are_written_as_they_are_called() {
-        for conclusion in Conclusion::ALL {
-            assert_eq!(Verdict::from(conclusion).name(), conclusion.name());
-            assert_eq!(Verdict::from(conclusion).words(), conclusion.words());
+        for verdict in Verdict::all() {
+            let written = serde_json::to_value(verdict).unwrap();
+            assert_eq!(written, verdict.name());
+            assert_eq!(serde_json::from_value::<Verdict>(written).unwrap(), verdict);
         }
-        for verdict in Verdict::ALL {
-            assert_eq!(serde_json::to_value(verdict).unwrap(), verdict.name());
-        }
+        assert!(serde_json::from_value::<Verdict>("not found".into()).is_err());
     }
 }

@@ -8,7 +8,9 @@ impl Program {
     /// The program without places in the text, documentation and names of parameters: equal for texts of which everything
     /// that is run, asked and shown is equal.
     pub fn meaning(&self) -> Program {
-        let mut meaning = Program { spans: Spans::default(), ..self.clone() };
+        let Program { tags, exprs, entities, worlds, spans: _ } = self;
+        let (tags, exprs, entities, worlds) = (tags.clone(), exprs.clone(), entities.clone(), worlds.clone());
+        let mut meaning = Program { tags, exprs, entities, worlds, spans: Spans::default() };
         for entity in meaning.entities.iter_mut().map(Arc::make_mut) {
             entity.doc = None;
             entity.params.iter_mut().for_each(|param| param.name.clear());

@@ -85,10 +85,7 @@ impl<'a> Reader<'a> {
             self.note(FaultKind::ReadNone(at));
             return 0.0;
         };
-        match self.sim.layout(slot).param(self.state, id) {
-            Some(value) => value,
-            None => self.sim.world().slots[slot].params[id],
-        }
+        self.sim.param(self.state, slot, id)
     }
 
     fn joint(&self, mode: ModeId, entering: bool) -> bool {

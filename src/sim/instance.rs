@@ -75,8 +75,7 @@ impl<'a> Instance<'a> {
 
     /// A parameter.
     pub fn param(self, param: ParamId) -> f64 {
-        let fixed = || self.sim.world().slots[self.slot].params[param];
-        self.sim.layout(self.slot).param(self.state, param).unwrap_or_else(fixed)
+        self.sim.param(self.state, self.slot, param)
     }
 
     /// A number by its name: a variable (`x`, `x'`, `x''`), a discrete variable or a parameter.

@@ -63,7 +63,7 @@ pub struct Run {
     sim: Arc<Simulator>,
     state: State,
     scratch: Scratch,
-    /// The state as the step began, where somebody listens.
+    /// The state as the last step began: where a step that fails goes back to, and what events are read off.
     before: State,
 }
 

@@ -99,9 +99,9 @@ pub(super) fn names(program: &Program, world: WorldId, input: &Input) -> Vec<Str
         for (axis, name) in entity.axes.pairs() {
             let value = given.axes[axis.index()];
             if value != 0.0 {
-                let word = DIRECTIONS.iter().find(|(word, axis, v)| {
-                    axis == name && *v == value && entity.buttons.find(|b| b == word).is_none()
-                });
+                let word = DIRECTIONS
+                    .iter()
+                    .find(|(word, axis, v)| axis == name && *v == value && entity.button_named(word).is_none());
                 names.push(match word {
                     Some((word, ..)) => format!("{prefix}{word}"),
                     None => format!("{prefix}{name}={value}"),
@@ -266,14 +266,14 @@ impl Parser<'_> {
     fn target(&mut self, player: PlayerId, name: &str, from: usize, to: usize) -> Option<Target> {
         let world = &self.program.worlds[self.world];
         let entity: &Entity = &self.program.entities[world.slots[world.players[player].slot].entity];
-        if let Some(button) = entity.buttons.find(|b| b == name) {
+        if let Some(button) = entity.button_named(name) {
             return Some(Target::Button(button));
         }
-        if let Some(axis) = entity.axes.find(|a| a == name) {
+        if let Some(axis) = entity.axis_named(name) {
             return Some(Target::Axis(axis, None));
         }
         if let Some((_, axis, value)) = DIRECTIONS.iter().find(|(word, ..)| *word == name)
-            && let Some(axis) = entity.axes.find(|a| a == axis)
+            && let Some(axis) = entity.axis_named(axis)
         {
             return Some(Target::Axis(axis, Some(*value)));
         }

@@ -4,8 +4,8 @@ use std::cell::Cell;
 use std::sync::Arc;
 
 use crate::ir::{
-    Entity, Expr, ExprId, GoalId, Id, NeverId, Origin, Press, Program, SlotId, SlotLayout, SpaceId, SpawnId, VarId,
-    World, WorldId,
+    Entity, Expr, ExprId, GoalId, Id, NeverId, Origin, ParamId, Press, Program, SlotId, SlotLayout, SpaceId, SpawnId,
+    VarId, World, WorldId,
 };
 
 use crate::watch::{Meter, Unwatched};
@@ -94,9 +94,7 @@ impl Simulator {
         };
         let lives_change = world.slots.iter().any(|s| {
             let e = &program.entities[s.entity];
-            let edges = e.edges.iter().map(|x| &x.actions);
-            let all = edges.chain(e.modes.iter().map(|m| &m.entry)).chain(e.follows.iter().map(|f| &f.actions));
-            all.into_iter().any(|a| !a.spawns.is_empty() || !a.destroys.is_empty())
+            e.action_lists().any(|a| !a.spawns.is_empty() || !a.destroys.is_empty())
         });
         let actors = actors(program, world);
         let nevers = program.with_operands(world.nevers.iter().map(|n| n.holds).collect());
@@ -163,11 +161,7 @@ impl Simulator {
         let sum = |count: &dyn Fn(&Entity) -> usize| -> usize {
             self.world.slots.iter().map(|s| count(&self.program.entities[s.entity])).sum()
         };
-        let destroys = sum(&|e| {
-            let edges = e.edges.iter().map(|x| &x.actions);
-            let all = edges.chain(e.modes.iter().map(|m| &m.entry)).chain(e.follows.iter().map(|f| &f.actions));
-            all.map(|a| a.destroys.len()).sum()
-        });
+        let destroys = sum(&|e| e.action_lists().map(|a| a.destroys.len()).sum());
         let slots = self.world.slots.len();
         Scratch {
             taken: vec![None; sum(&|e| e.groups.len())],
@@ -345,6 +339,14 @@ impl Simulator {
     pub fn position(&self, state: &[u8], slot: SlotId) -> (f64, f64) {
         let layout = self.layout(slot);
         (layout.var(state, VarId::X, 0), layout.var(state, VarId::Y, 0))
+    }
+
+    /// A parameter of a slot's instance: part of the state where instances of the slot can differ, else of the world.
+    pub(super) fn param(&self, state: &[u8], slot: SlotId, param: ParamId) -> f64 {
+        match self.layout(slot).param(state, param) {
+            Some(value) => value,
+            None => self.world.slots[slot].params[param],
+        }
     }
 
     /// The space that a slot is in.

@@ -8,8 +8,9 @@ use std::sync::Arc;
 use hypedc::compile::{Compilation, compile};
 use hypedc::diagnostic::render;
 use hypedc::ir::{GoalId, Program};
-use hypedc::sim::{Script, Simulator};
+use hypedc::sim::{Input, Script, Simulator};
 use hypedc::source::{Files, ReadError, decode};
+use rand::{Rng, RngExt};
 
 /// Reads from the disk.
 pub struct Disk;
@@ -47,6 +48,14 @@ pub fn compile_text(text: &str) -> Compilation {
 pub fn program(compilation: Compilation) -> Arc<Program> {
     let Compilation { sources, program, diagnostics } = compilation;
     program.unwrap_or_else(|| panic!("{}", render::human(&sources, diagnostics.iter(), false)))
+}
+
+/// Changes all that the players do.
+pub fn stir(input: &mut Input, rng: &mut impl Rng) {
+    for player in &mut input.0 {
+        player.buttons = rng.random();
+        player.axes.iter_mut().for_each(|axis| *axis = [-1.0, 0.0, 1.0, 0.5][rng.random_range(0..4)]);
+    }
 }
 
 /// Runs a script from the beginning: no `never` holds on the way, and the goal holds at its end.

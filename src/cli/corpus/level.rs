@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use cpu_time::ThreadTime;
 
 use crate::compile::{Compilation, compile_barred};
-use crate::corpus::{Broken, Coverage, Exhausted, Kept, Key, Kind, Record, Row, Settings, Timing};
+use crate::corpus::{Broken, Coverage, Exhausted, Kept, Key, Kind, Record, Row, Settings, Timing, Verdict};
 use crate::diagnostic::{Severity, render};
 use crate::parallel::TaskContext;
 use crate::reach;
@@ -192,7 +192,7 @@ fn row(blank: Row, asked: Asked) -> Row {
     };
     let a = asked.answered;
     Row {
-        verdict: a.verdict.into(),
+        verdict: Verdict::Of(a.verdict),
         is_expected: a.is_expected,
         error: None,
         argument: a.argument,

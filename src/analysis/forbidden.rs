@@ -9,13 +9,13 @@ use super::values::Values;
 
 /// Predicates of a world that hold in no state.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct ExtraConstraint<'a> {
+pub(super) struct Forbidden<'a> {
     pub program: &'a Program,
     pub world: &'a World,
     pub predicates: &'a [ExprId],
 }
 
-impl ExtraConstraint<'_> {
+impl Forbidden<'_> {
     /// Cuts what an instance can be while none of the predicates holds; gives whether anything is left.
     pub fn cut(&self, slot: SlotId, at: &mut Configuration) -> bool {
         self.predicates.iter().all(|predicate| self.assume(slot, at, *predicate, false)) && !at.is_impossible()

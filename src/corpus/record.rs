@@ -7,6 +7,8 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
+use serde::Deserialize;
+
 use super::row::{Key, ROW_VERSION, Row};
 
 /// How every line begins.
@@ -97,11 +99,20 @@ impl Record {
 fn row(bytes: &[u8]) -> Result<Kept, String> {
     let line = std::str::from_utf8(bytes).map_err(|_| "not UTF-8".to_string())?;
     let line = line.trim_end_matches(['\n', '\r']);
-    match serde_json::from_str::<Row>(line) {
-        Ok(row) if row.row == ROW_VERSION => Ok(Kept { row, line: line.to_string() }),
-        Ok(row) => Err(format!("a row of version {}, this `hypedc` has version {ROW_VERSION}", row.row)),
-        Err(error) => Err(format!("not a row of `hypedc reach`: {error}")),
+    let not_a_row = |error| format!("not a row of `hypedc reach`: {error}");
+    // The version first: rows of another one have other fields.
+    let Version { row: version } = serde_json::from_str(line).map_err(not_a_row)?;
+    if version != ROW_VERSION {
+        return Err(format!("a row of version {version}, this `hypedc` has version {ROW_VERSION}"));
     }
+    let row = serde_json::from_str(line).map_err(not_a_row)?;
+    Ok(Kept { row, line: line.to_string() })
+}
+
+/// Which version a row is of.
+#[derive(Deserialize)]
+struct Version {
+    row: u32,
 }
 
 /// Whether this can be the beginning of a line: what is something else is not thrown away.
@@ -141,6 +152,8 @@ mod tests {
         assert_eq!(Record::read(two.as_bytes()).unwrap_err().line, 2, "a whole line is not cut off");
         let newer = text(&["a"]).replace(&format!("{{\"row\":{ROW_VERSION},"), "{\"row\":99,");
         assert!(Record::read(newer.as_bytes()).unwrap_err().why.contains("version 99"));
+        let older = "{\"row\":2,\"level\":null,\"is_as_wished\":true}\n";
+        assert!(Record::read(older.as_bytes()).unwrap_err().why.contains("version 2,"), "it has other fields");
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::ir::{
     Actions, Bounds, Drive, EdgeId, Entity, EntityId, Expr, Group, Id, IdVec, LeafId, Meeting, Origin, ParamId, Place,
-    Program, Push, Shape, Side, SlotId, SpaceId, TagSet, VarId, World,
+    Program, Push, Side, SlotId, SpaceId, TagSet, VarId, World,
 };
 
 use crate::watch::{Meter, Watch};
@@ -360,15 +360,7 @@ impl<'a> Scene<'a> {
         let known: IdVec<ParamId, f64> = params.iter().map(|p| p.constant().unwrap_or(f64::NAN)).collect();
         let number = |id| self.program.constant(id, &known, self.world.step);
         let body = |c: &crate::ir::Collider| {
-            let sides = match c.shape {
-                Shape::Rect([x, y, width, height]) => {
-                    (|| Some([number(x)?, number(y)?, number(width)?, number(height)?]))()
-                }
-                Shape::Circle([x, y, r]) => (|| {
-                    let (x, y, r) = (number(x)?, number(y)?, number(r)?);
-                    Some([x - r, y - r, 2.0 * r, 2.0 * r])
-                })(),
-            };
+            let sides = c.shape.sides(number);
             let extent = sides.map(|[x, y, width, height]| {
                 [Interval { low: x, high: x + width }, Interval { low: y, high: y + height }]
             });

@@ -262,6 +262,37 @@ pub enum Shape {
 }
 
 impl Shape {
+    /// Its bounding box relative to the position: x and y of the lower-left corner, width, height, px. None if a number is
+    /// not known.
+    pub fn sides(&self, number: impl Fn(ExprId) -> Option<f64>) -> Option<[f64; 4]> {
+        Some(match *self {
+            Shape::Rect([x, y, width, height]) => [number(x)?, number(y)?, number(width)?, number(height)?],
+            Shape::Circle([x, y, radius]) => {
+                let (x, y, radius) = (number(x)?, number(y)?, number(radius)?);
+                [x - radius, y - radius, 2.0 * radius, 2.0 * radius]
+            }
+        })
+    }
+
+    /// Its bounding box along one axis (0 or 1): where it begins, and how long it is, px. None if a number is not known.
+    pub fn along(&self, axis: usize, number: impl Fn(ExprId) -> Option<f64>) -> Option<(f64, f64)> {
+        match *self {
+            Shape::Rect([x, y, width, height]) => {
+                let (from, length) = [(x, width), (y, height)][axis];
+                Some((number(from)?, number(length)?))
+            }
+            Shape::Circle([x, y, radius]) => {
+                let radius = number(radius)?;
+                Some((number([x, y][axis])? - radius, 2.0 * radius))
+            }
+        }
+    }
+
+    /// Whether it is round.
+    pub fn is_round(&self) -> bool {
+        matches!(self, Shape::Circle(_))
+    }
+
     /// Its numbers.
     pub fn numbers(&self) -> &[ExprId] {
         match self {

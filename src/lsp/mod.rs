@@ -42,25 +42,10 @@ use std::path::{Path, PathBuf};
 
 pub use server::{Server, Settings};
 
-use crate::source::{Files, ReadError};
+use crate::source::Files;
 
 /// Where programs are that no document is open of.
 pub trait Workspace: Files + Send + Sync {
     /// The programs in a folder and in those below.
     fn programs(&self, folder: &Path) -> Vec<PathBuf>;
-}
-
-/// A disk without files.
-struct Nowhere;
-
-impl Files for Nowhere {
-    fn read(&self, _path: &Path) -> Result<String, ReadError> {
-        Err(ReadError::Unreadable("no such file".into()))
-    }
-}
-
-impl Workspace for Nowhere {
-    fn programs(&self, _folder: &Path) -> Vec<PathBuf> {
-        Vec::new()
-    }
 }

@@ -13,7 +13,7 @@ use gen_lsp_types as types;
 use gen_lsp_types::{Notification as _, Uri};
 use lsp_server::{Connection, ErrorCode, Message, Notification, Request, RequestId, Response};
 use serde::Serialize;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::diagnostic::Diagnostics;
 
@@ -107,6 +107,8 @@ pub struct Server {
     waiting: Vec<(Request, Needs)>,
     has_shut_down: bool,
     last_request: i32,
+    /// The programs on which the compiler has failed since they were last compiled.
+    failed: BTreeSet<PathBuf>,
 }
 
 impl Server {
@@ -157,6 +159,7 @@ impl Server {
             waiting: Vec::new(),
             has_shut_down: false,
             last_request: 0,
+            failed: BTreeSet::new(),
         };
         server.answer(id, Ok(result));
         let orderly = server.run(&receiver, &events);
@@ -318,6 +321,7 @@ impl Server {
     fn event(&mut self, event: Event) {
         match event {
             Event::Compiled(snapshot) => {
+                self.failed.remove(&snapshot.root);
                 let encoding = self.client.encoding;
                 let is_open = self.documents.get(&snapshot.root).is_some();
                 let found = &snapshot.study.compilation.diagnostics;
@@ -339,6 +343,18 @@ impl Server {
                     known.good = Some(Arc::clone(&snapshot));
                 }
                 self.known.insert(snapshot.root.clone(), known);
+            }
+            Event::Failed(path, why) => {
+                let text = format!(
+                    "hypedc failed on {}: {why}. This is a bug of hypedc: please report it with the text. What is shown of the \
+                     file is from before",
+                    path.display()
+                );
+                self.tell("window/logMessage", &text);
+                // Not again for each letter that is typed.
+                if self.failed.insert(path) {
+                    self.tell("window/showMessage", &text);
+                }
             }
             Event::Dropped(path) => {
                 self.known.remove(&path);
@@ -371,6 +387,12 @@ impl Server {
                 }
             }
         }
+    }
+
+    /// Tells whoever edits of an error of the server.
+    fn tell(&self, method: &str, text: &str) {
+        let params = json!({ "type": types::MessageType::Error, "message": text });
+        let _ = self.sender.send(Notification { method: method.into(), params }.into());
     }
 
     /// Tells the editor of findings that changed.

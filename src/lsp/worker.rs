@@ -1,6 +1,7 @@
 //! The thread that compiles: it takes the newest state of the documents, compiles the programs that a change touches,
 //! and, once nothing has changed for a while, looks at what values can be. A new state stops that.
 
+use std::any::Any;
 use std::collections::{BTreeMap, BTreeSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -46,6 +47,8 @@ pub(super) enum Event {
     Indexed(u64),
     /// There is nothing left to do as of this revision.
     Idle(u64),
+    /// A mistake of the server has ended the compilation or the analysis of a program.
+    Failed(PathBuf, String),
     /// What values tell of a program that was compiled.
     Examined(Arc<Snapshot>, Box<(Diagnostics, Option<Ranges>)>),
 }
@@ -132,10 +135,13 @@ impl Worker {
             due.remove(&path);
             self.events.send(Event::Dropped(path)).ok()?;
         }
-        known.retain(|_, snapshot| snapshot.asked.is_disjoint(&job.changed));
+        let is_current = |_: &PathBuf, snapshot: &Arc<Snapshot>| snapshot.asked.is_disjoint(&job.changed);
+        let (current, mut outdated): (BTreeMap<_, _>, BTreeMap<_, _>) =
+            std::mem::take(known).into_iter().partition(|(path, snapshot)| is_current(path, snapshot));
+        *known = current;
         for path in job.open.keys().filter(|path| is_open(path)) {
             if !known.contains_key(path) {
-                known.insert(path.clone(), self.compile(path, job)?);
+                known.extend(self.compile(path, job, outdated.remove(path))?);
                 due.insert(path.clone());
             }
         }
@@ -147,17 +153,32 @@ impl Worker {
             if !self.jobs.is_empty() {
                 return Some(());
             }
-            known.insert(path.clone(), self.compile(path, job)?);
+            known.extend(self.compile(path, job, outdated.remove(path))?);
         }
         self.events.send(Event::Indexed(job.revision)).ok()
     }
 
-    fn compile(&self, path: &Path, job: &Job) -> Option<Arc<Snapshot>> {
+    /// Compiles a program: its path and what came of it. Where the compiler fails, what was known before stays. Nothing if
+    /// nobody listens any more.
+    fn compile(
+        &self,
+        path: &Path,
+        job: &Job,
+        before: Option<Arc<Snapshot>>,
+    ) -> Option<Option<(PathBuf, Arc<Snapshot>)>> {
         let compile = || Snapshot::of(path, &job.open, &*self.disk);
-        let nothing = |_| Snapshot::of(path, &Arc::default(), &super::Nowhere);
-        let snapshot = Arc::new(catch_unwind(AssertUnwindSafe(compile)).unwrap_or_else(nothing));
-        self.events.send(Event::Compiled(Arc::clone(&snapshot))).ok()?;
-        Some(snapshot)
+        let snapshot = match catch_unwind(AssertUnwindSafe(compile)) {
+            Ok(snapshot) => {
+                let snapshot = Arc::new(snapshot);
+                self.events.send(Event::Compiled(Arc::clone(&snapshot))).ok()?;
+                Some(snapshot)
+            }
+            Err(panic) => {
+                self.events.send(Event::Failed(path.to_path_buf(), message(&*panic))).ok()?;
+                before
+            }
+        };
+        Some(snapshot.map(|snapshot| (path.to_path_buf(), snapshot)))
     }
 
     /// Looks at what values can be, until there is something newer to do; nothing if nobody listens any more.
@@ -172,7 +193,13 @@ impl Worker {
                         watched_findings(program, sources, FileId(0), said, &Newer(&self.jobs, &self.has_ended))?;
                     Some(Box::new((found, Some(Ranges::of(program, &spaces)))))
                 };
-                let found = catch_unwind(AssertUnwindSafe(examine)).unwrap_or_default();
+                let found = match catch_unwind(AssertUnwindSafe(examine)) {
+                    Ok(found) => found,
+                    Err(panic) => {
+                        self.events.send(Event::Failed(path.clone(), message(&*panic))).ok()?;
+                        None
+                    }
+                };
                 if !self.jobs.is_empty() {
                     return Some(());
                 }
@@ -183,4 +210,10 @@ impl Worker {
         }
         Some(())
     }
+}
+
+/// What a panic says.
+fn message(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().map(|text| (*text).to_string());
+    text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "no message".to_string())
 }

@@ -49,14 +49,8 @@ pub(super) fn wanted(problem: &Problem<'_>) -> Option<(SlotId, Vec<Place>)> {
 pub(super) fn extent(problem: &Problem<'_>, slot: SlotId, collider: &Collider) -> Option<Bounds> {
     let world = problem.sim.world();
     let params = &world.slots[slot].params;
-    let numbers = collider.shape.numbers().iter();
-    let numbers: Vec<f64> =
-        numbers.map(|&id| problem.sim.program().constant(id, params, world.step)).collect::<Option<_>>()?;
-    match *numbers.as_slice() {
-        [x, y, width, height] => Some(Bounds::new([x, y, width, height])),
-        [x, y, radius] => Some(Bounds::new([x - radius, y - radius, 2.0 * radius, 2.0 * radius])),
-        _ => None,
-    }
+    let number = |id| problem.sim.program().constant(id, params, world.step);
+    collider.shape.sides(number).map(Bounds::new)
 }
 
 /// The boxes of what has one of some tags and never moves in a space, rectangles first: at most so many of tiles.

@@ -159,7 +159,7 @@ impl Collision {
                     let (group, leaves) = leaves(program, &program.entities[s.entity], guard)?;
                     Some((world.layout.slots[slot].leaf_offset(group), leaves.into()))
                 });
-                let is_plain = (c.guard.is_none() || by_leaf.is_some()) && matches!(c.shape, Shape::Rect(_));
+                let is_plain = (c.guard.is_none() || by_leaf.is_some()) && !c.shape.is_round();
                 let is_there = fixed.is_some_and(|[.., width, height]| width > 0.0 && height > 0.0);
                 let is_plain = is_plain && is_there;
                 let layout = Whereabouts::of(&world.layout.slots[slot]);
@@ -243,7 +243,7 @@ fn fixed_box(program: &Program, world: &World, slot: SlotId, shape: &Shape) -> O
     let slot = &world.slots[slot];
     let none = IdVec::new();
     let params = if slot.is_fixed { &slot.params } else { &none };
-    box_of(shape, |id| program.constant(id, params, world.step))
+    shape.sides(|id| program.constant(id, params, world.step))
 }
 
 /// The leaves while which a guard holds, if it asks for nothing but modes of one group of the entity's own.
@@ -264,17 +264,6 @@ fn leaves(program: &Program, entity: &Entity, guard: ExprId) -> Option<(GroupId,
         Expr::Or(a, b) => both(a, b, &|a, b| a || b),
         _ => None,
     }
-}
-
-/// A shape's box: x and y of the lower-left corner, width, height.
-fn box_of(shape: &Shape, number: impl Fn(ExprId) -> Option<f64>) -> Option<[f64; 4]> {
-    Some(match shape {
-        Shape::Rect([x, y, width, height]) => [number(*x)?, number(*y)?, number(*width)?, number(*height)?],
-        Shape::Circle([x, y, radius]) => {
-            let (x, y, radius) = (number(*x)?, number(*y)?, number(*radius)?);
-            [x - radius, y - radius, 2.0 * radius, 2.0 * radius]
-        }
-    })
 }
 
 impl Simulator {
@@ -420,8 +409,8 @@ impl Simulator {
                         rect.active = false;
                         continue;
                     }
-                    let read = || box_of(&collider.shape, |id| Some(reader.number(id))).unwrap_or_default();
-                    rect.round = matches!(collider.shape, Shape::Circle(_));
+                    let read = || collider.shape.sides(|id| Some(reader.number(id))).unwrap_or_default();
+                    rect.round = collider.shape.is_round();
                     body.fixed.unwrap_or_else(read)
                 }
             };

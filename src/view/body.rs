@@ -1,8 +1,8 @@
 //! What an instance looks like as it starts: its colliders, as far as modes, parameters and its own first values tell.
 
 use crate::ir::{
-    Bounds, Choice, Expr, ExprId, Id, ModeId, Program, Push, Shape, Slot, SlotId, Subject, TagSet, World, arithmetic,
-    call, compare,
+    Bounds, Choice, Expr, ExprId, Id, ModeId, Program, Push, Slot, SlotId, Subject, TagSet, World, arithmetic, call,
+    compare,
 };
 
 use super::frame::moved;
@@ -33,15 +33,8 @@ impl Body {
         let (mut parts, mut steady, mut others) = (Vec::new(), Vec::new(), Vec::new());
         for collider in program.entities[slot.entity].colliders.iter() {
             let numbers = collider.shape.numbers();
-            let values: Option<Vec<f64>> = numbers.iter().map(|&number| start.value(number)).collect();
-            let Some(values) = values else { continue };
-            let (bounds, round) = match (collider.shape, values.as_slice()) {
-                (Shape::Rect(_), &[x, y, width, height]) => (Bounds::new([x, y, width, height]), false),
-                (Shape::Circle(_), &[x, y, radius]) => {
-                    (Bounds::new([x - radius, y - radius, 2.0 * radius, 2.0 * radius]), true)
-                }
-                _ => continue,
-            };
+            let Some(sides) = collider.shape.sides(|number| start.value(number)) else { continue };
+            let (bounds, round) = (Bounds::new(sides), collider.shape.is_round());
             let part = Part { bounds, round, tags: collider.tags };
             let never_changes = numbers.iter().all(|&number| start.constant(number).is_some());
             let there = collider.guard.is_none_or(|guard| start.value(guard).is_some_and(|value| value != 0.0));

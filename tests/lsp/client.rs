@@ -19,6 +19,7 @@ pub struct Memory(pub BTreeMap<PathBuf, String>);
 
 impl Files for Memory {
     fn read(&self, path: &Path) -> Result<String, ReadError> {
+        assert!(!path.ends_with("fails.hyped"), "this file makes the compiler fail");
         let text = self.0.get(path).ok_or(ReadError::Unreadable("no such file".into()))?;
         decode(text.clone().into_bytes())
     }
@@ -43,6 +44,8 @@ pub struct Client {
     pub shown: BTreeMap<String, Value>,
     /// All findings that came, in order, by document.
     pub published: Vec<(String, Value)>,
+    /// All messages that came: how, and what they say.
+    pub messages: Vec<(String, String)>,
 }
 
 impl Client {
@@ -60,6 +63,7 @@ impl Client {
             capabilities: Value::Null,
             shown: BTreeMap::new(),
             published: Vec::new(),
+            messages: Vec::new(),
         };
         let folders = json!([{ "uri": "file:///game", "name": "game" }]);
         let params = json!({
@@ -110,6 +114,9 @@ impl Client {
                     let uri = note.params["uri"].as_str().unwrap().to_string();
                     self.published.push((uri.clone(), note.params["diagnostics"].clone()));
                     self.shown.insert(uri, note.params["diagnostics"].clone());
+                }
+                Message::Notification(note) if note.method.ends_with("Message") => {
+                    self.messages.push((note.method, note.params["message"].as_str().unwrap().to_string()));
                 }
                 _ => {}
             }

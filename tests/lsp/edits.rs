@@ -237,6 +237,30 @@ fn a_request_that_waits_can_be_cancelled_and_closed_documents_are_no_harm() {
     assert!(client.stop());
 }
 
+#[test]
+fn a_failure_of_the_compiler_is_told_and_loses_nothing() {
+    let mut client = Client::start(&[], json!({}));
+    let broken = "entity A { mode a { when true -> nowhere } }";
+    client.open(URI, broken);
+    client.settle();
+    let before = client.shown[URI].clone();
+    assert!(!before.as_array().unwrap().is_empty());
+    // The import cannot be read without a panic.
+    let fails = "import \"fails.hyped\"\n";
+    for letter in ["", "//"] {
+        client.change(URI, json!([{ "text": format!("{fails}{letter}{broken}") }]));
+        client.settle();
+        assert_eq!(client.shown[URI], before, "what was shown stays");
+    }
+    let of = |method: &str| client.messages.iter().filter(|(how, _)| how == method).count();
+    assert_eq!((of("window/showMessage"), of("window/logMessage")), (1, 2), "{:?}", client.messages);
+    assert!(client.messages[0].1.contains("this file makes the compiler fail"), "{:?}", client.messages);
+    client.change(URI, json!([{ "text": "entity A { }" }]));
+    client.settle();
+    assert_eq!(client.shown[URI], json!([]), "it goes on");
+    assert!(client.stop());
+}
+
 /// The memory that the process has, bytes.
 #[cfg(target_os = "linux")]
 fn resident() -> u64 {

@@ -8,8 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::values::Tunnels;
 use crate::ir::{
-    Drive, EntityId, Id, IdVec, ParamId, Program, Push, Shape, SlotId, SpaceId, TagId, TagSet, TileMap, VarId, World,
-    WorldId,
+    Drive, EntityId, Id, IdVec, ParamId, Program, Push, SlotId, SpaceId, TagId, TagSet, TileMap, VarId, World, WorldId,
 };
 use crate::source::Span;
 
@@ -203,16 +202,7 @@ impl<'a> Course<'a> {
         let number = |id| program.constant(id, &params, self.world.step);
         let spans = &program.spans.entities[entity].colliders;
         let body = |(id, c): (_, &crate::ir::Collider)| {
-            let (low, length) = match c.shape {
-                Shape::Rect([x, y, width, height]) => match self.axis {
-                    0 => (number(x)?, number(width)?),
-                    _ => (number(y)?, number(height)?),
-                },
-                Shape::Circle([x, y, radius]) => {
-                    let radius = number(radius)?;
-                    (number(if self.axis == 0 { x } else { y })? - radius, 2.0 * radius)
-                }
-            };
+            let (low, length) = c.shape.along(self.axis, number)?;
             let reach = Interval { low, high: low + length };
             Some(Body { tags: c.tags, kinematic: c.kinematic, reach, at: spans[id] })
         };

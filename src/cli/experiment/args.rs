@@ -8,7 +8,7 @@ use clap::{Args, Subcommand, ValueEnum};
 use crate::experiment::Setup;
 use crate::reach::{Measure, Planner, Sampling};
 
-use crate::cli::args::{LevelArgs, seconds};
+use crate::cli::args::level::{LevelArgs, seconds};
 use crate::cli::time::{Hold, held};
 
 /// What `--planners` calls all of them.

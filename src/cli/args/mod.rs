@@ -1,26 +1,29 @@
 //! The arguments, as data.
 
-use std::path::{Path, PathBuf};
+pub(in crate::cli) mod level;
+
+use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use crate::compile::LevelFile;
 use crate::reach::{Planner, Restart};
 
-use super::corpus::args::CorpusArgs;
-use super::experiment::args::ExperimentArgs;
-use super::time::{Hold, Time};
+pub(in crate::cli) use level::{LevelArgs, ReadingArgs, seconds};
+
+use crate::cli::corpus::args::CorpusArgs;
+use crate::cli::experiment::args::ExperimentArgs;
+use crate::cli::time::{Hold, Time};
 
 /// Compiles, simulates and analyses action-game entities written as hybrid automata.
 #[derive(Debug, Parser)]
 #[command(version, about, propagate_version = true)]
-pub(super) struct Arguments {
+pub(in crate::cli) struct Arguments {
     #[command(subcommand)]
     pub command: Command,
 }
 
 #[derive(Debug, Subcommand)]
-pub(super) enum Command {
+pub(in crate::cli) enum Command {
     /// Reports what is wrong with programs.
     Check(CheckArgs),
     /// Puts programs into their canonical layout.
@@ -55,51 +58,15 @@ pub(super) enum Command {
 
 #[cfg(feature = "lsp")]
 #[derive(Debug, Args)]
-pub(super) struct LspArgs {
+pub(in crate::cli) struct LspArgs {
     /// Over standard input and output, which is all there is: editors say so by habit.
     #[arg(long)]
     pub stdio: bool,
 }
 
-/// The level of worlds that leave their map open, and how it is read.
-#[derive(Debug, Args)]
-pub(super) struct LevelArgs {
-    /// The level of worlds that leave their map open.
-    #[arg(long, value_name = "PATH")]
-    pub map: Option<PathBuf>,
-    #[command(flatten)]
-    pub reading: ReadingArgs,
-}
-
-impl LevelArgs {
-    /// As the compiler takes it.
-    pub fn file(&self) -> LevelFile<'_> {
-        self.reading.of(self.map.as_deref())
-    }
-}
-
-/// How the level of worlds that leave their map open is read.
-#[derive(Debug, Args)]
-pub(super) struct ReadingArgs {
-    /// What the characters of the level stand for: a legend of the VGLC. What the program itself says of a character
-    /// goes before.
-    #[arg(long, value_name = "PATH")]
-    pub legend: Option<PathBuf>,
-    /// Width and height of a tile of the level, px.
-    #[arg(long, value_name = "WxH", value_parser = tile)]
-    pub tile: Option<(f64, f64)>,
-}
-
-impl ReadingArgs {
-    /// As the compiler takes it, with a level.
-    pub fn of<'a>(&'a self, map: Option<&'a Path>) -> LevelFile<'a> {
-        LevelFile { map, legend: self.legend.as_deref(), tile: self.tile }
-    }
-}
-
 /// How findings are shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum FindingFormat {
+pub(in crate::cli) enum FindingFormat {
     /// With excerpts of the source.
     Human,
     /// One line a finding: FILE:LINE:COL: error[CODE]: message
@@ -112,7 +79,7 @@ pub(super) enum FindingFormat {
 
 /// How results are shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum ResultFormat {
+pub(in crate::cli) enum ResultFormat {
     /// For people.
     Human,
     /// For programs.
@@ -120,7 +87,7 @@ pub(super) enum ResultFormat {
 }
 
 #[derive(Debug, Args)]
-pub(super) struct CheckArgs {
+pub(in crate::cli) struct CheckArgs {
     /// The programs to check.
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
@@ -139,13 +106,13 @@ pub(super) struct CheckArgs {
 
 /// What `--deny` turns away.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum Denied {
+pub(in crate::cli) enum Denied {
     /// All warnings; they are still shown as warnings.
     Warnings,
 }
 
 #[derive(Debug, Args)]
-pub(super) struct FmtArgs {
+pub(in crate::cli) struct FmtArgs {
     /// The programs to rewrite; `-` goes from standard input to standard output.
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
@@ -156,7 +123,7 @@ pub(super) struct FmtArgs {
 
 /// The formats that are imported.
 #[derive(Debug, Subcommand)]
-pub(super) enum ImportCommand {
+pub(in crate::cli) enum ImportCommand {
     /// Entity definitions of the 2017 HyPED system, `NAME.char.xml`.
     Xml(ImportXmlArgs),
     /// A dungeon of The Legend of Zelda from the Video Game Level Corpus: a world of rooms, doors and monsters.
@@ -164,7 +131,7 @@ pub(super) enum ImportCommand {
 }
 
 #[derive(Debug, Args)]
-pub(super) struct ImportZeldaArgs {
+pub(in crate::cli) struct ImportZeldaArgs {
     /// The dungeons, such as `tloz1_1.txt`.
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
@@ -177,7 +144,7 @@ pub(super) struct ImportZeldaArgs {
 
 /// Where imported text goes, and findings.
 #[derive(Debug, Args)]
-pub(super) struct ImportInto {
+pub(in crate::cli) struct ImportInto {
     /// Writes `NAME.hyped` for each file into this folder; by itself all go to standard output.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
@@ -190,7 +157,7 @@ pub(super) struct ImportInto {
 }
 
 #[derive(Debug, Args)]
-pub(super) struct ImportXmlArgs {
+pub(in crate::cli) struct ImportXmlArgs {
     /// The files to import.
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
@@ -199,7 +166,7 @@ pub(super) struct ImportXmlArgs {
 }
 
 #[derive(Debug, Args)]
-pub(super) struct BoundsArgs {
+pub(in crate::cli) struct BoundsArgs {
     /// The program.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
@@ -214,7 +181,7 @@ pub(super) struct BoundsArgs {
 }
 
 #[derive(Debug, Args)]
-pub(super) struct IrArgs {
+pub(in crate::cli) struct IrArgs {
     /// The program.
     #[arg(value_name = "FILE", required_unless_present = "schema")]
     pub file: Option<PathBuf>,
@@ -234,7 +201,7 @@ pub(super) struct IrArgs {
 right and jump for 12, nothing for 10. `steer=-1` sets an axis; `left right down up` are the ends of `horizontal` and \
 `vertical`; `2:jump` is player 2's."
 )]
-pub(super) struct SimArgs {
+pub(in crate::cli) struct SimArgs {
     /// The program; with `--replay`, another one than that of the trace.
     #[arg(value_name = "FILE", required_unless_present = "replay")]
     pub file: Option<PathBuf>,
@@ -275,7 +242,7 @@ pub(super) struct SimArgs {
 
 /// How traces are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum TraceFormatName {
+pub(in crate::cli) enum TraceFormatName {
     /// A row a line, under a header in a comment and the names of the columns.
     Csv,
     /// A JSON object a line, the header first.
@@ -293,7 +260,7 @@ not be asked.
 Every state that a search makes is held against what the analysis says the world can be. If one lies outside, the analysis is \
 wrong about this world: no proof that rests on it is given, a file `hypedc-refuted-WORLD-SEED.txt` tells how to see it again, and \
 the exit code is 1.")]
-pub(super) struct ReachArgs {
+pub(in crate::cli) struct ReachArgs {
     /// The program.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
@@ -388,7 +355,7 @@ pub(super) struct ReachArgs {
 
 /// Where a search draws its samples from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum SampleBounds {
+pub(in crate::cli) enum SampleBounds {
     /// A box: the level for positions, ±1000 for velocities and accelerations, all combinations of modes.
     Naive,
     /// What can be in each combination of modes, as `hypedc bounds` shows it.
@@ -397,18 +364,11 @@ pub(super) enum SampleBounds {
 
 /// What a search measures distances in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum MetricName {
+pub(in crate::cli) enum MetricName {
     /// The whole state.
     Full,
     /// The players' positions.
     Xy,
-}
-
-/// `16x16`, or `16` for both sides.
-fn tile(text: &str) -> Result<(f64, f64), String> {
-    let side = |text: &str| text.trim().parse::<f64>().ok().filter(|side| side.is_finite() && *side > 0.0);
-    let (width, height) = text.split_once('x').unwrap_or((text, text));
-    side(width).zip(side(height)).ok_or_else(|| "two lengths in px above 0, such as `16x16`".to_string())
 }
 
 fn restart(text: &str) -> Result<Restart, String> {
@@ -426,14 +386,14 @@ fn planner() -> clap::builder::PossibleValuesParser {
 }
 
 #[derive(Debug, Args)]
-pub(super) struct ExplainArgs {
+pub(in crate::cli) struct ExplainArgs {
     /// The codes, such as E0302; without one, all codes are listed.
     #[arg(value_name = "CODE")]
     pub codes: Vec<String>,
 }
 
 #[derive(Debug, Args)]
-pub(super) struct GraphArgs {
+pub(in crate::cli) struct GraphArgs {
     /// The program.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
@@ -447,7 +407,7 @@ pub(super) struct GraphArgs {
 
 /// A language for pictures of graphs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum GraphFormat {
+pub(in crate::cli) enum GraphFormat {
     /// For Graphviz.
     Dot,
     /// A Mermaid `stateDiagram-v2`.
@@ -457,29 +417,22 @@ pub(super) enum GraphFormat {
 }
 
 #[derive(Debug, Args)]
-pub(super) struct NewArgs {
+pub(in crate::cli) struct NewArgs {
     /// The folder to make; there must be none of that name.
     #[arg(value_name = "NAME")]
     pub name: PathBuf,
 }
 
 #[derive(Debug, Args)]
-pub(super) struct CompletionsArgs {
+pub(in crate::cli) struct CompletionsArgs {
     /// The shell.
     #[arg(value_enum, value_name = "SHELL")]
     pub shell: clap_complete::Shell,
 }
 
 #[derive(Debug, Args)]
-pub(super) struct ManArgs {
+pub(in crate::cli) struct ManArgs {
     /// The subcommand that the page is about; the whole command if none is given.
     #[arg(value_name = "COMMAND")]
     pub command: Option<String>,
-}
-
-pub(super) fn seconds(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
-        _ => Err("a number of seconds, such as 2.5".to_string()),
-    }
 }

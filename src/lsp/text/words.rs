@@ -7,26 +7,26 @@ use super::place::Block;
 const SPECIAL: &[&str] = &["left", "right", "above", "below", "rect", "circle", "empty"];
 
 /// Whether a word is one of the language's, where no name of the program stands.
-pub(super) fn is_keyword(word: &str) -> bool {
+pub(in crate::lsp) fn is_keyword(word: &str) -> bool {
     // The `x` of `16 x 16` is a variable far more often.
     word != "x" && meaning(word).is_some() || SPECIAL.contains(&word)
 }
 
 /// What can be called, by name.
-pub(super) const FUNCTIONS: &[&str] = &[
+pub(in crate::lsp) const FUNCTIONS: &[&str] = &[
     "min", "max", "abs", "sign", "clamp", "floor", "ceil", "round", "sqrt", "sin", "cos", "atan2", "if", "pressed",
     "held", "released", "touching", "timer", "entering", "exiting", "lost", "near", "inside", "rect", "circle",
 ];
 
 /// How something is called, and what it gives.
-pub(super) struct Signature {
+pub(in crate::lsp) struct Signature {
     pub name: &'static str,
     pub parameters: &'static [&'static str],
     pub doc: &'static str,
 }
 
 /// All ways to call something.
-pub(super) const SIGNATURES: &[Signature] = &[
+pub(in crate::lsp) const SIGNATURES: &[Signature] = &[
     Signature { name: "min", parameters: &["a", "b"], doc: "The smaller of two numbers." },
     Signature { name: "max", parameters: &["a", "b"], doc: "The larger of two numbers." },
     Signature { name: "abs", parameters: &["a"], doc: "The size of a number, without its sign." },
@@ -78,7 +78,7 @@ pub(super) const SIGNATURES: &[Signature] = &[
 ];
 
 /// A text with places to fill in.
-pub(super) struct Snippet {
+pub(in crate::lsp) struct Snippet {
     pub label: &'static str,
     pub text: &'static str,
     pub detail: &'static str,
@@ -97,7 +97,7 @@ const ENVELOPE: Snippet = snippet(
 );
 
 /// The words that a statement of a block can begin with, and snippets; of a file without a block.
-pub(super) fn begins(block: Option<Block>) -> (&'static [&'static str], &'static [Snippet]) {
+pub(in crate::lsp) fn begins(block: Option<Block>) -> (&'static [&'static str], &'static [Snippet]) {
     match block {
         None => (&["import", "const", "entity", "behavior", "world"], ITEMS),
         Some(Block::Entity | Block::Behavior) => (

@@ -7,7 +7,7 @@ use std::ops::Range;
 const REACH: usize = 400;
 
 /// Which lines of two texts are the same.
-pub(super) struct Alignment<'t> {
+pub(in crate::lsp) struct Alignment<'t> {
     old: Vec<&'t str>,
     new: Vec<&'t str>,
     /// What differs, in order.
@@ -114,7 +114,7 @@ fn lines(text: &str) -> Vec<&str> {
 
 /// What differs between two lists of lines: lines of the first, and the lines of the second in their place. They go on
 /// alike at the nearest line that both have and that is not blank.
-pub(super) fn runs(old: &[&str], new: &[&str]) -> Vec<(Range<usize>, Range<usize>)> {
+pub(in crate::lsp) fn runs(old: &[&str], new: &[&str]) -> Vec<(Range<usize>, Range<usize>)> {
     let (mut a, mut b) = (0, 0);
     let mut out = Vec::new();
     while a < old.len() || b < new.len() {

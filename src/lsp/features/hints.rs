@@ -13,13 +13,16 @@ use crate::source::{FileId, Span};
 use crate::syntax::ast::{Item, Name, WorldItem};
 use crate::syntax::{self};
 
-use super::server::{Failure, Known, Server};
-use super::snapshot::Snapshot;
-use super::uri::path_of;
-use super::values::written;
+use crate::lsp::snapshot::Snapshot;
+use crate::lsp::text::uri::path_of;
+use crate::lsp::values::written;
+use crate::lsp::view::{Failure, Known, View};
 
-impl Server {
-    pub(super) fn inlay_hints(&mut self, params: types::InlayHintParams) -> Result<Option<Vec<InlayHint>>, Failure> {
+impl View {
+    pub(in crate::lsp) fn inlay_hints(
+        &self,
+        params: types::InlayHintParams,
+    ) -> Result<Option<Vec<InlayHint>>, Failure> {
         let path = path_of(&params.text_document.uri);
         let encoding = self.client.encoding;
         let Some((known, file)) = self.programs(&path).find_map(|known| Some((known, known.now.file(&path)?))) else {
@@ -48,7 +51,7 @@ impl Server {
         Ok(Some(hints.collect()))
     }
 
-    pub(super) fn code_lenses(&mut self, params: types::CodeLensParams) -> Result<Option<Vec<CodeLens>>, Failure> {
+    pub(in crate::lsp) fn code_lenses(&self, params: types::CodeLensParams) -> Result<Option<Vec<CodeLens>>, Failure> {
         let path = path_of(&params.text_document.uri);
         let Some(document) = self.documents.get(&path) else { return Ok(None) };
         let (tree, _) = syntax::parse(FileId(0), document.text.code());

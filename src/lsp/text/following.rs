@@ -6,7 +6,7 @@ use super::place::{Block, Place};
 use super::words::is_keyword;
 
 /// Whether a value stands before a place, so that an operator or a word that goes on must come.
-pub(super) fn ends_operand(place: &Place<'_>) -> bool {
+pub(in crate::lsp) fn ends_operand(place: &Place<'_>) -> bool {
     let last = place.back(1);
     match place.statement.as_slice() {
         // A number comes after the name.
@@ -19,7 +19,7 @@ pub(super) fn ends_operand(place: &Place<'_>) -> bool {
 }
 
 /// The words that can follow a value.
-pub(super) fn after_operand(place: &Place<'_>) -> &'static [&'static str] {
+pub(in crate::lsp) fn after_operand(place: &Place<'_>) -> &'static [&'static str] {
     let first = place.statement.first().copied().unwrap_or_default();
     let has = |word: &str| place.statement.contains(&word);
     // A word that comes once, if it is not there.
@@ -91,7 +91,7 @@ pub(super) fn after_operand(place: &Place<'_>) -> &'static [&'static str] {
 }
 
 /// The names that are set between the brackets around a byte; where parentheses are not closed, up to the end of its line.
-pub(super) fn given<'t>(code: &'t str, byte: usize, opens: &str) -> Vec<&'t str> {
+pub(in crate::lsp) fn given<'t>(code: &'t str, byte: usize, opens: &str) -> Vec<&'t str> {
     let all = tokens(code);
     let here = all.partition_point(|token| token.at.start < byte);
     let text = |at: usize| all.get(at).map_or("", |token| token.text(code));

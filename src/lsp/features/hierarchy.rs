@@ -9,12 +9,12 @@ use crate::sema::checked::Entity;
 use crate::syntax::occurrence::NameKind;
 
 use super::hover::owners;
-use super::server::{Failure, Server};
-use super::snapshot::Snapshot;
+use crate::lsp::snapshot::Snapshot;
+use crate::lsp::view::{Failure, View};
 
-impl Server {
-    pub(super) fn prepare_calls(
-        &mut self,
+impl View {
+    pub(in crate::lsp) fn prepare_calls(
+        &self,
         params: types::CallHierarchyPrepareParams,
     ) -> Result<Option<Vec<CallHierarchyItem>>, Failure> {
         let mut out: Vec<CallHierarchyItem> = Vec::new();
@@ -34,8 +34,8 @@ impl Server {
         Ok((!out.is_empty()).then_some(out))
     }
 
-    pub(super) fn incoming_calls(
-        &mut self,
+    pub(in crate::lsp) fn incoming_calls(
+        &self,
         params: types::CallHierarchyIncomingCallsParams,
     ) -> Result<Option<Vec<CallHierarchyIncomingCall>>, Failure> {
         let Some((snapshot, entity, mode)) = self.mode_of(&params.item) else { return Ok(None) };
@@ -47,8 +47,8 @@ impl Server {
         Ok(Some(calls.collect()))
     }
 
-    pub(super) fn outgoing_calls(
-        &mut self,
+    pub(in crate::lsp) fn outgoing_calls(
+        &self,
         params: types::CallHierarchyOutgoingCallsParams,
     ) -> Result<Option<Vec<CallHierarchyOutgoingCall>>, Failure> {
         let Some((snapshot, entity, mode)) = self.mode_of(&params.item) else { return Ok(None) };

@@ -16,13 +16,13 @@ use crate::diagnostic::Diagnostics;
 use crate::source::FileId;
 use crate::watch::Watch;
 
-use super::Workspace;
-use super::documents::Open;
-use super::snapshot::Snapshot;
-use super::values::Ranges;
+use crate::lsp::Workspace;
+use crate::lsp::documents::Open;
+use crate::lsp::snapshot::Snapshot;
+use crate::lsp::values::Ranges;
 
 /// A state of the documents.
-pub(super) struct Job {
+pub(in crate::lsp) struct Job {
     /// Grows with every change.
     pub revision: u64,
     /// What is open.
@@ -36,7 +36,7 @@ pub(super) struct Job {
 }
 
 /// What the thread tells.
-pub(super) enum Event {
+pub(in crate::lsp) enum Event {
     /// A program was compiled.
     Compiled(Arc<Snapshot>),
     /// A program is of no interest any more.
@@ -62,7 +62,7 @@ impl Watch for Newer<'_> {
     }
 }
 
-pub(super) struct Worker {
+pub(in crate::lsp) struct Worker {
     pub jobs: Receiver<Job>,
     pub events: Sender<Event>,
     pub disk: Arc<dyn Workspace>,

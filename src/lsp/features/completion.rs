@@ -11,16 +11,16 @@ use crate::sema::checked::{Checked, Entity, Type, World};
 use crate::source::FileId;
 use crate::syntax::occurrence::{NameKind, Occurrence, Role};
 
-use super::following::{after_operand, ends_operand, given};
-use super::place::{Block, Place};
-use super::server::{Failure, Server};
-use super::snapshot::Snapshot;
-use super::uri::path_of;
-use super::words::{SIGNATURES, Snippet, begins};
+use crate::lsp::snapshot::Snapshot;
+use crate::lsp::text::following::{after_operand, ends_operand, given};
+use crate::lsp::text::place::{Block, Place};
+use crate::lsp::text::uri::path_of;
+use crate::lsp::text::words::{SIGNATURES, Snippet, begins};
+use crate::lsp::view::{Failure, View};
 
 /// A name that is offered.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Offer {
+pub(in crate::lsp) struct Offer {
     /// Nearer things come first.
     rank: u8,
     label: String,
@@ -30,9 +30,9 @@ pub(super) struct Offer {
     snippet: Option<String>,
 }
 
-impl Server {
-    pub(super) fn completion(
-        &mut self,
+impl View {
+    pub(in crate::lsp) fn completion(
+        &self,
         params: types::CompletionParams,
     ) -> Result<Option<types::CompletionResponse>, Failure> {
         let at = params.text_document_position_params;
@@ -79,7 +79,7 @@ struct Offers<'a> {
 const KEYWORD: CompletionItemKind = CompletionItemKind::Keyword;
 
 impl<'a> Offers<'a> {
-    fn new(server: &'a Server, path: &Path, code: &'a str) -> Self {
+    fn new(server: &'a View, path: &Path, code: &'a str) -> Self {
         let known: Vec<_> = server.programs(path).collect();
         let now = known.iter().map(|k| &*k.now);
         let programs: Vec<&Snapshot> = now.chain(known.iter().filter_map(|k| k.good.as_deref())).collect();

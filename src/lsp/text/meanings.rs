@@ -2,7 +2,7 @@
 //! `grammar/README.md`.
 
 /// What a word means where it stands as one of the language.
-pub(super) struct Meaning {
+pub(in crate::lsp) struct Meaning {
     pub word: &'static str,
     pub says: &'static str,
     /// Statements in which it stands.
@@ -10,7 +10,7 @@ pub(super) struct Meaning {
 }
 
 /// What a word of the language means.
-pub(super) fn meaning(word: &str) -> Option<&'static Meaning> {
+pub(in crate::lsp) fn meaning(word: &str) -> Option<&'static Meaning> {
     MEANINGS.iter().find(|meaning| meaning.word == word)
 }
 
@@ -358,7 +358,7 @@ mod tests {
 
     /// The words in quotes of the rules whose names begin so.
     fn words(rule: &str) -> Vec<&'static str> {
-        let grammar = include_str!("../../grammar/hyped.pest");
+        let grammar = include_str!("../../../grammar/hyped.pest");
         let begins = |line: &&str| line.starts_with(rule);
         let body = grammar.lines().skip_while(|line| !begins(line)).take_while(|line| *line != "}");
         let quoted =

@@ -9,24 +9,24 @@ use crate::diagnostic::{Diagnostic, Fix};
 use crate::format::format;
 use crate::source::FileId;
 
-use super::alignment::runs;
-use super::diagnostics::{mendable, shown};
-use super::server::{Failure, Server};
-use super::snapshot::Snapshot;
-use super::text::{Encoding, Text};
-use super::uri::path_of;
+use crate::lsp::diagnostics::{mendable, shown};
+use crate::lsp::snapshot::Snapshot;
+use crate::lsp::text::alignment::runs;
+use crate::lsp::text::document_text::{Encoding, Text};
+use crate::lsp::text::uri::path_of;
+use crate::lsp::view::{Failure, View};
 
-impl Server {
-    pub(super) fn formatting(
-        &mut self,
+impl View {
+    pub(in crate::lsp) fn formatting(
+        &self,
         params: types::DocumentFormattingParams,
     ) -> Result<Option<Vec<TextEdit>>, Failure> {
         let Some(document) = self.documents.get(&path_of(&params.text_document.uri)) else { return Ok(None) };
         Ok(formatted(&document.text).map(|new| edits(&document.text, &new, self.client.encoding, None)))
     }
 
-    pub(super) fn range_formatting(
-        &mut self,
+    pub(in crate::lsp) fn range_formatting(
+        &self,
         params: types::DocumentRangeFormattingParams,
     ) -> Result<Option<Vec<TextEdit>>, Failure> {
         let Some(document) = self.documents.get(&path_of(&params.text_document.uri)) else { return Ok(None) };
@@ -34,8 +34,8 @@ impl Server {
         Ok(formatted(&document.text).map(|new| edits(&document.text, &new, self.client.encoding, Some(lines))))
     }
 
-    pub(super) fn code_actions(
-        &mut self,
+    pub(in crate::lsp) fn code_actions(
+        &self,
         params: types::CodeActionParams,
     ) -> Result<Option<Vec<types::CodeActionResponse>>, Failure> {
         let path = path_of(&params.text_document.uri);
@@ -105,7 +105,7 @@ fn apart<'a>(fixes: &[&'a Fix]) -> Vec<(crate::source::Span, &'a str)> {
 }
 
 /// Changes of documents.
-pub(super) fn workspace_edit<'a>(
+pub(in crate::lsp) fn workspace_edit<'a>(
     snapshot: &Snapshot,
     edits: impl IntoIterator<Item = (crate::source::Span, &'a str)>,
     encoding: Encoding,

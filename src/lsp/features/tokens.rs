@@ -1,21 +1,20 @@
 //! Semantic tokens: the words of a text from the lexer, names coloured by what they name.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use gen_lsp_types as types;
-use gen_lsp_types::{SemanticToken, SemanticTokens, SemanticTokensDelta, SemanticTokensEdit, SemanticTokensLegend};
+use gen_lsp_types::{SemanticToken, SemanticTokensLegend};
 
 use crate::source::FileId;
 use crate::syntax::occurrence::{NameKind, Occurrence, Role};
 
-use super::capabilities::Client;
-use super::lexer::{Kind, tokens};
-use super::server::{Failure, Server};
-use super::snapshot::Snapshot;
-use super::text::Text;
-use super::uri::path_of;
-use super::words::{FUNCTIONS, is_keyword};
+use crate::lsp::client::Client;
+use crate::lsp::snapshot::Snapshot;
+use crate::lsp::text::document_text::Text;
+use crate::lsp::text::lexer::{Kind, tokens};
+use crate::lsp::text::words::{FUNCTIONS, is_keyword};
+use crate::lsp::view::View;
 
 /// The kinds of tokens; their places in this list are what is sent.
 const TYPES: &[&str] = &[
@@ -43,7 +42,7 @@ const TYPES: &[&str] = &[
 const MODIFIERS: &[&str] = &["declaration", "readonly", "modification", "defaultLibrary"];
 
 /// What the numbers of tokens mean.
-pub(super) fn legend() -> SemanticTokensLegend {
+pub(in crate::lsp) fn legend() -> SemanticTokensLegend {
     let words = |list: &[&str]| list.iter().map(|w| (*w).to_string()).collect();
     SemanticTokensLegend { token_types: words(TYPES), token_modifiers: words(MODIFIERS) }
 }
@@ -79,72 +78,9 @@ fn of_name(o: &Occurrence) -> (u32, u32) {
     (type_index(name), role | if read_only { 2 } else { 0 })
 }
 
-/// What was sent last of each document, so that only changes need be sent.
-#[derive(Debug, Default)]
-pub(super) struct Shown {
-    last: BTreeMap<PathBuf, (u64, Vec<SemanticToken>)>,
-    count: u64,
-}
-
-impl Shown {
-    /// A document is closed.
-    pub fn forget(&mut self, path: &Path) {
-        self.last.remove(path);
-    }
-
-    fn keep(&mut self, path: PathBuf, data: Vec<SemanticToken>) -> SemanticTokens {
-        self.count += 1;
-        self.last.insert(path, (self.count, data.clone()));
-        SemanticTokens { result_id: Some(self.count.to_string()), data }
-    }
-}
-
-impl Server {
-    pub(super) fn semantic_tokens(
-        &mut self,
-        params: types::SemanticTokensParams,
-    ) -> Result<Option<SemanticTokens>, Failure> {
-        let path = path_of(&params.text_document.uri);
-        let Some(data) = self.tokens_of(&path, None) else { return Ok(None) };
-        Ok(Some(self.tokens.keep(path, data)))
-    }
-
-    pub(super) fn semantic_tokens_in_range(
-        &mut self,
-        params: types::SemanticTokensRangeParams,
-    ) -> Result<Option<SemanticTokens>, Failure> {
-        let path = path_of(&params.text_document.uri);
-        let data = self.tokens_of(&path, Some(params.range));
-        Ok(data.map(|data| SemanticTokens { result_id: None, data }))
-    }
-
-    pub(super) fn semantic_tokens_delta(
-        &mut self,
-        params: types::SemanticTokensDeltaParams,
-    ) -> Result<Option<types::SemanticTokensDeltaResponse>, Failure> {
-        let path = path_of(&params.text_document.uri);
-        let Some(new) = self.tokens_of(&path, None) else { return Ok(None) };
-        let before = self.tokens.last.get(&path).filter(|(id, _)| id.to_string() == params.previous_result_id);
-        let Some(old) = before.map(|(_, old)| old.clone()) else {
-            return Ok(Some(self.tokens.keep(path, new).into()));
-        };
-        let same = old.iter().zip(&new).take_while(|(a, b)| a == b).count();
-        let left = old.len().min(new.len()) - same;
-        let same_end = old.iter().rev().zip(new.iter().rev()).take(left).take_while(|(a, b)| a == b).count();
-        let put = new.get(same..new.len() - same_end).unwrap_or_default();
-        let data =
-            put.iter().flat_map(|t| [t.delta_line, t.delta_start, t.length, t.token_type, t.token_modifiers_bitset]);
-        let edit = SemanticTokensEdit {
-            start: 5 * same as u32,
-            delete_count: 5 * (old.len() - same - same_end) as u32,
-            data: Some(data.collect()),
-        };
-        let edits = if edit.delete_count == 0 && put.is_empty() { Vec::new() } else { vec![edit] };
-        let result_id = self.tokens.keep(path, new).result_id;
-        Ok(Some(SemanticTokensDelta { result_id, edits }.into()))
-    }
-
-    fn tokens_of(&self, path: &Path, range: Option<types::Range>) -> Option<Vec<SemanticToken>> {
+impl View {
+    /// The tokens of a document, or of a range of it; none if it is not open.
+    pub fn semantic_tokens(&self, path: &Path, range: Option<types::Range>) -> Option<Vec<SemanticToken>> {
         let document = self.documents.get(path)?;
         let known = self.programs(path).next();
         let of = known.and_then(|known| Some((&*known.now, known.now.file(path)?)));

@@ -7,7 +7,7 @@ use pest::unicode::{XID_CONTINUE, XID_START};
 
 /// What a token is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(in crate::lsp) enum Kind {
     /// A name or a keyword.
     Word,
     /// A number, its unit included.
@@ -28,7 +28,7 @@ pub(super) enum Kind {
 
 /// A token.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Token {
+pub(in crate::lsp) struct Token {
     pub kind: Kind,
     /// Its bytes.
     pub at: Range<usize>,
@@ -42,17 +42,17 @@ impl Token {
 }
 
 /// Whether a character may begin a name.
-pub(super) fn begins_name(c: char) -> bool {
+pub(in crate::lsp) fn begins_name(c: char) -> bool {
     XID_START(c) || c == '_'
 }
 
 /// Whether a character may go on with a name.
-pub(super) fn continues_name(c: char) -> bool {
+pub(in crate::lsp) fn continues_name(c: char) -> bool {
     XID_CONTINUE(c)
 }
 
 /// All tokens of a text, white space between them left out.
-pub(super) fn tokens(text: &str) -> Vec<Token> {
+pub(in crate::lsp) fn tokens(text: &str) -> Vec<Token> {
     let mut out: Vec<Token> = Vec::new();
     let mut at = 0;
     while let Some(rest) = text.get(at..).filter(|rest| !rest.is_empty()) {

@@ -6,7 +6,7 @@ use super::words::begins;
 
 /// What a block is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Block {
+pub(in crate::lsp) enum Block {
     Entity,
     Behavior,
     Group,
@@ -27,7 +27,7 @@ pub(super) enum Block {
 
 /// A block that is open.
 #[derive(Debug, Clone)]
-pub(super) struct Open<'t> {
+pub(in crate::lsp) struct Open<'t> {
     pub block: Block,
     /// Its name, if it has one.
     pub name: &'t str,
@@ -39,7 +39,7 @@ pub(super) struct Open<'t> {
 
 /// A bracket that is open, and what is called with it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Call<'t> {
+pub(in crate::lsp) struct Call<'t> {
     pub name: &'t str,
     /// The word before the name, such as `spawn`.
     pub before: &'t str,
@@ -61,7 +61,7 @@ struct Bracket {
 
 /// Where a cursor stands.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Place<'t> {
+pub(in crate::lsp) struct Place<'t> {
     /// The blocks around it, outermost first.
     pub blocks: Vec<Open<'t>>,
     /// The words of its statement, those before it; the one that is being written is not among them.

@@ -13,17 +13,17 @@ use crate::syntax::ast::{Item, MapSource, Name};
 use crate::syntax::occurrence::{NameKind, Occurrence, Role};
 use crate::syntax::{self, ast};
 
-use super::alignment::Alignment;
-use super::lexer::{Kind, tokens};
-use super::server::{Failure, Known, Server};
-use super::snapshot::{Key, Snapshot};
-use super::uri::{clean, path_of, uri_of};
+use crate::lsp::snapshot::{Key, Snapshot};
+use crate::lsp::text::alignment::Alignment;
+use crate::lsp::text::lexer::{Kind, tokens};
+use crate::lsp::text::uri::{clean, path_of, uri_of};
+use crate::lsp::view::{Failure, Known, View};
 
 /// So many symbols of a workspace are told at once.
 const MAX_SYMBOLS: usize = 500;
 
 /// A place in one of the programs that hold it.
-pub(super) struct Spot<'a> {
+pub(in crate::lsp) struct Spot<'a> {
     pub known: &'a Known,
     /// The program as it is, or as it was when it last had no errors.
     pub snapshot: &'a Snapshot,
@@ -32,9 +32,9 @@ pub(super) struct Spot<'a> {
     pub names: Vec<Occurrence>,
 }
 
-impl Server {
+impl View {
     /// A place in all programs that hold it, its own first.
-    pub(super) fn spots(&self, at: &types::TextDocumentPositionParams) -> Vec<Spot<'_>> {
+    pub(in crate::lsp) fn spots(&self, at: &types::TextDocumentPositionParams) -> Vec<Spot<'_>> {
         let path = path_of(&at.text_document.uri);
         let spot = |known: &'_ Known| -> Option<(FileId, Vec<Occurrence>)> {
             let file = known.now.file(&path)?;
@@ -47,7 +47,7 @@ impl Server {
 
     /// As [`spots`](Self::spots); of a name that means nothing while its program has errors, what it meant when that had
     /// none.
-    pub(super) fn lasting_spots(&self, at: &types::TextDocumentPositionParams) -> Vec<Spot<'_>> {
+    pub(in crate::lsp) fn lasting_spots(&self, at: &types::TextDocumentPositionParams) -> Vec<Spot<'_>> {
         let spots = self.spots(at);
         let path = path_of(&at.text_document.uri);
         let word = self.documents.get(&path).and_then(|document| {
@@ -84,13 +84,13 @@ impl Server {
     }
 
     /// What stands at a place.
-    pub(super) fn keys_at(&self, at: &types::TextDocumentPositionParams) -> BTreeSet<Key> {
+    pub(in crate::lsp) fn keys_at(&self, at: &types::TextDocumentPositionParams) -> BTreeSet<Key> {
         let spots = self.spots(at);
         spots.iter().flat_map(|spot| spot.names.iter().map(|o| spot.snapshot.key(o))).collect()
     }
 
     /// Where some names stand in all programs, each place once.
-    pub(super) fn places(&self, keys: &BTreeSet<Key>) -> Vec<(&Snapshot, Occurrence)> {
+    pub(in crate::lsp) fn places(&self, keys: &BTreeSet<Key>) -> Vec<(&Snapshot, Occurrence)> {
         let mut seen: BTreeSet<(PathBuf, u32)> = BTreeSet::new();
         let mut out = Vec::new();
         for known in self.known.values() {
@@ -105,8 +105,8 @@ impl Server {
         out
     }
 
-    pub(super) fn definition(
-        &mut self,
+    pub(in crate::lsp) fn definition(
+        &self,
         params: types::DefinitionParams,
     ) -> Result<Option<types::DefinitionResponse>, Failure> {
         let at = params.text_document_position_params;
@@ -136,15 +136,15 @@ impl Server {
         Ok((!out.is_empty()).then(|| types::Definition::from(out).into()))
     }
 
-    pub(super) fn references(&mut self, params: types::ReferenceParams) -> Result<Option<Vec<Location>>, Failure> {
+    pub(in crate::lsp) fn references(&self, params: types::ReferenceParams) -> Result<Option<Vec<Location>>, Failure> {
         let keys = self.keys_at(&params.text_document_position_params);
         let all = params.context.include_declaration;
         let places = self.places(&keys).into_iter().filter(|(_, o)| all || o.role != Role::Declared);
         Ok(Some(places.map(|(snapshot, o)| snapshot.location(o.at, self.client.encoding)).collect()))
     }
 
-    pub(super) fn highlights(
-        &mut self,
+    pub(in crate::lsp) fn highlights(
+        &self,
         params: types::DocumentHighlightParams,
     ) -> Result<Option<Vec<DocumentHighlight>>, Failure> {
         let at = params.text_document_position_params;
@@ -166,8 +166,8 @@ impl Server {
         Ok(Some(out))
     }
 
-    pub(super) fn workspace_symbols(
-        &mut self,
+    pub(in crate::lsp) fn workspace_symbols(
+        &self,
         params: types::WorkspaceSymbolParams,
     ) -> Result<Option<types::WorkspaceSymbolResponse>, Failure> {
         let mut seen: BTreeSet<(PathBuf, u32)> = BTreeSet::new();
@@ -196,8 +196,8 @@ impl Server {
         Ok(Some(found.into_iter().map(|(_, symbol)| symbol).collect::<Vec<_>>().into()))
     }
 
-    pub(super) fn document_links(
-        &mut self,
+    pub(in crate::lsp) fn document_links(
+        &self,
         params: types::DocumentLinkParams,
     ) -> Result<Option<Vec<DocumentLink>>, Failure> {
         let path = path_of(&params.text_document.uri);
@@ -276,7 +276,7 @@ fn container(snapshot: &Snapshot, at: Span) -> Option<&Occurrence> {
 }
 
 /// How a kind of names is shown in lists; none for those that are not listed.
-pub(super) fn symbol_kind(kind: NameKind) -> Option<SymbolKind> {
+pub(in crate::lsp) fn symbol_kind(kind: NameKind) -> Option<SymbolKind> {
     Some(match kind {
         NameKind::Entity => SymbolKind::Class,
         NameKind::Behavior => SymbolKind::Interface,
@@ -295,7 +295,7 @@ pub(super) fn symbol_kind(kind: NameKind) -> Option<SymbolKind> {
 }
 
 /// The bytes of the word that holds a byte, or ends there.
-pub(super) fn word_at(code: &str, byte: usize) -> Option<std::ops::Range<usize>> {
+pub(in crate::lsp) fn word_at(code: &str, byte: usize) -> Option<std::ops::Range<usize>> {
     let near = tokens(code).into_iter().filter(|token| token.kind == Kind::Word).map(|token| token.at);
     let near = near.skip_while(|at| at.end < byte).take_while(|at| at.start <= byte);
     near.max_by_key(|at| at.start)

@@ -8,10 +8,10 @@ use crate::source::{FileId, Span};
 use crate::syntax::ast::{Domain, Edge, Item, Kinds, MapSource, Member, SpaceItem, Tile, TileSpawn, Update, WorldItem};
 use crate::syntax::{self, ast};
 
-use super::lexer::{Kind, tokens};
-use super::server::{Failure, Server};
-use super::text::{Encoding, Text};
-use super::uri::path_of;
+use crate::lsp::text::document_text::{Encoding, Text};
+use crate::lsp::text::lexer::{Kind, tokens};
+use crate::lsp::text::uri::path_of;
+use crate::lsp::view::{Failure, View};
 
 /// So many characters of a guard are shown.
 const MAX_DETAIL: usize = 60;
@@ -19,9 +19,9 @@ const MAX_DETAIL: usize = 60;
 /// A text is looked at by itself.
 const ONLY: FileId = FileId(0);
 
-impl Server {
-    pub(super) fn document_symbols(
-        &mut self,
+impl View {
+    pub(in crate::lsp) fn document_symbols(
+        &self,
         params: types::DocumentSymbolParams,
     ) -> Result<Option<types::DocumentSymbolResponse>, Failure> {
         let Some(document) = self.documents.get(&path_of(&params.text_document.uri)) else { return Ok(None) };
@@ -30,16 +30,16 @@ impl Server {
         Ok(Some(tree.items.iter().map(|item| outline.item(item)).collect::<Vec<_>>().into()))
     }
 
-    pub(super) fn folding_ranges(
-        &mut self,
+    pub(in crate::lsp) fn folding_ranges(
+        &self,
         params: types::FoldingRangeParams,
     ) -> Result<Option<Vec<FoldingRange>>, Failure> {
         let Some(document) = self.documents.get(&path_of(&params.text_document.uri)) else { return Ok(None) };
         Ok(Some(folds(&document.text, self.client.encoding)))
     }
 
-    pub(super) fn selection_ranges(
-        &mut self,
+    pub(in crate::lsp) fn selection_ranges(
+        &self,
         params: types::SelectionRangeParams,
     ) -> Result<Option<Vec<SelectionRange>>, Failure> {
         let Some(document) = self.documents.get(&path_of(&params.text_document.uri)) else { return Ok(None) };

@@ -5,7 +5,7 @@ use gen_lsp_types::{Position, Range};
 
 /// What columns count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) enum Encoding {
+pub(in crate::lsp) enum Encoding {
     /// Bytes.
     Utf8,
     /// UTF-16 code units: what clients that say nothing count.
@@ -27,7 +27,7 @@ impl Encoding {
 
 /// A text and where its lines begin.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Text {
+pub(in crate::lsp) struct Text {
     whole: String,
     /// Of each line its first byte.
     starts: Vec<u32>,

@@ -5,7 +5,7 @@ use std::path::{Component, Path, PathBuf};
 use gen_lsp_types::Uri;
 
 /// The path of a document, without `.` and `..`.
-pub(super) fn path_of(uri: &Uri) -> PathBuf {
+pub(in crate::lsp) fn path_of(uri: &Uri) -> PathBuf {
     let Some(rest) = uri.0.strip_prefix("file://") else { return PathBuf::from(&uri.0) };
     // What stands before the first slash is a host; ours has no name.
     let path = rest.find('/').map_or("", |at| &rest[at..]);
@@ -16,7 +16,7 @@ pub(super) fn path_of(uri: &Uri) -> PathBuf {
 }
 
 /// The URI of a path.
-pub(super) fn uri_of(path: &Path) -> Uri {
+pub(in crate::lsp) fn uri_of(path: &Path) -> Uri {
     let text = path.to_string_lossy().replace('\\', "/");
     if !text.starts_with('/') && text.get(1..2).is_none_or(|colon| colon != ":") {
         return Uri(text);
@@ -33,7 +33,7 @@ pub(super) fn uri_of(path: &Path) -> Uri {
 }
 
 /// A path without `.` and `..`, whatever the disk says of links.
-pub(super) fn clean(path: &Path) -> PathBuf {
+pub(in crate::lsp) fn clean(path: &Path) -> PathBuf {
     let mut out = PathBuf::new();
     for component in path.components() {
         match component {

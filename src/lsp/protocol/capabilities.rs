@@ -1,53 +1,15 @@
-//! What the server offers, and what it needs to know of the editor.
+//! What the server offers to the editor.
 
 use gen_lsp_types as types;
 use gen_lsp_types::{PositionEncodingKind, ServerCapabilities};
 use serde_json::{Value, json};
 
-use super::text::Encoding;
-use super::tokens;
-
-/// What matters of the editor.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Client {
-    /// What columns count.
-    pub encoding: Encoding,
-    /// Whether it tells of changed files if it is asked to.
-    pub watches_files: bool,
-    /// Whether it asks for hints again if it is told to.
-    pub refreshes_hints: bool,
-    /// Whether completions may have places to fill in.
-    pub has_snippets: bool,
-    /// Whether it colours words by a grammar of its own, and wants to know of names alone.
-    pub has_grammar: bool,
-}
-
-impl Client {
-    /// Reads what the editor says of itself in `initialize`. Without the types of the protocol, in which one field that a
-    /// client leaves out would make all others unreadable.
-    pub fn of(params: &Value) -> Self {
-        let said = &params["capabilities"];
-        let is = |path: &str| said.pointer(path).and_then(Value::as_bool).unwrap_or(false);
-        let encodings = said.pointer("/general/positionEncodings").and_then(Value::as_array);
-        let names = encodings.into_iter().flatten().filter_map(Value::as_str);
-        let known = names.filter_map(|name| match name {
-            "utf-8" => Some(Encoding::Utf8),
-            "utf-16" => Some(Encoding::Utf16),
-            "utf-32" => Some(Encoding::Utf32),
-            _ => None,
-        });
-        Client {
-            encoding: known.into_iter().next().unwrap_or_default(),
-            watches_files: is("/workspace/didChangeWatchedFiles/dynamicRegistration"),
-            refreshes_hints: is("/workspace/inlayHint/refreshSupport"),
-            has_grammar: is("/textDocument/semanticTokens/augmentsSyntaxTokens"),
-            has_snippets: is("/textDocument/completion/completionItem/snippetSupport"),
-        }
-    }
-}
+use crate::lsp::client::Client;
+use crate::lsp::features::tokens;
+use crate::lsp::text::document_text::Encoding;
 
 /// What the server offers.
-pub(super) fn capabilities(client: &Client) -> ServerCapabilities {
+pub(in crate::lsp) fn capabilities(client: &Client) -> ServerCapabilities {
     let words = |list: &[&str]| Some(list.iter().map(|w| (*w).to_string()).collect::<Vec<String>>());
     ServerCapabilities {
         position_encoding: Some(match client.encoding {
@@ -114,7 +76,7 @@ pub(super) fn capabilities(client: &Client) -> ServerCapabilities {
 }
 
 /// Asks the editor to tell of changes of programs, levels and legends.
-pub(super) fn watchers() -> Value {
+pub(in crate::lsp) fn watchers() -> Value {
     let patterns = ["**/*.hyped", "**/*.txt", "**/*.json", "**/*.tmx", "**/*.tmj", "**/*.tsx", "**/*.ldtk"];
     let watchers: Vec<Value> = patterns.iter().map(|pattern| json!({ "globPattern": pattern })).collect();
     json!({ "registrations": [{

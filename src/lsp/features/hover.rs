@@ -15,22 +15,22 @@ use crate::source::{FileId, Span};
 use crate::syntax;
 use crate::syntax::occurrence::{NameKind, Occurrence, Role};
 
-use super::meanings::{Meaning, meaning};
 use super::navigate::{Spot, word_at};
-use super::place::Place;
-use super::server::{Failure, Server};
-use super::snapshot::Snapshot;
-use super::uri::path_of;
-use super::values::written;
-use super::words::{SIGNATURES, begins};
+use crate::lsp::snapshot::Snapshot;
+use crate::lsp::text::meanings::{Meaning, meaning};
+use crate::lsp::text::place::Place;
+use crate::lsp::text::uri::path_of;
+use crate::lsp::text::words::{SIGNATURES, begins};
+use crate::lsp::values::written;
+use crate::lsp::view::{Failure, View};
 
 /// So many lines of worlds that carry a tag are listed.
 const MAX_CARRIERS: usize = 5;
 /// So many modes are listed.
 const MAX_MODES: usize = 12;
 
-impl Server {
-    pub(super) fn hover(&mut self, params: types::HoverParams) -> Result<Option<Hover>, Failure> {
+impl View {
+    pub(in crate::lsp) fn hover(&self, params: types::HoverParams) -> Result<Option<Hover>, Failure> {
         let at = params.text_document_position_params;
         let known = self.hover_name(&at).or_else(|| self.hover_word(&at));
         let found = self.hover_finding(&at);
@@ -125,12 +125,12 @@ fn is_word(code: &str, bytes: &std::ops::Range<usize>) -> bool {
 }
 
 /// Text with marks.
-pub(super) fn markdown(value: String) -> MarkupContent {
+pub(in crate::lsp) fn markdown(value: String) -> MarkupContent {
     MarkupContent { kind: MarkupKind::Markdown, value }
 }
 
 /// What a kind of names is called.
-pub(super) fn called(kind: NameKind) -> &'static str {
+pub(in crate::lsp) fn called(kind: NameKind) -> &'static str {
     match kind {
         NameKind::Constant => "constant",
         NameKind::Entity => "entity",
@@ -157,7 +157,7 @@ pub(super) fn called(kind: NameKind) -> &'static str {
 }
 
 /// The entities whose value, mode or input a name is: several if it stands in a behaviour.
-pub(super) fn owners<'c>(
+pub(in crate::lsp) fn owners<'c>(
     checked: &'c Checked,
     snapshot: &Snapshot,
     o: &Occurrence,

@@ -3,14 +3,14 @@
 use gen_lsp_types as types;
 use gen_lsp_types::{ParameterInformation, ParameterInformationLabel, SignatureHelp, SignatureInformation};
 
-use super::place::Place;
-use super::server::{Failure, Known, Server};
-use super::uri::path_of;
-use super::words::SIGNATURES;
+use crate::lsp::text::place::Place;
+use crate::lsp::text::uri::path_of;
+use crate::lsp::text::words::SIGNATURES;
+use crate::lsp::view::{Failure, Known, View};
 
-impl Server {
-    pub(super) fn signature_help(
-        &mut self,
+impl View {
+    pub(in crate::lsp) fn signature_help(
+        &self,
         params: types::SignatureHelpParams,
     ) -> Result<Option<SignatureHelp>, Failure> {
         let at = params.text_document_position_params;
@@ -63,7 +63,7 @@ impl Server {
     }
 }
 
-impl Server {
+impl View {
     /// What an entity can be given where it is spawned.
     fn spawned(&self, path: &std::path::Path, name: &str) -> Option<SignatureInformation> {
         let programs: Vec<&Known> = self.programs(path).collect();

@@ -3,7 +3,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -15,17 +15,16 @@ use lsp_server::{Connection, ErrorCode, Message, Notification, Request, RequestI
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use crate::diagnostic::Diagnostics;
-
-use super::Workspace;
-use super::capabilities::{Client, capabilities, watchers};
-use super::diagnostics::{ByDocument, Published, by_document, carried};
-use super::documents::Documents;
-use super::snapshot::Snapshot;
-use super::tokens::Shown as ShownTokens;
-use super::uri::path_of;
-use super::values::Ranges;
+use super::capabilities::{capabilities, watchers};
+use super::requests::{self, Needs};
+use super::token_updates::SentTokens;
 use super::worker::{Event, Job, Worker};
+use crate::lsp::Workspace;
+use crate::lsp::client::Client;
+use crate::lsp::diagnostics::{ByDocument, Published, by_document, carried};
+use crate::lsp::documents::Documents;
+use crate::lsp::text::uri::path_of;
+use crate::lsp::view::{Failure, Known, View};
 
 /// How the server works.
 #[derive(Debug, Clone, Copy)]
@@ -40,57 +39,11 @@ impl Default for Settings {
     }
 }
 
-/// Why a request has no answer.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Failure {
-    pub code: i32,
-    pub message: String,
-}
-
-impl Failure {
-    /// The request was understood, and cannot be met.
-    pub fn refused(message: impl Into<String>) -> Self {
-        Failure { code: ErrorCode::RequestFailed as i32, message: message.into() }
-    }
-}
-
-/// What is known of a program that is open, or in the workspace.
-pub(super) struct Known {
-    pub now: Arc<Snapshot>,
-    /// The last one without errors.
-    pub good: Option<Arc<Snapshot>>,
-    /// What values tell of it as it is now.
-    pub findings: Option<Diagnostics>,
-    /// What its variables could be when that was last known.
-    pub ranges: Option<Ranges>,
-    /// What is shown of what compiling found.
-    said: ByDocument,
-    /// What is shown of what values tell: of it as it is now or, until that is known, of the state before.
-    told: ByDocument,
-}
-
-/// What a request needs before it is answered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Needs {
-    /// The text alone.
-    Text,
-    /// The programs that are open.
-    Open,
-    /// All programs of the workspace.
-    All,
-    /// That the worker has nothing left to do.
-    Idle,
-}
-
 /// A language server.
 pub struct Server {
-    pub(super) client: Client,
-    pub(super) documents: Documents,
-    pub(super) known: BTreeMap<PathBuf, Known>,
-    pub(super) tokens: ShownTokens,
-    /// The old and the new name of the last renaming.
-    pub(super) renamed: Option<(String, String)>,
-    pub(super) disk: Arc<dyn Workspace>,
+    pub(super) view: View,
+    /// The semantic tokens that were sent last.
+    pub(super) tokens: SentTokens,
     sender: Sender<Message>,
     published: Published,
     folders: Arc<Vec<PathBuf>>,
@@ -139,12 +92,8 @@ impl Server {
         };
         let thread = std::thread::spawn(move || worker.run());
         let mut server = Server {
-            client,
-            documents: Documents::default(),
-            known: BTreeMap::new(),
-            tokens: ShownTokens::default(),
-            renamed: None,
-            disk,
+            view: View { client, documents: Documents::default(), known: BTreeMap::new(), renamed: None, disk },
+            tokens: SentTokens::default(),
             sender,
             published: Published::default(),
             folders: Arc::new(folders),
@@ -202,7 +151,7 @@ impl Server {
         self.revision += 1;
         let job = Job {
             revision: self.revision,
-            open: Arc::clone(self.documents.all()),
+            open: Arc::clone(self.view.documents.all()),
             folders: Arc::clone(&self.folders),
             rescan: std::mem::take(&mut self.rescan),
             changed: std::mem::take(&mut self.changed),
@@ -238,7 +187,7 @@ impl Server {
                 (ErrorCode::InvalidRequest as i32, "the server has shut down, or runs already".into());
             return self.answer::<()>(request.id, Err(Failure { code, message }));
         }
-        let needs = needs(&request.method);
+        let needs = requests::needs(&request.method);
         if self.is_ready(needs) { self.dispatch(request) } else { self.waiting.push((request, needs)) }
     }
 
@@ -266,25 +215,25 @@ impl Server {
         }
         let Notification { method, params } = notification;
         match method.as_str() {
-            "initialized" if self.client.watches_files => self.ask("client/registerCapability", watchers()),
+            "initialized" if self.view.client.watches_files => self.ask("client/registerCapability", watchers()),
             "textDocument/didOpen" => {
                 let Some(params) = read::<types::DidOpenTextDocumentNotification>(params) else { return };
                 let document = params.text_document;
                 let language = document.language_id.to_string();
-                let path = self.documents.open(document.uri, document.version, document.text, &language);
+                let path = self.view.documents.open(document.uri, document.version, document.text, &language);
                 self.touch(Some(path));
             }
             "textDocument/didChange" => {
                 let Some(params) = read::<types::DidChangeTextDocumentNotification>(params) else { return };
                 let types::DidChangeTextDocumentParams { text_document: document, content_changes } = params;
-                let (uri, encoding) = (&document.text_document_identifier.uri, self.client.encoding);
-                let path = self.documents.change(uri, document.version, content_changes, encoding);
+                let (uri, encoding) = (&document.text_document_identifier.uri, self.view.client.encoding);
+                let path = self.view.documents.change(uri, document.version, content_changes, encoding);
                 self.touch(path);
             }
             "textDocument/didClose" => {
                 let Some(params) = read::<types::DidCloseTextDocumentNotification>(params) else { return };
                 self.tokens.forget(&path_of(&params.text_document.uri));
-                let path = self.documents.close(&params.text_document.uri);
+                let path = self.view.documents.close(&params.text_document.uri);
                 self.touch(path);
             }
             "workspace/didChangeWatchedFiles" => {
@@ -322,27 +271,31 @@ impl Server {
         match event {
             Event::Compiled(snapshot) => {
                 self.failed.remove(&snapshot.root);
-                let encoding = self.client.encoding;
-                let is_open = self.documents.get(&snapshot.root).is_some();
+                let encoding = self.view.client.encoding;
+                let is_open = self.view.documents.get(&snapshot.root).is_some();
                 let found = &snapshot.study.compilation.diagnostics;
-                let said = if is_open { by_document(&snapshot, found, encoding) } else { ByDocument::new() };
+                let compile_findings =
+                    if is_open { by_document(&snapshot, found, encoding) } else { ByDocument::new() };
                 let mut known = Known {
                     now: Arc::clone(&snapshot),
                     good: None,
                     findings: None,
                     ranges: None,
-                    said,
-                    told: ByDocument::new(),
+                    compile_findings,
+                    value_findings: ByDocument::new(),
                 };
-                if let Some(before) = self.known.remove(&snapshot.root) {
-                    known.told =
-                        if is_open { carried(&before.told, &before.now, &snapshot) } else { ByDocument::new() };
+                if let Some(before) = self.view.known.remove(&snapshot.root) {
+                    known.value_findings = if is_open {
+                        carried(&before.value_findings, &before.now, &snapshot)
+                    } else {
+                        ByDocument::new()
+                    };
                     (known.good, known.ranges) = (before.good, before.ranges);
                 }
                 if snapshot.is_good() {
                     known.good = Some(Arc::clone(&snapshot));
                 }
-                self.known.insert(snapshot.root.clone(), known);
+                self.view.known.insert(snapshot.root.clone(), known);
             }
             Event::Failed(path, why) => {
                 let text = format!(
@@ -357,7 +310,7 @@ impl Server {
                 }
             }
             Event::Dropped(path) => {
-                self.known.remove(&path);
+                self.view.known.remove(&path);
             }
             Event::Settled(revision) => {
                 self.settled = Some(revision);
@@ -373,16 +326,16 @@ impl Server {
                 self.resume();
             }
             Event::Examined(snapshot, found) => {
-                let encoding = self.client.encoding;
-                let known = self.known.get_mut(&snapshot.root).filter(|known| Arc::ptr_eq(&known.now, &snapshot));
+                let encoding = self.view.client.encoding;
+                let known = self.view.known.get_mut(&snapshot.root).filter(|known| Arc::ptr_eq(&known.now, &snapshot));
                 let Some(known) = known else { return };
                 let (findings, ranges) = *found;
-                known.told = by_document(&snapshot, &findings, encoding);
+                known.value_findings = by_document(&snapshot, &findings, encoding);
                 known.findings = Some(findings);
                 // Of a program with errors nothing is known.
                 known.ranges = ranges.or(known.ranges.take());
                 self.publish();
-                if self.client.refreshes_hints {
+                if self.view.client.refreshes_hints {
                     self.ask("workspace/inlayHint/refresh", Value::Null);
                 }
             }
@@ -397,13 +350,15 @@ impl Server {
 
     /// Tells the editor of findings that changed.
     fn publish(&mut self) {
-        let open = self.known.iter().filter(|(path, _)| self.documents.get(path).is_some());
+        let open = self.view.known.iter().filter(|(path, _)| self.view.documents.get(path).is_some());
         let version = |uri: &str| {
             let path = path_of(&Uri(uri.into()));
             let of = |known: &Known| known.now.file(&path).and_then(|file| known.now.version(file));
-            self.known.get(&path).and_then(of)
+            self.view.known.get(&path).and_then(of)
         };
-        for params in self.published.update(open.flat_map(|(_, known)| [&known.said, &known.told]), version) {
+        for params in
+            self.published.update(open.flat_map(|(_, known)| [&known.compile_findings, &known.value_findings]), version)
+        {
             let params = serde_json::to_value(params).unwrap_or_default();
             let method = String::from(types::PublishDiagnosticsNotification::METHOD);
             let _ = self.sender.send(Notification { method, params }.into());
@@ -425,16 +380,16 @@ impl Server {
         let _ = self.sender.send(response.into());
     }
 
-    /// Answers a request with what one of the families makes of it. One that fails is no reason to end.
-    pub(super) fn on<R: types::Request>(
+    /// Answers a request with what a feature makes of it. A feature that panics is no reason to end.
+    pub(in crate::lsp) fn on<R: types::Request>(
         &mut self,
         request: Request,
-        family: impl FnOnce(&mut Self, R::Params) -> Result<R::Result, Failure>,
+        feature: impl FnOnce(&mut Self, R::Params) -> Result<R::Result, Failure>,
     ) {
         let Request { id, params, .. } = request;
         let result = match serde_json::from_value::<R::Params>(params) {
             Err(error) => Err(Failure { code: ErrorCode::InvalidParams as i32, message: error.to_string() }),
-            Ok(params) => catch_unwind(AssertUnwindSafe(|| family(self, params))).unwrap_or_else(|_| {
+            Ok(params) => catch_unwind(AssertUnwindSafe(|| feature(self, params))).unwrap_or_else(|_| {
                 let (code, message) = (ErrorCode::InternalError as i32, "this cannot be answered".into());
                 Err(Failure { code, message })
             }),
@@ -442,52 +397,15 @@ impl Server {
         self.answer(id, result);
     }
 
-    pub(super) fn text(&mut self, params: types::DocumentSymbolParams) -> Result<Option<String>, Failure> {
-        let document = self.documents.get(&path_of(&params.text_document.uri));
-        Ok(document.map(|document| document.text.whole().to_string()))
-    }
-
     /// Answers a request with nothing.
-    pub(super) fn nothing(&self, request: Request) {
+    pub(in crate::lsp) fn nothing(&self, request: Request) {
         self.answer(request.id, Ok(()));
     }
 
     /// Says that a request is not known.
-    pub(super) fn unknown(&self, request: Request) {
+    pub(in crate::lsp) fn unknown(&self, request: Request) {
         let (code, message) = (ErrorCode::MethodNotFound as i32, format!("no method `{}`", request.method));
         self.answer::<()>(request.id, Err(Failure { code, message }));
-    }
-
-    /// The programs that a document is part of, itself first.
-    pub(super) fn programs(&self, path: &Path) -> impl Iterator<Item = &Known> {
-        let own = self.known.get(path);
-        let others = self.known.iter().filter(move |(root, k)| root.as_path() != path && k.now.file(path).is_some());
-        own.into_iter().chain(others.map(|(_, known)| known))
-    }
-}
-
-/// The text of an open document, as the server has it.
-pub(super) enum TextRequest {}
-
-impl types::Request for TextRequest {
-    const METHOD: types::LspRequestMethod<'static> = types::LspRequestMethod::new("hypedc/text");
-    const MESSAGE_DIRECTION: types::MessageDirection = types::MessageDirection::ClientToServer;
-    type Params = types::DocumentSymbolParams;
-    type Result = Option<String>;
-}
-
-/// What a request needs.
-fn needs(method: &str) -> Needs {
-    match method {
-        "textDocument/formatting"
-        | "textDocument/rangeFormatting"
-        | "textDocument/documentSymbol"
-        | "textDocument/foldingRange"
-        | "textDocument/selectionRange"
-        | "hypedc/text" => Needs::Text,
-        "textDocument/references" | "textDocument/rename" | "workspace/symbol" => Needs::All,
-        "hypedc/idle" => Needs::Idle,
-        _ => Needs::Open,
     }
 }
 

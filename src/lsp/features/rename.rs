@@ -13,17 +13,24 @@ use crate::source::{FileId, Span};
 use crate::syntax::is_name;
 use crate::syntax::occurrence::{NameKind, Occurrence};
 
-use super::documents::{Document, Open};
-use super::server::{Failure, Server};
-use super::snapshot::{Key, Snapshot};
-use super::text::Text;
+use crate::lsp::documents::{Document, Open};
+use crate::lsp::snapshot::{Key, Snapshot};
+use crate::lsp::text::document_text::Text;
+use crate::lsp::view::{Failure, View};
 
 /// Where a name stands in each file, in order: first and one past the last byte.
 type Places = BTreeMap<PathBuf, Vec<(u32, u32)>>;
 
-impl Server {
-    pub(super) fn prepare_rename(
-        &mut self,
+/// A renaming that was tried out.
+pub(in crate::lsp) struct Renaming {
+    pub old: String,
+    pub new: String,
+    pub edit: WorkspaceEdit,
+}
+
+impl View {
+    pub(in crate::lsp) fn prepare_rename(
+        &self,
         params: types::PrepareRenameParams,
     ) -> Result<Option<types::PrepareRenameResult>, Failure> {
         let spots = self.spots(&params.text_document_position_params);
@@ -38,7 +45,7 @@ impl Server {
         Ok(Some(types::PrepareRenamePlaceholder { range, placeholder }.into()))
     }
 
-    pub(super) fn rename(&mut self, params: types::RenameParams) -> Result<Option<WorkspaceEdit>, Failure> {
+    pub(in crate::lsp) fn rename(&self, params: types::RenameParams) -> Result<Renaming, Failure> {
         let new = params.new_name.trim();
         let mut keys = self.keys_at(&params.text_document_position_params);
         if keys.is_empty() {
@@ -59,9 +66,9 @@ impl Server {
             let edit = TextEdit { range: snapshot.range(o.at, self.client.encoding), new_text: new.into() };
             changes.entry(snapshot.uri(o.at.file)).or_default().push(edit);
         }
-        // An editor may tell of its changes one document after the other.
-        self.renamed = keys.first().map(|key| (key.name.clone(), new.to_string()));
-        Ok(Some(WorkspaceEdit { changes: Some(changes), ..WorkspaceEdit::default() }))
+        let old = keys.first().map(|key| key.name.clone()).unwrap_or_default();
+        let edit = WorkspaceEdit { changes: Some(changes), ..WorkspaceEdit::default() };
+        Ok(Renaming { old, new: new.to_string(), edit })
     }
 
     /// Adds what else is named where these names stand: a word of a behaviour can mean something in several entities.

@@ -57,6 +57,10 @@ const ARROWS: &[(&str, &[&str])] = &[
 
 /// Inside of a module: what a folder does not use of its own module.
 const ROOMS: &[(&str, &[&str])] = &[
+    ("analysis/domain", &["analysis::geometry", "analysis::step", "analysis::fixpoint", "analysis::membership"]),
+    ("analysis/geometry", &["analysis::step", "analysis::fixpoint", "analysis::membership", "analysis::findings"]),
+    ("analysis/step", &["analysis::fixpoint", "analysis::membership", "analysis::findings"]),
+    ("analysis/fixpoint", &["analysis::membership", "analysis::findings"]),
     ("lsp/text", &["lsp::view", "lsp::snapshot", "lsp::documents", "lsp::features", "lsp::protocol"]),
     ("lsp/features", &["lsp::protocol"]),
     ("lsp/view", &["lsp::features", "lsp::protocol"]),

@@ -3,20 +3,17 @@
 
 use crate::ir::{By, Drive, Envelope, ExprId, IdVec, Release, TimerId, VarId};
 
-use super::configuration::Configuration;
-use super::energy::Fall;
-use super::evaluate::Reader;
-use super::step::{Beginning, Outcome, Stepper, shift};
-use super::surroundings::Way;
-use super::values::{Interval, Values};
-use super::widen::within_bounds;
-
-/// Flows that have been followed: from where, and what came of it.
-pub(super) type Followed = Vec<(Configuration, Option<Configuration>)>;
+use crate::analysis::domain::configuration::Configuration;
+use crate::analysis::domain::energy::Fall;
+use crate::analysis::domain::values::{Interval, Values};
+use crate::analysis::domain::widen::within_bounds;
+use crate::analysis::geometry::surroundings::Way;
+use crate::analysis::step::evaluate::Reader;
+use crate::analysis::step::{Beginning, Followed, Outcome, Stepper, shift};
 
 impl Stepper<'_> {
     /// What comes of a flow; most ways of a step differ in nothing that it depends on.
-    pub(super) fn flowed(
+    pub(in crate::analysis) fn flowed(
         &self,
         next: &Configuration,
         beginning: Beginning,
@@ -45,7 +42,7 @@ impl Stepper<'_> {
     }
 
     /// The timers a step later.
-    pub(super) fn time(&self, next: &Configuration) -> IdVec<TimerId, Interval> {
+    pub(in crate::analysis) fn time(&self, next: &Configuration) -> IdVec<TimerId, Interval> {
         let entity = self.entity();
         let limits = &self.reader.world.slots[self.slot].timer_limits;
         let later = |(id, count): (TimerId, &Interval)| {

@@ -9,13 +9,14 @@ use crate::ir::{
     SlotId, SpaceId, Subject, TouchId, VarId, World, call,
 };
 
-use super::configuration::{Between, Configuration, Overall};
-use super::surroundings::Surroundings;
-use super::values::{Interval, Values};
+use crate::analysis::domain::configuration::{Between, Configuration, Overall};
+use crate::analysis::domain::truth::Truth;
+use crate::analysis::domain::values::{Interval, Values};
+use crate::analysis::geometry::surroundings::Surroundings;
 
 /// The phase of the simulator in which an expression is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Phase {
+pub(in crate::analysis) enum Phase {
     /// The discrete phase, and what is looked at between steps: everything is as the step began.
     Discrete,
     /// The continuous phase: everything is as the discrete phase left it, but for contacts, which are those of the last
@@ -26,28 +27,9 @@ pub(super) enum Phase {
     },
 }
 
-/// The ways a guard can turn out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Truth {
-    pub can_hold: bool,
-    pub can_fail: bool,
-}
-
-impl Truth {
-    pub const EITHER: Truth = Truth { can_hold: true, can_fail: true };
-
-    pub fn of(holds: bool) -> Truth {
-        Truth { can_hold: holds, can_fail: !holds }
-    }
-
-    fn not(self) -> Truth {
-        Truth { can_hold: self.can_fail, can_fail: self.can_hold }
-    }
-}
-
 /// Of all that an instance can be, the part in which a world's predicate is read.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Pinned<'a> {
+pub(in crate::analysis) enum Pinned<'a> {
     /// A part of its region.
     Part(SpaceId, [Interval; 2]),
     /// A configuration.
@@ -66,7 +48,7 @@ enum Part {
 /// What the instances of an entity, or all of them, can be together: joined once for all who read it, as long as what
 /// is known of the slots stays the same.
 #[derive(Debug, Default)]
-pub(super) struct Joined {
+pub(in crate::analysis) struct Joined {
     values: Mutex<BTreeMap<(Option<EntityId>, Part), Values>>,
     alive: Mutex<BTreeMap<Option<EntityId>, Arc<[SlotId]>>>,
 }
@@ -86,7 +68,7 @@ impl Clone for Joined {
 
 /// What an expression is read against.
 #[derive(Clone, Copy)]
-pub(super) struct Reader<'a> {
+pub(in crate::analysis) struct Reader<'a> {
     pub program: &'a Program,
     pub world: &'a World,
     pub slots: &'a IdVec<SlotId, Overall>,
@@ -480,7 +462,7 @@ impl<'a> Reader<'a> {
 }
 
 /// What a comparison leaves of values; of whole numbers, which end before an open end, or of any.
-pub(super) fn left_by(values: &Values, op: CompareOp, with: &Values, whole: bool) -> Values {
+pub(in crate::analysis) fn left_by(values: &Values, op: CompareOp, with: &Values, whole: bool) -> Values {
     let Some(hull) = with.hull() else { return *values };
     let less = if whole { hull.high.ceil() - 1.0 } else { hull.high };
     let more = if whole { hull.low.floor() + 1.0 } else { hull.low };

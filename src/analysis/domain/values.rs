@@ -49,41 +49,41 @@ impl Interval {
     }
 
     /// Around the values at the ends of a function that never turns.
-    pub(super) fn map(self, f: impl Fn(f64) -> f64) -> Interval {
+    pub(in crate::analysis) fn map(self, f: impl Fn(f64) -> f64) -> Interval {
         Interval::between(f(self.low), f(self.high))
     }
 
     /// Around the values at the corners of a function of two numbers that never turns in either.
-    pub(super) fn corners(self, other: Interval, f: impl Fn(f64, f64) -> f64) -> Interval {
+    pub(in crate::analysis) fn corners(self, other: Interval, f: impl Fn(f64, f64) -> f64) -> Interval {
         let with = |b: f64| self.map(|a| f(a, b));
         with(other.low).or(with(other.high))
     }
 
     /// Around the lesser of two numbers.
-    pub(super) fn least(self, other: Interval) -> Interval {
+    pub(in crate::analysis) fn least(self, other: Interval) -> Interval {
         Interval { low: self.low.min(other.low), high: self.high.min(other.high) }
     }
 
     /// Around the greater of two numbers.
-    pub(super) fn greatest(self, other: Interval) -> Interval {
+    pub(in crate::analysis) fn greatest(self, other: Interval) -> Interval {
         Interval { low: self.low.max(other.low), high: self.high.max(other.high) }
     }
 
-    pub(super) fn plus(self, other: Interval) -> Interval {
+    pub(in crate::analysis) fn plus(self, other: Interval) -> Interval {
         Interval { low: self.low + other.low, high: self.high + other.high }.sound()
     }
 
-    pub(super) fn minus(self, other: Interval) -> Interval {
+    pub(in crate::analysis) fn minus(self, other: Interval) -> Interval {
         Interval { low: self.low - other.high, high: self.high - other.low }.sound()
     }
 
-    pub(super) fn times(self, other: Interval) -> Interval {
+    pub(in crate::analysis) fn times(self, other: Interval) -> Interval {
         // Nothing times as much as one likes is nothing.
         self.corners(other, |a, b| if a == 0.0 || b == 0.0 { 0.0 } else { a * b })
     }
 
     /// Of a number with itself.
-    pub(super) fn square(self) -> Interval {
+    pub(in crate::analysis) fn square(self) -> Interval {
         let (a, b) = (self.low * self.low, self.high * self.high);
         if self.contains(0.0) { Interval { low: 0.0, high: a.max(b) } } else { Interval::between(a, b) }
     }
@@ -142,7 +142,7 @@ impl Values {
     }
 
     /// The numbers of a discrete variable's range.
-    pub(super) fn range((low, high): (i32, i32)) -> Self {
+    pub(in crate::analysis) fn range((low, high): (i32, i32)) -> Self {
         Values::from(Interval { low: f64::from(low), high: f64::from(high) })
     }
 
@@ -259,7 +259,7 @@ impl Values {
 
     /// What a function makes of them.
     #[must_use]
-    pub(super) fn map(&self, f: impl Fn(Interval) -> Interval) -> Values {
+    pub(in crate::analysis) fn map(&self, f: impl Fn(Interval) -> Interval) -> Values {
         match self.intervals() {
             [only] => Values::one(f(*only)),
             several => Values::any(several.iter().map(|i| f(*i))),
@@ -268,7 +268,7 @@ impl Values {
 
     /// What a function makes of all pairs.
     #[must_use]
-    pub(super) fn pairs(&self, other: &Values, f: impl Fn(Interval, Interval) -> Interval) -> Values {
+    pub(in crate::analysis) fn pairs(&self, other: &Values, f: impl Fn(Interval, Interval) -> Interval) -> Values {
         match (self.intervals(), other.intervals()) {
             ([a], [b]) => Values::one(f(*a, *b)),
             (these, those) => {

@@ -5,11 +5,11 @@ use std::collections::BTreeSet;
 
 use crate::ir::{Entity, Expr, ExprId, GroupId, Id, IdRange, LeafId, Program, Subject};
 
-use super::evaluate::Truth;
+use crate::analysis::domain::truth::Truth;
 
 /// When a collider is there.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Presence {
+pub(in crate::analysis) enum Presence {
     Always,
     Never,
     /// While a leaf of a group is one of some: from the first to before the second.
@@ -103,7 +103,7 @@ impl Presence {
 
 /// While which leaves an instance is kept out of what blocks it.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Cover {
+pub(in crate::analysis) enum Cover {
     Always,
     /// While one of some colliders is there.
     While(Vec<Presence>),

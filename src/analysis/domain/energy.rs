@@ -5,14 +5,14 @@
 //! jumps. Each step rounds by some 1e-16 of the terms of that sum; a margin of 1e-6 of their size covers any flight that is
 //! simulated in a lifetime.
 
-use super::values::{Interval, Values};
+use crate::analysis::domain::values::{Interval, Values};
 
 /// How far rounding may shift it, relative to its size.
 const MARGIN: f64 = 1e-6;
 
 /// A constant acceleration during steps of a length.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Fall {
+pub(in crate::analysis) struct Fall {
     /// px/s², not 0.
     pub acceleration: f64,
     /// s

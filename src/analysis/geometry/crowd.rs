@@ -5,13 +5,14 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::ir::{Bounds, IdVec, Origin, Push, SlotId, SpaceId, VarId};
 
-use super::configuration::Overall;
-use super::region::Obstacle;
-use super::scene::{Body, Kind, Pair, ROUNDING, Scene, TOLERANCE, along};
-use super::values::Values;
+use crate::analysis::domain::configuration::Overall;
+use crate::analysis::domain::values::Values;
+use crate::analysis::geometry::body::{Body, Kind, Pair, ROUNDING, TOLERANCE, along};
+use crate::analysis::geometry::region::Obstacle;
+use crate::analysis::geometry::scene::Scene;
 
 /// What is known of all instances of a kind.
-pub(super) struct Crowd {
+pub(in crate::analysis) struct Crowd {
     /// How many there can be.
     count: usize,
     spaces: BTreeSet<SpaceId>,
@@ -32,7 +33,7 @@ pub(super) struct Crowd {
 }
 
 /// An instance that never moves.
-pub(super) struct Still {
+pub(in crate::analysis) struct Still {
     space: SpaceId,
     at: [f64; 2],
     /// Of each collider, whether it is always there.
@@ -40,7 +41,7 @@ pub(super) struct Still {
 }
 
 /// What is known of the instances of each kind; not all of it if the scene's meter stops it.
-pub(super) fn crowds(scene: &mut Scene<'_>, slots: &IdVec<SlotId, Overall>) -> Vec<Crowd> {
+pub(in crate::analysis) fn crowds(scene: &mut Scene<'_>, slots: &IdVec<SlotId, Overall>) -> Vec<Crowd> {
     let mut crowds: Vec<Crowd> = scene.kinds.iter().map(|kind| Crowd::new(scene, kind, slots)).collect();
     carry(scene, &mut crowds);
     for kind in 0..crowds.len() {
@@ -114,7 +115,12 @@ fn still(scene: &Scene<'_>, kind: &Kind, slots: &IdVec<SlotId, Overall>) -> Opti
 }
 
 /// Those of what a kind meets that can be there, in some spaces.
-pub(super) fn met<'s>(scene: &'s Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[Crowd]) -> Vec<&'s Pair> {
+pub(in crate::analysis) fn met<'s>(
+    scene: &'s Scene<'_>,
+    me: usize,
+    spaces: &BTreeSet<SpaceId>,
+    crowds: &[Crowd],
+) -> Vec<&'s Pair> {
     let there = |pair: &&Pair| {
         let crowd = &crowds[pair.kind];
         let (mine, theirs) = (&scene.kinds[me].bodies[pair.mine], &scene.kinds[pair.kind].bodies[pair.theirs]);
@@ -125,7 +131,7 @@ pub(super) fn met<'s>(scene: &'s Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId
 }
 
 /// Whether a pair pushes the first of the two.
-pub(super) fn pushes(scene: &Scene<'_>, me: usize, pair: &Pair) -> bool {
+pub(in crate::analysis) fn pushes(scene: &Scene<'_>, me: usize, pair: &Pair) -> bool {
     pair.meeting.response.push != Push::Sense && !scene.kinds[me].bodies[pair.mine].kinematic
 }
 
@@ -175,7 +181,7 @@ fn gentle(scene: &mut Scene<'_>, me: usize, crowds: &[Crowd]) -> Option<(f64, BT
     }
     // Who is no larger than a step can lie as a whole beside the part of a face that a neighbour covers: the push goes to
     // another side then, however far that is.
-    let mut pushed = kind.bodies.iter().filter(|b| b.is_pushed && b.is_live).map(Scene::size);
+    let mut pushed = kind.bodies.iter().filter(|b| b.is_pushed && b.is_live).map(Body::size);
     if pushed.any(|sizes| sizes.into_iter().any(is_thin)) {
         return None;
     }
@@ -231,7 +237,7 @@ fn longest(scene: &Scene<'_>, me: usize, crowds: &[Crowd]) -> [f64; 2] {
     for pair in met(scene, me, &crowd.spaces, crowds).into_iter().filter(|pair| pushes(scene, me, pair)) {
         let (mine, theirs) = (&kind.bodies[pair.mine], &scene.kinds[pair.kind].bodies[pair.theirs]);
         for (axis, longest) in longest.iter_mut().enumerate() {
-            *longest = longest.max(Scene::size(mine)[axis] + Scene::size(theirs)[axis]);
+            *longest = longest.max(mine.size()[axis] + theirs.size()[axis]);
         }
     }
     longest

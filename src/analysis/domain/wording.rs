@@ -1,6 +1,6 @@
 //! Values in words, as tables and proofs show them: `= 32`, `{-30, 30}`, `[0, 640]`, `>= 0`.
 
-use super::values::{Interval, Values};
+use crate::analysis::domain::values::{Interval, Values};
 
 /// A longer text than this, in characters, is shortened to its hull.
 const MAX_LENGTH: usize = 26;

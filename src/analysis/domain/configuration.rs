@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use crate::ir::{DiscreteId, IdVec, LeafId, ParamId, SpaceId, TimerId, VarId};
 
-use super::energy::Fall;
-use super::values::{Interval, Values};
+use crate::analysis::domain::energy::Fall;
+use crate::analysis::domain::values::{Interval, Values};
 
 /// What the variables of an instance can be while some leaves are active.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,7 +19,7 @@ pub struct Configuration {
     /// The spaces it can be in.
     pub spaces: Arc<BTreeSet<SpaceId>>,
     /// What its variables can be. Most ways of a step leave them as they are, so that they are shared until written.
-    pub(super) numbers: Arc<Numbers>,
+    pub(in crate::analysis) numbers: Arc<Numbers>,
 }
 
 /// What the variables of an instance can be.
@@ -30,9 +30,9 @@ pub struct Numbers {
     /// Each discrete variable.
     pub discretes: IdVec<DiscreteId, Values>,
     /// Each parameter, where they can differ from one life of the slot to the next; else nothing.
-    pub(super) params: IdVec<ParamId, Values>,
+    pub(in crate::analysis) params: IdVec<ParamId, Values>,
     /// Of each continuous variable that fell in the last step: how, and with which energy.
-    pub(super) energy: IdVec<VarId, Energy>,
+    pub(in crate::analysis) energy: IdVec<VarId, Energy>,
 }
 
 /// How a variable falls, and with which energy.
@@ -54,7 +54,7 @@ impl DerefMut for Configuration {
 
 /// What is known of a slot whatever it does: its configurations in one.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Overall {
+pub(in crate::analysis) struct Overall {
     /// Whether there can be an instance.
     pub can_live: bool,
     /// Whether there can be none.
@@ -78,7 +78,7 @@ pub(super) struct Overall {
 /// What an instance can be within a step, after the discrete phase and before the continuous one. Whoever is destroyed in
 /// that step is read by others in it, too.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Between {
+pub(in crate::analysis) struct Between {
     pub vars: IdVec<VarId, [Values; 3]>,
     pub discretes: IdVec<DiscreteId, Values>,
     pub leaves: BTreeSet<LeafId>,
@@ -128,7 +128,7 @@ impl Configuration {
     }
 
     /// Of an instance that has not moved yet.
-    pub(super) fn new(
+    pub(in crate::analysis) fn new(
         vars: IdVec<VarId, [Values; 3]>,
         discretes: IdVec<DiscreteId, Values>,
         timers: usize,
@@ -141,38 +141,38 @@ impl Configuration {
     }
 
     /// Sets a variable (0), its velocity (1) or acceleration (2).
-    pub(super) fn set(&mut self, var: VarId, degree: usize, values: Values) {
+    pub(in crate::analysis) fn set(&mut self, var: VarId, degree: usize, values: Values) {
         if self.vars[var][degree] != values {
             self.vars[var][degree] = values;
         }
     }
 
     /// Sets a discrete variable.
-    pub(super) fn set_discrete(&mut self, id: DiscreteId, values: Values) {
+    pub(in crate::analysis) fn set_discrete(&mut self, id: DiscreteId, values: Values) {
         if self.discretes[id] != values {
             self.discretes[id] = values;
         }
     }
 
     /// A variable does not go on as it fell.
-    pub(super) fn forget_energy(&mut self, var: VarId) {
+    pub(in crate::analysis) fn forget_energy(&mut self, var: VarId) {
         if self.energy[var].is_some() {
             self.energy[var] = None;
         }
     }
 
     /// A variable has an energy as it falls.
-    pub(super) fn set_energy(&mut self, var: VarId, energy: (Fall, Interval)) {
+    pub(in crate::analysis) fn set_energy(&mut self, var: VarId, energy: (Fall, Interval)) {
         self.energy[var] = Some(energy);
     }
 
     /// Whether the variables are the very same: nothing has been written since.
-    pub(super) fn shares(&self, other: &Configuration) -> bool {
+    pub(in crate::analysis) fn shares(&self, other: &Configuration) -> bool {
         Arc::ptr_eq(&self.numbers, &other.numbers)
     }
 
     /// Whether all that can be here can be there, too.
-    pub(super) fn is_within(&self, there: &Configuration) -> bool {
+    pub(in crate::analysis) fn is_within(&self, there: &Configuration) -> bool {
         let energy = |(a, b): (&Energy, &Energy)| match (a, b) {
             (_, None) => true,
             (Some((a, here)), Some((b, there))) => a == b && there.low <= here.low && here.high <= there.high,
@@ -191,7 +191,7 @@ impl Configuration {
     }
 
     /// Cuts speeds and heights to what energies allow.
-    pub(super) fn sharpen(&mut self) {
+    pub(in crate::analysis) fn sharpen(&mut self) {
         for var in self.energy.ids() {
             let [mut position, mut velocity, _] = self.vars[var];
             let Some((fall, energy)) = self.energy[var] else { continue };

@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use crate::ir::{Bounds, DiscreteId, IdVec, ParamId, SlotId, VarId, World};
 
-use super::configuration::{Configuration, Numbers};
-use super::values::{Interval, Values};
+use crate::analysis::domain::configuration::{Configuration, Numbers};
+use crate::analysis::domain::values::{Interval, Values};
 
 /// Without the states at which a search stops: a player below or beside the bounds of its space.
-pub(super) fn within_bounds(world: &World, slot: SlotId, mut at: Configuration) -> Configuration {
+pub(in crate::analysis) fn within_bounds(world: &World, slot: SlotId, mut at: Configuration) -> Configuration {
     if world.slots[slot].player.is_none() {
         return at;
     }
@@ -41,7 +41,7 @@ const LONG_PATIENCE: u8 = 96;
 
 /// Numbers in order at which growing ends may stay.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Thresholds(Vec<f64>);
+pub(in crate::analysis) struct Thresholds(Vec<f64>);
 
 impl Thresholds {
     pub fn new(mut numbers: Vec<f64>) -> Self {
@@ -63,7 +63,7 @@ impl Thresholds {
 
 /// How often each number of a configuration has grown.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Patience {
+pub(in crate::analysis) struct Patience {
     vars: IdVec<VarId, [u8; 3]>,
     discretes: IdVec<DiscreteId, u8>,
     params: IdVec<ParamId, u8>,
@@ -172,7 +172,7 @@ fn wider_energy(old: Interval, new: Interval) -> Interval {
 }
 
 /// What is in both; both enclose all that can be.
-pub(super) fn both(a: &Configuration, b: &Configuration) -> Configuration {
+pub(in crate::analysis) fn both(a: &Configuration, b: &Configuration) -> Configuration {
     let mut out = a.clone();
     out.vars = a.vars.iter().zip(b.vars.iter()).map(|(a, b)| [0, 1, 2].map(|d| a[d].and(&b[d]))).collect();
     out.discretes = a.discretes.iter().zip(b.discretes.iter()).map(|(a, b)| a.and(b)).collect();
@@ -183,7 +183,7 @@ pub(super) fn both(a: &Configuration, b: &Configuration) -> Configuration {
 }
 
 /// A configuration with what comes of it: what goes beyond its ends goes as far as was known.
-pub(super) fn extended(at: &Configuration, own: &Configuration, known: &Configuration) -> Configuration {
+pub(in crate::analysis) fn extended(at: &Configuration, own: &Configuration, known: &Configuration) -> Configuration {
     let values = |at: &Values, own: &Values, known: &Values| {
         let joined = at.or(own);
         let (Some(a), Some(b), Some(k)) = (at.hull(), own.hull(), known.hull()) else { return joined };

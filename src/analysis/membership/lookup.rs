@@ -1,7 +1,7 @@
-//! Looking things up by where they are: rows by place, and the boxes of a region. For [`super::membership`].
+//! Looking things up by where they are: rows by place, and the boxes of a region. For [`crate::analysis::membership`].
 
-use super::region::Region;
-use super::values::Interval;
+use crate::analysis::domain::values::Interval;
+use crate::analysis::geometry::region::Region;
 
 /// The most bins of a grid along an axis.
 const MAX_BINS: usize = 256;
@@ -9,7 +9,7 @@ const MAX_BINS: usize = 256;
 /// Rows by where they are: the plane around all their ends, in bins of the same size; what lies beyond belongs to the bins at
 /// the border.
 #[derive(Debug, Clone)]
-pub(super) struct Grid {
+pub(in crate::analysis) struct Grid {
     low: [f64; 2],
     /// Bins for each px.
     scale: [f64; 2],
@@ -66,7 +66,7 @@ impl Grid {
 
 /// The boxes of a region, by the intervals along y that they share.
 #[derive(Debug, Clone)]
-pub(super) struct Boxes {
+pub(in crate::analysis) struct Boxes {
     rows: Lookup<(u32, u32)>,
     across: Vec<Lookup<()>>,
 }
@@ -134,7 +134,7 @@ impl<T> Lookup<T> {
 }
 
 /// Intervals with all their digits.
-pub(super) fn whole(intervals: &[Interval]) -> String {
+pub(in crate::analysis) fn whole(intervals: &[Interval]) -> String {
     let one = |i: &Interval| match i.is_point() {
         true => i.low.to_string(),
         false => format!("{}..{}", i.low, i.high),
@@ -147,6 +147,6 @@ pub(super) fn whole(intervals: &[Interval]) -> String {
 
 /// A part of some items.
 #[inline]
-pub(super) fn slice<T>(items: &[T], (from, to): (u32, u32)) -> &[T] {
+pub(in crate::analysis) fn slice<T>(items: &[T], (from, to): (u32, u32)) -> &[T] {
     items.get(from as usize..to as usize).unwrap_or_default()
 }

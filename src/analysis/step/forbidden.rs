@@ -3,13 +3,13 @@
 
 use crate::ir::{CompareOp, Expr, ExprId, IdVec, Program, SlotId, Subject, World};
 
-use super::configuration::Configuration;
-use super::evaluate::left_by;
-use super::values::Values;
+use crate::analysis::domain::configuration::Configuration;
+use crate::analysis::domain::values::Values;
+use crate::analysis::step::evaluate::left_by;
 
 /// Predicates of a world that hold in no state.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Forbidden<'a> {
+pub(in crate::analysis) struct Forbidden<'a> {
     pub program: &'a Program,
     pub world: &'a World,
     pub predicates: &'a [ExprId],

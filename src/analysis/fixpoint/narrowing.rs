@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 
 use crate::ir::{Origin, SlotId};
 
-use super::cells::CellId;
-use super::configuration::Configuration;
-use super::fixpoint::{Analysis, Growing, Key, Slot};
-use super::step::Outcome;
-use super::surroundings::Surroundings;
-use super::values::Values;
-use super::widen::{both, extended};
+use crate::analysis::domain::configuration::Configuration;
+use crate::analysis::domain::values::Values;
+use crate::analysis::domain::widen::{both, extended};
+use crate::analysis::fixpoint::{Analysis, Growing, Key, Slot};
+use crate::analysis::geometry::cells::CellId;
+use crate::analysis::geometry::surroundings::Surroundings;
+use crate::analysis::step::Outcome;
 
 /// How often a configuration is extended by what comes of it before that is given up.
 const MAX_EXTENSIONS: usize = 8;

@@ -13,14 +13,14 @@ use std::sync::Arc;
 use crate::ir::{DiscreteId, Entity, SpaceId, VarId, World};
 use crate::watch::Meter;
 
-use super::configuration::Configuration;
-use super::local::Surfaces;
-use super::scene::{Kind, ROUNDING, along, near, rounded};
-use super::tiles::Tiles;
-use super::values::Interval;
+use crate::analysis::domain::configuration::Configuration;
+use crate::analysis::domain::values::Interval;
+use crate::analysis::geometry::body::{Kind, ROUNDING, along, near, rounded};
+use crate::analysis::geometry::local::Surfaces;
+use crate::analysis::geometry::tiles::Tiles;
 
 /// A cell, by its number.
-pub(super) type CellId = u32;
+pub(in crate::analysis) type CellId = u32;
 
 /// How far beyond what can be met a cell ends, px.
 const MARGIN: f64 = 1.0;
@@ -34,7 +34,7 @@ const MAX_COMBINATIONS: u32 = 16;
 
 /// The cells of a kind of instances; they cover the plane, and share their edges.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Cells {
+pub(in crate::analysis) enum Cells {
     /// The same in all spaces.
     Coarse(Vec<[Interval; 2]>),
     /// By place, and by the values of some discrete variables.
@@ -43,7 +43,7 @@ pub(super) enum Cells {
 
 /// Cells between all lines at which pushes end.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Fine {
+pub(in crate::analysis) struct Fine {
     grids: Vec<Grid>,
     discretes: Vec<(DiscreteId, (i32, i32))>,
     /// How many there are for each combination of discrete values.
@@ -280,7 +280,7 @@ impl Fine {
 
 /// Around the positions at which a collider of a kind can meet anything that never moves; none if it never can, or if
 /// the meter stops the search.
-pub(super) fn near_statics(world: &World, kind: &Kind, meter: &Meter<'_>) -> Option<[Interval; 2]> {
+pub(in crate::analysis) fn near_statics(world: &World, kind: &Kind, meter: &Meter<'_>) -> Option<[Interval; 2]> {
     let mut hull: Option<[Interval; 2]> = None;
     for body in &kind.bodies {
         for space in world.spaces.ids() {

@@ -3,10 +3,10 @@
 use crate::ir::{Bounds, Side, SpaceId, TagId, TagSet, TileMap, World};
 use crate::watch::Meter;
 
-use super::values::Interval;
+use crate::analysis::domain::values::Interval;
 
 /// The map of a space; empty if it has none.
-pub(super) struct Tiles<'a> {
+pub(in crate::analysis) struct Tiles<'a> {
     map: Option<&'a TileMap<TagId>>,
     /// The tags of each kind of tile.
     pub tags: Vec<TagSet>,

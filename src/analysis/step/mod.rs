@@ -1,26 +1,30 @@
 //! One step of an instance over what it can be: edges, updates and links here, what follows in `flow`. Each function
 //! follows a phase of the simulator and allows for everything that it could do.
 
+pub(in crate::analysis) mod evaluate;
+pub(in crate::analysis) mod flow;
+pub(in crate::analysis) mod forbidden;
+
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use crate::ir::{
-    Actions, Arithmetic, ColliderId, EdgeId, Entity, Expr, ExprId, Function, GroupId, Id, IdVec, LeafId, Link, ModeId,
-    Place, RefValue, SlotId, SpaceId, SpawnId, Subject, Transition, Update, VarId,
+    Actions, Arithmetic, EdgeId, Entity, Expr, ExprId, Function, GroupId, Id, IdVec, LeafId, Link, ModeId, Place,
+    RefValue, SlotId, SpaceId, SpawnId, Subject, Transition, Update, VarId,
 };
 
-use super::configuration::Configuration;
-use super::evaluate::{Phase, Reader};
-use super::flow::Followed;
-use super::scene::Scene;
-use super::values::{Interval, Values};
+use crate::analysis::domain::configuration::Configuration;
+use crate::analysis::domain::values::{Interval, Values};
+use crate::analysis::geometry::landing::{Landing, Whose};
+use crate::analysis::geometry::scene::Scene;
+use crate::analysis::step::evaluate::{Phase, Reader};
 
 /// The most ways of a step that are told apart.
 const MAX_WAYS: usize = 512;
 
 /// What can come of a step.
 #[derive(Debug, Default)]
-pub(super) struct Outcome {
+pub(in crate::analysis) struct Outcome {
     pub next: Vec<Configuration>,
     /// What was spawned, by which spawn, from where.
     pub spawns: Vec<(SpawnId, Configuration)>,
@@ -44,38 +48,11 @@ pub(super) struct Outcome {
     pub spaces: BTreeSet<SpaceId>,
 }
 
-/// Where something puts an instance, px.
-#[derive(Debug)]
-pub(super) struct Landing {
-    pub spaces: Arc<BTreeSet<SpaceId>>,
-    pub at: [Interval; 2],
-    pub whose: Whose,
-}
-
-/// The colliders that can be inside of something there.
-#[derive(Debug, Clone)]
-pub(super) enum Whose {
-    All,
-    /// Those that are there while some leaves are active.
-    While(Vec<LeafId>),
-    /// It is there already; a collider is new.
-    One {
-        collider: ColliderId,
-        /// Whether it can have been anywhere before: nothing of it was kept out of what blocks.
-        was_bare: bool,
-    },
-}
-
-impl Landing {
-    /// Where an instance is; none if it cannot be.
-    pub fn of(at: &Configuration) -> Option<Landing> {
-        let hull = |axis: u32| at.vars[VarId(axis)][0].hull();
-        Some(Landing { spaces: at.spaces.clone(), at: [hull(0)?, hull(1)?], whose: Whose::All })
-    }
-}
+/// Flows that have been followed: from where, and what came of it.
+pub(in crate::analysis) type Followed = Vec<(Configuration, Option<Configuration>)>;
 
 /// A step of one slot.
-pub(super) struct Stepper<'a> {
+pub(in crate::analysis) struct Stepper<'a> {
     pub reader: Reader<'a>,
     pub scene: &'a Scene<'a>,
     pub slot: SlotId,
@@ -91,7 +68,7 @@ pub(super) struct Stepper<'a> {
 
 /// How the continuous phase begins.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Beginning {
+pub(in crate::analysis) struct Beginning {
     /// How far updates have put the instance from where its contacts were found, px.
     pub jumps: [Interval; 2],
     /// Whether updates or a link have put it anywhere.
@@ -469,7 +446,7 @@ fn note_puts(actions: &Actions, put: &mut [bool; 2]) {
 }
 
 /// How far a variable can go from one configuration to the next.
-pub(super) fn shift(from: &Configuration, to: &Configuration, var: VarId) -> Interval {
+pub(in crate::analysis) fn shift(from: &Configuration, to: &Configuration, var: VarId) -> Interval {
     let hulls = from.vars[var][0].hull().zip(to.vars[var][0].hull());
     hulls.map_or(Interval::point(0.0), |(from, to)| to.minus(from))
 }

@@ -4,6 +4,8 @@
 //!
 //! A table knows nothing of how states are laid out: it reads an instance through [`Reading`].
 
+mod lookup;
+
 use std::collections::HashMap;
 use std::fmt;
 use std::sync::Arc;
@@ -13,12 +15,12 @@ use crate::ir::{
     WorldId,
 };
 
-use super::configuration::Configuration;
-use super::energy::Fall;
-use super::lookup::{Boxes, Grid, slice, whole};
-use super::presence::Cover;
-use super::values::{Interval, Values};
 use super::{ConfigurationSpace, SlotSpace};
+use crate::analysis::domain::configuration::Configuration;
+use crate::analysis::domain::energy::Fall;
+use crate::analysis::domain::values::{Interval, Values};
+use crate::analysis::geometry::presence::Cover;
+use crate::analysis::membership::lookup::{Boxes, Grid, slice, whole};
 
 /// With more combinations of leaves than that, those that can be are looked through one by one.
 const MAX_KEYS: usize = 1 << 16;

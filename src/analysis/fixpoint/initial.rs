@@ -2,15 +2,15 @@
 
 use crate::ir::{IdVec, LeafId, Origin, Place, SlotId, SpawnId, VarId};
 
-use super::configuration::Configuration;
-use super::fixpoint::{Analysis, MAX_CONFIGURATIONS};
-use super::step::{Landing, Whose};
-use super::values::Values;
-use super::widen::within_bounds;
+use crate::analysis::domain::configuration::Configuration;
+use crate::analysis::domain::values::Values;
+use crate::analysis::domain::widen::within_bounds;
+use crate::analysis::fixpoint::{Analysis, MAX_CONFIGURATIONS};
+use crate::analysis::geometry::landing::{Landing, Whose};
 
 impl Analysis<'_> {
     /// The first configurations of an instance that is there from the start.
-    pub(super) fn begin(&mut self, slot: SlotId) {
+    pub(in crate::analysis) fn begin(&mut self, slot: SlotId) {
         let s = &self.world.slots[slot];
         let vars = s.vars.iter().map(|v| v.map(Values::point)).collect();
         let discretes = s.discretes.iter().map(|d| Values::point(f64::from(*d))).collect();
@@ -63,7 +63,7 @@ impl Analysis<'_> {
     }
 
     /// What a spawn can make of each slot that it can take.
-    pub(super) fn spawn(&mut self, spawner: SlotId, spawn: SpawnId, at: &Configuration) -> bool {
+    pub(in crate::analysis) fn spawn(&mut self, spawner: SlotId, spawn: SpawnId, at: &Configuration) -> bool {
         let spawn = &self.entity(spawner).spawns[spawn];
         let mut changed = false;
         for slot in self.world.slots.ids() {

@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 
 use crate::ir::{LeafId, Push, SpaceId, TagSet, Touch};
 
-use super::presence::Presence;
-use super::region::Obstacle;
-use super::scene::{Body, Edges, Kind, along, edge_at, face, near, rounded, sides_of};
-use super::tiles::Tiles;
-use super::values::Interval;
+use crate::analysis::domain::values::Interval;
+use crate::analysis::geometry::body::{Body, Edges, Kind, along, edge_at, face, near, rounded, sides_of};
+use crate::analysis::geometry::presence::Presence;
+use crate::analysis::geometry::region::Obstacle;
+use crate::analysis::geometry::tiles::Tiles;
 use crate::ir::{Bounds, Meeting, Side, World};
 use crate::watch::Meter;
 
@@ -42,7 +42,7 @@ struct Surface {
 
 /// What a kind meets in a space.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Surfaces {
+pub(in crate::analysis) struct Surfaces {
     all: Vec<Surface>,
     /// When each collider is there.
     presences: Vec<Presence>,

@@ -1,92 +1,32 @@
-//! What the colliders of a world can meet, as far as it never changes: bodies of one kind share it, per space.
+//! What the colliders of a world can meet, as far as it never changes: bodies of one kind share it, per space. It is found
+//! when it is asked for (`look`, `flood`), and kept.
+
+mod flood;
+mod look;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use crate::ir::{
-    Actions, Bounds, Drive, EdgeId, Entity, EntityId, Expr, Group, Id, IdVec, LeafId, Meeting, Origin, ParamId, Place,
-    Program, Push, Side, SlotId, SpaceId, TagSet, VarId, World,
+    Actions, Drive, EdgeId, Entity, EntityId, Expr, Group, Id, IdVec, LeafId, Origin, ParamId, Place, Program, Push,
+    SlotId, SpaceId, TagSet, VarId, World,
 };
 
 use crate::watch::{Meter, Watch};
 
-use super::cells::{Cells, near_statics};
-use super::local::Surfaces;
-use super::presence::Presence;
-use super::region::{Obstacle, Region};
-use super::statics::Statics;
-use super::values::{Interval, Values};
-
-/// Edges that meet are this near, px: positions are rounded.
-pub(super) const ROUNDING: f64 = 1e-6;
+use crate::analysis::domain::values::{Interval, Values};
+use crate::analysis::geometry::body::{Body, Extent, Kind, Pair, near};
+use crate::analysis::geometry::cells::{Cells, near_statics};
+use crate::analysis::geometry::local::Surfaces;
+use crate::analysis::geometry::presence::Presence;
+use crate::analysis::geometry::region::{Obstacle, Region};
+use crate::analysis::geometry::statics::Statics;
 
 /// More places than that where instances are put are not told apart.
 const MAX_SEEDS: usize = 64;
 
-/// How far inside of a platform something may have stood that comes from above, px; as the simulator has it.
-pub(super) const TOLERANCE: f64 = 0.001;
 /// Beyond this coordinates are too coarse for what is known of pushes to hold, px.
 const MAX_COORDINATE: f64 = (1_u64 << 26) as f64;
-
-/// How much rounding can shift where edges meet at some coordinates, px.
-pub(super) fn rounding(at: f64) -> f64 {
-    // What has no end is not rounded there.
-    if at.is_finite() { ROUNDING + at.abs() * 1e-12 } else { 0.0 }
-}
-
-/// An interval, and what is so near to it that only rounding tells them apart.
-pub(super) fn rounded(i: Interval) -> Interval {
-    Interval { low: i.low - rounding(i.low), high: i.high + rounding(i.high) }
-}
-
-/// A box relative to a position, px: of both axes, from its low to its high end.
-pub(super) type Extent = [Interval; 2];
-
-/// A collider of a kind.
-#[derive(Debug, Clone)]
-pub(super) struct Body {
-    pub tags: TagSet,
-    /// Whether it is never pushed.
-    pub kinematic: bool,
-    /// Its box, where that is always the same.
-    pub extent: Option<Extent>,
-    /// When it is there; none if more than modes decide that.
-    pub presence: Option<Presence>,
-    /// Whether it can be there at all, by the leaves that are known to be possible.
-    pub is_live: bool,
-    /// Whether anything pushes it.
-    pub is_pushed: bool,
-}
-
-/// Slots whose colliders are the same.
-#[derive(Debug, Clone)]
-pub(super) struct Kind {
-    pub entity: EntityId,
-    pub slots: Vec<SlotId>,
-    pub bodies: Vec<Body>,
-    /// Whether something can put an instance inside of what pushes it, or through it.
-    pub jumps: bool,
-    /// Whether a collider of it that is never pushed can come back after it was away.
-    pub appears: bool,
-    /// Where its instances are told apart.
-    pub cells: Cells,
-    /// The positions at which an instance can meet anything that never moves.
-    pub near: Option<Extent>,
-    /// Where its cells are fine: what never moves, in each space.
-    pub surfaces: Vec<(SpaceId, Arc<Surfaces>)>,
-}
-
-/// A body of a kind meets a body of another.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Pair {
-    pub mine: usize,
-    pub kind: usize,
-    pub theirs: usize,
-    pub meeting: Meeting,
-}
-
-/// Where pushes put an instance, along an axis: by the low and by the high side of its colliders, in order.
-pub(super) type Edges = [[Vec<Interval>; 2]; 2];
 
 /// Where instances of a kind can get in a space, and what that was found from.
 #[derive(Debug)]
@@ -101,7 +41,7 @@ struct Flooded {
 
 /// The kinds of a world, and what they meet.
 #[derive(Debug)]
-pub(super) struct Scene<'a> {
+pub(in crate::analysis) struct Scene<'a> {
     pub program: &'a Program,
     pub world: &'a World,
     pub kinds: Vec<Kind>,
@@ -111,6 +51,10 @@ pub(super) struct Scene<'a> {
     pub covering: IdVec<EntityId, Vec<bool>>,
     /// Of each entity, the edges whose way depends on where the instance is and how it moves.
     pub moving: IdVec<EntityId, IdVec<EdgeId, bool>>,
+    /// Of each kind, where its instances are told apart.
+    pub cells: Vec<Cells>,
+    /// Of each kind whose cells are fine: what never moves, in each space.
+    pub surfaces: Vec<Vec<(SpaceId, Arc<Surfaces>)>>,
     /// The kind of each slot.
     pub of: IdVec<SlotId, usize>,
     /// Of each kind, what its bodies meet of others.
@@ -127,32 +71,8 @@ pub(super) struct Scene<'a> {
 }
 
 /// How far a step goes, px, rounded up, so that what comes of it is not found anew for each growth.
-pub(super) fn rounded_step(far: f64) -> f64 {
+pub(in crate::analysis) fn rounded_step(far: f64) -> f64 {
     (2.0 * far).ceil() / 2.0
-}
-
-/// The place in `Edges` of the pushes by a contact on a side.
-pub(super) fn face(side: Side) -> (usize, usize) {
-    match side {
-        Side::Left => (0, 0),
-        Side::Right => (0, 1),
-        Side::Below => (1, 0),
-        Side::Above => (1, 1),
-    }
-}
-
-/// The sides on which a meeting can push the first of the two.
-pub(super) fn sides_of(meeting: Meeting) -> impl Iterator<Item = Side> {
-    let can = move |side: &Side| match meeting.response.push {
-        Push::Sense => false,
-        Push::Block => true,
-        Push::FromAbove => match side {
-            Side::Below => meeting.first_on_second,
-            Side::Above => meeting.second_on_first,
-            Side::Left | Side::Right => false,
-        },
-    };
-    [Side::Left, Side::Right, Side::Below, Side::Above].into_iter().filter(can)
 }
 
 impl<'a> Scene<'a> {
@@ -165,6 +85,8 @@ impl<'a> Scene<'a> {
             moving: program.entities.iter().map(|entity| moving(entity)).collect(),
             flowing: program.entities.ids().map(|e| flowing(program, e)).collect(),
             covering: program.entities.iter().map(|e| covering(program, e)).collect(),
+            cells: Vec::new(),
+            surfaces: Vec::new(),
             of: IdVec::new(),
             pairs: Vec::new(),
             meter: Meter::new(watch),
@@ -180,10 +102,8 @@ impl<'a> Scene<'a> {
             if number == scene.kinds.len() {
                 let bodies = scene.bodies(s.entity, &s.params.iter().map(|p| Values::point(*p)).collect());
                 let jumps = drives_position(program, s.entity);
-                let cells = Cells::whole();
-                let (slots, surfaces) = (Vec::new(), Vec::new());
-                let appears = false;
-                scene.kinds.push(Kind { entity: s.entity, slots, bodies, jumps, appears, cells, near: None, surfaces });
+                let (slots, appears) = (Vec::new(), false);
+                scene.kinds.push(Kind { entity: s.entity, slots, bodies, jumps, appears, near: None });
             }
             scene.kinds[number].slots.push(slot);
             scene.of.push(number);
@@ -191,8 +111,9 @@ impl<'a> Scene<'a> {
         scene.pair_up();
         for kind in 0..scene.kinds.len() {
             scene.kinds[kind].near = scene.near(kind);
-            scene.kinds[kind].cells = Cells::around(&scene.kinds[kind]);
+            scene.cells.push(Cells::around(&scene.kinds[kind]));
         }
+        scene.surfaces = vec![Vec::new(); scene.kinds.len()];
         scene
     }
 
@@ -260,8 +181,8 @@ impl<'a> Scene<'a> {
             let blocking = |space| self.blocking(&whole, space);
             let entity = &self.program.entities[kind.entity];
             if let Some(cells) = Cells::fine(kind, entity, &surfaces, blocking) {
-                self.kinds[number].cells = cells;
-                self.kinds[number].surfaces = surfaces;
+                self.cells[number] = cells;
+                self.surfaces[number] = surfaces;
                 is_refined = true;
             }
         }
@@ -381,11 +302,6 @@ impl<'a> Scene<'a> {
         }) || self.program.entities.iter().flat_map(|e| e.colliders.iter()).any(|c| pushes(c.tags))
     }
 
-    /// The size of a body along both axes, px; infinite where it is not always the same.
-    pub fn size(body: &Body) -> [f64; 2] {
-        body.extent.map_or([f64::INFINITY; 2], |e| e.map(|i| i.high - i.low))
-    }
-
     /// Whether coordinates are small enough everywhere for what is known of pushes to hold to the last bit.
     pub fn is_precise(&self, kind: usize) -> bool {
         let near = self.kinds[kind].near.iter().flatten();
@@ -405,39 +321,6 @@ fn add(known: &mut Vec<[Interval; 2]>, at: [Interval; 2]) -> bool {
         }
     }
     !is_known
-}
-
-pub(super) fn along(bounds: Bounds) -> [(f64, f64); 2] {
-    [(bounds.left, bounds.right), (bounds.bottom, bounds.top)]
-}
-
-/// Where an instance is while a box of its own meets something from `low` to `high`.
-pub(super) fn near(extent: Option<Extent>, axis: usize, (low, high): (f64, f64)) -> Interval {
-    extent.map_or(Interval::ALL, |e| rounded(Interval { low: low - e[axis].high, high: high - e[axis].low }))
-}
-
-/// Where something from `low` to `high` pushes an instance, by the low end of its box or by the high one.
-pub(super) fn edge_at(extent: Extent, axis: usize, end: usize, (low, high): (f64, f64)) -> f64 {
-    match end {
-        0 => high - extent[axis].low,
-        _ => low - extent[axis].high,
-    }
-}
-
-pub(super) fn edge(extent: Extent, axis: usize, end: usize, sides: (f64, f64)) -> Interval {
-    rounded(Interval::point(edge_at(extent, axis, end, sides)))
-}
-
-/// Puts intervals in order and joins those that meet.
-pub(super) fn disjoin(edges: &mut Vec<Interval>) {
-    edges.sort_by(|a, b| a.low.total_cmp(&b.low));
-    edges.dedup_by(|next, last| {
-        let meets = next.low <= last.high;
-        if meets {
-            last.high = last.high.max(next.high);
-        }
-        meets
-    });
 }
 
 /// The groups whose leaves decide which colliders of an entity can be pushed.

@@ -21,21 +21,21 @@ use crate::ir::{
     World, compare,
 };
 
-use super::tiles::Tiles;
-use super::values::{Interval, Values};
+use crate::analysis::domain::values::{Interval, Values};
+use crate::analysis::geometry::tiles::Tiles;
 
 /// What each discrete variable of each slot can be, whatever the steps.
-pub(super) type Limits = IdVec<SlotId, IdVec<DiscreteId, Values>>;
+pub(in crate::analysis) type Limits = IdVec<SlotId, IdVec<DiscreteId, Values>>;
 
 /// The ranges of the variables.
-pub(super) fn ranges(program: &Program, world: &World) -> Limits {
+pub(in crate::analysis) fn ranges(program: &Program, world: &World) -> Limits {
     let discretes =
         |slot: &Slot| program.entities[slot.entity].discretes.iter().map(|d| Values::range(d.range)).collect();
     world.slots.iter().map(discretes).collect()
 }
 
 /// The ranges, cut where there is not enough to raise a variable so far.
-pub(super) fn limits(program: &Program, world: &World) -> Limits {
+pub(in crate::analysis) fn limits(program: &Program, world: &World) -> Limits {
     let mut limits = ranges(program, world);
     // What stands on a map that is not known is not known either.
     if world.open.is_some() {

@@ -1,5 +1,9 @@
 //! Steps from all that an instance can be until nothing new is found, then cuts the result to what follows from it.
 
+pub(in crate::analysis) mod counter_bounds;
+pub(in crate::analysis) mod initial;
+pub(in crate::analysis) mod narrowing;
+
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::ir::{
@@ -9,36 +13,37 @@ use crate::ir::{
 
 use crate::watch::Watch;
 
-use super::cells::{CellId, Cells};
-use super::configuration::{Between, Configuration, Overall};
-use super::counter_bounds::Limits;
-use super::evaluate::{Joined, Phase, Reader};
-use super::forbidden::Forbidden;
-use super::scene::Scene;
-use super::step::{Landing, Outcome, Stepper, Whose};
-use super::surroundings::Surroundings;
-use super::values::{Interval, Values};
-use super::widen::{Patience, Thresholds, within_bounds};
 use super::{ConfigurationSpace, GivenUp, SlotSpace};
+use crate::analysis::domain::configuration::{Between, Configuration, Overall};
+use crate::analysis::domain::values::{Interval, Values};
+use crate::analysis::domain::widen::{Patience, Thresholds, within_bounds};
+use crate::analysis::fixpoint::counter_bounds::Limits;
+use crate::analysis::geometry::cells::{CellId, Cells};
+use crate::analysis::geometry::landing::{Landing, Whose};
+use crate::analysis::geometry::scene::Scene;
+use crate::analysis::geometry::surroundings::Surroundings;
+use crate::analysis::step::evaluate::{Joined, Phase, Reader};
+use crate::analysis::step::forbidden::Forbidden;
+use crate::analysis::step::{Outcome, Stepper};
 
 /// More combinations of leaves than that are not told apart.
-pub(super) const MAX_CONFIGURATIONS: usize = 1_024;
+pub(in crate::analysis) const MAX_CONFIGURATIONS: usize = 1_024;
 /// How often the result is cut to what follows from it.
 const NARROWINGS: usize = 2;
 
 /// What tells configurations apart: the active leaf of each group, and where the instance is.
-pub(super) type Key = (Vec<LeafId>, CellId);
+pub(in crate::analysis) type Key = (Vec<LeafId>, CellId);
 
 /// A configuration that is still growing.
 #[derive(Debug, Clone)]
-pub(super) struct Growing {
+pub(in crate::analysis) struct Growing {
     pub at: Configuration,
     patience: Patience,
     is_new: bool,
 }
 
 #[derive(Debug, Default, Clone)]
-pub(super) struct Slot {
+pub(in crate::analysis) struct Slot {
     pub configurations: BTreeMap<Key, Growing>,
     pub can_be_absent: bool,
     pub is_given_up: bool,
@@ -66,7 +71,7 @@ impl Slot {
 }
 
 /// An analysis that is under way.
-pub(super) struct Analysis<'a> {
+pub(in crate::analysis) struct Analysis<'a> {
     pub program: &'a Program,
     pub world: &'a World,
     pub slots: IdVec<SlotId, Slot>,
@@ -163,18 +168,18 @@ impl<'a> Analysis<'a> {
         Thresholds::new(numbers)
     }
 
-    pub(super) fn entity(&self, slot: SlotId) -> &'a Entity {
+    pub(in crate::analysis) fn entity(&self, slot: SlotId) -> &'a Entity {
         &self.program.entities[self.world.slots[slot].entity]
     }
 
     /// Whether a slot is looked at itself.
-    pub(super) fn is_first(&self, slot: SlotId) -> bool {
+    pub(in crate::analysis) fn is_first(&self, slot: SlotId) -> bool {
         self.first[slot] == slot
     }
 
     /// Adds what an instance can be; returns true if that is more than before. What comes of a configuration itself is told
     /// apart, and what narrows one is what comes in from others.
-    pub(super) fn grow(&mut self, slot: SlotId, mut found: Configuration, from: Option<&Key>) -> bool {
+    pub(in crate::analysis) fn grow(&mut self, slot: SlotId, mut found: Configuration, from: Option<&Key>) -> bool {
         if self.slots[slot].is_given_up {
             return false;
         }
@@ -203,7 +208,7 @@ impl<'a> Analysis<'a> {
 
     /// Where a slot's instance is told apart.
     pub fn cells(&self, slot: SlotId) -> &Cells {
-        &self.scene.kinds[self.scene.of[slot]].cells
+        &self.scene.cells[self.scene.of[slot]]
     }
 
     fn grow_in(&mut self, slot: SlotId, cell: CellId, found: Configuration, is_own: bool) -> bool {
@@ -237,7 +242,7 @@ impl<'a> Analysis<'a> {
             cut(&mut joined, &self.limits[slot]);
             self.forbidden.cut(slot, &mut joined);
             joined.sharpen();
-            self.scene.kinds[self.scene.of[slot]].cells.cut(cell, &mut joined);
+            self.scene.cells[self.scene.of[slot]].cut(cell, &mut joined);
             growing.at = within_bounds(self.world, slot, joined);
             growing.is_new = true;
             known.is_changed = true;

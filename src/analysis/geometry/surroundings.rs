@@ -8,24 +8,25 @@ use std::sync::Arc;
 
 use crate::ir::{Id, IdVec, LeafId, Origin, SlotId, SpaceId, TagSet, Touch, TouchId, VarId};
 
-use super::configuration::{Configuration, Overall};
-use super::crowd::{Crowd, crowds, met, pushes};
-use super::local::Surfaces;
-use super::presence::Cover;
-use super::region::{Obstacle, Region};
-use super::scene::{Body, Edges, Pair, ROUNDING, Scene, TOLERANCE, disjoin, face, near, rounded, sides_of};
-use super::values::{Interval, Values};
+use crate::analysis::domain::configuration::{Configuration, Overall};
+use crate::analysis::domain::values::{Interval, Values};
+use crate::analysis::geometry::body::{Body, Edges, Pair, ROUNDING, TOLERANCE, disjoin, face, near, rounded, sides_of};
+use crate::analysis::geometry::crowd::{Crowd, crowds, met, pushes};
+use crate::analysis::geometry::local::Surfaces;
+use crate::analysis::geometry::presence::Cover;
+use crate::analysis::geometry::region::{Obstacle, Region};
+use crate::analysis::geometry::scene::Scene;
 
 /// What is known of the contacts of every slot.
 #[derive(Debug, Default, Clone)]
-pub(super) struct Surroundings {
+pub(in crate::analysis) struct Surroundings {
     contacts: Vec<Contacts>,
     of: IdVec<SlotId, usize>,
 }
 
 /// What is known of the contacts of one slot.
 #[derive(Debug, Default, Clone, PartialEq)]
-pub(super) struct Contacts {
+pub(in crate::analysis) struct Contacts {
     /// Of each contact question, along both axes, where the instance is when it holds.
     places: Vec<[Values; 2]>,
     /// Where a push can put the instance.
@@ -63,7 +64,7 @@ pub(super) struct Contacts {
 }
 
 /// How an instance has come to where it is when contacts are found.
-pub(super) struct Way {
+pub(in crate::analysis) struct Way {
     /// Where it was as the continuous phase began.
     pub from: [Values; 2],
     /// Along both axes, how far it has gone by itself since the last collision, px.
@@ -342,7 +343,7 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
         near: kind.near,
         near_statics: kind.near,
         cover: kind.cover(),
-        surfaces: kind.surfaces.clone(),
+        surfaces: scene.surfaces[me].clone(),
         obstacles: obstacles(scene, me, &crowds[me]),
         ..Contacts::default()
     };
@@ -436,7 +437,7 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
 /// What pushes a kind and never moves although it could, where the kind is told apart by place.
 fn obstacles(scene: &Scene<'_>, me: usize, crowd: &Crowd) -> Vec<(SpaceId, Surfaces)> {
     let kind = &scene.kinds[me];
-    if kind.surfaces.is_empty() {
+    if scene.surfaces[me].is_empty() {
         return Vec::new();
     }
     let of = |(space, obstacles): (&SpaceId, &Vec<Obstacle>)| (*space, Surfaces::of(scene.world, kind, obstacles));

@@ -15,95 +15,15 @@ use crate::ir::{Bounds, Push, SpaceId, TagSet};
 
 use crate::watch::Meter;
 
-use super::presence::{Cover, Presence};
-use super::scene::{Body, Extent, Kind, ROUNDING, Scene, TOLERANCE};
-use super::tiles::Tiles;
-use super::values::{Interval, Values};
+use crate::analysis::domain::values::Interval;
+use crate::analysis::geometry::body::{Extent, Kind, ROUNDING, TOLERANCE};
+use crate::analysis::geometry::region::{Obstacle, Region};
+use crate::analysis::geometry::tiles::Tiles;
+
+use super::Scene;
 
 /// More cells than that are not looked at: everything is free.
 const MAX_CELLS: usize = 1 << 22;
-/// With more strips than that only the box around all of them is used.
-const MAX_STRIPS: usize = 256;
-/// So for what is asked of the world, which is looked at in each of them once.
-const MAX_BOXES: usize = 1 << 16;
-
-/// Boxes of positions, px.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Region {
-    /// In order of their low ends along y, then x.
-    strips: Vec<[Interval; 2]>,
-    hull: [Interval; 2],
-}
-
-impl Region {
-    /// None if there are no boxes.
-    pub fn new(strips: Vec<[Interval; 2]>) -> Option<Region> {
-        let hull = strips.iter().copied().reduce(|a, b| [a[0].or(b[0]), a[1].or(b[1])])?;
-        Some(Region { strips, hull })
-    }
-
-    /// What is left of a position.
-    pub fn cut(&self, x: &Values, y: &Values) -> [Values; 2] {
-        let cut = [x.within(self.hull[0]), y.within(self.hull[1])];
-        let (Some(across), Some(up)) = (cut[0].hull(), cut[1].hull()) else { return cut };
-        if self.strips.len() > MAX_STRIPS {
-            return cut;
-        }
-        let meets = |[x, y]: &&[Interval; 2]| x.and(across).is_some() && y.and(up).is_some();
-        let within = |axis: usize| Values::any(self.strips.iter().filter(meets).map(|strip| strip[axis]));
-        [cut[0].and(&within(0)), cut[1].and(&within(1))]
-    }
-
-    /// The boxes; few enough to look at each.
-    pub fn boxes(&self) -> &[[Interval; 2]] {
-        match self.strips.len() > MAX_BOXES {
-            true => std::slice::from_ref(&self.hull),
-            false => &self.strips,
-        }
-    }
-}
-
-/// A collider of an instance that never moves.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Obstacle {
-    pub bounds: Bounds,
-    pub tags: TagSet,
-    /// Whether it is always there.
-    pub is_sure: bool,
-}
-
-impl Kind {
-    /// The colliders that are kept out of what blocks.
-    fn kept_out(&self) -> impl Iterator<Item = &Body> {
-        self.bodies.iter().filter(|b| b.is_pushed && b.is_live)
-    }
-
-    /// Boxes that are kept out of what blocks while the kind is covered: those of colliders that are always there; if there
-    /// are none, what lies within all that are there by turns.
-    fn cores(&self) -> Vec<(TagSet, Extent)> {
-        let steady: Vec<_> = self.kept_out().filter(|b| b.presence == Some(Presence::Always)).collect();
-        if !steady.is_empty() {
-            return steady.into_iter().filter_map(|b| Some((b.tags, b.extent?))).collect();
-        }
-        let alike = |a: &Body| self.kept_out().all(|b| a.tags == b.tags);
-        let Some(first) = self.kept_out().next().filter(|first| alike(first)) else { return Vec::new() };
-        let both = |a: Extent, b: Extent| Some([a[0].and(b[0])?, a[1].and(b[1])?]);
-        let mut extents = self.kept_out().map(|b| b.extent);
-        let within = extents.next().flatten().and_then(|first| extents.try_fold(first, |a, b| both(a, b?)));
-        within.map(|within| (first.tags, within)).into_iter().collect()
-    }
-
-    /// While which leaves it is kept out of what blocks.
-    pub fn cover(&self) -> Cover {
-        if self.kept_out().any(|b| b.presence == Some(Presence::Always)) {
-            return Cover::Always;
-        }
-        match self.cores().is_empty() {
-            true => Cover::default(),
-            false => Cover::While(self.kept_out().filter_map(|b| b.presence.clone()).collect()),
-        }
-    }
-}
 
 impl Scene<'_> {
     /// Where instances of a kind that begin in some boxes can get in a space, if a step moves them by at most `far` px

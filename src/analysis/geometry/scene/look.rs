@@ -1,39 +1,16 @@
-//! What a kind of instances meets in a space that never moves: where contacts with it are, and where its pushes end.
+//! Looking at all that never moves in a space: which contacts a kind can have with it, and where its pushes end.
 
 use std::collections::BTreeSet;
 
 use crate::ir::{Bounds, Id, Meeting, Push, SpaceId, TagSet};
 
-use super::scene::{Body, Edges, Kind, Scene, along, disjoin, edge, face, near, rounding, sides_of};
-use super::step::{Landing, Whose};
-use super::tiles::Tiles;
-use super::values::Interval;
+use crate::analysis::domain::values::Interval;
+use crate::analysis::geometry::body::{Body, Kind, along, disjoin, edge, face, near, rounding, sides_of};
+use crate::analysis::geometry::landing::{Landing, Whose};
+use crate::analysis::geometry::statics::Statics;
+use crate::analysis::geometry::tiles::Tiles;
 
-/// What bodies of a kind meet in a space that never moves.
-#[derive(Debug, Clone)]
-pub(super) struct Statics {
-    /// Of each contact question, along both axes, where an instance is when it holds.
-    pub places: Vec<[Vec<Interval>; 2]>,
-    /// Of each contact question, whether all that it asks for here pushes the body that asks.
-    pub pushed: Vec<bool>,
-    /// Where pushes put it.
-    pub edges: Edges,
-    /// So, where what pushes it is not deep inside of other things: by faces that no neighbour covers.
-    pub faces: Edges,
-    /// Of both axes, the size of the thinnest thing that pushes it, px; infinite if there is none.
-    pub thinnest: [f64; 2],
-    /// Of both axes, how far a push can be, px.
-    pub longest: [f64; 2],
-    pub pushes: bool,
-    /// Whether some push stops the velocity into the surface.
-    pub stops: bool,
-    /// Whether some push does not.
-    pub slips: bool,
-    /// Whether a push can end anywhere: the body that is pushed is not always the same.
-    pub anywhere: bool,
-    /// Whether modes alone decide when what is pushed is there.
-    pub is_steady: bool,
-}
+use super::Scene;
 
 impl Scene<'_> {
     /// Looks at all that never moves; not at all of it if the meter stops it.
@@ -82,7 +59,7 @@ impl Scene<'_> {
     /// What never moves and pushes a body.
     fn pushes(&self, body: &Body, space: SpaceId, tiles: &Tiles<'_>, out: &mut Statics) {
         let pushing = |t: TagSet| self.world.meeting(body.tags, t).filter(|m| m.response.push != Push::Sense);
-        let own = Self::size(body);
+        let own = body.size();
         let mut met = |meeting: Meeting, sizes: [f64; 2]| {
             out.pushes = true;
             out.stops |= meeting.response.stop;
@@ -159,23 +136,5 @@ impl Scene<'_> {
             let overlaps = |b: Bounds| x.low < b.right && b.left < x.high && y.low < b.top && b.bottom < y.high;
             solids.into_iter().any(|s| overlaps(s.bounds)) || tiles.within(x, y).any(|kind| kinds[kind])
         })
-    }
-}
-
-impl Default for Statics {
-    fn default() -> Self {
-        Statics {
-            places: Vec::new(),
-            pushed: Vec::new(),
-            edges: Edges::default(),
-            faces: Edges::default(),
-            thinnest: [f64::INFINITY; 2],
-            longest: [0.0; 2],
-            pushes: false,
-            stops: false,
-            slips: false,
-            anywhere: false,
-            is_steady: true,
-        }
     }
 }

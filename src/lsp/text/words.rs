@@ -1,5 +1,7 @@
 //! The words of the language: which ones they are, what can be called and how, and what a statement can begin with.
 
+use crate::syntax::opening_keywords;
+
 use super::meanings::meaning;
 use super::place::Block;
 
@@ -96,38 +98,37 @@ const ENVELOPE: Snippet = snippet(
     "attack, decay, sustain, release",
 );
 
+/// The keywords that members of an entity, and of a mode, can begin with: the grammar takes them all in both.
+const IN_ENTITIES: &[&str] = &[
+    "param",
+    "continuous",
+    "discrete",
+    "ref",
+    "button",
+    "axis",
+    "collider",
+    "kinematic",
+    "clamp",
+    "invariant",
+    "group",
+    "mode",
+    "initial",
+    "envelope",
+    "use",
+];
+const IN_MODES: &[&str] = &["mode", "initial", "when", "envelope", "follow", "spawn", "destroy", "use"];
+
 /// The words that a statement of a block can begin with, and snippets; of a file without a block.
 pub(in crate::lsp) fn begins(block: Option<Block>) -> (&'static [&'static str], &'static [Snippet]) {
     match block {
-        None => (&["import", "const", "entity", "behavior", "world"], ITEMS),
-        Some(Block::Entity | Block::Behavior) => (
-            &[
-                "param",
-                "continuous",
-                "discrete",
-                "ref",
-                "button",
-                "axis",
-                "collider",
-                "kinematic",
-                "clamp",
-                "invariant",
-                "group",
-                "mode",
-                "initial",
-                "envelope",
-                "use",
-            ],
-            MEMBERS,
-        ),
-        Some(Block::Group) => (&["mode", "initial"], &[MODE]),
-        Some(Block::Mode) => {
-            (&["mode", "initial", "when", "envelope", "follow", "spawn", "destroy", "use"], &[WHEN, MODE, ENVELOPE])
-        }
-        Some(Block::Updates) => (&["spawn", "destroy"], &[]),
-        Some(Block::Envelope) => (&["attack", "decay", "sustain", "release", "while"], &[]),
-        Some(Block::World) => (&["step", "collide", "tiles", "space", "limit", "player", "goal", "never"], WORLD_ITEMS),
-        Some(Block::Space) => (&["map", "rect", "bounds", "place", "link"], SPACE_ITEMS),
+        None => (opening_keywords("good_item"), ITEMS),
+        Some(Block::Entity | Block::Behavior) => (IN_ENTITIES, MEMBERS),
+        Some(Block::Group) => (opening_keywords("mode"), &[MODE]),
+        Some(Block::Mode) => (IN_MODES, &[WHEN, MODE, ENVELOPE]),
+        Some(Block::Updates) => (opening_keywords("good_update"), &[]),
+        Some(Block::Envelope) => (opening_keywords("good_ramp"), &[]),
+        Some(Block::World) => (opening_keywords("good_world_item"), WORLD_ITEMS),
+        Some(Block::Space) => (opening_keywords("good_space_item"), SPACE_ITEMS),
         Some(Block::Tiles | Block::Settings | Block::Kinds | Block::Other) => (&[], &[]),
     }
 }
@@ -159,3 +160,16 @@ const WORLD_ITEMS: &[Snippet] = &[
 
 const SPACE_ITEMS: &[Snippet] =
     &[snippet("place …", "place ${1:name}: ${2:Entity} at (${3:0}, ${4:0})", "an instance")];
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    #[test]
+    fn members_begin_with_the_words_of_the_grammar() {
+        let offered: BTreeSet<&str> = IN_ENTITIES.iter().chain(IN_MODES).copied().collect();
+        assert_eq!(offered, opening_keywords("good_member").iter().copied().collect());
+    }
+}

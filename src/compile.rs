@@ -108,7 +108,7 @@ pub fn study(root: &Path, files: &dyn Files) -> IdeCompilation {
     IdeCompilation { compilation, checked, occurrences }
 }
 
-/// A compilation, the checked program, and the trees that it was made of, behaviours in place; no trees where nobody wants
+/// A compilation, the checked program, and the trees that it was made of, behaviours in place; no trees where no caller wants
 /// to know of names.
 fn stages(
     root: &Path,

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, Sender};
 use std::thread;
 
-/// Where a task meets whoever asked for it.
+/// What a task knows of the work it belongs to.
 pub struct TaskContext<'d, T> {
     task: usize,
     sender: &'d Sender<(usize, T)>,
@@ -20,13 +20,13 @@ impl<T> TaskContext<'_, T> {
     }
 
     /// Hands something in, as often as there is something.
-    pub fn hand_in(&self, result: T) {
+    pub fn submit(&self, result: T) {
         // The receiver lives as long as the threads do.
         let _ = self.sender.send((self.task, result));
     }
 }
 
-/// Does the tasks from 0 on, on so many threads (at least one), each task on one of them.
+/// Does the tasks from 0 on, on a number of threads (at least one), each task on one of them.
 ///
 /// Hands each result to `each` with the number of its task, on the calling thread, as they come. Once `stop` or `each` has
 /// said that it is enough no task is begun any more; what is handed in by those under way still comes to `each`.
@@ -78,7 +78,7 @@ mod tests {
 
     fn squares(threads: usize, enough: usize) -> Vec<(usize, usize)> {
         let mut found = Vec::new();
-        let square = |at: usize, desk: &TaskContext<'_, usize>| desk.hand_in(at * at);
+        let square = |at: usize, task_context: &TaskContext<'_, usize>| task_context.submit(at * at);
         work(100, threads, &|| false, &square, &mut |at, result| {
             found.push((at, result));
             if found.len() >= enough { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }

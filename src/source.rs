@@ -81,7 +81,7 @@ pub struct SourceFile {
     marks: Vec<(u32, u32)>,
 }
 
-/// So many bytes are counted one by one at most.
+/// The most bytes that are counted one by one.
 const MARK: usize = 1 << 10;
 
 impl SourceFile {

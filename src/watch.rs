@@ -1,4 +1,4 @@
-//! Watching long work: one trait for progress and for stopping, whoever asks (ctrl-C, a time budget, an editor).
+//! Watching long work: one trait for progress and for stopping (by ctrl-C, a time budget, an editor).
 //! Stages that can take long accept a [`Watch`]; the command line and the editor each bring their own. They count what they
 //! do with a [`Meter`], which asks the watch often enough whatever a unit of work costs.
 
@@ -35,12 +35,12 @@ impl Watch for Unwatched {
     }
 }
 
-/// Stops work that takes long: when it has been asked so many times.
+/// Stops work that takes long: after it has been asked a number of times.
 #[derive(Debug)]
 pub struct Patience(AtomicU32);
 
 impl Patience {
-    /// Is asked so many times.
+    /// Stops after it has been asked `times` times.
     pub fn new(times: u32) -> Self {
         Patience(AtomicU32::new(times))
     }
@@ -70,7 +70,7 @@ impl<'w> Meter<'w> {
         Meter { watch, since: Cell::new(0), is_stopped: Cell::new(false) }
     }
 
-    /// Counts work that was done or is about to be; gives whether all should end.
+    /// Counts work that was done or is about to be; returns whether all should end.
     pub fn spend(&self, work: u64) -> bool {
         let since = self.since.get().saturating_add(work);
         if since < WORK {
@@ -80,10 +80,10 @@ impl<'w> Meter<'w> {
         self.ask()
     }
 
-    /// Asks at once; gives whether all should end.
+    /// Asks at once; returns whether all should end.
     pub fn ask(&self) -> bool {
         self.since.set(0);
-        // Whoever was told once need not ask again.
+        // Once stopped, the watch need not be asked again.
         if !self.is_stopped.get() && self.watch.stop() {
             self.is_stopped.set(true);
         }

@@ -42,7 +42,7 @@
 //! | `Simulator::initial`: contacts are found, nothing is pushed | `initial::begin`: the first positions are places of contacts | what begins inside of something is pushed anywhere beside it | `found/*initial*`, `*slight*` |
 //! | input: buttons, axes | `Reader::truth`, `number`: anything, if there is a player | – | oracle, exhaustive |
 //! | discrete: `decide`, edges in order, first guard that holds | `Stepper::choices`: refined by each guard in turn | others are read as the step began (`Phase::Discrete`) | `verdicts/*` |
-//! | discrete: `take`, entries, updates, timers anew | `Stepper::take`, `enter`, `act` | ways of groups are joined beyond 512 | `found.rs` |
+//! | discrete: `take`, entries, updates, timers restart | `Stepper::take`, `enter`, `act` | ways of groups are joined beyond 512 | `found.rs` |
 //! | `life::change`: destroy, spawn | `outcome.can_end`, `initial::spawn`: parameters are part of what a spawned instance can be | which slot is taken is not known | `found/spawnchain*`, `pair`, `home` |
 //! | what dies is read until the step ends | `Between`: what the discrete phase makes of it, modes included | – | `found/*dying*` |
 //! | `life::change`: links | `Stepper::through` | – | `found/linkout`, `found.rs` |
@@ -85,7 +85,7 @@ use step::forbidden::Forbidden;
 /// So where players are told apart by place, with each place that a way leads to.
 const MAX_EFFORT_BY_PLACE: usize = 60_000;
 
-/// After so many ways of steps a world is given up: everything can be anything.
+/// The number of ways of steps after which a world is given up: everything can be anything.
 const MAX_EFFORT: usize = 300_000;
 
 /// Why everything is taken to be possible.

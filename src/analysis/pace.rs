@@ -14,7 +14,7 @@ use crate::analysis::step::evaluate::{Pinned, Reader};
 const ROUNDED: f64 = 1e-6;
 
 impl ConfigurationSpace {
-    /// Of both axes, where an instance can be at most so many steps after it was at a position; none if it can be anywhere.
+    /// Of both axes, where an instance can be at most `steps` steps after it was at a position; none if it can be anywhere.
     pub fn within_steps(
         &self,
         program: &Program,

@@ -13,7 +13,7 @@ use super::disk::Disk;
 use super::fix::mend;
 use super::report::colored;
 
-/// So many findings of a program are shown to people.
+/// The most findings of a program that are shown to people.
 const MAX_SHOWN: usize = 100;
 
 pub(super) fn run(args: &CheckArgs) -> io::Result<Exit> {

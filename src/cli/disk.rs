@@ -1,5 +1,5 @@
 //! Files from and to the disk. All that the command line reads comes through here: regular files of bounded size. A device
-//! has no end, and whoever opens a pipe waits for its other end.
+//! has no end, and opening a pipe waits for its other end.
 
 use std::fs::{File, FileType};
 use std::io::{self, BufRead, Read, Write};

@@ -17,7 +17,7 @@ const MAX_ROUNDS: usize = 16;
 /// The bytes that some editors put first.
 const MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// Mends a program until there is nothing certain left. Gives false if a file could not be written.
+/// Mends a program until there is nothing certain left. Returns false if a file could not be written.
 pub(super) fn mend(root: &Path, level: LevelFile<'_>) -> io::Result<bool> {
     for _ in 0..MAX_ROUNDS {
         let Compilation { sources, diagnostics, .. } = compile_with(root, level, &Disk);

@@ -12,7 +12,7 @@ use crate::source::{Files, ReadError};
 use super::Exit;
 use super::disk::Disk;
 
-/// So many programs of a workspace are looked at, and so many folders searched for them.
+/// The most programs of a workspace that are compiled, and the most folders that are searched for them.
 const MAX_PROGRAMS: usize = 2_000;
 const MAX_FOLDERS: usize = 20_000;
 

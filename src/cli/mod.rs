@@ -1,5 +1,5 @@
 //! The command line: one file per subcommand. The only part that talks to the terminal, looks at a clock, reads the
-//! disk and chooses an exit code: 0 every question is answered as wished, 1 an answer is no or there is none, 2 a question could not
+//! disk and chooses an exit code: 0 every question has the expected answer, 1 an answer is no or there is none, 2 a question could not
 //! be asked.
 
 #![allow(clippy::disallowed_methods, reason = "seconds are a matter of the command line")]
@@ -38,7 +38,7 @@ use args::{Arguments, Command};
 /// What a subcommand ends with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Exit {
-    /// As wished.
+    /// As expected.
     Yes,
     /// An answer is no, or there is none: errors, a goal not reached, a `never` violated or not answered, a layout that is not
     /// canonical.
@@ -52,7 +52,7 @@ pub fn main() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => {
-            // Clap's own codes are 0 for help and 2 for bad usage, as ours. A closed pipe is nobody's mistake.
+            // Clap's own codes are 0 for help and 2 for bad usage, as ours. A closed pipe is no error.
             let _ = error.print();
             return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
         }
@@ -79,7 +79,7 @@ pub fn main() -> ExitCode {
         Ok(Exit::Yes) => ExitCode::SUCCESS,
         Ok(Exit::No) => ExitCode::from(1),
         Ok(Exit::Unasked) => ExitCode::from(2),
-        // Whoever read our output has gone away.
+        // The reader of the output is gone.
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(error) => {
             let _ = report::plain_error(&format!("cannot write: {error}"));

@@ -78,7 +78,7 @@ pub(super) fn load_constrained(
     let Compilation { sources, program, diagnostics } = compile_constrained(path, level, constraint, &Disk);
     match diagnostics.counts() {
         (0, 0) => {}
-        // Whoever runs a program a thousand times knows them.
+        // Warnings in full would drown the output of repeated runs.
         (0, warnings) => {
             let count = if warnings == 1 { "1 warning".to_string() } else { format!("{warnings} warnings") };
             writeln!(io::stderr(), "{count}, shown by `hypedc check {}`", path.display())?;

@@ -219,7 +219,7 @@ pub(super) enum Ended {
     Done,
     /// A player left the bounds of its space.
     LeftBounds,
-    /// Whoever saw it has seen enough.
+    /// The reader has seen enough.
     Enough,
     /// By a run-time error at a step.
     Fault(Fault, u64),
@@ -227,7 +227,7 @@ pub(super) enum Ended {
     Stopped(u64),
 }
 
-/// Runs at most so many steps and shows every state, the initial one first.
+/// Runs at most `frames` steps and shows every state, the initial one first.
 pub(super) fn drive(
     sim: &Simulator,
     script: &Script,

@@ -13,11 +13,11 @@ use super::row::{Key, Row};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Change {
-    /// It is as wished now, and was not.
+    /// The verdict is the expected one now, and was not.
     Better,
-    /// It was as wished, and is not any more.
+    /// The verdict was the expected one, and is no longer.
     Worse,
-    /// Another verdict, but as much as wished as before.
+    /// Another verdict, expected or not as before.
     Other,
 }
 
@@ -37,7 +37,7 @@ pub struct Flip {
 
 /// A path whose length is another one.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Lengthened {
+pub struct LengthChange {
     /// What it is about.
     #[serde(flatten)]
     pub key: Key,
@@ -49,19 +49,19 @@ pub struct Lengthened {
 
 /// A question that only one of the two runs asked.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Lone {
+pub struct Unpaired {
     /// What it is about.
     #[serde(flatten)]
     pub key: Key,
     /// What it came to.
     pub verdict: Conclusion,
-    /// Whether that is as wished.
+    /// Whether that is the expected verdict.
     pub is_expected: bool,
 }
 
-impl Lone {
-    fn of(row: &Row) -> Lone {
-        Lone { key: row.key(), verdict: row.answer.verdict, is_expected: row.answer.is_expected }
+impl Unpaired {
+    fn of(row: &Row) -> Unpaired {
+        Unpaired { key: row.key(), verdict: row.answer.verdict, is_expected: row.answer.is_expected }
     }
 }
 
@@ -71,11 +71,11 @@ pub struct Comparison {
     /// Verdicts that are others, in the order of the new rows.
     pub flips: Vec<Flip>,
     /// What the older run did not ask.
-    pub added: Vec<Lone>,
+    pub added: Vec<Unpaired>,
     /// What was not asked any more, by name.
-    pub vanished: Vec<Lone>,
+    pub vanished: Vec<Unpaired>,
     /// Paths that differ by more than the tolerance.
-    pub lengths: Vec<Lengthened>,
+    pub lengths: Vec<LengthChange>,
     /// How many have the same verdict.
     pub unchanged: usize,
 }
@@ -92,7 +92,7 @@ impl Comparison {
         for row in new {
             let (key, now) = (row.key(), &row.answer);
             let Some(before) = old.remove(&key).map(|row| &row.answer) else {
-                found.added.push(Lone::of(row));
+                found.added.push(Unpaired::of(row));
                 continue;
             };
             if before.verdict == now.verdict {
@@ -108,14 +108,14 @@ impl Comparison {
             if let (Some(from), Some(to)) = (before.steps, now.steps)
                 && from.abs_diff(to) as f64 > tolerance * from as f64
             {
-                found.lengths.push(Lengthened { key, from, to });
+                found.lengths.push(LengthChange { key, from, to });
             }
         }
-        found.vanished = old.into_values().map(Lone::of).collect();
+        found.vanished = old.into_values().map(Unpaired::of).collect();
         found
     }
 
-    /// Whether something that was as wished is not any more, or something new is not as wished.
+    /// Whether an expected verdict was lost, or something new has an unexpected one.
     pub fn is_worse(&self) -> bool {
         self.flips.iter().any(|flip| flip.change == Change::Worse) || self.added.iter().any(|lone| !lone.is_expected)
     }
@@ -136,13 +136,13 @@ impl Comparison {
             };
             line(mark, key, format!("{} → {}", from.words(), to.words()));
         }
-        for Lone { key, verdict, .. } in &self.added {
+        for Unpaired { key, verdict, .. } in &self.added {
             line("new", key, verdict.words().to_string());
         }
-        for Lone { key, verdict, .. } in &self.vanished {
+        for Unpaired { key, verdict, .. } in &self.vanished {
             line("gone", key, format!("was {}", verdict.words()));
         }
-        for Lengthened { key, from, to } in &self.lengths {
+        for LengthChange { key, from, to } in &self.lengths {
             let mark = if to > from { "longer" } else { "shorter" };
             let share = (*to as f64 / (*from).max(1) as f64 - 1.0) * 100.0;
             line(mark, key, format!("{from} → {to} steps ({share:+.0} %)"));

@@ -122,7 +122,7 @@ pub fn csv_line(row: &Row) -> String {
     csv::line(cells)
 }
 
-/// The rows as a table: a line each, why it is not as wished at its end.
+/// The rows as a table: a line each, which ends with the reason for an unexpected verdict.
 pub fn table(rows: &[&Row]) -> String {
     let mut columns = vec![Column::left("", "level")];
     let has_goals = rows.windows(2).any(|pair| pair[0].key().question() != pair[1].key().question());

@@ -13,7 +13,7 @@ use super::row::Row;
 
 /// The report, as XML that the schema `junit-10.xsd` of Jenkins' xUnit plugin admits.
 ///
-/// A case fails if its verdict is not as wished, and has an error if the question could not be asked. Its class is the
+/// A case fails if its verdict is not the expected one, and has an error if the question could not be asked. Its class is the
 /// program and the world, its name the level and the goal, its output the inputs of the path.
 ///
 /// # Errors
@@ -89,7 +89,7 @@ fn properties(out: &mut Writer<Vec<u8>>, row: &Row) -> io::Result<()> {
 fn case(out: &mut Writer<Vec<u8>>, row: &Row) -> io::Result<()> {
     let name = printable(&format!("{}, {} {}", row.key().level_name(), row.answer.kind.name(), row.answer.goal));
     let stem = Path::new(&row.file).file_stem().unwrap_or_default().to_string_lossy();
-    // Whoever reads it takes what stands before the last dot for a folder.
+    // Readers take what is before the last dot for a folder.
     let class = printable(&format!("{}.{}", stem.replace('.', "_"), row.world));
     let time = seconds(row.timing.seconds);
     let case = out.create_element("testcase").with_attributes([("name", name.as_str()), ("classname", &class)]);

@@ -8,8 +8,8 @@ mod junit;
 mod record;
 mod row;
 
-pub use baseline::{Change, Comparison, Flip, Lengthened, Lone};
+pub use baseline::{Change, Comparison, Flip, LengthChange, Unpaired};
 pub use formats::{CSV_HEADER, csv_line, summary, table};
 pub use junit::junit;
-pub use record::{BadRecord, Kept, Record};
+pub use record::{BadRecord, Record, StoredRow};
 pub use row::{Key, ROW_VERSION, Row, Settings, Timing};

@@ -1,7 +1,7 @@
 //! The file of rows, one line of JSON each: read back, mended where it was cut off, put in order.
 //!
 //! Rows are added at the end as they are done, so that whatever happens to the process loses no more than the line that
-//! was being written. When all are done, the file is written anew in the order of the questions; lines stay as they are,
+//! was being written. When all are done, the file is rewritten in the order of the questions; lines stay as they are,
 //! byte for byte.
 
 use std::collections::BTreeMap;
@@ -16,21 +16,21 @@ const BEGINNING: &str = "{\"row\":";
 
 /// A row and the line that it was read from.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Kept {
+pub struct StoredRow {
     /// The row.
     pub row: Row,
     /// Its line, without the line's end.
     pub line: String,
 }
 
-impl Kept {
+impl StoredRow {
     /// A row with its line.
     ///
     /// # Errors
     /// If it cannot be written as JSON, as a number that is not finite.
-    pub fn new(row: Row) -> Result<Kept, serde_json::Error> {
+    pub fn new(row: Row) -> Result<StoredRow, serde_json::Error> {
         let line = serde_json::to_string(&row)?;
-        Ok(Kept { row, line })
+        Ok(StoredRow { row, line })
     }
 }
 
@@ -38,7 +38,7 @@ impl Kept {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Record {
     /// The rows by what they are about; of several about the same the last counts.
-    pub rows: BTreeMap<Key, Kept>,
+    pub rows: BTreeMap<Key, StoredRow>,
     /// How many bytes of the text are whole lines; what comes after them was cut off.
     pub whole: usize,
     /// Whether the last whole line lacks its line's end.
@@ -84,7 +84,7 @@ impl Record {
 
     /// The row about something, if it would come out the same again: with these settings, this program and this level. One
     /// that could not be asked is asked again.
-    pub fn same(&self, new: &Row) -> Option<&Kept> {
+    pub fn same(&self, new: &Row) -> Option<&StoredRow> {
         self.rows.get(&new.key()).filter(|kept| {
             let old = &kept.row;
             old.error.is_none()
@@ -96,7 +96,7 @@ impl Record {
 }
 
 /// The row of a line.
-fn row(bytes: &[u8]) -> Result<Kept, String> {
+fn row(bytes: &[u8]) -> Result<StoredRow, String> {
     let line = std::str::from_utf8(bytes).map_err(|_| "not UTF-8".to_string())?;
     let line = line.trim_end_matches(['\n', '\r']);
     let not_a_row = |error| format!("not a row of `hypedc reach`: {error}");
@@ -106,7 +106,7 @@ fn row(bytes: &[u8]) -> Result<Kept, String> {
         return Err(format!("a row of version {version}, this `hypedc` has version {ROW_VERSION}"));
     }
     let row = serde_json::from_str(line).map_err(not_a_row)?;
-    Ok(Kept { row, line: line.to_string() })
+    Ok(StoredRow { row, line: line.to_string() })
 }
 
 /// Which version a row is of.
@@ -127,7 +127,7 @@ mod tests {
     use crate::corpus::row::tests::row as a_row;
 
     fn text(levels: &[&str]) -> String {
-        levels.iter().map(|level| Kept::new(a_row(level)).unwrap().line + "\n").collect()
+        levels.iter().map(|level| StoredRow::new(a_row(level)).unwrap().line + "\n").collect()
     }
 
     #[test]
@@ -168,7 +168,7 @@ mod tests {
         settings.seed += 1;
         assert!(record.same(&Row { settings, ..old.clone() }).is_none());
         let failed = Row { error: Some("gone".into()), ..old.clone() };
-        let record = Record::read((Kept::new(failed).unwrap().line + "\n").as_bytes()).unwrap();
+        let record = Record::read((StoredRow::new(failed).unwrap().line + "\n").as_bytes()).unwrap();
         assert!(record.same(&old).is_none(), "what could not be asked is asked again");
     }
 
@@ -176,7 +176,7 @@ mod tests {
     fn of_several_rows_the_last_counts() {
         let mut later = a_row("a");
         later.answer.nodes = 777;
-        let all = text(&["a", "b"]) + &Kept::new(later).unwrap().line + "\n";
+        let all = text(&["a", "b"]) + &StoredRow::new(later).unwrap().line + "\n";
         let record = Record::read(all.as_bytes()).unwrap();
         assert_eq!(record.same(&a_row("a")).unwrap().row.answer.nodes, 777);
         assert_eq!(record.rows.len(), 2);

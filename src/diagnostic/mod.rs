@@ -144,7 +144,7 @@ pub trait Fact {
     fn into_diagnostic(self) -> Diagnostic;
 }
 
-/// So many findings are kept, errors rather than warnings; the rest is only counted.
+/// The most findings that are kept, errors rather than warnings; the rest is only counted.
 pub const MAX_FINDINGS: usize = 10_000;
 
 /// The findings of a stage.
@@ -170,7 +170,7 @@ impl Diagnostics {
         }
     }
 
-    /// Takes back what was reported last, so that the first so many are left.
+    /// Takes back what was reported last, so that the first `count` are left.
     pub(crate) fn take_back(&mut self, kept: usize) {
         self.list.truncate(kept);
     }

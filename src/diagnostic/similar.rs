@@ -34,7 +34,7 @@ fn close<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> impl 
     let mut measure = Measure::of(name);
     candidates
         .into_iter()
-        // Among thousands of names nobody looks for a slip of the hand.
+        // Among thousands of names a slip of the hand is not searched for.
         .take(MAX_CANDIDATES)
         .filter(move |c| *c != name && c.chars().count().abs_diff(length) <= limit)
         .filter_map(move |c| measure.distance(c, limit).map(|d| (d, c)))

@@ -27,7 +27,7 @@ pub struct Unasked {
     pub fault: Fault,
 }
 
-/// Runs all that the design says on the questions that the analysis leaves open, on so many threads (at least one).
+/// Runs all that the design says on the questions that the analysis leaves open, on a number of threads (at least one).
 ///
 /// Hands each run to `each`, on the calling thread, in the order of questions, setups and seeds whatever the threads do,
 /// as soon as those before it are done; `each` may break off. `stop` is asked all the time; what was begun when it says
@@ -46,12 +46,12 @@ pub fn conduct(
     let tasks = tasks(design, questions);
     let mut found: Vec<Option<Run>> = vec![None; tasks.len()];
     let (mut told, mut is_broken_off, mut unasked) = (0, false, None);
-    let run = |at: usize, desk: &TaskContext<'_, Result<Run, Unasked>>| {
+    let run = |at: usize, task_context: &TaskContext<'_, Result<Run, Unasked>>| {
         let task = tasks[at];
-        match run(design, questions, clock, task, desk) {
+        match run(design, questions, clock, task, task_context) {
             Ok(None) => {}
-            Ok(Some(run)) => desk.hand_in(Ok(run)),
-            Err(fault) => desk.hand_in(Err(Unasked { question: task.question, fault })),
+            Ok(Some(run)) => task_context.submit(Ok(run)),
+            Err(fault) => task_context.submit(Err(Unasked { question: task.question, fault })),
         }
     };
     parallel::work(tasks.len(), threads, stop, &run, &mut |task, result| {
@@ -98,18 +98,18 @@ fn tasks(design: &Design, questions: &[Question<'_>]) -> Vec<Task> {
     tasks
 }
 
-/// Runs one; gives nothing if it was stopped on the way.
+/// Runs one; returns nothing if it was stopped on the way.
 fn run(
     design: &Design,
     questions: &[Question<'_>],
     clock: &dyn Clock,
     task: Task,
-    desk: &TaskContext<'_, Result<Run, Unasked>>,
+    task_context: &TaskContext<'_, Result<Run, Unasked>>,
 ) -> Result<Option<Run>, Fault> {
     let Task { question, setup, seed } = task;
     let q = &questions[question];
     let began = clock.seconds();
-    let stop = || desk.is_over();
+    let stop = || task_context.is_over();
     let watch = RunWatch { clock, until: began + design.seconds, stop: &stop, is_stopped: AtomicBool::new(false) };
     let settings = design.setups[setup].settings(seed);
     let outcome = search(&q.problem(), q.space, &settings, &design.limits, &watch)?;

@@ -42,7 +42,7 @@ impl Question<'_> {
 pub struct Setup {
     /// Who searches.
     pub planner: Planner,
-    /// When trees are begun anew; as planners were published, one tree grows for ever.
+    /// When trees restart; as planners were published, one tree grows for ever.
     pub restart: Restart,
     /// Where samples are drawn from.
     pub sampling: Sampling,
@@ -54,7 +54,7 @@ pub struct Setup {
 
 impl Setup {
     /// All ways there are of these choices, in the order of a table: by distance, bounds and planner, each planner without
-    /// restarts and then with them. One that does not sample has no trees to begin anew, and comes once.
+    /// restarts and then with them. One that does not sample has no trees to restart, and comes once.
     pub fn all(
         planners: &[Planner],
         samplings: &[Sampling],

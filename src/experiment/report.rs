@@ -159,7 +159,7 @@ impl Report<'_> {
         );
         let metrics: BTreeSet<&str> = setups.iter().map(Setup::metric).collect();
         let metrics = metrics.into_iter().collect::<Vec<_>>().join(", ");
-        out.push_str(&format!("Distance: {metrics}. Inputs are held for so many steps: {}.\n", self.holds()));
+        out.push_str(&format!("Distance: {metrics}. Steps for which inputs are held: {}.\n", self.holds()));
         out.push_str(
             "restarts: `never` is the planner as it was published, one tree; else the nodes of the shortest tree before it is \
              begun anew.\nall runs: mean; at the goal: of the runs that reached it.\n",

@@ -148,7 +148,7 @@ fn signless(lines: &Lines<'_>, neighbours: &[(usize, usize)]) -> Vec<bool> {
     found
 }
 
-/// Puts all pieces where their padding takes them, as if the author had put them there. Gives whether that changed
+/// Puts all pieces where their padding takes them, as if the author had put them there. Returns whether that changed
 /// anything.
 fn settle(lines: &mut Lines<'_>, padding: &[usize]) -> bool {
     let mut changed = false;

@@ -62,7 +62,7 @@ fn outside_quotes(text: &str) -> impl Iterator<Item = (usize, char)> {
     })
 }
 
-/// At most so many characters of a text; what is left out is `…`.
+/// The first characters of a text, at most `length`; `…` marks what is left out.
 pub(super) fn short(text: &str, most: usize) -> String {
     if text.chars().count() <= most {
         return text.to_string();
@@ -71,7 +71,7 @@ pub(super) fn short(text: &str, most: usize) -> String {
     kept.trim_end().to_string() + "…"
 }
 
-/// A text in lines of at most so many characters, broken between words; a longer word is cut.
+/// A text in lines of limited length, broken between words; a longer word is cut.
 pub(super) fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split(' ') {

@@ -163,7 +163,7 @@ impl<I: Id, T> IdVec<I, T> {
         I::from_index(self.entries.len() - 1)
     }
 
-    /// Makes room for so many more entries and no others.
+    /// Makes room for exactly `more` entries.
     pub fn reserve(&mut self, more: usize) {
         self.entries.reserve_exact(more);
     }

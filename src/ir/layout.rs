@@ -54,7 +54,7 @@ pub struct SlotLayout {
 }
 
 impl Layout {
-    /// Lays out the state of a world with these slots and so many players.
+    /// Lays out the state of a world with these slots and a number of players.
     pub(super) fn new(slots: &IdVec<SlotId, Slot>, players: usize, entities: &IdVec<EntityId, Arc<Entity>>) -> Layout {
         let mut at = 0;
         let mut take = |bytes: usize| {

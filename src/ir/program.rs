@@ -73,7 +73,7 @@ impl FromIterator<TagId> for TagSet {
 pub enum Expr {
     /// A number; always finite.
     Number(f64),
-    /// So many steps of the running world, in seconds.
+    /// A number of steps of the running world, in seconds.
     Frames(f64),
     /// A truth value.
     Bool(bool),

@@ -1,4 +1,4 @@
-//! What an edge does to the modes of its group: which it keeps, leaves and enters, whose time begins anew. The simulator
+//! What an edge does to the modes of its group: which it keeps, leaves and enters, whose timers restart. The simulator
 //! and the analysis both take it from here: where they drift apart, proofs become false.
 
 use super::{Entity, Group, GroupId, Id, IdRange, LeafId, ModeId, TimerId};
@@ -27,7 +27,7 @@ impl Transition {
         entity.is_active_in(mode, self.from) && !self.keeps(entity, mode)
     }
 
-    /// Whether it enters a mode, be it from the mode itself.
+    /// Whether it enters a mode, possibly from the mode itself.
     pub fn enters(self, entity: &Entity, mode: ModeId) -> bool {
         entity.is_active_in(mode, self.to) && !self.keeps(entity, mode)
     }

@@ -52,7 +52,7 @@ impl Step {
         self.numerator as f64 / self.denominator as f64
     }
 
-    /// The length of so many steps, s, rounded once.
+    /// The length of a number of steps, s, rounded once.
     pub fn times(self, count: u32) -> f64 {
         self.frames(f64::from(count))
     }

@@ -64,7 +64,7 @@ pub fn read_beside(
 }
 
 /// Reads a level: of a project of LDtk the one that `part` names. `meaning` tells what a name stands for in the program.
-/// Gives none if it cannot be read; the finding points at the place in its file.
+/// Returns none if it cannot be read; the finding points at the place in its file.
 pub fn drawn(
     format: Format,
     file: FileId,

@@ -21,7 +21,7 @@ pub struct InlineTile<T> {
     pub tags: Vec<T>,
 }
 
-/// The rows of a text file: its lines, trimmed at both ends, without empty ones at the end. Gives none for a file that
+/// The rows of a text file: its lines, trimmed at both ends, without empty ones at the end. Returns none for a file that
 /// is no text, or of another format; the finding says of which.
 pub fn text_rows<'t>(text: &'t str, file: FileId, diagnostics: &mut Diagnostics) -> Option<Vec<(&'t str, Span)>> {
     if let Some((at, what, help)) = other_format(text) {
@@ -63,7 +63,7 @@ fn other_format(text: &str) -> Option<(usize, &'static str, Option<&'static str>
 
 /// Reads the rows of a map, top row first, each with its span. `set` is what the tiles are called and its place; there
 /// are at most 65,536 of them, and `others` are the characters of those that no row needs.
-/// Gives none if a row or a character does not fit; the findings say which.
+/// Returns none if a row or a character does not fit; the findings say which.
 pub fn inline_map<T: Clone>(
     rows: &[(&str, Span)],
     whole: Span,

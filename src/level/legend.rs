@@ -32,7 +32,7 @@ impl TryFrom<String> for Symbol {
     }
 }
 
-/// So many keys are told of what is no legend.
+/// The number of keys that are listed of a file that is no legend.
 const MAX_KEYS: usize = 6;
 
 /// The tags of each character, in the order of the characters; none if the text is no legend.

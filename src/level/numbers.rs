@@ -33,7 +33,7 @@ pub(super) struct Data<'t> {
 }
 
 impl Data<'_> {
-    /// The numbers, which must be so many. Never more than that are unpacked.
+    /// The numbers; their count must be `count`. Never more are unpacked.
     pub fn numbers(&self, count: usize) -> Result<Vec<u32>, Trouble> {
         let wrong = |why: String| Trouble::new(self.at.clone(), why);
         let mut numbers = Vec::new();

@@ -275,7 +275,7 @@ impl Reader<'_> {
         chunk.data.numbers(count)
     }
 
-    /// Reads layers, moved right and down by so many px.
+    /// Reads layers, moved right and down by an offset, px.
     fn layers(&mut self, node: &Node<'_>, moved: (f64, f64), grid: &mut Grid) -> Result<(), Trouble> {
         for (kind, layer) in layers(node) {
             let (x, y) = (layer.number("offsetx")?.unwrap_or(0.0), layer.number("offsety")?.unwrap_or(0.0));
@@ -372,7 +372,7 @@ impl Reader<'_> {
     }
 }
 
-/// So many tiles are found in their lists one by one.
+/// Up to this number of tiles, a list is searched one by one.
 const MAX_PLACES: usize = 100;
 
 /// The parts of a layer: one, or those of an infinite map.

@@ -52,7 +52,7 @@ fn follows_links(entity: &Entity) -> bool {
     entity.modes.iter().any(|mode| !mode.follows.is_empty())
 }
 
-/// Where a player can be; none if it is nobody's, or if there are no bounds in a space that it can come to.
+/// Where a player can be; none if no player controls it, or if there are no bounds in a space that it can come to.
 fn area(checked: &Checked, world: &World, slot: SlotId) -> Option<Area> {
     world.players.iter().find(|player| player.slot == slot)?;
     let instance = &world.instances[slot];
@@ -76,7 +76,7 @@ fn goals(checked: &Checked, world: &World, found: &mut Diagnostics) {
     }
 }
 
-/// Links that no player can come to, where nobody else follows links.
+/// Links that no player can reach, in worlds where nothing else follows links.
 fn links(checked: &Checked, world: &World, found: &mut Diagnostics) {
     let is_player = |slot: SlotId| world.players.iter().any(|player| player.slot == slot);
     let followers = world.instances.pairs().filter(|(_, i)| follows_links(&checked.entities[i.entity]));

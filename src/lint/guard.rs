@@ -12,7 +12,7 @@ use super::terms::same;
 /// How many pairs of terms are compared before a question is left open.
 const PATIENCE: u32 = 2_000;
 
-/// So many parts of a conjunction are held against each other.
+/// The most parts of a conjunction that are compared with each other.
 const MAX_FACTS: usize = 64;
 
 /// Whether a guard always (or never) holds; none if that depends.

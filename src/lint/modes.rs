@@ -8,7 +8,7 @@ use crate::source::Span;
 
 use super::guard::{implied, truth};
 
-/// An edge is compared with at most so many that are tried before it.
+/// The most edges tried before an edge that it is compared with.
 const MAX_COMPARED: usize = 64;
 
 /// Judges the modes and edges of an entity.

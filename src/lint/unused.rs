@@ -172,7 +172,7 @@ impl From<Place> for Target {
     }
 }
 
-/// Where an entity's own code, or whoever makes an instance of it, first writes something.
+/// Where an entity's own code, or code that spawns or places it, first writes something.
 fn writes(checked: &Checked) -> BTreeMap<(EntityId, Target), Span> {
     let mut first = BTreeMap::new();
     let give = |first: &mut BTreeMap<_, _>, entity: EntityId, given: &[(Given, Term)]| {

@@ -11,7 +11,7 @@ use super::guard::{exclusive, is_in, truth};
 use super::range::{facts, range};
 use super::terms::updates;
 
-/// So many updates of one variable by one group are looked at.
+/// The most updates of one variable by one group that are examined.
 const MAX_COMPARED: usize = 32;
 
 /// When an update happens.

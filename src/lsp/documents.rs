@@ -32,7 +32,7 @@ pub(in crate::lsp) struct Documents {
 }
 
 impl Documents {
-    /// Opens a document, or opens it anew.
+    /// Opens a document, or reopens it.
     pub fn open(&mut self, uri: Uri, version: i32, text: String, language: &str) -> PathBuf {
         let path = path_of(&uri);
         let is_program = language == "hyped" || path.extension().is_some_and(|e| e == "hyped");
@@ -41,7 +41,7 @@ impl Documents {
         path
     }
 
-    /// Changes an open document; gives its path if it is one.
+    /// Changes an open document; returns its path if it is one.
     pub fn change(
         &mut self,
         uri: &Uri,
@@ -63,7 +63,7 @@ impl Documents {
         Some(path)
     }
 
-    /// Closes a document; gives its path if it was open.
+    /// Closes a document; returns its path if it was open.
     pub fn close(&mut self, uri: &Uri) -> Option<PathBuf> {
         let path = path_of(uri);
         Arc::make_mut(&mut self.open).remove(&path).map(|_| path)

@@ -14,7 +14,7 @@
 //! | `text` | texts that may be broken: positions, words, where a cursor stands |
 //!
 //! The server's thread only reads messages, keeps the documents and answers from snapshots; all that takes long is done
-//! by the worker, which starts anew when a document changes. A request that needs names waits until the worker has
+//! by the worker, which restarts when a document changes. A request that needs names waits until the worker has
 //! compiled the documents as the request saw them. What broken texts do not tell is taken from the last snapshot that was
 //! free of errors.
 

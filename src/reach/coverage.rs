@@ -30,7 +30,7 @@ pub struct Covered {
     pub all: Count,
     /// By the first half of them.
     pub half: Count,
-    /// How it grew: after so many nodes, so much.
+    /// How it grew: numbers of nodes, with the coverage at each.
     pub growth: Vec<(u64, Count)>,
 }
 
@@ -41,7 +41,7 @@ pub(super) struct Coverage {
     modes: HashTable<u64>,
     both: HashTable<u64>,
     visits: u64,
-    /// A checkpoint is made after so many visits.
+    /// The number of visits between two checkpoints.
     every: u64,
     growth: Vec<(u64, Count)>,
     slots: Vec<SlotId>,

@@ -17,7 +17,7 @@ use super::whereabouts::{Place, extent, wanted};
 const MAX_PLACES: usize = 1 << 21;
 /// How far above the bounds of a space, and around what is in one without bounds, there are places; px.
 const MARGIN: f64 = 8.0 * PLACE;
-/// At so many positions along each side of a place is tried whether the player fits there.
+/// The number of positions along each side of a place at which the player is tried.
 const TRIED: usize = 4;
 /// No way is known.
 const FAR: u32 = u32::MAX;

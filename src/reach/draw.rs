@@ -33,7 +33,7 @@ pub(super) struct Combination {
 pub(super) enum Leaf {
     /// This one.
     Fixed(f32),
-    /// One of so many from the first on.
+    /// One of `count` numbers from `first` on.
     Any(u32, u32),
 }
 

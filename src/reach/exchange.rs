@@ -9,7 +9,7 @@ use super::seam::is_held;
 use super::search_context::replays_to;
 
 /// A plan for a question from a script that was found for another one, if what is asked for holds on the way. The script
-/// begins with so many steps that were given, as those of the question do.
+/// begins with `after` steps that were given with the question.
 #[must_use]
 pub fn passed(problem: &Problem<'_>, script: &Script, after: u64, watch: &dyn Watch) -> Option<Plan> {
     let steps = replays_to(problem, script, after, &mut problem.sim.scratch(), &Meter::new(watch))?;

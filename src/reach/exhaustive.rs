@@ -1,13 +1,13 @@
 //! Exhaustion: all that can be done, each state once. Many worlds are finite under a fixed step; then "no" is proven.
 //! Breadth first by steps, the first way that is found is a shortest one; best first, what is nearest to the goal goes on.
 //!
-//! The inputs of a question are those that are held for at least so many steps and then change at any step: an automaton
+//! The inputs of a question are those that are held for at least `least_hold` steps and then change at any step: an automaton
 //! beside the world. Its states are the steps that an input must still be held and, where that matters, the input. While it
 //! must be held there is nothing to choose, so that a node is only where it need not be any more: from there the input goes
 //! on for a step, or another one begins and is held for as long as it must be. What a new input leads to does not depend on
 //! the one before; of each state it is looked at once. Where inputs may change at every step, a node is a state alone.
 //!
-//! Inputs that change only every so many steps lead to fewer states, which are soon visited; that they lead nowhere tells
+//! Inputs that change only every few steps lead to fewer states, which are soon visited; that they lead nowhere tells
 //! nothing of others.
 //!
 //! States are the same if all their bytes are: everything that the next step reads is part of a state (`sim/state.rs`).
@@ -36,9 +36,9 @@ const NONE: u16 = u16::MAX;
 /// When inputs change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Change {
-    /// At any step once they were held for so many: all that a question admits.
+    /// At any step once they were held for this number of steps: all that a question admits.
     After(u16),
-    /// Only every so many steps.
+    /// Only every this number of steps.
     Every(u16),
 }
 
@@ -50,7 +50,7 @@ impl Change {
         }
     }
 
-    /// Whether the input that is held can go on where another one would have to be held anew.
+    /// Whether the input that is held can go on where another one would start a hold of its own.
     fn goes_on(self) -> bool {
         matches!(self, Change::After(2..))
     }
@@ -288,7 +288,7 @@ impl<'a> Exhaustive<'a> {
         }
     }
 
-    /// Whether nothing was left out of what ways of fewer than so many steps pass: a way may lead around outside of a
+    /// Whether no state was left out that ways of fewer than `steps` steps pass: a way may lead around outside of a
     /// search window, on from where a branch was given up.
     fn is_complete(&self, steps: u32) -> bool {
         let notes = &self.context.notes;

@@ -121,7 +121,7 @@ impl Guard {
     }
 }
 
-/// A question with someone who looks at the states, if that is wished.
+/// A question with a guard, if states are to be checked.
 pub(super) fn guarded<T>(
     problem: &Problem<'_>,
     space: &ConfigurationSpace,

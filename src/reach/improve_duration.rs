@@ -13,7 +13,7 @@ use super::search::{Limits, Settings, search};
 
 /// The time that the next plan has, in hundredths of that of the last: the boldest that still leads to one.
 const TIMES: [u64; 4] = [60, 80, 90, 97];
-/// One search is given this part of the nodes, and never more than so many.
+/// The share of the nodes that one search gets, and the most nodes.
 const SHARE: u64 = 4;
 const MAX_NODES: u64 = 100_000;
 

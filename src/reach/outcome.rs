@@ -140,7 +140,7 @@ pub struct Outcome {
     pub statistics: Statistics,
     /// What was covered.
     pub covered: Covered,
-    /// Where nothing was found: the finest inputs that change only every so many steps and were all tried; for how many steps
+    /// Where nothing was found: the finest inputs that change only every few steps and were all tried; for how many steps
     /// they are held, and how many states they lead to. It says nothing of inputs that change at other steps.
     pub exhausted: Option<(u16, u64)>,
     /// What was given up at search windows though what is asked for may happen beyond: then no "no" is proven.
@@ -189,7 +189,7 @@ impl Outcome {
         matches!(&self.verdict, Verdict::Unreachable(argument) if argument.rests_on_analysis())
     }
 
-    /// Takes back what rests on an analysis that is refuted, be it by the search for another answer.
+    /// Withdraws a proof that rests on a refuted analysis; the search for another answer may have refuted it.
     pub fn refute(&mut self, refutation: &Refutation) {
         self.refuted.get_or_insert_with(|| refutation.clone());
         if self.rests_on_analysis() {

@@ -40,7 +40,7 @@ pub enum StateStatus {
 }
 
 impl StateStatus {
-    /// Whether the run is over: at a goal it could go on, where a `never` is broken it cannot, be that as asked.
+    /// Whether the run is over: at a goal it could go on, where a `never` is broken it cannot, even if that is the target.
     pub(super) fn is_over(self, target: Target) -> bool {
         match self {
             StateStatus::Open => false,
@@ -88,9 +88,9 @@ pub struct Problem<'s> {
     pub target: Target,
     /// Predicates of the world that may not hold on the way, nor at its end.
     avoided: Vec<ExprId>,
-    /// After so many steps from where it begins it is too late.
+    /// The most steps from where the search begins.
     within: Option<u32>,
-    /// Each input is held for at least so many steps.
+    /// The number of steps for which each input is held at least.
     least_hold: u16,
     players: Vec<SlotId>,
     /// Looks at the states that are made for an answer.
@@ -160,7 +160,7 @@ impl<'s> Problem<'s> {
         self.within
     }
 
-    /// Admits only inputs that are held for at least so many steps (an input is what all players give together). Once
+    /// Admits only inputs that are held for at least `steps` steps (an input is what all players give together). Once
     /// the hold is over, an input can change at any step. What is asked for can come about during a hold.
     #[must_use]
     pub fn holding(mut self, steps: u16) -> Self {

@@ -107,30 +107,30 @@ impl Prover<'_> {
         self.space.can_turn_out(self.problem.sim.program(), self.problem.sim.world_id(), id, holds)
     }
 
-    /// The parts for which an expression cannot turn out as wished.
-    fn explain(&self, id: ExprId, wished: bool, parts: &mut Vec<Part>) {
-        match (self.problem.sim.program().exprs[id], wished) {
-            (Expr::Not(a), _) => self.explain(a, !wished, parts),
+    /// The parts for which an expression cannot turn out as asked.
+    fn explain(&self, id: ExprId, wanted: bool, parts: &mut Vec<Part>) {
+        match (self.problem.sim.program().exprs[id], wanted) {
+            (Expr::Not(a), _) => self.explain(a, !wanted, parts),
             // Both would have to: one that cannot is enough.
             (Expr::And(a, b), true) | (Expr::Or(a, b), false) => {
-                match [a, b].into_iter().find(|part| !self.can(*part, wished)) {
-                    Some(part) => self.explain(part, wished, parts),
-                    None => parts.push(self.part(id, wished)),
+                match [a, b].into_iter().find(|part| !self.can(*part, wanted)) {
+                    Some(part) => self.explain(part, wanted, parts),
+                    None => parts.push(self.part(id, wanted)),
                 }
             }
             (Expr::And(a, b), false) | (Expr::Or(a, b), true) => {
-                self.explain(a, wished, parts);
-                self.explain(b, wished, parts);
+                self.explain(a, wanted, parts);
+                self.explain(b, wanted, parts);
             }
-            _ => parts.push(self.part(id, wished)),
+            _ => parts.push(self.part(id, wanted)),
         }
     }
 
-    fn part(&self, predicate: ExprId, wished: bool) -> Part {
+    fn part(&self, predicate: ExprId, wanted: bool) -> Part {
         let mut quantities = Vec::new();
         self.reads(predicate, &mut quantities);
         let reads = quantities.into_iter().filter_map(|q| Some((q, self.values(q)?))).collect();
-        Part { predicate, holds: !wished, reads }
+        Part { predicate, holds: !wanted, reads }
     }
 
     /// The variables of instances that an expression reads, each once.

@@ -17,17 +17,17 @@ use super::strategy::{Choice, Growth, Strategy};
 /// How many samples in a row a strategy may discard before its tree is given up.
 const MAX_FRUITLESS: u64 = 10_000;
 
-/// So many trees in a row may stay without a node beside their roots before nothing more is tried: all that is possible there
+/// The number of trees in a row that may stay without a node beside their roots before the search ends: all that is possible there
 /// ends at once, or has no time left.
 const MAX_BARREN: u64 = 1_000;
 
 /// What a sample costs, in units of work, beside being compared.
 const TRY: u64 = 512;
 
-/// So many coordinates are compared for a unit of work: indexes leave most nodes out.
+/// The number of coordinates that are compared for a unit of work: indexes leave most nodes out.
 const COMPARED: u64 = 16;
 
-/// A tree that a strategy grows from samples, planted anew now and then.
+/// A tree that a strategy grows from samples, replanted now and then.
 pub(super) struct Sampler<'a> {
     context: SearchContext<'a>,
     strategy: Box<dyn Strategy + Send + 'a>,
@@ -112,7 +112,7 @@ impl<'a> Sampler<'a> {
         self.strategy.choose(&mut self.context, &self.toward)
     }
 
-    /// Whether the rest of the way from a state takes longer than there is time after so many steps.
+    /// Whether the rest of the way from a state takes longer than the time that is left after a number of steps.
     fn is_too_late(&self, state: &[u8], depth: u32) -> bool {
         let (Some(most), Some(distances)) = (self.context.problem.time(), self.distances) else { return false };
         let sim = self.context.problem.sim;

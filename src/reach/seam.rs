@@ -12,7 +12,7 @@ pub(super) enum Settled {
     Open(Start),
     /// The run is over.
     Over,
-    /// What is asked for holds already, after this script, so many steps of which were given.
+    /// What is asked for holds already, after this script, with the number of its steps that were given.
     Goal { script: Script, after: u64 },
     /// A run-time error at a step.
     Fault(Fault, u64),
@@ -58,7 +58,7 @@ pub(super) fn settled(problem: &Problem<'_>, mut start: Start, watch: &dyn Watch
     }
 }
 
-/// Whether the inputs of a script are held for at least so many steps each, but for the last one, and for those that are over
+/// Whether each input of a script is held for at least `least_hold` steps, but for the last one, and for those that are over
 /// before the first `after` steps are.
 pub(super) fn is_held(script: &Script, after: u64, least: u16) -> bool {
     let mut end = 0;

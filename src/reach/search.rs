@@ -79,7 +79,7 @@ pub enum Restart {
     /// As the planner does by itself.
     #[default]
     ByPlanner,
-    /// After so many nodes, or a multiple of it.
+    /// After this number of nodes, or a multiple of it.
     After(u64),
     /// Trees grow for ever.
     Never,
@@ -205,7 +205,7 @@ impl<'a> Builder<'_, 'a> {
         }
     }
 
-    /// Exhaustions by inputs that change only every so many steps, finer and finer, down to all that the question admits.
+    /// Exhaustions by inputs that change only every few steps, finer and finer, down to all that the question admits.
     fn refinement(&self, tree: usize) -> Refinement<'a> {
         let least = self.problem.least_hold();
         let coarse = COARSE.into_iter().filter(|hold| *hold > least).chain((least > 1).then_some(least));
@@ -257,7 +257,7 @@ impl<'a> Builder<'_, 'a> {
     }
 }
 
-/// Inputs that change only every so many steps lead to few states, so that ways to the goal are soon found among them.
+/// Inputs that change only every few steps lead to few states, so that ways to the goal are soon found among them.
 const COARSE: [u16; 3] = [10, 5, 2];
 
 /// The sampling planners that `auto` takes in turns, with their shares of the nodes: by measurement, the first solves most
@@ -329,7 +329,7 @@ impl Forest<'_, '_> {
         }
     }
 
-    /// Lets all trees grow by so many nodes, on as many threads as there are, at most as many as are wanted.
+    /// Lets each tree grow by `nodes` nodes, on as many threads as the settings and the system allow.
     fn round(&mut self, nodes: u64) -> Vec<Ending> {
         let threads = self.settings.threads.clamp(1, self.trees.len());
         if threads == 1 {

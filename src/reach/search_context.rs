@@ -27,7 +27,7 @@ pub enum Extension {
     Open,
     /// The branch ended before.
     Dead,
-    /// What is asked for holds after so many steps.
+    /// What is asked for holds after this number of steps.
     Goal(u16),
 }
 
@@ -44,7 +44,7 @@ pub(super) struct Notes {
     pub is_truncated: bool,
     /// Every node, if nodes are recorded.
     pub record: Vec<Visited>,
-    /// Where all states were visited without an answer that inputs lead to which change only every so many steps, the
+    /// Where all states were visited without an answer that inputs lead to which change only every few steps, the
     /// finest such inputs: for how many steps they are held, and how many states there are. Proves nothing of others.
     pub exhausted: Option<(u16, u64)>,
     /// Branches given up at search windows, beyond which something that is asked for may happen.
@@ -361,7 +361,7 @@ impl<'a> SearchContext<'a> {
         &self.starts[start]
     }
 
-    /// The inputs from the initial state to the end of a choice that lasts so many steps.
+    /// The inputs from the initial state to the end of a choice that lasts `steps` steps.
     fn script(&self, choice: Choice, steps: u16) -> Script {
         let mut script = self.start(choice.node).script.clone();
         for step in self.tree.script(choice.node, |set| self.controls.inputs(set)).steps {
@@ -371,7 +371,7 @@ impl<'a> SearchContext<'a> {
         script
     }
 
-    /// A way to what is asked for, which a choice brings about after so many steps; replayed.
+    /// A way to what is asked for, which a choice brings about after `steps` steps; replayed.
     pub(super) fn plan(&mut self, choice: Choice, steps: u16, is_shortest: bool) -> Option<Plan> {
         let after = self.start(choice.node).after;
         let script = self.script(choice, steps);

@@ -20,7 +20,7 @@ pub(super) enum Ending {
 
 /// A search that can be continued.
 pub(super) trait Searcher: Send {
-    /// Grows about so many nodes more.
+    /// Grows by about `nodes` nodes.
     fn advance(&mut self, nodes: u64) -> Ending;
 
     /// A way that it has found but not yet answered with, as there might be a shorter one. Asked where a search ends.

@@ -14,7 +14,7 @@ impl NodeId {
     }
 }
 
-/// About so many bytes of states stand together.
+/// The size of a block of states, bytes.
 const CHUNK: usize = 1 << 18;
 
 /// A tree of states, or several with roots of their own.
@@ -83,7 +83,7 @@ impl Tree {
         chunks + self.nodes.capacity() * size_of::<Node>() + self.tried.capacity() * size_of::<u64>()
     }
 
-    /// Adds a root, to which so many steps have led already. `inputs` is the number of inputs of its control set, none if
+    /// Adds a root at a depth in steps. `inputs` is the number of inputs of its control set, none if
     /// they are not tried one by one.
     pub fn plant(&mut self, state: &[u8], depth: u32, set: u16, inputs: usize) -> NodeId {
         let id = self.push(state, NodeId(self.nodes.len() as u32), (0, 0), set, inputs);
@@ -161,7 +161,7 @@ impl Tree {
         0
     }
 
-    /// Marks an input of a node as tried; gives whether it was not before.
+    /// Marks an input of a node as tried; returns whether it was not before.
     pub fn take(&mut self, node: NodeId, input: usize) -> bool {
         let n = &mut self.nodes[node.index()];
         let word = &mut self.tried[n.tried as usize + input / 64];

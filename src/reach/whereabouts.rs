@@ -53,7 +53,7 @@ pub(super) fn extent(problem: &Problem<'_>, slot: SlotId, collider: &Collider) -
     collider.shape.sides(number).map(Bounds::new)
 }
 
-/// The boxes of what has one of some tags and never moves in a space, rectangles first: at most so many of tiles.
+/// The boxes of what has one of some tags and never moves in a space, rectangles first; the number of boxes of tiles is limited.
 pub(super) fn unmoving(space: &Space, tags: TagSet, most: usize) -> impl Iterator<Item = Bounds> {
     let solids = space.solids.iter().filter(move |solid| solid.tags.meets(tags)).map(|solid| solid.bounds);
     let tiles = space.map.iter().flat_map(move |map| {

@@ -106,7 +106,7 @@ pub enum TermKind {
     Number(f64),
     /// A number with a dimension of its own: the exponents of px and of s.
     Quantity(Box<(f64, i32, i32)>),
-    /// So many steps of the world, in seconds.
+    /// A number of steps of the world, in seconds.
     Frames(f64),
     /// A truth value.
     Bool(bool),
@@ -498,7 +498,7 @@ pub enum By {
     Button(ButtonId),
     /// The sign of an axis.
     Axis(AxisId),
-    /// The direction of several axes, to the nearest of so many ways, or as it is.
+    /// The direction of several axes, to the nearest of this number of directions, or as it is.
     Axes(Vec<AxisId>, Option<u32>),
     /// The clock of the mode that holds it.
     Clock(ModeId),
@@ -511,7 +511,7 @@ pub enum Rate {
     Instant,
     /// By so much a second.
     Accel(Term),
-    /// So that the whole way takes so many seconds.
+    /// The whole way takes this time, s.
     Over(Term),
 }
 

@@ -116,7 +116,7 @@ const TIME: (i64, i64) = (0, 1);
 const LENGTH: (i64, i64) = (1, 0);
 
 /// Checks all entities and worlds of a program that is otherwise right.
-/// Gives what it found of parameters and variables.
+/// Returns what it found of parameters and variables.
 pub(super) fn check(program: &Checked, sources: &SourceMap, diagnostics: &mut Diagnostics) -> Dimensions {
     let mut solver = Solver {
         program,
@@ -336,7 +336,7 @@ impl Solver<'_> {
         }
     }
 
-    /// Terms that must agree; gives their common dimension, none if all are literals.
+    /// Terms that must agree; returns their common dimension, none if all are literals.
     fn agree(&mut self, terms: &[&Term], joint: Joint, here: &Here<'_>) -> Option<Dim> {
         let mut common: Option<(Dim, &Term)> = None;
         for term in terms {

@@ -75,7 +75,7 @@ impl Facts {
         self.known.iter().rev().filter(|(s, _)| *s == subject).find_map(|(_, e)| *e)
     }
 
-    /// Gives a name to the answer of a contact question.
+    /// Returns a name to the answer of a contact question.
     pub fn name(&mut self, name: &Name, question: BoundTouch) -> TouchId {
         let same = |b: &BoundTouch| (b.mine, b.other, b.side) == (question.mine, question.other, question.side);
         let id = self.bound.find(same).unwrap_or_else(|| self.bound.push(question));

@@ -46,7 +46,7 @@ pub use constant::{Broken, ConstantContext, evaluate};
 use names::Table;
 pub use unused::names_of_unused;
 
-/// The most entities of a program, imported ones included: each is a table of its own, and nobody writes more by hand.
+/// The most entities of a program, imported ones included: each is a table of its own, and more are not written by hand.
 pub const MAX_ENTITIES: usize = 10_000;
 /// The most worlds of a program, imported ones included.
 pub const MAX_WORLDS: usize = 10_000;

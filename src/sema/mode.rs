@@ -59,7 +59,7 @@ impl ModeNames {
 }
 
 impl<'a> Checker<'a> {
-    /// Adds modes and what they hold to the entity, in preorder; gives the ids of the outermost.
+    /// Adds modes and what they hold to the entity, in preorder; returns the ids of the outermost.
     pub(super) fn mode_skeletons(
         &mut self,
         modes: &[&'a ast::Mode],

@@ -17,7 +17,7 @@ pub(super) struct Table<T> {
     index: Option<Box<BTreeMap<Word, u32>>>,
 }
 
-/// So many names are found without an index.
+/// Fewer names than this are found without an index.
 const FEW: usize = 8;
 
 impl<T> Table<T> {

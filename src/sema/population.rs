@@ -56,7 +56,7 @@ impl Checker<'_> {
         Some(population.instances.push(instance))
     }
 
-    /// The name of the next instance that nobody named.
+    /// The name of the next instance without a name.
     pub(super) fn unnamed(&self, population: &mut Population, entity: EntityId, span: Span) -> Name {
         let number = population.unnamed.entry(entity).or_insert(0);
         *number += 1;
@@ -198,7 +198,7 @@ impl Checker<'_> {
                 self.diagnostics.report(OverLimit { at: limit.span, name, living, limit: count as usize, one: last });
                 continue;
             }
-            // Without a space there is nobody to spawn anything, and nowhere to be.
+            // Without a space there is nothing that spawns, and nowhere to be.
             let has_space = syntax.items.iter().any(|item| matches!(item, WorldItem::Space(_)));
             for _ in (living..count as usize).filter(|_| has_space) {
                 let name = self.unnamed(population, entity, limit.span);

@@ -9,7 +9,7 @@ use crate::watch::Meter;
 
 use super::contact::Rect;
 
-/// Up to so many pairs are kept as a list.
+/// The most pairs that are kept as a list.
 const MAX_LISTED: usize = 64;
 
 /// Pairs of bodies that can meet.
@@ -17,7 +17,7 @@ const MAX_LISTED: usize = 64;
 pub(super) enum Broad {
     /// All of them.
     Listed(Vec<(u32, u32)>),
-    /// Found anew in every step, from the kinds that can meet; the first is not above the second.
+    /// Found in every step, from the kinds that can meet; the first is not above the second.
     Kinds(Kinds),
 }
 
@@ -117,7 +117,7 @@ pub(super) struct Sweep {
 }
 
 impl Sweep {
-    /// For so many boxes.
+    /// For a number of boxes.
     pub fn with_room(boxes: usize) -> Self {
         // With strips as high as a box on average, all boxes together span as many strips as there are boxes; a
         // box also touches those where it begins and ends.
@@ -125,7 +125,7 @@ impl Sweep {
     }
 
     /// Calls `visit` with every pair of active boxes of one space that overlap or touch, the lower index first, of those
-    /// that can meet anything, until the meter stops it. Gives how many pairs were looked at.
+    /// that can meet anything, until the meter stops it. Returns how many pairs were looked at.
     pub fn pairs(
         &mut self,
         boxes: &[Rect],

@@ -32,7 +32,7 @@ impl Simulator {
             if actor.is_bounded {
                 self.read_bounds(state, actor, frames, clamps, peaks, &fault);
             }
-            // Where nobody reads anybody else, each can move at once.
+            // Where no instance reads another, each can move at once.
             if self.is_private {
                 self.move_by(state, actor, flows_of(actor, plan, flows), clamps, peaks, start)?;
             }

@@ -37,7 +37,7 @@ impl Simulator {
         acting.clear();
         self.decide(state, frames, taken, acting, &fault);
         Self::settle(&fault)?;
-        // In most steps nobody does anything, and the state need not be kept.
+        // In most steps no edge is taken, and the state need not be kept.
         if acting.is_empty() {
             return Ok(());
         }

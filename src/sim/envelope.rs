@@ -7,7 +7,7 @@ use crate::ir::{By, Entity, Envelope, EnvelopeId, ExprId, Press, Release};
 
 use super::evaluate::Reader;
 
-/// So many steps of the whole turn tell directions apart that are cut into none.
+/// The resolution of directions that are not rounded: parts of a whole turn.
 const FINE_WAYS: f64 = 65_534.0;
 
 /// A driven envelope's direction: a vector of length 1, and its number.

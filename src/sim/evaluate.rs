@@ -115,7 +115,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The value of an axis, 0 where nobody controls the instance.
+    /// The value of an axis, 0 where no player controls the instance.
     pub fn axis(&self, axis: AxisId) -> f64 {
         self.frame().and_then(|f| f.axes.get(axis.index()).copied()).unwrap_or(0.0)
     }

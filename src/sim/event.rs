@@ -9,7 +9,7 @@ use super::simulator::{Scratch, Simulator};
 /// Something that happened in a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Event {
-    /// An instance took an edge of its entity, be it one that stays in its mode.
+    /// An instance took an edge of its entity, which may stay in its mode.
     Edge(SlotId, EdgeId),
     /// An instance came to be.
     Spawned(SlotId),

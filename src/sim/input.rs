@@ -24,7 +24,7 @@ impl Input {
         self.0.get(player.index()).copied().unwrap_or_default()
     }
 
-    /// Nothing from so many players.
+    /// No input, from each of a number of players.
     pub fn nothing(players: usize) -> Input {
         Input(vec![PlayerInput::default(); players])
     }

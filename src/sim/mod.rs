@@ -2,7 +2,7 @@
 //! observation), and what goes in and out of it: input scripts and traces.
 //!
 //! A state is a block of bytes whose layout the IR gives; a step reads the state, the inputs and nothing else, and
-//! allocates nothing. The same state and inputs give the same bits, whoever asks and however often.
+//! allocates nothing. The same state and inputs always give the same bits.
 
 mod actor;
 mod broad;

@@ -14,7 +14,7 @@ use super::input::{Input, PlayerInput};
 /// The most steps one script may ask for.
 pub const MAX_STEPS: u64 = 100_000_000;
 
-/// So many steps of the same input.
+/// A number of steps with the same input.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScriptStep {
     /// What all players give.
@@ -41,7 +41,7 @@ impl Script {
         self.len() == 0
     }
 
-    /// Appends so many steps of an input; equal neighbours become one.
+    /// Appends `count` steps of an input; equal neighbours become one.
     pub fn push(&mut self, input: &Input, count: u32) {
         match self.steps.last_mut() {
             Some(last) if last.input == *input && last.count.checked_add(count).is_some() => last.count += count,
@@ -50,7 +50,7 @@ impl Script {
         }
     }
 
-    /// Its first steps, at most so many.
+    /// Its first steps, at most `steps` of them.
     #[must_use]
     pub fn first(&self, steps: u64) -> Script {
         let mut first = Script::default();

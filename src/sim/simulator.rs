@@ -35,7 +35,7 @@ pub struct Simulator {
     pub(super) is_private: bool,
     /// Whether anything can be destroyed or spawned.
     lives_change: bool,
-    /// The buttons that a state remembers: of the others nobody asks when they went down or up.
+    /// The buttons that a state remembers: no guard asks when the others went down or up.
     pub(super) remembered: u64,
     /// What evaluating all code once costs, in units of work.
     cost: u64,

@@ -23,7 +23,7 @@ impl Tiles<'_> {
 }
 
 impl Simulator {
-    /// A body and the tiles that it may touch; gives how many were looked at.
+    /// A body and the tiles that it may touch; returns how many were looked at.
     pub(super) fn collide_tiles(
         &self,
         state: &mut [u8],

@@ -28,7 +28,7 @@ pub enum TraceFormat {
     Csv,
 }
 
-/// What a run depends on: whoever has the files can run it again.
+/// What a run depends on: with the files it can be run again.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, Deserialize)]
 pub struct TraceHeader {
     /// [`TRACE_VERSION`].

@@ -53,7 +53,7 @@ pub(super) fn mend_braces(
     diagnostics: &mut Diagnostics,
 ) -> Vec<Insert> {
     let mut mender =
-        Mender { file, text, diagnostics, inserts: Vec::new(), open: Vec::new(), strays: 0, suspect: None };
+        Mender { file, text, diagnostics, inserts: Vec::new(), open: Vec::new(), strays: 0, candidate: None };
     let mut lines = lines.iter().peekable();
     for brace in braces {
         while let Some(line) = lines.next_if(|l| l.token < brace.at) {
@@ -78,7 +78,7 @@ struct Mender<'a> {
     open: Vec<Brace>,
     strays: usize,
     /// A closing brace in the middle of its line that closed a block of an earlier line, and that block's opener.
-    suspect: Option<(Brace, Brace)>,
+    candidate: Option<(Brace, Brace)>,
 }
 
 impl Mender<'_> {
@@ -96,13 +96,13 @@ impl Mender<'_> {
     }
 
     fn line(&mut self, line: LineStart) {
-        if let Some((stray, opener)) = self.suspect.filter(|(_, opener)| line.indent > opener.indent)
+        if let Some((stray, opener)) = self.candidate.filter(|(_, opener)| line.indent > opener.indent)
             && self.open.last().is_none_or(|top| top.indent < opener.indent)
         {
             self.stray(stray);
             self.open.push(opener);
         }
-        self.suspect = None;
+        self.candidate = None;
         self.close_until(line.line, line.token, |top| line.indent > top.indent);
         if line.bare_header {
             // The last character, which may be of several bytes.
@@ -123,17 +123,17 @@ impl Mender<'_> {
             // The brace stands under its opener: what is open inside it has lost its own.
             self.close_until(brace.at, brace.at, |top| top.indent <= brace.indent);
         }
-        if let Some((stray, _)) = self.suspect.filter(|(_, opener)| brace.leads && opener.indent == brace.indent)
+        if let Some((stray, _)) = self.candidate.filter(|(_, opener)| brace.leads && opener.indent == brace.indent)
             && self.open.last().is_none_or(|top| top.indent < brace.indent)
         {
-            // This one is the partner of what the suspect closed.
+            // This one is the partner of what the candidate closed.
             self.stray(stray);
-            self.suspect = None;
+            self.candidate = None;
             return;
         }
         match self.open.pop() {
             Some(opener) if opener.line != brace.line && !(brace.leads && opener.indent == brace.indent) => {
-                self.suspect = Some((brace, opener));
+                self.candidate = Some((brace, opener));
             }
             Some(_) => {}
             None => self.stray(brace),

@@ -78,7 +78,7 @@ pub struct Occurrence {
 /// All names of a program, if anybody wants to know.
 #[derive(Debug, Clone, Default)]
 pub struct Occurrences {
-    /// None if nobody does: a large text has many names.
+    /// None if no caller does: a large text has many names.
     list: Option<Vec<Occurrence>>,
 }
 

@@ -140,7 +140,7 @@ impl<'a> Failed<'a> {
         self.expected.iter().any(|expected| expected == word)
     }
 
-    /// A word in place of so many bytes that do not fit, apart from what stands beside them.
+    /// A word in place of a number of bytes that do not fit, apart from what is beside them.
     fn spaced(&self, length: usize, word: &str) -> (Range<usize>, String) {
         let space = |c: Option<char>| if c.is_none_or(char::is_whitespace) { "" } else { " " };
         let after = self.rest().get(length..).and_then(|rest| rest.chars().next());

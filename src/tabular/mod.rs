@@ -1,4 +1,4 @@
-//! Tables: in plain text for people, as CSV for programs. Whoever has rows to show brings the cells; nothing here knows
+//! Tables: in plain text for people, as CSV for programs. The caller brings the cells; nothing here knows
 //! what they mean.
 
 pub mod csv;

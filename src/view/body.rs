@@ -102,7 +102,7 @@ struct Start<'a> {
 }
 
 impl Start<'_> {
-    /// The value of an expression that reads no inputs, no contacts and nobody else; truth is 1.
+    /// The value of an expression that reads no inputs, no contacts and no other instance; truth is 1.
     fn value(&self, id: ExprId) -> Option<f64> {
         let truth = |holds: bool| f64::from(u8::from(holds));
         let value = match self.program.exprs[id] {

@@ -27,7 +27,7 @@ enum Sign {
     Heat,
 }
 
-/// Draws the key, at most so wide; gives its height.
+/// Draws the key, at most so wide; returns its height.
 pub(super) fn draw(out: &mut String, scene: &Scene<'_>, width: f64) -> f64 {
     let (mut x, mut y) = (0.0, 0.0);
     for (sign, words) in entries(scene) {

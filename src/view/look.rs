@@ -10,7 +10,7 @@ use super::goal::touched;
 const GROUNDS: [&str; 4] = ["ground0", "ground1", "ground2", "ground3"];
 const ACCENTS: [&str; 6] = ["accent0", "accent1", "accent2", "accent3", "accent4", "accent5"];
 
-/// Scenery with one of so many tiles is not drawn.
+/// A kind of scenery is not drawn if it covers less than one tile in this number.
 const AIR: usize = 4;
 
 /// What something is to the player.

@@ -1,5 +1,5 @@
 //! Pictures of what a search found: the level, where the player was, the tree, the way to the goal. Drawn from plain
-//! data, so that whoever searches can show it; nothing is computed here that a verdict rests on.
+//! data, so that any search can be shown; nothing is computed here that a verdict rests on.
 //!
 //! | file | draws |
 //! |---|---|

@@ -131,7 +131,7 @@ pub fn search_svg(program: &Program, world: WorldId, search: &Search<'_>) -> Str
     )
 }
 
-/// World, goal, verdict and notes; gives where the panels begin.
+/// World, goal, verdict and notes; returns where the panels begin.
 fn title(out: &mut String, world: &str, search: &Search<'_>, width: f64) -> f64 {
     let verdict = shortened(search.verdict, 12.0, width / 3.0);
     let pill = text_width(&verdict, 12.0 * BOLD) + 20.0;
@@ -167,7 +167,7 @@ fn head(out: &mut String, scene: &Scene<'_>, id: SpaceId, presence: &Presence, (
     }
 }
 
-/// Where the panels are: in rows of so many, all to the same scale.
+/// Where the panels are: in rows of equal length, all to the same scale.
 struct Grid {
     columns: Vec<f64>,
     rows: Vec<f64>,

@@ -84,7 +84,7 @@ pub(super) fn text_width(text: &str, size: f64) -> f64 {
 /// How much wider bold letters are.
 pub(super) const BOLD: f64 = 1.12;
 
-/// At most so many lines of at most a width, broken between words; what is too long is cut.
+/// A text in a limited number of lines of a limited width, broken between words; what is too long is cut.
 pub(super) fn wrapped(text: &str, size: f64, width: f64, most: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {

@@ -75,7 +75,7 @@ pub(in crate::analysis) struct Overall {
     pub leaves: BTreeSet<LeafId>,
 }
 
-/// What an instance can be within a step, after the discrete phase and before the continuous one. Whoever is destroyed in
+/// What an instance can be within a step, after the discrete phase and before the continuous one. An instance that is destroyed in
 /// that step is read by others in it, too.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(in crate::analysis) struct Between {
@@ -85,14 +85,14 @@ pub(in crate::analysis) struct Between {
 }
 
 impl Between {
-    /// Of an entity with so many variables.
+    /// Of an entity with a number of variables.
     pub fn new(vars: usize, discretes: usize) -> Self {
         let none = |count: usize| (0..count).map(|_| Values::none());
         let vars = none(vars).map(|v| [v; 3]).collect();
         Between { vars, discretes: none(discretes).collect(), leaves: BTreeSet::new() }
     }
 
-    /// Of what can be anything but for its discrete variables, with so many leaves.
+    /// Of what can be anything but for its discrete variables, with a number of leaves.
     pub fn anything(vars: usize, discretes: IdVec<DiscreteId, Values>, leaves: BTreeSet<LeafId>) -> Self {
         Between { vars: (0..vars).map(|_| [Values::all(); 3]).collect(), discretes, leaves }
     }

@@ -30,11 +30,11 @@ pub(in crate::analysis) fn within_bounds(world: &World, slot: SlotId, mut at: Co
 
 /// What a growth that comes from the configuration itself counts, against one that comes from others.
 const OWN: u8 = 4;
-/// After so many changes an end is moved to a number of the program.
+/// The number of changes after which an end is moved to a number of the program.
 const PATIENCE: u8 = 5 * OWN;
-/// After so many it is moved to where the variable ends in other modes.
+/// The number of changes after which it is moved to where the variable ends in other modes.
 const STAYS_UNTIL: u8 = PATIENCE + 10 * OWN;
-/// After so many it goes on for ever.
+/// The number of changes after which it becomes infinite.
 const FOLLOWS_UNTIL: u8 = STAYS_UNTIL + 20 * OWN;
 /// Energies grow by what comes in from other modes alone, and are left more time.
 const LONG_PATIENCE: u8 = 96;

@@ -151,7 +151,7 @@ fn keep(known: &mut Vec<u8>, case: &[u8]) {
     known.splice(at..at, case.iter().copied());
 }
 
-/// The leaves in which each of so many entries is, in order.
+/// The leaves in which each of a number of entries is, in order.
 fn by_leaf<I: Id>(entity: &Entity, count: usize, of: impl Fn(&Leaf) -> Vec<I>) -> Vec<(I, Vec<LeafId>)> {
     let mut out = vec![Vec::new(); count];
     for (id, leaf) in entity.leaves.pairs() {

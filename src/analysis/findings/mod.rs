@@ -4,7 +4,7 @@
 //! A finding holds of all worlds of the program together. The worlds are looked at without the bounds at which a search
 //! stops, and with a player for every entity that reads inputs: what is never said to happen does not happen in a run
 //! that goes on beyond, either. Nor does it matter how many things there are to be picked up. They are looked at one by
-//! one, and what they tell of each entity is gathered: what a world can be is not kept, if nobody asks for it.
+//! one, and what they tell of each entity is gathered: what a world can be is not kept, unless a caller asks for it.
 
 mod account;
 mod guards;
@@ -31,7 +31,7 @@ use crate::analysis::domain::configuration::Configuration;
 use account::{Account, Occurrence};
 use tunnelling::Tunnelling;
 
-/// So many ways of steps are looked at for all worlds of a program: a check is to answer while one types.
+/// The most ways of steps that are examined for all worlds of a program: a check answers while one types.
 const MAX_EFFORT: usize = 200_000;
 
 /// Looks for what values tell of the entities of a file. `said` is what was found before: nothing is said twice.

@@ -123,7 +123,7 @@ impl Seen {
     }
 }
 
-/// So many intervals are kept apart while they are gathered.
+/// The most intervals that are kept apart while they are gathered.
 const MAX_APART: usize = 64;
 
 /// Each variable that is read, with its name and what it can be.

@@ -92,7 +92,7 @@ pub(in crate::analysis) struct Analysis<'a> {
     is_narrowing: bool,
     /// How many ways of steps may still be looked at.
     pub effort: usize,
-    /// Who may say that nobody waits for the result any more.
+    /// Asked whether the result is still wanted.
     pub watch: &'a dyn Watch,
     /// Whether the watch said so.
     pub is_stopped: bool,
@@ -290,7 +290,7 @@ impl<'a> Analysis<'a> {
         }
     }
 
-    /// Tells the others what each slot can be; gives whether anything changed.
+    /// Tells the others what each slot can be; returns whether anything changed.
     pub fn tell(&mut self) -> bool {
         let mut changed = false;
         for slot in self.world.slots.ids() {
@@ -518,7 +518,7 @@ impl<'a> Analysis<'a> {
         changed
     }
 
-    /// Something puts an instance somewhere; gives whether it can be there, or inside of what pushes it, which is new.
+    /// Something puts an instance somewhere; returns whether it can be there, or inside of what pushes it, which is new.
     pub fn land(&mut self, slot: SlotId, landing: &Landing) -> bool {
         let kind = self.scene.of[slot];
         let mut changed = false;

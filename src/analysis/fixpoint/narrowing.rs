@@ -17,7 +17,7 @@ const MAX_EXTENSIONS: usize = 8;
 
 impl Analysis<'_> {
     /// Steps once from all that was found, and keeps of it only what comes of that or is there from the start. Ends that
-    /// a configuration has only from itself are lost: it begins anew with what comes in from others.
+    /// a configuration has only from itself are lost: it restarts with what comes in from others.
     pub fn narrow(&mut self) {
         self.surroundings = Surroundings::new(&mut self.scene, &self.overall);
         let mut found: Vec<(SlotId, Key, Outcome)> = Vec::new();

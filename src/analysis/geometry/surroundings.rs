@@ -303,7 +303,7 @@ impl Contacts {
         Some([up, down])
     }
 
-    /// Adds to a position where pushes within intervals can put it; gives what is around them, by the low and by the
+    /// Adds to a position where pushes within intervals can put it; returns what is around them, by the low and by the
     /// high side.
     fn push(&self, edges: &[Vec<Interval>; 2], within: [Interval; 2], position: &mut Values) -> [Option<Interval>; 2] {
         if self.anywhere {
@@ -368,7 +368,7 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
         out.is_loose |= !pair.meeting.response.stop || !theirs.kinematic;
         is_moved_by_movers |= !theirs.kinematic;
         let crowd = &crowds[pair.kind];
-        // It may have been pushed since it stood on the carrier; what never moves takes nobody along.
+        // It may have been pushed since it stood on the carrier; what never moves carries nothing along.
         let slack = [0, 1].map(|axis| crowds[me].push[axis] + crowd.displacement[axis]);
         let slack = crowd.still.is_none().then_some(slack);
         pushed_by(&mut out, &mut carried, pair, (mine, theirs), crowd, slack);

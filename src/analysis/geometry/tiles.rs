@@ -32,7 +32,7 @@ impl<'a> Tiles<'a> {
         self.map.map_or((0, 0), |m| (m.columns, m.rows))
     }
 
-    /// Counts a look at every cell; gives whether all should end.
+    /// Counts a look at every cell; returns whether all should end.
     pub fn spend(&self, meter: &Meter<'_>) -> bool {
         let (columns, rows) = self.count();
         meter.spend(columns as u64 * rows as u64)

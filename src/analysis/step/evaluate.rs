@@ -382,7 +382,7 @@ impl<'a> Reader<'a> {
         if holds { truth.can_hold } else { truth.can_fail }
     }
 
-    /// Cuts a configuration to what is left where a guard holds (or fails); gives whether it can.
+    /// Cuts a configuration to what is left where a guard holds (or fails); returns whether it can.
     pub fn refine(&self, at: &mut Configuration, guard: ExprId, holds: bool) -> bool {
         let Some((me, _)) = self.me.filter(|_| self.can_turn_out(at, guard, holds)) else { return false };
         match (self.program.exprs[guard], holds) {

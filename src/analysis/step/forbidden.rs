@@ -16,12 +16,12 @@ pub(in crate::analysis) struct Forbidden<'a> {
 }
 
 impl Forbidden<'_> {
-    /// Cuts what an instance can be while none of the predicates holds; gives whether anything is left.
+    /// Cuts what an instance can be while none of the predicates holds; returns whether anything is left.
     pub fn cut(&self, slot: SlotId, at: &mut Configuration) -> bool {
         self.predicates.iter().all(|predicate| self.assume(slot, at, *predicate, false)) && !at.is_impossible()
     }
 
-    /// Cuts to what is left where an expression holds (or fails); gives whether it can.
+    /// Cuts to what is left where an expression holds (or fails); returns whether it can.
     fn assume(&self, slot: SlotId, at: &mut Configuration, id: ExprId, holds: bool) -> bool {
         let is_mine = |of: Subject| of == Subject::Slot(slot);
         match (self.program.exprs[id], holds) {

@@ -306,7 +306,7 @@ impl<'a> Stepper<'a> {
         found
     }
 
-    /// Leaves and enters modes: timers begin anew, entries run.
+    /// Leaves and enters modes: timers restart, entries run.
     fn enter(&self, transition: Transition, at: &Configuration, next: &mut Configuration, outcome: &mut Outcome) {
         let entity = self.entity();
         next.leaves[transition.group.index()] = transition.to;
@@ -318,7 +318,7 @@ impl<'a> Stepper<'a> {
         }
     }
 
-    /// Runs updates; gives whether the instance certainly ends.
+    /// Runs updates; returns whether the instance certainly ends.
     fn act(&self, actions: &Actions, at: &Configuration, next: &mut Configuration, outcome: &mut Outcome) -> bool {
         for update in &actions.updates {
             self.update(update, at, next);

@@ -75,14 +75,14 @@ pub(in crate::cli) fn dimensions(entity: &Entity, space: &SlotSpace) -> Dimensio
     Dimensions { all, varying, in_one_combination: found.iter().map(free).max().unwrap_or(0) }
 }
 
-/// What is asked of one world.
-pub(in crate::cli) struct Asked<'a> {
+/// A world with all that its instances can be.
+pub(in crate::cli) struct WorldBounds<'a> {
     pub program: &'a Program,
     pub world: &'a World,
     pub space: &'a ConfigurationSpace,
 }
 
-impl<'a> Asked<'a> {
+impl<'a> WorldBounds<'a> {
     pub fn entity(&self, slot: SlotId) -> &'a Entity {
         &self.program.entities[self.world.slots[slot].entity]
     }
@@ -105,7 +105,7 @@ pub(in crate::cli) fn run(args: &BoundsArgs) -> io::Result<Exit> {
         true => space.by_place(&loaded.program, id, &[], &Unwatched),
         false => space,
     };
-    let asked = Asked { program: &loaded.program, world: &loaded.program.worlds[id], space: &space };
+    let of = WorldBounds { program: &loaded.program, world: &loaded.program.worlds[id], space: &space };
     let goals = goals(&loaded, id, &space);
     let mut out = io::stdout().lock();
     if args.format == ResultFormat::Json {
@@ -113,19 +113,19 @@ pub(in crate::cli) fn run(args: &BoundsArgs) -> io::Result<Exit> {
             "version": RESULT_VERSION,
             "hypedc": env!("CARGO_PKG_VERSION"),
             "file": args.file.display().to_string(),
-            "world": asked.world.name,
-            "dimensions": asked.dimensions(),
-            "slots": asked.space.slots.ids().map(|slot| slot_json(&asked, slot)).collect::<Vec<_>>(),
-            "borders": borders(&asked),
+            "world": of.world.name,
+            "dimensions": of.dimensions(),
+            "slots": of.space.slots.ids().map(|slot| slot_json(&of, slot)).collect::<Vec<_>>(),
+            "borders": borders(&of),
             "goals": goals.iter().map(|(name, why)| goal_json(name, why.as_deref())).collect::<Vec<_>>(),
         });
         serde_json::to_writer_pretty(&mut out, &result)?;
         writeln!(out)?;
         return Ok(Exit::Yes);
     }
-    writeln!(out, "{}, world {}", args.file.display(), asked.world.name)?;
-    write_table(&mut out, &asked)?;
-    write_borders(&mut out, &borders(&asked))?;
+    writeln!(out, "{}, world {}", args.file.display(), of.world.name)?;
+    write_table(&mut out, &of)?;
+    write_borders(&mut out, &borders(&of))?;
     let mut proven = false;
     for (goal, why) in goals {
         match why {
@@ -139,21 +139,21 @@ pub(in crate::cli) fn run(args: &BoundsArgs) -> io::Result<Exit> {
             }
         }
     }
-    if proven && is_bounded(asked.world) {
+    if proven && is_bounded(of.world) {
         writeln!(out, "a run ends where a player leaves the bounds of its space, below or beside")?;
     }
     Ok(Exit::Yes)
 }
 
 /// Where runs of a world end, for each player and each space that it can be in.
-fn borders(asked: &Asked<'_>) -> Vec<Border> {
+fn borders(of: &WorldBounds<'_>) -> Vec<Border> {
     let mut borders = Vec::new();
-    for player in asked.world.players.iter() {
-        let moves = !asked.entity(player.slot).follows.is_empty();
-        let first = asked.world.slots[player.slot].space;
-        for (_, space) in asked.world.spaces.pairs().filter(|(id, _)| moves || *id == first) {
+    for player in of.world.players.iter() {
+        let moves = !of.entity(player.slot).follows.is_empty();
+        let first = of.world.slots[player.slot].space;
+        for (_, space) in of.world.spaces.pairs().filter(|(id, _)| moves || *id == first) {
             let bounds = space.bounds.map(|Bounds { left, right, bottom, top: _ }| End { left, right, bottom });
-            let player = asked.world.slots[player.slot].name.clone();
+            let player = of.world.slots[player.slot].name.clone();
             borders.push(Border { player, space: space.name.clone(), bounds });
         }
     }
@@ -211,17 +211,17 @@ fn goal_json(name: &str, why: Option<&[String]>) -> Value {
     json!({ "goal": name, "verdict": verdict, "argument": why.map(|w| w.join("; ")) })
 }
 
-fn slot_json(asked: &Asked<'_>, slot: SlotId) -> Value {
-    let (entity, found) = (asked.entity(slot), &asked.space.slots[slot]);
+fn slot_json(of: &WorldBounds<'_>, slot: SlotId) -> Value {
+    let (entity, found) = (of.entity(slot), &of.space.slots[slot]);
     json!({
-        "slot": asked.world.slots[slot].name,
+        "slot": of.world.slots[slot].name,
         "entity": entity.name,
         "can_be_absent": found.can_be_absent,
         "given_up": found.is_given_up,
         "dimensions": dimensions(entity, found),
         "combinations": match found.is_given_up {
             true => Value::Null,
-            false => found.configurations.iter().map(|c| configuration_json(asked, entity, c)).collect(),
+            false => found.configurations.iter().map(|c| configuration_json(of, entity, c)).collect(),
         },
     })
 }
@@ -232,9 +232,9 @@ fn intervals<'i>(all: impl IntoIterator<Item = &'i Interval>) -> Value {
     all.into_iter().map(|i| json!([end(i.low), end(i.high)])).collect()
 }
 
-fn configuration_json(asked: &Asked<'_>, entity: &Entity, at: &Configuration) -> Value {
+fn configuration_json(of: &WorldBounds<'_>, entity: &Entity, at: &Configuration) -> Value {
     let modes: Vec<&str> = at.leaves.iter().map(|l| entity.modes[entity.leaves[*l].mode].path.as_str()).collect();
-    let spaces: Vec<&str> = at.spaces.iter().map(|s| asked.world.spaces[*s].name.as_str()).collect();
+    let spaces: Vec<&str> = at.spaces.iter().map(|s| of.world.spaces[*s].name.as_str()).collect();
     let variable = |(var, [position, velocity, acceleration]): (crate::ir::VarId, &[Values; 3])| {
         json!({
             "name": entity.vars[var],

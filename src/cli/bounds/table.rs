@@ -8,7 +8,7 @@ use crate::analysis::{Configuration, Interval, SlotSpace, Values};
 use crate::ir::{DiscreteId, Domain, Entity, GroupId, Id, LeafId, SlotId, TimerId, VarId, World};
 
 use crate::analysis::wording::{number, values as shown};
-use crate::cli::bounds::{Asked, Dimensions, dimensions};
+use crate::cli::bounds::{Dimensions, WorldBounds, dimensions};
 
 /// The widest a line gets, where it can be broken.
 const WIDTH: usize = 110;
@@ -37,12 +37,12 @@ struct Alike {
 }
 
 /// Writes all slots, those that are alike together, and the sum of their dimensions.
-pub(in crate::cli) fn write_table(out: &mut impl Write, asked: &Asked<'_>) -> io::Result<()> {
+pub(in crate::cli) fn write_table(out: &mut impl Write, of: &WorldBounds<'_>) -> io::Result<()> {
     let mut all: Vec<Alike> = Vec::new();
-    for slot in asked.space.slots.ids() {
-        let s = Slot { world: asked.world, entity: asked.entity(slot), space: &asked.space.slots[slot] };
+    for slot in of.space.slots.ids() {
+        let s = Slot { world: of.world, entity: of.entity(slot), space: &of.space.slots[slot] };
         let (own, shared) = (s.text(true), s.text(false));
-        let entity = |slot: SlotId| asked.world.slots[slot].entity;
+        let entity = |slot: SlotId| of.world.slots[slot].entity;
         let same = |a: &&mut Alike| a.slots.first().is_some_and(|o| entity(*o) == entity(slot)) && a.shared == shared;
         match all.iter_mut().find(same) {
             Some(alike) => {
@@ -53,15 +53,15 @@ pub(in crate::cli) fn write_table(out: &mut impl Write, asked: &Asked<'_>) -> io
         }
     }
     for Alike { slots, shared, own } in &all {
-        let names: Vec<&str> = slots.iter().map(|s| asked.world.slots[*s].name.as_str()).collect();
+        let names: Vec<&str> = slots.iter().map(|s| of.world.slots[*s].name.as_str()).collect();
         let Some(&first) = slots.first() else { continue };
         let names = match names.as_slice() {
             [one, .., last] if names.len() > 3 => format!("{one} to {last}, {} of them", names.len()),
             _ => names.join(", "),
         };
-        write!(out, "\n{names}: {}{}", asked.entity(first).name, own.as_ref().unwrap_or(shared))?;
+        write!(out, "\n{names}: {}{}", of.entity(first).name, own.as_ref().unwrap_or(shared))?;
     }
-    writeln!(out, "\nin all: {}", told(asked.dimensions()))
+    writeln!(out, "\nin all: {}", told(of.dimensions()))
 }
 
 fn told(d: Dimensions) -> String {

@@ -6,7 +6,7 @@ use std::fs::{File, TryLockError};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use crate::corpus::{CSV_HEADER, Kept, Key, Record, Row, csv_line};
+use crate::corpus::{CSV_HEADER, Key, Record, Row, StoredRow, csv_line};
 use crate::source::ReadError;
 use crate::tabular::csv;
 
@@ -41,7 +41,7 @@ impl RecordFile {
             .truncate(false)
             .open(path)
             .map_err(|error| cannot("write", error))?;
-        // Where there are no locks, there is nobody to warn of.
+        // Where there are no locks, no other process can be noticed.
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
             return Err(format!("another `hypedc` is writing to `{}`", path.display()));
         }
@@ -66,17 +66,17 @@ impl RecordFile {
     ///
     /// # Errors
     /// Why it cannot be written.
-    pub fn add(&mut self, kept: &Kept) -> Result<(), String> {
+    pub fn add(&mut self, kept: &StoredRow) -> Result<(), String> {
         let line = format!("{}\n", kept.line);
         let written = self.file.write_all(line.as_bytes()).and_then(|()| self.file.sync_data());
         written.map_err(|error| format!("cannot write `{}`: {error}", self.path.display()))
     }
 
-    /// Puts just these rows into the file, in this order, in one go; gives how many others there were.
+    /// Puts just these rows into the file, in this order, in one go; returns how many others there were.
     ///
     /// # Errors
     /// Why it cannot be written.
-    pub fn finish(mut self, rows: &[&Kept]) -> Result<usize, String> {
+    pub fn finish(mut self, rows: &[&StoredRow]) -> Result<usize, String> {
         let cannot = |why: String| format!("cannot write `{}`: {why}", self.path.display());
         let text: String = rows.iter().map(|kept| format!("{}\n", kept.line)).collect();
         self.file.rewind().map_err(|error| cannot(error.to_string()))?;
@@ -119,7 +119,7 @@ impl CsvFile {
     ///
     /// # Errors
     /// Why it cannot be written.
-    pub fn finish(self, rows: &[&Kept]) -> Result<(), String> {
+    pub fn finish(self, rows: &[&StoredRow]) -> Result<(), String> {
         let mut text = format!("{}\n", csv::line(CSV_HEADER));
         rows.iter().for_each(|kept| text.push_str(&format!("{}\n", csv_line(&kept.row))));
         replace(&self.path, &text).map_err(|error| format!("cannot write `{}`: {error}", self.path.display()))

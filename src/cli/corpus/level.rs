@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use cpu_time::ThreadTime;
 
 use crate::compile::{Compilation, compile_constrained};
-use crate::corpus::{Kept, Key, Record, Row, Settings, Timing};
+use crate::corpus::{Key, Record, Row, Settings, StoredRow, Timing};
 use crate::diagnostic::{Severity, render};
 use crate::parallel::TaskContext;
 use crate::reach::query::{Found, Kind, Session};
@@ -42,7 +42,7 @@ pub(in crate::cli) struct Common<'c> {
 /// What comes of a question, with its number.
 pub(in crate::cli) enum Done {
     /// As an earlier run found it.
-    Kept(usize, Box<Kept>),
+    Stored(usize, Box<StoredRow>),
     /// Now.
     New(usize, Box<Row>),
     /// Nothing more can be done, as files cannot be written.
@@ -51,7 +51,7 @@ pub(in crate::cli) enum Done {
 
 impl Common<'_> {
     /// Does a level; hands in something for each question, or less if all is to end.
-    pub fn level(&self, level: &Level, desk: &TaskContext<'_, Done>) {
+    pub fn level(&self, level: &Level, task_context: &TaskContext<'_, Done>) {
         let path = level.path.as_deref();
         let level_sha256 = path.and_then(level_sha256);
         let blank = |target: usize, error: String| {
@@ -63,7 +63,7 @@ impl Common<'_> {
         };
         let failed = |error: &str| {
             for target in 0..self.targets.len() {
-                desk.hand_in(Done::New(target, Box::new(blank(target, error.to_string()))));
+                task_context.submit(Done::New(target, Box::new(blank(target, error.to_string()))));
             }
         };
         let Compilation { sources, program, diagnostics } =
@@ -87,25 +87,25 @@ impl Common<'_> {
         let kept = |target: usize| self.record.same(&blank(target)).filter(|kept| self.has_files(level, &kept.row));
         // A search for another goal may refute what a proof of an earlier run rests on.
         let is_searched = (0..self.targets.len()).any(|target| kept(target).is_none());
-        let rests_on_analysis = |kept: &Kept| kept.row.answer.answered_by.as_deref() == Some("analysis");
+        let rests_on_analysis = |kept: &StoredRow| kept.row.answer.answered_by.as_deref() == Some("analysis");
         let mut open = Vec::new();
         for target in 0..self.targets.len() {
             match kept(target).filter(|kept| !(is_searched && rests_on_analysis(kept))) {
-                Some(kept) => desk.hand_in(Done::Kept(target, Box::new(kept.clone()))),
+                Some(kept) => task_context.submit(Done::Stored(target, Box::new(kept.clone()))),
                 None => open.push(target),
             }
         }
         if open.is_empty() {
             return;
         }
-        let watch = LevelWatch::new(desk, self.args.seconds);
+        let watch = LevelWatch::new(task_context, self.args.seconds);
         let started = Instant::now();
         let session = Session::new(&loaded.program, world, query, &watch);
         let analysis_seconds = started.elapsed().as_secs_f64();
         let answered = |target: usize, mut found: Found<'_>, timing: Timing| {
             let answer = session.answer(&mut found, &loaded.sources);
             let destination = self.destination(level, &answer.goal);
-            let watch = LevelWatch::new(desk, None);
+            let watch = LevelWatch::new(task_context, None);
             destination.save(&session, &found, &answer, &watch).map_err(|refusal| refusal.text(&loaded.sources))?;
             let fault = found.outcome.fault.map(|(fault, step)| fault.fact(&loaded.program, world, step));
             let fault = fault.map(|fact| Refusal::of(fact).text(&loaded.sources));
@@ -114,15 +114,15 @@ impl Common<'_> {
         // A proof waits: the search for another goal of the level can refute the analysis that it rests on.
         let mut waiting = Vec::new();
         for target in open {
-            if desk.is_over() {
+            if task_context.is_over() {
                 return;
             }
-            let watch = LevelWatch::new(desk, self.args.seconds);
+            let watch = LevelWatch::new(task_context, self.args.seconds);
             let (started, cpu_started) = (Instant::now(), cpu_seconds());
             let found = session.find(session.query().targets[target], &watch);
             let cpu_seconds = cpu_started.zip(cpu_seconds()).map(|(from, to)| to - from);
             let timing = Timing { seconds: started.elapsed().as_secs_f64(), cpu_seconds, analysis_seconds };
-            if desk.is_over() {
+            if task_context.is_over() {
                 // It may have been cut short.
                 return;
             }
@@ -133,14 +133,14 @@ impl Common<'_> {
                 }
                 Ok(found) => match answered(target, found, timing) {
                     Ok(row) => row,
-                    Err(why) => return desk.hand_in(Done::Broken(why)),
+                    Err(why) => return task_context.submit(Done::Broken(why)),
                 },
                 Err(unasked) => {
                     let error = refusal(self.args, &loaded, world, &unasked).text(&loaded.sources);
                     Row { error: Some(error), ..blank(target) }
                 }
             };
-            desk.hand_in(Done::New(target, Box::new(row)));
+            task_context.submit(Done::New(target, Box::new(row)));
         }
         let refuted = session.refutation().map(|refutation| {
             let occasion =
@@ -149,8 +149,8 @@ impl Common<'_> {
         });
         for (target, found, timing) in waiting {
             match answered(target, found, timing) {
-                Ok(row) => desk.hand_in(Done::New(target, Box::new(Row { refuted: refuted.clone(), ..row }))),
-                Err(why) => return desk.hand_in(Done::Broken(why)),
+                Ok(row) => task_context.submit(Done::New(target, Box::new(Row { refuted: refuted.clone(), ..row }))),
+                Err(why) => return task_context.submit(Done::Broken(why)),
             }
         }
     }
@@ -172,20 +172,20 @@ fn cpu_seconds() -> Option<f64> {
 
 /// Watches one search: its seconds, and whether all is to end.
 struct LevelWatch<'w> {
-    desk: &'w TaskContext<'w, Done>,
+    task_context: &'w TaskContext<'w, Done>,
     until: Option<Instant>,
 }
 
 impl<'w> LevelWatch<'w> {
-    fn new(desk: &'w TaskContext<'w, Done>, seconds: Option<f64>) -> Self {
+    fn new(task_context: &'w TaskContext<'w, Done>, seconds: Option<f64>) -> Self {
         let until =
             seconds.and_then(|s| Duration::try_from_secs_f64(s).ok()).and_then(|s| Instant::now().checked_add(s));
-        LevelWatch { desk, until }
+        LevelWatch { task_context, until }
     }
 }
 
 impl Watch for LevelWatch<'_> {
     fn stop(&self) -> bool {
-        self.desk.is_over() || self.until.is_some_and(|until| Instant::now() >= until)
+        self.task_context.is_over() || self.until.is_some_and(|until| Instant::now() >= until)
     }
 }

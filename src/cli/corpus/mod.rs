@@ -16,7 +16,7 @@ use std::time::Instant;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 
-use crate::corpus::{Comparison, Kept, Key, Record, Row, junit, summary, table};
+use crate::corpus::{Comparison, Key, Record, Row, StoredRow, junit, summary, table};
 use crate::diagnostic::catalogue::file::Unreadable;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::parallel::{self, TaskContext};
@@ -47,7 +47,7 @@ pub(in crate::cli) fn is_asked(args: &ReachArgs) -> bool {
 
 /// Asks the questions of each level.
 pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Exit> {
-    // What is asked wrongly is wrong for all levels, and told before any of them.
+    // What is asked wrongly is wrong for all levels, and presentation before any of them.
     let Some(mut loaded) = load_constrained(&args.file, args.reading.of(None), extra_constraint(args))? else {
         return Ok(Exit::Unasked);
     };
@@ -95,7 +95,7 @@ struct Files {
 }
 
 impl Files {
-    /// Opens what is to be read and written: nobody wants to learn of a misspelt folder after an hour.
+    /// Opens what is to be read and written: a misspelt folder is reported now, not after an hour.
     fn open(args: &ReachArgs) -> Result<Self, String> {
         let of = &args.corpus;
         let baseline = of.baseline.as_deref().map(baseline).transpose()?;
@@ -131,7 +131,7 @@ impl Run<'_> {
         let flag = interrupted();
         let stop = || flag.load(Ordering::SeqCst);
         let count = self.common.targets.len();
-        let mut rows: Vec<Option<Kept>> = vec![None; self.levels.len() * count];
+        let mut rows: Vec<Option<StoredRow>> = vec![None; self.levels.len() * count];
         let (mut kept, mut broken) = (0, None);
         let bar = bar(rows.len());
         if let (Some(path), true) = (&args.corpus.results, self.files.record.as_ref().is_some_and(|file| file.was_cut))
@@ -139,12 +139,12 @@ impl Run<'_> {
             writeln!(io::stderr(), "the last row of `{}` was cut off, and is done anew", path.display())?;
         }
         let Run { common, levels, files, .. } = &mut self;
-        let task = |at: usize, desk: &TaskContext<'_, Done>| common.level(&levels[at], desk);
+        let task = |at: usize, task_context: &TaskContext<'_, Done>| common.level(&levels[at], task_context);
         parallel::work(levels.len(), usize::from(args.threads), &stop, &task, &mut |level, done| {
             bar.inc(1);
             let written = match done {
                 Done::Broken(why) => Err(why),
-                Done::Kept(target, row) => {
+                Done::Stored(target, row) => {
                     kept += 1;
                     files.csv.as_mut().map_or(Ok(()), |csv| csv.add(&row.row)).map(|()| (target, *row))
                 }
@@ -168,7 +168,7 @@ impl Run<'_> {
         }
         let is_stopped = rows.iter().any(Option::is_none);
         let all = rows.len();
-        let rows: Vec<&Kept> = rows.iter().flatten().collect();
+        let rows: Vec<&StoredRow> = rows.iter().flatten().collect();
         let comparison = self.files.baseline.as_ref().map(|record| {
             let done: BTreeSet<Key> = rows.iter().map(|kept| kept.row.key()).collect();
             // What was not done is not gone.
@@ -184,13 +184,13 @@ impl Run<'_> {
                 args.corpus.results.as_deref().unwrap_or(Path::new("")).display()
             ),
         };
-        // Before anything is shown: whoever reads it may be gone.
+        // Before anything is shown: the reader of the output may be gone.
         if let Err(why) = self.files.finish(args, &rows, is_stopped) {
             plain_error(&why)?;
             return Ok(Exit::Unasked);
         }
-        let told = Told { args, rows: &rows, comparison: comparison.as_ref(), is_stopped };
-        told.show(&self.common.world, &format!("{note}; {seconds:.1} s"))?;
+        let presentation = Presentation { args, rows: &rows, comparison: comparison.as_ref(), is_stopped };
+        presentation.show(&self.common.world, &format!("{note}; {seconds:.1} s"))?;
         if is_stopped {
             let on = match &args.corpus.results {
                 Some(path) => format!("they are in `{}`, and the same command goes on from there", path.display()),
@@ -202,7 +202,7 @@ impl Run<'_> {
             Some(comparison) => comparison.is_worse(),
             None => rows.iter().any(|kept| !kept.row.answer.is_expected),
         };
-        // Whatever was wished, a mistake of the analysis is none of it.
+        // A mistake of the analysis is never expected.
         let is_refuted = rows.iter().any(|kept| kept.row.refuted.is_some());
         Ok(if is_no || is_stopped || is_refuted { Exit::No } else { Exit::Yes })
     }
@@ -210,8 +210,8 @@ impl Run<'_> {
 
 impl Files {
     /// Keeps a row.
-    fn add(&mut self, row: Row) -> Result<Kept, String> {
-        let kept = Kept::new(row).map_err(|error| error.to_string())?;
+    fn add(&mut self, row: Row) -> Result<StoredRow, String> {
+        let kept = StoredRow::new(row).map_err(|error| error.to_string())?;
         if let Some(record) = &mut self.record {
             record.add(&kept)?;
         }
@@ -222,7 +222,7 @@ impl Files {
     }
 
     /// Puts everything in order, and writes what is written once.
-    fn finish(self, args: &ReachArgs, rows: &[&Kept], is_stopped: bool) -> Result<(), String> {
+    fn finish(self, args: &ReachArgs, rows: &[&StoredRow], is_stopped: bool) -> Result<(), String> {
         if let Some(csv) = self.csv {
             csv.finish(rows)?;
         }
@@ -248,9 +248,9 @@ impl Files {
 }
 
 /// What is shown at the end.
-struct Told<'t> {
+struct Presentation<'t> {
     args: &'t ReachArgs,
-    rows: &'t [&'t Kept],
+    rows: &'t [&'t StoredRow],
     comparison: Option<&'t Comparison>,
     is_stopped: bool,
 }
@@ -267,7 +267,7 @@ struct JsonResult<'t> {
     changes: Option<&'t Comparison>,
 }
 
-impl Told<'_> {
+impl Presentation<'_> {
     fn show(&self, world: &str, note: &str) -> io::Result<()> {
         let rows: Vec<&Row> = self.rows.iter().map(|kept| &kept.row).collect();
         let file = self.args.file.display().to_string();

@@ -122,7 +122,7 @@ fn experiment(
         seconds: options.seconds,
         limits: Limits { nodes: options.nodes.unwrap_or(u64::MAX), memory: options.memory << 20 },
     };
-    // Files are opened first: nobody wants to learn of a misspelt folder after an hour.
+    // Files are opened first: a misspelt folder is reported now, not after an hour.
     let Some(mut csv) = opened(options.csv.as_deref())? else { return Ok(Exit::Unasked) };
     let Some(mut json) = opened(options.json.as_deref())? else { return Ok(Exit::Unasked) };
     let mut lines = Lines { design: &design, questions: &questions, file: csv.as_mut(), on_screen: None };
@@ -257,7 +257,7 @@ enum Broken {
 }
 
 impl Broken {
-    /// Says so; of standard output, whoever called does.
+    /// Reports it; the caller reports a broken standard output.
     fn told(self, options: &ExperimentOptions) -> io::Result<Exit> {
         let (path, error) = match self {
             Broken::Screen(error) => return Err(error),

@@ -35,12 +35,12 @@ impl<'d> Destination<'d> {
         Destination { args, level, goal: (goals > 1).then_some(goal) }
     }
 
-    /// Where the inputs go; none if nobody asks for them.
+    /// Where the inputs go; none without `--save-inputs`.
     fn inputs(&self) -> Option<PathBuf> {
         self.args.save_inputs.as_deref().map(|path| self.named(path))
     }
 
-    /// Where the picture goes; none if nobody asks for it.
+    /// Where the picture goes; none without `--svg`.
     fn picture(&self) -> Option<PathBuf> {
         self.args.svg.as_deref().map(|path| self.named(path))
     }

@@ -191,7 +191,7 @@ mod tests {
         )
     }
 
-    /// What the analysis says of a world is what it says of a slower one: a mistake of the analysis, as it were.
+    /// The analysis of a slower world stands in for a wrong analysis.
     #[test]
     fn a_wrong_analysis_is_told_kept_and_fails_the_command() {
         let folder = std::env::temp_dir().join(format!("hypedc-refuted-{}", std::process::id()));
@@ -230,7 +230,7 @@ mod tests {
         let (code, verdict, text) = answer(&fast, &[]);
         assert_eq!((code, verdict), (Exit::No, Conclusion::NotAnswered));
         assert!(text.contains("the analysis is wrong about this world"));
-        // What is found is as wished, what was found on the way is not.
+        // The answer is the expected one, but the analysis is refuted.
         assert_eq!(answer(&fast, &["--goal", "far", "--seed", "7"]).0, Exit::No);
         assert_eq!(answer(&fast, &["--goal", "far", "--no-check-states"]).0, Exit::Yes);
         assert_eq!(answer(&fast, &["--goal", "far", "--format", "json"]).0, Exit::No);

@@ -13,7 +13,7 @@ use crate::reach::Refutation;
 
 use crate::cli::report::program_sha256;
 
-/// So many files of one name are numbered.
+/// The most files of one name, told apart by numbers.
 const MAX_FILES: usize = 10_000;
 
 /// A run that refutes the analysis, as results have it.

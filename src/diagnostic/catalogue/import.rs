@@ -4,7 +4,7 @@ use super::{did_you_mean, list};
 use crate::diagnostic::{Code, Diagnostic, Fact};
 use crate::source::Span;
 
-/// So many characters of a text of the file are shown.
+/// The most characters of a text of the file that are shown.
 const SHOWN: usize = 120;
 
 /// A text of the file for a message: on one line, and not longer than can be read.

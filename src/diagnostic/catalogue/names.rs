@@ -23,7 +23,7 @@ pub struct UnknownName {
     rather: Option<String>,
 }
 
-/// So many names are listed.
+/// The most names that are listed.
 const MAX_LISTED: usize = 8;
 
 impl UnknownName {

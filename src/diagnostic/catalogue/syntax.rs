@@ -24,7 +24,7 @@ impl Fact for Unexpected {
             Some(token) => format!("`{token}`"),
             None => "the end of the line".to_string(),
         };
-        // A long list of possibilities helps nobody.
+        // A long list of possibilities does not help.
         let (message, label) = if self.expected.is_empty() || self.expected.len() > 6 {
             (format!("unexpected {}", found.trim_start_matches("the ")), "does not fit here".to_string())
         } else {

@@ -44,7 +44,7 @@ pub struct UnknownTile {
     pub known: Vec<char>,
 }
 
-/// So many characters of a tile set are told.
+/// The most characters of a tile set that are listed.
 const MAX_TOLD: usize = 20;
 
 /// The characters of a tile set, those first that one may have meant: the other case of a letter.
@@ -197,7 +197,7 @@ impl Fact for MissingLimit {
         Diagnostic::new(Code::BadLimit, format!("`{name}` is spawned in a world that sets no limit for it"))
             .at(at, "this world")
             .and(spawn, "spawned here")
-            .help(format!("add `limit {name} 8` to the world: so many may live at once"))
+            .help(format!("add `limit {name} 8` to the world: the most that live at once"))
     }
 }
 

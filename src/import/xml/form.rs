@@ -82,7 +82,7 @@ pub(super) fn is_guard(name: &str) -> bool {
     GUARDS.contains(&name)
 }
 
-/// Tells of all that does not fit. Gives whether the file is an entity at all.
+/// Tells of all that does not fit. Returns whether the file is an entity at all.
 pub(super) fn check(root: Element<'_, '_>, diagnostics: &mut Diagnostics) -> bool {
     if root.name() != "automaton" {
         let misfit = Misfit::Root { name: root.name().to_string() };

@@ -93,7 +93,7 @@ fn write(out: &mut String, s: &Statement, depth: usize) {
     }
 }
 
-/// A text in lines of at most so many characters, unless one word has more.
+/// A text in lines of limited length, unless one word is longer.
 fn wrapped(text: &str, width: usize) -> Vec<String> {
     let (mut lines, mut line, mut length) = (Vec::new(), String::new(), 0);
     for word in text.split(' ') {

@@ -243,7 +243,7 @@ fn lower_envelope(program: &mut Program, id: EntityId, e: &checked::Envelope, co
     Envelope { mode: None, vars, degree, by, sustain, attack, peak, decay, release, guard }
 }
 
-/// So many unit vectors, from the right anticlockwise; those along the axes are exact.
+/// A number of unit vectors, from the right anticlockwise; those along the axes are exact.
 fn directions(ways: u32) -> Vec<[f64; 2]> {
     let at = |k: u32| {
         // Reduced to the first eighth of a turn, so that mirrored directions are mirrored to the last bit.

@@ -1,4 +1,4 @@
-//! One look at every id, range and offset of a program, so that whoever runs it may index without asking: what `lower`
+//! One look at every id, range and offset of a program, so that consumers index without checks: what `lower`
 //! makes holds by construction, what is read from a file may be anything. Each struct is taken apart without `..`, so
 //! that a new field does not build before it is looked at.
 

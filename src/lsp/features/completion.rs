@@ -297,7 +297,7 @@ impl<'a> Offers<'a> {
         refs.for_each(|r| self.add(0, &r.name.text, CompletionItemKind::Field, "ref"));
     }
 
-    /// What is offered as an argument; gives whether the place is one of a kind of its own.
+    /// What is offered as an argument; returns whether the place is one of a kind of its own.
     fn argument(
         &mut self,
         place: &Place<'_>,
@@ -362,7 +362,7 @@ impl<'a> Offers<'a> {
         true
     }
 
-    /// What is offered after a word that asks for something; gives whether there is one.
+    /// What is offered after a word that asks for something; returns whether there is one.
     fn after_word(&mut self, place: &Place<'_>, own: Option<&Entity>, world: Option<&World>) -> bool {
         let first = place.statement.first().copied().unwrap_or_default();
         let (last, before) = (place.back(1), place.back(2));

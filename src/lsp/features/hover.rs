@@ -24,9 +24,9 @@ use crate::lsp::text::words::{SIGNATURES, begins};
 use crate::lsp::values::written;
 use crate::lsp::view::{Failure, View};
 
-/// So many lines of worlds that carry a tag are listed.
+/// The most lines of worlds with a tag that are listed.
 const MAX_CARRIERS: usize = 5;
-/// So many modes are listed.
+/// The most modes that are listed.
 const MAX_MODES: usize = 12;
 
 impl View {

@@ -19,7 +19,7 @@ use crate::lsp::text::lexer::{Kind, tokens};
 use crate::lsp::text::uri::{clean, path_of, uri_of};
 use crate::lsp::view::{Failure, Known, View};
 
-/// So many symbols of a workspace are told at once.
+/// The most symbols of a workspace in an answer.
 const MAX_SYMBOLS: usize = 500;
 
 /// A place in one of the programs that hold it.

@@ -13,7 +13,7 @@ use crate::lsp::text::lexer::{Kind, tokens};
 use crate::lsp::text::uri::path_of;
 use crate::lsp::view::{Failure, View};
 
-/// So many characters of a guard are shown.
+/// The number of characters of a guard that are shown.
 const MAX_DETAIL: usize = 60;
 
 /// A text is looked at by itself.

@@ -65,7 +65,7 @@ pub struct Server {
 }
 
 impl Server {
-    /// Serves a connection until the editor says `exit`, or goes away; gives whether it said `shutdown` before.
+    /// Serves a connection until the editor says `exit`, or goes away; returns whether it said `shutdown` before.
     pub fn serve(connection: Connection, disk: Arc<dyn Workspace>, settings: Settings) -> bool {
         let Connection { sender, receiver } = connection;
         let connection = Connection { sender: sender.clone(), receiver: receiver.clone() };
@@ -166,7 +166,7 @@ impl Server {
         }
     }
 
-    /// Takes a message; gives whether to go on.
+    /// Takes a message; returns whether to go on.
     fn message(&mut self, message: Message) -> bool {
         match message {
             Message::Request(request) => self.request(request),
@@ -342,7 +342,7 @@ impl Server {
         }
     }
 
-    /// Tells whoever edits of an error of the server.
+    /// Shows an error of the server in the editor.
     fn tell(&self, method: &str, text: &str) {
         let params = json!({ "type": types::MessageType::Error, "message": text });
         let _ = self.sender.send(Notification { method: method.into(), params }.into());

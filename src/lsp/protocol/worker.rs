@@ -53,7 +53,7 @@ pub(in crate::lsp) enum Event {
     Examined(Arc<Snapshot>, Box<(Diagnostics, Option<Ranges>)>),
 }
 
-/// Stops as soon as there is something newer to do, or nobody to do it for.
+/// Stops as soon as there is a newer job, or no server.
 struct Newer<'a>(&'a Receiver<Job>, &'a AtomicBool);
 
 impl Watch for Newer<'_> {
@@ -73,7 +73,7 @@ pub(in crate::lsp) struct Worker {
 }
 
 impl Worker {
-    /// Works until nobody gives jobs or takes results any more.
+    /// Works until the server is gone.
     pub fn run(self) {
         let mut known: BTreeMap<PathBuf, Arc<Snapshot>> = BTreeMap::new();
         // Programs whose values are not looked at yet.
@@ -119,7 +119,7 @@ impl Worker {
         job
     }
 
-    /// Compiles what a job touches; nothing if nobody listens any more.
+    /// Compiles what a job touches; none if the server is gone.
     fn work(
         &self,
         job: &Job,
@@ -159,7 +159,7 @@ impl Worker {
     }
 
     /// Compiles a program: its path and what came of it. Where the compiler fails, what was known before stays. Nothing if
-    /// nobody listens any more.
+    /// the server is gone.
     fn compile(
         &self,
         path: &Path,
@@ -181,7 +181,7 @@ impl Worker {
         Some(snapshot.map(|snapshot| (path.to_path_buf(), snapshot)))
     }
 
-    /// Looks at what values can be, until there is something newer to do; nothing if nobody listens any more.
+    /// Analyses values until there is a newer job; none if the server is gone.
     fn examine(&self, known: &BTreeMap<PathBuf, Arc<Snapshot>>, due: &mut BTreeSet<PathBuf>) -> Option<()> {
         while let Some(path) = due.first().cloned() {
             if let Some(snapshot) = known.get(&path) {

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-/// So many lines are looked ahead for the place where two texts go on alike.
+/// The number of lines that are searched ahead for the place where two texts go on alike.
 const REACH: usize = 400;
 
 /// Which lines of two texts are the same.

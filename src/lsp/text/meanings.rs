@@ -286,7 +286,7 @@ const MEANINGS: &[Meaning] = &[
     means("x", "Stands between the width and the height of a tile, px.", "tiles room 16 x 16 { '.': empty }"),
     means(
         "limit",
-        "At most so many instances of an entity are alive at any time. An entity that is spawned needs one.",
+        "The most instances of an entity that are alive at any time. An entity that is spawned needs one.",
         "limit Fireball 2",
     ),
     means("player", "Gives an instance the inputs of a player.", "player 1: hero"),

@@ -189,7 +189,7 @@ impl<'t> Place<'t> {
         self.blocks.iter().rev().find(|b| b.block == block)
     }
 
-    /// The word so many words back.
+    /// The word a number of words back.
     pub fn back(&self, count: usize) -> &'t str {
         self.statement.len().checked_sub(count).and_then(|at| self.statement.get(at)).copied().unwrap_or_default()
     }

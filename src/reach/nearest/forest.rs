@@ -62,7 +62,7 @@ impl Forest {
         (2 * self.removed > points.len() - self.end()).then(|| self.plant_after(self.trees.len(), points))
     }
 
-    /// Keeps so many trees and puts the points after them into one, if they are worth it. Gives the first slot after
+    /// Keeps the first trees and puts the points after them into one, if that pays off. Returns the first slot after
     /// those that were kept.
     fn plant_after(&mut self, kept: usize, points: &mut Linear) -> usize {
         self.trees.truncate(kept);

@@ -5,7 +5,7 @@
 use std::ops::Range;
 
 const LANES: usize = 16;
-/// After so many coordinates it is asked whether any point of a block can still be the nearest.
+/// The number of coordinates after which a block is given up if none of its points can be the nearest.
 const ROWS_AT_ONCE: usize = 8;
 /// Where a removed point is moved: farther than any point, as coordinates are finite.
 const REMOVED: f32 = f32::INFINITY;

@@ -195,7 +195,7 @@ impl Index {
         (!best.is_none()).then_some(Neighbour { index: best.index, distance: best.distance })
     }
 
-    /// Gives the modes that many points share a partition each.
+    /// Returns the modes that many points share a partition each.
     fn split(&mut self) {
         self.rest.compact(0);
         let modes_of = |slot: &u32| self.rest.modes(*slot as usize);

@@ -14,7 +14,7 @@ pub(super) struct Partition {
 }
 
 impl Partition {
-    /// A partition of some modes; so many points of few coordinates are worth a tree.
+    /// A partition of some modes; `worth` is the number of points of few coordinates from which a tree pays off.
     pub fn new(reals: usize, modes: Vec<f32>, tree: usize) -> Self {
         Partition { modes, points: Linear::new(reals, 0), forest: Forest::new(tree) }
     }

@@ -19,7 +19,7 @@ const EARLY: Thresholds = Thresholds { scan: 20, partition: 6, tree: 10 };
 enum Values {
     /// Anything: a position.
     Any,
-    /// One of so many tenths, which no sum of squares is exact in: a counter.
+    /// One of a number of tenths, in which no sum of squares is exact: a counter.
     Tenths(u32),
     /// Mostly nought: a timer that seldom runs.
     Seldom,
@@ -95,7 +95,7 @@ impl Twin {
         best
     }
 
-    /// A query, at a point or anywhere, for all and for one of so many. Gives the nearest.
+    /// A query, at a point or anywhere, for all points and for a part of them. Returns the nearest.
     fn check(&mut self) -> Option<Neighbour> {
         let mut query = self.draw();
         if !self.points.is_empty() && self.rng.random_bool(0.3) {

@@ -19,7 +19,7 @@ use super::cells::Cells;
 
 /// The levels of cells.
 const LEVELS: usize = 3;
-/// What seldom changes is changed by fewer than one extension in so many.
+/// A variable changes seldom if fewer than one extension in this number changes it.
 const SELDOM: u64 = 40;
 /// The number of extensions after which it is first looked at what seldom changes; then at each doubling.
 const FIRST_LOOK: u64 = 256;
@@ -86,7 +86,7 @@ impl CoverageGuided {
         self.extensions += 1;
     }
 
-    /// Tells anew what seldom changes, and sorts all nodes accordingly.
+    /// Determines again what seldom changes, and sorts all nodes accordingly.
     fn look(&mut self, context: &SearchContext<'_>) {
         self.next_look = self.extensions * 2;
         let mut is_other = false;

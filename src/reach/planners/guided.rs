@@ -13,7 +13,7 @@ use crate::reach::search_context::SearchContext;
 use crate::reach::strategy::{Choice, Growth, Strategy};
 use crate::reach::tree::NodeId;
 
-/// So many extensions a local search may take.
+/// The most extensions of a local search.
 const MAX_EXTENSIONS: u32 = 24;
 
 /// A strategy with a best-first search as local planner.

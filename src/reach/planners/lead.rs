@@ -35,11 +35,11 @@ const CHOSEN: u64 = 1;
 /// much for each time that it was chosen.
 const REST: u64 = 6;
 const TRIED: u64 = 2;
-/// What comes so many steps later than another to a place, with about the same velocity, is given up.
+/// A node that comes this number of steps later to a place than another with about the same velocity is given up.
 const LATE: u32 = 8;
-/// One choice in so many is of any place.
+/// One choice in this number is of any place.
 const ANY: u32 = 8;
-/// Velocities are told apart by cells, so many over their range.
+/// The number of cells that the range of velocities is divided into.
 const VELOCITIES: f64 = 8.0;
 
 /// A place in the queue: what it costs, a number that breaks ties, and the place.

@@ -202,7 +202,7 @@ impl Planner {
         self.spec().restart
     }
 
-    /// Whether its trees begin anew; other planners visit each state once.
+    /// Whether its trees restart; other planners visit each state once.
     pub fn restarts(self) -> bool {
         !matches!(self.spec().method, Method::Exhaustive { .. })
     }

@@ -11,7 +11,7 @@ use crate::reach::search_context::{Extension, SearchContext};
 use crate::reach::strategy::Choice;
 use crate::reach::tree::NodeId;
 
-/// Of a node with more inputs than that, so many are looked ahead, by lot.
+/// The most inputs of a node that are simulated ahead; of more, a random sample is.
 const MAX_AHEAD: usize = 64;
 
 /// The states that one extension more would lead to.

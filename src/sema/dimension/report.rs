@@ -10,7 +10,7 @@ use crate::source::{SourceMap, Span};
 use super::super::checked::{Term, TermKind};
 use super::{Beside, Conflict, Dim, Joint, Named, Ratio, Solver};
 
-/// So many characters of an expression are shown.
+/// The number of characters of an expression that are shown.
 const SHOWN: usize = 40;
 
 impl Solver<'_> {

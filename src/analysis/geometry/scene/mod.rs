@@ -70,7 +70,7 @@ pub(in crate::analysis) struct Scene<'a> {
     regions: BTreeMap<(usize, SpaceId), Flooded>,
 }
 
-/// How far a step goes, px, rounded up, so that what comes of it is not found anew for each growth.
+/// How far a step goes, px, rounded up, so that results are not recomputed for each growth.
 pub(in crate::analysis) fn rounded_step(far: f64) -> f64 {
     (2.0 * far).ceil() / 2.0
 }
@@ -137,7 +137,7 @@ impl<'a> Scene<'a> {
         hull
     }
 
-    /// Some leaves can be active together; gives whether a collider can be there for the first time.
+    /// Some leaves can be active together; returns whether a collider can be there for the first time.
     pub fn activate(&mut self, kind: usize, leaves: &[LeafId]) -> bool {
         let mut is_new = false;
         for body in self.kinds[kind].bodies.iter_mut().filter(|b| !b.is_live) {
@@ -158,7 +158,7 @@ impl<'a> Scene<'a> {
         self.forget(kind);
     }
 
-    /// What a kind meets must be found anew.
+    /// What a kind meets must be recomputed.
     fn forget(&mut self, kind: usize) {
         self.statics.retain(|(k, _), _| *k != kind);
         self.regions.retain(|(k, _), _| *k != kind);
@@ -214,7 +214,7 @@ impl<'a> Scene<'a> {
         self.statics.get(&(kind, space))
     }
 
-    /// Something puts instances of a kind somewhere; gives whether that is new.
+    /// Something puts instances of a kind somewhere; returns whether that is new.
     pub fn seed(&mut self, kind: usize, space: SpaceId, at: [Interval; 2]) -> bool {
         let known = self.seeds.entry((kind, space)).or_default();
         let is_new = add(known, at);
@@ -224,7 +224,7 @@ impl<'a> Scene<'a> {
         is_new
     }
 
-    /// A collider of instances of a kind appears somewhere; gives whether that is new.
+    /// A collider of instances of a kind appears somewhere; returns whether that is new.
     pub fn uncover(&mut self, kind: usize, space: SpaceId, at: [Interval; 2]) -> bool {
         add(self.uncovered.entry((kind, space)).or_default(), at)
     }
@@ -309,7 +309,7 @@ impl<'a> Scene<'a> {
     }
 }
 
-/// Adds a box to others, unless it lies in one of them; gives whether it does not. There are never too many.
+/// Adds a box to others, unless it lies in one of them; returns whether it does not. There are never too many.
 fn add(known: &mut Vec<[Interval; 2]>, at: [Interval; 2]) -> bool {
     let is_known = known.iter().any(|k| (0..2).all(|a| k[a].low <= at[a].low && at[a].high <= k[a].high));
     if !is_known {

@@ -35,17 +35,20 @@ impl Spans {
     /// For a program whose text is not known: the beginning of the first file, for all entries.
     pub(super) fn nowhere(program: &Program) -> Spans {
         fn blank<I: Id, J: Id, T>(table: &IdVec<J, T>) -> IdVec<I, Span> {
-            table.iter().map(|_| NOWHERE).collect()
+            table.iter().map(|_| nowhere()).collect()
+        }
+        fn nowhere() -> Span {
+            Span::new(FileId(0), 0, 0)
         }
         let entity = |e: &Entity| EntitySpans {
-            name: NOWHERE,
+            name: nowhere(),
             params: blank(&e.params),
             vars: blank(&e.vars),
             discretes: blank(&e.discretes),
             refs: blank(&e.refs),
             spawns: blank(&e.spawns),
             follows: blank(&e.follows),
-            invariants: e.invariants.iter().map(|_| NOWHERE).collect(),
+            invariants: e.invariants.iter().map(|_| nowhere()).collect(),
             buttons: blank(&e.buttons),
             axes: blank(&e.axes),
             colliders: blank(&e.colliders),
@@ -56,10 +59,10 @@ impl Spans {
             envelopes: blank(&e.envelopes),
         };
         let world = |w: &World| WorldSpans {
-            name: NOWHERE,
+            name: nowhere(),
             spaces: blank(&w.spaces),
-            solids: w.spaces.iter().map(|s| s.solids.iter().map(|_| NOWHERE).collect()).collect(),
-            links: w.spaces.iter().map(|s| s.links.iter().map(|_| NOWHERE).collect()).collect(),
+            solids: w.spaces.iter().map(|s| s.solids.iter().map(|_| nowhere()).collect()).collect(),
+            links: w.spaces.iter().map(|s| s.links.iter().map(|_| nowhere()).collect()).collect(),
             slots: blank(&w.slots),
             players: blank(&w.players),
             goals: blank(&w.goals),
@@ -73,9 +76,6 @@ impl Spans {
         }
     }
 }
-
-/// The beginning of the first file.
-const NOWHERE: Span = Span { file: FileId(0), start: 0, end: 0 };
 
 /// Where an entity's entries come from; a leaf and a timer come from their modes.
 #[derive(Debug, Clone, Serialize, Deserialize)]

@@ -63,8 +63,17 @@ pub enum Type {
     Bool,
     /// One of a list of names, kept as its index.
     Set(SetId),
-    /// An instance of an entity (of any, if none), or none.
-    Ref(Option<EntityId>),
+    /// An instance of an entity, or none.
+    Ref(EntityId),
+    /// An instance of any entity, or none.
+    AnyRef,
+}
+
+impl Type {
+    /// That of a reference to an entity, or to any.
+    pub fn reference(entity: Option<EntityId>) -> Self {
+        entity.map_or(Type::AnyRef, Type::Ref)
+    }
 }
 
 /// An expression with its type.
@@ -77,6 +86,9 @@ pub struct Term {
     /// Where it stands.
     pub span: Span,
 }
+
+// A large program has as many of them as its text has bytes.
+const _: () = assert!(size_of::<Term>() == 32);
 
 impl Term {
     /// The terms directly inside of it.

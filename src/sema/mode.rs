@@ -129,7 +129,7 @@ impl<'a> Checker<'a> {
         let own: Vec<usize> = all.iter().copied().filter(|&i| Some(names.modes[i].1) == group).collect();
         let whole: Vec<usize> = all.iter().copied().filter(|&i| names.modes[i].0.len() == segments.len()).collect();
         // What a behaviour says of its own modes means those of the same `use`.
-        let same_use = |i: &usize| path.span.is_copy() && names.modes[*i].2.file == path.span.file;
+        let same_use = |i: &usize| path.span.is_copy() && names.modes[*i].2.file() == path.span.file();
         let used: Vec<usize> = all.iter().copied().filter(same_use).collect();
         for candidates in [&used, &whole, &own, &all] {
             if let [only] = candidates.as_slice() {
@@ -284,7 +284,7 @@ impl<'a> Checker<'a> {
         let action = match update {
             ast::Update::Assign(assignment) => self.update(assignment, scope).map(Action::Update),
             ast::Update::Spawn(spawn) => self.spawn(spawn, scope).map(Action::Spawn),
-            ast::Update::Destroy(destroy) => self.typed(&destroy.what, scope, &Type::Ref(None)).map(Action::Destroy),
+            ast::Update::Destroy(destroy) => self.typed(&destroy.what, scope, &Type::AnyRef).map(Action::Destroy),
         };
         before.extend(action);
     }
@@ -305,7 +305,7 @@ impl<'a> Checker<'a> {
         }
         if let Some(&id) = names.refs.get(&name.text) {
             self.reference_place(&update.variable, scope)?;
-            let ty = Type::Ref(scope.entity?.refs[id].entity);
+            let ty = Type::reference(scope.entity?.refs[id].entity);
             let value: Term = self.typed(&update.value, scope, &ty)?;
             return Some(Update { place: Place::Ref(id), value, span: update.span() });
         }

@@ -43,7 +43,7 @@ pub fn names_of_unused(files: &[File], sources: &mut SourceMap, known: &[Occurre
 
 /// Whether some name in a behaviour is known to mean something; its parameters always do.
 fn is_told(whole: Span, known: &[Occurrence]) -> bool {
-    let from = known.partition_point(|o| (o.at.file, o.at.start) < (whole.file, whole.start));
+    let from = known.partition_point(|o| (o.at.file(), o.at.start()) < (whole.file(), whole.start()));
     let inside = known.iter().skip(from).take_while(|o| whole.contains(o.at));
     inside.into_iter().any(|o| o.role != Role::Declared && o.kind != NameKind::Argument)
 }

@@ -56,7 +56,7 @@ fn shell(e: &checked::Entity) -> Entity {
         domain: match d.ty {
             checked::Type::Bool => Domain::Bool,
             checked::Type::Set(_) => Domain::Set(d.values.to_vec()),
-            checked::Type::Int | checked::Type::Real | checked::Type::Ref(_) => Domain::Int,
+            checked::Type::Int | checked::Type::Real | checked::Type::Ref(_) | checked::Type::AnyRef => Domain::Int,
         },
         range: d.range,
         first: ExprId(0),

@@ -23,7 +23,7 @@ pub(super) struct Scope<'s> {
     /// The entity around it.
     pub entity: Option<&'s Entity>,
     /// Its names.
-    pub names: Option<&'s Skeleton<'s>>,
+    pub names: Option<&'s Skeleton>,
     /// The entity's id.
     pub me: Option<EntityId>,
     /// The mode around it.

@@ -213,7 +213,7 @@ impl Checker<'_> {
 
     /// The reference on a left side.
     pub(super) fn reference_place(&mut self, variable: &ast::Variable, scope: &Scope<'_>) -> Option<RefId> {
-        let names: &Skeleton<'_> = scope.names?;
+        let names: &Skeleton = scope.names?;
         let name = &variable.name();
         if variable.primes == 0
             && let Some(&id) = names.refs.get(&name.text)

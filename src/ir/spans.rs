@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::{
-    AxisId, ButtonId, ColliderId, DiscreteId, EdgeId, Entity, EntityId, EnvelopeId, ExprId, FollowId, GoalId, GroupId,
-    Id, IdVec, ModeId, NeverId, ParamId, PlayerId, Program, RefId, SlotId, SpaceId, SpawnId, TagId, TouchId, VarId,
-    World, WorldId,
+    Arena, AxisId, ButtonId, ColliderId, DiscreteId, EdgeId, Entity, EntityId, EnvelopeId, ExprId, FollowId, GoalId,
+    GroupId, Id, IdVec, ModeId, NeverId, ParamId, PlayerId, Program, RareVec, RefId, SlotId, SpaceId, SpawnId, TagId,
+    TouchId, VarId, World, WorldId,
 };
 use crate::source::{FileId, Span};
 
@@ -16,7 +16,7 @@ pub struct Spans {
     /// Of each tag: its first use.
     pub tags: IdVec<TagId, Span>,
     /// Of each expression.
-    pub exprs: IdVec<ExprId, Span>,
+    pub exprs: Arena<ExprId, Span>,
     /// Of each entity's entries.
     pub entities: IdVec<EntityId, EntitySpans>,
     /// Of each world's entries.
@@ -34,7 +34,7 @@ impl Spans {
 
     /// For a program whose text is not known: the beginning of the first file, for all entries.
     pub(super) fn nowhere(program: &Program) -> Spans {
-        fn blank<I: Id, J: Id, T>(table: &IdVec<J, T>) -> IdVec<I, Span> {
+        fn blank<I: Id, T, Blank: FromIterator<Span>>(table: &IdVec<I, T>) -> Blank {
             table.iter().map(|_| nowhere()).collect()
         }
         fn nowhere() -> Span {
@@ -70,7 +70,7 @@ impl Spans {
         };
         Spans {
             tags: blank(&program.tags),
-            exprs: blank(&program.exprs),
+            exprs: program.exprs.iter().map(|_| nowhere()).collect(),
             entities: program.entities.iter().map(|e| entity(e)).collect(),
             worlds: program.worlds.iter().map(|w| world(w)).collect(),
         }
@@ -84,35 +84,35 @@ pub struct EntitySpans {
     /// The entity's name.
     pub name: Span,
     /// Of each parameter's name.
-    pub params: IdVec<ParamId, Span>,
+    pub params: RareVec<ParamId, Span>,
     /// Of each variable's name (of `x` and `y`: the entity's).
     pub vars: IdVec<VarId, Span>,
     /// Of each discrete variable's name.
-    pub discretes: IdVec<DiscreteId, Span>,
+    pub discretes: RareVec<DiscreteId, Span>,
     /// Of each reference's name.
-    pub refs: IdVec<RefId, Span>,
+    pub refs: RareVec<RefId, Span>,
     /// Of each `spawn`.
-    pub spawns: IdVec<SpawnId, Span>,
+    pub spawns: RareVec<SpawnId, Span>,
     /// Of each `follow links`.
-    pub follows: IdVec<FollowId, Span>,
+    pub follows: RareVec<FollowId, Span>,
     /// Of each invariant.
     pub invariants: Vec<Span>,
     /// Of each button's name.
-    pub buttons: IdVec<ButtonId, Span>,
+    pub buttons: RareVec<ButtonId, Span>,
     /// Of each axis' name.
-    pub axes: IdVec<AxisId, Span>,
+    pub axes: RareVec<AxisId, Span>,
     /// Of each collider.
-    pub colliders: IdVec<ColliderId, Span>,
+    pub colliders: RareVec<ColliderId, Span>,
     /// Of each group's name (of the anonymous one: the entity's).
-    pub groups: IdVec<GroupId, Span>,
+    pub groups: RareVec<GroupId, Span>,
     /// Of each contact question: where it is first asked.
-    pub touches: IdVec<TouchId, Span>,
+    pub touches: RareVec<TouchId, Span>,
     /// Of each mode's name.
-    pub modes: IdVec<ModeId, Span>,
+    pub modes: RareVec<ModeId, Span>,
     /// Of each edge.
-    pub edges: IdVec<EdgeId, Span>,
+    pub edges: RareVec<EdgeId, Span>,
     /// Of each envelope.
-    pub envelopes: IdVec<EnvelopeId, Span>,
+    pub envelopes: RareVec<EnvelopeId, Span>,
 }
 
 /// Where a world's entries come from.

@@ -8,7 +8,8 @@ use crate::diagnostic::catalogue::structure::MixedGroups;
 use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::{NotConstant, OutOfRange};
 use crate::ir::{
-    AxisId, ButtonId, DiscreteId, EntityId, GroupId, IdVec, MAX_AXES, MAX_BUTTONS, ModeId, ParamId, RefId, VarId,
+    AxisId, ButtonId, DiscreteId, EntityId, GroupId, IdVec, MAX_AXES, MAX_BUTTONS, ModeId, ParamId, RareVec, RefId,
+    VarId,
 };
 use crate::source::Span;
 use crate::syntax::ast::{self, Domain, Expr, Member, Name, Word};
@@ -80,18 +81,18 @@ impl Checker<'_> {
         let mut entity = Entity {
             name: syntax.name,
             doc: syntax.doc,
-            params: IdVec::new(),
+            params: RareVec::new(),
             vars: IdVec::new(),
-            discretes: IdVec::new(),
-            refs: IdVec::new(),
-            bound: IdVec::new(),
-            buttons: IdVec::new(),
-            axes: IdVec::new(),
-            colliders: IdVec::new(),
-            groups: IdVec::new(),
-            modes: IdVec::new(),
-            edges: IdVec::new(),
-            envelopes: IdVec::new(),
+            discretes: RareVec::new(),
+            refs: RareVec::new(),
+            bound: RareVec::new(),
+            buttons: RareVec::new(),
+            axes: RareVec::new(),
+            colliders: RareVec::new(),
+            groups: RareVec::new(),
+            modes: RareVec::new(),
+            edges: RareVec::new(),
+            envelopes: RareVec::new(),
             drives: Vec::new(),
             clamps: Vec::new(),
             invariants: Vec::new(),
@@ -438,7 +439,7 @@ impl Checker<'_> {
         self.flow_conflicts(&entity);
         self.lost_entries(&entity, &tested);
         entity.order = self.group_order(&entity);
-        entity.bound = std::mem::take(&mut self.facts.bound);
+        entity.bound = std::mem::take(&mut self.facts.bound).into();
         entity
     }
 

@@ -1,5 +1,5 @@
-//! Spans: ranges of bytes of a file. A program has as many spans as expressions, so each is packed
-//! into eight bytes; as JSON it has a field for each of its numbers.
+//! Spans: ranges of bytes of a file. A program has as many spans as expressions, so each is packed into eight bytes; as
+//! JSON it has a field for each of its numbers.
 
 use std::fmt;
 

@@ -13,7 +13,7 @@ use crate::source::Span;
 use crate::ir::{
     Arithmetic, By, Choice, Clamp, Collider, Discrete, Domain, Edge, Entity, EntityId, EntitySpans, Envelope, Expr,
     ExprId, Follow, FollowId, Function, Group, Id, IdRange, IdVec, Inputs, LeafId, Mode, ModeId, Param, Program,
-    Reference, Release, Shape, TagSet, Touch, verify,
+    RareVec, Reference, Release, Shape, TagSet, Touch, verify,
 };
 use term::{Context, duration, rate};
 
@@ -24,13 +24,10 @@ pub fn lower(mut checked: Checked) -> Program {
     program.spans.tags = checked.tags.iter().map(|t| t.span).collect();
     program.entities.reserve(checked.entities.len());
     program.spans.entities.reserve(checked.entities.len());
-    // Goals add contact questions to entities that are lowered already, so all entities must exist first.
-    for entity in checked.entities.iter() {
-        program.entities.push(shell(entity).into());
-        program.spans.entities.push(spans(entity));
-    }
-    for (index, entity) in std::mem::take(&mut checked.entities).into_iter().enumerate() {
-        let id = EntityId::from_index(index);
+    // Goals add contact questions to entities, so all entities come first.
+    for entity in std::mem::take(&mut checked.entities) {
+        let id = program.entities.push(shell(&entity).into());
+        program.spans.entities.push(spans(&entity));
         let from = ExprId::from_index(program.exprs.len());
         entity_code(&mut program, id, Arc::unwrap_or_clone(entity));
         let to = ExprId::from_index(program.exprs.len());
@@ -64,28 +61,28 @@ fn shell(e: &checked::Entity) -> Entity {
     Entity {
         name: e.name.text.to_string(),
         doc: e.doc.clone(),
-        params: IdVec::new(),
+        params: RareVec::new(),
         vars: e.vars.iter().map(|v| v.name.text.to_string()).collect(),
         first: IdVec::new(),
         discretes: discretes.collect(),
         refs: e.refs.iter().map(|r| Reference { name: r.name.text.to_string(), entity: r.entity }).collect(),
         buttons: e.buttons.iter().map(|b| b.text.to_string()).collect(),
         axes: e.axes.iter().map(|a| a.text.to_string()).collect(),
-        colliders: IdVec::new(),
-        groups: IdVec::new(),
-        modes: IdVec::new(),
-        edges: IdVec::new(),
-        envelopes: IdVec::new(),
-        leaves: IdVec::new(),
+        colliders: RareVec::new(),
+        groups: RareVec::new(),
+        modes: RareVec::new(),
+        edges: RareVec::new(),
+        envelopes: RareVec::new(),
+        leaves: RareVec::new(),
         touches: e
             .bound
             .iter()
             .map(|b| Touch { mine: b.mine.map_or(TagSet::ALL, TagSet::of), other: b.other, side: b.side, bound: true })
             .collect(),
         bound: e.bound.len(),
-        timers: IdVec::new(),
-        spawns: IdVec::new(),
-        follows: IdVec::new(),
+        timers: RareVec::new(),
+        spawns: RareVec::new(),
+        follows: RareVec::new(),
         clamps: Vec::new(),
         invariants: Vec::new(),
         order: e.order.clone(),
@@ -107,7 +104,7 @@ fn spans(e: &checked::Entity) -> EntitySpans {
         groups: e.groups.iter().map(|g| g.name.as_ref().map_or(e.name.span, |n| n.span)).collect(),
         touches: e.bound.iter().map(|b| b.span).collect(),
         refs: e.refs.iter().map(|r| r.name.span).collect(),
-        spawns: IdVec::new(),
+        spawns: RareVec::new(),
         follows: e.modes.iter().flat_map(|m| &m.follows).map(|f| f.span).collect(),
         invariants: e.invariants.iter().map(|i| i.span).collect(),
         modes: e.modes.iter().map(|m| m.name.span).collect(),
@@ -178,7 +175,7 @@ fn entity_code(program: &mut Program, id: EntityId, mut e: checked::Entity) {
     let entity = program.entity_mut(id);
     entity.inputs = built.always;
     entity.free = tables.free;
-    entity.leaves = built.leaves;
+    entity.leaves = built.leaves.into();
 }
 
 fn lower_envelope(program: &mut Program, id: EntityId, e: &checked::Envelope, context: &Context<'_>) -> Envelope {

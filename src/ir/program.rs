@@ -138,7 +138,7 @@ pub struct Entity {
     pub name: String,
     /// Its documentation.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub doc: Option<String>,
+    pub doc: Option<Box<str>>,
     /// Parameters: constant per instance, see [`super::Slot::params`].
     pub params: RareVec<ParamId, Param>,
     /// Continuous variables by name; `x` and `y` are the first two.
@@ -176,13 +176,13 @@ pub struct Entity {
     /// `follow links` of all modes.
     pub follows: RareVec<FollowId, Follow>,
     /// Soft bounds of variables.
-    pub clamps: Vec<Clamp>,
+    pub clamps: Box<[Clamp]>,
     /// What must always hold.
-    pub invariants: Vec<ExprId>,
+    pub invariants: Box<[ExprId]>,
     /// The groups in the order in which they are decided.
-    pub order: Vec<GroupId>,
+    pub order: Box<[GroupId]>,
     /// Drives of the variables that no group drives, one for each of them.
-    pub free: Vec<Drive>,
+    pub free: Box<[Drive]>,
     /// Inputs that it reads in whatever mode.
     pub inputs: Inputs,
     /// Its code in the arena.

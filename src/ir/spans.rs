@@ -18,7 +18,7 @@ pub struct Spans {
     /// Of each expression.
     pub exprs: Arena<ExprId, Span>,
     /// Of each entity's entries.
-    pub entities: IdVec<EntityId, EntitySpans>,
+    pub entities: IdVec<EntityId, Box<EntitySpans>>,
     /// Of each world's entries.
     pub worlds: IdVec<WorldId, WorldSpans>,
 }
@@ -28,7 +28,7 @@ impl Spans {
     pub fn all(&self) -> impl Iterator<Item = Span> + '_ {
         let of_program = self.tags.iter().chain(self.exprs.iter()).copied();
         of_program
-            .chain(self.entities.iter().flat_map(EntitySpans::all))
+            .chain(self.entities.iter().flat_map(|of| of.all()))
             .chain(self.worlds.iter().flat_map(WorldSpans::all))
     }
 
@@ -71,7 +71,7 @@ impl Spans {
         Spans {
             tags: blank(&program.tags),
             exprs: program.exprs.iter().map(|_| nowhere()).collect(),
-            entities: program.entities.iter().map(|e| entity(e)).collect(),
+            entities: program.entities.iter().map(|e| entity(e).into()).collect(),
             worlds: program.worlds.iter().map(|w| world(w)).collect(),
         }
     }
@@ -96,7 +96,7 @@ pub struct EntitySpans {
     /// Of each `follow links`.
     pub follows: RareVec<FollowId, Span>,
     /// Of each invariant.
-    pub invariants: Vec<Span>,
+    pub invariants: Box<[Span]>,
     /// Of each button's name.
     pub buttons: RareVec<ButtonId, Span>,
     /// Of each axis' name.

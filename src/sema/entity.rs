@@ -47,8 +47,6 @@ pub(super) struct Body {
     members: Vec<Member>,
     /// Modes in preorder, as their ids number them, without the modes inside.
     modes: Boxes<ast::Mode>,
-    /// The discrete variables' first values, in order of their ids.
-    discretes: Vec<Expr>,
 }
 
 impl Skeleton {
@@ -98,7 +96,7 @@ impl Checker<'_> {
             invariants: Vec::new(),
             order: Vec::new(),
         };
-        let mut body = Body { members: Vec::new(), modes: Vec::new(), discretes: Vec::new() };
+        let mut body = Body { members: Vec::new(), modes: Boxes::new() };
         for text in ["x", "y"] {
             let name = Name { text: text.into(), span: entity.name.span };
             entity.vars.push(Var { name, initial: None, dimension: None });
@@ -136,7 +134,7 @@ impl Checker<'_> {
                     };
                     let id = entity.discretes.push(Discrete { name: d.name.clone(), ty, values, range, initial });
                     names.discretes.declare(&d.name, id, &mut self.diagnostics);
-                    body.discretes.push(d.initial);
+                    body.members.push(Member::Discrete(d));
                 }
                 Member::Reference(r) => {
                     self.declared(NameKind::Reference, &r.name);
@@ -403,7 +401,7 @@ impl Checker<'_> {
         let scope = Scope { entity: Some(&*frozen), names: Some(names), me: Some(id), ..Scope::constant() };
         let scope = scope.reading(Reads::All);
         self.facts = Facts::default();
-        self.initial_values(&body.members, body.discretes, names, &mut entity, &scope);
+        self.initial_values(&body.members, names, &mut entity, &scope);
         for member in body.members {
             match member {
                 Member::Collider(c) => {
@@ -443,14 +441,7 @@ impl Checker<'_> {
         entity
     }
 
-    fn initial_values(
-        &mut self,
-        members: &[Member],
-        discretes: Vec<Expr>,
-        names: &Skeleton,
-        entity: &mut Entity,
-        scope: &Scope<'_>,
-    ) {
+    fn initial_values(&mut self, members: &[Member], names: &Skeleton, entity: &mut Entity, scope: &Scope<'_>) {
         let scope = scope.reading(Reads::Params);
         let mut seen = BTreeSet::new();
         for member in members {
@@ -464,10 +455,11 @@ impl Checker<'_> {
                 entity.vars[var].initial = self.number(initial, &scope);
             }
         }
-        for (index, initial) in discretes.into_iter().enumerate() {
+        let discretes = members.iter().filter_map(|m| if let Member::Discrete(d) = m { Some(d) } else { None });
+        for (index, discrete) in discretes.enumerate() {
             let id = DiscreteId(index as u32);
             let ty = entity.discretes[id].ty;
-            if let Some(term) = self.typed(&initial, &scope, &ty) {
+            if let Some(term) = self.typed(&discrete.initial, &scope, &ty) {
                 self.certainly_in_range(&term, &entity.discretes[id]);
                 entity.discretes[id].initial = term;
             }

@@ -19,15 +19,17 @@ use term::{Context, duration, rate};
 
 /// Lowers a program that checked without errors. What is lowered goes at once, unless it is shared: of a large program both
 /// are large.
-pub fn lower(mut checked: Checked) -> Program {
-    let mut program = Program { tags: checked.tags.iter().map(|t| t.text.to_string()).collect(), ..Program::default() };
-    program.spans.tags = checked.tags.iter().map(|t| t.span).collect();
-    program.entities.reserve(checked.entities.len());
-    program.spans.entities.reserve(checked.entities.len());
+pub fn lower(checked: Checked) -> Program {
+    let Checked { tags, entities, worlds, dimensions, occurrences, .. } = checked;
+    drop((dimensions, occurrences));
+    let mut program = Program { tags: tags.iter().map(|t| t.text.to_string()).collect(), ..Program::default() };
+    program.spans.tags = tags.iter().map(|t| t.span).collect();
+    program.entities.reserve(entities.len());
+    program.spans.entities.reserve(entities.len());
     // Goals add contact questions to entities, so all entities come first.
-    for entity in std::mem::take(&mut checked.entities) {
+    for entity in entities {
         let id = program.entities.push(shell(&entity).into());
-        program.spans.entities.push(spans(&entity));
+        program.spans.entities.push(spans(&entity).into());
         let from = ExprId::from_index(program.exprs.len());
         entity_code(&mut program, id, Arc::unwrap_or_clone(entity));
         let to = ExprId::from_index(program.exprs.len());
@@ -36,9 +38,9 @@ pub fn lower(mut checked: Checked) -> Program {
     }
     // Contact questions of every world, before any layout counts them.
     let mortal = world::mortal(&program);
-    let predicates: Vec<_> = checked.worlds.iter().map(|w| world::predicates(&mut program, w, &mortal)).collect();
+    let predicates: Vec<_> = worlds.iter().map(|w| world::predicates(&mut program, w, &mortal)).collect();
     program.worlds.reserve(predicates.len());
-    for (w, predicates) in checked.worlds.into_iter().zip(predicates) {
+    for (w, predicates) in worlds.into_iter().zip(predicates) {
         world::lower(&mut program, &w, predicates);
     }
     // A failure is a mistake of this module.
@@ -60,7 +62,7 @@ fn shell(e: &checked::Entity) -> Entity {
     });
     Entity {
         name: e.name.text.to_string(),
-        doc: e.doc.clone(),
+        doc: e.doc.as_deref().map(Box::from),
         params: RareVec::new(),
         vars: e.vars.iter().map(|v| v.name.text.to_string()).collect(),
         first: IdVec::new(),
@@ -83,10 +85,10 @@ fn shell(e: &checked::Entity) -> Entity {
         timers: RareVec::new(),
         spawns: RareVec::new(),
         follows: RareVec::new(),
-        clamps: Vec::new(),
-        invariants: Vec::new(),
-        order: e.order.clone(),
-        free: Vec::new(),
+        clamps: Box::default(),
+        invariants: Box::default(),
+        order: e.order.as_slice().into(),
+        free: Box::default(),
         inputs: Inputs::default(),
         code: IdRange::new(ExprId(0), ExprId(0)),
     }
@@ -160,15 +162,13 @@ fn entity_code(program: &mut Program, id: EntityId, mut e: checked::Entity) {
         let needs = follow.needs.clone();
         let _: FollowId = program.entity_mut(id).follows.push(Follow { guard, actions, needs });
     }
-    for clamp in &e.clamps {
-        let mut bound = |b: &Option<checked::Term>| b.as_ref().map(|b| program.term(b, &context));
+    let mut bound = |b: &Option<checked::Term>| b.as_ref().map(|b| program.term(b, &context));
+    let clamps = e.clamps.iter().map(|clamp| {
         let (low, high) = (bound(&clamp.low), bound(&clamp.high));
-        program.entity_mut(id).clamps.push(Clamp { var: clamp.var, degree: clamp.degree, low, high });
-    }
-    for invariant in &e.invariants {
-        let holds = program.term(invariant, &context);
-        program.entity_mut(id).invariants.push(holds);
-    }
+        Clamp { var: clamp.var, degree: clamp.degree, low, high }
+    });
+    program.entity_mut(id).clamps = clamps.collect();
+    program.entity_mut(id).invariants = e.invariants.iter().map(|i| program.term(i, &context)).collect();
     modes(program, id, &e, &context);
     let tables = leaves::drives(program, &e, &context);
     let built = leaves::leaves(program, id, &e, &tables);

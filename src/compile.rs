@@ -103,13 +103,13 @@ pub struct IdeCompilation {
 pub fn study(root: &Path, files: &dyn Files) -> IdeCompilation {
     let ((mut compilation, mut checked), trees) = stages(root, LevelFile::default(), None, files, Occurrences::kept());
     let mut occurrences = std::mem::take(&mut checked.occurrences).sorted(&compilation.sources);
-    occurrences.extend(sema::names_of_unused(&trees, &mut compilation.sources, &occurrences));
+    occurrences.extend(sema::names_of_unused(trees, &mut compilation.sources, &occurrences));
     occurrences.sort_unstable();
     IdeCompilation { compilation, checked, occurrences }
 }
 
-/// A compilation, the checked program, and the trees that it was made of, behaviours in place; no trees where no caller wants
-/// to know of names.
+/// A compilation, the checked program, and the trees that it was made of, behaviours in place; no trees where there are no
+/// behaviours, or no caller wants to know of names.
 fn stages(
     root: &Path,
     level: LevelFile<'_>,
@@ -155,14 +155,13 @@ fn stages(
     }
     let given = Level { map, part: part.map(str::to_string), legend, tile: level.tile };
     let is_kept = occurrences.are_kept();
-    let (mut checked, found) = sema::check(&trees, &sources, given, occurrences);
-    diagnostics.append(found);
     let first = trees.first().map(|root| root.id);
-    if !is_kept {
-        // Of a large program each of what the stages make is large: none stays longer than it is read.
-        trees.clear();
-        trees.shrink_to_fit();
-    }
+    // Of a large program each of what the stages make is large: none stays longer than it is read.
+    let is_behavior = |item: &ast::Item| matches!(item, ast::Item::Behavior(_));
+    let has_behaviors = trees.iter().flat_map(|tree| &tree.items).any(is_behavior);
+    let kept = if is_kept && has_behaviors { trees.clone() } else { Vec::new() };
+    let (mut checked, found) = sema::check(trees, &sources, given, occurrences);
+    diagnostics.append(found);
     if let (false, Some(root)) = (diagnostics.has_errors(), first) {
         diagnostics.append(lint::lint(&checked, root));
     }
@@ -178,7 +177,7 @@ fn stages(
         true => Arc::new(ir::lower(checked.clone())),
         false => Arc::new(ir::lower(std::mem::take(&mut checked))),
     });
-    ((Compilation { sources, program, diagnostics }, checked), trees)
+    ((Compilation { sources, program, diagnostics }, checked), kept)
 }
 
 /// The file that a level is in: `world.ldtk` of `world.ldtk#Level_0`.

@@ -1,13 +1,24 @@
 //! Source files, byte spans, and the line index that turns a byte into a line and a column.
 //! First in the pipeline: every later stage points back here. Files are read through [`Files`].
 
+mod span;
+
 use std::fmt;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use span::FIRST_COPY;
+pub use span::Span;
+
 /// The largest file that is read, in bytes: several hundred thousand lines. Each is checked within seconds.
-pub const MAX_FILE_BYTES: usize = 16 << 20;
+pub const MAX_FILE_BYTES: usize = (16 << 20) - 1;
+/// The most files that a program may name, levels and legends included.
+pub const MAX_SOURCES: usize = 15_000;
+/// So many more can be named on the command line.
+const OTHER_SOURCES: usize = 500;
+/// The most copies of what files hold, see [`SourceMap::copy`].
+pub const MAX_COPIES: usize = 50_000;
 
 /// A file of a [`SourceMap`].
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -17,55 +28,6 @@ pub struct FileId(pub u32);
 impl fmt::Debug for FileId {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "file{}", self.0)
-    }
-}
-
-/// A range of bytes in one file, end exclusive.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
-pub struct Span {
-    /// The file it lies in.
-    pub file: FileId,
-    /// The first byte.
-    pub start: u32,
-    /// One past the last byte.
-    pub end: u32,
-}
-
-impl fmt::Debug for Span {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:?}[{}..{}]", self.file, self.start, self.end)
-    }
-}
-
-impl Span {
-    /// The bytes `start..end` of `file`.
-    pub fn new(file: FileId, start: usize, end: usize) -> Self {
-        // Files are limited to `MAX_FILE_BYTES`, so the casts lose nothing.
-        Span { file, start: start as u32, end: end as u32 }
-    }
-
-    /// The smallest span around both; this one if they are not of the same file.
-    pub fn to(self, other: Span) -> Span {
-        if self.file != other.file {
-            return self;
-        }
-        Span { file: self.file, start: self.start.min(other.start), end: self.end.max(other.end) }
-    }
-
-    /// Whether it stands in a copy of what a file holds, see [`SourceMap::copy`].
-    pub fn is_copy(self) -> bool {
-        self.file.0 >= FIRST_COPY
-    }
-
-    /// The span as a range of byte indices.
-    pub fn range(self) -> std::ops::Range<usize> {
-        self.start as usize..self.end as usize
-    }
-
-    /// Whether `other` lies inside this span.
-    pub fn contains(self, other: Span) -> bool {
-        self.file == other.file && self.start <= other.start && other.end <= self.end
     }
 }
 
@@ -158,13 +120,20 @@ pub struct SourceMap {
     copies: Vec<(FileId, Span)>,
 }
 
-/// The ids from here on are those of copies.
-const FIRST_COPY: u32 = 1 << 31;
-
 impl SourceMap {
     /// An empty map.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// Whether it can take no more files that a program names; there is room for what the command line names.
+    pub fn is_full(&self) -> bool {
+        self.files.len() >= MAX_SOURCES
+    }
+
+    /// Whether it can take no more copies.
+    pub fn is_full_of_copies(&self) -> bool {
+        self.copies.len() >= MAX_COPIES
     }
 
     /// Adds a file and gives its id.
@@ -202,24 +171,23 @@ impl SourceMap {
     }
 
     fn original(&self, id: FileId) -> FileId {
-        let copy = id.0.checked_sub(FIRST_COPY).and_then(|c| self.copies.get(c as usize));
-        copy.map_or(id, |(of, _)| *of)
+        id.copy().and_then(|copy| self.copies.get(copy)).map_or(id, |(of, _)| *of)
     }
 
     /// Where a span stands in the text, and where what it stands in was put in place, from the inside out.
     pub fn trace(&self, span: Span) -> (Span, Vec<Span>) {
         let mut places = Vec::new();
         let mut at = span;
-        while let Some((_, put_at)) = at.file.0.checked_sub(FIRST_COPY).and_then(|c| self.copies.get(c as usize)) {
-            places.push(Span { file: self.original(put_at.file), ..*put_at });
+        while let Some((_, put_at)) = at.file().copy().and_then(|copy| self.copies.get(copy)) {
+            places.push(put_at.in_file(self.original(put_at.file())));
             at = *put_at;
         }
-        (Span { file: self.original(span.file), ..span }, places)
+        (span.in_file(self.original(span.file())), places)
     }
 
     /// The text under a span, or nothing if the span is not of this map.
     pub fn slice(&self, span: Span) -> &str {
-        self.files.get(self.original(span.file).0 as usize).and_then(|f| f.text.get(span.range())).unwrap_or("")
+        self.files.get(self.original(span.file()).0 as usize).and_then(|f| f.text.get(span.range())).unwrap_or("")
     }
 
     /// All that it holds, to be written and read back.
@@ -228,9 +196,17 @@ impl SourceMap {
         Texts { files: self.files.iter().map(text).collect(), copies: self.copies.clone() }
     }
 
-    /// The map that was written; none if a copy is of no file, or was not put into what was there before it.
+    /// The map that was written; none if it is larger than one may be, or a copy is of no file, or was not put into what
+    /// was there before it.
     pub fn of(texts: Texts) -> Option<SourceMap> {
         let mut map = SourceMap::new();
+        let is_too_long = |file: &Text| file.text.len() > MAX_FILE_BYTES;
+        if texts.files.len() > MAX_SOURCES + OTHER_SOURCES
+            || texts.copies.len() > MAX_COPIES
+            || texts.files.iter().any(is_too_long)
+        {
+            return None;
+        }
         for Text { path, text } in texts.files {
             map.add(path, text);
         }
@@ -245,7 +221,7 @@ impl SourceMap {
 
     /// Whether a span lies in a file of this map, or in a copy.
     pub fn holds(&self, span: Span) -> bool {
-        let file = self.files.get(self.original(span.file).0 as usize);
+        let file = self.files.get(self.original(span.file()).0 as usize);
         file.is_some_and(|file| file.text.get(span.range()).is_some())
     }
 

@@ -119,7 +119,7 @@ fn odd_files_get_an_answer() {
         no(2, "error[E0002]: `bytes.hyped` is not UTF-8 text: byte 1 fits no character")
     );
     let line = answer("line.hyped", "entity A { } ".repeat(4_000_000).as_bytes());
-    assert_eq!(line, no(2, "error[E0003]: `line.hyped` is too large: 49.6 MiB, at most 16 MiB are read"));
+    assert_eq!(line, no(2, "error[E0003]: `line.hyped` is too large: 49.6 MiB, less than 16 MiB are read"));
     std::fs::remove_file(temporary("line.hyped")).unwrap();
     let folder = temporary("folder.hyped");
     std::fs::create_dir_all(&folder).unwrap();

@@ -39,7 +39,7 @@ fn each_fix_works(root: &Path, files: &dyn Files) -> Vec<Code> {
         let shown: Vec<String> = texts.values().cloned().collect();
         let overlay = Overlay(texts);
         let again = compile(root, &overlay).diagnostics;
-        let start = |d: &hypedc::diagnostic::Diagnostic| d.primary.as_ref().map(|l| (l.span.file, l.span.start));
+        let start = |d: &hypedc::diagnostic::Diagnostic| d.primary.as_ref().map(|l| (l.span.file(), l.span.start()));
         let left = again.iter().any(|a| (a.code, &a.message, start(a)) == (d.code, &d.message, start(d)));
         assert!(!left, "{}: {} stays after: {}\n{}", root.display(), d.message, fix.title, shown.concat());
         let count = |found: &hypedc::diagnostic::Diagnostics| found.iter().filter(|a| a.code == d.code).count();

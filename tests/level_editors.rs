@@ -315,7 +315,7 @@ proptest! {
             let human = render::human(&found.sources, found.diagnostics.iter(), false);
             prop_assert_eq!(human.is_empty(), found.diagnostics.is_empty());
             for label in found.diagnostics.iter().filter_map(|d| d.primary.as_ref()) {
-                let file = found.sources.file(label.span.file).text();
+                let file = found.sources.file(label.span.file()).text();
                 prop_assert!(file.get(label.span.range()).is_some(), "{:?}", label);
             }
         }

@@ -50,13 +50,13 @@ fn meaning(program: &Program) -> String {
 /// The lines, from 1, of a finding's labels in a file.
 fn lines(compilation: &Compilation, d: &Diagnostic, path: &Path) -> Vec<usize> {
     let labels = d.primary.iter().chain(&d.secondary);
-    let labels = labels.filter(|l| compilation.sources.file(l.span.file).path == path);
+    let labels = labels.filter(|l| compilation.sources.file(l.span.file()).path == path);
     labels
         .flat_map(|l| {
-            let file = compilation.sources.file(l.span.file);
+            let file = compilation.sources.file(l.span.file());
             let line = |at: u32| file.line_column(at as usize).0;
             // Of a label over several lines, its ends are drawn.
-            [line(l.span.start), line(l.span.end.saturating_sub(1).max(l.span.start))]
+            [line(l.span.start()), line(l.span.end().saturating_sub(1).max(l.span.start()))]
         })
         .collect()
 }

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use crate::support::compile_text;
 use hypedc::compile::compile;
 use hypedc::diagnostic::{Severity, render};
-use hypedc::source::{Files, ReadError};
+use hypedc::source::{FileId, Files, ReadError};
 
 #[test]
 fn large_programs_are_right() {
@@ -113,7 +113,7 @@ fn programs_of_too_many_entities_or_worlds_are_refused_once() {
     let errors = |text: &str| {
         let found = compile_text(text).diagnostics;
         let errors = found.iter().filter(|d| d.severity == Severity::Error);
-        errors.map(|d| (d.message.clone(), d.primary.as_ref().unwrap().span.start as usize)).collect::<Vec<_>>()
+        errors.map(|d| (d.message.clone(), d.primary.as_ref().unwrap().span.range().start)).collect::<Vec<_>>()
     };
     assert_eq!(errors(&entities(10_000)), []);
     assert_eq!(errors(&worlds(10_000)), []);
@@ -125,6 +125,32 @@ fn programs_of_too_many_entities_or_worlds_are_refused_once() {
     let many = format!("{}world V {{ step 0 }}\nworld U {{ step 0 }}\n", worlds(10_000));
     let at = many.find("V {").unwrap();
     assert_eq!(errors(&many), [("too many worlds: 10001, at most 10000".to_string(), at)]);
+}
+
+#[test]
+fn behaviours_that_are_used_too_often_are_refused_once() {
+    let used = |times: usize| format!("behavior B() {{ }}\nentity A {{\n{}}}\n", "use B()\n".repeat(times));
+    assert_eq!(compile_text(&used(50_000)).diagnostics.iter().count(), 0);
+    let found = compile_text(&used(50_002));
+    let [only] = found.diagnostics.iter().collect::<Vec<_>>()[..] else { panic!("one finding") };
+    assert_eq!(only.message, "too many behaviors put in place by `use`: 50001, at most 50000");
+    let at = found.sources.file(FileId(0)).line_column(only.primary.as_ref().unwrap().span.range().start);
+    assert_eq!(at, (50_003, 1));
+}
+
+#[test]
+fn files_without_end_are_refused_once() {
+    struct Empty(String);
+    impl Files for Empty {
+        fn read(&self, path: &Path) -> Result<String, ReadError> {
+            Ok(if path.ends_with("root.hyped") { self.0.clone() } else { ".\n".into() })
+        }
+    }
+    let maps = (0..15_001).map(|i| format!("space s{i} {{ map t from \"{i}.txt\" }}\n")).collect::<String>();
+    let text = format!("world W {{ tiles t 8 x 8 {{ '.': empty }}\n{maps}}}\n");
+    let found = compile(Path::new("root.hyped"), &Empty(text)).diagnostics;
+    let errors: Vec<_> = found.iter().filter(|d| d.code.text() == "E0003").map(|d| &d.message).collect();
+    assert_eq!(errors, ["too many files, levels and legends included: 15001, at most 15000"]);
 }
 
 #[test]

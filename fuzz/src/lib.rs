@@ -152,7 +152,7 @@ fn comments(text: &str) -> Vec<String> {
 fn shown(compiled: &Compilation) {
     let Compilation { sources, diagnostics, .. } = compiled;
     for label in diagnostics.iter().flat_map(|d| d.primary.iter().chain(&d.secondary)) {
-        assert!(label.span.range().end <= sources.file(label.span.file).text().len(), "{label:?}");
+        assert!(label.span.range().end <= sources.file(label.span.file()).text().len(), "{label:?}");
     }
     let found = [Found { path: Path::new(ROOT), sources, diagnostics }];
     assert_eq!(render::short(sources, diagnostics.iter()).is_empty(), diagnostics.is_empty());

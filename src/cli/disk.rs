@@ -117,16 +117,19 @@ pub(super) fn rows(file: &mut File) -> Result<Vec<u8>, String> {
     }
 }
 
+/// The longest line that is read on its own, bytes.
+const MAX_LINE_BYTES: usize = 16 << 20;
+
 /// The next line of a text, without its end; none at the end of the text.
 ///
 /// # Errors
 /// Why it cannot be read, in a few words. Of a line that is too long no more than that is read.
 pub(super) fn line(text: &mut impl BufRead) -> Result<Option<String>, String> {
     let mut line = Vec::new();
-    let limit = MAX_FILE_BYTES as u64 + 1;
+    let limit = MAX_LINE_BYTES as u64 + 1;
     text.by_ref().take(limit).read_until(b'\n', &mut line).map_err(|e| reason(&e))?;
-    if line.len() > MAX_FILE_BYTES {
-        return Err(format!("a line is longer than {} MiB", MAX_FILE_BYTES >> 20));
+    if line.len() > MAX_LINE_BYTES {
+        return Err(format!("a line is longer than {} MiB", MAX_LINE_BYTES >> 20));
     }
     if line.is_empty() {
         return Ok(None);

@@ -22,7 +22,7 @@ pub(super) fn mend(root: &Path, level: LevelFile<'_>) -> io::Result<bool> {
     for _ in 0..MAX_ROUNDS {
         let Compilation { sources, diagnostics, .. } = compile_with(root, level, &Disk);
         let may = |file: FileId| is_ours(root, &sources.file(file).path);
-        let chosen = together(diagnostics.iter(), |fix| fix.edits.iter().all(|(span, _)| may(span.file)));
+        let chosen = together(diagnostics.iter(), |fix| fix.edits.iter().all(|(span, _)| may(span.file())));
         if chosen.is_empty() {
             break;
         }
@@ -35,7 +35,7 @@ pub(super) fn mend(root: &Path, level: LevelFile<'_>) -> io::Result<bool> {
         }
         for (d, fix) in chosen {
             if let Some((span, _)) = fix.edits.first() {
-                let file = sources.file(span.file);
+                let file = sources.file(span.file());
                 let (line, column) = file.line_column(span.range().start);
                 let path = file.path.display();
                 writeln!(io::stderr(), "mended {path}:{line}:{column}: {} ({})", fix.title, d.code)?;

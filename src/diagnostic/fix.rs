@@ -27,7 +27,7 @@ pub fn together<'d>(
 pub fn by_file<'d>(fixes: impl IntoIterator<Item = &'d Fix>) -> BTreeMap<FileId, Vec<(Span, &'d str)>> {
     let mut files: BTreeMap<FileId, Vec<(Span, &str)>> = BTreeMap::new();
     for (span, text) in fixes.into_iter().flat_map(|fix| &fix.edits) {
-        files.entry(span.file).or_default().push((*span, text));
+        files.entry(span.file()).or_default().push((*span, text));
     }
     files
 }
@@ -35,7 +35,7 @@ pub fn by_file<'d>(fixes: impl IntoIterator<Item = &'d Fix>) -> BTreeMap<FileId,
 /// A text with edits made; none if they overlap or do not fit it. The spans are places of this text.
 pub fn mended(text: &str, edits: &[(Span, &str)]) -> Option<String> {
     let mut edits = edits.to_vec();
-    edits.sort_by_key(|(span, _)| (span.start, span.end));
+    edits.sort_by_key(|(span, _)| (span.start(), span.end()));
     let mut out = String::with_capacity(text.len());
     let mut done = 0;
     for (span, new) in edits {
@@ -54,14 +54,14 @@ struct Taken(BTreeMap<(FileId, u32), u32>);
 
 impl Taken {
     fn add(&mut self, span: Span) {
-        let end = self.0.entry((span.file, span.start)).or_default();
-        *end = span.end.max(*end);
+        let end = self.0.entry((span.file(), span.start())).or_default();
+        *end = span.end().max(*end);
     }
 
     /// Whether edits of this place and of one that is taken would disturb each other.
     fn touches(&self, span: Span) -> bool {
-        let before = self.0.range((span.file, 0)..=(span.file, span.end)).next_back();
-        before.is_some_and(|(_, end)| *end >= span.start)
+        let before = self.0.range((span.file(), 0)..=(span.file(), span.end())).next_back();
+        before.is_some_and(|(_, end)| *end >= span.start())
     }
 }
 
@@ -88,7 +88,7 @@ mod tests {
         let finding = |start, end| Diagnostic::new(Code::UnknownName, "").fix("", at(start, end), "x");
         let found = [finding(0, 3), finding(3, 5), finding(6, 9), finding(6, 9)];
         let chosen = together(&found, |_| true);
-        assert_eq!(chosen.iter().map(|(_, fix)| fix.edits[0].0.start).collect::<Vec<_>>(), [0, 6]);
+        assert_eq!(chosen.iter().map(|(_, fix)| fix.edits[0].0.start()).collect::<Vec<_>>(), [0, 6]);
         assert!(together(&found, |_| false).is_empty());
         assert_eq!(by_file(chosen.iter().map(|(_, fix)| *fix))[&FileId(0)].len(), 2);
     }

@@ -220,7 +220,7 @@ impl Diagnostics {
     /// Takes away what would change files of some kind: fixes are for programs.
     pub fn strip_fixes(&mut self, is_kept_out: impl Fn(FileId) -> bool) {
         for d in &mut self.list {
-            d.fix = d.fix.take().filter(|fix| !fix.edits.iter().any(|(span, _)| is_kept_out(span.file)));
+            d.fix = d.fix.take().filter(|fix| !fix.edits.iter().any(|(span, _)| is_kept_out(span.file())));
         }
     }
 

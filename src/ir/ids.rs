@@ -218,9 +218,16 @@ impl<I, T> IntoIterator for IdVec<I, T> {
     }
 }
 
+impl<I, T> IdVec<I, T> {
+    /// An empty table, known to the compiler.
+    pub(super) const fn empty() -> Self {
+        IdVec { entries: Vec::new(), kind: PhantomData }
+    }
+}
+
 impl<I, T> Default for IdVec<I, T> {
     fn default() -> Self {
-        IdVec { entries: Vec::new(), kind: PhantomData }
+        IdVec::empty()
     }
 }
 
@@ -270,6 +277,7 @@ mod schema {
     use schemars::{JsonSchema, Schema, SchemaGenerator};
 
     use super::{IdRange, IdVec};
+    use crate::ir::{Arena, RareVec};
 
     impl<I: JsonSchema> JsonSchema for IdRange<I> {
         fn inline_schema() -> bool {
@@ -285,17 +293,23 @@ mod schema {
         }
     }
 
-    impl<I, T: JsonSchema> JsonSchema for IdVec<I, T> {
-        fn inline_schema() -> bool {
-            true
-        }
+    macro_rules! tables {
+        ($($table:ident)*) => {$(
+            impl<I, T: JsonSchema> JsonSchema for $table<I, T> {
+                fn inline_schema() -> bool {
+                    true
+                }
 
-        fn schema_name() -> Cow<'static, str> {
-            format!("Table_of_{}", T::schema_name()).into()
-        }
+                fn schema_name() -> Cow<'static, str> {
+                    format!("Table_of_{}", T::schema_name()).into()
+                }
 
-        fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-            Vec::<T>::json_schema(generator)
-        }
+                fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+                    Vec::<T>::json_schema(generator)
+                }
+            }
+        )*};
     }
+
+    tables! { IdVec RareVec Arena }
 }

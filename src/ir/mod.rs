@@ -4,6 +4,7 @@
 //! variables and the edges to try, for each world the slots with their first values and the layout of a state. The
 //! simulator, the planners and all later backends read these tables and nothing else.
 
+mod arena;
 mod arithmetic;
 mod expressions;
 mod ids;
@@ -15,6 +16,7 @@ mod meaning;
 mod names;
 mod operators;
 mod program;
+mod rare;
 mod spans;
 mod text;
 mod tile_map;
@@ -22,6 +24,7 @@ mod transition;
 mod verify;
 mod world_tables;
 
+pub use arena::Arena;
 pub use arithmetic::{arithmetic, call, compare};
 pub use ids::{
     AxisId, ButtonId, ColliderId, DiscreteId, EdgeId, EntityId, EnvelopeId, ExprId, FollowId, GoalId, GroupId, Id,
@@ -37,6 +40,7 @@ pub use program::{
     Actions, By, Choice, Clamp, Collider, Discrete, Domain, Drive, Edge, Entity, Envelope, Expr, Follow, Group, Inputs,
     Leaf, Mode, Param, Program, RefUpdate, RefValue, Reference, Release, Shape, Spawn, TagSet, Timer, Touch, Update,
 };
+pub use rare::RareVec;
 pub use spans::{EntitySpans, Spans, WorldSpans};
 pub use text::text;
 pub use tile_map::{TileKind, TileMap};

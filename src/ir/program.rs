@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use super::Spans;
 use super::{
-    Arithmetic, AxisId, ButtonId, ColliderId, CompareOp, DiscreteId, EdgeId, EntityId, EnvelopeId, ExprId, FollowId,
-    Function, GroupId, IdRange, IdVec, LeafId, ModeId, ParamId, Place, Press, RefId, Side, SlotId, SpaceId, SpawnId,
-    Subject, TagId, TimerId, TouchId, VarId, World, WorldId,
+    Arena, Arithmetic, AxisId, ButtonId, ColliderId, CompareOp, DiscreteId, EdgeId, EntityId, EnvelopeId, ExprId,
+    FollowId, Function, GroupId, IdRange, IdVec, LeafId, ModeId, ParamId, Place, Press, RareVec, RefId, Side, SlotId,
+    SpaceId, SpawnId, Subject, TagId, TimerId, TouchId, VarId, World, WorldId,
 };
 
 /// A compiled program.
@@ -18,7 +18,7 @@ pub struct Program {
     /// All tags, in order of first use; at most 64.
     pub tags: IdVec<TagId, String>,
     /// All expressions. An operand has a lower id than its operator, so ids are in evaluation order.
-    pub exprs: IdVec<ExprId, Expr>,
+    pub exprs: Arena<ExprId, Expr>,
     /// All entities.
     pub entities: IdVec<EntityId, Arc<Entity>>,
     /// All worlds.
@@ -138,51 +138,51 @@ pub struct Entity {
     pub name: String,
     /// Its documentation.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub doc: Option<String>,
+    pub doc: Option<Box<str>>,
     /// Parameters: constant per instance, see [`super::Slot::params`].
-    pub params: IdVec<ParamId, Param>,
+    pub params: RareVec<ParamId, Param>,
     /// Continuous variables by name; `x` and `y` are the first two.
     pub vars: IdVec<VarId, String>,
     /// Their first values, 0 where there is none; they read parameters only.
     pub first: IdVec<VarId, Option<ExprId>>,
     /// Discrete variables.
-    pub discretes: IdVec<DiscreteId, Discrete>,
+    pub discretes: RareVec<DiscreteId, Discrete>,
     /// References to other instances.
-    pub refs: IdVec<RefId, Reference>,
+    pub refs: RareVec<RefId, Reference>,
     /// Buttons that it reads; at most 64.
-    pub buttons: IdVec<ButtonId, String>,
+    pub buttons: RareVec<ButtonId, String>,
     /// Axes that it reads; at most 4.
-    pub axes: IdVec<AxisId, String>,
+    pub axes: RareVec<AxisId, String>,
     /// Colliders.
-    pub colliders: IdVec<ColliderId, Collider>,
+    pub colliders: RareVec<ColliderId, Collider>,
     /// Groups; one leaf of each is active.
-    pub groups: IdVec<GroupId, Group>,
+    pub groups: RareVec<GroupId, Group>,
     /// Modes in preorder, group by group.
-    pub modes: IdVec<ModeId, Mode>,
+    pub modes: RareVec<ModeId, Mode>,
     /// Edges in source order.
-    pub edges: IdVec<EdgeId, Edge>,
+    pub edges: RareVec<EdgeId, Edge>,
     /// Envelopes.
-    pub envelopes: IdVec<EnvelopeId, Envelope>,
+    pub envelopes: RareVec<EnvelopeId, Envelope>,
     /// Leaves in preorder, group by group.
-    pub leaves: IdVec<LeafId, Leaf>,
+    pub leaves: RareVec<LeafId, Leaf>,
     /// The distinct contact questions of the entity and of the goals about it: one bit each.
-    pub touches: IdVec<TouchId, Touch>,
+    pub touches: RareVec<TouchId, Touch>,
     /// How many of them, the first ones, keep the instance that is touched.
     pub bound: usize,
     /// The modes whose time is read: one counter each.
-    pub timers: IdVec<TimerId, Timer>,
+    pub timers: RareVec<TimerId, Timer>,
     /// What is spawned on edges.
-    pub spawns: IdVec<SpawnId, Spawn>,
+    pub spawns: RareVec<SpawnId, Spawn>,
     /// `follow links` of all modes.
-    pub follows: IdVec<FollowId, Follow>,
+    pub follows: RareVec<FollowId, Follow>,
     /// Soft bounds of variables.
-    pub clamps: Vec<Clamp>,
+    pub clamps: Box<[Clamp]>,
     /// What must always hold.
-    pub invariants: Vec<ExprId>,
+    pub invariants: Box<[ExprId]>,
     /// The groups in the order in which they are decided.
-    pub order: Vec<GroupId>,
+    pub order: Box<[GroupId]>,
     /// Drives of the variables that no group drives, one for each of them.
-    pub free: Vec<Drive>,
+    pub free: Box<[Drive]>,
     /// Inputs that it reads in whatever mode.
     pub inputs: Inputs,
     /// Its code in the arena.

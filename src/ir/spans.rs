@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::{
-    AxisId, ButtonId, ColliderId, DiscreteId, EdgeId, Entity, EntityId, EnvelopeId, ExprId, FollowId, GoalId, GroupId,
-    Id, IdVec, ModeId, NeverId, ParamId, PlayerId, Program, RefId, SlotId, SpaceId, SpawnId, TagId, TouchId, VarId,
-    World, WorldId,
+    Arena, AxisId, ButtonId, ColliderId, DiscreteId, EdgeId, Entity, EntityId, EnvelopeId, ExprId, FollowId, GoalId,
+    GroupId, Id, IdVec, ModeId, NeverId, ParamId, PlayerId, Program, RareVec, RefId, SlotId, SpaceId, SpawnId, TagId,
+    TouchId, VarId, World, WorldId,
 };
 use crate::source::{FileId, Span};
 
@@ -16,9 +16,9 @@ pub struct Spans {
     /// Of each tag: its first use.
     pub tags: IdVec<TagId, Span>,
     /// Of each expression.
-    pub exprs: IdVec<ExprId, Span>,
+    pub exprs: Arena<ExprId, Span>,
     /// Of each entity's entries.
-    pub entities: IdVec<EntityId, EntitySpans>,
+    pub entities: IdVec<EntityId, Box<EntitySpans>>,
     /// Of each world's entries.
     pub worlds: IdVec<WorldId, WorldSpans>,
 }
@@ -28,24 +28,27 @@ impl Spans {
     pub fn all(&self) -> impl Iterator<Item = Span> + '_ {
         let of_program = self.tags.iter().chain(self.exprs.iter()).copied();
         of_program
-            .chain(self.entities.iter().flat_map(EntitySpans::all))
+            .chain(self.entities.iter().flat_map(|of| of.all()))
             .chain(self.worlds.iter().flat_map(WorldSpans::all))
     }
 
     /// For a program whose text is not known: the beginning of the first file, for all entries.
     pub(super) fn nowhere(program: &Program) -> Spans {
-        fn blank<I: Id, J: Id, T>(table: &IdVec<J, T>) -> IdVec<I, Span> {
-            table.iter().map(|_| NOWHERE).collect()
+        fn blank<I: Id, T, Blank: FromIterator<Span>>(table: &IdVec<I, T>) -> Blank {
+            table.iter().map(|_| nowhere()).collect()
+        }
+        fn nowhere() -> Span {
+            Span::new(FileId(0), 0, 0)
         }
         let entity = |e: &Entity| EntitySpans {
-            name: NOWHERE,
+            name: nowhere(),
             params: blank(&e.params),
             vars: blank(&e.vars),
             discretes: blank(&e.discretes),
             refs: blank(&e.refs),
             spawns: blank(&e.spawns),
             follows: blank(&e.follows),
-            invariants: e.invariants.iter().map(|_| NOWHERE).collect(),
+            invariants: e.invariants.iter().map(|_| nowhere()).collect(),
             buttons: blank(&e.buttons),
             axes: blank(&e.axes),
             colliders: blank(&e.colliders),
@@ -56,10 +59,10 @@ impl Spans {
             envelopes: blank(&e.envelopes),
         };
         let world = |w: &World| WorldSpans {
-            name: NOWHERE,
+            name: nowhere(),
             spaces: blank(&w.spaces),
-            solids: w.spaces.iter().map(|s| s.solids.iter().map(|_| NOWHERE).collect()).collect(),
-            links: w.spaces.iter().map(|s| s.links.iter().map(|_| NOWHERE).collect()).collect(),
+            solids: w.spaces.iter().map(|s| s.solids.iter().map(|_| nowhere()).collect()).collect(),
+            links: w.spaces.iter().map(|s| s.links.iter().map(|_| nowhere()).collect()).collect(),
             slots: blank(&w.slots),
             players: blank(&w.players),
             goals: blank(&w.goals),
@@ -67,15 +70,12 @@ impl Spans {
         };
         Spans {
             tags: blank(&program.tags),
-            exprs: blank(&program.exprs),
-            entities: program.entities.iter().map(|e| entity(e)).collect(),
+            exprs: program.exprs.iter().map(|_| nowhere()).collect(),
+            entities: program.entities.iter().map(|e| entity(e).into()).collect(),
             worlds: program.worlds.iter().map(|w| world(w)).collect(),
         }
     }
 }
-
-/// The beginning of the first file.
-const NOWHERE: Span = Span { file: FileId(0), start: 0, end: 0 };
 
 /// Where an entity's entries come from; a leaf and a timer come from their modes.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -84,35 +84,35 @@ pub struct EntitySpans {
     /// The entity's name.
     pub name: Span,
     /// Of each parameter's name.
-    pub params: IdVec<ParamId, Span>,
+    pub params: RareVec<ParamId, Span>,
     /// Of each variable's name (of `x` and `y`: the entity's).
     pub vars: IdVec<VarId, Span>,
     /// Of each discrete variable's name.
-    pub discretes: IdVec<DiscreteId, Span>,
+    pub discretes: RareVec<DiscreteId, Span>,
     /// Of each reference's name.
-    pub refs: IdVec<RefId, Span>,
+    pub refs: RareVec<RefId, Span>,
     /// Of each `spawn`.
-    pub spawns: IdVec<SpawnId, Span>,
+    pub spawns: RareVec<SpawnId, Span>,
     /// Of each `follow links`.
-    pub follows: IdVec<FollowId, Span>,
+    pub follows: RareVec<FollowId, Span>,
     /// Of each invariant.
-    pub invariants: Vec<Span>,
+    pub invariants: Box<[Span]>,
     /// Of each button's name.
-    pub buttons: IdVec<ButtonId, Span>,
+    pub buttons: RareVec<ButtonId, Span>,
     /// Of each axis' name.
-    pub axes: IdVec<AxisId, Span>,
+    pub axes: RareVec<AxisId, Span>,
     /// Of each collider.
-    pub colliders: IdVec<ColliderId, Span>,
+    pub colliders: RareVec<ColliderId, Span>,
     /// Of each group's name (of the anonymous one: the entity's).
-    pub groups: IdVec<GroupId, Span>,
+    pub groups: RareVec<GroupId, Span>,
     /// Of each contact question: where it is first asked.
-    pub touches: IdVec<TouchId, Span>,
+    pub touches: RareVec<TouchId, Span>,
     /// Of each mode's name.
-    pub modes: IdVec<ModeId, Span>,
+    pub modes: RareVec<ModeId, Span>,
     /// Of each edge.
-    pub edges: IdVec<EdgeId, Span>,
+    pub edges: RareVec<EdgeId, Span>,
     /// Of each envelope.
-    pub envelopes: IdVec<EnvelopeId, Span>,
+    pub envelopes: RareVec<EnvelopeId, Span>,
 }
 
 /// Where a world's entries come from.

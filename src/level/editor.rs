@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::diagnostic::Diagnostics;
-use crate::diagnostic::catalogue::file::Unreadable;
+use crate::diagnostic::catalogue::file::{TooMany, Unreadable};
 use crate::diagnostic::catalogue::world::BadLevel;
 use crate::source::{FileId, Files, SourceMap, Span};
 
@@ -54,10 +54,15 @@ pub fn read_beside(
         if sources.find(&path).is_some() {
             continue;
         }
+        let at = Span::new(file, at.start, at.end);
+        if sources.is_full() {
+            diagnostics.report(TooMany::sources(at));
+            return;
+        }
         match files.read(&path) {
             Ok(text) => drop(sources.add(path, text)),
             Err(error) => {
-                diagnostics.report(Unreadable { path, import: Some(Span::new(file, at.start, at.end)), error });
+                diagnostics.report(Unreadable { path, import: Some(at), error });
             }
         }
     }
@@ -107,7 +112,7 @@ fn within_limits(level: Drawn, file: FileId) -> Result<Drawn, Broken> {
         None => Ok(level),
         Some((far, at)) => {
             let why = format!("something at {far} px: at most {MAX_LENGTH} px from the origin are possible");
-            Err((at.file, Trouble::new(at.range(), why)))
+            Err((at.file(), Trouble::new(at.range(), why)))
         }
     }
 }

@@ -107,8 +107,8 @@ pub fn inline_map<T: Clone>(
                 Some(&kind) if column < columns => cells[base + column] = kind,
                 Some(_) => {}
                 None => {
-                    let start = span.start as usize + byte;
-                    let at = Span::new(span.file, start, start + symbol.len_utf8());
+                    let start = span.range().start + byte;
+                    let at = Span::new(span.file(), start, start + symbol.len_utf8());
                     unknown.entry(symbol).or_insert((at, 0)).1 += 1;
                 }
             }

@@ -116,7 +116,7 @@ pub(super) fn unused(checked: &Checked, root: FileId, found: &mut Diagnostics) {
     let reads = Reads::new(checked);
     let writes = writes(checked);
     for (id, entity) in checked.entities.pairs() {
-        let is_final = !checked.worlds.is_empty() && entity.name.span.file == root;
+        let is_final = !checked.worlds.is_empty() && entity.name.span.file() == root;
         let mut judge = |kind: &'static str, name: &Name, is_read: bool, written: Option<Span>| {
             if is_read || name.text.starts_with('_') || (written.is_some() && !is_final) {
                 return;

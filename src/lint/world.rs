@@ -53,7 +53,7 @@ pub(super) fn tags(checked: &Checked, found: &mut Diagnostics) {
             asked.insert(other);
         }
     }
-    let root = checked.worlds.iter().next().map(|w| w.name.span.file);
+    let root = checked.worlds.iter().next().map(|w| w.name.span.file());
     for &tag in asked.difference(&carried) {
         let name = &checked.tags[tag];
         if checked.other_tags.contains(name.text.as_str()) {
@@ -63,7 +63,7 @@ pub(super) fn tags(checked: &Checked, found: &mut Diagnostics) {
         let near = near.and_then(|near| checked.tags.iter().find(|t| t.text == near));
         let near = near.map(|tag| (tag.text.to_string(), tag.span));
         // An imported entity may know more than this program has.
-        if Some(name.span.file) == root || near.is_some() {
+        if Some(name.span.file()) == root || near.is_some() {
             found.report(UncarriedTag { tag: name.text.to_string(), at: name.span, near });
         }
     }

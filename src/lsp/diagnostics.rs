@@ -23,7 +23,7 @@ pub(in crate::lsp) type ByDocument = BTreeMap<String, Vec<Shown>>;
 pub(in crate::lsp) fn by_document(snapshot: &Snapshot, found: &Diagnostics, encoding: Encoding) -> ByDocument {
     let mut out = ByDocument::new();
     for finding in found.iter() {
-        let file = finding.primary.as_ref().map(|label| label.span.file);
+        let file = finding.primary.as_ref().map(|label| label.span.file());
         let uri = file.map_or_else(|| snapshot.root_uri(), |file| snapshot.uri(file));
         out.entry(uri.0).or_default().push(shown(finding, snapshot, encoding));
     }
@@ -179,7 +179,7 @@ pub(in crate::lsp) fn mendable<'a>(
     let found = snapshot.study.compilation.diagnostics.iter().chain(more.into_iter().flat_map(Diagnostics::iter));
     found.filter(move |finding| {
         let touches = |l: &crate::diagnostic::Label| {
-            l.span.file == file && l.span.start as usize <= bytes.end && bytes.start <= l.span.end as usize
+            l.span.file() == file && l.span.range().start <= bytes.end && bytes.start <= l.span.range().end
         };
         finding.fix.is_some() && finding.primary.as_ref().is_some_and(touches)
     })

@@ -123,22 +123,22 @@ impl Snapshot {
 
     /// The range of a place.
     pub fn range(&self, at: Span, encoding: Encoding) -> Range {
-        self.text(at.file).range(at.range(), encoding)
+        self.text(at.file()).range(at.range(), encoding)
     }
 
     /// The range of a place in its document.
     pub fn location(&self, at: Span, encoding: Encoding) -> Location {
-        Location { uri: self.uri(at.file), range: self.range(at, encoding) }
+        Location { uri: self.uri(at.file()), range: self.range(at, encoding) }
     }
 
     /// The names at a byte of a file: those that hold it, or else those that end there.
     pub fn names_at(&self, file: FileId, byte: usize) -> Vec<Occurrence> {
         let byte = byte as u32;
         let all = &self.study.occurrences;
-        let from = all.partition_point(|o| (o.at.file, o.at.start) < (file, byte.saturating_sub(256)));
-        let near = || all[from..].iter().take_while(|o| o.at.file == file && o.at.start <= byte);
-        let inside: Vec<Occurrence> = near().filter(|o| byte < o.at.end).copied().collect();
-        if inside.is_empty() { near().filter(|o| o.at.end == byte).copied().collect() } else { inside }
+        let from = all.partition_point(|o| (o.at.file(), o.at.start()) < (file, byte.saturating_sub(256)));
+        let near = || all[from..].iter().take_while(|o| o.at.file() == file && o.at.start() <= byte);
+        let inside: Vec<Occurrence> = near().filter(|o| byte < o.at.end()).copied().collect();
+        if inside.is_empty() { near().filter(|o| o.at.end() == byte).copied().collect() } else { inside }
     }
 
     /// What the name of an occurrence is.
@@ -148,7 +148,7 @@ impl Snapshot {
 
     /// What an occurrence names.
     pub fn key(&self, o: &Occurrence) -> Key {
-        let declared = (self.path(o.declared.file).to_path_buf(), o.declared.start);
+        let declared = (self.path(o.declared.file()).to_path_buf(), o.declared.start());
         let name = self.name(o).to_string();
         Key { kind: o.kind, name, declared: Some(declared).filter(|_| o.kind != NameKind::Tag) }
     }
@@ -168,8 +168,8 @@ impl Snapshot {
 
     /// The text of the `///` lines above a place.
     pub fn doc(&self, at: Span) -> Option<String> {
-        let text = self.study.compilation.sources.file(at.file).text();
-        let before = text.get(..at.start as usize)?;
+        let text = self.study.compilation.sources.file(at.file()).text();
+        let before = text.get(..at.range().start)?;
         let line = before.rfind('\n').map_or(0, |at| at + 1);
         let above = before.get(..line)?.lines().rev();
         let mut lines: Vec<&str> = above.map_while(|l| l.trim().strip_prefix("///")).collect();
@@ -180,8 +180,8 @@ impl Snapshot {
 
     /// The line of a place, without what opens a block.
     pub fn line(&self, at: Span) -> String {
-        let text = self.study.compilation.sources.file(at.file).text();
-        let start = text.get(..at.start as usize).and_then(|t| t.rfind('\n')).map_or(0, |at| at + 1);
+        let text = self.study.compilation.sources.file(at.file()).text();
+        let start = text.get(..at.range().start).and_then(|t| t.rfind('\n')).map_or(0, |at| at + 1);
         let line = text.get(start..).and_then(|t| t.lines().next()).unwrap_or_default();
         let line = line.split("//").next().unwrap_or(line).trim();
         line.strip_suffix('{').unwrap_or(line).trim_end().to_string()

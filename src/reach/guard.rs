@@ -11,7 +11,7 @@ use crate::ir::{
     DiscreteId, GroupId, Id, LeafId, ParamId, Program, SlotLayout, SpaceId, TimerId, TouchId, World, WorldId,
 };
 use crate::sim::{Script, Simulator, state};
-use crate::watch::{Meter, Unwatched};
+use crate::watch::Meter;
 
 use super::problem::Problem;
 use super::search::Settings;
@@ -101,9 +101,15 @@ impl Guard {
         }
     }
 
-    /// Told of a script that leads to a state which is outside: keeps the first state on its way that is.
-    pub(super) fn refute(&self, problem: &Problem<'_>, script: &Script) {
-        self.follow(problem, script, &Meter::new(&Unwatched));
+    /// Told of a script that leads to a state which is outside: keeps the first state on its way that is; where it is
+    /// stopped before it has found that, the state that it is told of.
+    pub(super) fn refute(&self, problem: &Problem<'_>, script: Script, state: &[u8], meter: &Meter<'_>) {
+        self.follow(problem, &script, meter);
+        if meter.is_stopped()
+            && let Some(outside) = self.outside(problem.sim, state)
+        {
+            self.note(Refutation { steps: script.len(), script, outside });
+        }
     }
 
     /// Keeps the shortest, so that it does not matter which thread comes first.

@@ -34,7 +34,8 @@ pub(super) fn settled(problem: &Problem<'_>, mut start: Start, watch: &dyn Watch
     loop {
         let is_over = standing.is_over(problem.target);
         if !is_over && guard.is_some_and(|guard| !guard.contains(problem.sim.world(), &start.state)) {
-            guard.take().inspect(|guard| guard.refute(problem, &start.script));
+            let script = start.script.clone();
+            guard.take().inspect(|guard| guard.refute(problem, script, &start.state, &meter));
         }
         match standing {
             StateStatus::Open => {}

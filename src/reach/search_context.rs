@@ -330,7 +330,7 @@ impl<'a> SearchContext<'a> {
         self.notes.statistics.checked += 1;
         if !guard.contains_after(self.problem.sim.world(), &self.work, self.tree.state(choice.node)) {
             self.is_refuted = true;
-            guard.refute(self.problem, &self.script(choice, choice.hold));
+            guard.refute(self.problem, self.script(choice, choice.hold), &self.work, &self.meter);
         }
     }
 
@@ -340,7 +340,7 @@ impl<'a> SearchContext<'a> {
         let start = &self.starts[start];
         if !guard.contains(self.problem.sim.world(), &start.state) {
             self.is_refuted = true;
-            guard.refute(self.problem, &start.script);
+            guard.refute(self.problem, start.script.clone(), &start.state, &self.meter);
         }
     }
 
@@ -424,7 +424,7 @@ pub(super) fn replays_to(
             if !standing.is_over(problem.target)
                 && guard.is_some_and(|guard| !guard.contains(problem.sim.world(), &state))
             {
-                guard.take().inspect(|guard| guard.refute(problem, script));
+                guard.take().inspect(|guard| guard.refute(problem, script.first(step), &state, meter));
             }
             match standing {
                 StateStatus::Open => {}

@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use crate::ir::{
     Arithmetic, AxisId, ButtonId, ColliderId, CompareOp, DiscreteId, EdgeId, EntityId, EnvelopeId, Function, GroupId,
-    Id, IdVec, ModeId, ParamId, Place, Press, RefId, Side, SlotId, SpaceId, Subject, TagId, TouchId, VarId, WorldId,
+    Id, IdVec, ModeId, ParamId, Place, Press, RareVec, RefId, Side, SlotId, SpaceId, Subject, TagId, TouchId, VarId,
+    WorldId,
 };
 
 pub use super::annotation::Annotation;
@@ -63,8 +64,17 @@ pub enum Type {
     Bool,
     /// One of a list of names, kept as its index.
     Set(SetId),
-    /// An instance of an entity (of any, if none), or none.
-    Ref(Option<EntityId>),
+    /// An instance of an entity, or none.
+    Ref(EntityId),
+    /// An instance of any entity, or none.
+    AnyRef,
+}
+
+impl Type {
+    /// That of a reference to an entity, or to any.
+    pub fn reference(entity: Option<EntityId>) -> Self {
+        entity.map_or(Type::AnyRef, Type::Ref)
+    }
 }
 
 /// An expression with its type.
@@ -77,6 +87,9 @@ pub struct Term {
     /// Where it stands.
     pub span: Span,
 }
+
+// A large program has as many of them as its text has bytes.
+const _: () = assert!(size_of::<Term>() <= 32);
 
 impl Term {
     /// The terms directly inside of it.
@@ -186,29 +199,29 @@ pub struct Entity {
     /// Its documentation.
     pub doc: Option<String>,
     /// Parameters; a default may read earlier ones.
-    pub params: IdVec<ParamId, Param>,
+    pub params: RareVec<ParamId, Param>,
     /// Continuous variables, `x` and `y` first.
     pub vars: IdVec<VarId, Var>,
     /// Discrete variables.
-    pub discretes: IdVec<DiscreteId, Discrete>,
+    pub discretes: RareVec<DiscreteId, Discrete>,
     /// References.
-    pub refs: IdVec<RefId, Reference>,
+    pub refs: RareVec<RefId, Reference>,
     /// Contact questions whose answers are named.
-    pub bound: IdVec<TouchId, BoundTouch>,
+    pub bound: RareVec<TouchId, BoundTouch>,
     /// Buttons that it reads.
-    pub buttons: IdVec<ButtonId, Name>,
+    pub buttons: RareVec<ButtonId, Name>,
     /// Axes that it reads.
-    pub axes: IdVec<AxisId, Name>,
+    pub axes: RareVec<AxisId, Name>,
     /// Colliders.
-    pub colliders: IdVec<ColliderId, Collider>,
+    pub colliders: RareVec<ColliderId, Collider>,
     /// Groups; the anonymous one has no name.
-    pub groups: IdVec<GroupId, Group>,
+    pub groups: RareVec<GroupId, Group>,
     /// Modes of all groups in preorder.
-    pub modes: IdVec<ModeId, Mode>,
+    pub modes: RareVec<ModeId, Mode>,
     /// Edges of all modes in source order.
-    pub edges: IdVec<EdgeId, Edge>,
+    pub edges: RareVec<EdgeId, Edge>,
     /// Envelopes.
-    pub envelopes: IdVec<EnvelopeId, Envelope>,
+    pub envelopes: RareVec<EnvelopeId, Envelope>,
     /// Flows and envelopes at the entity's own level.
     pub drives: Vec<Drive>,
     /// Soft bounds of variables.

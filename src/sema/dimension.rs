@@ -523,8 +523,8 @@ impl Solver<'_> {
         for envelope in entity.envelopes.iter() {
             let Some(&var) = envelope.vars.first() else { continue };
             // Its first word stands for it.
-            let start = envelope.span.start;
-            self.envelope = Some(Span { end: envelope.span.end.min(start + "envelope".len() as u32), ..envelope.span });
+            let (start, end) = (envelope.span.start(), envelope.span.end());
+            self.envelope = Some(envelope.span.ending(end.min(start + "envelope".len() as u32)));
             let level = of_var(self, var, envelope.degree);
             let rate_of = of_var(self, var, envelope.degree + 1);
             // The components of a vector are of one dimension.

@@ -68,7 +68,7 @@ impl Checker<'_> {
             world.spaces[id].solids.push(Solid { tags, rect, span });
         }
         self.things(&things, &kinds, at, id, population);
-        let read: BTreeSet<FileId> = things.iter().map(|t| t.at.file).chain(file.map(|(_, file, _)| file)).collect();
+        let read: BTreeSet<FileId> = things.iter().map(|t| t.at.file()).chain(file.map(|(_, file, _)| file)).collect();
         self.diagnostics.strip_fixes(|file| read.contains(&file));
     }
 

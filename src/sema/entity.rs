@@ -8,7 +8,8 @@ use crate::diagnostic::catalogue::structure::MixedGroups;
 use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::{NotConstant, OutOfRange};
 use crate::ir::{
-    AxisId, ButtonId, DiscreteId, EntityId, GroupId, IdVec, MAX_AXES, MAX_BUTTONS, ModeId, ParamId, RefId, VarId,
+    AxisId, ButtonId, DiscreteId, EntityId, GroupId, IdVec, MAX_AXES, MAX_BUTTONS, ModeId, ParamId, RareVec, RefId,
+    VarId,
 };
 use crate::source::Span;
 use crate::syntax::ast::{self, Domain, Expr, Member, Name, Word};
@@ -22,11 +23,11 @@ use super::facts::Facts;
 use super::mode::ModeNames;
 use super::names::{Known, Table, unknown};
 use super::reference::lost_by;
-use super::{Checker, Set};
+use super::{Boxes, Checker, Set};
 
-/// The names of an entity, and the syntax of its modes.
+/// The names of an entity.
 #[derive(Debug)]
-pub(super) struct Skeleton<'a> {
+pub(super) struct Skeleton {
     pub params: Table<ParamId>,
     pub vars: Table<VarId>,
     pub discretes: Table<DiscreteId>,
@@ -34,68 +35,91 @@ pub(super) struct Skeleton<'a> {
     pub buttons: Table<ButtonId>,
     pub axes: Table<AxisId>,
     pub modes: ModeNames,
-    /// Modes in preorder, as their ids number them.
-    pub mode_syntax: Vec<&'a ast::Mode>,
     /// Of each mode: the references of which it has an edge on `lost`.
     pub lost: Vec<Vec<Word>>,
-    /// The discrete variables' first values, in order of their ids.
-    discrete_syntax: Vec<&'a Expr>,
 }
 
-impl<'a> Checker<'a> {
-    /// Names, types and modes of an entity.
-    pub(super) fn skeleton(&mut self, syntax: &'a ast::Entity) -> (Entity, Box<Skeleton<'a>>) {
+/// What is still to be checked of an entity whose names are known. Each part of it goes as it is checked: of a large
+/// program the syntax and what is made of it are large.
+#[derive(Debug)]
+pub(super) struct Body {
+    /// What stands outside of its modes.
+    members: Vec<Member>,
+    /// Modes in preorder, as their ids number them, without the modes inside.
+    modes: Boxes<ast::Mode>,
+}
+
+impl Skeleton {
+    /// The names of an entity that has all of them.
+    fn of(entity: &Entity, modes: &[Box<ast::Mode>]) -> Self {
+        let lost = |mode: &ast::Mode| {
+            let edges = mode.members.iter().filter_map(|m| match m {
+                Member::Edge(edge) if edge.target.is_some() => lost_by(&edge.guard),
+                _ => None,
+            });
+            let once: BTreeSet<Word> = edges.map(|name| name.text).collect();
+            once.into_iter().collect()
+        };
+        Skeleton {
+            params: Table::of("parameter", entity.params.iter().map(|param| &param.name)),
+            vars: Table::of("variable", entity.vars.iter().map(|var| &var.name)),
+            discretes: Table::of("variable", entity.discretes.iter().map(|discrete| &discrete.name)),
+            refs: Table::of("reference", entity.refs.iter().map(|reference| &reference.name)),
+            buttons: Table::of("button", entity.buttons.iter()),
+            axes: Table::of("axis", entity.axes.iter()),
+            modes: ModeNames::of(entity),
+            lost: modes.iter().map(|mode| lost(mode)).collect(),
+        }
+    }
+}
+
+impl Checker<'_> {
+    /// Names, types and modes of an entity, and what is still to be checked of it.
+    pub(super) fn skeleton(&mut self, syntax: ast::Entity) -> (Entity, Body) {
         let mut entity = Entity {
-            name: syntax.name.clone(),
-            doc: syntax.doc.clone(),
-            params: IdVec::new(),
+            name: syntax.name,
+            doc: syntax.doc,
+            params: RareVec::new(),
             vars: IdVec::new(),
-            discretes: IdVec::new(),
-            refs: IdVec::new(),
-            bound: IdVec::new(),
-            buttons: IdVec::new(),
-            axes: IdVec::new(),
-            colliders: IdVec::new(),
-            groups: IdVec::new(),
-            modes: IdVec::new(),
-            edges: IdVec::new(),
-            envelopes: IdVec::new(),
+            discretes: RareVec::new(),
+            refs: RareVec::new(),
+            bound: RareVec::new(),
+            buttons: RareVec::new(),
+            axes: RareVec::new(),
+            colliders: RareVec::new(),
+            groups: RareVec::new(),
+            modes: RareVec::new(),
+            edges: RareVec::new(),
+            envelopes: RareVec::new(),
             drives: Vec::new(),
             clamps: Vec::new(),
             invariants: Vec::new(),
             order: Vec::new(),
         };
-        let mut names = Skeleton {
-            params: Table::new("parameter"),
-            vars: Table::new("variable"),
-            discretes: Table::new("variable"),
-            refs: Table::new("reference"),
-            buttons: Table::new("button"),
-            axes: Table::new("axis"),
-            modes: ModeNames::default(),
-            mode_syntax: Vec::new(),
-            lost: Vec::new(),
-            discrete_syntax: Vec::new(),
-        };
+        let mut body = Body { members: Vec::new(), modes: Boxes::new() };
         for text in ["x", "y"] {
-            let name = Name { text: text.into(), span: syntax.name.span };
-            let id = entity.vars.push(Var { name: name.clone(), initial: None, dimension: None });
-            names.vars.declare(&name, id, &mut self.diagnostics);
+            let name = Name { text: text.into(), span: entity.name.span };
+            entity.vars.push(Var { name, initial: None, dimension: None });
         }
+        // What a default of a parameter may read.
+        let mut names = Skeleton::of(&entity, &[]);
+        let mut modes: Vec<Member> = Vec::new();
         // Parameters and variables share one name space; buttons and axes another.
         let mut values: Table<()> = Table::new("parameter or variable");
         let mut inputs: Table<()> = Table::new("input");
-        for member in &syntax.members {
+        for member in syntax.members {
             match member {
-                Member::Parameter(p) => self.parameter(p, &mut entity, &mut names, &mut values),
+                Member::Parameter(p) => self.parameter(&p, &mut entity, &mut names, &mut values),
                 Member::Continuous(c) => {
                     self.declared(NameKind::Variable, &c.name);
-                    if !self.is_new_value(&c.name, &mut values) {
-                        continue;
+                    if self.is_new_value(&c.name, &mut values) {
+                        let dimension = c.dimension.as_ref().and_then(|d| self.annotation(d));
+                        let id = entity.vars.push(Var { name: c.name.clone(), initial: None, dimension });
+                        names.vars.declare(&c.name, id, &mut self.diagnostics);
                     }
-                    let dimension = c.dimension.as_ref().and_then(|d| self.annotation(d));
-                    let id = entity.vars.push(Var { name: c.name.clone(), initial: None, dimension });
-                    names.vars.declare(&c.name, id, &mut self.diagnostics);
+                    if c.initial.is_some() {
+                        body.members.push(Member::Continuous(c));
+                    }
                 }
                 Member::Discrete(d) => {
                     self.declared(NameKind::Discrete, &d.name);
@@ -110,7 +134,7 @@ impl<'a> Checker<'a> {
                     };
                     let id = entity.discretes.push(Discrete { name: d.name.clone(), ty, values, range, initial });
                     names.discretes.declare(&d.name, id, &mut self.diagnostics);
-                    names.discrete_syntax.push(&d.initial);
+                    body.members.push(Member::Discrete(d));
                 }
                 Member::Reference(r) => {
                     self.declared(NameKind::Reference, &r.name);
@@ -159,21 +183,13 @@ impl<'a> Checker<'a> {
                         names.axes.declare(name, id, &mut self.diagnostics);
                     }
                 }
-                _ => {}
+                Member::Group(_) | Member::Mode(_) => modes.push(member),
+                Member::Use(_) => {}
+                other => body.members.push(other),
             }
         }
-        self.groups(syntax, &mut entity, &mut names);
-        names.modes = ModeNames::of(&entity);
-        let lost = |mode: &&ast::Mode| {
-            let edges = mode.members.iter().filter_map(|m| match m {
-                Member::Edge(edge) if edge.target.is_some() => lost_by(&edge.guard),
-                _ => None,
-            });
-            let once: BTreeSet<Word> = edges.map(|name| name.text).collect();
-            once.into_iter().collect()
-        };
-        names.lost = names.mode_syntax.iter().map(lost).collect();
-        (entity, names.into())
+        self.groups(modes, &mut entity, &mut body.modes);
+        (entity, body)
     }
 
     pub(super) fn too_many(&mut self, what: &str, limit: usize, at: Span) {
@@ -193,7 +209,7 @@ impl<'a> Checker<'a> {
         values.declare(name, (), &mut self.diagnostics)
     }
 
-    fn parameter(&mut self, p: &ast::Constant, entity: &mut Entity, names: &mut Skeleton<'_>, values: &mut Table<()>) {
+    fn parameter(&mut self, p: &ast::Constant, entity: &mut Entity, names: &mut Skeleton, values: &mut Table<()>) {
         self.declared(NameKind::Parameter, &p.name);
         if !self.is_new_value(&p.name, values) {
             return;
@@ -301,26 +317,26 @@ impl<'a> Checker<'a> {
     }
 
     /// Groups and modes, numbered in preorder.
-    fn groups(&mut self, syntax: &'a ast::Entity, entity: &mut Entity, names: &mut Skeleton<'a>) {
+    fn groups(&mut self, members: Vec<Member>, entity: &mut Entity, body: &mut Boxes<ast::Mode>) {
         let mut group_names: Table<()> = Table::new("group");
-        let first_group = syntax.members.iter().find_map(|m| match m {
+        let first_group = members.iter().find_map(|m| match m {
             Member::Group(g) => Some(g.name.span),
             _ => None,
         });
-        let mut anonymous: Vec<&ast::Mode> = Vec::new();
-        for member in &syntax.members {
+        let mut anonymous: Boxes<ast::Mode> = Boxes::new();
+        for member in members {
             match member {
                 Member::Group(group) => {
                     self.declared(NameKind::Group, &group.name);
                     group_names.declare(&group.name, (), &mut self.diagnostics);
                     let mut modes = Vec::new();
-                    for inner in &group.members {
+                    for inner in group.members {
                         match inner {
-                            Member::Mode(mode) => modes.push(&**mode),
-                            other => self.misplaced(other, "a group", "in the entity or in a mode"),
+                            Member::Mode(mode) => modes.push(mode),
+                            other => self.misplaced(&other, "a group", "in the entity or in a mode"),
                         }
                     }
-                    self.add_group(Some(&group.name), &modes, entity, names);
+                    self.add_group(Some(&group.name), modes, entity, body);
                 }
                 Member::Mode(mode) => {
                     if let Some(group) = first_group.filter(|_| anonymous.is_empty()) {
@@ -331,22 +347,22 @@ impl<'a> Checker<'a> {
                 _ => {}
             }
         }
-        self.add_group(None, &anonymous, entity, names);
+        self.add_group(None, anonymous, entity, body);
     }
 
     fn add_group(
         &mut self,
         name: Option<&Name>,
-        modes: &[&'a ast::Mode],
+        modes: Boxes<ast::Mode>,
         entity: &mut Entity,
-        names: &mut Skeleton<'a>,
+        body: &mut Boxes<ast::Mode>,
     ) {
         if modes.is_empty() {
             return;
         }
         let group: GroupId = entity.groups.push(Group { name: name.cloned(), modes: Vec::new() });
         let path: Vec<String> = name.iter().map(|n| n.text.to_string()).collect();
-        let roots = self.mode_skeletons(modes, group, None, &path, entity, &mut names.mode_syntax);
+        let roots = self.mode_skeletons(modes, group, None, &path, entity, body);
         entity.groups[group].modes = roots;
     }
 
@@ -377,57 +393,58 @@ impl<'a> Checker<'a> {
         self.diagnostics.report(Misplaced { at, what, inside, belongs });
     }
 
-    /// The body of an entity whose skeleton is known.
-    pub(super) fn entity(&mut self, syntax: &ast::Entity, names: &Skeleton<'_>, id: EntityId) -> Entity {
+    /// The body of an entity whose names are known.
+    pub(super) fn entity(&mut self, body: Body, id: EntityId) -> Entity {
         let frozen = self.checked.entities[id].clone();
         let mut entity = (*frozen).clone();
+        let names = &Skeleton::of(&frozen, &body.modes);
         let scope = Scope { entity: Some(&*frozen), names: Some(names), me: Some(id), ..Scope::constant() };
         let scope = scope.reading(Reads::All);
         self.facts = Facts::default();
-        self.initial_values(syntax, names, &mut entity, &scope);
-        for member in &syntax.members {
+        self.initial_values(&body.members, names, &mut entity, &scope);
+        for member in body.members {
             match member {
                 Member::Collider(c) => {
-                    if let Some(collider) = self.collider(c, &scope) {
+                    if let Some(collider) = self.collider(&c, &scope) {
                         entity.colliders.push(collider);
                     }
                 }
                 Member::Flow(flow) => {
-                    if let Some(drive) = self.flow(flow, &scope) {
+                    if let Some(drive) = self.flow(&flow, &scope) {
                         entity.drives.push(drive);
                     }
                 }
-                Member::Envelope(envelope) => self.envelope(envelope, &scope, &mut entity, None),
-                Member::Clamp(clamp) => entity.clamps.extend(self.clamp(clamp, &scope)),
+                Member::Envelope(envelope) => self.envelope(&envelope, &scope, &mut entity, None),
+                Member::Clamp(clamp) => entity.clamps.extend(self.clamp(&clamp, &scope)),
                 Member::Invariant(invariant) => {
                     let scope = scope.reading(Reads::State);
                     entity.invariants.extend(self.guard(&invariant.predicate, &scope));
                 }
                 Member::Entry(_) | Member::Edge(_) | Member::Follow(_) => {
-                    self.misplaced(member, "an entity outside of its modes", "inside a mode");
+                    self.misplaced(&member, "an entity outside of its modes", "inside a mode");
                 }
                 _ => {}
             }
         }
-        let edges = |mode: &&ast::Mode| mode.members.iter().filter(|m| matches!(m, Member::Edge(_))).count();
-        let edges = names.mode_syntax.iter().map(edges).sum();
+        let members = body.modes.iter().flat_map(|mode| &mode.members);
+        let edges = members.filter(|member| matches!(member, Member::Edge(_))).count();
         entity.edges.reserve(edges);
         let mut tested = Vec::with_capacity(edges);
-        for (mode, syntax) in names.mode_syntax.iter().enumerate() {
+        for (mode, syntax) in body.modes.into_iter().enumerate() {
             let scope = Scope { mode: Some(ModeId(mode as u32)), covered: true, ..scope };
-            self.mode(syntax, ModeId(mode as u32), &scope, &mut entity, &mut tested);
+            self.mode(*syntax, ModeId(mode as u32), &scope, &mut entity, &mut tested);
         }
         self.flow_conflicts(&entity);
         self.lost_entries(&entity, &tested);
         entity.order = self.group_order(&entity);
-        entity.bound = std::mem::take(&mut self.facts.bound);
+        entity.bound = std::mem::take(&mut self.facts.bound).into();
         entity
     }
 
-    fn initial_values(&mut self, syntax: &ast::Entity, names: &Skeleton<'_>, entity: &mut Entity, scope: &Scope<'_>) {
+    fn initial_values(&mut self, members: &[Member], names: &Skeleton, entity: &mut Entity, scope: &Scope<'_>) {
         let scope = scope.reading(Reads::Params);
         let mut seen = BTreeSet::new();
-        for member in &syntax.members {
+        for member in members {
             let Member::Continuous(c) = member else {
                 continue;
             };
@@ -438,10 +455,11 @@ impl<'a> Checker<'a> {
                 entity.vars[var].initial = self.number(initial, &scope);
             }
         }
-        for (index, initial) in names.discrete_syntax.iter().enumerate() {
+        let discretes = members.iter().filter_map(|m| if let Member::Discrete(d) = m { Some(d) } else { None });
+        for (index, discrete) in discretes.enumerate() {
             let id = DiscreteId(index as u32);
             let ty = entity.discretes[id].ty;
-            if let Some(term) = self.typed(initial, &scope, &ty) {
+            if let Some(term) = self.typed(&discrete.initial, &scope, &ty) {
                 self.certainly_in_range(&term, &entity.discretes[id]);
                 entity.discretes[id].initial = term;
             }

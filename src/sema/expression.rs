@@ -23,7 +23,7 @@ pub(super) struct Scope<'s> {
     /// The entity around it.
     pub entity: Option<&'s Entity>,
     /// Its names.
-    pub names: Option<&'s Skeleton<'s>>,
+    pub names: Option<&'s Skeleton>,
     /// The entity's id.
     pub me: Option<EntityId>,
     /// The mode around it.
@@ -120,7 +120,7 @@ impl Checker<'_> {
     /// What a value of a type is called.
     fn described(&self, ty: Type) -> String {
         match ty {
-            Type::Ref(_) => "a reference".into(),
+            Type::Ref(_) | Type::AnyRef => "a reference".into(),
             Type::Real => "a number".into(),
             Type::Int => "a whole number".into(),
             Type::Bool => "a truth value".into(),
@@ -179,26 +179,31 @@ impl Checker<'_> {
     /// The term if its value may stand where `ty` is needed: an int may stand where a real may.
     pub(super) fn expect(&mut self, term: Term, ty: &Type) -> Option<Term> {
         let fits = match (&term.ty, ty) {
-            (Type::Int, Type::Real) | (Type::Ref(_), Type::Ref(None)) => true,
-            (Type::Ref(None), Type::Ref(_)) => term.kind == TermKind::NoneRef,
+            (Type::Int, Type::Real) | (Type::Ref(_), Type::AnyRef) => true,
+            (Type::AnyRef, Type::Ref(_)) => term.kind == TermKind::NoneRef,
             (found, wanted) => found == wanted,
         };
         if fits {
             return Some(term);
         }
-        if let (Type::Ref(found), Type::Ref(Some(wanted))) = (&term.ty, ty) {
-            let instance = |e: EntityId| format!("an instance of `{}`", self.checked.entities[e].name.text);
+        if let (Type::Ref(_) | Type::AnyRef, Type::Ref(wanted)) = (&term.ty, ty) {
+            let found = match term.ty {
+                Type::Ref(found) => format!("an instance of `{}`", self.checked.entities[found].name.text),
+                _ => "an instance of any entity".into(),
+            };
             let wanted = self.checked.entities[*wanted].name.text.to_string();
             self.diagnostics.report(TypeMismatch {
                 at: term.span,
-                found: found.map_or("an instance of any entity".into(), instance),
+                found,
                 expected: format!("an instance of `{wanted}`"),
                 help: Some(format!("test it with `is {wanted}` in the same guard")),
             });
             return None;
         }
         let help = match (&term.ty, ty) {
-            (Type::Ref(_), _) => Some("`.x` reads it, `is none`, `is ENTITY` and `in MODE` ask it".to_string()),
+            (Type::Ref(_) | Type::AnyRef, _) => {
+                Some("`.x` reads it, `is none`, `is ENTITY` and `in MODE` ask it".to_string())
+            }
             (Type::Real, Type::Int) => Some("make it whole with `floor`, `ceil` or `round`".to_string()),
             (Type::Real | Type::Int, Type::Bool) => Some("compare it with something".to_string()),
             _ => None,
@@ -423,7 +428,7 @@ impl Checker<'_> {
             self.seen_subject(subject, name, scope);
             self.unprimed(path)?;
             self.allow(Some(()), span, scope, Reads::State, "a reference")?;
-            return make(TermKind::Instance(subject), Type::Ref(entity));
+            return make(TermKind::Instance(subject), Type::reference(entity));
         }
         if let Some((declared, constant)) = self.constants.entry(&name.text).filter(|_| path.primes == 0) {
             let (declared, term) = (declared.span, Term { span, ..constant.clone() });

@@ -67,23 +67,25 @@ pub struct Level {
 }
 
 /// Checks a program: the root file first, then what it imports. `level` is the map of worlds that leave theirs open.
-/// Where names stand is added to what is known of it. The result is complete only if the diagnostics hold no error.
+/// Where names stand is added to what is known of it. The result is complete only if the diagnostics hold no error. What is
+/// checked goes at once: of a large program both are large.
 pub fn check(
-    files: &[ast::File],
+    files: Vec<ast::File>,
     sources: &SourceMap,
     level: Level,
     occurrences: Occurrences,
 ) -> (Checked, Diagnostics) {
-    let mut checker = Checker::new(files, sources, level);
+    let mut checker = Checker::new(&files, sources, level);
     checker.checked.occurrences = occurrences;
-    checker.declare(files);
-    for (index, (entity, skeleton)) in std::mem::take(&mut checker.skeletons).into_iter().enumerate() {
-        let checked = checker.entity(entity, &skeleton, EntityId(index as u32));
+    let Items { constants, entities, worlds } = Items::of(files);
+    // Imported files come last in the list, and their constants must be known to the importing ones.
+    constants.into_iter().rev().flatten().for_each(|constant| checker.constant(&constant));
+    for (index, body) in checker.declare(entities).into_iter().enumerate() {
+        let checked = checker.entity(body, EntityId(index as u32));
         checker.checked.entities[EntityId(index as u32)] = checked.into();
     }
-    let items = files.iter().flat_map(|f| &f.items);
-    let mut worlds = items.filter_map(|i| if let ast::Item::World(w) = i { Some(w) } else { None });
-    worlds.by_ref().take(MAX_WORLDS).for_each(|world| checker.world(world));
+    let mut worlds = worlds.into_iter();
+    worlds.by_ref().take(MAX_WORLDS).for_each(|world| checker.world(&world));
     if let Some(world) = worlds.next() {
         checker.too_many("worlds", MAX_WORLDS, world.name.span);
     }
@@ -92,6 +94,37 @@ pub fn check(
     checked.dimensions = dimension::check(&checked, sources, &mut diagnostics);
     diagnostics.sort();
     (checked, diagnostics)
+}
+
+/// Parts of a syntax tree as it holds them.
+type Boxes<T> = Vec<Box<T>>;
+
+/// What files hold, by what it is.
+#[derive(Default)]
+struct Items {
+    /// Of each file.
+    constants: Vec<Boxes<ast::Constant>>,
+    entities: Boxes<ast::Entity>,
+    worlds: Boxes<ast::World>,
+}
+
+impl Items {
+    fn of(files: Vec<ast::File>) -> Self {
+        let mut all = Items::default();
+        for file in files {
+            let mut constants = Vec::new();
+            for item in file.items {
+                match item {
+                    ast::Item::Constant(constant) => constants.push(constant),
+                    ast::Item::Entity(entity) => all.entities.push(entity),
+                    ast::Item::World(world) => all.worlds.push(world),
+                    ast::Item::Import(_) | ast::Item::Behavior(_) => {}
+                }
+            }
+            all.constants.push(constants);
+        }
+        all
+    }
 }
 
 /// What discrete variables range over.
@@ -114,8 +147,6 @@ struct Checker<'a> {
     entities: Table<EntityId>,
     worlds: Table<()>,
     tags: std::collections::BTreeMap<ast::Word, TagId>,
-    /// Entities whose names and modes are known, and whose bodies are still to be checked.
-    skeletons: Vec<(&'a ast::Entity, Box<entity::Skeleton<'a>>)>,
     /// Names that broken slices would have declared.
     poisoned_names: BTreeSet<String>,
     /// What is known at the place that is being checked.
@@ -142,7 +173,6 @@ impl<'a> Checker<'a> {
             entities: Table::new("entity"),
             worlds: Table::new("world"),
             tags: std::collections::BTreeMap::new(),
-            skeletons: Vec::new(),
             facts: facts::Facts::default(),
             mode_names: std::collections::BTreeMap::new(),
             sets: IdVec::new(),
@@ -152,34 +182,27 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// Collects constants, entities and their declarations, so that bodies may refer to any of them.
-    fn declare(&mut self, files: &'a [ast::File]) {
-        // Imported files come last in the list, and their constants must be known to the importing ones.
-        for file in files.iter().rev() {
-            for item in &file.items {
-                if let ast::Item::Constant(constant) = item {
-                    self.constant(constant);
-                }
-            }
-        }
-        let items = files.iter().flat_map(|f| &f.items);
-        let entities = || items.clone().filter_map(|i| if let ast::Item::Entity(e) = i { Some(e) } else { None });
+    /// Collects entities and their declarations, so that bodies may refer to any of them; gives the bodies.
+    fn declare(&mut self, mut entities: Boxes<ast::Entity>) -> Vec<entity::Body> {
         // References name entities, so all names are known before any skeleton.
-        for (index, entity) in entities().take(MAX_ENTITIES).enumerate() {
+        for (index, entity) in entities.iter().take(MAX_ENTITIES).enumerate() {
             self.declared(NameKind::Entity, &entity.name);
             self.entities.declare(&entity.name, EntityId(index as u32), &mut self.diagnostics);
         }
-        let mut others = entities().skip(MAX_ENTITIES).map(|entity| &entity.name).peekable();
-        if let Some(first) = others.peek() {
-            self.too_many("entities", MAX_ENTITIES, first.span);
+        if let Some(first) = entities.get(MAX_ENTITIES) {
+            self.too_many("entities", MAX_ENTITIES, first.name.span);
+            // Nothing is said of who uses those.
+            let others = entities.drain(MAX_ENTITIES..);
+            self.poisoned_names.extend(others.map(|entity| entity.name.text.to_string()));
         }
-        // Nothing is said of who uses those.
-        self.poisoned_names.extend(others.map(|name| name.text.to_string()));
-        for entity in entities().take(MAX_ENTITIES) {
-            let (checked, skeleton) = self.skeleton(entity);
+        self.checked.entities.reserve(entities.len());
+        let mut bodies = Vec::with_capacity(entities.len());
+        for entity in entities {
+            let (checked, body) = self.skeleton(*entity);
             self.checked.entities.push(checked.into());
-            self.skeletons.push((entity, skeleton));
+            bodies.push(body);
         }
+        bodies
     }
 
     fn count_tags(&mut self) {

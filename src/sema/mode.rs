@@ -9,14 +9,14 @@ use crate::diagnostic::catalogue::names::{AmbiguousMode, DuplicateName};
 use crate::diagnostic::catalogue::structure::{EdgeOutOfGroup, IdleEdge, UpdateConflict};
 use crate::diagnostic::catalogue::types::TypeMismatch;
 use crate::source::Span;
-use crate::syntax::ast::{self, Initial, Member, PathRef};
+use crate::syntax::ast::{self, Initial, Member, PathRef, Word};
 use crate::syntax::occurrence::{NameKind, Role};
 
-use super::Checker;
 use super::checked::{Action, Edge, Entity, Follow, Given, Mode, Term, Type, Update};
 use super::expression::{Reads, Scope};
 use super::names::{Known, unknown};
 use super::reference::lost_by;
+use super::{Boxes, Checker};
 
 /// What a look-up by path needs to know of an entity's modes.
 #[derive(Debug, Clone, Default)]
@@ -58,26 +58,26 @@ impl ModeNames {
     }
 }
 
-impl<'a> Checker<'a> {
-    /// Adds modes and what they hold to the entity, in preorder; returns the ids of the outermost.
+impl Checker<'_> {
+    /// Adds modes and what they hold to the entity, and their syntax to its body, in preorder; returns the ids of the outermost.
     pub(super) fn mode_skeletons(
         &mut self,
-        modes: &[&'a ast::Mode],
+        modes: Boxes<ast::Mode>,
         group: GroupId,
         parent: Option<ModeId>,
         path: &[String],
         entity: &mut Entity,
-        syntax: &mut Vec<&'a ast::Mode>,
+        body: &mut Boxes<ast::Mode>,
     ) -> Vec<ModeId> {
         let mut ids: Vec<ModeId> = Vec::new();
-        let mut named: BTreeMap<&str, Span> = BTreeMap::new();
-        for mode in modes {
+        let mut named: BTreeMap<Word, Span> = BTreeMap::new();
+        for mut mode in modes {
             if entity.modes.is_full(MAX_MODES) {
                 self.too_many("modes", MAX_MODES, mode.name.span);
                 return ids;
             }
             self.declared(NameKind::Mode, &mode.name);
-            let first = *named.entry(&mode.name.text).or_insert(mode.name.span);
+            let first = *named.entry(mode.name.text.clone()).or_insert(mode.name.span);
             if first != mode.name.span {
                 let (name, second) = (mode.name.text.to_string(), mode.name.span);
                 self.diagnostics.report(DuplicateName { kind: "mode", name, first, second });
@@ -87,7 +87,7 @@ impl<'a> Checker<'a> {
             full.push(mode.name.text.to_string());
             let id = entity.modes.push(Mode {
                 name: mode.name.clone(),
-                doc: mode.doc.as_deref().map(Into::into),
+                doc: mode.doc.take().map(String::from),
                 path: full.clone(),
                 group,
                 parent,
@@ -100,13 +100,11 @@ impl<'a> Checker<'a> {
                 follows: Vec::new(),
                 span: mode.span,
             });
-            syntax.push(mode);
-            let inner: Vec<&ast::Mode> = mode
-                .members
-                .iter()
-                .filter_map(|m| if let Member::Mode(inner) = m { Some(&**inner) } else { None })
-                .collect();
-            entity.modes[id].children = self.mode_skeletons(&inner, group, Some(id), &full, entity, syntax);
+            let inner = mode.members.extract_if(.., |member| matches!(member, Member::Mode(_)));
+            let inner = inner.filter_map(|member| if let Member::Mode(inner) = member { Some(inner) } else { None });
+            let inner: Boxes<ast::Mode> = inner.collect();
+            body.push(mode);
+            entity.modes[id].children = self.mode_skeletons(inner, group, Some(id), &full, entity, body);
             ids.push(id);
         }
         ids
@@ -129,7 +127,7 @@ impl<'a> Checker<'a> {
         let own: Vec<usize> = all.iter().copied().filter(|&i| Some(names.modes[i].1) == group).collect();
         let whole: Vec<usize> = all.iter().copied().filter(|&i| names.modes[i].0.len() == segments.len()).collect();
         // What a behaviour says of its own modes means those of the same `use`.
-        let same_use = |i: &usize| path.span.is_copy() && names.modes[*i].2.file == path.span.file;
+        let same_use = |i: &usize| path.span.is_copy() && names.modes[*i].2.file() == path.span.file();
         let used: Vec<usize> = all.iter().copied().filter(same_use).collect();
         for candidates in [&used, &whole, &own, &all] {
             if let [only] = candidates.as_slice() {
@@ -153,7 +151,7 @@ impl<'a> Checker<'a> {
     /// The body of a mode. `tested` gets, for each edge of the entity, the references that its guard tests.
     pub(super) fn mode(
         &mut self,
-        syntax: &ast::Mode,
+        syntax: ast::Mode,
         id: ModeId,
         scope: &Scope<'_>,
         entity: &mut Entity,
@@ -162,40 +160,40 @@ impl<'a> Checker<'a> {
         if let Initial::When(guard) = &syntax.initial {
             entity.modes[id].initial_when = self.guard(guard, &scope.reading(Reads::Params));
         }
-        for member in &syntax.members {
+        for member in syntax.members {
             match member {
                 Member::Flow(flow) => {
-                    if let Some(drive) = self.flow(flow, scope) {
+                    if let Some(drive) = self.flow(&flow, scope) {
                         entity.modes[id].drives.push(drive);
                     }
                 }
-                Member::Envelope(envelope) => self.envelope(envelope, scope, entity, Some(id)),
+                Member::Envelope(envelope) => self.envelope(&envelope, scope, entity, Some(id)),
                 Member::Entry(update) => {
                     // An entry reads the state before the edge, when the mode was not active.
                     let scope = Scope { covered: false, ..*scope };
-                    self.action(update, &scope, &mut entity.modes[id].entry);
+                    self.action(&update, &scope, &mut entity.modes[id].entry);
                 }
                 Member::Edge(edge) => {
-                    if let Some((edge, tests)) = self.edge(edge, id, scope) {
+                    if let Some((edge, tests)) = self.edge(*edge, id, scope) {
                         let edge: EdgeId = entity.edges.push(edge);
                         entity.modes[id].edges.push(edge);
                         tested.push(tests);
                     }
                 }
                 Member::Follow(follow) => {
-                    if let Some(follow) = self.follow(follow, scope) {
+                    if let Some(follow) = self.follow(&follow, scope) {
                         entity.modes[id].follows.push(follow);
                     }
                 }
                 Member::Mode(_) | Member::Use(_) => {}
-                other => self.misplaced(other, "a mode", "in the entity, outside of its modes"),
+                other => self.misplaced(&other, "a mode", "in the entity, outside of its modes"),
             }
         }
         self.update_conflicts(&entity.modes[id].entry, entity);
     }
 
     /// An edge, and the references that its guard tests.
-    fn edge(&mut self, edge: &ast::Edge, source: ModeId, scope: &Scope<'_>) -> Option<(Edge, Vec<RefId>)> {
+    fn edge(&mut self, edge: ast::Edge, source: ModeId, scope: &Scope<'_>) -> Option<(Edge, Vec<RefId>)> {
         let names = scope.names?;
         let entity = scope.entity?;
         let group = entity.modes[source].group;
@@ -224,14 +222,15 @@ impl<'a> Checker<'a> {
         if edge.target.is_none() && edge.is_empty {
             self.diagnostics.report(IdleEdge { at: edge.span });
         }
-        let mut actions: Vec<Action> = Vec::with_capacity(edge.updates.len());
-        for update in &edge.updates {
-            self.action(update, scope, &mut actions);
+        let lost = lost_by(&edge.guard).and_then(|name| names.refs.get(&name.text).copied());
+        let written = edge.updates.len();
+        let mut actions: Vec<Action> = Vec::with_capacity(written);
+        for update in edge.updates {
+            self.action(&update, scope, &mut actions);
         }
         self.update_conflicts(&actions, entity);
         self.facts.forget(mark);
         let needs = std::mem::take(&mut self.facts.needs);
-        let lost = lost_by(&edge.guard).and_then(|name| names.refs.get(&name.text).copied());
         let target = match target {
             Some(target) => Some(target?),
             None => None,
@@ -246,7 +245,7 @@ impl<'a> Checker<'a> {
         if let Some(lost) = lost {
             tests.retain(|r| *r != lost);
         }
-        if actions.len() < edge.updates.len() {
+        if actions.len() < written {
             // What could not be read may have set any of them.
             tests.extend(entity.refs.ids());
         }
@@ -284,7 +283,7 @@ impl<'a> Checker<'a> {
         let action = match update {
             ast::Update::Assign(assignment) => self.update(assignment, scope).map(Action::Update),
             ast::Update::Spawn(spawn) => self.spawn(spawn, scope).map(Action::Spawn),
-            ast::Update::Destroy(destroy) => self.typed(&destroy.what, scope, &Type::Ref(None)).map(Action::Destroy),
+            ast::Update::Destroy(destroy) => self.typed(&destroy.what, scope, &Type::AnyRef).map(Action::Destroy),
         };
         before.extend(action);
     }
@@ -305,7 +304,7 @@ impl<'a> Checker<'a> {
         }
         if let Some(&id) = names.refs.get(&name.text) {
             self.reference_place(&update.variable, scope)?;
-            let ty = Type::Ref(scope.entity?.refs[id].entity);
+            let ty = Type::reference(scope.entity?.refs[id].entity);
             let value: Term = self.typed(&update.value, scope, &ty)?;
             return Some(Update { place: Place::Ref(id), value, span: update.span() });
         }

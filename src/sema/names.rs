@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::names::{DuplicateName, UnknownName};
+use crate::ir::Id;
 use crate::source::Span;
 use crate::syntax::ast::{Name, Word};
 
@@ -19,6 +20,16 @@ pub(super) struct Table<T> {
 
 /// Fewer names than this are found without an index.
 const FEW: usize = 8;
+
+impl<I: Id> Table<I> {
+    /// The names of a table's entries, all of them different, with their ids.
+    pub fn of<'a>(kind: &'static str, names: impl ExactSizeIterator<Item = &'a Name>) -> Self {
+        let mut table = Table::new(kind);
+        table.entries.reserve_exact(names.len());
+        names.enumerate().for_each(|(index, name)| table.push(name, I::from_index(index)));
+        table
+    }
+}
 
 impl<T> Table<T> {
     pub fn new(kind: &'static str) -> Self {
@@ -36,6 +47,12 @@ impl<T> Table<T> {
             });
             return false;
         }
+        self.push(name, value);
+        true
+    }
+
+    /// Adds a name that is new.
+    fn push(&mut self, name: &Name, value: T) {
         if self.entries.len() == self.entries.capacity() {
             self.entries.reserve_exact(2.max(self.entries.len() / 4));
         }
@@ -45,7 +62,6 @@ impl<T> Table<T> {
             let new = self.entries.iter().enumerate().skip(first);
             self.index.get_or_insert_default().extend(new.map(|(at, (name, _))| (name.text.clone(), at as u32)));
         }
-        true
     }
 
     fn find(&self, name: &str) -> Option<usize> {

@@ -45,7 +45,7 @@ impl Checker<'_> {
         }
         let mut at = name.span;
         if inner.len() < written.len() {
-            (at.start, at.end) = (at.start + 1, at.end - 1);
+            at = Span::new(at.file(), at.range().start + 1, at.range().end - 1);
         }
         if carried {
             self.checked.occurrences.declare(NameKind::Tag, at);

@@ -181,7 +181,7 @@ impl Checker<'_> {
                 return Some((Given::Param(id), ty));
             }
             Some(Given::Discrete(id)) => return Some((Given::Discrete(id), of.discretes[id].ty)),
-            Some(Given::Ref(id)) => return Some((Given::Ref(id), Type::Ref(of.refs[id].entity))),
+            Some(Given::Ref(id)) => return Some((Given::Ref(id), Type::reference(of.refs[id].entity))),
             Some(Given::Var(id, _)) => {
                 let degree = self.primes(variable)?;
                 return Some((Given::Var(id, degree), Type::Real));
@@ -213,7 +213,7 @@ impl Checker<'_> {
 
     /// The reference on a left side.
     pub(super) fn reference_place(&mut self, variable: &ast::Variable, scope: &Scope<'_>) -> Option<RefId> {
-        let names: &Skeleton<'_> = scope.names?;
+        let names: &Skeleton = scope.names?;
         let name = &variable.name();
         if variable.primes == 0
             && let Some(&id) = names.refs.get(&name.text)
@@ -240,11 +240,11 @@ impl Checker<'_> {
     /// `none`, `self`, a reference, or an instance that the guard named.
     pub(super) fn reference_value(&mut self, e: &Expr, scope: &Scope<'_>) -> Option<Term> {
         match &e.kind {
-            ExprKind::NoneRef => Some(Term { kind: TermKind::NoneRef, ty: Type::Ref(None), span: e.span }),
+            ExprKind::NoneRef => Some(Term { kind: TermKind::NoneRef, ty: Type::AnyRef, span: e.span }),
             ExprKind::SelfRef => match scope.me {
                 Some(me) => {
                     let kind = TermKind::Instance(Subject::Me);
-                    Some(Term { kind, ty: Type::Ref(Some(me)), span: e.span })
+                    Some(Term { kind, ty: Type::Ref(me), span: e.span })
                 }
                 None => {
                     self.diagnostics.report(Misplaced {
@@ -258,7 +258,7 @@ impl Checker<'_> {
             },
             _ => {
                 let (subject, entity) = self.reference(e, scope)?;
-                Some(Term { kind: TermKind::Instance(subject), ty: Type::Ref(entity), span: e.span })
+                Some(Term { kind: TermKind::Instance(subject), ty: Type::reference(entity), span: e.span })
             }
         }
     }

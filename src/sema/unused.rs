@@ -10,29 +10,28 @@ use super::{Level, check};
 
 /// Where names stand in behaviours of which `known`, the names of the checked program in order, tells nothing. `files` are
 /// the program's trees. `x` and `y` are declared by the name of their behaviour.
-pub fn names_of_unused(files: &[File], sources: &mut SourceMap, known: &[Occurrence]) -> Vec<Occurrence> {
+pub fn names_of_unused(files: Vec<File>, sources: &mut SourceMap, known: &[Occurrence]) -> Vec<Occurrence> {
     let mut unused: Vec<(Span, Span)> = Vec::new();
     let mut trees: Vec<File> = Vec::new();
     for file in files {
         let mut items: Vec<Item> = Vec::new();
-        for item in file.items.iter().filter(|item| !matches!(item, Item::World(_) | Item::Import(_))) {
-            if let Item::Behavior(behavior) = item
+        for item in file.items.into_iter().filter(|item| !matches!(item, Item::World(_) | Item::Import(_))) {
+            if let Item::Behavior(behavior) = &item
                 && !is_told(behavior.span, known)
             {
                 unused.push((behavior.span, behavior.name.span));
                 items.push(Item::Entity(alone(behavior).into()));
             }
-            items.push(item.clone());
+            items.push(item);
         }
-        let (id, is_broken, poisoned_names) = (file.id, file.is_broken, file.poisoned_names.clone());
-        trees.push(File { id, items, is_broken, poisoned_names, texts: Vec::new() });
+        trees.push(File { items, texts: Vec::new(), ..file });
     }
     if unused.is_empty() {
         return Vec::new();
     }
     let mut noted = Occurrences::kept();
     let _ = expand(&mut trees, sources, &mut noted);
-    let (checked, _) = check(&trees, sources, Level::default(), noted);
+    let (checked, _) = check(trees, sources, Level::default(), noted);
     let noted = checked.occurrences;
     let is_news = |o: &Occurrence| {
         let inside = unused.iter().any(|(whole, name)| whole.contains(o.at) && o.at != *name);
@@ -43,7 +42,7 @@ pub fn names_of_unused(files: &[File], sources: &mut SourceMap, known: &[Occurre
 
 /// Whether some name in a behaviour is known to mean something; its parameters always do.
 fn is_told(whole: Span, known: &[Occurrence]) -> bool {
-    let from = known.partition_point(|o| (o.at.file, o.at.start) < (whole.file, whole.start));
+    let from = known.partition_point(|o| (o.at.file(), o.at.start()) < (whole.file(), whole.start()));
     let inside = known.iter().skip(from).take_while(|o| whole.contains(o.at));
     inside.into_iter().any(|o| o.role != Role::Declared && o.kind != NameKind::Argument)
 }

@@ -5,8 +5,8 @@ use std::ops;
 use std::sync::Arc;
 
 use crate::ir::{
-    Drive, EdgeId, Entity, EntityId, Expr, ExprId, Id, IdVec, LeafId, Program, SlotId, SlotLayout, Step, Subject,
-    TimerId, World,
+    Drive, EdgeId, Entity, EntityId, Expr, ExprId, GroupId, Id, IdVec, LeafId, Program, SlotId, SlotLayout, Step,
+    Subject, TimerId, World,
 };
 
 /// What drives a variable in a step: the degree and the value.
@@ -212,5 +212,11 @@ impl Actor {
     /// Its number.
     pub fn index(&self) -> usize {
         self.id.index()
+    }
+
+    /// The ids of its groups.
+    #[inline]
+    pub fn group_ids(&self) -> impl Iterator<Item = GroupId> + use<> {
+        (0..self.groups.len()).map(GroupId::from_index)
     }
 }

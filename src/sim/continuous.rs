@@ -65,7 +65,7 @@ impl Simulator {
         for drive in &actor.code.free {
             read_drive(&reader, &actor.entity, *drive, own);
         }
-        for group in actor.entity.groups.ids() {
+        for group in actor.group_ids() {
             let plan = &actor.code.plans[actor.layout.leaf(state, group)];
             for &(var, flow) in &plan.steady {
                 own[var] = flow;
@@ -143,7 +143,7 @@ impl Simulator {
         if !f64::is_finite(sum) {
             diverged(actor, values)?;
         }
-        if !actor.entity.timers.is_empty() {
+        if !actor.timer_limits.is_empty() {
             self.count_timers(state, actor);
         }
         if actor.is_bounded {

@@ -69,7 +69,7 @@ impl Simulator {
             if !actor.code.is_joint {
                 // No group waits for another.
                 alone.turn_to(actor);
-                for group in entity.groups.ids() {
+                for group in actor.group_ids() {
                     let from = actor.layout.leaf(state, group);
                     let plan = &actor.code.plans[from];
                     let edge = first_edge(&alone, plan);
@@ -89,7 +89,7 @@ impl Simulator {
                 let choice = edge.and_then(|edge| taking(&reader, entity, group, from, edge));
                 taken[own.start + group.index()] = choice;
             }
-            for (group, &choice) in entity.groups.ids().zip(&taken[own]) {
+            for (group, &choice) in actor.group_ids().zip(&taken[own]) {
                 if choice.is_some() || actor.code.plans[actor.layout.leaf(state, group)].is_busy {
                     acting.push(Acting { slot, group, choice });
                 }
@@ -195,11 +195,11 @@ impl Simulator {
     /// The new state's slot is where timers of active modes are counted.
     #[inline]
     pub(super) fn count_timers(&self, state: &mut [u8], actor: &Actor) {
-        let Actor { entity, layout, timer_limits, code, .. } = actor;
-        if entity.timers.is_empty() {
+        let Actor { layout, timer_limits, code, .. } = actor;
+        if timer_limits.is_empty() {
             return;
         }
-        for group in entity.groups.ids() {
+        for group in actor.group_ids() {
             for &id in &code.plans[layout.leaf(state, group)].timers {
                 let count = layout.timer(state, id);
                 layout.set_timer(state, id, count.saturating_add(1).min(timer_limits[id]));

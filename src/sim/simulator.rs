@@ -25,6 +25,8 @@ pub struct Simulator {
     program: Arc<Program>,
     world: Arc<World>,
     id: WorldId,
+    /// All expressions, where the program has so many that they are not in one piece.
+    code: Option<Box<[Expr]>>,
     pub(super) step: f64,
     pub(super) collision: Collision,
     /// Of each entity, the slots that a spawn may take.
@@ -103,6 +105,7 @@ impl Simulator {
             program: Arc::clone(program),
             world: Arc::clone(world),
             id,
+            code: program.exprs.in_one_piece().is_none().then(|| program.exprs.iter().copied().collect()),
             is_private: is_private(&actors),
             step: world.step.seconds(),
             collision,
@@ -152,7 +155,7 @@ impl Simulator {
 
     /// Reads expressions of the world.
     pub(super) fn onlooker<'a>(&'a self, state: &'a [u8], fault: &'a Cell<Option<Fault>>) -> Reader<'a> {
-        let code = self.program.exprs.iter().as_slice();
+        let code = self.code.as_deref().or(self.program.exprs.in_one_piece()).unwrap_or_default();
         Reader { sim: self, state, frames: &[], taken: &[], fault, actor: None, me: SlotId(0), code, base: 0 }
     }
 

@@ -301,12 +301,12 @@ pub struct Assignment {
 impl Assignment {
     /// An assignment that begins with its variable and ends where `span` does.
     pub fn new(variable: Variable, value: Expr, span: Span) -> Self {
-        Assignment { variable, value, end: span.end }
+        Assignment { variable, value, end: span.end() }
     }
 
     /// The whole.
     pub fn span(&self) -> Span {
-        Span { end: self.end, ..self.variable.span }
+        self.variable.span.ending(self.end)
     }
 }
 
@@ -429,6 +429,9 @@ pub struct Expr {
     /// Where it stands.
     pub span: Span,
 }
+
+// A large text has as many of them as bytes.
+const _: () = assert!(size_of::<Expr>() <= 24);
 
 /// A unit after a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

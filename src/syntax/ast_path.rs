@@ -23,8 +23,8 @@ impl Variable {
     pub fn name(&self) -> Name {
         let mut span = self.span;
         // A level editor may write primes in a longer way; then the whole is all that is known.
-        if (span.end - span.start) as usize == self.text.len() + self.primes as usize {
-            span.end -= self.primes;
+        if span.range().len() == self.text.len() + self.primes as usize {
+            span = span.ending(span.end() - self.primes);
         }
         Name { text: self.text.clone(), span }
     }
@@ -159,5 +159,5 @@ impl Deref for Segments<'_> {
 
 /// The span of a name that primes follow up to the end of another span.
 fn without(span: Span, primes: u8) -> Span {
-    Span { end: span.end.saturating_sub(primes.into()), ..span }
+    span.ending(span.end().saturating_sub(primes.into()))
 }

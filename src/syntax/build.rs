@@ -260,7 +260,7 @@ impl<'a> Builder<'a> {
 
     /// The `///` lines directly above something.
     fn doc(&self, of: Span) -> Option<String> {
-        let mut start = of.start as usize;
+        let mut start = of.range().start;
         let mut lines = Vec::new();
         let before = self.scan.docs.partition_point(|c| (c.start as usize) < start);
         for comment in self.scan.docs.get(..before)?.iter().rev() {

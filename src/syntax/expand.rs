@@ -11,7 +11,7 @@ use crate::diagnostic::catalogue::lint::Unused;
 use crate::diagnostic::catalogue::names::{BehaviorCycle, DuplicateName, UnknownName};
 use crate::diagnostic::catalogue::syntax::ExpressionTooLong;
 use crate::diagnostic::catalogue::types::MissingArguments;
-use crate::source::{SourceMap, Span};
+use crate::source::{MAX_COPIES, SourceMap, Span};
 
 use super::ast::{Behavior, Expr, ExprKind, File, Item, Member, Use, Word};
 use super::occurrence::{NameKind, Occurrences};
@@ -65,6 +65,7 @@ pub fn expand(files: &mut [File], sources: &mut SourceMap, occurrences: &mut Occ
         put: 0,
         depth: 0,
         is_too_deep: false,
+        is_full: false,
         used: BTreeSet::new(),
     };
     expander.cycles();
@@ -92,6 +93,8 @@ struct Expander<'a> {
     depth: usize,
     /// Whether too many were.
     is_too_deep: bool,
+    /// Whether there are more uses than the source map takes.
+    is_full: bool,
     /// The behaviours that were put in place at least once.
     used: BTreeSet<Word>,
 }
@@ -205,8 +208,16 @@ impl Expander<'_> {
             return Vec::new();
         }
         let Some(arguments) = self.arguments(put, &behavior) else { return Vec::new() };
-        let copy = self.sources.copy(behavior.name.span.file, put.span);
-        let from = behavior.name.span.file;
+        if self.sources.is_full_of_copies() {
+            if !std::mem::replace(&mut self.is_full, true) {
+                let (count, limit) = (MAX_COPIES as u64 + 1, MAX_COPIES as u64);
+                let what = "behaviors put in place by `use`".into();
+                self.diagnostics.report(TooMany { what, count, limit, at: put.span });
+            }
+            return Vec::new();
+        }
+        let copy = self.sources.copy(behavior.name.span.file(), put.span);
+        let from = behavior.name.span.file();
         let mut substitution = Substitution { from, to: copy, arguments, too_long: None, replaced: Vec::new() };
         let mut members = behavior.members;
         members.iter_mut().for_each(|m| substitution.member(m));
@@ -267,7 +278,7 @@ fn note_parameters(behavior: &Behavior, occurrences: &mut Occurrences) {
     }
     let itself =
         |p: &super::ast::Name| (p.text.to_string(), Expr { kind: ExprKind::Name(p.text.clone(), 0), span: p.span });
-    let (file, arguments) = (behavior.name.span.file, behavior.parameters.iter().map(itself).collect());
+    let (file, arguments) = (behavior.name.span.file(), behavior.parameters.iter().map(itself).collect());
     let mut substitution = Substitution { from: file, to: file, arguments, too_long: None, replaced: Vec::new() };
     behavior.members.clone().iter_mut().for_each(|m| substitution.member(m));
     for (at, parameter) in substitution.replaced {

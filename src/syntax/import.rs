@@ -80,6 +80,10 @@ fn texts(
     let mut out = Vec::new();
     for name in named {
         let path = folder.join(&*name.text);
+        if sources.is_full() && !known.contains_key(&path) {
+            diagnostics.report(TooMany::sources(name.span));
+            break;
+        }
         let read = known.entry(path.clone()).or_insert_with(|| files.read(&path).map(|text| sources.add(&path, text)));
         match read {
             Ok(id) => out.push((name.span, *id)),

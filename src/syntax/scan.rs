@@ -58,7 +58,7 @@ impl Scan {
     /// Whether what is wrong with a place has been told.
     pub fn is_explained(&self, span: Span) -> bool {
         // They stand in order and do not overlap.
-        let before = self.explained.partition_point(|e| e.start <= span.start);
+        let before = self.explained.partition_point(|e| e.start() <= span.start());
         before.checked_sub(1).and_then(|last| self.explained.get(last)).is_some_and(|e| e.contains(span))
     }
 }

@@ -23,8 +23,8 @@ pub(super) struct Substitution {
 
 impl Substitution {
     fn span(&self, span: &mut Span) {
-        if span.file == self.from {
-            span.file = self.to;
+        if span.file() == self.from {
+            *span = span.in_file(self.to);
         }
     }
 

@@ -140,7 +140,7 @@ fn checked(text: &str) -> BTreeSet<(String, String, u64, u64)> {
     let found = check_with(Path::new("/game/a.hyped"), LevelFile::default(), &disk);
     let of = |d: &hypedc::diagnostic::Diagnostic| {
         let file = found.sources.iter().next().unwrap().1;
-        let at = d.primary.as_ref().map_or((1, 1), |l| file.line_column_utf16(l.span.start as usize));
+        let at = d.primary.as_ref().map_or((1, 1), |l| file.line_column_utf16(l.span.range().start));
         // A byte order mark is a column of the editor's, and none of the compiler's.
         let mark = usize::from(text.starts_with('\u{feff}') && at.0 == 1 && d.primary.is_some());
         (d.code.text().to_string(), d.message.clone(), at.0 as u64 - 1, (at.1 - 1 + mark) as u64)

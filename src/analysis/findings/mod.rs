@@ -111,7 +111,7 @@ fn look(
     tunnelling.report(&mut found);
     found.trace(sources);
     // What stands in a behaviour of another file is that file's affair.
-    found.retain(|d| d.primary.as_ref().is_some_and(|l| l.span.file == root));
+    found.retain(|d| d.primary.as_ref().is_some_and(|l| l.span.file() == root));
     Some(found)
 }
 
@@ -159,7 +159,7 @@ struct Scene<'a> {
 
 impl Scene<'_> {
     fn is_ours(&self, id: EntityId) -> bool {
-        self.program.spans.entities[id].name.file == self.root
+        self.program.spans.entities[id].name.file() == self.root
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use crate::diagnostic::{Code, Diagnostic, Fact};
-use crate::source::{MAX_FILE_BYTES, ReadError, Span};
+use crate::source::{MAX_FILE_BYTES, MAX_SOURCES, ReadError, Span};
 
 /// A file that is not to be had.
 pub struct Unreadable {
@@ -32,8 +32,8 @@ impl Fact for Unreadable {
                     .help("save the file with the encoding UTF-8")
             }
             ReadError::TooLarge(bytes) => {
-                let (found, most) = (mebibytes(bytes), MAX_FILE_BYTES >> 20);
-                let message = format!("`{path}` is too large: {found} MiB, at most {most} MiB are read");
+                let found = mebibytes(bytes);
+                let message = format!("`{path}` is too large: {found} MiB, less than {LIMIT} MiB are read");
                 Diagnostic::new(Code::TooLarge, message).help(match self.path.extension() {
                     Some(extension) if extension == "hyped" => "split it into several files, and `import` them in one",
                     _ => "a level can be several spaces, each with a map in a file of its own",
@@ -47,12 +47,15 @@ impl Fact for Unreadable {
     }
 }
 
+/// What [`MAX_FILE_BYTES`] is the last number below, in MiB.
+const LIMIT: usize = (MAX_FILE_BYTES + 1) >> 20;
+
 /// How much that is, for people. Of a stream only its beginning is read: of that it is no more than known to be too
 /// large.
 fn mebibytes(bytes: u64) -> String {
     let over = bytes.saturating_sub(MAX_FILE_BYTES as u64);
     if over <= 1 {
-        return format!("more than {}", MAX_FILE_BYTES >> 20);
+        return format!("{LIMIT} or more");
     }
     // Rounded up: what is too large does not look as if it were not.
     format!("{:.1}", (bytes as f64 / f64::from(1 << 20) * 10.0).ceil() / 10.0)
@@ -85,6 +88,14 @@ pub struct TooMany {
     pub limit: u64,
     /// Where.
     pub at: Span,
+}
+
+impl TooMany {
+    /// One file more than a program may be made of, levels and legends included.
+    pub fn sources(at: Span) -> Self {
+        let what = "files, levels and legends included".into();
+        TooMany { what, count: MAX_SOURCES as u64 + 1, limit: MAX_SOURCES as u64, at }
+    }
 }
 
 impl Fact for TooMany {

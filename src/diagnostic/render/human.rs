@@ -8,21 +8,8 @@ use ariadne::{Cache, Color, Config, IndexType, Label, Report, ReportKind, Source
 use crate::diagnostic::{Diagnostic, Label as MarkedPlace, Severity};
 use crate::source::{FileId, SourceMap, Span};
 
-impl ariadne::Span for Span {
-    type SourceId = FileId;
-
-    fn source(&self) -> &FileId {
-        &self.file
-    }
-
-    fn start(&self) -> usize {
-        self.range().start
-    }
-
-    fn end(&self) -> usize {
-        self.range().end
-    }
-}
+/// A span in ariadne's form.
+type Place = (FileId, Range<usize>);
 
 /// The sources in ariadne's form, made when first needed.
 struct Excerpts<'a> {
@@ -66,7 +53,7 @@ pub fn human<'d>(sources: &SourceMap, diagnostics: impl IntoIterator<Item = &'d 
             }
         } else {
             for label in d.primary.iter().chain(&d.secondary) {
-                let file = sources.file(label.span.file);
+                let file = sources.file(label.span.file());
                 let (line, column) = file.line_column(label.span.range().start);
                 out.push_str(&format!("  {}:{line}:{column}: {}\n", file.path.display(), label.text));
             }
@@ -87,7 +74,7 @@ const MAX_LINE: usize = 400;
 /// Whether all lines that would be shown fit on a screen.
 fn is_printable(sources: &SourceMap, d: &Diagnostic) -> bool {
     d.primary.iter().chain(&d.secondary).all(|label| {
-        let file = sources.file(label.span.file);
+        let file = sources.file(label.span.file());
         let lines = file.line_column(label.span.range().start).0..=file.line_column(label.span.range().end).0;
         lines.take(8).all(|line| file.line_range(line - 1).is_none_or(|range| range.len() <= MAX_LINE))
     })
@@ -106,7 +93,7 @@ fn header(d: &Diagnostic, color: bool) -> String {
     }
 }
 
-fn report(sources: &SourceMap, d: &Diagnostic, primary: &MarkedPlace, color: bool) -> Report<'static, Span> {
+fn report(sources: &SourceMap, d: &Diagnostic, primary: &MarkedPlace, color: bool) -> Report<'static, Place> {
     let (kind, primary_color) = match d.severity {
         Severity::Error => (ReportKind::Error, Color::Red),
         Severity::Warning => (ReportKind::Warning, Color::Yellow),
@@ -117,7 +104,7 @@ fn report(sources: &SourceMap, d: &Diagnostic, primary: &MarkedPlace, color: boo
     let mut labels = vec![(primary, primary_color)];
     labels.extend(d.secondary.iter().map(|l| (l, Color::Blue)));
     // Excerpts run down the page: the file of the mistake first, then by line.
-    labels.sort_by_key(|(l, _)| (l.span.file != primary.span.file, l.span.file, l.span.start));
+    labels.sort_by_key(|(l, _)| (l.span.file() != primary.span.file(), l.span.file(), l.span.start()));
     for (label, color) in labels {
         report.add_label(Label::new(clamp(sources, label.span)).with_message(&label.text).with_color(color));
     }
@@ -131,8 +118,8 @@ fn report(sources: &SourceMap, d: &Diagnostic, primary: &MarkedPlace, color: boo
 }
 
 /// A span that lies within its file and is not empty where the file is not: carets need something to stand under.
-fn clamp(sources: &SourceMap, span: Span) -> Span {
-    let text = sources.file(span.file).text();
+fn clamp(sources: &SourceMap, span: Span) -> Place {
+    let text = sources.file(span.file()).text();
     let Range { start, end } = span.range();
     let mut start = start.min(text.len());
     while !text.is_char_boundary(start) {
@@ -142,5 +129,5 @@ fn clamp(sources: &SourceMap, span: Span) -> Span {
     while !text.is_char_boundary(end) {
         end += 1;
     }
-    Span::new(span.file, start, end)
+    (span.file(), start..end)
 }

@@ -119,15 +119,15 @@ fn finding(sources: &SourceMap, d: &Diagnostic) -> Finding {
 }
 
 fn range(sources: &SourceMap, span: Span) -> Range {
-    let file = sources.file(span.file);
+    let file = sources.file(span.file());
     let position = |byte: u32| {
         let (line, column) = file.line_column(byte as usize);
         Position { line, column }
     };
     Range {
         file: file.path.display().to_string(),
-        bytes: Bytes { start: span.start, end: span.end },
-        start: position(span.start),
-        end: position(span.end),
+        bytes: Bytes { start: span.start(), end: span.end() },
+        start: position(span.start()),
+        end: position(span.end()),
     }
 }

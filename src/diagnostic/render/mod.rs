@@ -49,7 +49,7 @@ fn distinct<'a, T: PartialEq>(run: &[Found<'a>], make: impl Fn(&Found<'a>, &Diag
         let earlier = all.len();
         for d in found.diagnostics.iter() {
             let d = d.clone().traced(found.sources);
-            let place = d.primary.as_ref().map(|l| (found.sources.file(l.span.file).path.clone(), l.span.start));
+            let place = d.primary.as_ref().map(|l| (found.sources.file(l.span.file()).path.clone(), l.span.start()));
             let made = make(found, &d);
             let alike = known.entry((place, d.message)).or_default();
             if !alike.iter().any(|at| *at < earlier && all[*at] == made) {

@@ -86,7 +86,7 @@ fn message(text: impl Into<String>) -> Message {
 
 fn location(sources: &SourceMap, label: &Label, folder: &Path) -> Location {
     let physical = PhysicalLocation::builder()
-        .artifact_location(artifact(&sources.file(label.span.file).path, folder))
+        .artifact_location(artifact(&sources.file(label.span.file()).path, folder))
         .region(region(sources, label.span))
         .build();
     Location::builder().physical_location(physical).message(message(label.text.as_str())).build()
@@ -98,7 +98,7 @@ fn whole_file(path: &Path, folder: &Path) -> Location {
 }
 
 fn region(sources: &SourceMap, span: Span) -> Region {
-    let file = sources.file(span.file);
+    let file = sources.file(span.file());
     let (start_line, start_column) = file.line_column_utf16(span.range().start);
     let (end_line, end_column) = file.line_column_utf16(span.range().end);
     Region::builder()
@@ -106,18 +106,18 @@ fn region(sources: &SourceMap, span: Span) -> Region {
         .start_column(start_column as i64)
         .end_line(end_line as i64)
         .end_column(end_column as i64)
-        .byte_offset(i64::from(span.start))
-        .byte_length(i64::from(span.end.saturating_sub(span.start)))
+        .byte_offset(i64::from(span.start()))
+        .byte_length(i64::from(span.end().saturating_sub(span.start())))
         .build()
 }
 
 /// One change for each file.
 fn mending(sources: &SourceMap, fix: &Fix, folder: &Path) -> SarifFix {
-    let mut files: Vec<FileId> = fix.edits.iter().map(|(span, _)| span.file).collect();
+    let mut files: Vec<FileId> = fix.edits.iter().map(|(span, _)| span.file()).collect();
     files.sort();
     files.dedup();
     let changes = files.into_iter().map(|file| {
-        let edits = fix.edits.iter().filter(|(span, _)| span.file == file);
+        let edits = fix.edits.iter().filter(|(span, _)| span.file() == file);
         let replacements = edits.map(|(span, text)| {
             let content = ArtifactContent::builder().text(text.as_str()).build();
             Replacement::builder().deleted_region(region(sources, *span)).inserted_content(content).build()

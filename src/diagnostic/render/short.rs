@@ -49,7 +49,7 @@ pub fn short<'d>(sources: &SourceMap, diagnostics: impl IntoIterator<Item = &'d 
             Severity::Error => Report::error(),
             Severity::Warning => Report::warning(),
         };
-        let labels = d.primary.iter().map(|l| Label::primary(l.span.file, l.span.range())).collect();
+        let labels = d.primary.iter().map(|l| Label::primary(l.span.file(), l.span.range())).collect();
         let report = report.with_code(d.code.text()).with_message(&d.message).with_labels(labels);
         out.push_str(&emit_into_string(&config, &files, &report).unwrap_or_else(|e| format!("{}: {e}\n", d.message)));
     }

@@ -190,7 +190,7 @@ impl<'a, 't, 'd> Scope<'a, 't, 'd> {
         if let Ok(read) = expression::read(value.text, |text| self.values.contains_key(text)) {
             read.visit(&mut |part| {
                 if let Expr::Name(name) = part {
-                    let before = |v: &Named| v.kind == Kind::Param && v.at.start < declared.start;
+                    let before = |v: &Named| v.kind == Kind::Param && v.at.start() < declared.start();
                     if !self.values.get(name.as_str()).is_some_and(before) {
                         unknown = Some(name.clone());
                     }

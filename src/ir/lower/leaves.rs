@@ -17,7 +17,7 @@ pub(super) struct Drives {
     /// Those of the entity itself.
     entity: Vec<(VarId, Drive)>,
     /// One for each variable that no group drives.
-    pub free: Vec<Drive>,
+    pub free: Box<[Drive]>,
 }
 
 /// Lowers all flows of an entity once, so that leaves can share them.

@@ -13,24 +13,23 @@ use crate::source::Span;
 use crate::ir::{
     Arithmetic, By, Choice, Clamp, Collider, Discrete, Domain, Edge, Entity, EntityId, EntitySpans, Envelope, Expr,
     ExprId, Follow, FollowId, Function, Group, Id, IdRange, IdVec, Inputs, LeafId, Mode, ModeId, Param, Program,
-    Reference, Release, Shape, TagSet, Touch, verify,
+    RareVec, Reference, Release, Shape, TagSet, Touch, verify,
 };
 use term::{Context, duration, rate};
 
 /// Lowers a program that checked without errors. What is lowered goes at once, unless it is shared: of a large program both
 /// are large.
-pub fn lower(mut checked: Checked) -> Program {
-    let mut program = Program { tags: checked.tags.iter().map(|t| t.text.to_string()).collect(), ..Program::default() };
-    program.spans.tags = checked.tags.iter().map(|t| t.span).collect();
-    program.entities.reserve(checked.entities.len());
-    program.spans.entities.reserve(checked.entities.len());
-    // Goals add contact questions to entities that are lowered already, so all entities must exist first.
-    for entity in checked.entities.iter() {
-        program.entities.push(shell(entity).into());
-        program.spans.entities.push(spans(entity));
-    }
-    for (index, entity) in std::mem::take(&mut checked.entities).into_iter().enumerate() {
-        let id = EntityId::from_index(index);
+pub fn lower(checked: Checked) -> Program {
+    let Checked { tags, entities, worlds, dimensions, occurrences, .. } = checked;
+    drop((dimensions, occurrences));
+    let mut program = Program { tags: tags.iter().map(|t| t.text.to_string()).collect(), ..Program::default() };
+    program.spans.tags = tags.iter().map(|t| t.span).collect();
+    program.entities.reserve(entities.len());
+    program.spans.entities.reserve(entities.len());
+    // Goals add contact questions to entities, so all entities come first.
+    for entity in entities {
+        let id = program.entities.push(shell(&entity).into());
+        program.spans.entities.push(spans(&entity).into());
         let from = ExprId::from_index(program.exprs.len());
         entity_code(&mut program, id, Arc::unwrap_or_clone(entity));
         let to = ExprId::from_index(program.exprs.len());
@@ -39,9 +38,9 @@ pub fn lower(mut checked: Checked) -> Program {
     }
     // Contact questions of every world, before any layout counts them.
     let mortal = world::mortal(&program);
-    let predicates: Vec<_> = checked.worlds.iter().map(|w| world::predicates(&mut program, w, &mortal)).collect();
+    let predicates: Vec<_> = worlds.iter().map(|w| world::predicates(&mut program, w, &mortal)).collect();
     program.worlds.reserve(predicates.len());
-    for (w, predicates) in checked.worlds.into_iter().zip(predicates) {
+    for (w, predicates) in worlds.into_iter().zip(predicates) {
         world::lower(&mut program, &w, predicates);
     }
     // A failure is a mistake of this module.
@@ -56,40 +55,40 @@ fn shell(e: &checked::Entity) -> Entity {
         domain: match d.ty {
             checked::Type::Bool => Domain::Bool,
             checked::Type::Set(_) => Domain::Set(d.values.to_vec()),
-            checked::Type::Int | checked::Type::Real | checked::Type::Ref(_) => Domain::Int,
+            checked::Type::Int | checked::Type::Real | checked::Type::Ref(_) | checked::Type::AnyRef => Domain::Int,
         },
         range: d.range,
         first: ExprId(0),
     });
     Entity {
         name: e.name.text.to_string(),
-        doc: e.doc.clone(),
-        params: IdVec::new(),
+        doc: e.doc.as_deref().map(Box::from),
+        params: RareVec::new(),
         vars: e.vars.iter().map(|v| v.name.text.to_string()).collect(),
         first: IdVec::new(),
         discretes: discretes.collect(),
         refs: e.refs.iter().map(|r| Reference { name: r.name.text.to_string(), entity: r.entity }).collect(),
         buttons: e.buttons.iter().map(|b| b.text.to_string()).collect(),
         axes: e.axes.iter().map(|a| a.text.to_string()).collect(),
-        colliders: IdVec::new(),
-        groups: IdVec::new(),
-        modes: IdVec::new(),
-        edges: IdVec::new(),
-        envelopes: IdVec::new(),
-        leaves: IdVec::new(),
+        colliders: RareVec::new(),
+        groups: RareVec::new(),
+        modes: RareVec::new(),
+        edges: RareVec::new(),
+        envelopes: RareVec::new(),
+        leaves: RareVec::new(),
         touches: e
             .bound
             .iter()
             .map(|b| Touch { mine: b.mine.map_or(TagSet::ALL, TagSet::of), other: b.other, side: b.side, bound: true })
             .collect(),
         bound: e.bound.len(),
-        timers: IdVec::new(),
-        spawns: IdVec::new(),
-        follows: IdVec::new(),
-        clamps: Vec::new(),
-        invariants: Vec::new(),
-        order: e.order.clone(),
-        free: Vec::new(),
+        timers: RareVec::new(),
+        spawns: RareVec::new(),
+        follows: RareVec::new(),
+        clamps: Box::default(),
+        invariants: Box::default(),
+        order: e.order.as_slice().into(),
+        free: Box::default(),
         inputs: Inputs::default(),
         code: IdRange::new(ExprId(0), ExprId(0)),
     }
@@ -107,7 +106,7 @@ fn spans(e: &checked::Entity) -> EntitySpans {
         groups: e.groups.iter().map(|g| g.name.as_ref().map_or(e.name.span, |n| n.span)).collect(),
         touches: e.bound.iter().map(|b| b.span).collect(),
         refs: e.refs.iter().map(|r| r.name.span).collect(),
-        spawns: IdVec::new(),
+        spawns: RareVec::new(),
         follows: e.modes.iter().flat_map(|m| &m.follows).map(|f| f.span).collect(),
         invariants: e.invariants.iter().map(|i| i.span).collect(),
         modes: e.modes.iter().map(|m| m.name.span).collect(),
@@ -163,22 +162,20 @@ fn entity_code(program: &mut Program, id: EntityId, mut e: checked::Entity) {
         let needs = follow.needs.clone();
         let _: FollowId = program.entity_mut(id).follows.push(Follow { guard, actions, needs });
     }
-    for clamp in &e.clamps {
-        let mut bound = |b: &Option<checked::Term>| b.as_ref().map(|b| program.term(b, &context));
+    let mut bound = |b: &Option<checked::Term>| b.as_ref().map(|b| program.term(b, &context));
+    let clamps = e.clamps.iter().map(|clamp| {
         let (low, high) = (bound(&clamp.low), bound(&clamp.high));
-        program.entity_mut(id).clamps.push(Clamp { var: clamp.var, degree: clamp.degree, low, high });
-    }
-    for invariant in &e.invariants {
-        let holds = program.term(invariant, &context);
-        program.entity_mut(id).invariants.push(holds);
-    }
+        Clamp { var: clamp.var, degree: clamp.degree, low, high }
+    });
+    program.entity_mut(id).clamps = clamps.collect();
+    program.entity_mut(id).invariants = e.invariants.iter().map(|i| program.term(i, &context)).collect();
     modes(program, id, &e, &context);
     let tables = leaves::drives(program, &e, &context);
     let built = leaves::leaves(program, id, &e, &tables);
     let entity = program.entity_mut(id);
     entity.inputs = built.always;
     entity.free = tables.free;
-    entity.leaves = built.leaves;
+    entity.leaves = built.leaves.into();
 }
 
 fn lower_envelope(program: &mut Program, id: EntityId, e: &checked::Envelope, context: &Context<'_>) -> Envelope {

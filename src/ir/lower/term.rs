@@ -7,7 +7,7 @@ use crate::sema::{ConstantContext, evaluate};
 use crate::source::Span;
 
 use crate::ir::{
-    Entity, EntityId, Expr, ExprId, IdVec, ModeId, Program, SlotId, Subject, TagSet, Timer, TimerId, Touch, TouchId,
+    Arena, Entity, EntityId, Expr, ExprId, ModeId, Program, SlotId, Subject, TagSet, Timer, TimerId, Touch, TouchId,
 };
 
 /// Where a term is lowered: whose numbers its questions get.
@@ -170,7 +170,7 @@ impl Program {
 }
 
 /// Whether an expression reads nothing but parameters and the step.
-pub(super) fn known_per_instance(exprs: &IdVec<ExprId, Expr>, id: ExprId) -> bool {
+pub(super) fn known_per_instance(exprs: &Arena<ExprId, Expr>, id: ExprId) -> bool {
     let known = |id| known_per_instance(exprs, id);
     match exprs[id] {
         Expr::Number(_) | Expr::Frames(_) | Expr::Bool(_) | Expr::Param(Subject::Me, _) => true,

@@ -3,14 +3,14 @@
 
 use std::cell::Cell;
 
-use crate::ir::{EntityId, Expr, ExprId, Function, Id, Press, Program, RefValue, Subject, WorldId};
+use crate::ir::{Arena, EntityId, Expr, ExprId, Function, Id, Press, Program, RefValue, Subject, WorldId};
 
-use super::{At, Checked, Invalid, each, exists, must};
+use super::{At, Checked, Invalid, each, each_pair, exists, exists_among, must};
 
 /// The most expressions that one is made of, each counted as often as it occurs.
-const MAX_PARTS: u64 = 1 << 24;
+const MAX_PARTS: u32 = 1 << 24;
 /// The most that lie inside of one another: they are read by recursion.
-const MAX_DEEP: u32 = 1 << 12;
+const MAX_DEEP: u16 = 1 << 12;
 
 /// What is known of all expressions.
 pub(super) struct Code<'p> {
@@ -32,31 +32,34 @@ pub(super) type Facts = Vec<(Subject, EntityId)>;
 impl<'p> Code<'p> {
     /// Looks at what holds of an expression wherever it stands.
     pub fn new(program: &'p Program) -> Result<Self, Invalid> {
-        let mut sizes: Vec<(u64, u32)> = Vec::with_capacity(program.exprs.len());
-        each("exprs", &program.exprs, |id, expr| {
-            let (mut parts, mut deep) = (1_u64, 0);
+        // Two tables: of large programs they are large.
+        let mut sizes: Arena<ExprId, u32> = Arena::default();
+        let mut depths: Arena<ExprId, u16> = Arena::default();
+        let mut look = |id: ExprId, expr: &Expr| {
+            let (mut parts, mut deep) = (1, 0);
             for operand in expr.operands() {
                 must(operand < id, "an operand does not come before it")?;
-                let (of_it, within) = sizes[operand.index()];
-                parts = parts.saturating_add(of_it);
-                deep = deep.max(within + 1);
+                parts += sizes[operand];
+                deep = deep.max(depths[operand] + 1);
             }
             must(parts <= MAX_PARTS && deep <= MAX_DEEP, "it is made of too many parts")?;
-            sizes.push((parts, deep));
+            sizes.push(parts);
+            depths.push(deep);
             match *expr {
                 Expr::Number(number) | Expr::Frames(number) => must(number.is_finite(), "a number is not finite"),
                 Expr::Var(_, _, degree) => must(degree <= 2, "there are no derivatives but the first and the second"),
                 Expr::Call(function, _) => must(function != Function::Atan2 || deep > 0, "it has no arguments"),
                 _ => Ok(()),
             }
-        })?;
+        };
+        each_pair("exprs", program.exprs.pairs(), &mut look)?;
         let work = 16 * program.exprs.len() as u64 + (1 << 20);
         Ok(Code { program, patience: Cell::new(work) })
     }
 
     /// Whether an expression can be read as code of an entity or a world, where some facts hold.
     pub fn check(&self, owner: Owner, id: ExprId, facts: &mut Facts) -> Checked {
-        exists(id, &self.program.exprs)?;
+        exists_among(id, self.program.exprs.len())?;
         if let Owner::Entity(entity) = owner {
             let code = self.program.entities[entity].code;
             must(code.contains(id), "it is not among the expressions of its entity")?;

@@ -82,11 +82,11 @@ fn same(count: usize, wanted: usize) -> Checked {
 
 /// Checks that an id is of a table.
 fn exists<I: Id + fmt::Debug, T>(id: I, table: &IdVec<I, T>) -> Checked {
-    if id.index() < table.len() {
-        Ok(())
-    } else {
-        Err(Invalid::new(format!("there is no {id:?}, only {}", table.len())))
-    }
+    exists_among(id, table.len())
+}
+
+fn exists_among<I: Id + fmt::Debug>(id: I, count: usize) -> Checked {
+    if id.index() < count { Ok(()) } else { Err(Invalid::new(format!("there is no {id:?}, only {count}"))) }
 }
 
 fn all_exist<'i, I: Id + fmt::Debug + 'i, T>(ids: impl IntoIterator<Item = &'i I>, table: &IdVec<I, T>) -> Checked {
@@ -99,8 +99,16 @@ fn range<I: Id + Ord + fmt::Debug, T>(range: IdRange<I>, table: &IdVec<I, T>) ->
     must(range.to.index() <= table.len(), "the range goes beyond the table")
 }
 
-fn each<I: Id, T>(name: &str, table: &IdVec<I, T>, mut check: impl FnMut(I, &T) -> Checked) -> Checked {
-    table.pairs().try_for_each(|(id, entry)| check(id, entry).at(&format!("{name}[{}]", id.index())))
+fn each<I: Id, T>(name: &str, table: &IdVec<I, T>, check: impl FnMut(I, &T) -> Checked) -> Checked {
+    each_pair(name, table.pairs(), check)
+}
+
+fn each_pair<'p, I: Id, T: 'p>(
+    name: &str,
+    mut pairs: impl Iterator<Item = (I, &'p T)>,
+    mut check: impl FnMut(I, &'p T) -> Checked,
+) -> Checked {
+    pairs.try_for_each(|(id, entry)| check(id, entry).at(&format!("{name}[{}]", id.index())))
 }
 
 fn each_of<T>(name: &str, list: &[T], mut check: impl FnMut(&T) -> Checked) -> Checked {

@@ -61,7 +61,7 @@ impl View {
                 all_of = Some(snapshot);
                 let own = mendable(snapshot, known.findings.as_ref(), file, 0..usize::MAX);
                 let own = own.filter_map(|finding| finding.fix.as_ref());
-                all.extend(own.filter(|fix| fix.edits.iter().all(|(span, _)| span.file == file)));
+                all.extend(own.filter(|fix| fix.edits.iter().all(|(span, _)| span.file() == file)));
             }
         }
         if let (Some(snapshot), true) = (all_of, wants("source.fixAll") && !all.is_empty()) {
@@ -93,10 +93,9 @@ fn quick_fix(finding: &Diagnostic, snapshot: &Snapshot, encoding: Encoding) -> C
 fn apart<'a>(fixes: &[&'a Fix]) -> Vec<(crate::source::Span, &'a str)> {
     let mut out: Vec<(crate::source::Span, &str)> = Vec::new();
     for fix in fixes {
-        let overlaps = fix
-            .edits
-            .iter()
-            .any(|(a, _)| out.iter().any(|(b, _)| a.file == b.file && a.start <= b.end && b.start <= a.end));
+        let overlaps = fix.edits.iter().any(|(a, _)| {
+            out.iter().any(|(b, _)| a.file() == b.file() && a.start() <= b.end() && b.start() <= a.end())
+        });
         if !overlaps {
             out.extend(fix.edits.iter().map(|(span, text)| (*span, text.as_str())));
         }
@@ -113,9 +112,9 @@ pub(in crate::lsp) fn workspace_edit<'a>(
     let mut by_file: Vec<(FileId, Vec<TextEdit>)> = Vec::new();
     for (span, text) in edits {
         let edit = TextEdit { range: snapshot.range(span, encoding), new_text: text.into() };
-        match by_file.iter_mut().find(|(file, _)| *file == span.file) {
+        match by_file.iter_mut().find(|(file, _)| *file == span.file()) {
             Some((_, edits)) => edits.push(edit),
-            None => by_file.push((span.file, vec![edit])),
+            None => by_file.push((span.file(), vec![edit])),
         }
     }
     let changes: HashMap<Uri, Vec<TextEdit>> =

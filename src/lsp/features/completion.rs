@@ -128,8 +128,8 @@ impl<'a> Offers<'a> {
     fn declared(&mut self, from: usize, kinds: &[NameKind]) {
         let Some((program, file)) = self.programs.first().copied().zip(self.file) else { return };
         let all = &program.study.occurrences;
-        let first = all.partition_point(|o| (o.at.file, o.at.start as usize) < (file, from));
-        let here = all.iter().skip(first).take_while(|o| o.at.file == file).filter(|o| o.role == Role::Declared);
+        let first = all.partition_point(|o| (o.at.file(), o.at.range().start) < (file, from));
+        let here = all.iter().skip(first).take_while(|o| o.at.file() == file).filter(|o| o.role == Role::Declared);
         // The behaviour's own name comes first; the next item ends it.
         let is_item = |o: &&Occurrence| {
             matches!(o.kind, NameKind::Entity | NameKind::Behavior | NameKind::World | NameKind::Constant)

@@ -70,7 +70,7 @@ impl View {
             kind: SymbolKind::Method,
             tags: None,
             detail: Some(entity.name.text.to_string()),
-            uri: snapshot.uri(name.file),
+            uri: snapshot.uri(name.file()),
             range: snapshot.range(whole, self.client.encoding),
             selection_range: snapshot.range(name, self.client.encoding),
             data: Some(json!({

@@ -95,8 +95,8 @@ struct Hints<'a> {
 impl Hints<'_> {
     fn add(&mut self, at: Span, label: String) {
         // What stands in a behaviour means different things where it is put.
-        if at.file == self.file {
-            self.found.push((at.end as usize, label));
+        if at.file() == self.file {
+            self.found.push((at.range().end, label));
         }
     }
 
@@ -136,12 +136,12 @@ impl Hints<'_> {
 
     /// The end of the line of a place, its comment left out.
     fn line_end(&self, at: Span) -> Span {
-        let text = self.snapshot.study.compilation.sources.file(at.file).text();
-        let rest = text.get(at.end as usize..).unwrap_or_default();
+        let text = self.snapshot.study.compilation.sources.file(at.file()).text();
+        let rest = text.get(at.range().end..).unwrap_or_default();
         let line = rest.split(['\n', '\r', ';', '}']).next().unwrap_or_default();
         let line = line.split("//").next().unwrap_or_default().trim_end();
-        let end = at.end + line.len() as u32;
-        Span { start: end, end, ..at }
+        let end = at.range().end + line.len();
+        Span::new(at.file(), end, end)
     }
 
     /// How high and how long it goes up where an edge sets an upward velocity and leads to where it falls.

@@ -65,7 +65,7 @@ impl View {
             let said = known.now.study.compilation.diagnostics.iter();
             for finding in said.chain(known.findings.iter().flat_map(Diagnostics::iter)) {
                 let Some(place) = finding.primary.as_ref().map(|label| label.span) else { continue };
-                let is_here = place.file == file && place.start <= byte && byte <= place.end;
+                let is_here = place.file() == file && place.start() <= byte && byte <= place.end();
                 let is_first = found.is_none_or(|(other, _)| {
                     other.severity == Severity::Warning && finding.severity == Severity::Error
                 });
@@ -225,8 +225,8 @@ impl About<'_> {
 
     /// How many primes follow the name.
     fn degree(&self) -> usize {
-        let text = self.snapshot.text(self.o.at.file);
-        let after = text.code().get(self.o.at.end as usize..).unwrap_or_default();
+        let text = self.snapshot.text(self.o.at.file());
+        let after = text.code().get(self.o.at.range().end..).unwrap_or_default();
         after.bytes().take_while(|b| *b == b'\'').count().min(2)
     }
 

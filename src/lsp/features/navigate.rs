@@ -71,8 +71,8 @@ impl View {
 
     /// Where something of a program stands in its document as it is now; none if that line has changed.
     fn location_now(&self, snapshot: &Snapshot, at: Span) -> Option<Location> {
-        let path = snapshot.path(at.file);
-        let text = snapshot.text(at.file);
+        let path = snapshot.path(at.file());
+        let text = snapshot.text(at.file());
         let (now, bytes) = match self.documents.get(path) {
             Some(document) if document.text != text => {
                 let bytes = Alignment::between(text.code(), document.text.code()).after(at.range())?;
@@ -80,7 +80,7 @@ impl View {
             }
             _ => (text, at.range()),
         };
-        Some(Location { uri: snapshot.uri(at.file), range: now.range(bytes, self.client.encoding) })
+        Some(Location { uri: snapshot.uri(at.file()), range: now.range(bytes, self.client.encoding) })
     }
 
     /// What stands at a place.
@@ -96,12 +96,12 @@ impl View {
         for known in self.known.values() {
             let snapshot = &*known.now;
             for o in snapshot.matching(keys) {
-                if seen.insert((snapshot.path(o.at.file).to_path_buf(), o.at.start)) {
+                if seen.insert((snapshot.path(o.at.file()).to_path_buf(), o.at.start())) {
                     out.push((snapshot, o));
                 }
             }
         }
-        out.sort_by(|(a, x), (b, y)| (a.path(x.at.file), x.at.start).cmp(&(b.path(y.at.file), y.at.start)));
+        out.sort_by(|(a, x), (b, y)| (a.path(x.at.file()), x.at.start()).cmp(&(b.path(y.at.file()), y.at.start())));
         out
     }
 
@@ -153,7 +153,7 @@ impl View {
         let snapshot = spot.snapshot;
         let keys: BTreeSet<Key> = spot.names.iter().map(|o| snapshot.key(o)).collect();
         let mut out: Vec<DocumentHighlight> = Vec::new();
-        for o in snapshot.matching(&keys).filter(|o| o.at.file == spot.file) {
+        for o in snapshot.matching(&keys).filter(|o| o.at.file() == spot.file) {
             let kind = match o.role {
                 Role::Read => DocumentHighlightKind::Read,
                 Role::Written | Role::Declared => DocumentHighlightKind::Write,
@@ -178,7 +178,7 @@ impl View {
                 let Some(kind) = symbol_kind(o.kind) else { continue };
                 let name = snapshot.name(o);
                 let Some(begins) = fits(name, &params.query) else { continue };
-                if !seen.insert((snapshot.path(o.at.file).to_path_buf(), o.at.start)) {
+                if !seen.insert((snapshot.path(o.at.file()).to_path_buf(), o.at.start())) {
                     continue;
                 }
                 let container_name = container(snapshot, o.at).map(|c| snapshot.name(c).to_string());
@@ -238,7 +238,7 @@ impl Snapshot {
         let fits = move |o: &&Occurrence| {
             local.iter().any(|(kind, declared, name)| {
                 *kind == o.kind
-                    && declared.is_none_or(|(file, start)| o.declared.file == file && o.declared.start == start)
+                    && declared.is_none_or(|(file, start)| o.declared.file() == file && o.declared.start() == start)
                     && self.name(o) == *name
             })
         };
@@ -248,9 +248,9 @@ impl Snapshot {
 
 /// Of a value that several equal sets declare, the one that stands nearest before.
 fn own_values(names: &[Occurrence]) -> Vec<Occurrence> {
-    let is_value = |o: &&Occurrence| o.kind == NameKind::Value && o.declared.file == o.at.file;
-    let before = names.iter().filter(is_value).filter(|o| o.declared.start <= o.at.start);
-    match before.max_by_key(|o| o.declared.start) {
+    let is_value = |o: &&Occurrence| o.kind == NameKind::Value && o.declared.file() == o.at.file();
+    let before = names.iter().filter(is_value).filter(|o| o.declared.start() <= o.at.start());
+    match before.max_by_key(|o| o.declared.start()) {
         Some(nearest) => vec![*nearest],
         None => names.to_vec(),
     }
@@ -269,9 +269,9 @@ fn container(snapshot: &Snapshot, at: Span) -> Option<&Occurrence> {
         o.role == Role::Declared && matches!(o.kind, NameKind::Entity | NameKind::Behavior | NameKind::World)
     };
     let all = &snapshot.study.occurrences;
-    let here = all.partition_point(|o| (o.at.file, o.at.start) < (at.file, at.start));
+    let here = all.partition_point(|o| (o.at.file(), o.at.start()) < (at.file(), at.start()));
     let own = all.get(here).is_some_and(|o| is_outer(&o) || o.kind == NameKind::Constant);
-    let before = all.get(..here)?.iter().rev().take_while(|o| o.at.file == at.file);
+    let before = all.get(..here)?.iter().rev().take_while(|o| o.at.file() == at.file());
     before.filter(|_| !own).find(is_outer)
 }
 

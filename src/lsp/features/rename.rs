@@ -58,13 +58,13 @@ impl View {
         self.renamable(&keys)?;
         let mut places = Places::new();
         for (snapshot, o) in self.places(&keys) {
-            places.entry(snapshot.path(o.at.file).to_path_buf()).or_default().push((o.at.start, o.at.end));
+            places.entry(snapshot.path(o.at.file()).to_path_buf()).or_default().push((o.at.start(), o.at.end()));
         }
         self.try_out(&places, new)?;
         let mut changes: HashMap<Uri, Vec<TextEdit>> = HashMap::new();
         for (snapshot, o) in self.places(&keys) {
             let edit = TextEdit { range: snapshot.range(o.at, self.client.encoding), new_text: new.into() };
-            changes.entry(snapshot.uri(o.at.file)).or_default().push(edit);
+            changes.entry(snapshot.uri(o.at.file())).or_default().push(edit);
         }
         let old = keys.first().map(|key| key.name.clone()).unwrap_or_default();
         let edit = WorkspaceEdit { changes: Some(changes), ..WorkspaceEdit::default() };
@@ -153,9 +153,10 @@ impl View {
 /// Where each name stands and where it is declared, as it is once the places have names of another length.
 fn meaning(snapshot: &Snapshot, places: &Places, length: u32) -> BTreeSet<(FileId, u32, NameKind, FileId, u32)> {
     let moved = |at: Span| {
-        let before = places.get(snapshot.path(at.file)).into_iter().flatten().filter(|(start, _)| *start < at.start);
-        before.fold(i64::from(at.start), |start, (a, b)| start + i64::from(length) - i64::from(b - a)) as u32
+        let before =
+            places.get(snapshot.path(at.file())).into_iter().flatten().filter(|(start, _)| *start < at.start());
+        before.fold(i64::from(at.start()), |start, (a, b)| start + i64::from(length) - i64::from(b - a)) as u32
     };
     let all = snapshot.study.occurrences.iter();
-    all.map(|o: &Occurrence| (o.at.file, moved(o.at), o.kind, o.declared.file, moved(o.declared))).collect()
+    all.map(|o: &Occurrence| (o.at.file(), moved(o.at), o.kind, o.declared.file(), moved(o.declared))).collect()
 }

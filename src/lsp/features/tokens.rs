@@ -100,8 +100,8 @@ fn encoded(
     let code = text.code();
     let mut names: BTreeMap<usize, (u32, u32)> = BTreeMap::new();
     if let Some((snapshot, file)) = program {
-        for o in snapshot.study.occurrences.iter().filter(|o| o.at.file == file) {
-            names.entry(o.at.start as usize).or_insert_with(|| of_name(o));
+        for o in snapshot.study.occurrences.iter().filter(|o| o.at.file() == file) {
+            names.entry(o.at.range().start).or_insert_with(|| of_name(o));
         }
     }
     let (mut out, mut line, mut column) = (Vec::new(), 0, 0);

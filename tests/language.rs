@@ -5,6 +5,7 @@
 mod support;
 
 mod compiled;
+mod docs;
 mod editors;
 mod explain;
 mod fix;

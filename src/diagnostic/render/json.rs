@@ -76,7 +76,7 @@ struct Edit {
     text: String,
 }
 
-/// Renders the findings of all programs of a run as one JSON object, see the README for its fields.
+/// Renders the findings of all programs of a run as one JSON object, see `docs/formats/findings.md` for its fields.
 ///
 /// # Errors
 /// None that are known; those of `serde_json`.

@@ -74,18 +74,18 @@ pub fn compile(root: &Path, files: &dyn Files) -> Compilation {
 
 /// Compiles a file and what it imports; worlds that leave their map open get this one.
 pub fn compile_with(root: &Path, level: LevelFile<'_>, files: &dyn Files) -> Compilation {
-    compile_barred(root, level, None, files)
+    compile_constrained(root, level, None, files)
 }
 
 /// As [`compile_with`], with one more `never` in each world of the file that is named, or in all: a predicate that comes
 /// from the command line. It is the last one of its world.
-pub fn compile_barred(
+pub fn compile_constrained(
     root: &Path,
     level: LevelFile<'_>,
-    barred: Option<ExtraConstraint<'_>>,
+    constraint: Option<ExtraConstraint<'_>>,
     files: &dyn Files,
 ) -> Compilation {
-    stages(root, level, barred, files, Occurrences::default()).0.0
+    stages(root, level, constraint, files, Occurrences::default()).0.0
 }
 
 /// A compilation, and what its stages know of names: what an editor shows.
@@ -113,19 +113,19 @@ pub fn study(root: &Path, files: &dyn Files) -> IdeCompilation {
 fn stages(
     root: &Path,
     level: LevelFile<'_>,
-    barred: Option<ExtraConstraint<'_>>,
+    constraint: Option<ExtraConstraint<'_>>,
     files: &dyn Files,
     mut occurrences: Occurrences,
 ) -> ((Compilation, Checked), Vec<ast::File>) {
     let mut sources = SourceMap::new();
     let (mut trees, mut diagnostics) = syntax::load(root, files, &mut sources);
-    if let Some(barred) = barred {
-        let file = sources.add(Path::new(barred.origin), barred.predicate);
-        let (predicate, found) = syntax::parse_predicate(file, barred.predicate);
+    if let Some(constraint) = constraint {
+        let file = sources.add(Path::new(constraint.origin), constraint.predicate);
+        let (predicate, found) = syntax::parse_predicate(file, constraint.predicate);
         diagnostics.append(found);
         if let (Some(root), Some(predicate)) = (trees.first_mut(), predicate) {
-            let name = Name { text: barred.name.into(), span: Span::new(file, 0, barred.predicate.len()) };
-            root.bar(&Question { name, predicate }, barred.world);
+            let name = Name { text: constraint.name.into(), span: Span::new(file, 0, constraint.predicate.len()) };
+            root.add_never(&Question { name, predicate }, constraint.world);
         }
     }
     diagnostics.append(syntax::expand(&mut trees, &mut sources, &mut occurrences));

@@ -28,7 +28,7 @@
 //! | [`analysis`] | what each part of a world can be: abstract interpretation of the flat tables, and what that tells |
 //! | [`compile`] | the stages up to here in a row |
 //! | [`sim`] | one step of time, input scripts, traces |
-//! | [`reach`] | planners over the simulator |
+//! | [`reach`] | the way from a question to its answer: proofs, planners over the simulator, replay |
 //! | [`graph`] | statecharts of entities as DOT, Mermaid and SVG |
 //! | [`view`] | pictures of what a search found |
 //! | [`experiment`] | planners run many times, and tables of what came of it |

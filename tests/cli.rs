@@ -324,7 +324,7 @@ fn reach_answers_with_exit_codes() {
     assert_eq!(proven.status.code(), Some(1));
     let json: Value = serde_json::from_slice(&proven.stdout).unwrap();
     assert_eq!(json["goals"][0]["verdict"], "proven-unreachable");
-    assert_eq!(json["goals"][0]["argument"], "`rock.x > 3` never holds: rock.x = 3");
+    assert_eq!(json["goals"][0]["reasons"][0], "`rock.x > 3` never holds: rock.x = 3");
     let mut all = String::new();
     all.push_str(&shown(&["reach", TEST1, "--goal", "arive"]));
     all.push_str(&shown(&["reach", TEST1, "--world", "Test2"]));

@@ -401,7 +401,7 @@ fn a_never_is_proven_or_not_answered() {
     has(&["reach", PIT_PROOF, "--never", "hurt", "--planner", "exhaustive"], 1, &["never hurt: violated"]);
     let (_, text) = told(&["reach", STEPS, "--never", "away", "--planner", "exhaustive", "--format", "json"]);
     let json: Value = serde_json::from_str(&text).unwrap();
-    assert_eq!((&json["version"], &json["goals"][0]["verdict"]), (&5.into(), &"proven-unreachable".into()));
+    assert_eq!((&json["version"], &json["goals"][0]["verdict"]), (&6.into(), &"proven-unreachable".into()));
     let (_, text) = told(&["reach", STEPS, "--never", "away", "--planner", "rrt", "--nodes", "50", "--format", "json"]);
     let json: Value = serde_json::from_str(&text).unwrap();
     assert_eq!(json["goals"][0]["verdict"], "not-answered");

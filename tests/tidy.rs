@@ -25,7 +25,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("analysis", &["source", "watch", "diagnostic", "ir"]),
     ("compile", &["source", "diagnostic", "syntax", "level", "sema", "lint", "ir", "analysis"]),
     ("sim", &["source", "watch", "tabular", "diagnostic", "ir"]),
-    ("reach", &["watch", "ir", "analysis", "sim"]),
+    ("reach", &["source", "watch", "ir", "analysis", "sim"]),
     ("graph", &["source", "ir"]),
     ("view", &["ir"]),
     ("experiment", &["source", "watch", "parallel", "tabular", "ir", "analysis", "compile", "sim", "reach"]),

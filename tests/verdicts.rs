@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use crate::support::{Disk, files, program};
 use hypedc::analysis::{ConfigurationSpace, configuration_space, configuration_space_without};
-use hypedc::compile::{ExtraConstraint, LevelFile, compile, compile_barred};
+use hypedc::compile::{ExtraConstraint, LevelFile, compile, compile_constrained};
 use hypedc::ir::{GoalId, Program, WorldId};
 use hypedc::reach::{
     Argument, Limits, Outcome, Plan, Planner, Problem, Proof, Sampling, Settings, Target, Verdict, improve_duration,
@@ -405,8 +405,8 @@ fn ways_go_on_from_where_a_script_leads() {
 /// A goal of a world, with one more `never`; how the analysis and all planners answer.
 fn without(file: &str, goal: &str, predicate: &str) -> Vec<Verdict> {
     let path = Path::new("tests/verdicts").join(file).with_extension("hyped");
-    let barred = ExtraConstraint { world: None, name: "without", predicate, origin: "test" };
-    let program = program(compile_barred(&path, LevelFile::default(), Some(barred), &Disk));
+    let constraint = ExtraConstraint { world: None, name: "without", predicate, origin: "test" };
+    let program = program(compile_constrained(&path, LevelFile::default(), Some(constraint), &Disk));
     let world = WorldId(0);
     let id = program.worlds[world].goals.find(|g| g.name == goal).unwrap();
     let sim = Simulator::new(&program, world);

@@ -65,6 +65,7 @@ mod surroundings;
 mod tiles;
 mod values;
 mod widen;
+pub mod wording;
 
 pub use configuration::{Configuration, Numbers};
 pub use findings::{InvariantVerdict, Spaces, findings, invariants, watched_findings};

@@ -7,7 +7,7 @@ use crate::compile::{Compilation, check_with};
 use crate::diagnostic::render::{self, Found};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, MAX_FINDINGS, Severity};
 
-use super::Answer;
+use super::Exit;
 use super::args::{CheckArgs, FindingFormat};
 use super::disk::Disk;
 use super::fix::mend;
@@ -16,14 +16,14 @@ use super::report::colored;
 /// So many findings of a program are shown to people.
 const MAX_SHOWN: usize = 100;
 
-pub(super) fn run(args: &CheckArgs) -> io::Result<Answer> {
+pub(super) fn run(args: &CheckArgs) -> io::Result<Exit> {
     let color = colored(io::stdout().is_terminal());
-    let mut answer = Answer::Yes;
+    let mut answer = Exit::Yes;
     let mut first: Option<(Severity, Code)> = None;
     let mut kept: Vec<(&Path, Compilation)> = Vec::new();
     for path in &args.files {
         if args.fix && !mend(path, args.level.file())? {
-            answer = Answer::Unasked;
+            answer = Exit::Unasked;
         }
         let compilation = check_with(path, args.level.file(), &Disk);
         let found = &compilation.diagnostics;
@@ -84,14 +84,14 @@ fn first_of(found: &Diagnostics) -> Vec<&Diagnostic> {
     shown.collect()
 }
 
-fn judged(found: &Diagnostics, deny_warnings: bool) -> Answer {
+fn judged(found: &Diagnostics, deny_warnings: bool) -> Exit {
     let unasked = |code: Code| matches!(code, Code::Unreadable | Code::NotUtf8 | Code::TooLarge | Code::NoQuestion);
     if found.iter().any(|d| unasked(d.code) && d.primary.is_none()) {
-        Answer::Unasked
+        Exit::Unasked
     } else if found.has_errors() || (deny_warnings && !found.is_empty()) {
-        Answer::No
+        Exit::No
     } else {
-        Answer::Yes
+        Exit::Yes
     }
 }
 

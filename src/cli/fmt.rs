@@ -8,7 +8,7 @@ use crate::diagnostic::catalogue::file::Unreadable;
 use crate::format::format;
 use crate::source::{ReadError, SourceMap, decode};
 
-use super::Answer;
+use super::Exit;
 use super::args::FmtArgs;
 use super::disk::{all, bytes, replace};
 use super::report::{plain_error, show, show_fact};
@@ -16,15 +16,15 @@ use super::report::{plain_error, show, show_fact};
 /// How many characters of a line are shown.
 const SHOWN: usize = 160;
 
-pub(super) fn run(args: &FmtArgs) -> io::Result<Answer> {
-    let mut answer = Answer::Yes;
+pub(super) fn run(args: &FmtArgs) -> io::Result<Exit> {
+    let mut answer = Exit::Yes;
     for path in &args.files {
         answer = answer.max(one(path, args.check)?);
     }
     Ok(answer)
 }
 
-fn one(path: &Path, check: bool) -> io::Result<Answer> {
+fn one(path: &Path, check: bool) -> io::Result<Exit> {
     let stream = path == Path::new("-");
     let shown = if stream { Path::new("<stdin>") } else { path };
     let mut sources = SourceMap::new();
@@ -38,7 +38,7 @@ fn one(path: &Path, check: bool) -> io::Result<Answer> {
         Ok(after) => after,
         Err(found) => {
             show(&sources, &found)?;
-            return Ok(Answer::No);
+            return Ok(Exit::No);
         }
     };
     let changes = after.as_bytes() != before;
@@ -46,20 +46,20 @@ fn one(path: &Path, check: bool) -> io::Result<Answer> {
         if changes {
             write!(io::stdout(), "{}", first_difference(shown, &before, &after))?;
         }
-        return Ok(if changes { Answer::No } else { Answer::Yes });
+        return Ok(if changes { Exit::No } else { Exit::Yes });
     }
     if stream {
         io::stdout().write_all(after.as_bytes())?;
     } else if changes && let Err(why) = replace(path, &after) {
         plain_error(&format!("cannot write `{}`: {why}", path.display()))?;
-        return Ok(Answer::Unasked);
+        return Ok(Exit::Unasked);
     }
-    Ok(Answer::Yes)
+    Ok(Exit::Yes)
 }
 
-fn unreadable(path: &Path, error: ReadError) -> io::Result<Answer> {
+fn unreadable(path: &Path, error: ReadError) -> io::Result<Exit> {
     show_fact(&SourceMap::new(), Unreadable { path: path.to_path_buf(), import: None, error })?;
-    Ok(Answer::Unasked)
+    Ok(Exit::Unasked)
 }
 
 /// Where a text first differs from its canonical layout, and how.

@@ -8,16 +8,16 @@ use crate::diagnostic::similar;
 use crate::graph::{Chart, chart, dot, mermaid, svg};
 use crate::ir::EntityId;
 
-use super::Answer;
+use super::Exit;
 use super::args::{GraphArgs, GraphFormat};
 use super::report::{Loaded, load, show_fact};
 
-pub(super) fn run(args: &GraphArgs) -> io::Result<Answer> {
+pub(super) fn run(args: &GraphArgs) -> io::Result<Exit> {
     let Some(loaded) = load(&args.file, LevelFile::default())? else {
-        return Ok(Answer::Unasked);
+        return Ok(Exit::Unasked);
     };
     let Some(entities) = choose(&loaded, args)? else {
-        return Ok(Answer::Unasked);
+        return Ok(Exit::Unasked);
     };
     let charts: Vec<Chart> = entities.into_iter().map(|id| chart(&loaded.program, &loaded.sources, id)).collect();
     let text = match args.format {
@@ -26,7 +26,7 @@ pub(super) fn run(args: &GraphArgs) -> io::Result<Answer> {
         GraphFormat::Svg => svg(&charts),
     };
     write!(io::stdout(), "{text}")?;
-    Ok(Answer::Yes)
+    Ok(Exit::Yes)
 }
 
 /// The entities that were asked for, or all; shows why if there are none.

@@ -11,12 +11,12 @@ use crate::diagnostic::render::{self, Found};
 use crate::import::{Import, xml, zelda};
 use crate::source::{FileId, Files, SourceMap};
 
-use super::Answer;
+use super::Exit;
 use super::args::{FindingFormat, ImportCommand, ImportInto};
 use super::disk::{Disk, replace};
 use super::report::{colored, plain_error};
 
-pub(super) fn run(command: &ImportCommand) -> io::Result<Answer> {
+pub(super) fn run(command: &ImportCommand) -> io::Result<Exit> {
     match command {
         ImportCommand::Xml(args) => {
             let mut beside = xml::Entities::default();
@@ -46,8 +46,8 @@ fn import(
     files: &[PathBuf],
     into: &ImportInto,
     mut read: impl FnMut(&Path, FileId, &str, bool) -> Import,
-) -> io::Result<Answer> {
-    let mut answer = Answer::Yes;
+) -> io::Result<Exit> {
+    let mut answer = Exit::Yes;
     let mut texts: Vec<String> = Vec::new();
     let mut done: Vec<Done<'_>> = Vec::new();
     for path in files {
@@ -58,20 +58,20 @@ fn import(
                 read(path, file, sources.file(file).text(), into.output.is_none())
             }
             Err(error) => {
-                answer = Answer::Unasked;
+                answer = Exit::Unasked;
                 let mut diagnostics = Diagnostics::new();
                 diagnostics.report(Unreadable { path: path.clone(), import: None, error });
                 Import { text: None, diagnostics }
             }
         };
         if diagnostics.has_errors() {
-            answer = answer.max(Answer::No);
+            answer = answer.max(Exit::No);
         }
         if let Some((text, folder)) = text.as_ref().zip(into.output.as_ref()) {
             let target = folder.join(program_name(path));
             if let Err(why) = write(folder, &target, text, into.force) {
                 plain_error(&format!("cannot write `{}`: {why}", target.display()))?;
-                answer = Answer::Unasked;
+                answer = Exit::Unasked;
             }
         } else {
             texts.extend(text);

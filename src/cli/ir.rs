@@ -4,26 +4,26 @@ use std::io::{self, Write};
 
 use crate::ir::{Program, text};
 
-use super::Answer;
+use super::Exit;
 use super::args::{IrArgs, ResultFormat};
 use super::report::{has_maps, load};
 
-pub(super) fn run(args: &IrArgs) -> io::Result<Answer> {
+pub(super) fn run(args: &IrArgs) -> io::Result<Exit> {
     let mut out = io::stdout().lock();
     let Some(file) = &args.file else {
         serde_json::to_writer_pretty(&mut out, &Program::json_schema())?;
         writeln!(out)?;
-        return Ok(Answer::Yes);
+        return Ok(Exit::Yes);
     };
     let Some(loaded) = load(file, args.level.file())? else {
-        return Ok(Answer::Unasked);
+        return Ok(Exit::Unasked);
     };
     if !has_maps(&loaded, loaded.program.worlds.iter())? {
-        return Ok(Answer::Unasked);
+        return Ok(Exit::Unasked);
     }
     match args.format {
         ResultFormat::Human => write!(out, "{}", text(&loaded.program))?,
         ResultFormat::Json => loaded.program.write_json(&loaded.sources, &mut out)?,
     }
-    Ok(Answer::Yes)
+    Ok(Exit::Yes)
 }

@@ -9,7 +9,7 @@ use lsp_server::Connection;
 use crate::lsp::{Server, Settings, Workspace};
 use crate::source::{Files, ReadError};
 
-use super::Answer;
+use super::Exit;
 use super::disk::Disk;
 
 /// So many programs of a workspace are looked at, and so many folders searched for them.
@@ -56,12 +56,12 @@ impl Workspace for Folders {
     }
 }
 
-pub(super) fn run() -> io::Result<Answer> {
+pub(super) fn run() -> io::Result<Exit> {
     let (connection, threads) = Connection::stdio();
     let orderly = Server::serve(connection, Arc::new(Folders), Settings::default());
     // A client that went away without a word may have left the pipe open.
     if orderly {
         threads.join()?;
     }
-    Ok(if orderly { Answer::Yes } else { Answer::No })
+    Ok(if orderly { Exit::Yes } else { Exit::No })
 }

@@ -21,11 +21,11 @@ mod ir;
 mod lsp;
 mod new;
 mod reach;
+mod refusal;
 mod replay;
 mod report;
 mod sim;
 mod time;
-mod values;
 mod watching;
 
 use std::io;
@@ -37,7 +37,7 @@ use args::{Arguments, Command};
 
 /// What a subcommand ends with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Answer {
+enum Exit {
     /// As wished.
     Yes,
     /// An answer is no, or there is none: errors, a goal not reached, a `never` violated or not answered, a layout that is not
@@ -76,9 +76,9 @@ pub fn main() -> ExitCode {
         Command::Man(args) => about::man(&args),
     };
     match answer {
-        Ok(Answer::Yes) => ExitCode::SUCCESS,
-        Ok(Answer::No) => ExitCode::from(1),
-        Ok(Answer::Unasked) => ExitCode::from(2),
+        Ok(Exit::Yes) => ExitCode::SUCCESS,
+        Ok(Exit::No) => ExitCode::from(1),
+        Ok(Exit::Unasked) => ExitCode::from(2),
         // Whoever read our output has gone away.
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(error) => {

@@ -4,7 +4,7 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
 
-use super::Answer;
+use super::Exit;
 use super::args::NewArgs;
 use super::report::plain_error;
 
@@ -15,11 +15,11 @@ const FILES: [(&str, &str); 3] = [
     ("README.md", include_str!("template/README.md")),
 ];
 
-pub(super) fn run(args: &NewArgs) -> io::Result<Answer> {
+pub(super) fn run(args: &NewArgs) -> io::Result<Exit> {
     let folder = args.name.as_path();
     let Some(name) = folder.file_name() else {
         plain_error(&format!("`{}` is no name for a folder", folder.display()))?;
-        return Ok(Answer::Unasked);
+        return Ok(Exit::Unasked);
     };
     if let Err(error) = make(folder, &name.to_string_lossy()) {
         let why = match error.kind() {
@@ -27,14 +27,14 @@ pub(super) fn run(args: &NewArgs) -> io::Result<Answer> {
             _ => error.to_string(),
         };
         plain_error(&format!("cannot make `{}`: {why}", folder.display()))?;
-        return Ok(Answer::Unasked);
+        return Ok(Exit::Unasked);
     }
     let mut out = io::stdout().lock();
     for (file, _) in FILES {
         writeln!(out, "{}", folder.join(file).display())?;
     }
     writeln!(io::stderr(), "made `{}`; next: hypedc reach {}", folder.display(), folder.join("game.hyped").display())?;
-    Ok(Answer::Yes)
+    Ok(Exit::Yes)
 }
 
 fn make(folder: &Path, name: &str) -> io::Result<()> {

@@ -10,19 +10,19 @@ use crate::diagnostic::catalogue::file::Unreadable;
 use crate::sim::{Simulator, TraceFormat, TraceHeader, TraceLines, first_difference, parse_script};
 use crate::source::SourceMap;
 
-use super::Answer;
+use super::Exit;
 use super::args::SimArgs;
 use super::disk::{line, open};
 use super::report::{choose_world, load, plain_error, show, show_fact};
 use super::sim::{Ended, drive, header};
 use super::watching::Interrupt;
 
-pub(super) fn run(path: &Path, args: &SimArgs) -> io::Result<Answer> {
+pub(super) fn run(path: &Path, args: &SimArgs) -> io::Result<Exit> {
     let file = match open(path) {
         Ok(file) => file,
         Err(error) => {
             show_fact(&SourceMap::new(), Unreadable::named(path, error))?;
-            return Ok(Answer::Unasked);
+            return Ok(Exit::Unasked);
         }
     };
     let cannot = |why: &str| plain_error(&format!("cannot replay `{}`: {why}", path.display()));
@@ -30,7 +30,7 @@ pub(super) fn run(path: &Path, args: &SimArgs) -> io::Result<Answer> {
         Ok(trace) => trace,
         Err(why) => {
             cannot(&why)?;
-            return Ok(Answer::Unasked);
+            return Ok(Exit::Unasked);
         }
     };
     let old = trace.header.clone();
@@ -41,13 +41,13 @@ pub(super) fn run(path: &Path, args: &SimArgs) -> io::Result<Answer> {
         legend: given.legend.or(old.legend.as_deref().map(Path::new)),
         tile: given.tile.or(old.tile),
     };
-    let Some(mut loaded) = load(file, level)? else { return Ok(Answer::Unasked) };
-    let Some(world) = choose_world(&loaded, file, Some(&old.world))? else { return Ok(Answer::Unasked) };
+    let Some(mut loaded) = load(file, level)? else { return Ok(Exit::Unasked) };
+    let Some(world) = choose_world(&loaded, file, Some(&old.world))? else { return Ok(Exit::Unasked) };
     let id = loaded.sources.add(path, old.inputs.clone());
     let (script, found) = parse_script(&loaded.program, world, id, &old.inputs);
     if found.has_errors() {
         show(&loaded.sources, &found)?;
-        return Ok(Answer::Unasked);
+        return Ok(Exit::Unasked);
     }
     let sim = Simulator::new(&loaded.program, world);
     let now = header(&sim, file, level, &script, old.steps);
@@ -72,7 +72,7 @@ pub(super) fn run(path: &Path, args: &SimArgs) -> io::Result<Answer> {
     })?;
     if let Ended::Stopped(step) = ended {
         plain_error(&format!("stopped after step {step} of {}", old.steps))?;
-        return Ok(Answer::No);
+        return Ok(Exit::No);
     }
     if difference.is_none()
         && let Some(line) = trace.line()
@@ -81,7 +81,7 @@ pub(super) fn run(path: &Path, args: &SimArgs) -> io::Result<Answer> {
     }
     if let Some(why) = &trace.broken {
         cannot(why)?;
-        return Ok(Answer::Unasked);
+        return Ok(Exit::Unasked);
     }
     let mut out = io::stdout().lock();
     let is_same = now.program_sha256 == old.program_sha256;
@@ -106,7 +106,7 @@ pub(super) fn run(path: &Path, args: &SimArgs) -> io::Result<Answer> {
         // It stopped there when the trace was made, too.
         show_fact(&loaded.sources, fault.fact(&loaded.program, world, step))?;
     }
-    Ok(if is_same && difference.is_none() { Answer::Yes } else { Answer::No })
+    Ok(if is_same && difference.is_none() { Exit::Yes } else { Exit::No })
 }
 
 /// A trace that is read line by line.

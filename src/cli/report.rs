@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use sha2::{Digest, Sha256};
 
-use crate::compile::{Compilation, ExtraConstraint, LevelFile, compile_barred, level_file};
+use crate::compile::{Compilation, ExtraConstraint, LevelFile, compile_constrained, level_file};
 use crate::diagnostic::catalogue::file::Unreadable;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::{Diagnostics, Fact, render, similar};
@@ -63,19 +63,19 @@ fn sha256(bytes: &[u8]) -> String {
 /// Compiles a file, with a level for worlds that leave their map open; shows what is wrong and gives nothing if it
 /// cannot be run.
 pub(super) fn load(path: &Path, level: LevelFile<'_>) -> io::Result<Option<Loaded>> {
-    load_barred(path, level, None)
+    load_constrained(path, level, None)
 }
 
 /// As [`load`], with a predicate that may never hold.
-pub(super) fn load_barred(
+pub(super) fn load_constrained(
     path: &Path,
     level: LevelFile<'_>,
-    barred: Option<ExtraConstraint<'_>>,
+    constraint: Option<ExtraConstraint<'_>>,
 ) -> io::Result<Option<Loaded>> {
     if path.extension().is_some_and(|extension| extension == "json") {
-        return load_compiled(path, level, barred);
+        return load_compiled(path, level, constraint);
     }
-    let Compilation { sources, program, diagnostics } = compile_barred(path, level, barred, &Disk);
+    let Compilation { sources, program, diagnostics } = compile_constrained(path, level, constraint, &Disk);
     match diagnostics.counts() {
         (0, 0) => {}
         // Whoever runs a program a thousand times knows them.
@@ -89,7 +89,11 @@ pub(super) fn load_barred(
 }
 
 /// Reads a program that `hypedc ir --format json` has written; shows what is wrong and gives nothing if it cannot be run.
-fn load_compiled(path: &Path, level: LevelFile<'_>, barred: Option<ExtraConstraint<'_>>) -> io::Result<Option<Loaded>> {
+fn load_compiled(
+    path: &Path,
+    level: LevelFile<'_>,
+    constraint: Option<ExtraConstraint<'_>>,
+) -> io::Result<Option<Loaded>> {
     let mut sources = SourceMap::new();
     sources.add(path, "");
     let only = |what: &str| {
@@ -100,7 +104,7 @@ fn load_compiled(path: &Path, level: LevelFile<'_>, barred: Option<ExtraConstrai
         show_fact(&sources, only("has all the maps that it will have"))?;
         return Ok(None);
     }
-    if barred.is_some() {
+    if constraint.is_some() {
         show_fact(&sources, only("a predicate is compiled with the text"))?;
         return Ok(None);
     }

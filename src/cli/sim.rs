@@ -17,33 +17,33 @@ use crate::sim::{
 use crate::source::Files;
 use crate::watch::{Meter, Watch};
 
-use super::Answer;
+use super::Exit;
 use super::args::{SimArgs, TraceFormatName};
 use super::disk::Disk;
 use super::replay;
 use super::report::{Loaded, choose_world, level_sha256, load, plain_error, program_sha256, show, show_fact};
 use super::watching::Interrupt;
 
-pub(super) fn run(args: &SimArgs) -> io::Result<Answer> {
+pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
     if let Some(trace) = &args.replay {
         return replay::run(trace, args);
     }
     // The arguments have a program where they have no trace to replay.
     let file = args.file.as_deref().unwrap_or(Path::new(""));
     let Some(mut loaded) = load(file, args.level.file())? else {
-        return Ok(Answer::Unasked);
+        return Ok(Exit::Unasked);
     };
     let Some(world) = choose_world(&loaded, file, args.world.as_deref())? else {
-        return Ok(Answer::Unasked);
+        return Ok(Exit::Unasked);
     };
     let Some(script) = script(args, &mut loaded, world)? else {
-        return Ok(Answer::Unasked);
+        return Ok(Exit::Unasked);
     };
     let expected = match Expected::new(&loaded.program.worlds[world], args) {
         Ok(expected) => expected,
         Err(fact) => {
             show_fact(&loaded.sources, fact)?;
-            return Ok(Answer::Unasked);
+            return Ok(Exit::Unasked);
         }
     };
     let sim = Simulator::new(&loaded.program, world);
@@ -57,7 +57,7 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Answer> {
                     Ok(file) => Box::new(file),
                     Err(error) => {
                         plain_error(&format!("cannot write `{}`: {error}", path.display()))?;
-                        return Ok(Answer::Unasked);
+                        return Ok(Exit::Unasked);
                     }
                 }
             };
@@ -87,14 +87,14 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Answer> {
         Ended::Done | Ended::LeftBounds | Ended::Enough => {}
         Ended::Fault(fault, step) => {
             show_fact(&loaded.sources, fault.fact(&loaded.program, world, step))?;
-            return Ok(Answer::No);
+            return Ok(Exit::No);
         }
         Ended::Stopped(step) => {
             plain_error(&format!("stopped after step {step} of {frames}"))?;
-            return Ok(Answer::No);
+            return Ok(Exit::No);
         }
     }
-    Ok(if report.violated() || !missed.is_empty() { Answer::No } else { Answer::Yes })
+    Ok(if report.violated() || !missed.is_empty() { Exit::No } else { Exit::Yes })
 }
 
 /// All that a run depends on.

@@ -5,7 +5,9 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use super::row::{Key, Row, Verdict};
+use crate::reach::Conclusion;
+
+use super::row::{Key, Row};
 
 /// Whether a change is for the better.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -26,9 +28,9 @@ pub struct Flip {
     #[serde(flatten)]
     pub key: Key,
     /// What it was.
-    pub from: Verdict,
+    pub from: Conclusion,
     /// What it is.
-    pub to: Verdict,
+    pub to: Conclusion,
     /// For the better?
     pub change: Change,
 }
@@ -52,14 +54,14 @@ pub struct Lone {
     #[serde(flatten)]
     pub key: Key,
     /// What it came to.
-    pub verdict: Verdict,
+    pub verdict: Conclusion,
     /// Whether that is as wished.
     pub is_expected: bool,
 }
 
 impl Lone {
     fn of(row: &Row) -> Lone {
-        Lone { key: row.key(), verdict: row.verdict, is_expected: row.is_expected }
+        Lone { key: row.key(), verdict: row.answer.verdict, is_expected: row.answer.is_expected }
     }
 }
 
@@ -88,22 +90,22 @@ impl Comparison {
         let mut old: BTreeMap<Key, &Row> = old.into_iter().map(|row| (row.key(), row)).collect();
         let mut found = Comparison::default();
         for row in new {
-            let key = row.key();
-            let Some(before) = old.remove(&key) else {
+            let (key, now) = (row.key(), &row.answer);
+            let Some(before) = old.remove(&key).map(|row| &row.answer) else {
                 found.added.push(Lone::of(row));
                 continue;
             };
-            if before.verdict == row.verdict {
+            if before.verdict == now.verdict {
                 found.unchanged += 1;
             } else {
-                let change = match (before.is_expected, row.is_expected) {
+                let change = match (before.is_expected, now.is_expected) {
                     (true, false) => Change::Worse,
                     (false, true) => Change::Better,
                     _ => Change::Other,
                 };
-                found.flips.push(Flip { key: key.clone(), from: before.verdict, to: row.verdict, change });
+                found.flips.push(Flip { key: key.clone(), from: before.verdict, to: now.verdict, change });
             }
-            if let (Some(from), Some(to)) = (before.steps, row.steps)
+            if let (Some(from), Some(to)) = (before.steps, now.steps)
                 && from.abs_diff(to) as f64 > tolerance * from as f64
             {
                 found.lengths.push(Lengthened { key, from, to });
@@ -152,37 +154,39 @@ impl Comparison {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::corpus::row::Kind;
     use crate::corpus::row::tests::row;
-    use crate::reach::Conclusion;
+    use crate::reach::query::{Answer, Kind};
 
-    fn with(level: &str, verdict: Verdict, steps: Option<u64>) -> Row {
-        Row { verdict, is_expected: verdict == Verdict::Of(Conclusion::Reached), steps, ..row(level) }
+    fn with(level: &str, verdict: Conclusion, steps: Option<u64>) -> Row {
+        let row = row(level);
+        let answer = Answer { verdict, is_expected: verdict == Conclusion::Reached, steps, ..row.answer };
+        Row { answer, ..row }
     }
 
     #[test]
     fn flips_have_a_direction() {
-        use Verdict::Error;
-        let [reached, not_found, proven_unreachable] =
-            [Conclusion::Reached, Conclusion::NotFound, Conclusion::ProvenUnreachable].map(Verdict::Of);
-        let old = [with("a", reached, Some(100)), with("b", not_found, None), with("c", not_found, None)];
-        let new = [with("a", not_found, None), with("b", reached, Some(9)), with("c", proven_unreachable, None)];
+        use Conclusion::{Error, NotFound, ProvenUnreachable, Reached, Violated};
+        let old = [with("a", Reached, Some(100)), with("b", NotFound, None), with("c", NotFound, None)];
+        let new = [with("a", NotFound, None), with("b", Reached, Some(9)), with("c", ProvenUnreachable, None)];
         let found = Comparison::of(&old, &new, 0.1);
         let changes: Vec<Change> = found.flips.iter().map(|f| f.change).collect();
         assert_eq!(changes, [Change::Worse, Change::Better, Change::Other]);
         assert!(found.is_worse() && found.unchanged == 0);
         assert!(!Comparison::of(&old[1..], &new[1..], 0.1).is_worse());
-        assert!(Comparison::of(&[with("a", reached, None)], &[with("a", Error, None)], 0.1).is_worse());
+        assert!(Comparison::of(&[with("a", Reached, None)], &[with("a", Error, None)], 0.1).is_worse());
         // A way to break a `never` is no good news.
-        let never =
-            |verdict: Verdict| Row { kind: Kind::Never, verdict, is_expected: verdict == not_found, ..row("a") };
-        let found = Comparison::of(&[never(not_found)], &[never(Verdict::Of(Conclusion::Violated))], 0.1);
+        let never = |verdict: Conclusion| {
+            let row = row("a");
+            let answer = Answer { kind: Kind::Never, verdict, is_expected: verdict == NotFound, ..row.answer };
+            Row { answer, ..row }
+        };
+        let found = Comparison::of(&[never(NotFound)], &[never(Violated)], 0.1);
         assert_eq!(found.flips[0].change, Change::Worse);
     }
 
     #[test]
     fn what_came_and_went_is_told() {
-        let (old, new) = ([row("a"), row("gone")], [row("a"), with("new", Verdict::Of(Conclusion::NotFound), None)]);
+        let (old, new) = ([row("a"), row("gone")], [row("a"), with("new", Conclusion::NotFound, None)]);
         let found = Comparison::of(&old, &new, 0.1);
         assert_eq!((found.unchanged, found.added.len(), found.vanished.len()), (1, 1, 1));
         assert!(found.is_worse(), "what is new and fails is worse than nothing");
@@ -195,7 +199,7 @@ mod tests {
 
     #[test]
     fn lengths_are_compared_by_share() {
-        let long = |steps| [with("a", Verdict::Of(Conclusion::Reached), Some(steps))];
+        let long = |steps| [with("a", Conclusion::Reached, Some(steps))];
         let told = |from, to| !Comparison::of(&long(from), &long(to), 0.1).lengths.is_empty();
         assert!(!told(100, 110) && told(100, 111) && !told(100, 90) && told(100, 89));
         assert!(told(0, 1) && !told(0, 0));

@@ -1,11 +1,12 @@
 //! Rows as CSV (RFC 4180), and as a table for people.
 
+use crate::reach::Conclusion;
 use crate::tabular::{Cell, Column, Table, csv};
 
-use super::row::{Row, Verdict};
+use super::row::Row;
 
 /// The columns of the CSV, one line a row; the fields are those of [`Row`], and what depends on the machine comes last.
-pub const CSV_HEADER: [&str; 48] = [
+pub const CSV_HEADER: [&str; 49] = [
     "row",
     "level",
     "kind",
@@ -19,7 +20,8 @@ pub const CSV_HEADER: [&str; 48] = [
     "places_with_modes",
     "place",
     "inputs",
-    "argument",
+    "proven_by",
+    "reasons",
     "error",
     "states",
     "least_steps",
@@ -33,8 +35,8 @@ pub const CSV_HEADER: [&str; 48] = [
     "exhausted_hold",
     "exhausted_states",
     "violations",
-    "stopped",
-    "out_of_memory",
+    "end",
+    "is_withdrawn",
     "inputs_left_out",
     "fault",
     "refuted",
@@ -63,39 +65,41 @@ pub fn csv_line(row: &Row) -> String {
         number.map_or(String::new(), |n| n.to_string())
     }
     let text = |text: &Option<String>| text.clone().unwrap_or_default();
-    let (c, s, t) = (&row.coverage, &row.settings, &row.timing);
-    let violations: Vec<&str> = row.violations.iter().map(|v| v.never.as_str()).collect();
+    let (a, c, s, t) = (&row.answer, &row.answer.coverage, &row.settings, &row.timing);
+    let violations: Vec<&str> = a.violations.iter().map(|v| v.never.as_str()).collect();
+    let proof = a.proven_by.map(|method| method.name().to_string());
     let cells: [String; CSV_HEADER.len()] = [
         row.row.to_string(),
         text(&row.level),
-        row.kind.name().to_string(),
-        row.goal.clone(),
-        row.verdict.name().to_string(),
-        row.is_expected.to_string(),
-        number(row.steps),
-        row.nodes.to_string(),
+        a.kind.name().to_string(),
+        a.goal.clone(),
+        a.verdict.name().to_string(),
+        a.is_expected.to_string(),
+        number(a.steps),
+        a.nodes.to_string(),
         c.places.to_string(),
         c.mode_combinations.to_string(),
         c.places_with_modes.to_string(),
         c.place.to_string(),
-        text(&row.inputs),
-        text(&row.argument),
+        text(&a.inputs),
+        proof.unwrap_or_default(),
+        a.reasons.join("; "),
         text(&row.error),
-        number(row.states),
-        number(row.least_steps),
-        number(row.is_shortest),
-        row.reads_between.to_string(),
-        text(&row.answered_by),
-        row.trees.to_string(),
-        row.extensions.to_string(),
-        row.failures.to_string(),
-        row.simulated_steps.to_string(),
-        number(row.exhausted.map(|e| e.hold)),
-        number(row.exhausted.map(|e| e.states)),
+        number(a.states),
+        number(a.least_steps),
+        number(a.is_shortest),
+        a.reads_between.to_string(),
+        text(&a.answered_by),
+        a.trees.to_string(),
+        a.extensions.to_string(),
+        a.failures.to_string(),
+        a.simulated_steps.to_string(),
+        number(a.exhausted.map(|e| e.hold)),
+        number(a.exhausted.map(|e| e.states)),
         violations.join(" "),
-        row.stopped.to_string(),
-        row.out_of_memory.to_string(),
-        row.inputs_left_out.to_string(),
+        a.end.name().to_string(),
+        a.is_withdrawn.to_string(),
+        a.inputs_left_out.to_string(),
         text(&row.fault),
         text(&row.refuted),
         row.file.clone(),
@@ -121,7 +125,7 @@ pub fn csv_line(row: &Row) -> String {
 /// The rows as a table: a line each, why it is not as wished at its end.
 pub fn table(rows: &[&Row]) -> String {
     let mut columns = vec![Column::left("", "level")];
-    let has_goals = rows.windows(2).any(|pair| (pair[0].kind, &pair[0].goal) != (pair[1].kind, &pair[1].goal));
+    let has_goals = rows.windows(2).any(|pair| pair[0].key().question() != pair[1].key().question());
     if has_goals {
         columns.push(Column::left("", "goal"));
     }
@@ -135,18 +139,19 @@ pub fn table(rows: &[&Row]) -> String {
     ]);
     let mut table = Table::new(columns);
     for row in rows {
+        let answer = &row.answer;
         let mut cells: Vec<Cell> = vec![row.key().level_name().into()];
         if has_goals {
-            cells.push(row.goal.as_str().into());
+            cells.push(answer.goal.as_str().into());
         }
-        let is_searched = row.nodes > 0;
+        let is_searched = answer.nodes > 0;
         let searched = |number: f64| is_searched.then_some(number);
         let whole = |number: f64| format!("{number:.0}");
         cells.extend([
-            row.verdict.words().into(),
-            Cell::of(row.steps.map(|n| n as f64), whole),
-            Cell::of(searched(row.nodes as f64), whole),
-            Cell::of(searched(row.coverage.places as f64), whole),
+            answer.verdict.words().into(),
+            Cell::of(answer.steps.map(|n| n as f64), whole),
+            Cell::of(searched(answer.nodes as f64), whole),
+            Cell::of(searched(answer.coverage.places as f64), whole),
             Cell::of(searched(row.timing.seconds), |s| format!("{s:.3}")),
             row.reason().into(),
         ]);
@@ -157,8 +162,8 @@ pub fn table(rows: &[&Row]) -> String {
 
 /// How many rows have which verdict, in one line without its end: `3 questions: 2 reached, 1 error`.
 pub fn summary(rows: &[&Row]) -> String {
-    let counts = Verdict::all().map(|verdict| (verdict, rows.iter().filter(|r| r.verdict == verdict).count()));
-    let parts = counts.filter(|(_, count)| *count > 0).map(|(v, count)| format!("{count} {}", v.words()));
+    let counts = Conclusion::ALL.map(|verdict| (verdict, rows.iter().filter(|r| r.answer.verdict == verdict).count()));
+    let parts = counts.into_iter().filter(|(_, count)| *count > 0).map(|(v, count)| format!("{count} {}", v.words()));
     let mut levels: Vec<&Option<String>> = rows.iter().map(|r| &r.level).collect();
     levels.dedup();
     let (questions, levels) = (counted(rows.len(), "question"), counted(levels.len(), "level"));
@@ -179,32 +184,29 @@ fn counted(count: usize, what: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use crate::reach::Conclusion;
-
     use super::*;
     use crate::corpus::row::tests::row;
-    use crate::corpus::row::{Broken, Exhausted};
+    use crate::reach::query::{Answer, Counterexample, ExhaustedHold, Kind};
 
     fn rows() -> Vec<Row> {
-        let missed = Row {
-            verdict: Verdict::Of(Conclusion::NotFound),
+        let mut missed = row("levels/long name.txt");
+        missed.answer = Answer {
+            verdict: Conclusion::NotFound,
             is_expected: false,
             steps: None,
             inputs: None,
             nodes: 200_000,
-            exhausted: Some(Exhausted { hold: 10, states: 40 }),
-            ..row("levels/long name.txt")
+            exhausted: Some(ExhaustedHold { hold: 10, states: 40 }),
+            ..missed.answer
         };
         let failed = Row {
-            verdict: Verdict::Error,
-            is_expected: false,
+            answer: Answer::unasked(Kind::Goal, "out".into()),
             error: Some("levels/b.txt:2:1: error[E0501]: a row has 2 tiles, others have 3\nmore".into()),
-            steps: None,
-            nodes: 0,
             ..row("levels/b.txt")
         };
-        let broken = Broken { never: "fell".into(), steps: 3, inputs: "-*3".into() };
-        vec![Row { violations: vec![broken], ..row("levels/a, or so.txt") }, missed, failed]
+        let mut broken = row("levels/a, or so.txt");
+        broken.answer.violations = vec![Counterexample { never: "fell".into(), steps: 3, inputs: "-*3".into() }];
+        vec![broken, missed, failed]
     }
 
     #[test]
@@ -214,7 +216,7 @@ mod tests {
             assert_eq!(cells.len(), CSV_HEADER.len());
             let cell = |name: &str| &cells[CSV_HEADER.iter().position(|c| *c == name).unwrap()];
             assert_eq!(*cell("level"), row.level.clone().unwrap());
-            assert_eq!(cell("verdict"), row.verdict.name());
+            assert_eq!(cell("verdict"), row.answer.verdict.name());
             assert_eq!(*cell("error"), row.error.clone().unwrap_or_default());
             assert_eq!(cell("analysis_seconds"), "0.500000");
             assert_eq!(serde_json::from_str::<crate::corpus::Settings>(cell("settings")).unwrap(), row.settings);
@@ -233,7 +235,8 @@ levels/b.txt          error          -       -       -        -  levels/b.txt:2:
 ";
         assert_eq!(table(&rows), expected);
         assert_eq!(summary(&rows), "3 levels: 1 reached, 1 not found, 1 error");
-        let other = Row { goal: "key".into(), ..rows[2].clone() };
+        let mut other = rows[2].clone();
+        other.answer.goal = "key".into();
         let rows = [rows[0], rows[1], rows[2], &other];
         assert_eq!(summary(&rows), "4 questions about 3 levels: 1 reached, 1 not found, 2 error");
         assert!(table(&rows).starts_with("level                 goal  verdict"));

@@ -7,7 +7,9 @@ use std::path::Path;
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesText, Event};
 
-use super::row::{Row, Verdict};
+use crate::reach::Conclusion;
+
+use super::row::Row;
 
 /// The report, as XML that the schema `junit-10.xsd` of Jenkins' xUnit plugin admits.
 ///
@@ -31,8 +33,8 @@ pub fn junit(rows: &[&Row]) -> io::Result<String> {
 
 /// What a report and a suite say of their cases.
 fn counts(rows: &[&Row]) -> [(&'static str, String); 4] {
-    let errors = rows.iter().filter(|r| r.verdict == Verdict::Error).count();
-    let failures = rows.iter().filter(|r| !r.is_expected).count() - errors;
+    let errors = rows.iter().filter(|r| r.answer.verdict == Conclusion::Error).count();
+    let failures = rows.iter().filter(|r| !r.answer.is_expected).count() - errors;
     [
         ("tests", rows.len().to_string()),
         ("failures", failures.to_string()),
@@ -85,28 +87,28 @@ fn properties(out: &mut Writer<Vec<u8>>, row: &Row) -> io::Result<()> {
 }
 
 fn case(out: &mut Writer<Vec<u8>>, row: &Row) -> io::Result<()> {
-    let name = printable(&format!("{}, {} {}", row.key().level_name(), row.kind.name(), row.goal));
+    let name = printable(&format!("{}, {} {}", row.key().level_name(), row.answer.kind.name(), row.answer.goal));
     let stem = Path::new(&row.file).file_stem().unwrap_or_default().to_string_lossy();
     // Whoever reads it takes what stands before the last dot for a folder.
     let class = printable(&format!("{}.{}", stem.replace('.', "_"), row.world));
     let time = seconds(row.timing.seconds);
     let case = out.create_element("testcase").with_attributes([("name", name.as_str()), ("classname", &class)]);
     let case = case.with_attribute(("time", time.as_str()));
-    let output = row.inputs.as_ref().map(|inputs| printable(inputs));
-    if row.is_expected && output.is_none() {
+    let output = row.answer.inputs.as_ref().map(|inputs| printable(inputs));
+    if row.answer.is_expected && output.is_none() {
         case.write_empty()?;
         return Ok(());
     }
     case.write_inner_content(|out| {
-        if !row.is_expected {
-            let what = if row.verdict == Verdict::Error { "error" } else { "failure" };
+        if !row.answer.is_expected {
+            let what = if row.answer.verdict == Conclusion::Error { "error" } else { "failure" };
             let message = match row.reason() {
-                reason if reason.is_empty() => row.verdict.words().to_string(),
-                reason => format!("{}: {reason}", row.verdict.words()),
+                reason if reason.is_empty() => row.answer.verdict.words().to_string(),
+                reason => format!("{}: {reason}", row.answer.verdict.words()),
             };
             let element = out.create_element(what).with_attribute(("message", printable(&message).as_str()));
-            let element = element.with_attribute(("type", row.verdict.name()));
-            let more = row.error.as_ref().or(row.argument.as_ref()).map_or(String::new(), |text| printable(text));
+            let element = element.with_attribute(("type", row.answer.verdict.name()));
+            let more = row.error.as_ref().map_or_else(|| printable(&row.answer.reasons.join("; ")), |e| printable(e));
             element.write_text_content(BytesText::new(&more))?;
         }
         if let Some(inputs) = &output {
@@ -132,11 +134,13 @@ fn printable(text: &str) -> String {
 mod tests {
     use super::*;
     use crate::corpus::row::tests::row;
+    use crate::reach::query::{Answer, Kind};
 
     #[test]
     fn odd_names_are_text_all_the_same() {
         let odd = "levels/<a> & \"b\"\u{1}.txt";
-        let bad = Row { verdict: Verdict::Error, is_expected: false, error: Some("]]> & <x>\u{0}".into()), ..row(odd) };
+        let unasked = Answer::unasked(Kind::Goal, "out".into());
+        let bad = Row { answer: unasked, error: Some("]]> & <x>\u{0}".into()), ..row(odd) };
         let text = junit(&[&bad]).unwrap();
         let read = roxmltree::Document::parse(&text).unwrap();
         let suite = read.descendants().find(|n| n.has_tag_name("testsuite")).unwrap();

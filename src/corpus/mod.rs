@@ -12,4 +12,4 @@ pub use baseline::{Change, Comparison, Flip, Lengthened, Lone};
 pub use formats::{CSV_HEADER, csv_line, summary, table};
 pub use junit::junit;
 pub use record::{BadRecord, Kept, Record};
-pub use row::{Broken, Coverage, Exhausted, Key, Kind, ROW_VERSION, Row, Settings, Timing, Verdict};
+pub use row::{Key, ROW_VERSION, Row, Settings, Timing};

@@ -174,10 +174,11 @@ mod tests {
 
     #[test]
     fn of_several_rows_the_last_counts() {
-        let later = Row { nodes: 777, ..a_row("a") };
+        let mut later = a_row("a");
+        later.answer.nodes = 777;
         let all = text(&["a", "b"]) + &Kept::new(later).unwrap().line + "\n";
         let record = Record::read(all.as_bytes()).unwrap();
-        assert_eq!(record.same(&a_row("a")).unwrap().row.nodes, 777);
+        assert_eq!(record.same(&a_row("a")).unwrap().row.answer.nodes, 777);
         assert_eq!(record.rows.len(), 2);
     }
 }

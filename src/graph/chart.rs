@@ -172,7 +172,7 @@ impl Reader<'_> {
         let entity = self.entity;
         let updates = actions.updates.iter().map(|update| {
             let place = match update.place {
-                Place::Var(var, degree) => format!("{}{}", entity.vars[var], "'".repeat(usize::from(degree))),
+                Place::Var(var, degree) => entity.variable_text(var, degree),
                 Place::Discrete(discrete) => entity.discretes[discrete].name.clone(),
                 Place::Ref(reference) => entity.refs[reference].name.clone(),
             };

@@ -40,6 +40,11 @@ impl World {
 }
 
 impl Entity {
+    /// A continuous variable or one of its derivatives as authors write it: `x`, `x'`, `x''`.
+    pub fn variable_text(&self, var: VarId, degree: u8) -> String {
+        format!("{}{}", self.vars[var], "'".repeat(usize::from(degree)))
+    }
+
     /// The continuous variable with a name.
     pub fn var_named(&self, name: &str) -> Option<VarId> {
         self.vars.find(|var| var == name)

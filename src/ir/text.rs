@@ -219,7 +219,7 @@ impl EntityText<'_> {
     }
 
     fn var(&self, var: super::VarId, degree: u8) -> String {
-        format!("{}{}", self.e.vars[var], "'".repeat(usize::from(degree)))
+        self.e.variable_text(var, degree)
     }
 
     fn actions(&self, actions: &Actions) -> String {
@@ -383,7 +383,7 @@ fn world_expression(p: &Program, w: &World, id: ExprId) -> String {
 /// What an update writes.
 fn place(e: &Entity, place: Place) -> String {
     match place {
-        Place::Var(var, degree) => format!("{}{}", e.vars[var], "'".repeat(usize::from(degree))),
+        Place::Var(var, degree) => e.variable_text(var, degree),
         Place::Discrete(id) => e.discretes[id].name.clone(),
         Place::Ref(id) => e.refs[id].name.clone(),
     }

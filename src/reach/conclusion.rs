@@ -7,6 +7,7 @@ use super::problem::Target;
 
 /// What came of a question.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Conclusion {
     /// There is a way to the goal.
@@ -21,17 +22,20 @@ pub enum Conclusion {
     Exhausted,
     /// There is no way.
     ProvenUnreachable,
+    /// The question could not be asked.
+    Error,
 }
 
 impl Conclusion {
     /// All of them, best first where a goal is asked for.
-    pub const ALL: [Conclusion; 6] = [
+    pub const ALL: [Conclusion; 7] = [
         Conclusion::Reached,
         Conclusion::Violated,
         Conclusion::NotFound,
         Conclusion::NotAnswered,
         Conclusion::Exhausted,
         Conclusion::ProvenUnreachable,
+        Conclusion::Error,
     ];
 
     /// Its name in results: JSON, CSV, JUnit.
@@ -43,6 +47,7 @@ impl Conclusion {
             Conclusion::NotAnswered => "not-answered",
             Conclusion::Exhausted => "exhausted",
             Conclusion::ProvenUnreachable => "proven-unreachable",
+            Conclusion::Error => "error",
         }
     }
 
@@ -52,7 +57,7 @@ impl Conclusion {
             Conclusion::NotFound => "not found",
             Conclusion::NotAnswered => "not answered",
             Conclusion::ProvenUnreachable => "proven unreachable",
-            Conclusion::Reached | Conclusion::Violated | Conclusion::Exhausted => self.name(),
+            Conclusion::Reached | Conclusion::Violated | Conclusion::Exhausted | Conclusion::Error => self.name(),
         }
     }
 

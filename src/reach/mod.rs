@@ -9,7 +9,7 @@
 //! Then searchers grow trees of states ([`search`]). Those that sample share one loop (`sampler.rs`), to which a planner
 //! adds a strategy (`planners/`); `exhaustive.rs` visits each state once and can prove a "no"; `portfolio.rs` lets several
 //! take turns. A found path is replayed in the simulator before it is reported, and can be made faster (`improve_duration.rs`) and simpler
-//! (`shorten.rs`); what is found for one question can answer another one (`exchange.rs`).
+//! (`shorten.rs`); what is found for one question can answer another one (`exchange.rs`). [`query`] does all of this in a row.
 //!
 //! Every state that is made on the way is held against what the analysis says (`guard.rs`). One that lies outside shows that
 //! the analysis is wrong about this world: no proof that rests on it is given then.
@@ -31,6 +31,7 @@ mod planners;
 mod portfolio;
 mod problem;
 mod proof;
+pub mod query;
 mod region;
 mod sampler;
 mod seam;

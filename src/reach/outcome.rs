@@ -1,5 +1,7 @@
 //! How a search ends, and what it took.
 
+use serde::{Deserialize, Serialize};
+
 use crate::ir::{Bounds, NeverId, SpaceId};
 use crate::sim::{Fault, Script};
 
@@ -98,15 +100,17 @@ pub struct Visited {
 }
 
 /// Why a search came to an end.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
 pub enum End {
-    /// It has its answer.
+    /// It has its answer, or its planner has nothing more to try.
     Answered,
     /// The nodes of its budget are grown.
     Nodes,
     /// Its memory is full.
     Memory,
-    /// The watch stopped it.
+    /// A limit of seconds or the user stopped it.
     Stopped,
 }
 
@@ -155,6 +159,18 @@ pub struct Outcome {
     pub refuted: Option<Refutation>,
     /// Whether there was a proof, which rests on what is refuted: then there is no answer.
     pub is_withdrawn: bool,
+}
+
+impl End {
+    /// Its name in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            End::Answered => "answered",
+            End::Nodes => "nodes",
+            End::Memory => "memory",
+            End::Stopped => "stopped",
+        }
+    }
 }
 
 impl Argument {

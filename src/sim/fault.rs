@@ -44,7 +44,7 @@ impl Fault {
             }
             FaultKind::Diverged(var, degree) => (
                 program.spans.entities[slot.entity].vars[var],
-                format!("`{}{}` left the finite numbers", entity.vars[var], "'".repeat(usize::from(degree))),
+                format!("`{}` left the finite numbers", entity.variable_text(var, degree)),
                 Vec::new(),
             ),
             FaultKind::ReadNone(expr) => {

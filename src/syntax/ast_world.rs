@@ -48,7 +48,7 @@ impl File {
     }
 
     /// Adds a `never` to a world of this file, or to all of them.
-    pub(crate) fn bar(&mut self, never: &Question, world: Option<&str>) {
+    pub(crate) fn add_never(&mut self, never: &Question, world: Option<&str>) {
         for item in &mut self.items {
             if let Item::World(known) = item
                 && world.is_none_or(|name| &*known.name.text == name)

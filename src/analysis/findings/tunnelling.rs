@@ -15,7 +15,6 @@ use crate::source::Span;
 use super::super::configuration::Configuration;
 use super::super::values::{Interval, Values};
 use super::super::{ConfigurationSpace, configuration_space};
-use super::words;
 
 /// Lengths that differ by less are the same, px.
 const ROUNDING: f64 = 1e-6;
@@ -177,7 +176,7 @@ impl<'a> Course<'a> {
         let moving = at.leaves.iter().find(|l| e.leaves[**l].drives.iter().any(drives));
         Tunnels {
             at: body.unwrap_or(spans.name),
-            velocity: words::derivative(e, var, 1),
+            velocity: e.variable_text(var, 1),
             speed,
             mode: moving.map(|l| spans.modes[e.leaves[*l].mode]),
             step: self.world.step.seconds(),

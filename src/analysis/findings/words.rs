@@ -6,20 +6,9 @@ use crate::ir::{DiscreteId, Domain, Entity, LeafId, ParamId, TimerId, VarId};
 
 use super::super::configuration::Configuration;
 use super::super::values::{Interval, Values};
+use super::super::wording::number;
 use super::account::Occurrence;
 use super::judge::Reads;
-
-/// A number with at most three digits after the point.
-pub(super) fn number(x: f64) -> String {
-    let text = format!("{x:.3}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".to_string() } else { text.to_string() }
-}
-
-/// A variable or one of its derivatives: `y'`.
-pub(super) fn derivative(entity: &Entity, var: VarId, degree: u8) -> String {
-    format!("{}{}", entity.vars[var], "'".repeat(usize::from(degree)))
-}
 
 /// `is 3 px/s`, `is from -240 to 0 px/s`, `is at most 0 or from 3 to 5`.
 pub(super) fn values(values: &Values, unit: &str) -> String {
@@ -143,7 +132,7 @@ pub(super) fn read(entity: &Entity, reads: &Reads, at: &[Case<'_>]) -> Vec<Strin
     let mut out = Vec::new();
     for &(var, degree) in &reads.vars {
         let found = values(&all(Part::Var(var, degree)), unit(entity, var, degree));
-        out.push(format!("`{}` {found}", derivative(entity, var, degree)));
+        out.push(format!("`{}` {found}", entity.variable_text(var, degree)));
     }
     for &id in &reads.discretes {
         let found = all(Part::Discrete(id));

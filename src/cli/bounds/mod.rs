@@ -10,14 +10,14 @@ use serde_json::{Value, json};
 
 use crate::analysis::{Configuration, ConfigurationSpace, Interval, SlotSpace, Values, configuration_space};
 use crate::ir::{Bounds, Entity, Id, Program, SlotId, World, WorldId};
+use crate::reach::query::{is_bounded, proof_reasons};
 use crate::reach::{Conclusion, Problem, Proof};
 use crate::sim::Simulator;
 use crate::watch::Unwatched;
 
-use crate::cli::Answer;
+use crate::cli::Exit;
 use crate::cli::args::{BoundsArgs, ResultFormat};
 use crate::cli::report::{Loaded, choose_world, load};
-use crate::cli::values::{is_bounded, reasons};
 use table::write_table;
 
 /// The version of the JSON result.
@@ -96,9 +96,9 @@ impl<'a> Asked<'a> {
     }
 }
 
-pub(in crate::cli) fn run(args: &BoundsArgs) -> io::Result<Answer> {
-    let Some(loaded) = load(&args.file, args.level.file())? else { return Ok(Answer::Unasked) };
-    let Some(id) = choose_world(&loaded, &args.file, args.world.as_deref())? else { return Ok(Answer::Unasked) };
+pub(in crate::cli) fn run(args: &BoundsArgs) -> io::Result<Exit> {
+    let Some(loaded) = load(&args.file, args.level.file())? else { return Ok(Exit::Unasked) };
+    let Some(id) = choose_world(&loaded, &args.file, args.world.as_deref())? else { return Ok(Exit::Unasked) };
     let space = configuration_space(&loaded.program, id);
     let is_open = |goal| space.can_hold(&loaded.program, id, goal);
     let space = match loaded.program.worlds[id].goals.ids().any(is_open) {
@@ -121,7 +121,7 @@ pub(in crate::cli) fn run(args: &BoundsArgs) -> io::Result<Answer> {
         });
         serde_json::to_writer_pretty(&mut out, &result)?;
         writeln!(out)?;
-        return Ok(Answer::Yes);
+        return Ok(Exit::Yes);
     }
     writeln!(out, "{}, world {}", args.file.display(), asked.world.name)?;
     write_table(&mut out, &asked)?;
@@ -142,7 +142,7 @@ pub(in crate::cli) fn run(args: &BoundsArgs) -> io::Result<Answer> {
     if proven && is_bounded(asked.world) {
         writeln!(out, "a run ends where a player leaves the bounds of its space, below or beside")?;
     }
-    Ok(Answer::Yes)
+    Ok(Exit::Yes)
 }
 
 /// Where runs of a world end, for each player and each space that it can be in.
@@ -201,7 +201,7 @@ fn goals(loaded: &Loaded, id: WorldId, space: &ConfigurationSpace) -> Vec<(Strin
     let sim = Simulator::new(&loaded.program, id);
     let why = |goal| {
         let proof = Proof::of(&Problem::new(&sim, goal), space)?;
-        Some(reasons(&loaded.sources, &loaded.program, sim.world(), &proof))
+        Some(proof_reasons(&loaded.sources, &loaded.program, sim.world(), &proof))
     };
     sim.world().goals.pairs().map(|(goal, g)| (g.name.clone(), why(goal))).collect()
 }

@@ -7,8 +7,8 @@ use std::io::{self, Write};
 use crate::analysis::{Configuration, Interval, SlotSpace, Values};
 use crate::ir::{DiscreteId, Domain, Entity, GroupId, Id, LeafId, SlotId, TimerId, VarId, World};
 
+use crate::analysis::wording::{number, values as shown};
 use crate::cli::bounds::{Asked, Dimensions, dimensions};
-use crate::cli::values::{number, shown, variable};
 
 /// The widest a line gets, where it can be broken.
 const WIDTH: usize = 110;
@@ -176,7 +176,7 @@ impl Slot<'_> {
 
     fn name(&self, column: Column) -> String {
         match column {
-            Column::Var(var, degree) => variable(self.entity, var, degree),
+            Column::Var(var, degree) => self.entity.variable_text(var, degree),
             Column::Discrete(id) => self.entity.discretes[id].name.clone(),
             Column::Timer(id) => {
                 let path = &self.entity.modes[self.entity.timers[id].mode].path;

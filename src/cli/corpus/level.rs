@@ -1,22 +1,23 @@
 //! One level of many: compiled with the program, asked all questions, made into rows.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use cpu_time::ThreadTime;
 
-use crate::compile::{Compilation, compile_barred};
-use crate::corpus::{Broken, Coverage, Exhausted, Kept, Key, Kind, Record, Row, Settings, Timing, Verdict};
+use crate::compile::{Compilation, compile_constrained};
+use crate::corpus::{Kept, Key, Record, Row, Settings, Timing};
 use crate::diagnostic::{Severity, render};
 use crate::parallel::TaskContext;
-use crate::reach;
+use crate::reach::query::{Found, Kind, Session};
 use crate::watch::Watch;
 
 use crate::cli::args::ReachArgs;
 use crate::cli::disk::Disk;
-use crate::cli::reach::refuted::command_line;
-use crate::cli::reach::result::{Answered, restart_text};
-use crate::cli::reach::session::{Asked, Prepared, ReachSession, Refusal, barred, named, nodes_limit};
+use crate::cli::reach::files::Destination;
+use crate::cli::reach::question::{extra_constraint, query, refusal};
+use crate::cli::reach::refuted::{Occasion, Refuted, command_line};
+use crate::cli::refusal::Refusal;
 use crate::cli::report::{Loaded, find_world, level_sha256, program_sha256};
 
 /// A level of many; none for a program that has its maps in it.
@@ -48,30 +49,6 @@ pub(in crate::cli) enum Done {
     Broken(String),
 }
 
-/// How a search is done, as rows have it.
-pub(in crate::cli) fn row_settings(args: &ReachArgs, settings: &reach::Settings) -> Settings {
-    Settings {
-        hypedc: env!("CARGO_PKG_VERSION").to_string(),
-        seed: settings.seed,
-        planner: settings.planner.name().to_string(),
-        bounds: settings.sampling.name().to_string(),
-        metric: settings.measure.name().to_string(),
-        hold: settings.hold,
-        restart: restart_text(settings.restart),
-        trees: settings.trees,
-        legend: args.reading.legend.as_ref().map(|path| path.display().to_string()),
-        tile: args.reading.tile,
-        without: args.without.clone(),
-        within: args.within.map(|time| time.to_string()),
-        after: args.after.clone(),
-        min_hold: args.min_hold.map(|time| time.to_string()),
-        minimize: args.minimize,
-        nodes_limit: args.nodes.or(args.seconds.is_none().then(|| nodes_limit(args))),
-        seconds_limit: args.seconds,
-        memory_limit: args.memory << 20,
-    }
-}
-
 impl Common<'_> {
     /// Does a level; hands in something for each question, or less if all is to end.
     pub fn level(&self, level: &Level, desk: &TaskContext<'_, Done>) {
@@ -81,7 +58,7 @@ impl Common<'_> {
             let (kind, goal) = self.targets[target].clone();
             let key = Key { level: path.map(|p| p.display().to_string()), kind, goal };
             let file = self.args.file.display().to_string();
-            let row = Row::of_error(key, file, self.world.clone(), self.settings.clone(), error);
+            let row = Row::unasked(key, file, self.world.clone(), self.settings.clone(), error);
             Row { level_sha256: level_sha256.clone(), ..row }
         };
         let failed = |error: &str| {
@@ -90,7 +67,7 @@ impl Common<'_> {
             }
         };
         let Compilation { sources, program, diagnostics } =
-            compile_barred(&self.args.file, self.args.reading.of(path), barred(self.args), &Disk);
+            compile_constrained(&self.args.file, self.args.reading.of(path), extra_constraint(self.args), &Disk);
         let Some(program) = program else {
             let errors = diagnostics.iter().filter(|d| d.severity == Severity::Error);
             return failed(render::short(&sources, errors).trim_end());
@@ -98,19 +75,19 @@ impl Common<'_> {
         let program_sha256 = program_sha256(&program);
         let mut loaded = Loaded { sources, program };
         let world = find_world(&loaded.program, &self.args.file, self.args.world.as_deref()).map_err(Refusal::of);
-        let prepared = world.and_then(|world| Ok((world, Prepared::new(self.args, &mut loaded, world)?)));
-        let (world, mut prepared) = match prepared {
-            Ok(prepared) => prepared,
+        let asked = world.and_then(|world| Ok((world, query(self.args, &mut loaded, world)?)));
+        let (world, mut query) = match asked {
+            Ok(asked) => asked,
             Err(refusal) => return failed(&refusal.text(&loaded.sources)),
         };
         // The threads are for the levels.
-        prepared.settings.threads = 1;
+        query.settings.threads = 1;
         let blank =
             |target: usize| Row { program_sha256: Some(program_sha256.clone()), ..blank(target, String::new()) };
         let kept = |target: usize| self.record.same(&blank(target)).filter(|kept| self.has_files(level, &kept.row));
         // A search for another goal may refute what a proof of an earlier run rests on.
         let is_searched = (0..self.targets.len()).any(|target| kept(target).is_none());
-        let rests_on_analysis = |kept: &Kept| kept.row.answered_by.as_deref() == Some("analysis");
+        let rests_on_analysis = |kept: &Kept| kept.row.answer.answered_by.as_deref() == Some("analysis");
         let mut open = Vec::new();
         for target in 0..self.targets.len() {
             match kept(target).filter(|kept| !(is_searched && rests_on_analysis(kept))) {
@@ -121,51 +98,57 @@ impl Common<'_> {
         if open.is_empty() {
             return;
         }
-        let asking = ReachSession::new(self.args, &loaded, prepared, &LevelWatch::new(desk, self.args.seconds));
-        // What refutes the analysis may come to light in the search for another goal of the level.
+        let watch = LevelWatch::new(desk, self.args.seconds);
+        let started = Instant::now();
+        let session = Session::new(&loaded.program, world, query, &watch);
+        let analysis_seconds = started.elapsed().as_secs_f64();
+        let answered = |target: usize, mut found: Found<'_>, timing: Timing| {
+            let answer = session.answer(&mut found, &loaded.sources);
+            let destination = self.destination(level, &answer.goal);
+            let watch = LevelWatch::new(desk, None);
+            destination.save(&session, &found, &answer, &watch).map_err(|refusal| refusal.text(&loaded.sources))?;
+            let fault = found.outcome.fault.map(|(fault, step)| fault.fact(&loaded.program, world, step));
+            let fault = fault.map(|fact| Refusal::of(fact).text(&loaded.sources));
+            Ok::<Row, String>(Row { answer, error: None, fault, timing, ..blank(target) })
+        };
+        // A proof waits: the search for another goal of the level can refute the analysis that it rests on.
         let mut waiting = Vec::new();
-        let timing = |seconds: f64, cpu_seconds: Option<f64>| Timing {
-            seconds,
-            cpu_seconds,
-            analysis_seconds: asking.analysis_seconds,
-        };
-        let finished = |target: usize, mut asked: Asked, cpu: Option<f64>| {
-            asking.save(&mut asked, level.name.as_deref()).map_err(|refusal| refusal.text(&loaded.sources))?;
-            let fault = asked
-                .outcome
-                .fault
-                .map(|(fault, step)| Refusal::of(fault.fact(&loaded.program, world, step)).text(&loaded.sources));
-            let timing = timing(asked.answered.seconds, cpu);
-            Ok::<Row, String>(Row { fault, timing, ..row(blank(target), asked) })
-        };
         for target in open {
             if desk.is_over() {
                 return;
             }
             let watch = LevelWatch::new(desk, self.args.seconds);
-            let began = cpu_seconds();
-            let found = asking.find_alone(asking.targets()[target], &watch);
-            let cpu = began.zip(cpu_seconds()).map(|(from, to)| to - from);
+            let (started, cpu_started) = (Instant::now(), cpu_seconds());
+            let found = session.find(session.query().targets[target], &watch);
+            let cpu_seconds = cpu_started.zip(cpu_seconds()).map(|(from, to)| to - from);
+            let timing = Timing { seconds: started.elapsed().as_secs_f64(), cpu_seconds, analysis_seconds };
             if desk.is_over() {
                 // It may have been cut short.
                 return;
             }
             let row = match found {
-                Ok(found) if found.outcome.rests_on_analysis() || asking.refutation().is_some() => {
-                    waiting.push((target, found, cpu));
+                Ok(found) if found.outcome.rests_on_analysis() || session.refutation().is_some() => {
+                    waiting.push((target, found, timing));
                     continue;
                 }
-                Ok(found) => match finished(target, asking.answer(found), cpu) {
+                Ok(found) => match answered(target, found, timing) {
                     Ok(row) => row,
                     Err(why) => return desk.hand_in(Done::Broken(why)),
                 },
-                Err(refusal) => Row { error: Some(refusal.text(&loaded.sources)), ..blank(target) },
+                Err(unasked) => {
+                    let error = refusal(self.args, &loaded, world, &unasked).text(&loaded.sources);
+                    Row { error: Some(error), ..blank(target) }
+                }
             };
             desk.hand_in(Done::New(target, Box::new(row)));
         }
-        let refuted = asking.refuted(path, command_line()).map(|refuted| refuted.line());
-        for (target, found, cpu) in waiting {
-            match finished(target, asking.answer(found), cpu) {
+        let refuted = session.refutation().map(|refutation| {
+            let occasion =
+                Occasion { file: &self.args.file, level: path, seed: self.args.seed, command: command_line() };
+            Refuted::kept(&loaded.program, world, &refutation, &occasion).line()
+        });
+        for (target, found, timing) in waiting {
+            match answered(target, found, timing) {
                 Ok(row) => desk.hand_in(Done::New(target, Box::new(Row { refuted: refuted.clone(), ..row }))),
                 Err(why) => return desk.hand_in(Done::Broken(why)),
             }
@@ -174,51 +157,11 @@ impl Common<'_> {
 
     /// Whether the files that are asked for are there.
     fn has_files(&self, level: &Level, row: &Row) -> bool {
-        let goal = (self.targets.len() > 1).then_some(row.goal.as_str());
-        let is_there = |path: &Path| named(path, level.name.as_deref().into_iter().chain(goal)).exists();
-        let inputs = self.args.save_inputs.as_ref().filter(|_| row.inputs.is_some());
-        inputs.into_iter().chain(&self.args.svg).all(|path| is_there(path))
+        self.destination(level, &row.answer.goal).is_complete(row.answer.inputs.is_some())
     }
-}
 
-/// The row of an answer.
-fn row(blank: Row, asked: Asked) -> Row {
-    let Answered { coverage: c, .. } = &asked.answered;
-    let coverage = Coverage {
-        place: c.place,
-        places: c.places,
-        mode_combinations: c.mode_combinations,
-        places_with_modes: c.places_with_modes,
-    };
-    let a = asked.answered;
-    Row {
-        verdict: Verdict::Of(a.verdict),
-        is_expected: a.is_expected,
-        error: None,
-        argument: a.argument,
-        steps: a.steps,
-        is_shortest: a.is_shortest,
-        states: a.states,
-        least_steps: a.least_steps,
-        reads_between: a.reads_between,
-        inputs: a.inputs,
-        answered_by: Some(a.planner.to_string()),
-        nodes: a.nodes,
-        trees: a.trees,
-        extensions: a.extensions,
-        failures: a.failures,
-        simulated_steps: a.simulated_steps,
-        coverage,
-        exhausted: a.exhausted.map(|(hold, states)| Exhausted { hold, states }),
-        violations: a
-            .violations
-            .into_iter()
-            .map(|v| Broken { never: v.never, steps: v.steps, inputs: v.inputs })
-            .collect(),
-        stopped: a.stopped,
-        out_of_memory: a.out_of_memory,
-        inputs_left_out: a.inputs_left_out,
-        ..blank
+    fn destination<'d>(&'d self, level: &'d Level, goal: &'d str) -> Destination<'d> {
+        Destination::new(self.args, level.name.as_deref(), goal, self.targets.len())
     }
 }
 

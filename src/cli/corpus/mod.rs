@@ -16,24 +16,24 @@ use std::time::Instant;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 
-use crate::corpus::{Comparison, Kept, Key, Kind, Record, Row, junit, summary, table};
+use crate::corpus::{Comparison, Kept, Key, Record, Row, junit, summary, table};
 use crate::diagnostic::catalogue::file::Unreadable;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::parallel::{self, TaskContext};
-use crate::reach::Target;
 use crate::source::SourceMap;
 
-use crate::cli::Answer;
+use crate::cli::Exit;
 use crate::cli::args::{ReachArgs, ResultFormat};
 use crate::cli::disk::{open, rows};
-use crate::cli::reach::session::{Prepared, Refusal, barred, target_name};
-use crate::cli::report::{find_world, has_maps, load_barred, plain_error};
+use crate::cli::reach::question::{extra_constraint, query, recorded_settings};
+use crate::cli::refusal::Refusal;
+use crate::cli::report::{find_world, has_maps, load_constrained, plain_error};
 use crate::cli::watching::interrupted;
 use files::{CsvFile, RecordFile};
-use level::{Common, Done, Level, row_settings};
+use level::{Common, Done, Level};
 
 /// The version of the JSON result.
-const RESULT_VERSION: u32 = 2;
+const RESULT_VERSION: u32 = 3;
 
 /// What the file names of levels end with, where a folder is given.
 const EXTENSIONS: [&str; 3] = ["txt", "tmx", "tmj"];
@@ -46,45 +46,42 @@ pub(in crate::cli) fn is_asked(args: &ReachArgs) -> bool {
 }
 
 /// Asks the questions of each level.
-pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Answer> {
+pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Exit> {
     // What is asked wrongly is wrong for all levels, and told before any of them.
-    let Some(mut loaded) = load_barred(&args.file, args.reading.of(None), barred(args))? else {
-        return Ok(Answer::Unasked);
+    let Some(mut loaded) = load_constrained(&args.file, args.reading.of(None), extra_constraint(args))? else {
+        return Ok(Exit::Unasked);
     };
-    let prepared = find_world(&loaded.program, &args.file, args.world.as_deref()).map_err(Refusal::of);
-    let prepared = prepared.and_then(|world| {
-        let prepared = Prepared::new(args, &mut loaded, world)?;
-        Ok((world, prepared, levels(args, loaded.program.worlds[world].open.is_some())?))
+    let asked = find_world(&loaded.program, &args.file, args.world.as_deref()).map_err(Refusal::of);
+    let asked = asked.and_then(|world| {
+        let query = query(args, &mut loaded, world)?;
+        Ok((world, query, levels(args, loaded.program.worlds[world].open.is_some())?))
     });
-    let (world, prepared, levels) = match prepared {
-        Ok(prepared) => prepared,
+    let (world, query, levels) = match asked {
+        Ok(asked) => asked,
         Err(refusal) => {
             refusal.show(&loaded.sources)?;
-            return Ok(Answer::Unasked);
+            return Ok(Exit::Unasked);
         }
     };
     let world = &loaded.program.worlds[world];
     if args.map.is_empty() && !has_maps(&loaded, [world])? {
-        return Ok(Answer::Unasked);
+        return Ok(Exit::Unasked);
     }
     let files = match Files::open(args) {
         Ok(files) => files,
         Err(why) => {
             plain_error(&why)?;
-            return Ok(Answer::Unasked);
+            return Ok(Exit::Unasked);
         }
     };
     let none = Record::default();
     let record = files.record.as_ref().map_or(&none, |file| &file.found).clone();
-    let targets = prepared.targets.iter().map(|target| {
-        let kind = if matches!(target, Target::Goal(_)) { Kind::Goal } else { Kind::Never };
-        (kind, target_name(world, *target).to_string())
-    });
+    let targets = query.targets.iter().map(|target| (target.kind(), target.name(world).to_string()));
     let common = Common {
         args,
         world: world.name.clone(),
         targets: targets.collect(),
-        settings: row_settings(args, &prepared.settings),
+        settings: recorded_settings(args, &query.settings),
         record: &record,
     };
     Run { common, levels, files, started: Instant::now() }.go()
@@ -129,7 +126,7 @@ struct Run<'r> {
 }
 
 impl Run<'_> {
-    fn go(mut self) -> io::Result<Answer> {
+    fn go(mut self) -> io::Result<Exit> {
         let args = self.common.args;
         let flag = interrupted();
         let stop = || flag.load(Ordering::SeqCst);
@@ -167,7 +164,7 @@ impl Run<'_> {
         bar.finish_and_clear();
         if let Some(why) = broken {
             plain_error(&why)?;
-            return Ok(Answer::Unasked);
+            return Ok(Exit::Unasked);
         }
         let is_stopped = rows.iter().any(Option::is_none);
         let all = rows.len();
@@ -190,7 +187,7 @@ impl Run<'_> {
         // Before anything is shown: whoever reads it may be gone.
         if let Err(why) = self.files.finish(args, &rows, is_stopped) {
             plain_error(&why)?;
-            return Ok(Answer::Unasked);
+            return Ok(Exit::Unasked);
         }
         let told = Told { args, rows: &rows, comparison: comparison.as_ref(), is_stopped };
         told.show(&self.common.world, &format!("{note}; {seconds:.1} s"))?;
@@ -203,11 +200,11 @@ impl Run<'_> {
         }
         let is_no = match &comparison {
             Some(comparison) => comparison.is_worse(),
-            None => rows.iter().any(|kept| !kept.row.is_expected),
+            None => rows.iter().any(|kept| !kept.row.answer.is_expected),
         };
         // Whatever was wished, a mistake of the analysis is none of it.
         let is_refuted = rows.iter().any(|kept| kept.row.refuted.is_some());
-        Ok(if is_no || is_stopped || is_refuted { Answer::No } else { Answer::Yes })
+        Ok(if is_no || is_stopped || is_refuted { Exit::No } else { Exit::Yes })
     }
 }
 

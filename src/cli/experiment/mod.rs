@@ -22,7 +22,7 @@ use crate::ir::GoalId;
 use crate::reach::{Limits, Planner, Problem, Proof};
 use crate::sim::Simulator;
 
-use crate::cli::Answer;
+use crate::cli::Exit;
 use crate::cli::report::{Loaded, has_maps, load, plain_error, program_sha256, show, show_fact};
 use crate::cli::watching::interrupted;
 use args::{ExperimentArgs, ExperimentFormat, ExperimentOptions, FilesArgs, Known, PaperArgs};
@@ -51,10 +51,10 @@ struct Analysed<'s> {
     seconds: f64,
 }
 
-pub(in crate::cli) fn run(args: &ExperimentArgs) -> io::Result<Answer> {
+pub(in crate::cli) fn run(args: &ExperimentArgs) -> io::Result<Exit> {
     if let Err(error) = ThreadTime::try_now() {
         plain_error(&format!("the system does not tell the CPU time of a thread: {error}"))?;
-        return Ok(Answer::Unasked);
+        return Ok(Exit::Unasked);
     }
     match &args.known {
         Some(Known::Paper(paper)) => run_paper(paper),
@@ -62,13 +62,13 @@ pub(in crate::cli) fn run(args: &ExperimentArgs) -> io::Result<Answer> {
     }
 }
 
-fn run_paper(args: &PaperArgs) -> io::Result<Answer> {
+fn run_paper(args: &PaperArgs) -> io::Result<Exit> {
     let mut sources = Vec::new();
     for paper in Test::ALL.into_iter().filter(|test| args.tests.contains(&test.number())) {
         let Compilation { sources: files, program, diagnostics } = paper.compile();
         let Some(program) = program else {
             show(&files, &diagnostics)?;
-            return Ok(Answer::Unasked);
+            return Ok(Exit::Unasked);
         };
         let loaded = Loaded { sources: files, program };
         sources.push(Source { name: paper.name().to_string(), paper: Some(paper), loaded });
@@ -77,12 +77,12 @@ fn run_paper(args: &PaperArgs) -> io::Result<Answer> {
     experiment(&sources, &is_asked, &PLANNERS, &args.options)
 }
 
-fn run_files(args: &FilesArgs) -> io::Result<Answer> {
+fn run_files(args: &FilesArgs) -> io::Result<Exit> {
     let mut sources = Vec::new();
     for file in &args.files {
-        let Some(loaded) = load(file, args.level.file())? else { return Ok(Answer::Unasked) };
+        let Some(loaded) = load(file, args.level.file())? else { return Ok(Exit::Unasked) };
         if !has_maps(&loaded, loaded.program.worlds.iter())? {
-            return Ok(Answer::Unasked);
+            return Ok(Exit::Unasked);
         }
         sources.push(Source { name: file.display().to_string(), paper: None, loaded });
     }
@@ -100,11 +100,11 @@ fn run_files(args: &FilesArgs) -> io::Result<Answer> {
 }
 
 /// Shows why there is nothing to run.
-fn unasked(sources: &[Source], why: &str, near: Option<String>) -> io::Result<Answer> {
+fn unasked(sources: &[Source], why: &str, near: Option<String>) -> io::Result<Exit> {
     if let Some(source) = sources.first() {
         show_fact(&source.loaded.sources, NoQuestion { why: why.to_string(), near, help: None })?;
     }
-    Ok(Answer::Unasked)
+    Ok(Exit::Unasked)
 }
 
 /// Runs an experiment on those goals of the programs that are asked for, and writes what came of it.
@@ -113,7 +113,7 @@ fn experiment(
     is_asked: &dyn Fn(&Source, &str) -> bool,
     planners: &[Planner],
     options: &ExperimentOptions,
-) -> io::Result<Answer> {
+) -> io::Result<Exit> {
     let analysed = analysed(sources);
     let questions = questions(&analysed, is_asked);
     let design = Design {
@@ -123,8 +123,8 @@ fn experiment(
         limits: Limits { nodes: options.nodes.unwrap_or(u64::MAX), memory: options.memory << 20 },
     };
     // Files are opened first: nobody wants to learn of a misspelt folder after an hour.
-    let Some(mut csv) = opened(options.csv.as_deref())? else { return Ok(Answer::Unasked) };
-    let Some(mut json) = opened(options.json.as_deref())? else { return Ok(Answer::Unasked) };
+    let Some(mut csv) = opened(options.csv.as_deref())? else { return Ok(Exit::Unasked) };
+    let Some(mut json) = opened(options.json.as_deref())? else { return Ok(Exit::Unasked) };
     let mut lines = Lines { design: &design, questions: &questions, file: csv.as_mut(), on_screen: None };
     if options.format == ExperimentFormat::Csv {
         lines.on_screen = Some(io::stdout());
@@ -159,7 +159,7 @@ fn experiment(
                 let program = &at.source.loaded.program;
                 show_fact(&at.source.loaded.sources, fault.fact(program, at.sim.world_id(), 0))?;
             }
-            return Ok(Answer::Unasked);
+            return Ok(Exit::Unasked);
         }
     };
     let report = Report { design: &design, questions: &questions, runs: &runs };
@@ -176,9 +176,9 @@ fn experiment(
     }
     if stop() {
         writeln!(io::stderr(), "stopped after {} of {} runs", runs.len(), design.runs(&questions))?;
-        return Ok(Answer::No);
+        return Ok(Exit::No);
     }
-    Ok(Answer::Yes)
+    Ok(Exit::Yes)
 }
 
 /// All worlds that have goals, analysed.
@@ -258,7 +258,7 @@ enum Broken {
 
 impl Broken {
     /// Says so; of standard output, whoever called does.
-    fn told(self, options: &ExperimentOptions) -> io::Result<Answer> {
+    fn told(self, options: &ExperimentOptions) -> io::Result<Exit> {
         let (path, error) = match self {
             Broken::Screen(error) => return Err(error),
             Broken::Csv(error) => (&options.csv, error),
@@ -266,7 +266,7 @@ impl Broken {
         };
         let path = path.as_deref().unwrap_or(Path::new("")).display();
         plain_error(&format!("cannot write `{path}`: {error}"))?;
-        Ok(Answer::Unasked)
+        Ok(Exit::Unasked)
     }
 }
 

@@ -1,81 +1,107 @@
 //! `hypedc reach`: searches for inputs that bring about a world's goals, one verdict for each. Of several levels
-//! [`crate::cli::corpus`] makes rows.
+//! [`crate::cli::corpus`] makes rows. The questions are asked by [`crate::reach::query`]; here they are read from the
+//! arguments, and their answers are shown and saved.
 
+pub(in crate::cli) mod files;
+pub(in crate::cli) mod question;
 pub(in crate::cli) mod refuted;
-pub(in crate::cli) mod result;
-pub(in crate::cli) mod session;
+mod result;
+mod text;
 
 use std::io::{self, Write};
+use std::ops::ControlFlow;
+use std::time::Instant;
 
 use crate::ir::{World, WorldId};
+use crate::reach::Target;
+use crate::reach::query::{Phase, Session, Supervisor};
+use crate::watch::Watch;
 
-use crate::cli::Answer;
+use crate::cli::Exit;
 use crate::cli::args::{ReachArgs, ResultFormat};
-use crate::cli::report::{Loaded, choose_world, load_barred, show_fact};
+use crate::cli::report::{Loaded, choose_world, load_constrained, show_fact};
 use crate::cli::watching::{CommandWatch, Interrupt};
-use refuted::command_line;
+use files::{Destination, Saved};
+use question::{extra_constraint, query, refusal};
+use refuted::{Occasion, Refuted, command_line};
 use result::RunResult;
-use session::{Found, Prepared, ReachSession, Refusal, barred, target_name};
+use text::answer_text;
 
-pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Answer> {
+pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Exit> {
     let level = args.reading.of(args.map.first().map(AsRef::as_ref));
-    let Some(mut loaded) = load_barred(&args.file, level, barred(args))? else {
-        return Ok(Answer::Unasked);
+    let Some(mut loaded) = load_constrained(&args.file, level, extra_constraint(args))? else {
+        return Ok(Exit::Unasked);
     };
     let Some(world) = choose_world(&loaded, &args.file, args.world.as_deref())? else {
-        return Ok(Answer::Unasked);
+        return Ok(Exit::Unasked);
     };
-    let prepared = match Prepared::new(args, &mut loaded, world) {
-        Ok(prepared) => prepared,
+    let query = match query(args, &mut loaded, world) {
+        Ok(query) => query,
         Err(refusal) => {
             refusal.show(&loaded.sources)?;
-            return Ok(Answer::Unasked);
+            return Ok(Exit::Unasked);
         }
     };
-    // What the analysis takes is part of the time for the first goal.
+    // The analysis counts towards the time for the first goal.
     let watch = CommandWatch::new("analysis", args.seconds);
-    let asking = ReachSession::new(args, &loaded, prepared, &watch);
+    let started = Instant::now();
+    let session = Session::new(&loaded.program, world, query, &watch);
+    let seconds = started.elapsed().as_secs_f64();
     watch.finish();
-    answer_all(args, &loaded, world, &asking)
+    answer_all(args, &loaded, world, &session, seconds)
 }
 
 /// Asks all questions, then shows the answers: a search can refute what was proven before.
-fn answer_all(args: &ReachArgs, loaded: &Loaded, world: WorldId, asking: &ReachSession<'_>) -> io::Result<Answer> {
+fn answer_all(
+    args: &ReachArgs,
+    loaded: &Loaded,
+    world: WorldId,
+    session: &Session,
+    analysis_seconds: f64,
+) -> io::Result<Exit> {
     let program = &loaded.program;
-    let mut result = RunResult::new(args, program, world, asking.settings(), asking.analysis_seconds);
-    result.given_up = asking.given_up();
+    let mut result = RunResult::new(args, session, analysis_seconds);
     if args.format == ResultFormat::Human {
         write!(io::stdout(), "{}", result.head())?;
     }
-    let found = match find(args, asking, &program.worlds[world]) {
-        Ok(found) => found,
-        Err(refusal) => {
-            refusal.show(&loaded.sources)?;
-            return Ok(Answer::Unasked);
+    let mut phases = Phases::new(args, &program.worlds[world], analysis_seconds);
+    let all = match session.find_all(&mut phases) {
+        Ok(all) => all,
+        Err(unasked) => {
+            refusal(args, loaded, world, &unasked).show(&loaded.sources)?;
+            return Ok(Exit::Unasked);
         }
     };
-    let mut answer = if found.len() < asking.targets().len() { Answer::No } else { Answer::Yes };
-    result.refuted = asking.refuted(args.map.first().map(AsRef::as_ref), command_line());
+    let targets = session.query().targets.len();
+    let mut exit = if all.len() < targets { Exit::No } else { Exit::Yes };
+    result.refuted = session.refutation().map(|refutation| {
+        let level = args.map.first().map(AsRef::as_ref);
+        let occasion = Occasion { file: &args.file, level, seed: args.seed, command: command_line() };
+        Refuted::kept(program, world, &refutation, &occasion)
+    });
     if result.refuted.is_some() {
-        answer = answer.max(Answer::No);
+        exit = exit.max(Exit::No);
     }
-    for (found, &target) in found.into_iter().zip(asking.targets()) {
-        let mut asked = asking.answer(found);
-        if let Err(refusal) = asking.save(&mut asked, None) {
-            refusal.show(&loaded.sources)?;
-            return Ok(Answer::Unasked);
-        }
-        if let Some((fault, step)) = asked.outcome.fault {
+    for (mut found, searched) in all.into_iter().zip(phases.searched) {
+        let answer = session.answer(&mut found, &loaded.sources);
+        let destination = Destination::new(args, None, &answer.goal, targets);
+        let saved: Saved = match destination.save(session, &found, &answer, &Interrupt::new()) {
+            Ok(saved) => saved,
+            Err(refusal) => {
+                refusal.show(&loaded.sources)?;
+                return Ok(Exit::Unasked);
+            }
+        };
+        if let Some((fault, step)) = found.outcome.fault {
             show_fact(&loaded.sources, fault.fact(program, world, step))?;
         }
-        let answered = asked.answered;
         if args.format == ResultFormat::Human {
-            write!(io::stdout(), "{}", answered.human(target))?;
+            write!(io::stdout(), "{}", answer_text(&answer, session.query(), &saved, searched.seconds))?;
         }
-        if !answered.is_expected {
-            answer = answer.max(Answer::No);
+        if !answer.is_expected {
+            exit = exit.max(Exit::No);
         }
-        result.add(answered);
+        result.add(args, answer, &found.outcome, searched.seconds);
     }
     match args.format {
         ResultFormat::Human => write!(io::stdout(), "{}", result.tail())?,
@@ -85,41 +111,56 @@ fn answer_all(args: &ReachArgs, loaded: &Loaded, world: WorldId, asking: &ReachS
             writeln!(out)?;
         }
     }
-    Ok(answer)
+    Ok(exit)
 }
 
-/// What is found about each question, until it is interrupted. A way that is found for one may answer others.
-fn find<'q>(args: &ReachArgs, asking: &'q ReachSession<'_>, world: &World) -> Result<Vec<Found<'q>>, Refusal> {
-    let targets = asking.targets();
-    let mut all: Vec<Found<'q>> = Vec::new();
-    let mut is_interrupted = false;
-    let mut left: Vec<Option<f64>> = Vec::new();
-    let mut seconds = args.seconds.map(|seconds| seconds - asking.analysis_seconds);
-    for &target in targets {
-        let watch = CommandWatch::new(target_name(world, target), seconds);
-        let found = asking.find(target, &watch);
+/// Watches each phase of the command: shows progress, and ends what takes longer than it may.
+struct Phases<'p> {
+    args: &'p ReachArgs,
+    world: &'p World,
+    /// The time for the next search, s.
+    next: Option<f64>,
+    searched: Vec<Searched>,
+}
+
+/// The search for one target.
+struct Searched {
+    target: Target,
+    seconds: f64,
+    /// The time that is left to make its way faster, s.
+    left: Option<f64>,
+}
+
+impl<'p> Phases<'p> {
+    fn new(args: &'p ReachArgs, world: &'p World, analysis_seconds: f64) -> Self {
+        Phases { args, world, next: args.seconds.map(|seconds| seconds - analysis_seconds), searched: Vec::new() }
+    }
+}
+
+impl Supervisor for Phases<'_> {
+    fn supervise(&mut self, phase: Phase, work: &mut dyn FnMut(&dyn Watch)) -> ControlFlow<()> {
+        let watch = match phase {
+            Phase::Search(target) => CommandWatch::new(target.name(self.world), self.next),
+            Phase::Minimize(target) => {
+                let searched = self.searched.iter().find(|searched| searched.target == target);
+                CommandWatch::new(target.name(self.world), searched.and_then(|searched| searched.left))
+            }
+            // Found ways are short: replaying them takes no budget.
+            Phase::Exchange => {
+                work(&Interrupt::new());
+                return ControlFlow::Continue(());
+            }
+        };
+        work(&watch);
         watch.finish();
-        is_interrupted |= watch.is_interrupted();
-        left.push(seconds.map(|limit| (limit - watch.seconds()).max(0.0)));
-        seconds = args.seconds;
-        all.push(found?);
-        if is_interrupted {
-            return Ok(all);
+        if let Phase::Search(target) = phase {
+            let seconds = watch.seconds();
+            let left = self.next.map(|limit| (limit - seconds).max(0.0));
+            self.searched.push(Searched { target, seconds, left });
+            self.next = self.args.seconds;
         }
+        if watch.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
-    // These replay ways that were found, which are short.
-    let watch = Interrupt::new();
-    asking.exchange(&mut all, &watch);
-    for ((found, &target), seconds) in all.iter_mut().zip(targets).zip(left) {
-        let watch = CommandWatch::new(target_name(world, target), seconds);
-        asking.minimize(found, &watch);
-        watch.finish();
-    }
-    // Each round makes a way shorter.
-    while asking.exchange(&mut all, &watch) {
-        all.iter_mut().for_each(|found| asking.simplify(found, &watch));
-    }
-    Ok(all)
 }
 
 #[cfg(test)]
@@ -132,7 +173,7 @@ mod tests {
     use crate::analysis::configuration_space;
     use crate::cli::args::{Arguments, Command};
     use crate::ir::GoalId;
-    use crate::reach::{Conclusion, Target};
+    use crate::reach::Conclusion;
 
     fn source(speed: u32) -> String {
         format!(
@@ -163,15 +204,17 @@ mod tests {
             let arguments = ["hypedc", "reach", file, "--nodes", "500"].into_iter().chain(more.iter().copied());
             let Command::Reach(args) = Arguments::try_parse_from(arguments).unwrap().command else { panic!() };
             let level = || args.reading.of(None);
-            let slow = load_barred(&slow, level(), None).unwrap().unwrap();
+            let slow = load_constrained(&slow, level(), None).unwrap().unwrap();
             let world = WorldId(0);
             let space = configuration_space(&slow.program, world);
-            let mut loaded = load_barred(&args.file, level(), None).unwrap().unwrap();
-            let prepared = Prepared::new(&args, &mut loaded, world).unwrap_or_else(|_| panic!());
-            let asking = ReachSession::resting_on(&args, &loaded, prepared, space, 0.0);
-            let answer = answer_all(&args, &loaded, world, &asking).unwrap();
-            let first = asking.find(Target::Goal(GoalId(0)), &crate::watch::Unwatched).unwrap_or_else(|_| panic!());
-            (answer, asking.answer(first).answered)
+            let mut loaded = load_constrained(&args.file, level(), None).unwrap().unwrap();
+            let query = query(&args, &mut loaded, world).unwrap_or_else(|_| panic!());
+            let session = Session::with_space(&loaded.program, world, query, space);
+            let exit = answer_all(&args, &loaded, world, &session, 0.0).unwrap();
+            let mut first = session.find(Target::Goal(GoalId(0)), &crate::watch::Unwatched).unwrap();
+            let answer = session.answer(&mut first, &loaded.sources);
+            let text = answer_text(&answer, session.query(), &Saved::default(), 0.0);
+            (exit, answer.verdict, text)
         };
         let written = || {
             let names = read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
@@ -180,17 +223,17 @@ mod tests {
             names
         };
 
-        let (code, answered) = answer(&slow, &[]);
-        assert_eq!((code, answered.verdict), (Answer::No, Conclusion::ProvenUnreachable));
+        let (code, verdict, _) = answer(&slow, &[]);
+        assert_eq!((code, verdict), (Exit::No, Conclusion::ProvenUnreachable));
         assert!(written().is_empty(), "of itself, it is right");
 
-        let (code, answered) = answer(&fast, &[]);
-        assert_eq!((code, answered.verdict), (Answer::No, Conclusion::NotAnswered));
-        assert!(answered.human(Target::Goal(GoalId(0))).contains("the analysis is wrong about this world"));
+        let (code, verdict, text) = answer(&fast, &[]);
+        assert_eq!((code, verdict), (Exit::No, Conclusion::NotAnswered));
+        assert!(text.contains("the analysis is wrong about this world"));
         // What is found is as wished, what was found on the way is not.
-        assert_eq!(answer(&fast, &["--goal", "far", "--seed", "7"]).0, Answer::No);
-        assert_eq!(answer(&fast, &["--goal", "far", "--no-check-states"]).0, Answer::Yes);
-        assert_eq!(answer(&fast, &["--goal", "far", "--format", "json"]).0, Answer::No);
+        assert_eq!(answer(&fast, &["--goal", "far", "--seed", "7"]).0, Exit::No);
+        assert_eq!(answer(&fast, &["--goal", "far", "--no-check-states"]).0, Exit::Yes);
+        assert_eq!(answer(&fast, &["--goal", "far", "--format", "json"]).0, Exit::No);
         let first = "hypedc-refuted-Field-1.txt";
         assert_eq!(written(), ["hypedc-refuted-Field-1-2.txt", first, "hypedc-refuted-Field-7.txt"]);
         let text = read_to_string(folder.join(first)).unwrap();

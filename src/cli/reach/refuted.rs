@@ -17,7 +17,7 @@ use crate::cli::report::program_sha256;
 const MAX_FILES: usize = 10_000;
 
 /// A run that refutes the analysis, as results have it.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, schemars::JsonSchema)]
 pub(in crate::cli) struct Refuted {
     pub instance: String,
     pub modes: Vec<String>,
@@ -31,7 +31,7 @@ pub(in crate::cli) struct Refuted {
 }
 
 /// A number that is as it never is.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, schemars::JsonSchema)]
 pub(in crate::cli) struct BeyondResult {
     pub variable: String,
     pub value: String,
@@ -48,8 +48,15 @@ pub(in crate::cli) struct Occasion<'o> {
 }
 
 impl Refuted {
+    /// With a file that shows it again.
+    pub fn kept(program: &Program, world: WorldId, refutation: &Refutation, occasion: &Occasion<'_>) -> Self {
+        let mut refuted = Refuted::new(program, world, refutation);
+        refuted.write(program, world, occasion);
+        refuted
+    }
+
     /// Not written yet.
-    pub fn new(program: &Program, world: WorldId, refutation: &Refutation) -> Self {
+    fn new(program: &Program, world: WorldId, refutation: &Refutation) -> Self {
         let Refutation { script, steps, outside } = refutation;
         let beyond = outside.beyond.iter().map(|Beyond { variable, value, allowed }| BeyondResult {
             variable: variable.clone(),
@@ -69,7 +76,7 @@ impl Refuted {
 
     /// Writes what is needed to see it again beside the program, or else into the current directory. Nothing is
     /// overwritten. Where it cannot be written, there is no file to tell of.
-    pub fn write(&mut self, program: &Program, world: WorldId, occasion: &Occasion<'_>) {
+    fn write(&mut self, program: &Program, world: WorldId, occasion: &Occasion<'_>) {
         let name: String =
             program.worlds[world].name.chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
         let stem = format!("hypedc-refuted-{name}-{}", occasion.seed);

@@ -1,0 +1,185 @@
+//! What the arguments of `hypedc reach` ask: the targets, where searches begin, how to search. A question that makes no
+//! sense is refused here, before anything is analysed.
+
+use crate::compile::ExtraConstraint;
+use crate::corpus;
+use crate::diagnostic::catalogue::run::NoQuestion;
+use crate::diagnostic::similar;
+use crate::ir::{NeverId, World, WorldId};
+use crate::reach::query::{Kind, Query, Unasked};
+use crate::reach::{Limits, Measure, Planner, Restart, Sampling, Settings, Target, Termination};
+use crate::sim::{Script, parse_script};
+
+use crate::cli::args::{MetricName, ReachArgs, SampleBounds};
+use crate::cli::refusal::Refusal;
+use crate::cli::report::Loaded;
+use crate::cli::time::{Time, held};
+
+/// The name of the `never` that `--without` adds: no author can write such a name.
+const WITHOUT: &str = "--without";
+
+/// The predicate of `--without` as a `never` that the compiler adds to the world.
+pub(in crate::cli) fn extra_constraint(args: &ReachArgs) -> Option<ExtraConstraint<'_>> {
+    args.without.as_deref().map(|predicate| ExtraConstraint {
+        world: args.world.as_deref(),
+        name: WITHOUT,
+        predicate,
+        origin: WITHOUT,
+    })
+}
+
+/// What the arguments ask of a world.
+pub(in crate::cli) fn query(args: &ReachArgs, loaded: &mut Loaded, world: WorldId) -> Result<Query, Refusal> {
+    let table = &loaded.program.worlds[world];
+    // The compiler adds it as the last one.
+    let without = args.without.as_ref().and_then(|_| table.nevers.ids().next_back());
+    let (targets, least_hold) = (targets(table, args, without)?, least_hold(args, table)?);
+    let (settings, within) = (settings(args, table, least_hold)?, args.within.map(|time| time.room(table)));
+    Ok(Query {
+        settings,
+        limits: Limits { nodes: node_limit(args), memory: args.memory << 20 },
+        least_hold,
+        within,
+        without: without.into_iter().collect(),
+        after: read_scripts(loaded, world, &args.after)?,
+        minimizes: args.minimize,
+        ..Query::new(targets)
+    })
+}
+
+/// Why a session cannot ask, in the words of the arguments.
+pub(in crate::cli) fn refusal(args: &ReachArgs, loaded: &Loaded, world: WorldId, unasked: &Unasked) -> Refusal {
+    let (index, reason, step) = match *unasked {
+        Unasked::Fault(fault, step) => return Refusal::of(fault.fact(&loaded.program, world, step)),
+        Unasked::Over { script, reason, step } => (script, reason, step),
+    };
+    let reason = match reason {
+        Termination::Never(id) => format!("`never {}` holds", loaded.program.worlds[world].nevers[id].name),
+        Termination::Avoided => "the predicate of `--without` holds".to_string(),
+        Termination::Outside => "the player is out of bounds".to_string(),
+    };
+    let text = args.after.get(index).map_or("", String::as_str);
+    let why = format!("`--after \"{text}\"` leads nowhere: {reason} after step {step}");
+    let help = Some("give a script whose run is not over at its end".to_string());
+    Refusal::of(NoQuestion { why, near: None, help })
+}
+
+/// The settings of a search as results and rows keep them.
+pub(in crate::cli) fn recorded_settings(args: &ReachArgs, settings: &Settings) -> corpus::Settings {
+    corpus::Settings {
+        hypedc: env!("CARGO_PKG_VERSION").to_string(),
+        seed: settings.seed,
+        planner: settings.planner.name().to_string(),
+        bounds: settings.sampling.name().to_string(),
+        metric: settings.measure.name().to_string(),
+        hold: settings.hold,
+        restart: match settings.restart {
+            Restart::ByPlanner => None,
+            Restart::After(nodes) => Some(nodes.to_string()),
+            Restart::Never => Some("never".to_string()),
+        },
+        trees: settings.trees,
+        legend: args.reading.legend.as_ref().map(|path| path.display().to_string()),
+        tile: args.reading.tile,
+        without: args.without.clone(),
+        within: args.within.map(|time| time.to_string()),
+        after: args.after.clone(),
+        min_hold: args.min_hold.map(|time| time.to_string()),
+        minimize: args.minimize,
+        nodes_limit: args.nodes.or(args.seconds.is_none().then(|| node_limit(args))),
+        seconds_limit: args.seconds,
+        memory_limit: args.memory << 20,
+    }
+}
+
+/// The most nodes of a search.
+fn node_limit(args: &ReachArgs) -> u64 {
+    args.nodes.unwrap_or(if args.seconds.is_some() { u64::MAX } else { Limits::default().nodes })
+}
+
+/// The number of steps of a world for which an input is held at least.
+fn least_hold(args: &ReachArgs, world: &World) -> Result<u16, Refusal> {
+    let steps = args.min_hold.map_or(1, |time: Time| time.steps(world));
+    u16::try_from(steps).map_err(|_| Refusal::Plain(format!("`--min-hold` is at most {} steps", u16::MAX)))
+}
+
+/// How to search.
+fn settings(args: &ReachArgs, world: &World, least_hold: u16) -> Result<Settings, Refusal> {
+    let planner = Planner::named(&args.planner).unwrap_or_default();
+    let hold = args.hold.map(|hold| held(hold.steps(world))).transpose();
+    let hold = hold.map_err(|why| Refusal::Plain(format!("`--hold`: {why}")))?;
+    if let Some((_, high)) = hold.filter(|(_, high)| *high < least_hold) {
+        let why = format!("`--hold` is at most {high} steps, `--min-hold` at least {least_hold}");
+        return Err(Refusal::Plain(why));
+    }
+    Ok(Settings {
+        seed: args.seed,
+        planner,
+        hold,
+        restart: args.restart.unwrap_or_default(),
+        sampling: match args.bounds {
+            SampleBounds::Naive => Sampling::Naive,
+            SampleBounds::Reduced => Sampling::Reduced,
+        },
+        measure: match args.metric {
+            MetricName::Full => Measure::Full,
+            MetricName::Xy => Measure::Positions,
+        },
+        trees: usize::from(args.trees),
+        threads: usize::from(args.threads),
+        records: args.svg.is_some() || args.tree,
+        checks: !args.no_check_states,
+        ..Settings::default()
+    })
+}
+
+/// Reads input scripts.
+fn read_scripts(loaded: &mut Loaded, world: WorldId, texts: &[String]) -> Result<Vec<Script>, Refusal> {
+    let mut scripts = Vec::new();
+    for text in texts {
+        let file = loaded.sources.add("--after", text.clone());
+        let (script, found) = parse_script(&loaded.program, world, file, text);
+        if found.has_errors() {
+            return Err(Refusal::Findings(found));
+        }
+        scripts.push(script);
+    }
+    Ok(scripts)
+}
+
+/// The targets that are named, each once, or all goals.
+fn targets(world: &World, args: &ReachArgs, without: Option<NeverId>) -> Result<Vec<Target>, Refusal> {
+    let goals: Vec<(Target, &str)> =
+        world.goals.pairs().map(|(id, goal)| (Target::Goal(id), goal.name.as_str())).collect();
+    let nevers = world.nevers.pairs().filter(|(id, _)| Some(*id) != without);
+    let nevers: Vec<(Target, &str)> = nevers.map(|(id, never)| (Target::Never(id), never.name.as_str())).collect();
+    let mut chosen = Vec::new();
+    for (kind, known, names) in [(Kind::Goal, &goals, &args.goal), (Kind::Never, &nevers, &args.never)] {
+        for name in names {
+            let found = known.iter().find(|(_, known)| known == name);
+            let target = found.ok_or_else(|| unknown(world, kind, name, known))?.0;
+            if !chosen.contains(&target) {
+                chosen.push(target);
+            }
+        }
+    }
+    if args.goal.is_empty() && args.never.is_empty() {
+        chosen.extend(goals.iter().map(|(target, _)| *target));
+    }
+    if chosen.is_empty() {
+        let why = format!("`{}` has no goal", world.name);
+        let help = Some("add one, such as `goal arrive: near(hero, (416, 48), 16)`".to_string());
+        return Err(Refusal::of(NoQuestion { why, near: None, help }));
+    }
+    Ok(chosen)
+}
+
+/// A name that no goal or `never` of the world has.
+fn unknown(world: &World, kind: Kind, name: &str, known: &[(Target, &str)]) -> Refusal {
+    let list: Vec<String> = known.iter().map(|(_, known)| format!("`{known}`")).collect();
+    Refusal::of(NoQuestion {
+        why: format!("no {} `{name}` in `{}`", kind.name(), world.name),
+        near: similar(name, known.iter().map(|(_, known)| *known)),
+        help: (!list.is_empty()).then(|| format!("there is {}", list.join(", "))),
+    })
+}

@@ -1,0 +1,316 @@
+//! A session asks questions about one world: it analyses the world once, searches for each target, lets what is found for
+//! one target answer others, and checks every state that is made on the way against what proofs rest on.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use crate::analysis::{ConfigurationSpace, watched_space};
+use crate::ir::{ExprId, NeverId, Program, WorldId};
+use crate::sim::{Fault, Script, Simulator};
+use crate::source::SourceMap;
+use crate::watch::Watch;
+
+use super::super::exchange::passed;
+use super::super::guard::{Guard, Refutation};
+use super::super::improve_duration::improve_duration;
+use super::super::outcome::{End, Outcome, Plan, Verdict};
+use super::super::problem::{BadStart, Problem, Target, Termination};
+use super::super::reach;
+use super::super::search::{Limits, Settings};
+use super::super::shorten::shorten;
+use super::answer::{Answer, Counterexample};
+
+/// What is asked of a world, and how to search for it.
+#[derive(Debug, Clone)]
+pub struct Query {
+    /// The goals to reach and the `never`s to break, in the order of the answers.
+    pub targets: Vec<Target>,
+    /// How to search.
+    pub settings: Settings,
+    /// What each search may cost.
+    pub limits: Limits,
+    /// The number of steps for which each input is held at least.
+    pub least_hold: u16,
+    /// The most steps a way may take, from where the search begins; none: no limit.
+    pub within: Option<u32>,
+    /// A way must not break these `never`s, and counterexamples to them are not reported.
+    pub without: Vec<NeverId>,
+    /// Where searches begin: where each of these scripts ends; if there is none, in the initial state.
+    pub after: Vec<Script>,
+    /// Whether found ways are made faster and simpler.
+    pub minimizes: bool,
+}
+
+impl Query {
+    /// Asks for targets with the default settings and limits.
+    pub fn new(targets: Vec<Target>) -> Self {
+        Query {
+            targets,
+            settings: Settings::default(),
+            limits: Limits::default(),
+            least_hold: 1,
+            within: None,
+            without: Vec::new(),
+            after: Vec::new(),
+            minimizes: false,
+        }
+    }
+}
+
+/// Why a question cannot be asked.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Unasked {
+    /// A run-time error at a step, 0 in the initial state.
+    Fault(Fault, u64),
+    /// The run of one of the scripts in [`Query::after`] is over at a step.
+    Over {
+        /// The index of the script.
+        script: usize,
+        /// Why the run is over.
+        reason: Termination,
+        /// The step; 0: before the first.
+        step: u64,
+    },
+}
+
+/// What a session is doing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Phase {
+    /// Searches for a target.
+    Search(Target),
+    /// Replays what was found for one target to answer others.
+    Exchange,
+    /// Makes a way faster and simpler.
+    Minimize(Target),
+}
+
+/// Brings a watch to each phase of a session, and takes the time if it wants to.
+pub trait Supervisor {
+    /// Does the work of a phase under a watch. Breaks if the session is to end after it.
+    fn supervise(&mut self, phase: Phase, work: &mut dyn FnMut(&dyn Watch)) -> ControlFlow<()>;
+}
+
+/// One watch for all phases.
+impl Supervisor for &dyn Watch {
+    fn supervise(&mut self, _: Phase, work: &mut dyn FnMut(&dyn Watch)) -> ControlFlow<()> {
+        work(*self);
+        if self.stop() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+/// A world with all that the questions about it have in common.
+pub struct Session {
+    query: Query,
+    sim: Simulator,
+    space: ConfigurationSpace,
+    /// Checks the states that are made for any of the questions against the space.
+    guard: Option<Guard>,
+}
+
+/// What was found for a target.
+pub struct Found<'s> {
+    /// The target.
+    pub target: Target,
+    /// What came of the search.
+    pub outcome: Outcome,
+    /// None if the search was stopped before it began.
+    problem: Option<Problem<'s>>,
+}
+
+impl Found<'_> {
+    fn plan(&self) -> Option<&Plan> {
+        match &self.outcome.verdict {
+            Verdict::Reached(plan) => Some(plan),
+            Verdict::NotFound | Verdict::Unreachable(_) | Verdict::Exhausted(_) => None,
+        }
+    }
+}
+
+impl Session {
+    /// Analyses a world until the watch stops it; what is not known by then counts as possible.
+    pub fn new(program: &Arc<Program>, world: WorldId, query: Query, watch: &dyn Watch) -> Self {
+        // A run is over where a `never` holds.
+        let nevers: Vec<ExprId> = program.worlds[world].nevers.iter().map(|never| never.holds).collect();
+        let space = watched_space(program, world, &nevers, watch);
+        Session::with_space(program, world, query, space)
+    }
+
+    /// Rests its proofs on a space that was computed before.
+    pub fn with_space(program: &Arc<Program>, world: WorldId, query: Query, space: ConfigurationSpace) -> Self {
+        let guard = query.settings.checks.then(|| Guard::new(&space, program, world));
+        Session { query, sim: Simulator::new(program, world), space, guard }
+    }
+
+    /// What is asked.
+    pub fn query(&self) -> &Query {
+        &self.query
+    }
+
+    /// The simulator of the world.
+    pub fn simulator(&self) -> &Simulator {
+        &self.sim
+    }
+
+    /// What proofs rest on.
+    pub fn space(&self) -> &ConfigurationSpace {
+        &self.space
+    }
+
+    /// A run into a state that the analysis rules out, if a search has met one: the analysis is wrong about this world.
+    pub fn refutation(&self) -> Option<Refutation> {
+        self.guard.as_ref().and_then(Guard::refutation)
+    }
+
+    /// Searches for all targets until the supervisor ends it; there may be fewer results than targets then.
+    ///
+    /// # Errors
+    /// [`Unasked`] if there is nothing to ask for any of them.
+    pub fn find_all(&self, supervisor: &mut dyn Supervisor) -> Result<Vec<Found<'_>>, Unasked> {
+        let mut all: Vec<Found<'_>> = Vec::new();
+        for &target in &self.query.targets {
+            let mut found = None;
+            let search = &mut |watch: &dyn Watch| found = Some(self.search(target, watch));
+            let flow = supervisor.supervise(Phase::Search(target), search);
+            all.extend(found.transpose()?);
+            if flow.is_break() {
+                return Ok(all);
+            }
+        }
+        let _ = supervisor.supervise(Phase::Exchange, &mut |watch| {
+            self.exchange(&mut all, watch);
+        });
+        if !self.query.minimizes {
+            return Ok(all);
+        }
+        for found in &mut all {
+            let _ = supervisor.supervise(Phase::Minimize(found.target), &mut |watch| self.minimize(found, watch));
+        }
+        let _ = supervisor.supervise(Phase::Exchange, &mut |watch| {
+            // Each round makes a way shorter.
+            while self.exchange(&mut all, watch) {
+                all.iter_mut().for_each(|found| self.shorten(found, watch));
+            }
+        });
+        Ok(all)
+    }
+
+    /// Searches for one target, whatever else is asked.
+    ///
+    /// # Errors
+    /// [`Unasked`] if there is nothing to ask.
+    pub fn find(&self, target: Target, watch: &dyn Watch) -> Result<Found<'_>, Unasked> {
+        let mut found = self.search(target, watch)?;
+        if self.query.minimizes {
+            self.minimize(&mut found, watch);
+        }
+        Ok(found)
+    }
+
+    /// The answer, once all targets have been searched for: what one search met can withdraw what was proven before.
+    pub fn answer(&self, found: &mut Found<'_>, sources: &SourceMap) -> Answer {
+        if let Some(refutation) = self.refutation() {
+            found.outcome.refute(&refutation);
+        }
+        let (program, world) = (self.sim.program(), self.sim.world_id());
+        let violations = found.outcome.violations.iter().filter(|(never, _)| !self.query.without.contains(never));
+        let violations = violations.map(|(never, script)| Counterexample {
+            never: self.sim.world().nevers[*never].name.clone(),
+            steps: script.len(),
+            inputs: script.text(program, world),
+        });
+        let violations = violations.collect();
+        Answer { violations, ..Answer::new(&self.sim, sources, found.target, &found.outcome) }
+    }
+
+    fn search(&self, target: Target, watch: &dyn Watch) -> Result<Found<'_>, Unasked> {
+        let Query { settings, limits, .. } = &self.query;
+        let Some(problem) = self.problem(target, watch)? else {
+            return Ok(Found { target, problem: None, outcome: Outcome::stopped(settings.planner) });
+        };
+        let outcome = reach(&problem, &self.space, settings, limits, watch).map_err(|f| Unasked::Fault(f, 0))?;
+        Ok(Found { target, problem: Some(problem), outcome })
+    }
+
+    /// Makes a way faster and simpler.
+    fn minimize(&self, found: &mut Found<'_>, watch: &dyn Watch) {
+        if let (Some(problem), Some(plan)) = (&found.problem, found.plan()) {
+            let Query { settings, limits, .. } = &self.query;
+            let plan = improve_duration(problem, &self.space, settings, limits, plan, watch);
+            found.outcome.verdict = Verdict::Reached(shorten(problem, &plan, watch));
+        }
+    }
+
+    /// Simplifies a way that may come from another target.
+    fn shorten(&self, found: &mut Found<'_>, watch: &dyn Watch) {
+        if let (Some(problem), Some(plan)) = (&found.problem, found.plan()) {
+            found.outcome.verdict = Verdict::Reached(shorten(problem, plan, watch));
+        }
+    }
+
+    /// Takes for each target the shortest way that was found for any: what a way to a goal passes is reached, too. Returns
+    /// whether that changed anything.
+    fn exchange(&self, all: &mut [Found<'_>], watch: &dyn Watch) -> bool {
+        if all.len() < 2 {
+            return false;
+        }
+        let mut ways: Vec<(Script, u64, &'static str)> = Vec::new();
+        for found in all.iter() {
+            let violations = found.outcome.violations.iter().map(|(_, script)| script);
+            for script in found.plan().map(|plan| &plan.script).into_iter().chain(violations) {
+                if let Some(after) = self.given_steps(script)
+                    && !ways.iter().any(|(known, ..)| known == script)
+                {
+                    ways.push((script.clone(), after, found.outcome.planner));
+                }
+            }
+        }
+        let mut has_changed = false;
+        for found in all {
+            let Some(problem) = &found.problem else { continue };
+            for (script, after, planner) in &ways {
+                let steps = |plan: &Plan| plan.steps - plan.after;
+                let known = found.plan().map(steps);
+                let plan = passed(problem, script, *after, watch);
+                let Some(plan) = plan.filter(|plan| known.is_none_or(|known| steps(plan) < known)) else { continue };
+                let outcome = &mut found.outcome;
+                (outcome.verdict, outcome.end, outcome.planner) = (Verdict::Reached(plan), End::Answered, *planner);
+                outcome.is_withdrawn = false;
+                has_changed = true;
+            }
+        }
+        has_changed
+    }
+
+    /// The number of first steps of a found script that were given with the query; none if it begins elsewhere.
+    fn given_steps(&self, script: &Script) -> Option<u64> {
+        let after = &self.query.after;
+        if after.is_empty() {
+            return Some(0);
+        }
+        after.iter().filter(|given| script.first(given.len()) == **given).map(Script::len).max()
+    }
+
+    /// The problem of a target; none if the watch stopped a script that leads to where it begins.
+    fn problem(&self, target: Target, watch: &dyn Watch) -> Result<Option<Problem<'_>>, Unasked> {
+        let Query { least_hold, within, without, after, .. } = &self.query;
+        let mut problem = Problem::asking(&self.sim, target).holding(*least_hold);
+        if let Some(guard) = &self.guard {
+            problem = problem.guarded(guard);
+        }
+        for never in without {
+            problem = problem.without(self.sim.world().nevers[*never].holds);
+        }
+        if let Some(steps) = within {
+            problem = problem.within(*steps);
+        }
+        for (index, script) in after.iter().enumerate() {
+            problem = match problem.after_watched(script.clone(), watch) {
+                Ok(problem) => problem,
+                Err(BadStart::Stopped) => return Ok(None),
+                Err(BadStart::Fault(fault, step)) => return Err(Unasked::Fault(fault, step)),
+                Err(BadStart::Over(reason, step)) => return Err(Unasked::Over { script: index, reason, step }),
+            };
+        }
+        Ok(Some(problem))
+    }
+}

@@ -1,0 +1,86 @@
+//! Why there is no way, in sentences: what the analysis says of the parts of a predicate, how far away a goal is, what was
+//! visited.
+
+use crate::analysis::wording::relation;
+use crate::analysis::{Interval, Values};
+use crate::ir::{Entity, Program, SlotId, World};
+use crate::source::SourceMap;
+
+use super::super::metric::Quantity;
+use super::super::outcome::{Argument, Exhaustion, Verdict};
+use super::super::proof::{Proof, TooFar};
+
+/// The reasons that a verdict gives for a "no"; none if it is no "no".
+pub(super) fn reasons(sources: &SourceMap, program: &Program, world: &World, verdict: &Verdict) -> Vec<String> {
+    match verdict {
+        Verdict::Unreachable(argument) => argument_reasons(sources, program, world, argument),
+        Verdict::Exhausted(all) => {
+            vec![visited(*all), "values of axes between these were not tried, and can make a difference".to_string()]
+        }
+        Verdict::Reached(_) | Verdict::NotFound => Vec::new(),
+    }
+}
+
+fn argument_reasons(sources: &SourceMap, program: &Program, world: &World, argument: &Argument) -> Vec<String> {
+    match argument {
+        Argument::Analysis(proof) => proof_reasons(sources, program, world, proof),
+        Argument::Distance(TooFar { player, within: [x, y], least }) => {
+            let name = &world.slots[*player].name;
+            let range = |axis: &str, at: &Interval| relation(&format!("{name}.{axis}"), &Values::from(*at));
+            let seconds = *least as f64 * world.step.seconds();
+            let steps = if *least == 1 { "step" } else { "steps" };
+            vec![
+                format!("by then {} and {}, where it cannot hold", range("x", x), range("y", y)),
+                format!("it takes at least {least} {steps} ({seconds:.2} s)"),
+            ]
+        }
+        Argument::Exhaustion(all) => vec![visited(*all)],
+        Argument::Over => vec!["every run is over before it begins".to_string()],
+    }
+}
+
+/// What an exhaustive search visited.
+fn visited(Exhaustion { states, least_hold }: Exhaustion) -> String {
+    let held = match least_hold {
+        1 => "that can change at every step".to_string(),
+        steps => format!("that are held for at least {steps} steps"),
+    };
+    let states = if states == 1 { "the only state was".to_string() } else { format!("all {states} states were") };
+    format!("{states} visited to which inputs lead {held}: all buttons, axes at -1, 0 and 1")
+}
+
+/// Why a goal cannot hold: one reason for each part of its predicate that would have to turn out otherwise. `sources` hold
+/// the text of the predicates.
+pub fn proof_reasons(sources: &SourceMap, program: &Program, world: &World, proof: &Proof) -> Vec<String> {
+    let mut out: Vec<String> = Vec::new();
+    for part in &proof.parts {
+        let text = sources.slice(program.spans.exprs[part.predicate]);
+        let text: Vec<&str> = text.lines().filter_map(|line| line.split("//").next()).collect();
+        let text = text.join(" ").split_whitespace().collect::<Vec<_>>().join(" ");
+        let reads = part.reads.iter().map(|(quantity, values)| {
+            let (slot, name) = match *quantity {
+                Quantity::Var(slot, var, degree) => (slot, entity(program, world, slot).variable_text(var, degree)),
+                Quantity::Discrete(slot, id) => (slot, entity(program, world, slot).discretes[id].name.clone()),
+                Quantity::Timer(slot, id) => (slot, id.to_string()),
+            };
+            relation(&format!("{}.{name}", world.slots[slot].name), values)
+        });
+        let reads: Vec<String> = reads.collect();
+        let always = if part.holds { "always" } else { "never" };
+        let why = if reads.is_empty() { String::new() } else { format!(": {}", reads.join(", ")) };
+        let reason = format!("`{text}` {always} holds{why}");
+        if !out.contains(&reason) {
+            out.push(reason);
+        }
+    }
+    out
+}
+
+fn entity<'p>(program: &'p Program, world: &World, slot: SlotId) -> &'p Entity {
+    &program.entities[world.slots[slot].entity]
+}
+
+/// Whether a run ends where a player leaves the bounds of its space: every proof about such a world assumes it.
+pub fn is_bounded(world: &World) -> bool {
+    !world.players.is_empty() && world.spaces.iter().any(|s| s.bounds.is_some())
+}

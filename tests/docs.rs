@@ -449,3 +449,22 @@ fn each_command_has_its_page_and_each_option_stands_there() {
     }
     assert!(options["reach"] > 30, "{options:?}");
 }
+
+/// The words in the quotes after `const NAME =` in the book's highlighter.
+fn words_of(script: &str, name: &str) -> BTreeSet<String> {
+    let (_, rest) = script.split_once(&format!("const {name} =")).unwrap();
+    let quoted = rest.split(';').next().unwrap().split('"').skip(1).step_by(2);
+    quoted.flat_map(str::split_whitespace).map(str::to_string).collect()
+}
+
+#[test]
+fn the_book_colours_the_words_of_the_grammar() {
+    let (script, grammar) = (read("docs/hyped.js"), read("grammar/hyped.pest"));
+    for (name, prefix) in [("reserved", "kw_"), ("contextual", "word_")] {
+        let rules = grammar.lines().filter(|line| line.starts_with(prefix));
+        let mut words: BTreeSet<String> = rules.filter_map(|line| Some(line.split('"').nth(1)?.to_string())).collect();
+        // The sign between width and height; else it is a variable.
+        words.remove("x");
+        assert_eq!(words_of(&script, name), words, "docs/hyped.js, {name}");
+    }
+}

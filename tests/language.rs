@@ -21,5 +21,6 @@ mod new;
 mod reference;
 mod robust;
 mod scale;
+mod schemas;
 mod tidy;
 mod ui;

@@ -1,5 +1,6 @@
 //! The renderer for programs: everything that was found in a run, as one JSON object.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{Found, distinct};
@@ -9,41 +10,58 @@ use crate::source::{SourceMap, Span};
 /// The version of the object. It grows when a field changes its meaning or goes away.
 const VERSION: u32 = 1;
 
-#[derive(Serialize)]
+/// The findings of a run of `hypedc check`.
+#[derive(Serialize, JsonSchema)]
 struct Run {
+    /// The version of this format.
     version: u32,
+    /// The version of `hypedc`.
     hypedc: &'static str,
+    /// The programs that were checked.
     programs: Vec<Program>,
+    /// What was found in them.
     findings: Vec<Finding>,
 }
 
-#[derive(Serialize)]
+/// A program that was checked.
+#[derive(Serialize, JsonSchema)]
 struct Program {
+    /// Its path.
     file: String,
+    /// The number of errors.
     errors: usize,
+    /// The number of warnings.
     warnings: usize,
 }
 
-#[derive(Serialize, PartialEq)]
+#[derive(Serialize, JsonSchema, PartialEq)]
 struct Finding {
+    /// The code, such as `E0302`.
     code: &'static str,
+    /// `error` or `warning`.
     severity: &'static str,
+    /// The finding in one line.
     message: String,
+    /// The place that it is about.
     primary: Option<Place>,
+    /// Other places.
     related: Vec<Place>,
+    /// Ways out.
     helps: Vec<String>,
+    /// Further lines.
     notes: Vec<String>,
+    /// A repair.
     fix: Option<Mending>,
 }
 
-#[derive(Serialize, PartialEq)]
+#[derive(Serialize, JsonSchema, PartialEq)]
 struct Place {
     #[serde(flatten)]
     range: Range,
     label: String,
 }
 
-#[derive(Serialize, PartialEq)]
+#[derive(Serialize, JsonSchema, PartialEq)]
 struct Range {
     file: String,
     bytes: Bytes,
@@ -51,25 +69,25 @@ struct Range {
     end: Position,
 }
 
-#[derive(Serialize, PartialEq)]
+#[derive(Serialize, JsonSchema, PartialEq)]
 struct Bytes {
     start: u32,
     end: u32,
 }
 
-#[derive(Serialize, PartialEq)]
+#[derive(Serialize, JsonSchema, PartialEq)]
 struct Position {
     line: usize,
     column: usize,
 }
 
-#[derive(Serialize, PartialEq)]
+#[derive(Serialize, JsonSchema, PartialEq)]
 struct Mending {
     title: String,
     edits: Vec<Edit>,
 }
 
-#[derive(Serialize, PartialEq)]
+#[derive(Serialize, JsonSchema, PartialEq)]
 struct Edit {
     #[serde(flatten)]
     range: Range,
@@ -92,6 +110,11 @@ pub fn json(run: &[Found<'_>]) -> Result<String, serde_json::Error> {
         findings: distinct(run, |found, d| finding(found.sources, d)),
     };
     Ok(serde_json::to_string_pretty(&object)? + "\n")
+}
+
+/// The schema of what [`json`] renders.
+pub(crate) fn json_schema() -> schemars::Schema {
+    schemars::schema_for!(Run)
 }
 
 fn finding(sources: &SourceMap, d: &Diagnostic) -> Finding {

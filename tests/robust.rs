@@ -163,3 +163,20 @@ fn run(program: &Arc<hypedc::ir::Program>, world: WorldId) {
         assert_eq!(state, twin, "the same step gives the same bits");
     }
 }
+
+/// Each parameter is the square of the one before: its exponent doubles until no number holds it.
+#[test]
+fn of_dimensions_with_too_large_exponents_nothing_is_said() {
+    let squares: String = (1..=80).map(|i| format!("param p{i} = p{} * p{}\n", i - 1, i - 1)).collect();
+    let program = |used: &str| {
+        format!("entity A {{\nparam p0: px = 1\n{squares}mode a {{ x' = 0\nwhen {used} -> b }} mode b {{ x' = 0 }} }}\n")
+    };
+    let found = |used: &str| {
+        let compilation = compile_text(&program(used));
+        render::short(&compilation.sources, compilation.diagnostics.iter())
+    };
+    assert!(found("p2 > p1").contains("px^4"), "{}", found("p2 > p1"));
+    for used in ["p80 > p79", "p64 > p63", "p63 > p62 * p62 * p80", "p70 > 1px"] {
+        assert!(!found(used).contains("px^"), "{used}: {}", found(used));
+    }
+}

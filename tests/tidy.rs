@@ -55,6 +55,20 @@ const ARROWS: &[(&str, &[&str])] = &[
     ),
 ];
 
+/// Inside of a module: what a folder does not use of its own module.
+const ROOMS: &[(&str, &[&str])] = &[
+    ("analysis/domain", &["analysis::geometry", "analysis::step", "analysis::fixpoint", "analysis::membership"]),
+    ("analysis/geometry", &["analysis::step", "analysis::fixpoint", "analysis::membership", "analysis::findings"]),
+    ("analysis/step", &["analysis::fixpoint", "analysis::membership", "analysis::findings"]),
+    ("analysis/fixpoint", &["analysis::membership", "analysis::findings"]),
+    ("lsp/text", &["lsp::view", "lsp::snapshot", "lsp::documents", "lsp::features", "lsp::protocol"]),
+    ("lsp/features", &["lsp::protocol"]),
+    ("lsp/view", &["lsp::features", "lsp::protocol"]),
+    ("lsp/snapshot", &["lsp::view", "lsp::features", "lsp::protocol"]),
+    ("lsp/documents", &["lsp::view", "lsp::snapshot", "lsp::features", "lsp::protocol"]),
+    ("lsp/diagnostics", &["lsp::view", "lsp::features", "lsp::protocol"]),
+];
+
 /// The longest a source file may be before it is time to look for the seam.
 const MAX_LINES: usize = 620;
 
@@ -91,6 +105,21 @@ fn arrows_between_modules_run_one_way() {
     }
     for (module, _) in ARROWS {
         assert!(seen.iter().any(|s| s == module), "{module} is drawn, but is not there");
+    }
+}
+
+#[test]
+fn rooms_of_a_module_have_arrows_of_their_own() {
+    for (room, forbidden) in ROOMS {
+        let of = |inside: &str| inside.strip_prefix(room).is_some_and(|rest| rest.starts_with(['/', '.']));
+        let inside = |path: &Path| path.strip_prefix("src").unwrap().to_str().unwrap().replace('\\', "/");
+        let files: Vec<_> = files("src", "rs").into_iter().filter(|path| of(&inside(path))).collect();
+        assert!(!files.is_empty(), "{room} is not there");
+        for path in files {
+            let text = std::fs::read_to_string(&path).unwrap();
+            let used = forbidden.iter().find(|used| text.contains(&format!("crate::{used}::")));
+            assert_eq!(used, None, "{} uses what comes after it", path.display());
+        }
     }
 }
 

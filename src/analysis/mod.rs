@@ -17,6 +17,20 @@
 //! What is lost: else variables are not related to each other, nor instances. An entity with more than a thousand
 //! combinations of leaves, or a world that takes too many steps to look at, is given up: everything is possible then.
 //!
+//! # Rooms
+//!
+//! Each uses those above it.
+//!
+//! | folder, file | holds |
+//! |---|---|
+//! | `domain` | sets of values, what an instance can be, widening |
+//! | `geometry` | bodies, tiles, what never moves, where pushes end, what the instances of a kind are together |
+//! | `step` | the phases of a step over sets of values |
+//! | `fixpoint` | steps from all that is known until nothing new is found; how it begins, how it ends |
+//! | `membership` | whether a state lies inside, fast: searches ask it of every state |
+//! | `pace` | how far an instance gets in a number of steps |
+//! | `findings` | what `check` reports |
+//!
 //! # The phases of a step
 //!
 //! The analysis takes a step in the order of the simulator's phases. Each row sets a phase beside its abstraction, and names
@@ -40,37 +54,19 @@
 //! | `life::remove_destroyed`: references become none | references may always be none | – | oracle |
 //! | observation: `never`, then written bounds, then `goal` | `forbidden`, `widen::within_bounds`, `can_turn_out` | – | `tests/border.rs` |
 
-mod cells;
-mod configuration;
-mod counter_bounds;
-mod crowd;
-mod energy;
-mod evaluate;
+mod domain;
 mod findings;
 mod fixpoint;
-mod flow;
-mod forbidden;
-mod initial;
-mod local;
-mod lookup;
+mod geometry;
 mod membership;
-mod narrowing;
 mod pace;
-mod presence;
-mod region;
-mod scene;
-mod statics;
 mod step;
-mod surroundings;
-mod tiles;
-mod values;
-mod widen;
-pub mod wording;
 
-pub use configuration::{Configuration, Numbers};
+pub use domain::configuration::{Configuration, Numbers};
+pub use domain::values::{Interval, Values};
+pub use domain::wording;
 pub use findings::{InvariantVerdict, Spaces, findings, invariants, watched_findings};
 pub use membership::{Beyond, Membership, Outside, Reading};
-pub use values::{Interval, Values};
 
 use std::sync::Arc;
 
@@ -78,13 +74,13 @@ use crate::ir::{ExprId, GoalId, IdVec, Program, SlotId, World, WorldId};
 
 use crate::watch::{Unwatched, Watch};
 
-use configuration::Overall;
-use counter_bounds::Limits;
-use evaluate::{Joined, Phase, Pinned, Reader};
+use domain::configuration::Overall;
 use fixpoint::Analysis;
-use forbidden::Forbidden;
-use scene::Scene;
-use surroundings::Surroundings;
+use fixpoint::counter_bounds::{self, Limits};
+use geometry::scene::Scene;
+use geometry::surroundings::Surroundings;
+use step::evaluate::{Joined, Phase, Pinned, Reader};
+use step::forbidden::Forbidden;
 
 /// So where players are told apart by place, with each place that a way leads to.
 const MAX_EFFORT_BY_PLACE: usize = 60_000;

@@ -6,9 +6,9 @@
 
 use crate::ir::{Entity, ExprId, Origin, Place, Program, SlotId, SpaceId, VarId, World, WorldId};
 
-use super::ConfigurationSpace;
-use super::evaluate::{Pinned, Reader};
-use super::values::Interval;
+use crate::analysis::ConfigurationSpace;
+use crate::analysis::domain::values::Interval;
+use crate::analysis::step::evaluate::{Pinned, Reader};
 
 /// More than a step can differ from what it should be by rounding, px.
 const ROUNDED: f64 = 1e-6;

@@ -66,7 +66,7 @@ impl Setup {
         for &measure in measures {
             for &sampling in samplings {
                 for &planner in planners {
-                    let count = if has_trees(planner) { restarts.len() } else { 1 };
+                    let count = if planner.restarts() { restarts.len() } else { 1 };
                     let ways = restarts.iter().take(count);
                     setups.extend(ways.map(|&restart| Setup { planner, restart, sampling, measure, hold }));
                 }
@@ -125,11 +125,6 @@ impl Setup {
             },
         }
     }
-}
-
-/// Whether a planner grows trees from samples; the others visit each state once.
-fn has_trees(planner: Planner) -> bool {
-    !matches!(planner, Planner::Exhaustive | Planner::BestFirst)
 }
 
 /// An experiment: every setup with every seed on every question that the analysis leaves open.

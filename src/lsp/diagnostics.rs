@@ -11,16 +11,16 @@ use gen_lsp_types::{
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Severity};
 use crate::source::FileId;
 
-use super::alignment::Alignment;
-use super::snapshot::Snapshot;
-use super::text::Encoding;
-use super::uri::path_of;
+use crate::lsp::snapshot::Snapshot;
+use crate::lsp::text::alignment::Alignment;
+use crate::lsp::text::document_text::Encoding;
+use crate::lsp::text::uri::path_of;
 
 /// What is shown of one program, by document.
-pub(super) type ByDocument = BTreeMap<String, Vec<Shown>>;
+pub(in crate::lsp) type ByDocument = BTreeMap<String, Vec<Shown>>;
 
 /// Some findings of a program, by document.
-pub(super) fn by_document(snapshot: &Snapshot, found: &Diagnostics, encoding: Encoding) -> ByDocument {
+pub(in crate::lsp) fn by_document(snapshot: &Snapshot, found: &Diagnostics, encoding: Encoding) -> ByDocument {
     let mut out = ByDocument::new();
     for finding in found.iter() {
         let file = finding.primary.as_ref().map(|label| label.span.file);
@@ -31,7 +31,7 @@ pub(super) fn by_document(snapshot: &Snapshot, found: &Diagnostics, encoding: En
 }
 
 /// What is left of the findings of an older state of a program: those whose lines are still there, at their new places.
-pub(super) fn carried(found: &ByDocument, old: &Snapshot, new: &Snapshot) -> ByDocument {
+pub(in crate::lsp) fn carried(found: &ByDocument, old: &Snapshot, new: &Snapshot) -> ByDocument {
     let mut moves = Moves { old, new, known: BTreeMap::new() };
     let mut out = ByDocument::new();
     for (uri, findings) in found {
@@ -80,7 +80,7 @@ impl Moves<'_> {
 }
 
 /// One finding.
-pub(super) fn shown(finding: &Diagnostic, snapshot: &Snapshot, encoding: Encoding) -> Shown {
+pub(in crate::lsp) fn shown(finding: &Diagnostic, snapshot: &Snapshot, encoding: Encoding) -> Shown {
     let start = Position { line: 0, character: 0 };
     let range = finding.primary.as_ref().map_or(Range { start, end: start }, |l| snapshot.range(l.span, encoding));
     let related = finding.secondary.iter().map(|label| DiagnosticRelatedInformation {
@@ -126,7 +126,7 @@ fn tag(code: Code) -> Option<DiagnosticTag> {
 
 /// What was sent, and what is to be sent next.
 #[derive(Debug, Default)]
-pub(super) struct Published {
+pub(in crate::lsp) struct Published {
     /// With the version of the text that the places were counted in, for documents that are open.
     sent: BTreeMap<String, (Option<i32>, Vec<Shown>)>,
 }
@@ -170,7 +170,7 @@ impl Published {
 }
 
 /// The findings of a file that can be mended, and touch some bytes of it.
-pub(super) fn mendable<'a>(
+pub(in crate::lsp) fn mendable<'a>(
     snapshot: &'a Snapshot,
     more: Option<&'a Diagnostics>,
     file: FileId,

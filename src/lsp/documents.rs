@@ -6,12 +6,12 @@ use std::sync::Arc;
 
 use gen_lsp_types::{TextDocumentContentChangeEvent, Uri};
 
-use super::text::{Encoding, Text};
-use super::uri::path_of;
+use crate::lsp::text::document_text::{Encoding, Text};
+use crate::lsp::text::uri::path_of;
 
 /// An open document.
 #[derive(Debug, Clone)]
-pub(super) struct Document {
+pub(in crate::lsp) struct Document {
     /// As the editor calls it.
     pub uri: Uri,
     /// The editor's own count of changes.
@@ -23,11 +23,11 @@ pub(super) struct Document {
 }
 
 /// All open documents, by their paths.
-pub(super) type Open = BTreeMap<PathBuf, Document>;
+pub(in crate::lsp) type Open = BTreeMap<PathBuf, Document>;
 
 /// The documents, shared with the thread that compiles them.
 #[derive(Debug, Default)]
-pub(super) struct Documents {
+pub(in crate::lsp) struct Documents {
     open: Arc<Open>,
 }
 

@@ -1,46 +1,36 @@
 //! The language server: what editors ask of open texts (Language Server Protocol 3.18), over any connection.
 //!
 //! ```text
-//!  editor ◀──messages──▶ server ──documents──▶ worker ──compile──▶ Snapshot ──▶ server
-//!                          │                      └────analysis──▶ findings, ranges ──▶ server
-//!                          └── one file for each family of requests, from the newest snapshots
+//!  editor ◀──messages──▶ protocol/ ──documents──▶ worker ──compile──▶ Snapshot ─┐
+//!                           │                       └────analysis──▶ findings ──┤
+//!                           └──requests──▶ features/ ◀──View◀───────────────────┘
 //! ```
+//!
+//! | folder, file | holds |
+//! |---|---|
+//! | `protocol` | the connection, the worker, the table of requests |
+//! | `features` | what the server can do: functions of a view |
+//! | `view`, `snapshot`, `documents`, `diagnostics`, `values`, `client` | what is known at one moment |
+//! | `text` | texts that may be broken: positions, words, where a cursor stands |
 //!
 //! The server's thread only reads messages, keeps the documents and answers from snapshots; all that takes long is done
 //! by the worker, which starts anew when a document changes. A request that needs names waits until the worker has
 //! compiled the documents as the request saw them. What broken texts do not tell is taken from the last snapshot that was
 //! free of errors.
 
-mod actions;
-mod alignment;
-mod capabilities;
-mod completion;
+mod client;
 mod diagnostics;
-mod dispatch;
 mod documents;
-mod following;
-mod hierarchy;
-mod hints;
-mod hover;
-mod lexer;
-mod meanings;
-mod navigate;
-mod place;
-mod rename;
-mod server;
-mod signature;
+mod features;
+mod protocol;
 mod snapshot;
-mod structure;
 mod text;
-mod tokens;
-mod uri;
 mod values;
-mod words;
-mod worker;
+mod view;
 
 use std::path::{Path, PathBuf};
 
-pub use server::{Server, Settings};
+pub use protocol::{Server, Settings};
 
 use crate::source::Files;
 

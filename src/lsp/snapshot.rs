@@ -14,10 +14,10 @@ use crate::syntax;
 use crate::syntax::ast::{Behavior, Item};
 use crate::syntax::occurrence::{NameKind, Occurrence};
 
-use super::Workspace;
-use super::documents::Open;
-use super::text::{Encoding, Text};
-use super::uri::{clean, uri_of};
+use crate::lsp::Workspace;
+use crate::lsp::documents::Open;
+use crate::lsp::text::document_text::{Encoding, Text};
+use crate::lsp::text::uri::{clean, uri_of};
 
 /// Reads what is open from the editor, all else from the disk, and remembers what was asked for.
 struct Overlay<'a> {
@@ -45,7 +45,7 @@ impl Files for Overlay<'_> {
 
 /// What is known of a program.
 #[derive(Debug)]
-pub(super) struct Snapshot {
+pub(in crate::lsp) struct Snapshot {
     /// The file that was compiled.
     pub root: PathBuf,
     /// What came of it.
@@ -60,7 +60,7 @@ pub(super) struct Snapshot {
 
 /// What a name names, the same in all programs.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Key {
+pub(in crate::lsp) struct Key {
     pub kind: NameKind,
     pub name: String,
     /// Where it is declared; a tag is the same wherever it stands.

@@ -7,7 +7,7 @@ use crate::ir::Program;
 
 /// What a variable can be while a mode is active: itself and, of a continuous one, its derivatives.
 #[derive(Debug, Clone)]
-pub(super) struct InMode {
+pub(in crate::lsp) struct InMode {
     /// The mode's path; empty in an entity without modes.
     pub mode: String,
     /// The variable, its velocity, its acceleration.
@@ -16,7 +16,7 @@ pub(super) struct InMode {
 
 /// What variables can be in all worlds of a program.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Ranges {
+pub(in crate::lsp) struct Ranges {
     /// By entity and variable; modes in order.
     known: BTreeMap<(String, String), Vec<InMode>>,
 }
@@ -71,7 +71,7 @@ impl Ranges {
 }
 
 /// Some values as one writes them.
-pub(super) fn written(values: &Values) -> String {
+pub(in crate::lsp) fn written(values: &Values) -> String {
     let parts: Vec<String> = values.intervals().iter().map(ToString::to_string).collect();
     if parts.is_empty() { "none".into() } else { parts.join(" or ") }
 }

@@ -148,7 +148,7 @@ struct Turn {
 
 /// All states that were reached.
 pub(super) struct Exhaustive<'a> {
-    ground: SearchContext<'a>,
+    context: SearchContext<'a>,
     region: GoalRegion,
     change: Change,
     hashes: DefaultHashBuilder,
@@ -167,14 +167,14 @@ pub(super) struct Exhaustive<'a> {
 
 impl<'a> Exhaustive<'a> {
     /// Breadth first, or the nearest to the goal first.
-    pub fn new(ground: SearchContext<'a>, change: Change, best_first: bool) -> Self {
+    pub fn new(context: SearchContext<'a>, change: Change, best_first: bool) -> Self {
         let order = match best_first {
             true => Order::Best(BinaryHeap::new()),
             false => Order::Breadth { first: 0, layers: VecDeque::new() },
         };
         Exhaustive {
-            region: GoalRegion::new(ground.problem, ground.metric),
-            ground,
+            region: GoalRegion::new(context.problem, context.metric),
+            context,
             change,
             hashes: DefaultHashBuilder::default(),
             known: HashTable::new(),
@@ -192,25 +192,25 @@ impl<'a> Exhaustive<'a> {
     }
 
     fn plant(&mut self) {
-        self.ground.notes.statistics.trees += 1;
-        for start in 0..self.ground.starts() {
-            let root = self.ground.plant(start, false);
+        self.context.notes.statistics.trees += 1;
+        for start in 0..self.context.starts() {
+            let root = self.context.plant(start, false);
             let held = match self.change.goes_on() {
-                true => self.ground.held_at_start(root).unwrap_or(NONE),
+                true => self.context.held_at_start(root).unwrap_or(NONE),
                 false => NONE,
             };
-            let hash = hashed(&self.hashes, self.ground.tree.state(root), held);
+            let hash = hashed(&self.hashes, self.context.tree.state(root), held);
             self.keep(root, held, hash);
         }
     }
 
     /// Keeps a new node with the input that is held there.
     fn keep(&mut self, node: NodeId, held: u16, hash: u64) {
-        let tree = &self.ground.tree;
+        let tree = &self.context.tree;
         let distance = match self.order {
             Order::Breadth { .. } => 0.0,
             Order::Best(_) => {
-                self.ground.point(node, &mut self.point);
+                self.context.point(node, &mut self.point);
                 self.region.distance(&self.point)
             }
         };
@@ -233,11 +233,11 @@ impl<'a> Exhaustive<'a> {
     fn next(&mut self) -> Option<Turn> {
         loop {
             let node = self.order.pop()?;
-            let inputs = self.ground.inputs(node);
+            let inputs = self.context.inputs(node);
             if !self.change.goes_on() {
                 return Some(Turn { node, goes_on: false, begins: (0, inputs) });
             }
-            let (tree, hashes) = (&self.ground.tree, &self.hashes);
+            let (tree, hashes) = (&self.context.tree, &self.hashes);
             let (state, held) = (tree.state(node), held_by(&self.held, node.0));
             let hash = hashed(hashes, state, held);
             if find(&mut self.known, tree, &self.held, hash, node).is_none_or(|known| *known != node.0) {
@@ -262,8 +262,8 @@ impl<'a> Exhaustive<'a> {
             turn.begins.0 += 1;
             Choice { node, input: turn.begins.0 - 1, hold: self.change.hold() }
         };
-        let depth = self.ground.tree.depth(node);
-        match self.ground.extend(choice) {
+        let depth = self.context.tree.depth(node);
+        match self.context.extend(choice) {
             Extension::Dead => {}
             Extension::Goal(steps) => {
                 let total = depth + u32::from(steps);
@@ -272,16 +272,16 @@ impl<'a> Exhaustive<'a> {
                 }
             }
             Extension::Open => {
-                let state = self.ground.reached();
+                let state = self.context.reached();
                 let held = if self.change.goes_on() { choice.input as u16 } else { NONE };
-                let (tree, all) = (&self.ground.tree, &self.held);
+                let (tree, all) = (&self.context.tree, &self.held);
                 let hash = hashed(&self.hashes, state, held);
                 let is_same = |id: &u32| held_by(all, *id) == held && tree.state(NodeId(*id)) == state;
                 let known = self.known.find(hash, is_same);
                 // A longer hold may lead there before a shorter one that began later.
                 let later = |id: &u32| tree.depth(NodeId(*id)) > depth + u32::from(choice.hold);
                 if known.is_none_or(|id| self.is_breadth_first() && later(id)) {
-                    let id = self.ground.add(choice, false);
+                    let id = self.context.add(choice, false);
                     self.keep(id, held, hash);
                 }
             }
@@ -291,9 +291,9 @@ impl<'a> Exhaustive<'a> {
     /// Whether nothing was left out of what ways of fewer than so many steps pass: a way may lead around outside of a
     /// search window, on from where a branch was given up.
     fn is_complete(&self, steps: u32) -> bool {
-        let notes = &self.ground.notes;
+        let notes = &self.context.notes;
         let is_far = |cut: &Cut| cut.soonest.saturating_add(1) >= steps;
-        !self.ground.controls.truncated && notes.fault.is_none() && notes.cuts.iter().all(is_far)
+        !self.context.controls.truncated && notes.fault.is_none() && notes.cuts.iter().all(is_far)
     }
 
     /// The way that was found, if it is the answer: as soon as there can be no shorter one, where `least` is the least number
@@ -304,24 +304,24 @@ impl<'a> Exhaustive<'a> {
             is_best_first || *total <= least
         })?;
         // Starts that are not the initial state have had steps of different number.
-        let is_alone = self.ground.starts() == 1;
+        let is_alone = self.context.starts() == 1;
         let is_all = matches!(self.change, Change::After(_)) && self.is_complete(total);
         let is_shortest = self.is_breadth_first() && is_alone && is_all;
-        self.ground.plan(choice, steps, is_shortest)
+        self.context.plan(choice, steps, is_shortest)
     }
 
     /// How it ends where nothing is left to extend.
     fn exhausted(&mut self) -> Ending {
         // Within a time, what was reached late may have been left that could also be reached soon.
-        let is_timely = self.ground.problem.time().is_none() || self.is_breadth_first();
+        let is_timely = self.context.problem.time().is_none() || self.is_breadth_first();
         if !self.is_complete(u32::MAX) || !is_timely {
             return Ending::Spent;
         }
-        let states = if self.change.goes_on() { self.begun.len() } else { self.ground.tree.len() } as u64;
+        let states = if self.change.goes_on() { self.begun.len() } else { self.context.tree.len() } as u64;
         match self.change {
             Change::After(steps) => Ending::Exhausted(Exhaustion { states, least_hold: steps }),
             Change::Every(steps) => {
-                self.ground.notes.exhausted = Some((steps, states));
+                self.context.notes.exhausted = Some((steps, states));
                 Ending::Spent
             }
         }
@@ -330,16 +330,16 @@ impl<'a> Exhaustive<'a> {
 
 impl Searcher for Exhaustive<'_> {
     fn advance(&mut self, nodes: u64) -> Ending {
-        if self.ground.tree.is_empty() {
+        if self.context.tree.is_empty() {
             self.plant();
         }
-        let until = self.ground.notes.statistics.nodes.saturating_add(nodes);
+        let until = self.context.notes.statistics.nodes.saturating_add(nodes);
         // A closed world adds no nodes, but still takes its time.
         let mut patience = nodes.saturating_mul(16);
-        while self.ground.notes.statistics.nodes < until && patience > 0 {
+        while self.context.notes.statistics.nodes < until && patience > 0 {
             patience -= 1;
             // What was cut short proves nothing.
-            if self.ground.meter.spend(TURN) {
+            if self.context.meter.spend(TURN) {
                 return Ending::Stopped;
             }
             let Some(mut turn) = self.turn.or_else(|| self.next()) else {
@@ -349,7 +349,7 @@ impl Searcher for Exhaustive<'_> {
                 return self.exhausted();
             };
             // All nodes that are left are at least as far away as this one.
-            if let Some(plan) = self.answer(self.ground.tree.depth(turn.node) + 1) {
+            if let Some(plan) = self.answer(self.context.tree.depth(turn.node) + 1) {
                 return Ending::Reached(plan);
             }
             let is_open = |turn: &Turn| turn.goes_on || turn.begins.0 < turn.begins.1;
@@ -366,24 +366,24 @@ impl Searcher for Exhaustive<'_> {
 
     fn pending(&mut self) -> Option<Plan> {
         let (_, choice, steps) = self.found.take()?;
-        self.ground.plan(choice, steps, false)
+        self.context.plan(choice, steps, false)
     }
 
     fn nodes(&self) -> u64 {
-        self.ground.notes.statistics.nodes
+        self.context.notes.statistics.nodes
     }
 
     fn places(&self) -> u64 {
-        self.ground.notes.coverage.count().places
+        self.context.notes.coverage.count().places
     }
 
     fn report(&self, notes: &mut Notes) {
-        self.ground.report(notes);
+        self.context.report(notes);
     }
 
     fn bytes(&self) -> usize {
         let tables = (self.known.capacity() + self.begun.capacity()) * 5;
-        self.ground.bytes() + tables + self.held.capacity() * 2 + self.order.bytes()
+        self.context.bytes() + tables + self.held.capacity() * 2 + self.order.bytes()
     }
 
     fn planner(&self) -> &'static str {

@@ -29,13 +29,13 @@ const COMPARED: u64 = 16;
 
 /// A tree that a strategy grows from samples, planted anew now and then.
 pub(super) struct Sampler<'a> {
-    ground: SearchContext<'a>,
+    context: SearchContext<'a>,
     strategy: Box<dyn Strategy + Send + 'a>,
     /// The planner's.
     name: &'static str,
     region: GoalRegion,
-    /// The share of samples that are drawn towards the goal.
-    goal_bias: f64,
+    /// The share of samples that are drawn towards the goal; none if the strategy looks at no samples.
+    goal_bias: Option<f64>,
     /// The number of nodes of the shortest tree before a restart; none: never.
     restart: Option<u64>,
     /// How many nodes the tree may have.
@@ -54,24 +54,24 @@ pub(super) struct Sampler<'a> {
 
 impl<'a> Sampler<'a> {
     pub fn new(
-        ground: SearchContext<'a>,
+        context: SearchContext<'a>,
         strategy: Box<dyn Strategy + Send + 'a>,
         name: &'static str,
-        goal_bias: f64,
+        goal_bias: Option<f64>,
         restart: Option<u64>,
         distances: Option<&'a Distances>,
     ) -> Self {
-        let region = GoalRegion::new(ground.problem, ground.metric);
-        let coordinates = ground.metric.coordinates().len() as u64 + 1;
+        let region = GoalRegion::new(context.problem, context.metric);
+        let coordinates = context.metric.coordinates().len() as u64 + 1;
         Sampler {
             strategy,
             name,
             region,
-            goal_bias: goal_bias.clamp(0.0, 1.0),
+            goal_bias: goal_bias.map(|share| share.clamp(0.0, 1.0)),
             restart,
             allowance: 0,
-            distances: distances.filter(|_| ground.problem.time().is_some()),
-            ground,
+            distances: distances.filter(|_| context.problem.time().is_some()),
+            context,
             round: 0,
             coordinates,
             fruitless: 0,
@@ -85,37 +85,37 @@ impl<'a> Sampler<'a> {
     fn plant(&mut self) {
         self.round += 1;
         self.fruitless = 0;
-        self.barren = if self.ground.tree.len() == 1 { self.barren + 1 } else { 0 };
+        self.barren = if self.context.tree.len() == 1 { self.barren + 1 } else { 0 };
         self.allowance = self.restart.map_or(u64::MAX, |shortest| shortest.max(2).saturating_mul(luby(self.round)));
-        self.ground.clear();
-        let start = (self.round - 1) as usize % self.ground.starts().max(1);
-        let root = self.ground.plant(start, true);
-        self.ground.notes.statistics.trees += 1;
-        self.ground.point(root, &mut self.point);
-        self.strategy.learn(&mut self.ground, None, Growth::Rooted(root, &self.point));
+        self.context.clear();
+        let start = (self.round - 1) as usize % self.context.starts().max(1);
+        let root = self.context.plant(start, true);
+        self.context.notes.statistics.trees += 1;
+        self.context.point(root, &mut self.point);
+        self.strategy.learn(&mut self.context, None, Growth::Rooted(root, &self.point));
     }
 
     fn is_over(&self) -> bool {
-        let tree = &self.ground.tree;
+        let tree = &self.context.tree;
         tree.len() as u64 >= self.allowance || tree.open_nodes() == 0 || self.fruitless >= MAX_FRUITLESS
     }
 
     fn choose(&mut self) -> Option<Choice> {
-        if self.strategy.samples() {
-            self.ground.metric.sample(&mut self.ground.rng, &mut self.toward);
-            if !self.strategy.aim(&mut self.ground, &self.region, &mut self.toward)
-                && self.ground.rng.random_bool(self.goal_bias)
+        if let Some(goal_bias) = self.goal_bias {
+            self.context.metric.sample(&mut self.context.rng, &mut self.toward);
+            if !self.strategy.aim(&mut self.context, &self.region, &mut self.toward)
+                && self.context.rng.random_bool(goal_bias)
             {
-                self.region.pull(&mut self.ground.rng, &mut self.toward);
+                self.region.pull(&mut self.context.rng, &mut self.toward);
             }
         }
-        self.strategy.choose(&mut self.ground, &self.toward)
+        self.strategy.choose(&mut self.context, &self.toward)
     }
 
     /// Whether the rest of the way from a state takes longer than there is time after so many steps.
     fn is_too_late(&self, state: &[u8], depth: u32) -> bool {
-        let (Some(most), Some(distances)) = (self.ground.problem.time(), self.distances) else { return false };
-        let sim = self.ground.problem.sim;
+        let (Some(most), Some(distances)) = (self.context.problem.time(), self.distances) else { return false };
+        let sim = self.context.problem.sim;
         let (x, y) = sim.position(state, distances.player);
         let rest = distances.least_steps(sim.space(state, distances.player), x, y);
         depth.saturating_add(rest) > most
@@ -124,11 +124,11 @@ impl<'a> Sampler<'a> {
     /// Whether all starts are too far away from the goal for the time that there is, as far as `lead` can tell: then every
     /// tree would stay without a node.
     fn is_hopeless(&self) -> bool {
-        let tree = &self.ground.tree;
+        let tree = &self.context.tree;
         self.barren >= MAX_BARREN
-            || self.barren >= self.ground.starts() as u64
+            || self.barren >= self.context.starts() as u64
                 && !tree.is_empty()
-                && self.ground.start_states().all(|(state, depth)| self.is_too_late(state, depth))
+                && self.context.start_states().all(|(state, depth)| self.is_too_late(state, depth))
     }
 
     /// One turn of the loop.
@@ -139,24 +139,24 @@ impl<'a> Sampler<'a> {
             return None;
         };
         self.fruitless = 0;
-        match self.ground.extend(choice) {
+        match self.context.extend(choice) {
             // From there, the goal is too far away for the time that is left.
             Extension::Open
                 if self.is_too_late(
-                    self.ground.reached(),
-                    self.ground.tree.depth(choice.node) + u32::from(choice.hold),
+                    self.context.reached(),
+                    self.context.tree.depth(choice.node) + u32::from(choice.hold),
                 ) =>
             {
-                self.strategy.learn(&mut self.ground, Some(choice), Growth::Failed);
+                self.strategy.learn(&mut self.context, Some(choice), Growth::Failed);
             }
             Extension::Open => {
-                let node = self.ground.add(choice, true);
-                self.ground.point(node, &mut self.point);
-                self.strategy.learn(&mut self.ground, Some(choice), Growth::Added(node, &self.point));
+                let node = self.context.add(choice, true);
+                self.context.point(node, &mut self.point);
+                self.strategy.learn(&mut self.context, Some(choice), Growth::Added(node, &self.point));
             }
-            Extension::Dead => self.strategy.learn(&mut self.ground, Some(choice), Growth::Failed),
+            Extension::Dead => self.strategy.learn(&mut self.context, Some(choice), Growth::Failed),
             Extension::Goal(steps) => {
-                return self.ground.plan(choice, steps, false);
+                return self.context.plan(choice, steps, false);
             }
         }
         None
@@ -165,11 +165,11 @@ impl<'a> Sampler<'a> {
 
 impl Searcher for Sampler<'_> {
     fn advance(&mut self, nodes: u64) -> Ending {
-        let until = self.ground.notes.statistics.nodes.saturating_add(nodes);
-        while self.ground.notes.statistics.nodes < until {
+        let until = self.context.notes.statistics.nodes.saturating_add(nodes);
+        while self.context.notes.statistics.nodes < until {
             // A sample is compared with nodes, at worst with all of them.
-            let compared = self.ground.tree.len() as u64 + 1;
-            if self.ground.meter.spend(TRY + self.coordinates * compared / COMPARED) {
+            let compared = self.context.tree.len() as u64 + 1;
+            if self.context.meter.spend(TRY + self.coordinates * compared / COMPARED) {
                 return Ending::Stopped;
             }
             if self.is_over() {
@@ -185,15 +185,15 @@ impl Searcher for Sampler<'_> {
     }
 
     fn nodes(&self) -> u64 {
-        self.ground.notes.statistics.nodes
+        self.context.notes.statistics.nodes
     }
 
     fn places(&self) -> u64 {
-        self.ground.notes.coverage.count().places
+        self.context.notes.coverage.count().places
     }
 
     fn report(&self, notes: &mut Notes) {
-        self.ground.report(notes);
+        self.context.report(notes);
     }
 
     fn planner(&self) -> &'static str {
@@ -201,7 +201,7 @@ impl Searcher for Sampler<'_> {
     }
 
     fn bytes(&self) -> usize {
-        self.ground.bytes() + self.strategy.bytes()
+        self.context.bytes() + self.strategy.bytes()
     }
 }
 

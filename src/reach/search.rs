@@ -19,7 +19,7 @@ use super::exhaustive::{Change, Exhaustive};
 use super::guard::guarded;
 use super::metric::{Measure, Metric};
 use super::outcome::{Argument, End, Outcome, Plan, Verdict};
-use super::planners::Planner;
+use super::planners::{Method, Planner};
 use super::portfolio::{Portfolio, Refinement};
 use super::problem::{Problem, Start};
 use super::sampler::Sampler;
@@ -154,7 +154,7 @@ fn search_guarded(
     }
     let windows = Windows::new(problem, &starts);
     let metric = Metric::measuring(problem.sim, space, (settings.sampling, windows.extent), settings.measure);
-    let is_led = matches!(settings.planner, Planner::Auto | Planner::Lead) || problem.time().is_some();
+    let is_led = settings.planner.is_led() || problem.time().is_some();
     let distances = if is_led { Distances::new(problem, space, &Meter::new(watch)) } else { None };
     let build = Builder {
         problem,
@@ -183,8 +183,8 @@ struct Builder<'b, 'a> {
 impl<'a> Builder<'_, 'a> {
     /// The searcher of a tree.
     fn searcher(&self, tree: usize) -> Box<dyn Searcher + 'a> {
-        match self.settings.planner {
-            Planner::Auto => {
+        match self.settings.planner.method() {
+            Method::Portfolio => {
                 let planners = match (self.distances, self.problem.time()) {
                     (Some(_), None) => AUTO,
                     (Some(_), Some(_)) => AUTO_IN_TIME,
@@ -199,7 +199,9 @@ impl<'a> Builder<'_, 'a> {
                 }
                 Box::new(Portfolio::new(arms, self.limits.memory / self.settings.trees.max(1) as u64))
             }
-            planner => self.one(planner, tree, self.settings.hold),
+            Method::Sampling { .. } | Method::Exhaustive { .. } => {
+                self.one(self.settings.planner, tree, self.settings.hold)
+            }
         }
     }
 
@@ -216,12 +218,12 @@ impl<'a> Builder<'_, 'a> {
     }
 
     fn exhaustive(&self, tree: usize, change: Change, best_first: bool) -> Exhaustive<'a> {
-        Exhaustive::new(self.ground(tree, ControlSets::complete(), (1, 1)), change, best_first)
+        Exhaustive::new(self.context(tree, ControlSets::complete(), (1, 1)), change, best_first)
     }
 
     /// What a tree stands on. Trees begin at different starts and with different seeds, of which the first is the one that is
     /// given.
-    fn ground(&self, tree: usize, controls: ControlSets, hold: (u16, u16)) -> SearchContext<'a> {
+    fn context(&self, tree: usize, controls: ControlSets, hold: (u16, u16)) -> SearchContext<'a> {
         let mut starts = self.starts.to_vec();
         starts.rotate_left(tree % self.starts.len().max(1));
         let seed = if tree == 0 { self.settings.seed } else { mixed(self.settings.seed, tree as u64) };
@@ -230,23 +232,26 @@ impl<'a> Builder<'_, 'a> {
             .recording(self.settings.records)
     }
 
+    /// The searcher of a planner that is no portfolio.
     fn one(&self, planner: Planner, tree: usize, hold: Option<(u16, u16)>) -> Box<dyn Searcher + 'a> {
         let hold = hold.unwrap_or(planner.hold());
-        match planner.strategy(self.problem, self.measures.0, self.distances) {
-            Some(strategy) => {
+        match planner.method() {
+            Method::Sampling { samples, strategy } => {
+                let strategy = strategy(self.problem, self.measures.0, self.distances);
                 let restart = match self.settings.restart {
                     Restart::ByPlanner => Some(planner.restart()),
                     Restart::After(nodes) => Some(nodes),
                     Restart::Never => None,
                 };
-                let ground = self.ground(tree, ControlSets::default(), hold);
-                let (bias, distances) = (self.settings.goal_bias, self.distances);
-                Box::new(Sampler::new(ground, strategy, planner.name(), bias, restart, distances))
+                let context = self.context(tree, ControlSets::default(), hold);
+                let goal_bias = samples.then_some(self.settings.goal_bias);
+                Box::new(Sampler::new(context, strategy, planner.name(), goal_bias, restart, self.distances))
             }
-            None => {
+            Method::Portfolio | Method::Exhaustive { .. } => {
                 let least = self.problem.least_hold();
                 let change = if hold.0 > least { Change::Every(hold.0) } else { Change::After(least) };
-                Box::new(self.exhaustive(tree, change, planner == Planner::BestFirst))
+                let is_best_first = matches!(planner.method(), Method::Exhaustive { is_best_first: true });
+                Box::new(self.exhaustive(tree, change, is_best_first))
             }
         }
     }

@@ -31,20 +31,15 @@ pub enum Growth<'p> {
 pub trait Strategy {
     /// Moves a sample towards what the planner leans to; false to leave that to the loop, which draws a share of all
     /// samples from the goal.
-    fn aim(&mut self, _ground: &mut SearchContext<'_>, _goal: &GoalRegion, _toward: &mut Point) -> bool {
+    fn aim(&mut self, _context: &mut SearchContext<'_>, _goal: &GoalRegion, _toward: &mut Point) -> bool {
         false
     }
 
     /// Which node to grow and how; none to discard this sample. The input is marked as tried.
-    fn choose(&mut self, ground: &mut SearchContext<'_>, toward: &Point) -> Option<Choice>;
+    fn choose(&mut self, context: &mut SearchContext<'_>, toward: &Point) -> Option<Choice>;
 
     /// Told what came of a choice, or of none at a root.
-    fn learn(&mut self, ground: &mut SearchContext<'_>, choice: Option<Choice>, growth: Growth<'_>);
-
-    /// Whether it looks at samples at all.
-    fn samples(&self) -> bool {
-        true
-    }
+    fn learn(&mut self, context: &mut SearchContext<'_>, choice: Option<Choice>, growth: Growth<'_>);
 
     /// The memory that it takes, bytes.
     fn bytes(&self) -> usize;

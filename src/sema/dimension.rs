@@ -31,11 +31,18 @@ impl Ratio {
         let g = (a.max(1) as i64) * d.signum();
         Ratio(n / g, d / g)
     }
-    fn plus(self, o: Ratio) -> Ratio {
-        Ratio::new(self.0.saturating_mul(o.1).saturating_add(o.0.saturating_mul(self.1)), self.1.saturating_mul(o.1))
+    /// None if it cannot be told exactly.
+    fn plus(self, o: Ratio) -> Option<Ratio> {
+        let sum = self.0.checked_mul(o.1)?.checked_add(o.0.checked_mul(self.1)?)?;
+        Ratio::checked(sum, self.1.checked_mul(o.1)?)
     }
-    fn times(self, o: Ratio) -> Ratio {
-        Ratio::new(self.0.saturating_mul(o.0), self.1.saturating_mul(o.1))
+    /// None if it cannot be told exactly.
+    fn times(self, o: Ratio) -> Option<Ratio> {
+        Ratio::checked(self.0.checked_mul(o.0)?, self.1.checked_mul(o.1)?)
+    }
+    /// Every number of a ratio has its negative.
+    fn checked(n: i64, d: i64) -> Option<Ratio> {
+        (n != i64::MIN && d != i64::MIN).then(|| Ratio::new(n, d))
     }
 }
 
@@ -47,11 +54,13 @@ struct Dim {
     px: Ratio,
     s: Ratio,
     unknowns: BTreeMap<Unknown, Ratio>,
+    /// Whether an exponent grew beyond what can be told exactly: then nothing is known of it.
+    is_lost: bool,
 }
 
 impl Dim {
     fn known(px: i64, s: i64) -> Dim {
-        Dim { px: Ratio(px, 1), s: Ratio(s, 1), unknowns: BTreeMap::new() }
+        Dim { px: Ratio(px, 1), s: Ratio(s, 1), unknowns: BTreeMap::new(), is_lost: false }
     }
     fn unknown(u: Unknown) -> Dim {
         Dim { unknowns: BTreeMap::from([(u, Ratio::ONE)]), ..Dim::known(0, 0) }
@@ -61,16 +70,26 @@ impl Dim {
         self
     }
     fn add(&mut self, other: &Dim, factor: Ratio) {
-        self.px = self.px.plus(other.px.times(factor));
-        self.s = self.s.plus(other.s.times(factor));
+        if self.try_add(other, factor).is_none() {
+            *self = Dim { is_lost: true, ..Dim::known(0, 0) };
+        }
+    }
+    /// None if an exponent cannot be told exactly; then what is there is no sum.
+    fn try_add(&mut self, other: &Dim, factor: Ratio) -> Option<()> {
+        if self.is_lost || other.is_lost {
+            return None;
+        }
+        self.px = self.px.plus(other.px.times(factor)?)?;
+        self.s = self.s.plus(other.s.times(factor)?)?;
         for (u, r) in &other.unknowns {
-            let sum = self.unknowns.get(u).copied().unwrap_or(Ratio::ZERO).plus(r.times(factor));
+            let sum = self.unknowns.get(u).copied().unwrap_or(Ratio::ZERO).plus(r.times(factor)?)?;
             if sum == Ratio::ZERO {
                 self.unknowns.remove(u);
             } else {
                 self.unknowns.insert(*u, sum);
             }
         }
+        Some(())
     }
     fn words(&self) -> String {
         let part = |unit: &str, r: Ratio| match (r.0, r.1) {
@@ -196,7 +215,7 @@ impl Solver<'_> {
         let mut out = Dimensions::default();
         for (name, unknown) in self.named.clone() {
             let dim = self.reduce(&Dim::unknown(unknown));
-            if !dim.unknowns.is_empty() {
+            if dim.is_lost || !dim.unknowns.is_empty() {
                 continue;
             }
             match name {
@@ -278,7 +297,9 @@ impl Solver<'_> {
             Some((u, r)) => {
                 let rest = difference.plus(&Dim::unknown(u), Ratio(-r.0, r.1));
                 let solution = Dim::known(0, 0).plus(&rest, Ratio::new(-r.1, r.0));
-                self.solved[u] = Some((solution, term.span));
+                if !solution.is_lost {
+                    self.solved[u] = Some((solution, term.span));
+                }
             }
             None if difference.px != Ratio::ZERO || difference.s != Ratio::ZERO => {
                 let (needed, found) = (self.reduce(needed), self.reduce(found));

@@ -1,6 +1,7 @@
 //! Words for syntax errors: a slice that fit no rule is parsed again with the rule that was expected, and
 //! pest's furthest failure becomes a diagnostic.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use pest::Parser;
@@ -10,6 +11,7 @@ use crate::diagnostic::catalogue::syntax::Unexpected;
 use crate::diagnostic::{only_similar, similar};
 use crate::source::Span;
 
+use super::keyword::{keyword, opening_keywords};
 use super::slip::{Failed, slip};
 use super::{Grammar, Rule};
 
@@ -90,35 +92,15 @@ fn reads_to(rule: Rule, slice: &str) -> Option<usize> {
 
 /// The words that can open what a rule describes.
 fn opening_words(rule: Rule) -> &'static [&'static str] {
-    match rule {
-        Rule::only_item => &["import", "const", "entity", "world", "behavior"],
-        Rule::only_member => &[
-            "param",
-            "continuous",
-            "discrete",
-            "button",
-            "axis",
-            "collider",
-            "kinematic",
-            "group",
-            "mode",
-            "when",
-            "envelope",
-            "initial",
-            "ref",
-            "clamp",
-            "invariant",
-            "use",
-            "follow",
-            "spawn",
-            "destroy",
-        ],
-        Rule::only_update => &["spawn", "destroy"],
-        Rule::only_world_item => &["step", "collide", "tiles", "space", "limit", "player", "goal", "never"],
-        Rule::only_space_item => &["map", "place", "link", "rect", "bounds"],
-        Rule::only_ramp => &["attack", "decay", "sustain", "release", "while"],
-        _ => &[],
-    }
+    opening_keywords(match rule {
+        Rule::only_item => "good_item",
+        Rule::only_member => "good_member",
+        Rule::only_update => "good_update",
+        Rule::only_world_item => "good_world_item",
+        Rule::only_space_item => "good_space_item",
+        Rule::only_ramp => "good_ramp",
+        _ => return &[],
+    })
 }
 
 /// The token that starts at `at`, empty at the end of a line or of the text.
@@ -143,8 +125,8 @@ fn token_at(text: &str, at: usize) -> &str {
 
 /// The rules that could have stood at an error, in the order of importance and without repetition.
 fn words(rules: &[Rule]) -> Vec<String> {
-    let mut words: Vec<&'static str> = Vec::new();
-    let mut add = |word: &'static str| {
+    let mut words: Vec<Cow<'static, str>> = Vec::new();
+    let mut add = |word: Cow<'static, str>| {
         if !words.contains(&word) {
             words.push(word);
         }
@@ -187,7 +169,7 @@ fn words(rules: &[Rule]) -> Vec<String> {
             continue;
         }
         if starts_expression && starts_an_expression(*rule) {
-            add("an expression");
+            add("an expression".into());
         } else if is_operator(rule) || (*rule == Rule::kw_in && has(Rule::kw_is)) {
             continue;
         } else if let Some(word) = word(*rule) {
@@ -195,9 +177,9 @@ fn words(rules: &[Rule]) -> Vec<String> {
         }
     }
     if rules.iter().any(is_operator) && !starts_expression {
-        add("an operator");
+        add("an operator".into());
     }
-    words.iter().map(|w| (*w).to_string()).collect()
+    words.into_iter().map(Cow::into_owned).collect()
 }
 
 fn starts_an_expression(rule: Rule) -> bool {
@@ -235,9 +217,10 @@ fn starts_an_expression(rule: Rule) -> bool {
     )
 }
 
-fn word(rule: Rule) -> Option<&'static str> {
+/// What a rule is called in messages.
+fn word(rule: Rule) -> Option<Cow<'static, str>> {
     use Rule as R;
-    Some(match rule {
+    let word = match rule {
         R::EOI | R::end => "the end of the statement",
         R::name | R::variable | R::path => "a name",
         R::tag | R::tags => "a tag",
@@ -259,48 +242,55 @@ fn word(rule: Rule) -> Option<&'static str> {
         R::rate => "`accel`, `over` or `instant`",
         R::response => "`block` or `sense`",
         R::tile_char => "a tile's character in quotes such as `'#'`",
-        R::import => "`import`",
-        R::constant => "`const`",
-        R::entity => "`entity`",
-        R::world => "`world`",
-        R::parameter => "`param`",
-        R::mode | R::kw_mode => "`mode`",
-        R::edge | R::kw_when => "`when`",
-        R::kw_collider => "`collider`",
-        R::word_by => "`by`",
-        R::word_with => "`with`",
-        R::word_at => "`at`",
-        R::word_x => "`x`",
         R::settings | R::updates => "`{`",
-        R::step => "`step`",
-        R::collide => "`collide`",
-        R::tiles => "`tiles`",
-        R::space => "`space`",
-        R::player => "`player`",
-        R::goal => "`goal`",
-        R::never => "`never`",
-        R::map => "`map`",
-        R::place => "`place`",
-        R::solid => "`rect`",
-        R::bounds => "`bounds`",
         R::rectangle => "`(x, y, width, height)`",
-        R::limit => "`limit`",
-        R::link => "`link`",
-        R::legend => "`legend`",
-        R::behavior => "`behavior`",
-        R::kw_spawn | R::spawn => "`spawn`",
-        R::kw_destroy | R::destroy => "`destroy`",
-        R::kw_self => "`self`",
         R::formals | R::actuals => "`(`",
-        R::word_links => "`links`",
-        R::word_tile => "`tile`",
         R::within => "`in LOW..HIGH`",
-        R::decay => "`decay`",
-        R::attack => "`attack`",
-        R::sustain => "`sustain`",
-        R::release => "`release`",
-        R::driven_while => "`while`",
         R::dimension => "a dimension such as `px/s`",
-        _ => return None,
-    })
+        rule => return statement_word(rule).map(|word| format!("`{word}`").into()),
+    };
+    Some(word.into())
+}
+
+/// The keyword that a rule stands for, or that a statement begins with.
+fn statement_word(rule: Rule) -> Option<&'static str> {
+    use Rule as R;
+    let is_statement = matches!(
+        rule,
+        R::import
+            | R::constant
+            | R::entity
+            | R::behavior
+            | R::world
+            | R::parameter
+            | R::edge
+            | R::destroy
+            | R::decay
+            | R::attack
+            | R::sustain
+            | R::release
+            | R::driven_while
+            | R::step
+            | R::collide
+            | R::tiles
+            | R::space
+            | R::limit
+            | R::player
+            | R::goal
+            | R::never
+            | R::map
+            | R::place
+            | R::solid
+            | R::bounds
+            | R::link
+            | R::legend
+    );
+    match rule {
+        R::mode => Some("mode"),
+        R::spawn => Some("spawn"),
+        R::kw_mode | R::kw_when | R::kw_collider | R::kw_spawn | R::kw_destroy | R::kw_self => keyword(rule),
+        R::word_by | R::word_with | R::word_at | R::word_x | R::word_links | R::word_tile => keyword(rule),
+        _ if is_statement => opening_keywords(&format!("{rule:?}")).first().copied(),
+        _ => None,
+    }
 }

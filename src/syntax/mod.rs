@@ -11,6 +11,7 @@ mod build_world;
 mod expand;
 mod expression;
 mod import;
+mod keyword;
 mod mend;
 mod message;
 pub mod occurrence;
@@ -30,6 +31,7 @@ pub use expand::{MAX_PUT, expand};
 use grammar::Grammar;
 pub(crate) use grammar::Rule;
 pub use import::load;
+pub use keyword::{Keyword, keywords, opening_keywords};
 pub use scan::{MAX_NESTING, MAX_OPERATORS, MAX_WORD};
 pub use word::{is_name, is_reserved};
 

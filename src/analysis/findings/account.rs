@@ -5,8 +5,6 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::ir::{Entity, EntityId, IdVec, LeafId, ParamId, Program, SlotId, World, WorldId};
 
-use super::super::configuration::Configuration;
-use super::super::evaluate::Reader;
 use super::super::{ConfigurationSpace, SlotSpace};
 use super::Scene;
 use super::guards::{Site, sites};
@@ -14,6 +12,8 @@ use super::invariants::{Invariants, Nothing};
 use super::judge::{Given, Reads};
 use super::ranges::{self, Leaving};
 use super::words::Seen;
+use crate::analysis::domain::configuration::Configuration;
+use crate::analysis::step::evaluate::Reader;
 
 /// A slot of a world with what can be in it.
 #[derive(Clone, Copy)]

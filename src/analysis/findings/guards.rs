@@ -8,12 +8,12 @@ use crate::diagnostic::{Code, Diagnostics};
 use crate::ir::{Drive, EdgeId, Entity, Expr, ExprId, Id, IdRange, Leaf, LeafId, Program};
 use crate::source::Span;
 
-use super::super::configuration::Configuration;
-use super::super::evaluate::Truth;
 use super::account::{Account, Occurrence};
 use super::judge::{Atom, Judge, Reads, atoms, case};
 use super::words::Case;
 use super::{Accounts, Scene, words};
+use crate::analysis::domain::configuration::Configuration;
+use crate::analysis::domain::truth::Truth;
 
 /// What else tells that a guard is of no use.
 pub(super) const SAID: &[Code] = &[

@@ -11,13 +11,13 @@ use crate::ir::{
 };
 use crate::source::Span;
 
-use super::super::configuration::Configuration;
-use super::super::values::Values;
 use super::super::{ConfigurationSpace, GivenUp};
 use super::account::{Account, Occurrence};
 use super::judge::Reads;
 use super::words::Seen;
 use super::{Scene, words};
+use crate::analysis::domain::configuration::Configuration;
+use crate::analysis::domain::values::Values;
 
 /// What is known of an invariant in a world.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

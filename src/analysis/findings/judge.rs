@@ -5,8 +5,9 @@ use std::collections::BTreeSet;
 
 use crate::ir::{DiscreteId, Entity, Expr, ExprId, IdVec, ParamId, Program, TimerId, VarId};
 
-use super::super::evaluate::{Reader, Truth};
 use super::account::{Account, Occurrence};
+use crate::analysis::domain::truth::Truth;
+use crate::analysis::step::evaluate::Reader;
 
 /// What an expression reads.
 #[derive(Debug, Default, Clone)]

@@ -25,8 +25,8 @@ use crate::ir::{EntityId, ExprId, PlayerId, Program, Slot, SlotId, World, WorldI
 use crate::source::{FileId, SourceMap, Span};
 use crate::watch::{Unwatched, Watch};
 
-use super::configuration::Configuration;
 use super::{ConfigurationSpace, without_counter_bounds};
+use crate::analysis::domain::configuration::Configuration;
 
 use account::{Account, Occurrence};
 use tunnelling::Tunnelling;

@@ -6,12 +6,12 @@ use crate::diagnostic::catalogue::values::LeavesRange;
 use crate::diagnostic::{Code, Diagnostics};
 use crate::ir::{Actions, DiscreteId, Domain, Entity, ExprId, LeafId, ModeId, Place, Program, Transition};
 
-use super::super::configuration::Configuration;
-use super::super::values::{Interval, Values};
 use super::account::{Account, Occurrence};
 use super::judge::Reads;
 use super::words::Seen;
 use super::{Scene, words};
+use crate::analysis::domain::configuration::Configuration;
+use crate::analysis::domain::values::{Interval, Values};
 
 /// An update of a discrete variable: where it happens, and what of the configuration is left then.
 type Visit<'v> = dyn FnMut(&Actions, &Occurrence<'_>, &Configuration, LeafId) + 'v;

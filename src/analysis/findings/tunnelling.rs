@@ -12,9 +12,9 @@ use crate::ir::{
 };
 use crate::source::Span;
 
-use super::super::configuration::Configuration;
-use super::super::values::{Interval, Values};
 use super::super::{ConfigurationSpace, configuration_space};
+use crate::analysis::domain::configuration::Configuration;
+use crate::analysis::domain::values::{Interval, Values};
 
 /// Lengths that differ by less are the same, px.
 const ROUNDING: f64 = 1e-6;

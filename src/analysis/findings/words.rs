@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 
 use crate::ir::{DiscreteId, Domain, Entity, LeafId, ParamId, TimerId, VarId};
 
-use super::super::configuration::Configuration;
-use super::super::values::{Interval, Values};
-use super::super::wording::number;
 use super::account::Occurrence;
 use super::judge::Reads;
+use crate::analysis::domain::configuration::Configuration;
+use crate::analysis::domain::values::{Interval, Values};
+use crate::analysis::domain::wording::number;
 
 /// `is 3 px/s`, `is from -240 to 0 px/s`, `is at most 0 or from 3 to 5`.
 pub(super) fn values(values: &Values, unit: &str) -> String {

@@ -72,15 +72,15 @@ impl Adaptive {
     }
 
     /// Moves the sample into a cell beside a covered one; false if none was found that is not covered.
-    fn beside(&mut self, ground: &mut SearchContext<'_>, toward: &mut Point) -> bool {
+    fn beside(&mut self, context: &mut SearchContext<'_>, toward: &mut Point) -> bool {
         for _ in 0..LOOKS {
-            let node = ground.draw_node();
-            ground.point(node, &mut self.point);
+            let node = context.draw_node();
+            context.point(node, &mut self.point);
             if self.point.reals.is_empty() {
                 return false;
             }
-            let at = ground.rng.random_range(0..self.point.reals.len());
-            self.point.reals[at] += if ground.rng.random_bool(0.5) { 1.0 / CELLS } else { -1.0 / CELLS };
+            let at = context.rng.random_range(0..self.point.reals.len());
+            self.point.reals[at] += if context.rng.random_bool(0.5) { 1.0 / CELLS } else { -1.0 / CELLS };
             if !self.is_covered(cell(&self.point)) {
                 toward.clone_from(&self.point);
                 return true;
@@ -91,9 +91,9 @@ impl Adaptive {
 }
 
 impl Strategy for Adaptive {
-    fn aim(&mut self, ground: &mut SearchContext<'_>, goal: &GoalRegion, toward: &mut Point) -> bool {
+    fn aim(&mut self, context: &mut SearchContext<'_>, goal: &GoalRegion, toward: &mut Point) -> bool {
         let weights = self.weights();
-        let mut drawn = ground.rng.random::<f32>();
+        let mut drawn = context.rng.random::<f32>();
         self.source = Source::Uniform;
         for (source, weight) in SOURCES.into_iter().zip(weights) {
             if drawn < weight {
@@ -103,9 +103,9 @@ impl Strategy for Adaptive {
             drawn -= weight;
         }
         match self.source {
-            Source::Goal => goal.pull(&mut ground.rng, toward),
+            Source::Goal => goal.pull(&mut context.rng, toward),
             Source::Edge => {
-                if !self.beside(ground, toward) {
+                if !self.beside(context, toward) {
                     self.source = Source::Uniform;
                 }
             }
@@ -114,11 +114,11 @@ impl Strategy for Adaptive {
         true
     }
 
-    fn choose(&mut self, ground: &mut SearchContext<'_>, toward: &Point) -> Option<Choice> {
-        self.rrt.choose(ground, toward)
+    fn choose(&mut self, context: &mut SearchContext<'_>, toward: &Point) -> Option<Choice> {
+        self.rrt.choose(context, toward)
     }
 
-    fn learn(&mut self, ground: &mut SearchContext<'_>, choice: Option<Choice>, growth: Growth<'_>) {
+    fn learn(&mut self, context: &mut SearchContext<'_>, choice: Option<Choice>, growth: Growth<'_>) {
         let is_new = match growth {
             Growth::Rooted(_, point) | Growth::Added(_, point) => {
                 if matches!(growth, Growth::Rooted(..)) {
@@ -138,7 +138,7 @@ impl Strategy for Adaptive {
             *new = *new * MEMORY + f32::from(is_new);
             *all = *all * MEMORY + 1.0;
         }
-        self.rrt.learn(ground, choice, growth);
+        self.rrt.learn(context, choice, growth);
     }
 
     fn bytes(&self) -> usize {

@@ -30,8 +30,8 @@ impl Blame {
     }
 
     /// An extension of a node has failed.
-    pub fn fail(&mut self, ground: &SearchContext<'_>, node: NodeId) {
-        let share = 1.0 / ground.inputs(node).max(1) as f32;
+    pub fn fail(&mut self, context: &SearchContext<'_>, node: NodeId) {
+        let share = 1.0 / context.inputs(node).max(1) as f32;
         let mut term = share;
         let mut at = Some(node);
         while let Some(node) = at.filter(|_| term >= LEAST) {
@@ -40,13 +40,13 @@ impl Blame {
             }
             // With one input, failure is certain all the way up to where there was a choice.
             term *= share;
-            at = ground.tree.parent(node);
+            at = context.tree.parent(node);
         }
     }
 
     /// What tells, for one search, which nodes take part.
-    pub fn lottery(&self, ground: &mut SearchContext<'_>) -> impl Fn(NodeId) -> bool + '_ {
-        let drawn: f32 = ground.rng.random();
+    pub fn lottery(&self, context: &mut SearchContext<'_>) -> impl Fn(NodeId) -> bool + '_ {
+        let drawn: f32 = context.rng.random();
         move |node| self.violations.get(node.index()).is_none_or(|v| *v <= drawn)
     }
 

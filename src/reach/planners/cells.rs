@@ -129,7 +129,7 @@ impl Cells {
     }
 
     /// The most important of a few cells: a cell counts the less, the more often it was chosen and the more it holds.
-    pub fn draw(&self, ground: &mut SearchContext<'_>, of: &[u32]) -> Option<u32> {
+    pub fn draw(&self, context: &mut SearchContext<'_>, of: &[u32]) -> Option<u32> {
         let importance = |id: u32| {
             let cell = &self.cells[id as usize];
             1.0 / (f64::from(1 + cell.chosen) * f64::from(cell.held.max(1)))
@@ -137,9 +137,9 @@ impl Cells {
         if of.is_empty() {
             return None;
         }
-        let mut best = of[ground.rng.random_range(0..of.len())];
+        let mut best = of[context.rng.random_range(0..of.len())];
         for _ in 1..DRAWN.min(of.len()) {
-            let other = of[ground.rng.random_range(0..of.len())];
+            let other = of[context.rng.random_range(0..of.len())];
             if importance(other) > importance(best) {
                 best = other;
             }
@@ -149,10 +149,10 @@ impl Cells {
 
     /// A node of a cell of the last level. What came last is likelier, as in KPIECE: the least of two drawn distances from
     /// the end.
-    pub fn draw_node(&self, ground: &mut SearchContext<'_>, cell: u32) -> NodeId {
+    pub fn draw_node(&self, context: &mut SearchContext<'_>, cell: u32) -> NodeId {
         let nodes = self.inside(cell);
-        let back = |ground: &mut SearchContext<'_>| ground.rng.random_range(0..nodes.len());
-        let from_end = back(ground).min(back(ground));
+        let back = |context: &mut SearchContext<'_>| context.rng.random_range(0..nodes.len());
+        let from_end = back(context).min(back(context));
         NodeId(nodes[nodes.len() - 1 - from_end])
     }
 

@@ -77,8 +77,8 @@ impl CoverageGuided {
     }
 
     /// Notes what an extension changed.
-    fn compare(&mut self, ground: &SearchContext<'_>, from: NodeId, point: &Point) {
-        ground.point(from, &mut self.before);
+    fn compare(&mut self, context: &SearchContext<'_>, from: NodeId, point: &Point) {
+        context.point(from, &mut self.before);
         let before = self.before.reals.iter().chain(&self.before.modes);
         for ((axis, before), after) in self.axes.iter_mut().zip(before).zip(point.reals.iter().chain(&point.modes)) {
             axis.changes += u64::from(axis.counts && before != after);
@@ -87,7 +87,7 @@ impl CoverageGuided {
     }
 
     /// Tells anew what seldom changes, and sorts all nodes accordingly.
-    fn look(&mut self, ground: &SearchContext<'_>) {
+    fn look(&mut self, context: &SearchContext<'_>) {
         self.next_look = self.extensions * 2;
         let mut is_other = false;
         for axis in &mut self.axes {
@@ -101,9 +101,9 @@ impl CoverageGuided {
         }
         self.cells.clear();
         let mut point = Point::default();
-        for node in (0..ground.tree.len()).map(|n| NodeId(n as u32)) {
-            if ground.tree.untried(node) > 0 {
-                ground.point(node, &mut point);
+        for node in (0..context.tree.len()).map(|n| NodeId(n as u32)) {
+            if context.tree.untried(node) > 0 {
+                context.point(node, &mut point);
                 self.cells.add(node, &self.keys(&point));
             }
         }
@@ -126,40 +126,36 @@ impl CoverageGuided {
 }
 
 impl Strategy for CoverageGuided {
-    fn choose(&mut self, ground: &mut SearchContext<'_>, _toward: &Point) -> Option<Choice> {
-        let mut cell = self.cells.draw(ground, self.cells.first())?;
+    fn choose(&mut self, context: &mut SearchContext<'_>, _toward: &Point) -> Option<Choice> {
+        let mut cell = self.cells.draw(context, self.cells.first())?;
         self.cells.choose(cell);
         for _ in 1..LEVELS {
-            cell = self.cells.draw(ground, self.cells.inside(cell))?;
+            cell = self.cells.draw(context, self.cells.inside(cell))?;
             self.cells.choose(cell);
         }
-        let node = self.cells.draw_node(ground, cell);
-        let choice = ground.draw_untried(node);
-        if ground.tree.untried(node) == 0 {
+        let node = self.cells.draw_node(context, cell);
+        let choice = context.draw_untried(node);
+        if context.tree.untried(node) == 0 {
             self.cells.remove(node);
         }
         choice
     }
 
-    fn learn(&mut self, ground: &mut SearchContext<'_>, choice: Option<Choice>, growth: Growth<'_>) {
+    fn learn(&mut self, context: &mut SearchContext<'_>, choice: Option<Choice>, growth: Growth<'_>) {
         match (growth, choice) {
             (Growth::Rooted(root, point), _) => {
                 self.cells.clear();
                 self.cells.add(root, &self.keys(point));
             }
             (Growth::Added(node, point), Some(choice)) => {
-                self.compare(ground, choice.node, point);
+                self.compare(context, choice.node, point);
                 self.cells.add(node, &self.keys(point));
                 if self.extensions >= self.next_look {
-                    self.look(ground);
+                    self.look(context);
                 }
             }
             _ => {}
         }
-    }
-
-    fn samples(&self) -> bool {
-        false
     }
 
     fn bytes(&self) -> usize {

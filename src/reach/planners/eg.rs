@@ -25,12 +25,12 @@ impl Eg {
 }
 
 impl Strategy for Eg {
-    fn choose(&mut self, ground: &mut SearchContext<'_>, toward: &Point) -> Option<Choice> {
-        let takes_part = self.blame.lottery(ground);
-        self.reachable.choose_where(ground, toward, takes_part)
+    fn choose(&mut self, context: &mut SearchContext<'_>, toward: &Point) -> Option<Choice> {
+        let takes_part = self.blame.lottery(context);
+        self.reachable.choose_where(context, toward, takes_part)
     }
 
-    fn learn(&mut self, ground: &mut SearchContext<'_>, choice: Option<Choice>, growth: Growth<'_>) {
+    fn learn(&mut self, context: &mut SearchContext<'_>, choice: Option<Choice>, growth: Growth<'_>) {
         let node = match (growth, choice) {
             (Growth::Rooted(root, _), _) => {
                 self.reachable.clear();
@@ -38,12 +38,12 @@ impl Strategy for Eg {
                 root
             }
             (Growth::Added(node, _), _) => node,
-            (Growth::Failed, Some(choice)) => return self.blame.fail(ground, choice.node),
+            (Growth::Failed, Some(choice)) => return self.blame.fail(context, choice.node),
             (Growth::Failed, None) => return,
         };
         self.blame.add();
-        for failed in self.reachable.add(ground, node) {
-            self.blame.fail(ground, *failed);
+        for failed in self.reachable.add(context, node) {
+            self.blame.fail(context, *failed);
         }
     }
 

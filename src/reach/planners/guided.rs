@@ -81,34 +81,34 @@ impl<S: Strategy> Guided<S> {
 }
 
 impl<S: Strategy> Strategy for Guided<S> {
-    fn choose(&mut self, ground: &mut SearchContext<'_>, toward: &Point) -> Option<Choice> {
+    fn choose(&mut self, context: &mut SearchContext<'_>, toward: &Point) -> Option<Choice> {
         while self.left > 0 {
             let Some(best) = self.open.peek() else { break };
-            if let Some(choice) = ground.draw_untried(best.node) {
+            if let Some(choice) = context.draw_untried(best.node) {
                 self.left -= 1;
                 return Some(choice);
             }
             self.open.pop();
         }
-        let choice = self.below.choose(ground, toward)?;
+        let choice = self.below.choose(context, toward)?;
         self.open.clear();
         self.left = MAX_EXTENSIONS;
         self.toward.clone_from(toward);
-        ground.point(choice.node, &mut self.point);
+        context.point(choice.node, &mut self.point);
         let from = std::mem::take(&mut self.point);
         self.rank(choice.node, 0, &from);
         self.point = from;
         Some(choice)
     }
 
-    fn learn(&mut self, ground: &mut SearchContext<'_>, choice: Option<Choice>, growth: Growth<'_>) {
+    fn learn(&mut self, context: &mut SearchContext<'_>, choice: Option<Choice>, growth: Growth<'_>) {
         match (growth, choice) {
             (Growth::Rooted(..), _) => {
                 self.open.clear();
                 self.left = 0;
             }
             (Growth::Added(node, point), Some(choice)) => {
-                ground.point(choice.node, &mut self.point);
+                context.point(choice.node, &mut self.point);
                 let gone = self.point.distance(point, MODE_PENALTY);
                 self.gone.0 += f64::from(gone.sqrt());
                 self.gone.1 += 1;
@@ -120,7 +120,7 @@ impl<S: Strategy> Strategy for Guided<S> {
             }
             _ => {}
         }
-        self.below.learn(ground, choice, growth);
+        self.below.learn(context, choice, growth);
     }
 
     fn bytes(&self) -> usize {

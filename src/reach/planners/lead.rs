@@ -100,17 +100,17 @@ impl<'m> Lead<'m> {
     }
 
     /// The cell of a node's place and of what the players do there.
-    fn keys(&self, ground: &SearchContext<'_>, node: NodeId, point: &Point) -> [u64; 2] {
-        let state = ground.tree.state(node);
-        let world = ground.problem.sim.world();
+    fn keys(&self, context: &SearchContext<'_>, node: NodeId, point: &Point) -> [u64; 2] {
+        let state = context.tree.state(node);
+        let world = context.problem.sim.world();
         let mut place = 0;
-        for &slot in ground.problem.players() {
+        for &slot in context.problem.players() {
             let layout = &world.layout.slots[slot];
             let (x, y) = (layout.var(state, VarId::X, 0), layout.var(state, VarId::Y, 0));
             for number in [f64::from(layout.space(state).0), (x / PLACE).floor(), (y / PLACE).floor()] {
                 place = mixed(place, number as i64 as u64);
             }
-            for id in ground.problem.sim.program().entities[world.slots[slot].entity].discretes.ids() {
+            for id in context.problem.sim.program().entities[world.slots[slot].entity].discretes.ids() {
                 place = mixed(place, layout.discrete(state, id) as u64);
             }
         }
@@ -124,9 +124,9 @@ impl<'m> Lead<'m> {
         [place, inner]
     }
 
-    fn add(&mut self, ground: &mut SearchContext<'_>, node: NodeId, point: &Point) {
-        let keys = self.keys(ground, node, point);
-        let (depth, is_timed) = (ground.tree.depth(node), ground.problem.time().is_some());
+    fn add(&mut self, context: &mut SearchContext<'_>, node: NodeId, point: &Point) {
+        let keys = self.keys(context, node, point);
+        let (depth, is_timed) = (context.tree.depth(node), context.problem.time().is_some());
         if is_timed {
             let soonest = self.soonest.entry(keys[1]).or_insert(depth);
             if depth > *soonest + LATE {
@@ -137,7 +137,7 @@ impl<'m> Lead<'m> {
         let (place, is_new) = self.cells.add(node, &keys);
         if place as usize >= self.far.len() {
             let far = self.distances.map_or(Far::default(), |distances| {
-                let (sim, state) = (ground.problem.sim, ground.tree.state(node));
+                let (sim, state) = (context.problem.sim, context.tree.state(node));
                 let ((x, y), space) = (sim.position(state, distances.player), sim.space(state, distances.player));
                 Far { places: distances.of(space, x, y), rest: distances.least_steps(space, x, y), soonest: depth }
             });
@@ -147,7 +147,7 @@ impl<'m> Lead<'m> {
         let is_sooner = is_timed && depth < *soonest;
         *soonest = depth.min(*soonest);
         if is_new || is_sooner {
-            self.enqueue(ground, place);
+            self.enqueue(context, place);
         }
     }
 
@@ -162,9 +162,9 @@ impl<'m> Lead<'m> {
     }
 
     /// Puts an open place into the queue, by what it costs now.
-    fn enqueue(&mut self, ground: &mut SearchContext<'_>, place: u32) {
-        let cost = self.cost(place, ground.problem.time().is_some());
-        self.queue.push(Reverse((cost, ground.rng.random(), place)));
+    fn enqueue(&mut self, context: &mut SearchContext<'_>, place: u32) {
+        let cost = self.cost(place, context.problem.time().is_some());
+        self.queue.push(Reverse((cost, context.rng.random(), place)));
     }
 
     /// The cheapest open place.
@@ -180,46 +180,42 @@ impl<'m> Lead<'m> {
 }
 
 impl Strategy for Lead<'_> {
-    fn choose(&mut self, ground: &mut SearchContext<'_>, _toward: &Point) -> Option<Choice> {
-        let place = if ground.rng.random_ratio(1, ANY) {
+    fn choose(&mut self, context: &mut SearchContext<'_>, _toward: &Point) -> Option<Choice> {
+        let place = if context.rng.random_ratio(1, ANY) {
             let open = self.cells.first();
             if open.is_empty() {
                 return None;
             }
-            open[ground.rng.random_range(0..open.len())]
+            open[context.rng.random_range(0..open.len())]
         } else {
-            self.cheapest(ground.problem.time().is_some())?
+            self.cheapest(context.problem.time().is_some())?
         };
         self.cells.choose(place);
-        let inner = self.cells.draw(ground, self.cells.inside(place))?;
+        let inner = self.cells.draw(context, self.cells.inside(place))?;
         self.cells.choose(inner);
-        let node = self.cells.draw_node(ground, inner);
-        let choice = ground.draw_untried(node);
-        if ground.tree.untried(node) == 0 {
+        let node = self.cells.draw_node(context, inner);
+        let choice = context.draw_untried(node);
+        if context.tree.untried(node) == 0 {
             self.cells.remove(node);
         }
         if !self.cells.inside(place).is_empty() {
-            self.enqueue(ground, place);
+            self.enqueue(context, place);
         }
         choice
     }
 
-    fn learn(&mut self, ground: &mut SearchContext<'_>, _choice: Option<Choice>, growth: Growth<'_>) {
+    fn learn(&mut self, context: &mut SearchContext<'_>, _choice: Option<Choice>, growth: Growth<'_>) {
         match growth {
             Growth::Rooted(root, point) => {
                 self.cells.clear();
                 self.far.clear();
                 self.soonest.clear();
                 self.queue.clear();
-                self.add(ground, root, point);
+                self.add(context, root, point);
             }
-            Growth::Added(node, point) => self.add(ground, node, point),
+            Growth::Added(node, point) => self.add(context, node, point),
             Growth::Failed => {}
         }
-    }
-
-    fn samples(&self) -> bool {
-        false
     }
 
     fn bytes(&self) -> usize {

@@ -1,5 +1,7 @@
-//! The planners, by their names. What samples is a [`Strategy`] of the planning loop (`sampler.rs`); RC, RG and EG are
-//! two ideas and their composition: `blame.rs` (failure feedback) and `reachable.rs` (reachable states).
+//! The planners, as one table of specifications. What samples is a [`Strategy`] of the planning loop (`sampler.rs`); RC, RG
+//! and EG are two ideas and their composition: `blame.rs` (failure feedback) and `reachable.rs` (reachable states).
+//!
+//! A new planner is a file with its strategy, a variant of [`Planner`] and an entry of `SPECS`.
 
 mod adaptive;
 mod blame;
@@ -18,132 +20,200 @@ use super::metric::Metric;
 use super::problem::Problem;
 use super::strategy::Strategy;
 
-/// A planner.
+/// A planner. What it does stands in its [`Planner::summary`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+#[expect(missing_docs, reason = "each is described in the table")]
 pub enum Planner {
-    /// Several in turns, chosen by measurement (`portfolio.rs`).
     #[default]
     Auto,
-    /// LaValle 1998.
     Rrt,
-    /// Cheng and LaValle 2002: failure feedback.
     RcRrt,
-    /// Shkolnik, Walter and Tedrake 2009: reachable states.
     RgRrt,
-    /// Jaillet et al. 2011: both.
     EgRrt,
-    /// Kim and Esposito 2005: adaptive sample bias.
     RrtPlus,
-    /// RRT with a bounded best-first search as local planner.
     AstarRrt,
-    /// RG-RRT with the same.
     AstarRgRrt,
-    /// After KPIECE (Şucan and Kavraki 2009) and EST: guided by what is covered, without neighbours.
     Coverage,
-    /// After SyCLoP (Plaku, Kavraki and Vardi 2010): led by the distance to the goal through the level.
     Lead,
-    /// Breadth first, each state once: shortest plans, and proofs.
     Exhaustive,
-    /// The nearest to the goal first, each state once: proofs.
     BestFirst,
 }
 
+/// What a planner is.
+struct Spec {
+    planner: Planner,
+    name: &'static str,
+    /// What it does, in a few words, with its paper.
+    summary: &'static str,
+    /// The number of steps for which it holds an input, drawn between both.
+    hold: (u16, u16),
+    /// The number of nodes of its shortest tree before a restart.
+    restart: u64,
+    /// Whether it looks at distances to the goal through the level.
+    is_led: bool,
+    method: Method,
+}
+
+/// How a planner grows its trees.
+#[derive(Clone, Copy)]
+pub(super) enum Method {
+    /// Several planners take turns.
+    Portfolio,
+    /// The planning loop with a strategy; `samples` if the strategy looks at samples at all.
+    Sampling { samples: bool, strategy: BuildStrategy },
+    /// Visits each state once, in the order of time or the nearest to the goal first.
+    Exhaustive { is_best_first: bool },
+}
+
+/// Builds a strategy for a problem, a metric and, if the planner is led, distances to the goal.
+pub(super) type BuildStrategy =
+    for<'m> fn(&Problem<'_>, &'m Metric, Option<&'m Distances>) -> Box<dyn Strategy + Send + 'm>;
+
+impl Spec {
+    /// A planner that samples, with the settings that most of them share.
+    const fn sampling(planner: Planner, name: &'static str, summary: &'static str, strategy: BuildStrategy) -> Self {
+        let method = Method::Sampling { samples: true, strategy };
+        Spec { planner, name, summary, hold: (10, 10), restart: 2_000, is_led: false, method }
+    }
+
+    /// A planner that visits each state once. It holds inputs as shortly as the question allows.
+    const fn exhaustive(planner: Planner, name: &'static str, summary: &'static str, is_best_first: bool) -> Self {
+        let method = Method::Exhaustive { is_best_first };
+        Spec { planner, name, summary, hold: (1, 1), restart: 2_000, is_led: false, method }
+    }
+}
+
+/// All planners, in the order of [`Planner`].
+const SPECS: [Spec; 12] = [
+    Spec {
+        planner: Planner::Auto,
+        name: "auto",
+        summary: "several in turns, chosen by measurement",
+        hold: (10, 10),
+        restart: 2_000,
+        is_led: true,
+        method: Method::Portfolio,
+    },
+    Spec::sampling(Planner::Rrt, "rrt", "rapidly-exploring random tree (LaValle 1998)", |_, metric, _| {
+        Box::new(rrt::Rrt::new(metric))
+    }),
+    Spec::sampling(Planner::RcRrt, "rc-rrt", "with failure feedback (Cheng and LaValle 2002)", |_, metric, _| {
+        Box::new(rc::Rc::new(metric))
+    }),
+    Spec::sampling(
+        Planner::RgRrt,
+        "rg-rrt",
+        "guided by reachable states (Shkolnik, Walter and Tedrake 2009)",
+        |_, metric, _| Box::new(rg::Rg::new(metric)),
+    ),
+    Spec::sampling(Planner::EgRrt, "eg-rrt", "with both (Jaillet et al. 2011)", |_, metric, _| {
+        Box::new(eg::Eg::new(metric))
+    }),
+    Spec::sampling(Planner::RrtPlus, "rrt+", "with adaptive sample bias (Kim and Esposito 2005)", |_, metric, _| {
+        Box::new(adaptive::Adaptive::new(metric))
+    }),
+    Spec::sampling(
+        Planner::AstarRrt,
+        "astar-rrt",
+        "RRT with a bounded best-first search as local planner",
+        |_, metric, _| Box::new(guided::Guided::new(rrt::Rrt::new(metric))),
+    ),
+    Spec::sampling(Planner::AstarRgRrt, "astar-rg-rrt", "RG-RRT with the same", |_, metric, _| {
+        Box::new(guided::Guided::new(rg::Rg::new(metric)))
+    }),
+    Spec {
+        planner: Planner::Coverage,
+        name: "coverage",
+        summary: "guided by what is covered, without neighbours (after KPIECE and EST)",
+        hold: (4, 60),
+        // It comes back to what it passed by.
+        restart: 20_000,
+        is_led: false,
+        method: Method::Sampling {
+            samples: false,
+            strategy: |_, metric, _| Box::new(coverage_guided::CoverageGuided::new(metric)),
+        },
+    },
+    Spec {
+        planner: Planner::Lead,
+        name: "lead",
+        summary: "led by the distance to the goal through the level (after SyCLoP)",
+        hold: (4, 60),
+        restart: 100_000,
+        is_led: true,
+        method: Method::Sampling {
+            samples: false,
+            strategy: |problem, metric, distances| Box::new(lead::Lead::new(problem, metric, distances)),
+        },
+    },
+    Spec::exhaustive(
+        Planner::Exhaustive,
+        "exhaustive",
+        "breadth first, each state once: shortest plans, and proofs of no",
+        false,
+    ),
+    Spec::exhaustive(
+        Planner::BestFirst,
+        "best-first",
+        "the nearest to the goal first, each state once: proofs of no",
+        true,
+    ),
+];
+
 impl Planner {
     /// All of them.
-    pub const ALL: [Planner; 12] = [
-        Planner::Auto,
-        Planner::Rrt,
-        Planner::RcRrt,
-        Planner::RgRrt,
-        Planner::EgRrt,
-        Planner::RrtPlus,
-        Planner::AstarRrt,
-        Planner::AstarRgRrt,
-        Planner::Coverage,
-        Planner::Lead,
-        Planner::Exhaustive,
-        Planner::BestFirst,
-    ];
+    pub const ALL: [Planner; SPECS.len()] = {
+        let mut all = [Planner::Auto; SPECS.len()];
+        let mut at = 0;
+        while at < SPECS.len() {
+            all[at] = SPECS[at].planner;
+            assert!(all[at] as usize == at, "the table is in the order of the variants");
+            at += 1;
+        }
+        all
+    };
+
+    fn spec(self) -> &'static Spec {
+        &SPECS[self as usize]
+    }
 
     /// Its name.
     pub fn name(self) -> &'static str {
-        match self {
-            Planner::Auto => "auto",
-            Planner::Rrt => "rrt",
-            Planner::RcRrt => "rc-rrt",
-            Planner::RgRrt => "rg-rrt",
-            Planner::EgRrt => "eg-rrt",
-            Planner::RrtPlus => "rrt+",
-            Planner::AstarRrt => "astar-rrt",
-            Planner::AstarRgRrt => "astar-rg-rrt",
-            Planner::Coverage => "coverage",
-            Planner::Lead => "lead",
-            Planner::Exhaustive => "exhaustive",
-            Planner::BestFirst => "best-first",
-        }
+        self.spec().name
     }
 
     /// What it does, in a few words.
     pub fn summary(self) -> &'static str {
-        match self {
-            Planner::Auto => "several in turns, chosen by measurement",
-            Planner::Rrt => "rapidly-exploring random tree (LaValle 1998)",
-            Planner::RcRrt => "with failure feedback (Cheng and LaValle 2002)",
-            Planner::RgRrt => "guided by reachable states (Shkolnik, Walter and Tedrake 2009)",
-            Planner::EgRrt => "with both (Jaillet et al. 2011)",
-            Planner::RrtPlus => "with adaptive sample bias (Kim and Esposito 2005)",
-            Planner::AstarRrt => "RRT with a bounded best-first search as local planner",
-            Planner::AstarRgRrt => "RG-RRT with the same",
-            Planner::Coverage => "guided by what is covered, without neighbours (after KPIECE and EST)",
-            Planner::Lead => "led by the distance to the goal through the level (after SyCLoP)",
-            Planner::Exhaustive => "breadth first, each state once: shortest plans, and proofs of no",
-            Planner::BestFirst => "the nearest to the goal first, each state once: proofs of no",
-        }
+        self.spec().summary
     }
 
-    /// The planner of a name.
+    /// The planner with a name.
     pub fn named(name: &str) -> Option<Planner> {
         Planner::ALL.into_iter().find(|p| p.name() == name)
     }
 
-    /// For how many steps it holds an input, if nothing else is asked for.
+    /// The number of steps for which it holds an input by default: drawn between both, ends included.
     pub fn hold(self) -> (u16, u16) {
-        match self {
-            Planner::Coverage | Planner::Lead => (4, 60),
-            // All that a question admits.
-            Planner::Exhaustive | Planner::BestFirst => (1, 1),
-            _ => (10, 10),
-        }
+        self.spec().hold
     }
 
-    /// The number of nodes of the shortest tree before it begins anew, if nothing else is asked for.
+    /// The number of nodes of its shortest tree before a restart by default.
     pub fn restart(self) -> u64 {
-        match self {
-            // They come back to what they have passed by.
-            Planner::Coverage => 20_000,
-            Planner::Lead => 100_000,
-            _ => 2_000,
-        }
+        self.spec().restart
     }
 
-    /// Its strategy in the planning loop; none of those that do not sample.
-    pub(super) fn strategy<'m>(
-        self,
-        problem: &Problem<'_>,
-        metric: &'m Metric,
-        distances: Option<&'m Distances>,
-    ) -> Option<Box<dyn Strategy + Send + 'm>> {
-        Some(match self {
-            Planner::Auto | Planner::Exhaustive | Planner::BestFirst => return None,
-            Planner::Rrt => Box::new(rrt::Rrt::new(metric)),
-            Planner::RcRrt => Box::new(rc::Rc::new(metric)),
-            Planner::RgRrt => Box::new(rg::Rg::new(metric)),
-            Planner::EgRrt => Box::new(eg::Eg::new(metric)),
-            Planner::RrtPlus => Box::new(adaptive::Adaptive::new(metric)),
-            Planner::AstarRrt => Box::new(guided::Guided::new(rrt::Rrt::new(metric))),
-            Planner::AstarRgRrt => Box::new(guided::Guided::new(rg::Rg::new(metric))),
-            Planner::Coverage => Box::new(coverage_guided::CoverageGuided::new(metric)),
-            Planner::Lead => Box::new(lead::Lead::new(problem, metric, distances)),
-        })
+    /// Whether its trees begin anew; other planners visit each state once.
+    pub fn restarts(self) -> bool {
+        !matches!(self.spec().method, Method::Exhaustive { .. })
+    }
+
+    /// Whether it looks at distances to the goal through the level.
+    pub(super) fn is_led(self) -> bool {
+        self.spec().is_led
+    }
+
+    /// How it grows its trees.
+    pub(super) fn method(self) -> Method {
+        self.spec().method
     }
 }

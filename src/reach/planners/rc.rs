@@ -24,22 +24,22 @@ impl Rc {
 }
 
 impl Strategy for Rc {
-    fn choose(&mut self, ground: &mut SearchContext<'_>, toward: &Point) -> Option<Choice> {
-        let takes_part = self.blame.lottery(ground);
-        self.rrt.choose_where(ground, toward, takes_part)
+    fn choose(&mut self, context: &mut SearchContext<'_>, toward: &Point) -> Option<Choice> {
+        let takes_part = self.blame.lottery(context);
+        self.rrt.choose_where(context, toward, takes_part)
     }
 
-    fn learn(&mut self, ground: &mut SearchContext<'_>, choice: Option<Choice>, growth: Growth<'_>) {
+    fn learn(&mut self, context: &mut SearchContext<'_>, choice: Option<Choice>, growth: Growth<'_>) {
         match (growth, choice) {
             (Growth::Rooted(..), _) => {
                 self.blame.clear();
                 self.blame.add();
             }
             (Growth::Added(..), _) => self.blame.add(),
-            (Growth::Failed, Some(choice)) => self.blame.fail(ground, choice.node),
+            (Growth::Failed, Some(choice)) => self.blame.fail(context, choice.node),
             (Growth::Failed, None) => {}
         }
-        self.rrt.learn(ground, choice, growth);
+        self.rrt.learn(context, choice, growth);
     }
 
     fn bytes(&self) -> usize {

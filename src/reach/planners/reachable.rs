@@ -44,15 +44,15 @@ impl Reachable {
     }
 
     /// Looks ahead from a new node; gives as many nodes as inputs failed (the node itself, each time).
-    pub fn add(&mut self, ground: &mut SearchContext<'_>, node: NodeId) -> &[NodeId] {
+    pub fn add(&mut self, context: &mut SearchContext<'_>, node: NodeId) -> &[NodeId] {
         self.failed.clear();
-        let inputs = ground.inputs(node);
+        let inputs = context.inputs(node);
         for nth in 0..inputs.min(MAX_AHEAD) {
-            let input = if inputs <= MAX_AHEAD { nth } else { ground.draw_input(node) };
-            let choice = Choice { node, input, hold: ground.draw_hold() };
-            match ground.preview(choice, &mut self.point) {
+            let input = if inputs <= MAX_AHEAD { nth } else { context.draw_input(node) };
+            let choice = Choice { node, input, hold: context.draw_hold() };
+            match context.preview(choice, &mut self.point) {
                 Extension::Dead => {
-                    ground.tree.take(node, input);
+                    context.tree.take(node, input);
                     self.failed.push(node);
                     continue;
                 }
@@ -68,12 +68,12 @@ impl Reachable {
     /// The choice that leads nearest to a sample, of nodes that are accepted; none if its node is nearer already.
     pub fn choose_where(
         &mut self,
-        ground: &mut SearchContext<'_>,
+        context: &mut SearchContext<'_>,
         toward: &Point,
         mut accept: impl FnMut(NodeId) -> bool,
     ) -> Option<Choice> {
         if let Some(choice) = self.winner.take() {
-            ground.tree.take(choice.node, choice.input);
+            context.tree.take(choice.node, choice.input);
             return Some(choice);
         }
         loop {
@@ -81,13 +81,13 @@ impl Reachable {
             let nearest =
                 self.ahead.nearest_where(&toward.reals, &toward.modes, |index| accept(choices[index].node))?;
             let choice = choices[nearest.index];
-            ground.point(choice.node, &mut self.point);
+            context.point(choice.node, &mut self.point);
             if toward.distance(&self.point, MODE_PENALTY) <= nearest.distance {
                 return None;
             }
             self.ahead.remove(nearest.index);
             // Others may have tried it meanwhile.
-            if ground.tree.take(choice.node, choice.input) {
+            if context.tree.take(choice.node, choice.input) {
                 return Some(choice);
             }
         }

@@ -23,18 +23,18 @@ impl Rg {
 }
 
 impl Strategy for Rg {
-    fn choose(&mut self, ground: &mut SearchContext<'_>, toward: &Point) -> Option<Choice> {
-        self.reachable.choose_where(ground, toward, |_| true)
+    fn choose(&mut self, context: &mut SearchContext<'_>, toward: &Point) -> Option<Choice> {
+        self.reachable.choose_where(context, toward, |_| true)
     }
 
-    fn learn(&mut self, ground: &mut SearchContext<'_>, _choice: Option<Choice>, growth: Growth<'_>) {
+    fn learn(&mut self, context: &mut SearchContext<'_>, _choice: Option<Choice>, growth: Growth<'_>) {
         match growth {
             Growth::Rooted(root, _) => {
                 self.reachable.clear();
-                self.reachable.add(ground, root);
+                self.reachable.add(context, root);
             }
             Growth::Added(node, _) => {
-                self.reachable.add(ground, node);
+                self.reachable.add(context, node);
             }
             Growth::Failed => {}
         }

@@ -25,18 +25,18 @@ impl Rrt {
     /// As [`Strategy::choose`], among the nodes that are accepted.
     pub(super) fn choose_where(
         &mut self,
-        ground: &mut SearchContext<'_>,
+        context: &mut SearchContext<'_>,
         toward: &Point,
         accept: impl FnMut(NodeId) -> bool,
     ) -> Option<Choice> {
         let mut accept = accept;
         let nearest = self.open.nearest_where(&toward.reals, &toward.modes, |index| accept(NodeId(index as u32)))?;
-        self.grow(ground, NodeId(nearest.index as u32))
+        self.grow(context, NodeId(nearest.index as u32))
     }
 
-    fn grow(&mut self, ground: &mut SearchContext<'_>, node: NodeId) -> Option<Choice> {
-        let choice = ground.draw_untried(node);
-        if ground.tree.untried(node) == 0 {
+    fn grow(&mut self, context: &mut SearchContext<'_>, node: NodeId) -> Option<Choice> {
+        let choice = context.draw_untried(node);
+        if context.tree.untried(node) == 0 {
             self.open.remove(node.index());
         }
         choice
@@ -44,12 +44,12 @@ impl Rrt {
 }
 
 impl Strategy for Rrt {
-    fn choose(&mut self, ground: &mut SearchContext<'_>, toward: &Point) -> Option<Choice> {
+    fn choose(&mut self, context: &mut SearchContext<'_>, toward: &Point) -> Option<Choice> {
         let nearest = self.open.nearest(&toward.reals, &toward.modes)?;
-        self.grow(ground, NodeId(nearest.index as u32))
+        self.grow(context, NodeId(nearest.index as u32))
     }
 
-    fn learn(&mut self, _ground: &mut SearchContext<'_>, _choice: Option<Choice>, growth: Growth<'_>) {
+    fn learn(&mut self, _context: &mut SearchContext<'_>, _choice: Option<Choice>, growth: Growth<'_>) {
         match growth {
             Growth::Rooted(_, point) => {
                 self.open.clear();

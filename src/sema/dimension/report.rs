@@ -102,7 +102,8 @@ impl Solver<'_> {
                 _ => return None,
             };
             let (dim, at) = self.named.get(&named).and_then(|&u| self.solved[u].clone())?;
-            (at != leaf.span).then(|| (at, format!("by this, `{name}` is {}", self.reduce(&dim).words())))
+            let dim = self.reduce(&dim);
+            (at != leaf.span && !dim.is_lost).then(|| (at, format!("by this, `{name}` is {}", dim.words())))
         });
         given.or_else(|| {
             names.iter().find_map(|leaf| {

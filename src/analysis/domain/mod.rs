@@ -1,0 +1,8 @@
+//! What values can be: intervals and sets of them, what an instance can be, widening.
+
+pub(in crate::analysis) mod configuration;
+pub(in crate::analysis) mod energy;
+pub(in crate::analysis) mod truth;
+pub(in crate::analysis) mod values;
+pub(in crate::analysis) mod widen;
+pub mod wording;

@@ -1,0 +1,220 @@
+//! How growing values are brought to an end: widening to the numbers of the program, and what is in two enclosures.
+
+use std::sync::Arc;
+
+use crate::ir::{Bounds, DiscreteId, IdVec, ParamId, SlotId, VarId, World};
+
+use crate::analysis::domain::configuration::{Configuration, Numbers};
+use crate::analysis::domain::values::{Interval, Values};
+
+/// Without the states at which a search stops: a player below or beside the bounds of its space.
+pub(in crate::analysis) fn within_bounds(world: &World, slot: SlotId, mut at: Configuration) -> Configuration {
+    if world.slots[slot].player.is_none() {
+        return at;
+    }
+    let bounds: Option<Vec<_>> = at.spaces.iter().map(|s| world.spaces[*s].bounds).collect();
+    if let Some(all) = bounds.as_deref().and_then(|b| {
+        b.iter().copied().reduce(|a, b| Bounds {
+            left: a.left.min(b.left),
+            right: a.right.max(b.right),
+            bottom: a.bottom.min(b.bottom),
+            top: a.top.max(b.top),
+        })
+    }) {
+        let cut = |values: &Values, low: f64, high: f64| values.within(Interval { low, high });
+        at.set(VarId::X, 0, cut(&at.vars[VarId::X][0], all.left, all.right));
+        at.set(VarId::Y, 0, cut(&at.vars[VarId::Y][0], all.bottom, f64::INFINITY));
+    }
+    at
+}
+
+/// What a growth that comes from the configuration itself counts, against one that comes from others.
+const OWN: u8 = 4;
+/// After so many changes an end is moved to a number of the program.
+const PATIENCE: u8 = 5 * OWN;
+/// After so many it is moved to where the variable ends in other modes.
+const STAYS_UNTIL: u8 = PATIENCE + 10 * OWN;
+/// After so many it goes on for ever.
+const FOLLOWS_UNTIL: u8 = STAYS_UNTIL + 20 * OWN;
+/// Energies grow by what comes in from other modes alone, and are left more time.
+const LONG_PATIENCE: u8 = 96;
+
+/// Numbers in order at which growing ends may stay.
+#[derive(Debug, Clone, Default)]
+pub(in crate::analysis) struct Thresholds(Vec<f64>);
+
+impl Thresholds {
+    pub fn new(mut numbers: Vec<f64>) -> Self {
+        numbers.sort_by(f64::total_cmp);
+        numbers.dedup();
+        Thresholds(numbers)
+    }
+
+    fn at_most(&self, x: f64) -> f64 {
+        let after = self.0.partition_point(|t| *t <= x);
+        after.checked_sub(1).map_or(f64::NEG_INFINITY, |at| self.0[at])
+    }
+
+    fn at_least(&self, x: f64) -> f64 {
+        let at = self.0.partition_point(|t| *t < x);
+        self.0.get(at).copied().unwrap_or(f64::INFINITY)
+    }
+}
+
+/// How often each number of a configuration has grown.
+#[derive(Debug, Clone, Default)]
+pub(in crate::analysis) struct Patience {
+    vars: IdVec<VarId, [u8; 3]>,
+    discretes: IdVec<DiscreteId, u8>,
+    params: IdVec<ParamId, u8>,
+    energy: IdVec<VarId, u8>,
+}
+
+impl Patience {
+    pub fn new(at: &Configuration) -> Self {
+        Patience {
+            vars: at.vars.iter().map(|_| [0; 3]).collect(),
+            discretes: at.discretes.iter().map(|_| 0).collect(),
+            params: at.params.iter().map(|_| 0).collect(),
+            energy: at.energy.iter().map(|_| 0).collect(),
+        }
+    }
+
+    /// What has grown too often goes to the next number that the program knows, then on for ever.
+    /// `others` gives, of a variable by its number and degree, what it can be while other leaves are active; `is_own`
+    /// tells that the growth comes from the configuration itself. What comes from others ends when they are widened,
+    /// mostly.
+    pub fn widen(
+        &mut self,
+        old: &Configuration,
+        new: &mut Configuration,
+        thresholds: &Thresholds,
+        is_own: bool,
+        others: impl Fn(VarId, usize) -> Option<Interval>,
+    ) {
+        let weight = if is_own { OWN } else { 1 };
+        let numbers: &mut Numbers = new;
+        for (var, old) in old.vars.pairs() {
+            let places = self.vars[var].iter_mut().zip(&mut numbers.vars[var]);
+            for ((degree, old), (count, new)) in old.iter().enumerate().zip(places) {
+                wider((count, weight), old, new, thresholds, || others(var, degree));
+            }
+        }
+        for (id, old) in old.discretes.pairs() {
+            wider((&mut self.discretes[id], weight), old, &mut numbers.discretes[id], thresholds, || None);
+        }
+        for (id, old) in old.params.pairs() {
+            // Each generation of a chain of spawns is a change, which comes from the configuration itself.
+            wider((&mut self.params[id], 2), old, &mut numbers.params[id], thresholds, || None);
+        }
+        // Time goes on until something ends it.
+        for (id, old) in old.timers.pairs() {
+            let new = &mut new.timers[id];
+            if new.high > old.high {
+                new.high = f64::INFINITY;
+            }
+        }
+        for ((count, old), new) in self.energy.iter_mut().zip(old.energy.iter()).zip(new.energy.iter_mut()) {
+            if let (Some((before, old)), Some((fall, new))) = (old, new) {
+                let is_within = old.low <= new.low && new.high <= old.high;
+                if before == fall && !is_within {
+                    *count = count.saturating_add(1);
+                    if *count > LONG_PATIENCE {
+                        *new = wider_energy(*old, *new);
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn wider(
+    (count, weight): (&mut u8, u8),
+    old: &Values,
+    new: &mut Values,
+    thresholds: &Thresholds,
+    others: impl Fn() -> Option<Interval>,
+) {
+    if new == old {
+        return;
+    }
+    *count = count.saturating_add(weight);
+    let (Some(from), Some(to)) = (old.hull(), new.hull()) else { return };
+    if *count <= PATIENCE || new.is_within(old) || weight == 1 && *count <= STAYS_UNTIL {
+        return;
+    }
+    // What is bounded in other modes is so where it comes from there.
+    let around = if *count <= STAYS_UNTIL {
+        Interval { low: thresholds.at_most(to.low), high: thresholds.at_least(to.high) }
+    } else {
+        let others = others().filter(|o| *count <= FOLLOWS_UNTIL && o.low <= to.low && to.high <= o.high);
+        others.unwrap_or(Interval::ALL)
+    };
+    let low = if to.low < from.low { around.low } else { to.low };
+    let high = if to.high > from.high { around.high } else { to.high };
+    *new = Values::from(Interval { low, high });
+}
+
+/// Energies have no numbers of the program to stay at; they grow to powers of two.
+fn wider_energy(old: Interval, new: Interval) -> Interval {
+    let up = |x: f64| if x.abs() > 1e12 { f64::INFINITY } else { x.abs().max(1.0).log2().ceil().exp2() };
+    let low = match new.low < old.low {
+        true if new.low < 0.0 => -up(new.low),
+        true => 0.0,
+        false => new.low,
+    };
+    let high = match new.high > old.high {
+        true if new.high > 0.0 => up(new.high),
+        true => 0.0,
+        false => new.high,
+    };
+    Interval { low, high }
+}
+
+/// What is in both; both enclose all that can be.
+pub(in crate::analysis) fn both(a: &Configuration, b: &Configuration) -> Configuration {
+    let mut out = a.clone();
+    out.vars = a.vars.iter().zip(b.vars.iter()).map(|(a, b)| [0, 1, 2].map(|d| a[d].and(&b[d]))).collect();
+    out.discretes = a.discretes.iter().zip(b.discretes.iter()).map(|(a, b)| a.and(b)).collect();
+    out.params = a.params.iter().zip(b.params.iter()).map(|(a, b)| a.and(b)).collect();
+    out.timers = a.timers.iter().zip(b.timers.iter()).map(|(a, b)| a.and(*b).unwrap_or(*a)).collect();
+    out.spaces = Arc::new(a.spaces.intersection(&b.spaces).copied().collect());
+    out
+}
+
+/// A configuration with what comes of it: what goes beyond its ends goes as far as was known.
+pub(in crate::analysis) fn extended(at: &Configuration, own: &Configuration, known: &Configuration) -> Configuration {
+    let values = |at: &Values, own: &Values, known: &Values| {
+        let joined = at.or(own);
+        let (Some(a), Some(b), Some(k)) = (at.hull(), own.hull(), known.hull()) else { return joined };
+        if joined == *at {
+            return joined;
+        }
+        let low = if b.low < a.low { k.low } else { a.low };
+        let high = if b.high > a.high { k.high } else { a.high };
+        known.within(Interval { low, high }).or(&joined).and(known)
+    };
+    let mut out = at.or(own);
+    for (var, known) in known.vars.pairs() {
+        for (degree, known) in known.iter().enumerate() {
+            out.set(var, degree, values(&at.vars[var][degree], &own.vars[var][degree], known));
+        }
+    }
+    for (id, known) in known.discretes.pairs() {
+        out.discretes[id] = values(&at.discretes[id], &own.discretes[id], known);
+    }
+    for (id, known) in known.params.pairs() {
+        out.params[id] = values(&at.params[id], &own.params[id], known);
+    }
+    for (id, known) in known.timers.pairs() {
+        if own.timers[id].high > at.timers[id].high {
+            out.timers[id].high = known.high;
+        }
+    }
+    for (var, known) in known.energy.pairs() {
+        if out.energy[var] != at.energy[var] {
+            out.energy[var] = *known;
+        }
+    }
+    out
+}

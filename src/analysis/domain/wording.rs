@@ -1,0 +1,48 @@
+//! Values in words, as tables and proofs show them: `= 32`, `{-30, 30}`, `[0, 640]`, `>= 0`.
+
+use crate::analysis::domain::values::{Interval, Values};
+
+/// A longer text than this, in characters, is shortened to its hull.
+const MAX_LENGTH: usize = 26;
+
+/// A number with at most three digits after the point.
+pub fn number(x: f64) -> String {
+    Interval::point(x).to_string()
+}
+
+fn interval(i: &Interval) -> String {
+    let (low, high) = (number(i.low), number(i.high));
+    match (i.low == f64::NEG_INFINITY, i.high == f64::INFINITY) {
+        (true, true) => "any".to_string(),
+        (true, false) => format!("<= {high}"),
+        (false, true) => format!(">= {low}"),
+        // Two ends that differ by less than a thousandth read like one number.
+        _ if low == high => low,
+        _ => format!("[{low}, {high}]"),
+    }
+}
+
+/// All values, as the right side of a relation.
+pub fn values(values: &Values) -> String {
+    let texts: Vec<String> = values.intervals().iter().map(interval).collect();
+    let points = texts.iter().all(|t| !t.contains(['[', '=', 'y']));
+    let all = match texts.as_slice() {
+        [] => "none".to_string(),
+        [only] if points => format!("= {only}"),
+        [only] => only.clone(),
+        _ if points => format!("{{{}}}", texts.join(", ")),
+        _ => texts.join(" or "),
+    };
+    match values.hull() {
+        Some(hull) if all.len() > MAX_LENGTH => format!("{} with gaps", interval(&hull)),
+        _ => all,
+    }
+}
+
+/// A named number with all its values, as a relation: `ball.y in [0, 64]`.
+pub fn relation(name: &str, of: &Values) -> String {
+    match values(of) {
+        all if all.starts_with(['[', '{']) => format!("{name} in {all}"),
+        all => format!("{name} {all}"),
+    }
+}

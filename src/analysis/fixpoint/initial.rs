@@ -1,0 +1,125 @@
+//! What an instance can be when it begins: placed, made by a tile, or spawned.
+
+use crate::ir::{IdVec, LeafId, Origin, Place, SlotId, SpawnId, VarId};
+
+use crate::analysis::domain::configuration::Configuration;
+use crate::analysis::domain::values::Values;
+use crate::analysis::domain::widen::within_bounds;
+use crate::analysis::fixpoint::{Analysis, MAX_CONFIGURATIONS};
+use crate::analysis::geometry::landing::{Landing, Whose};
+
+impl Analysis<'_> {
+    /// The first configurations of an instance that is there from the start.
+    pub(in crate::analysis) fn begin(&mut self, slot: SlotId) {
+        let s = &self.world.slots[slot];
+        let vars = s.vars.iter().map(|v| v.map(Values::point)).collect();
+        let discretes = s.discretes.iter().map(|d| Values::point(f64::from(*d))).collect();
+        let mut at = Configuration::new(vars, discretes, s.timer_limits.len(), [s.space].into());
+        if !s.is_fixed {
+            at.params = s.params.iter().map(|p| Values::point(*p)).collect();
+        }
+        // Contacts are found before the first step, too, without pushes.
+        let contact = VarId::XY.map(|var| at.vars[var][0]);
+        let known = &mut self.slots[slot].contact;
+        *known = [known[0].or(&contact[0]), known[1].or(&contact[1])];
+        self.enter(slot, at);
+    }
+
+    /// Adds a configuration in all the leaves in which an instance can begin.
+    fn enter(&mut self, slot: SlotId, at: Configuration) -> bool {
+        let entity = self.entity(slot);
+        let mut combinations: Vec<Vec<LeafId>> = vec![Vec::new()];
+        for group in entity.groups.iter() {
+            // Choices read parameters, which may be several: all of them are possible.
+            let inside = group.modes;
+            let simple = group.choices.is_empty() && !entity.modes[group.first].chooses;
+            let leaves: Vec<LeafId> = match simple {
+                true => vec![entity.modes[group.first].initial],
+                false => {
+                    let leaves = entity.leaves.pairs().filter(|(_, l)| inside.contains(l.mode));
+                    leaves.map(|(id, _)| id).collect()
+                }
+            };
+            combinations = combinations
+                .into_iter()
+                .flat_map(|c| {
+                    leaves.iter().map(move |l| c.iter().copied().chain([*l]).collect::<Vec<_>>()).collect::<Vec<_>>()
+                })
+                .take(MAX_CONFIGURATIONS + 1)
+                .collect();
+        }
+        let mut changed = false;
+        if let Some(landing) = Landing::of(&at) {
+            for leaves in &combinations {
+                let whose = Whose::While(leaves.clone());
+                changed |= self.land(slot, &Landing { spaces: landing.spaces.clone(), at: landing.at, whose });
+            }
+        }
+        let at = within_bounds(self.world, slot, at);
+        for leaves in combinations {
+            changed |= self.grow(slot, Configuration { leaves, ..at.clone() }, None);
+        }
+        changed
+    }
+
+    /// What a spawn can make of each slot that it can take.
+    pub(in crate::analysis) fn spawn(&mut self, spawner: SlotId, spawn: SpawnId, at: &Configuration) -> bool {
+        let spawn = &self.entity(spawner).spawns[spawn];
+        let mut changed = false;
+        for slot in self.world.slots.ids() {
+            let s = &self.world.slots[slot];
+            if s.entity != spawn.entity || s.origin == Origin::Named || !self.is_first(slot) {
+                continue;
+            }
+            let entity = self.entity(slot);
+            let reader = self.reader(Some((spawner, at)));
+            let theirs = |id| reader.number(id);
+            let zero = || [Values::point(0.0); 3];
+            let vars = entity.vars.iter().map(|_| zero()).collect();
+            let mut born = Configuration::new(vars, IdVec::new(), entity.timers.len(), (*at.spaces).clone());
+            // Its own expressions read parameters that are known by then, and nothing else.
+            let own = |born: &Configuration, id| self.reader(Some((slot, born))).number(id);
+            for (id, param) in entity.params.pairs() {
+                let given = spawn.params.iter().find(|(p, _)| *p == id);
+                let value = given.map_or_else(|| own(&born, param.default), |(_, value)| theirs(*value));
+                born.params.push(value);
+            }
+            for (var, first) in entity.first.pairs() {
+                born.vars[var][0] = match first {
+                    Some(first) => own(&born, *first),
+                    None if var.is_position() => at.vars[var][0],
+                    None => Values::point(0.0),
+                };
+            }
+            for discrete in entity.discretes.iter() {
+                let value = own(&born, discrete.first).and(&Values::range(discrete.range));
+                born.discretes.push(value);
+            }
+            for update in &spawn.updates {
+                match update.place {
+                    Place::Var(var, degree) => born.vars[var][usize::from(degree)] = theirs(update.value),
+                    Place::Discrete(id) => born.discretes[id] = theirs(update.value),
+                    Place::Ref(_) => {}
+                }
+            }
+            // A fault stops the run.
+            if born.is_impossible() {
+                continue;
+            }
+            let known = &mut self.slots[slot].params;
+            let mut reshaped = false;
+            for (id, value) in born.params.pairs() {
+                let joined = known[id].or(value);
+                reshaped |= joined != known[id];
+                known[id] = joined;
+            }
+            if reshaped {
+                self.scene.reshape(slot, &self.slots[slot].params);
+                self.slots[slot].is_changed = true;
+                changed = true;
+            }
+            changed |= self.enter(slot, born);
+        }
+        changed
+    }
+}

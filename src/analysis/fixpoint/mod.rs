@@ -1,0 +1,595 @@
+//! Steps from all that an instance can be until nothing new is found, then cuts the result to what follows from it.
+
+pub(in crate::analysis) mod counter_bounds;
+pub(in crate::analysis) mod initial;
+pub(in crate::analysis) mod narrowing;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::ir::{
+    DiscreteId, Entity, EntityId, ExprId, Id, IdVec, LeafId, Origin, ParamId, Program, RefValue, SlotId, SpaceId,
+    Subject, VarId, World,
+};
+
+use crate::watch::Watch;
+
+use super::{ConfigurationSpace, GivenUp, SlotSpace};
+use crate::analysis::domain::configuration::{Between, Configuration, Overall};
+use crate::analysis::domain::values::{Interval, Values};
+use crate::analysis::domain::widen::{Patience, Thresholds, within_bounds};
+use crate::analysis::fixpoint::counter_bounds::Limits;
+use crate::analysis::geometry::cells::{CellId, Cells};
+use crate::analysis::geometry::landing::{Landing, Whose};
+use crate::analysis::geometry::scene::Scene;
+use crate::analysis::geometry::surroundings::Surroundings;
+use crate::analysis::step::evaluate::{Joined, Phase, Reader};
+use crate::analysis::step::forbidden::Forbidden;
+use crate::analysis::step::{Outcome, Stepper};
+
+/// More combinations of leaves than that are not told apart.
+pub(in crate::analysis) const MAX_CONFIGURATIONS: usize = 1_024;
+/// How often the result is cut to what follows from it.
+const NARROWINGS: usize = 2;
+
+/// What tells configurations apart: the active leaf of each group, and where the instance is.
+pub(in crate::analysis) type Key = (Vec<LeafId>, CellId);
+
+/// A configuration that is still growing.
+#[derive(Debug, Clone)]
+pub(in crate::analysis) struct Growing {
+    pub at: Configuration,
+    patience: Patience,
+    is_new: bool,
+}
+
+#[derive(Debug, Default, Clone)]
+pub(in crate::analysis) struct Slot {
+    pub configurations: BTreeMap<Key, Growing>,
+    pub can_be_absent: bool,
+    pub is_given_up: bool,
+    /// Why, if so.
+    pub why: Option<GivenUp>,
+    pub params: IdVec<ParamId, Values>,
+    /// The spaces to which links lead it: what it meets there decides whether it can be there at all.
+    pub entered: BTreeSet<SpaceId>,
+    /// px/s
+    pub speed: [f64; 2],
+    pub near_speed: [f64; 2],
+    pub between: Between,
+    /// Where it is when contacts are found, px.
+    pub contact: [Values; 2],
+    /// Whether what it can be was changed since others were told.
+    pub is_changed: bool,
+}
+
+impl Slot {
+    /// How many combinations of leaves there are.
+    fn combinations(&self) -> usize {
+        let keys: Vec<&Key> = self.configurations.keys().collect();
+        keys.chunk_by(|a, b| a.0 == b.0).count()
+    }
+}
+
+/// An analysis that is under way.
+pub(in crate::analysis) struct Analysis<'a> {
+    pub program: &'a Program,
+    pub world: &'a World,
+    pub slots: IdVec<SlotId, Slot>,
+    pub overall: IdVec<SlotId, Overall>,
+    /// What they are together.
+    joined: Joined,
+    pub scene: Scene<'a>,
+    pub surroundings: Surroundings,
+    /// Of each slot the one that is looked at for it: slots in which nothing is at first are alike.
+    first: IdVec<SlotId, SlotId>,
+    /// What discrete variables can be at most, whatever the steps.
+    limits: Limits,
+    /// What never holds.
+    forbidden: Forbidden<'a>,
+    /// Whether some instance reads others.
+    is_read: bool,
+    /// Whether what is found is cut, so that nothing grows for ever.
+    is_narrowing: bool,
+    /// How many ways of steps may still be looked at.
+    pub effort: usize,
+    /// Who may say that nobody waits for the result any more.
+    pub watch: &'a dyn Watch,
+    /// Whether the watch said so.
+    pub is_stopped: bool,
+    /// The numbers that the program compares with or writes, and where edges meet.
+    thresholds: Thresholds,
+}
+
+impl<'a> Analysis<'a> {
+    pub fn new(
+        scene: Scene<'a>,
+        forbidden: Forbidden<'a>,
+        limits: Limits,
+        effort: usize,
+        watch: &'a dyn Watch,
+    ) -> Self {
+        let (program, world) = (forbidden.program, forbidden.world);
+        let slots: IdVec<SlotId, Slot> = world
+            .slots
+            .iter()
+            .map(|s| Slot {
+                can_be_absent: s.origin == Origin::Free,
+                params: s.params.iter().map(|p| Values::point(*p)).collect(),
+                is_changed: true,
+                between: Between::new(s.vars.len(), s.discretes.len()),
+                ..Slot::default()
+            })
+            .collect();
+        let mut free: BTreeMap<EntityId, SlotId> = BTreeMap::new();
+        let first = world.slots.pairs().map(|(slot, s)| match s.origin {
+            Origin::Free => *free.entry(s.entity).or_insert(slot),
+            Origin::Named | Origin::Tile => slot,
+        });
+        let mut analysis = Analysis {
+            program,
+            world,
+            overall: IdVec::new(),
+            joined: Joined::default(),
+            slots,
+            first: first.collect(),
+            scene,
+            limits,
+            forbidden,
+            surroundings: Surroundings::default(),
+            effort,
+            watch,
+            is_stopped: false,
+            is_narrowing: false,
+            is_read: program.entities.iter().any(|entity| reads_others(entity)),
+            thresholds: Thresholds::default(),
+        };
+        analysis.overall = world.slots.ids().map(|s| analysis.overall(s)).collect();
+        for slot in world.slots.ids().filter(|s| world.slots[*s].origin != Origin::Free) {
+            analysis.begin(slot);
+        }
+        analysis.tell();
+        analysis.thresholds = analysis.thresholds();
+        analysis
+    }
+
+    fn thresholds(&self) -> Thresholds {
+        let (program, world) = (self.program, self.world);
+        let mut numbers = vec![0.0];
+        let mut read: BTreeMap<EntityId, Vec<ExprId>> = BTreeMap::new();
+        for kind in &self.scene.kinds {
+            let Some(first) = kind.slots.first() else { continue };
+            let exprs =
+                read.entry(kind.entity).or_insert_with(|| program.with_operands(program.entities[kind.entity].exprs()));
+            let params = &world.slots[*first].params;
+            let constants = exprs.iter().filter_map(|id| program.constant(*id, params, world.step));
+            numbers.extend(constants.flat_map(|c| [c, -c]));
+        }
+        numbers.extend(self.scene.edges().flat_map(|e| [e.low, e.high]));
+        Thresholds::new(numbers)
+    }
+
+    pub(in crate::analysis) fn entity(&self, slot: SlotId) -> &'a Entity {
+        &self.program.entities[self.world.slots[slot].entity]
+    }
+
+    /// Whether a slot is looked at itself.
+    pub(in crate::analysis) fn is_first(&self, slot: SlotId) -> bool {
+        self.first[slot] == slot
+    }
+
+    /// Adds what an instance can be; returns true if that is more than before. What comes of a configuration itself is told
+    /// apart, and what narrows one is what comes in from others.
+    pub(in crate::analysis) fn grow(&mut self, slot: SlotId, mut found: Configuration, from: Option<&Key>) -> bool {
+        if self.slots[slot].is_given_up {
+            return false;
+        }
+        cut(&mut found, &self.limits[slot]);
+        if found.is_impossible() || !self.forbidden.cut(slot, &mut found) {
+            return false;
+        }
+        let mut changed = false;
+        let is_covered = self.surroundings.is_covered(slot, &found.leaves);
+        if let (Cells::Fine(fine), false) = (self.cells(slot), self.is_narrowing) {
+            self.effort = self.effort.saturating_sub(fine.count_parts(&found));
+            // All is given up then.
+            if self.effort == 0 {
+                return false;
+            }
+        }
+        let parts = self.cells(slot).split(found, is_covered);
+        for (cell, found) in parts {
+            let is_own = from.is_some_and(|(leaves, of)| *of == cell && *leaves == found.leaves);
+            if !(is_own && self.is_narrowing) {
+                changed |= self.grow_in(slot, cell, found, is_own);
+            }
+        }
+        changed
+    }
+
+    /// Where a slot's instance is told apart.
+    pub fn cells(&self, slot: SlotId) -> &Cells {
+        &self.scene.cells[self.scene.of[slot]]
+    }
+
+    fn grow_in(&mut self, slot: SlotId, cell: CellId, found: Configuration, is_own: bool) -> bool {
+        let known = &mut self.slots[slot];
+        let key = (found.leaves.clone(), cell);
+        // Mostly nothing is new; what is large is not moved for that.
+        if known.configurations.get(&key).is_some_and(|growing| found.is_within(&growing.at)) {
+            return false;
+        }
+        let Some(mut growing) = known.configurations.remove(&key) else {
+            let patience = Patience::new(&found);
+            self.scene.activate(self.scene.of[slot], &key.0);
+            known.configurations.insert(key, Growing { at: found, patience, is_new: true });
+            known.is_changed = true;
+            if known.configurations.len() > MAX_CONFIGURATIONS && known.combinations() > MAX_CONFIGURATIONS {
+                self.give_up(slot, GivenUp::Combinations);
+            }
+            return true;
+        };
+        let others = |var: VarId, degree: usize| {
+            let hulls = known.configurations.values().filter_map(|g| g.at.vars[var][degree].hull());
+            hulls.reduce(Interval::or)
+        };
+        let mut joined = growing.at.or(&found);
+        joined.sharpen();
+        let is_more = joined != growing.at;
+        if is_more {
+            if !self.is_narrowing {
+                growing.patience.widen(&growing.at, &mut joined, &self.thresholds, is_own, others);
+            }
+            cut(&mut joined, &self.limits[slot]);
+            self.forbidden.cut(slot, &mut joined);
+            joined.sharpen();
+            self.scene.cells[self.scene.of[slot]].cut(cell, &mut joined);
+            growing.at = within_bounds(self.world, slot, joined);
+            growing.is_new = true;
+            known.is_changed = true;
+        }
+        known.configurations.insert(key, growing);
+        is_more
+    }
+
+    fn overall(&self, slot: SlotId) -> Overall {
+        let known = &self.slots[slot];
+        let entity = self.entity(slot);
+        let all = |c: &dyn Fn(&Configuration) -> Values| {
+            Values::any(known.configurations.values().flat_map(|g| c(&g.at).intervals().to_vec()))
+        };
+        if known.is_given_up {
+            return Overall {
+                can_live: true,
+                can_be_absent: true,
+                params: match self.world.slots[slot].is_fixed {
+                    true => known.params.clone(),
+                    false => known.params.iter().map(|_| Values::all()).collect(),
+                },
+                contact: [Values::all(); 2],
+                vars: entity.vars.iter().map(|_| [Values::all(), Values::all(), Values::all()]).collect(),
+                discretes: self.limits[slot].clone(),
+                spaces: self.world.spaces.ids().collect(),
+                speed: [f64::INFINITY; 2],
+                near_speed: [f64::INFINITY; 2],
+                between: Between::anything(entity.vars.len(), self.limits[slot].clone(), entity.leaves.ids().collect()),
+                leaves: entity.leaves.ids().collect(),
+            };
+        }
+        Overall {
+            can_live: !known.configurations.is_empty(),
+            can_be_absent: known.can_be_absent,
+            params: known.params.clone(),
+            vars: entity.vars.ids().map(|v| [0, 1, 2].map(|d| all(&|c| c.vars[v][d]))).collect(),
+            discretes: entity.discretes.ids().map(|id| all(&|c| c.discretes[id])).collect(),
+            spaces: known.configurations.values().flat_map(|g| &*g.at.spaces).chain(&known.entered).copied().collect(),
+            contact: known.contact,
+            speed: known.speed,
+            near_speed: known.near_speed,
+            between: known.between.clone(),
+            leaves: known.configurations.keys().flat_map(|(leaves, _)| leaves).copied().collect(),
+        }
+    }
+
+    /// Tells the others what each slot can be; gives whether anything changed.
+    pub fn tell(&mut self) -> bool {
+        let mut changed = false;
+        for slot in self.world.slots.ids() {
+            let first = self.first[slot];
+            if !self.slots[first].is_changed && slot.index() < self.overall.len() {
+                continue;
+            }
+            let overall = match first == slot {
+                true => self.overall(slot),
+                false => self.overall[first].clone(),
+            };
+            if overall != self.overall[slot] {
+                if overall.params != self.overall[slot].params {
+                    // Its own expressions read them.
+                    self.slots[slot].configurations.values_mut().for_each(|g| g.is_new = true);
+                }
+                self.overall[slot] = overall;
+                self.joined.forget();
+                changed = true;
+            }
+        }
+        for slot in self.slots.iter_mut() {
+            slot.is_changed = false;
+        }
+        for (slot, overall) in self.overall.pairs() {
+            for space in &overall.spaces {
+                self.scene.prepare(self.scene.of[slot], *space);
+            }
+        }
+        changed
+    }
+
+    /// Steps until nothing new is found.
+    pub fn run(&mut self) {
+        // The guards of links read the world's instances.
+        let is_guarded = self.world.spaces.iter().any(|space| space.links.iter().any(|link| link.guard.is_some()));
+        let reads_others = |entity: &Entity| reads_others(entity) || (is_guarded && !entity.follows.is_empty());
+        let reads_others: IdVec<SlotId, bool> = self.world.slots.ids().map(|s| reads_others(self.entity(s))).collect();
+        let firsts: Vec<SlotId> = self.world.slots.ids().filter(|s| self.is_first(*s)).collect();
+        let mut others_changed = true;
+        if self.effort == 0 {
+            return self.give_all_up();
+        }
+        for round in 0.. {
+            let before = std::mem::replace(&mut self.surroundings, Surroundings::new(&mut self.scene, &self.overall));
+            let mut changed = false;
+            for &slot in &firsts {
+                let same = round > 0 && self.surroundings.of(slot) == before.of(slot);
+                if !same || (others_changed && reads_others[slot]) {
+                    self.slots[slot].configurations.values_mut().for_each(|g| g.is_new = true);
+                }
+                changed |= self.settle(slot);
+            }
+            changed |= self.ends();
+            others_changed = self.tell();
+            // What is left to be looked at then is not: that nothing changed says nothing.
+            self.is_stopped |= self.scene.meter.is_stopped();
+            if self.effort == 0 || self.is_stopped {
+                self.give_all_up();
+                return;
+            }
+            if !changed && !others_changed {
+                break;
+            }
+        }
+        self.is_narrowing = true;
+        for _ in 0..NARROWINGS {
+            self.narrow();
+            self.is_stopped |= self.scene.meter.is_stopped();
+            if self.is_stopped {
+                self.give_all_up();
+                return;
+            }
+        }
+    }
+
+    /// Everything is possible for all.
+    fn give_all_up(&mut self) {
+        let why = if self.is_stopped { GivenUp::Stopped } else { GivenUp::Effort };
+        let firsts: Vec<SlotId> = self.world.slots.ids().filter(|s| self.is_first(*s)).collect();
+        firsts.into_iter().for_each(|slot| self.give_up(slot, why));
+        self.tell();
+    }
+
+    /// Everything is possible for a slot, and for what it can spawn.
+    fn give_up(&mut self, slot: SlotId, why: GivenUp) {
+        let known = &mut self.slots[slot];
+        if std::mem::replace(&mut known.is_given_up, true) {
+            return;
+        }
+        known.why = Some(why);
+        known.is_changed = true;
+        self.scene.activate_all(self.scene.of[slot]);
+        for spawn in self.entity(slot).spawns.iter() {
+            let made = |s: &SlotId| {
+                let s = &self.world.slots[*s];
+                s.entity == spawn.entity && s.origin != Origin::Named
+            };
+            let made: Vec<SlotId> = self.world.slots.ids().filter(made).map(|s| self.first[s]).collect();
+            for slot in made {
+                // Its parameters are what the spawner gives it.
+                let params: IdVec<ParamId, Values> = self.slots[slot].params.iter().map(|_| Values::all()).collect();
+                if self.slots[slot].params != params {
+                    self.scene.reshape(slot, &params);
+                    self.slots[slot].params = params;
+                    self.slots[slot].is_changed = true;
+                }
+                self.give_up(slot, why);
+            }
+        }
+    }
+
+    /// Steps a slot until nothing new is found of it, as long as the others stay as they are.
+    fn settle(&mut self, slot: SlotId) -> bool {
+        let mut changed = false;
+        while self.effort > 0 {
+            // What is met in other spaces is not known before they are told of.
+            let told = &self.overall[slot].spaces;
+            let known = self.slots[slot].configurations.iter();
+            let new = known.filter(|(_, g)| g.is_new && g.at.spaces.is_subset(told));
+            let due: Vec<Key> = new.map(|(key, _)| key.clone()).collect();
+            if due.is_empty() {
+                break;
+            }
+            for key in due {
+                if self.watch.stop() {
+                    self.is_stopped = true;
+                    self.effort = 0;
+                    return true;
+                }
+                // As it is by now: those before it may have added to it.
+                let told = &self.overall[slot].spaces;
+                let growing = self.slots[slot].configurations.get_mut(&key);
+                let Some(growing) = growing.filter(|g| g.at.spaces.is_subset(told)) else { continue };
+                growing.is_new = false;
+                let at = growing.at.clone();
+                match self.stepper(slot).run(&at) {
+                    Some(outcome) => {
+                        self.effort = self.effort.saturating_sub(outcome.next.len() + 1);
+                        changed |= self.take(slot, &key, outcome);
+                    }
+                    None => {
+                        self.give_up(slot, GivenUp::Combinations);
+                        return true;
+                    }
+                }
+            }
+        }
+        changed
+    }
+
+    /// What expressions are read against, by an instance or by the world.
+    pub fn reader<'s>(&'s self, me: Option<(SlotId, &'s Configuration)>) -> Reader<'s> {
+        Reader {
+            program: self.program,
+            world: self.world,
+            slots: &self.overall,
+            joined: &self.joined,
+            surroundings: &self.surroundings,
+            pinned: None,
+            me,
+            phase: Phase::Discrete,
+        }
+    }
+
+    pub fn stepper(&self, slot: SlotId) -> Stepper<'_> {
+        let reader = self.reader(None);
+        let flowing = self.scene.flowing[self.world.slots[slot].entity].as_deref();
+        let moving = &self.scene.moving[self.world.slots[slot].entity];
+        let covering = &self.scene.covering[self.world.slots[slot].entity];
+        let covering = self.surroundings.is_gentle(slot).then_some(covering.as_slice());
+        Stepper { reader, scene: &self.scene, slot, covering, step: self.world.step.seconds(), flowing, moving }
+    }
+
+    pub fn take(&mut self, slot: SlotId, from: &Key, outcome: Outcome) -> bool {
+        let mut changed = false;
+        for next in outcome.next {
+            changed |= self.grow(slot, next, Some(from));
+        }
+        if outcome.can_end && !self.slots[slot].can_be_absent {
+            self.slots[slot].can_be_absent = true;
+            self.slots[slot].is_changed = true;
+            changed = true;
+        }
+        for (spawn, at) in outcome.spawns {
+            changed |= self.spawn(slot, spawn, &at);
+        }
+        let known = &mut self.slots[slot];
+        let speeds = known.speed.iter_mut().chain(&mut known.near_speed);
+        for (old, speed) in speeds.zip(outcome.speed.into_iter().chain(outcome.near_speed)) {
+            // It grows as velocities do, which are brought to an end.
+            if speed > *old {
+                *old = speed;
+                changed = true;
+                known.is_changed = true;
+            }
+        }
+        for (old, at) in known.contact.iter_mut().zip(&outcome.contact) {
+            if !at.is_within(old) {
+                *old = old.or(at);
+                changed = true;
+                known.is_changed = true;
+            }
+        }
+        for at in outcome.between.iter().filter(|_| self.is_read) {
+            let is_more = known.between.add(at);
+            known.is_changed |= is_more;
+            changed |= is_more;
+        }
+        if !outcome.spaces.is_subset(&known.entered) {
+            known.entered.extend(outcome.spaces);
+            known.is_changed = true;
+            changed = true;
+        }
+        for landing in outcome.landings {
+            changed |= self.land(slot, &landing);
+        }
+        let number = self.scene.of[slot];
+        for leaves in outcome.comes {
+            changed |= self.scene.activate(number, &leaves);
+        }
+        let kind = &mut self.scene.kinds[number];
+        changed |= outcome.appears && !kind.appears;
+        kind.appears |= outcome.appears;
+        changed
+    }
+
+    /// Something puts an instance somewhere; gives whether it can be there, or inside of what pushes it, which is new.
+    pub fn land(&mut self, slot: SlotId, landing: &Landing) -> bool {
+        let kind = self.scene.of[slot];
+        let mut changed = false;
+        for space in landing.spaces.iter() {
+            let (is_put, is_new) = match landing.whose {
+                Whose::All | Whose::While(_) => (true, false),
+                Whose::One { was_bare, .. } => (was_bare, true),
+            };
+            changed |= is_put && self.scene.seed(kind, *space, landing.at);
+            changed |= is_new && self.scene.uncover(kind, *space, landing.at);
+        }
+        if self.scene.kinds[kind].jumps {
+            return changed;
+        }
+        let inside = landing.spaces.iter().any(|space| self.scene.is_inside(kind, *space, landing));
+        self.scene.kinds[kind].jumps = inside;
+        changed || inside
+    }
+
+    /// Notes which instances others can destroy.
+    fn ends(&mut self) -> bool {
+        let mut changed = false;
+        for me in self.world.slots.ids().filter(|s| self.overall[*s].can_live) {
+            let entity = self.entity(me);
+            for what in entity.action_lists().flat_map(|a| &a.destroys) {
+                let of = match what {
+                    RefValue::None | RefValue::Of(Subject::Me) => continue,
+                    RefValue::Of(Subject::Ref(id)) => entity.refs[*id].entity,
+                    RefValue::Of(_) => None,
+                };
+                for slot in self.world.slots.ids() {
+                    if of.is_none_or(|e| self.world.slots[slot].entity == e) && !self.slots[slot].can_be_absent {
+                        self.slots[slot].can_be_absent = true;
+                        self.slots[slot].is_changed = true;
+                        changed = true;
+                    }
+                }
+            }
+        }
+        changed
+    }
+
+    pub fn finish(mut self) -> ConfigurationSpace {
+        let slots = self.world.slots.ids().map(|slot| {
+            let found = &self.slots[self.first[slot]];
+            SlotSpace {
+                configurations: found.configurations.values().map(|g| g.at.clone()).collect(),
+                can_be_absent: found.can_be_absent,
+                is_given_up: found.is_given_up,
+                why: found.why,
+            }
+        });
+        let slots: IdVec<SlotId, SlotSpace> = slots.collect();
+        let surroundings = match slots.iter().all(|s| s.is_given_up) {
+            true => Surroundings::unknown(&self.overall),
+            false => Surroundings::new(&mut self.scene, &self.overall),
+        };
+        ConfigurationSpace { slots, overall: self.overall, joined: Joined::default(), surroundings, finer: None }
+    }
+}
+
+/// Whether an instance reads others.
+fn reads_others(entity: &Entity) -> bool {
+    !entity.refs.is_empty() || entity.touches.iter().any(|t| t.bound)
+}
+
+/// Cuts discrete variables to what they can be at most.
+fn cut(at: &mut Configuration, limits: &IdVec<DiscreteId, Values>) {
+    for (id, limit) in limits.pairs() {
+        if !at.discretes[id].is_within(limit) {
+            at.discretes[id] = at.discretes[id].and(limit);
+        }
+    }
+}

@@ -1,0 +1,301 @@
+//! How the plane of an instance's positions is cut, so that what it can be is told apart by where it is: a disjunctive
+//! completion by location (Cousot and Cousot, *Systematic design of program analysis frameworks*, POPL 1979).
+//!
+//! What falls out of a level falls for ever, faster and faster; that must not be mixed with how fast it moves where there
+//! is something to be met. So there is a cell for what lies around all that never moves, and one each below and beside.
+//!
+//! Where that is asked for, players are told apart by place: the plane is cut at all lines at which pushes can end, so that
+//! a cell lies as a whole inside of what blocks, or outside, and few discrete values are told apart, too. What a player
+//! cannot come to by its speed, height and jumps is then shown step by step.
+
+use std::sync::Arc;
+
+use crate::ir::{DiscreteId, Entity, SpaceId, VarId, World};
+use crate::watch::Meter;
+
+use crate::analysis::domain::configuration::Configuration;
+use crate::analysis::domain::values::Interval;
+use crate::analysis::geometry::body::{Kind, ROUNDING, along, near, rounded};
+use crate::analysis::geometry::local::Surfaces;
+use crate::analysis::geometry::tiles::Tiles;
+
+/// A cell, by its number.
+pub(in crate::analysis) type CellId = u32;
+
+/// How far beyond what can be met a cell ends, px.
+const MARGIN: f64 = 1.0;
+/// More cells than that are not told apart.
+const MAX_CELLS: usize = 4_000;
+/// How far a cell of what fits exactly reaches to both sides, px.
+const THIN: f64 = 4.0 * ROUNDING;
+/// A discrete variable of more values is not told apart, nor are more combinations of them.
+const MAX_VALUES: i32 = 4;
+const MAX_COMBINATIONS: u32 = 16;
+
+/// The cells of a kind of instances; they cover the plane, and share their edges.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::analysis) enum Cells {
+    /// The same in all spaces.
+    Coarse(Vec<[Interval; 2]>),
+    /// By place, and by the values of some discrete variables.
+    Fine(Fine),
+}
+
+/// Cells between all lines at which pushes end.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::analysis) struct Fine {
+    grids: Vec<Grid>,
+    discretes: Vec<(DiscreteId, (i32, i32))>,
+    /// How many there are for each combination of discrete values.
+    count: u32,
+}
+
+/// The cells of a space.
+#[derive(Debug, Clone, PartialEq)]
+struct Grid {
+    space: SpaceId,
+    /// The number of the first.
+    first: u32,
+    /// Between them lie the cells, and before the first and after the last.
+    lines: [Vec<f64>; 2],
+    /// Row by row, whether it lies inside of what blocks.
+    is_blocked: Vec<bool>,
+}
+
+impl Grid {
+    /// How many cells there are along an axis.
+    fn count(&self, axis: usize) -> usize {
+        self.lines[axis].len() + 1
+    }
+
+    fn side(&self, axis: usize, at: usize) -> Interval {
+        let lines = &self.lines[axis];
+        let low = at.checked_sub(1).and_then(|i| lines.get(i)).copied().unwrap_or(f64::NEG_INFINITY);
+        Interval { low, high: lines.get(at).copied().unwrap_or(f64::INFINITY) }
+    }
+
+    /// The cells along an axis that values meet.
+    fn range(&self, axis: usize, hull: Interval) -> std::ops::RangeInclusive<usize> {
+        let lines = &self.lines[axis];
+        lines.partition_point(|x| rounded(Interval::point(*x)).high < hull.low)
+            ..=lines.partition_point(|x| rounded(Interval::point(*x)).low <= hull.high)
+    }
+}
+
+impl Cells {
+    /// The whole plane.
+    pub fn whole() -> Cells {
+        Cells::Coarse(vec![[Interval::ALL; 2]])
+    }
+
+    /// Around everything that never moves and that a kind can meet, in whatever space; below it and beside it.
+    pub fn around(kind: &Kind) -> Cells {
+        let Some([x, y]) = kind.near else { return Cells::whole() };
+        let x = Interval { low: x.low - MARGIN, high: x.high + MARGIN };
+        let bottom = y.low - MARGIN;
+        let above = Interval { low: bottom, high: f64::INFINITY };
+        Cells::Coarse(vec![
+            [x, above],
+            [Interval::ALL, Interval { low: f64::NEG_INFINITY, high: bottom }],
+            [Interval { low: f64::NEG_INFINITY, high: x.low }, above],
+            [Interval { low: x.high, high: f64::INFINITY }, above],
+        ])
+    }
+
+    /// Between all lines at which pushes end, if there are not too many. `blocking` tells the positions inside of what
+    /// blocks in a space.
+    pub fn fine(
+        kind: &Kind,
+        entity: &Entity,
+        surfaces: &[(SpaceId, Arc<Surfaces>)],
+        blocking: impl Fn(SpaceId) -> Vec<[Interval; 2]>,
+    ) -> Option<Cells> {
+        let around = kind.near?;
+        let mut out = Fine { grids: Vec::new(), discretes: Vec::new(), count: 0 };
+        for (space, surfaces) in surfaces {
+            let lines = [0, 1].map(|axis| {
+                let [mut lines, mut others] = surfaces.lines(axis);
+                [&mut lines, &mut others].into_iter().for_each(in_order);
+                // What fits exactly between two things has a cell of its own.
+                let is_at = |x: f64| {
+                    let at = others.partition_point(|o| *o < x - ROUNDING / 2.0);
+                    others.get(at).is_some_and(|o| *o <= x + ROUNDING / 2.0)
+                };
+                let thin: Vec<f64> = lines.iter().copied().filter(|x| is_at(*x)).collect();
+                lines.extend(others);
+                in_order(&mut lines);
+                lines.retain(|x| thin.iter().all(|t| (t - x).abs() > ROUNDING / 2.0));
+                lines.extend(thin.into_iter().flat_map(|x| [x - THIN, x + THIN]));
+                lines.push(around[axis].low - MARGIN);
+                lines.push(around[axis].high + MARGIN);
+                lines.sort_by(f64::total_cmp);
+                lines
+            });
+            // Lines that are all but the same leave slivers which no cell shows as they are.
+            let is_sliver = |lines: &[f64]| lines.windows(2).any(|pair| pair[1] - pair[0] < THIN);
+            if lines.iter().any(|lines| is_sliver(lines)) {
+                return None;
+            }
+            let mut grid = Grid { space: *space, first: out.count, lines, is_blocked: Vec::new() };
+            let (across, up) = (grid.count(0), grid.count(1));
+            if across.saturating_mul(up).saturating_add(out.count as usize) > MAX_CELLS {
+                return None;
+            }
+            grid.is_blocked = vec![false; across * up];
+            for sides in blocking(*space) {
+                let inside = |axis: usize, at: usize| {
+                    let Interval { low, high } = grid.side(axis, at);
+                    low.is_finite() && high.is_finite() && sides[axis].contains((low + high) / 2.0)
+                };
+                let columns: Vec<usize> = (0..across).filter(|at| inside(0, *at)).collect();
+                let rows: Vec<usize> = (0..up).filter(|at| inside(1, *at)).collect();
+                for row in rows {
+                    columns.iter().for_each(|column| grid.is_blocked[row * across + column] = true);
+                }
+            }
+            out.count += (across * up) as u32;
+            out.grids.push(grid);
+        }
+        let mut combinations = 1;
+        for (id, discrete) in entity.discretes.pairs() {
+            let values = discrete.range.1.saturating_sub(discrete.range.0).saturating_add(1);
+            if values <= MAX_VALUES && combinations * values as u32 <= MAX_COMBINATIONS {
+                combinations *= values as u32;
+                out.discretes.push((id, discrete.range));
+            }
+        }
+        Some(Cells::Fine(out))
+    }
+
+    /// Cuts a configuration to a cell.
+    pub fn cut(&self, cell: CellId, at: &mut Configuration) {
+        match self {
+            Cells::Coarse(cells) => {
+                if let Some(sides) = cells.get(cell as usize) {
+                    within(sides, at);
+                }
+            }
+            Cells::Fine(fine) => fine.cut(cell, at),
+        }
+    }
+
+    /// What a configuration is in each of the cells that it can be in. Who `is_gentle` is never inside of what blocks.
+    pub fn split(&self, at: Configuration, is_gentle: bool) -> Vec<(CellId, Configuration)> {
+        let cells = match self {
+            Cells::Coarse(cells) if cells.len() == 1 => return vec![(0, at)],
+            Cells::Coarse(cells) => cells,
+            Cells::Fine(fine) => return fine.split(&at, is_gentle),
+        };
+        let mut out = Vec::new();
+        for (id, cell) in (0..).zip(cells) {
+            if (0..2).all(|axis| !at.vars[VarId(axis)][0].within(cell[axis as usize]).is_none()) {
+                let mut part = at.clone();
+                within(cell, &mut part);
+                out.push((id, part));
+            }
+        }
+        out
+    }
+}
+
+/// Puts lines in order, each once.
+fn in_order(lines: &mut Vec<f64>) {
+    lines.sort_by(f64::total_cmp);
+    lines.dedup_by(|a, b| (*a - *b).abs() <= ROUNDING / 2.0);
+}
+
+fn within(sides: &[Interval; 2], at: &mut Configuration) {
+    for axis in 0..2 {
+        let var = VarId(axis);
+        at.set(var, 0, at.vars[var][0].within(sides[axis as usize]));
+    }
+}
+
+impl Fine {
+    fn cut(&self, cell: CellId, at: &mut Configuration) {
+        let (mut combination, number) = (cell / self.count.max(1), cell % self.count.max(1));
+        let Some(grid) = self.grids.iter().rev().find(|g| g.first <= number) else { return };
+        let (number, across) = ((number - grid.first) as usize, grid.count(0));
+        let sides = [grid.side(0, number % across), grid.side(1, number / across)].map(rounded);
+        within(&sides, at);
+        if at.spaces.len() > 1 {
+            at.spaces = Arc::new([grid.space].into());
+        }
+        for (id, (low, high)) in &self.discretes {
+            let values = (high - low + 1) as u32;
+            let value = f64::from(*low + (combination % values) as i32);
+            combination /= values;
+            at.set_discrete(*id, at.discretes[*id].within(Interval::point(value)));
+        }
+    }
+
+    /// The combinations of discrete values that a configuration can have.
+    fn combinations(&self, at: &Configuration) -> Vec<u32> {
+        let mut out = vec![0];
+        let mut step = 1;
+        for (id, (low, high)) in &self.discretes {
+            let values = (*low..=*high).filter(|v| at.discretes[*id].contains(f64::from(*v)));
+            let values: Vec<u32> = values.map(|v| (v - low) as u32 * step).collect();
+            out = out.into_iter().flat_map(|c| values.iter().map(move |v| c + v)).collect();
+            step *= (high - low + 1) as u32;
+        }
+        out
+    }
+
+    /// Into how many parts a configuration is split at most.
+    pub fn count_parts(&self, at: &Configuration) -> usize {
+        let hulls = [at.vars[VarId::X][0].hull(), at.vars[VarId::Y][0].hull()];
+        let [Some(x), Some(y)] = hulls else { return 0 };
+        let of = |grid: &Grid| grid.range(0, x).count().saturating_mul(grid.range(1, y).count());
+        let cells: usize = self.grids.iter().filter(|g| at.spaces.contains(&g.space)).map(of).sum();
+        cells.saturating_mul(self.combinations(at).len())
+    }
+
+    fn split(&self, at: &Configuration, is_gentle: bool) -> Vec<(CellId, Configuration)> {
+        let hulls = [at.vars[VarId::X][0].hull(), at.vars[VarId::Y][0].hull()];
+        let [Some(x), Some(y)] = hulls else { return Vec::new() };
+        let combinations = self.combinations(at);
+        let mut out = Vec::new();
+        for grid in self.grids.iter().filter(|g| at.spaces.contains(&g.space)) {
+            for row in grid.range(1, y) {
+                for column in grid.range(0, x) {
+                    let number = row * grid.count(0) + column;
+                    if is_gentle && grid.is_blocked[number] {
+                        continue;
+                    }
+                    for combination in &combinations {
+                        let id = combination * self.count + grid.first + number as u32;
+                        let mut part = at.clone();
+                        self.cut(id, &mut part);
+                        if !part.is_impossible() {
+                            out.push((id, part));
+                        }
+                    }
+                }
+            }
+        }
+        out
+    }
+}
+
+/// Around the positions at which a collider of a kind can meet anything that never moves; none if it never can, or if
+/// the meter stops the search.
+pub(in crate::analysis) fn near_statics(world: &World, kind: &Kind, meter: &Meter<'_>) -> Option<[Interval; 2]> {
+    let mut hull: Option<[Interval; 2]> = None;
+    for body in &kind.bodies {
+        for space in world.spaces.ids() {
+            let tiles = Tiles::new(world, space);
+            if tiles.spend(meter) || meter.spend(world.spaces[space].solids.len() as u64) {
+                return None;
+            }
+            let kinds: Vec<bool> = tiles.tags.iter().map(|t| world.meeting(body.tags, *t).is_some()).collect();
+            let solids = world.spaces[space].solids.iter().filter(|s| world.meeting(body.tags, s.tags).is_some());
+            let boxes = tiles.boxes(|kind| kinds[kind]).map(along).chain(solids.map(|s| along(s.bounds)));
+            for sides in boxes {
+                let at = [0, 1].map(|axis| near(body.extent, axis, sides[axis]));
+                hull = Some(hull.map_or(at, |h| [h[0].or(at[0]), h[1].or(at[1])]));
+            }
+        }
+    }
+    hull
+}

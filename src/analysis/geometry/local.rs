@@ -1,0 +1,252 @@
+//! What never moves around a place: which contacts there can be, and where pushes end. The rest of the analysis looks at
+//! both axes one by one, which is enough as long as positions are not told apart; by place, a floor counts only above it.
+
+use std::collections::BTreeMap;
+
+use crate::ir::{LeafId, Push, SpaceId, TagSet, Touch};
+
+use crate::analysis::domain::values::Interval;
+use crate::analysis::geometry::body::{Body, Edges, Kind, along, edge_at, face, near, rounded, sides_of};
+use crate::analysis::geometry::presence::Presence;
+use crate::analysis::geometry::region::Obstacle;
+use crate::analysis::geometry::tiles::Tiles;
+use crate::ir::{Bounds, Meeting, Side, World};
+use crate::watch::Meter;
+
+/// More surfaces than that are not looked at one by one.
+const MAX_SURFACES: usize = 1 << 14;
+/// The size of a bucket in which surfaces are looked up, px.
+const BUCKET: f64 = 32.0;
+/// With more buckets than that under a box, all surfaces are looked at.
+const MAX_BUCKETS: usize = 256;
+
+/// Something that never moves, as one collider meets it.
+#[derive(Debug, Clone, PartialEq)]
+struct Surface {
+    /// The positions at which both touch.
+    near: [Interval; 2],
+    tags: TagSet,
+    /// The tags of the collider.
+    mine: TagSet,
+    /// The number of the collider.
+    body: usize,
+    /// Whether it pushes the collider, and to all sides.
+    is_pushing: bool,
+    is_solid: bool,
+    /// Along both axes, where a push by the low and by the high side of the collider ends; none to sides that it does not
+    /// push to.
+    edges: [[Option<f64>; 2]; 2],
+    /// Whether that face is open: no neighbour covers it.
+    is_open: [[bool; 2]; 2],
+}
+
+/// What a kind meets in a space.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(in crate::analysis) struct Surfaces {
+    all: Vec<Surface>,
+    /// When each collider is there.
+    presences: Vec<Presence>,
+    buckets: BTreeMap<(i64, i64), Vec<u32>>,
+    /// Those that lie in too many buckets: they are looked at from everywhere.
+    long: Vec<u32>,
+}
+
+impl Surfaces {
+    /// None if there are too many, if a collider is not always the same, or if the meter stops it.
+    pub fn new(world: &World, kind: &Kind, space: SpaceId, meter: &Meter<'_>) -> Option<Surfaces> {
+        let mut out = Surfaces { presences: presences(kind), ..Surfaces::default() };
+        let tiles = Tiles::new(world, space);
+        let solids = &world.spaces[space].solids;
+        for (number, body) in kind.bodies.iter().enumerate() {
+            let meetings: Vec<Option<Meeting>> = tiles.tags.iter().map(|t| world.meeting(body.tags, *t)).collect();
+            if meetings.iter().all(Option::is_none) && solids.iter().all(|s| world.meeting(body.tags, s.tags).is_none())
+            {
+                continue;
+            }
+            if body.extent.is_none() || (body.is_pushed && body.presence.is_none()) {
+                return None;
+            }
+            let pushes = |m: &Option<Meeting>| m.is_some_and(|m| m.response.push == Push::Block);
+            let blocks: Vec<bool> = meetings.iter().map(pushes).collect();
+            let has_solids = solids.iter().any(|s| pushes(&world.meeting(body.tags, s.tags)));
+            let covered = |at: usize, side: Side| {
+                let is_covered = tiles.neighbour(at, side).is_some_and(|kind| blocks[kind]);
+                is_covered && !has_solids
+            };
+            if tiles.spend(meter) {
+                return None;
+            }
+            for at in 0..tiles.count().0 * tiles.count().1 {
+                let Some(kind) = tiles.kind(at) else { continue };
+                let Some(meeting) = meetings[kind] else { continue };
+                let is_block = meeting.response.push == Push::Block;
+                out.add((number, body), tiles.tags[kind], meeting, tiles.bounds(at), |side| {
+                    is_block && covered(at, side)
+                })?;
+            }
+            for solid in solids {
+                let Some(meeting) = world.meeting(body.tags, solid.tags) else { continue };
+                out.add((number, body), solid.tags, meeting, solid.bounds, |_| false)?;
+            }
+        }
+        Some(out)
+    }
+
+    /// What pushes a kind of what never moves although it could.
+    pub fn of(world: &World, kind: &Kind, obstacles: &[Obstacle]) -> Surfaces {
+        let mut out = Surfaces { presences: presences(kind), ..Surfaces::default() };
+        for (number, body) in kind.bodies.iter().enumerate().filter(|(_, b)| b.is_pushed) {
+            for obstacle in obstacles {
+                if let Some(meeting) = world.meeting(body.tags, obstacle.tags) {
+                    // There are never as many instances as surfaces.
+                    let _ = out.add((number, body), obstacle.tags, meeting, obstacle.bounds, |_| false);
+                }
+            }
+        }
+        out
+    }
+
+    fn add(
+        &mut self,
+        (number, body): (usize, &Body),
+        tags: TagSet,
+        meeting: Meeting,
+        bounds: Bounds,
+        covered: impl Fn(Side) -> bool,
+    ) -> Option<()> {
+        let (extent, sides) = (body.extent?, along(bounds));
+        let is_pushing = meeting.response.push != Push::Sense && !body.kinematic;
+        let mut surface = Surface {
+            near: [0, 1].map(|axis| near(Some(extent), axis, sides[axis])),
+            tags,
+            mine: body.tags,
+            body: number,
+            is_pushing,
+            is_solid: meeting.response.push == Push::Block,
+            edges: [[None; 2]; 2],
+            is_open: [[false; 2]; 2],
+        };
+        for side in sides_of(meeting).filter(|_| is_pushing) {
+            let (axis, end) = face(side);
+            surface.edges[axis][end] = Some(edge_at(extent, axis, end, sides[axis]));
+            surface.is_open[axis][end] = !covered(side);
+        }
+        let number = self.all.len() as u32;
+        let [columns, rows] = surface.near.map(buckets);
+        if span(columns).saturating_mul(span(rows)) > MAX_BUCKETS {
+            self.long.push(number);
+        } else {
+            for row in rows.0..=rows.1 {
+                for column in columns.0..=columns.1 {
+                    self.buckets.entry((row, column)).or_default().push(number);
+                }
+            }
+        }
+        self.all.push(surface);
+        (self.all.len() <= MAX_SURFACES).then_some(())
+    }
+
+    /// The surfaces that can be touched from a box of positions.
+    fn around(&self, at: [Interval; 2]) -> impl Iterator<Item = &Surface> {
+        let [columns, rows] = at.map(buckets);
+        let mut numbers: Vec<u32> = if span(columns).saturating_mul(span(rows)) > MAX_BUCKETS {
+            (0..self.all.len() as u32).collect()
+        } else {
+            let cells = (rows.0..=rows.1).flat_map(|row| (columns.0..=columns.1).map(move |column| (row, column)));
+            let near = cells.filter_map(|cell| self.buckets.get(&cell)).flatten();
+            near.chain(&self.long).copied().collect()
+        };
+        numbers.sort_unstable();
+        numbers.dedup();
+        let touches = move |s: &&Surface| (0..2).all(|axis| s.near[axis].and(at[axis]).is_some());
+        numbers.into_iter().filter_map(|n| self.all.get(n as usize)).filter(touches)
+    }
+
+    /// Where pushes of at most `far` px can end that find an instance in a box of positions, while some leaves are active.
+    pub fn edges(&self, at: [Interval; 2], far: f64, leaves: &[LeafId], out: &mut Edges) {
+        let is_there = |s: &&Surface| self.presences[s.body].is_there(leaves);
+        for surface in self.around(at).filter(|s| s.is_pushing).filter(is_there) {
+            for (axis, out) in out.iter_mut().enumerate() {
+                for (end, out) in out.iter_mut().enumerate() {
+                    let Some(edge) = surface.edges[axis][end].filter(|_| surface.is_open[axis][end]) else { continue };
+                    let from = match end {
+                        0 => Interval { low: edge - far, high: edge },
+                        _ => Interval { low: edge, high: edge + far },
+                    };
+                    if rounded(from).and(at[axis]).is_some() {
+                        out.push(rounded(Interval::point(edge)));
+                    }
+                }
+            }
+        }
+    }
+
+    /// Boxes of positions in which an instance is, after pushes of at most `far` px, when a contact question holds. There may
+    /// be others that push as well.
+    pub fn touched(
+        &self,
+        touch: &Touch,
+        at: [Interval; 2],
+        far: f64,
+        also: Option<&Surfaces>,
+        out: &mut Vec<[Interval; 2]>,
+    ) {
+        let wide = |i: Interval| rounded(Interval { low: i.low - far, high: i.high + far });
+        let asked = |s: &&&Surface| s.mine.meets(touch.mine) && s.tags.meets(TagSet::of(touch.other));
+        let mut add = |within: [Interval; 2]| {
+            if let (Some(x), Some(y)) = (within[0].and(at[0]), within[1].and(at[1]))
+                && !out.contains(&[x, y])
+            {
+                out.push([x, y]);
+            }
+        };
+        let around: Vec<&Surface> = self.around(at.map(wide)).collect();
+        for surface in around.iter().filter(asked) {
+            let within = surface.near.map(wide);
+            if let Some((axis, end)) = touch.side.map(face).filter(|_| surface.is_pushing) {
+                // It is pushed at least to this edge. A face that is covered gives a side only in a corner, where one across
+                // is covered, too.
+                let across = surface.is_open[1 - axis];
+                let is_corner = surface.is_solid && across != [true; 2];
+                let Some(edge) = surface.edges[axis][end].filter(|_| surface.is_open[axis][end] || is_corner) else {
+                    continue;
+                };
+                // The deepest push to that side has the last word.
+                let end_of_push = rounded(match end {
+                    0 => Interval { low: edge, high: edge + far },
+                    _ => Interval { low: edge - far, high: edge },
+                });
+                let others = also.into_iter().flat_map(|also| also.around(at.map(wide)));
+                let pushing = around.iter().copied().chain(others).filter(|s| s.is_pushing);
+                let pushes = pushing.filter_map(|s| s.edges[axis][end]);
+                for edge in pushes.filter(|e| end_of_push.contains(*e)) {
+                    let mut within = within;
+                    within[axis] = rounded(Interval::point(edge));
+                    add(within);
+                }
+                continue;
+            }
+            add(within);
+        }
+    }
+
+    /// Where pushes end along an axis, by the low and by the high side of colliders.
+    pub fn lines(&self, axis: usize) -> [Vec<f64>; 2] {
+        [0, 1].map(|end| self.all.iter().filter_map(|s| s.edges[axis][end]).collect())
+    }
+}
+
+/// When each collider of a kind is there; always, where that is not known.
+fn presences(kind: &Kind) -> Vec<Presence> {
+    kind.bodies.iter().map(|body| body.presence.clone().unwrap_or(Presence::Always)).collect()
+}
+
+/// How many buckets there are from the first to the last.
+fn span((low, high): (i64, i64)) -> usize {
+    high.saturating_sub(low).saturating_add(1).max(1) as usize
+}
+
+/// From the first to the last bucket under an interval; a cast stops at the ends of its type.
+fn buckets(i: Interval) -> (i64, i64) {
+    ((i.low / BUCKET).floor() as i64, (i.high / BUCKET).floor() as i64)
+}

@@ -1,0 +1,132 @@
+//! While which leaves a collider is there, where its guard asks for modes of the instance alone: they change in the discrete
+//! phase and nowhere else, so that whether it was there in the last collision phase is known as a step begins.
+
+use std::collections::BTreeSet;
+
+use crate::ir::{Entity, Expr, ExprId, GroupId, Id, IdRange, LeafId, Program, Subject};
+
+use crate::analysis::domain::truth::Truth;
+
+/// When a collider is there.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::analysis) enum Presence {
+    Always,
+    Never,
+    /// While a leaf of a group is one of some: from the first to before the second.
+    In {
+        group: GroupId,
+        leaves: IdRange<LeafId>,
+        /// All of the group.
+        all: IdRange<LeafId>,
+    },
+    Not(Box<Presence>),
+    Both(Box<Presence>, Box<Presence>),
+    Either(Box<Presence>, Box<Presence>),
+}
+
+impl Presence {
+    /// None if a guard asks for more than modes.
+    pub fn of(program: &Program, entity: &Entity, guard: Option<ExprId>) -> Option<Presence> {
+        let Some(guard) = guard else { return Some(Presence::Always) };
+        let of = |id: ExprId| Presence::of(program, entity, Some(id)).map(Box::new);
+        Some(match program.exprs[guard] {
+            Expr::Bool(true) => Presence::Always,
+            Expr::Bool(false) => Presence::Never,
+            Expr::InMode(Subject::Me, mode) => {
+                let mode = &entity.modes[mode];
+                let all = entity.leaves_of(&entity.groups[mode.group]);
+                Presence::In { group: mode.group, leaves: mode.leaves, all }
+            }
+            Expr::Not(a) => Presence::Not(of(a)?),
+            Expr::And(a, b) => Presence::Both(of(a)?, of(b)?),
+            Expr::Or(a, b) => Presence::Either(of(a)?, of(b)?),
+            _ => return None,
+        })
+    }
+
+    /// Whether the collider is there while each group is in a leaf.
+    pub fn holds(&self, leaf: &impl Fn(GroupId) -> LeafId) -> bool {
+        match self {
+            Presence::Always => true,
+            Presence::Never => false,
+            Presence::In { group, leaves, .. } => leaves.contains(leaf(*group)),
+            Presence::Not(a) => !a.holds(leaf),
+            Presence::Both(a, b) => a.holds(leaf) && b.holds(leaf),
+            Presence::Either(a, b) => a.holds(leaf) || b.holds(leaf),
+        }
+    }
+
+    /// Whether the collider is there while some leaves are active, one of each group.
+    pub fn is_there(&self, leaves: &[LeafId]) -> bool {
+        self.holds(&|group: GroupId| leaves[group.index()])
+    }
+
+    /// Whether it can be there, and whether it can be away, while each group is in any of some leaves.
+    pub fn among(&self, active: &BTreeSet<LeafId>) -> Truth {
+        match self {
+            Presence::Always => Truth::of(true),
+            Presence::Never => Truth::of(false),
+            Presence::In { leaves: inside, all, .. } => Truth {
+                can_hold: active.range(inside.from..inside.to).next().is_some(),
+                can_fail: active.range(all.from..all.to).any(|leaf| !inside.contains(*leaf)),
+            },
+            Presence::Not(a) => {
+                let Truth { can_hold, can_fail } = a.among(active);
+                Truth { can_hold: can_fail, can_fail: can_hold }
+            }
+            Presence::Both(a, b) => {
+                let (a, b) = (a.among(active), b.among(active));
+                Truth { can_hold: a.can_hold && b.can_hold, can_fail: a.can_fail || b.can_fail }
+            }
+            Presence::Either(a, b) => {
+                let (a, b) = (a.among(active), b.among(active));
+                Truth { can_hold: a.can_hold || b.can_hold, can_fail: a.can_fail && b.can_fail }
+            }
+        }
+    }
+
+    /// The groups that it asks for.
+    pub fn groups(&self, out: &mut BTreeSet<GroupId>) {
+        match self {
+            Presence::Always | Presence::Never => {}
+            Presence::In { group, .. } => {
+                out.insert(*group);
+            }
+            Presence::Not(a) => a.groups(out),
+            Presence::Both(a, b) | Presence::Either(a, b) => {
+                a.groups(out);
+                b.groups(out);
+            }
+        }
+    }
+}
+
+/// While which leaves an instance is kept out of what blocks it.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::analysis) enum Cover {
+    Always,
+    /// While one of some colliders is there.
+    While(Vec<Presence>),
+}
+
+impl Default for Cover {
+    /// Never.
+    fn default() -> Self {
+        Cover::While(Vec::new())
+    }
+}
+
+impl Cover {
+    /// Whether it is, while each group is in a leaf.
+    pub fn holds(&self, leaf: &impl Fn(GroupId) -> LeafId) -> bool {
+        match self {
+            Cover::Always => true,
+            Cover::While(any) => any.iter().any(|presence| presence.holds(leaf)),
+        }
+    }
+
+    /// Whether it is while some leaves are active, one of each group.
+    pub fn covers(&self, leaves: &[LeafId]) -> bool {
+        self.holds(&|group: GroupId| leaves[group.index()])
+    }
+}

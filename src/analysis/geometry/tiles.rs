@@ -1,0 +1,135 @@
+//! The tiles of a space as the analysis looks at them: which kinds stand where, in which columns and rows.
+
+use crate::ir::{Bounds, Side, SpaceId, TagId, TagSet, TileMap, World};
+use crate::watch::Meter;
+
+use crate::analysis::domain::values::Interval;
+
+/// The map of a space; empty if it has none.
+pub(in crate::analysis) struct Tiles<'a> {
+    map: Option<&'a TileMap<TagId>>,
+    /// The tags of each kind of tile.
+    pub tags: Vec<TagSet>,
+}
+
+/// From where to where, px.
+type Lines = Vec<(f64, f64)>;
+
+impl<'a> Tiles<'a> {
+    pub fn new(world: &'a World, space: SpaceId) -> Self {
+        let map = world.spaces[space].map.as_ref();
+        let kinds = map.iter().flat_map(|m| &m.kinds);
+        Tiles { map, tags: kinds.map(|k| k.tags.iter().copied().collect()).collect() }
+    }
+
+    /// Width and height of a tile, px.
+    pub fn size(&self) -> [f64; 2] {
+        self.map.map_or([f64::INFINITY; 2], |m| [m.tile.0, m.tile.1])
+    }
+
+    /// Columns and rows.
+    pub fn count(&self) -> (usize, usize) {
+        self.map.map_or((0, 0), |m| (m.columns, m.rows))
+    }
+
+    /// Counts a look at every cell; gives whether all should end.
+    pub fn spend(&self, meter: &Meter<'_>) -> bool {
+        let (columns, rows) = self.count();
+        meter.spend(columns as u64 * rows as u64)
+    }
+
+    /// The kind of the tile in a cell, by its number.
+    pub fn kind(&self, at: usize) -> Option<usize> {
+        self.map?.cells.get(at).map(|k| usize::from(*k))
+    }
+
+    /// The box of a cell, by its number.
+    pub fn bounds(&self, at: usize) -> Bounds {
+        let [width, height] = self.size();
+        let columns = self.count().0.max(1);
+        let (column, row) = ((at % columns) as f64, (at / columns) as f64);
+        let (left, bottom) = (column * width, row * height);
+        Bounds { left, right: left + width, bottom, top: bottom + height }
+    }
+
+    /// The tags of the tile in a cell.
+    pub fn tag(&self, at: usize) -> TagSet {
+        self.kind(at).and_then(|k| self.tags.get(k).copied()).unwrap_or_default()
+    }
+
+    /// Whether a tile of a kind is anywhere.
+    pub fn has(&self, kind: usize) -> bool {
+        self.map.is_some_and(|m| m.cells.iter().any(|k| usize::from(*k) == kind))
+    }
+
+    /// The kind of the neighbour that covers the face of a tile that a body meets with a side of its own.
+    pub fn neighbour(&self, at: usize, side: Side) -> Option<usize> {
+        let columns = self.map?.columns;
+        let column = at % columns;
+        match side {
+            Side::Left if column + 1 < columns => self.kind(at + 1),
+            Side::Right if column > 0 => self.kind(at - 1),
+            Side::Below => self.kind(at + columns),
+            Side::Above => self.kind(at.checked_sub(columns)?),
+            Side::Left | Side::Right => None,
+        }
+    }
+
+    /// The columns and the rows in which some cell is meant; not all of them if the meter stops it.
+    pub fn lines(&self, is_meant: impl Fn(usize) -> bool, meter: &Meter<'_>) -> (Lines, Lines) {
+        let Some(map) = self.map else { return (Vec::new(), Vec::new()) };
+        let (mut columns, mut rows) = (vec![false; map.columns], vec![false; map.rows]);
+        for (row, is_in_row) in rows.iter_mut().enumerate() {
+            if meter.spend(4 * map.columns as u64) {
+                break;
+            }
+            for (column, is_in_column) in columns.iter_mut().enumerate() {
+                let is_in = is_meant(row * map.columns + column);
+                *is_in_row |= is_in;
+                *is_in_column |= is_in;
+            }
+        }
+        let lines = |on: &[bool], size: f64| {
+            let on = on.iter().enumerate().filter(|(_, on)| **on);
+            on.map(|(i, _)| (i as f64 * size, i as f64 * size + size)).collect()
+        };
+        (lines(&columns, map.tile.0), lines(&rows, map.tile.1))
+    }
+
+    /// The boxes of the tiles of some kinds: of those that lie side by side in a row, one.
+    pub fn boxes(&self, is_meant: impl Fn(usize) -> bool) -> impl Iterator<Item = Bounds> + '_ {
+        let [width, height] = self.size();
+        let columns = self.count().0.max(1);
+        let cells: Vec<bool> = self.map.iter().flat_map(|m| &m.cells).map(|k| is_meant(usize::from(*k))).collect();
+        let rows = cells.chunks(columns).enumerate();
+        let mut out = Vec::new();
+        for (row, cells) in rows {
+            let mut from = 0;
+            for run in cells.chunk_by(|a, b| a == b) {
+                if run[0] {
+                    out.push(Bounds {
+                        left: from as f64 * width,
+                        right: (from + run.len()) as f64 * width,
+                        bottom: row as f64 * height,
+                        top: row as f64 * height + height,
+                    });
+                }
+                from += run.len();
+            }
+        }
+        out.into_iter()
+    }
+
+    /// The kinds of the tiles whose inside a box meets.
+    pub fn within(&self, x: Interval, y: Interval) -> impl Iterator<Item = usize> + '_ {
+        let (columns, rows) = self.count();
+        let [width, height] = self.size();
+        let range = |i: Interval, size: f64, count: usize| {
+            let cell = |x: f64| (x / size).floor().clamp(0.0, count as f64) as usize;
+            if i.high < 0.0 { 0..0 } else { cell(i.low)..(cell(i.high) + 1).min(count) }
+        };
+        let across = range(x, width, columns);
+        let cells = range(y, height, rows).flat_map(move |row| across.clone().map(move |c| row * columns + c));
+        cells.filter_map(|at| self.kind(at))
+    }
+}

@@ -1,0 +1,492 @@
+//! Expressions over what variables can be: the values a number can have, the ways a guard can turn out, and what is left
+//! of a configuration where it turns out one way.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use crate::ir::{
+    Arithmetic, CompareOp, DiscreteId, Entity, EntityId, Expr, ExprId, Function, Id, IdVec, LeafId, ParamId, Program,
+    SlotId, SpaceId, Subject, TouchId, VarId, World, call,
+};
+
+use crate::analysis::domain::configuration::{Between, Configuration, Overall};
+use crate::analysis::domain::truth::Truth;
+use crate::analysis::domain::values::{Interval, Values};
+use crate::analysis::geometry::surroundings::Surroundings;
+
+/// The phase of the simulator in which an expression is read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::analysis) enum Phase {
+    /// The discrete phase, and what is looked at between steps: everything is as the step began.
+    Discrete,
+    /// The continuous phase: everything is as the discrete phase left it, but for contacts, which are those of the last
+    /// collision phase.
+    Continuous {
+        /// Whether the instance has been put elsewhere since its contacts were found.
+        is_put: bool,
+    },
+}
+
+/// Of all that an instance can be, the part in which a world's predicate is read.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::analysis) enum Pinned<'a> {
+    /// A part of its region.
+    Part(SpaceId, [Interval; 2]),
+    /// A configuration.
+    At(&'a Configuration),
+}
+
+/// What can be read of whichever instance a reference refers to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Part {
+    Param(ParamId),
+    /// Within a step or between steps.
+    Var(VarId, usize, bool),
+    Discrete(DiscreteId, bool),
+}
+
+/// What the instances of an entity, or all of them, can be together: joined once for all who read it, as long as what
+/// is known of the slots stays the same.
+#[derive(Debug, Default)]
+pub(in crate::analysis) struct Joined {
+    values: Mutex<BTreeMap<(Option<EntityId>, Part), Values>>,
+    alive: Mutex<BTreeMap<Option<EntityId>, Arc<[SlotId]>>>,
+}
+
+impl Joined {
+    /// More is known of the slots.
+    pub fn forget(&mut self) {
+        *self = Joined::default();
+    }
+}
+
+impl Clone for Joined {
+    fn clone(&self) -> Self {
+        Joined::default()
+    }
+}
+
+/// What an expression is read against.
+#[derive(Clone, Copy)]
+pub(in crate::analysis) struct Reader<'a> {
+    pub program: &'a Program,
+    pub world: &'a World,
+    pub slots: &'a IdVec<SlotId, Overall>,
+    /// What they are together.
+    pub joined: &'a Joined,
+    /// What is known of each slot's contacts.
+    pub surroundings: &'a Surroundings,
+    /// In a world's predicate: an instance, and what it is looked at in.
+    pub pinned: Option<(SlotId, Pinned<'a>)>,
+    /// The instance that `Subject::Me` stands for, none in a world's predicate.
+    pub me: Option<(SlotId, &'a Configuration)>,
+    /// When it is read.
+    pub phase: Phase,
+}
+
+impl<'a> Reader<'a> {
+    fn entity(&self, slot: SlotId) -> &'a Entity {
+        &self.program.entities[self.world.slots[slot].entity]
+    }
+
+    /// The slots that a subject can stand for.
+    fn candidates(&self, of: Subject) -> Arc<[SlotId]> {
+        match (of, self.me) {
+            (Subject::Me, Some((me, _))) => Arc::new([me]),
+            (Subject::Slot(slot), _) => Arc::new([slot]),
+            _ => {
+                let entity = self.entity_of(of);
+                let mut known = self.joined.alive.lock().unwrap_or_else(PoisonError::into_inner);
+                let fits = |slot: &SlotId| {
+                    entity.is_none_or(|e| self.world.slots[*slot].entity == e) && self.slots[*slot].can_live
+                };
+                let alive = known.entry(entity).or_insert_with(|| self.world.slots.ids().filter(fits).collect());
+                Arc::clone(alive)
+            }
+        }
+    }
+
+    /// The entity of all that a reference can refer to; none if it can be any.
+    fn entity_of(&self, of: Subject) -> Option<EntityId> {
+        match (of, self.me) {
+            (Subject::Ref(id), Some((me, _))) => self.entity(me).refs[id].entity,
+            _ => None,
+        }
+    }
+
+    /// What `read` finds, of any instance that a subject can stand for; those that do not have it are not meant.
+    fn read(&self, of: Subject, part: Part, read: impl Fn(&Overall) -> Option<Values>) -> Values {
+        let is_one = matches!((of, self.me), (Subject::Me, Some(_)) | (Subject::Slot(_), _));
+        let key = (self.entity_of(of), part);
+        let known = || self.joined.values.lock().unwrap_or_else(PoisonError::into_inner);
+        if !is_one && let Some(values) = known().get(&key) {
+            return *values;
+        }
+        let candidates = self.candidates(of);
+        let found = candidates.iter().filter_map(|slot| read(&self.slots[*slot]));
+        // Where there is no instance, zeros are read.
+        let absent = matches!(of, Subject::Slot(slot) if self.slots[slot].can_be_absent);
+        let zero = absent.then(|| Interval::point(0.0));
+        let values = Values::any(found.flat_map(|v| v.intervals().to_vec()).chain(zero));
+        if !is_one {
+            known().insert(key, values);
+        }
+        values
+    }
+
+    /// A position of an instance, within the part of its region that it is looked at in.
+    fn in_part(&self, slot: SlotId, axis: usize, at: &Values) -> Values {
+        match self.pinned {
+            Some((pinned, Pinned::Part(_, part))) if pinned == slot => at.within(part[axis]),
+            _ => *at,
+        }
+    }
+
+    /// Whether others are read as the discrete phase has left them.
+    fn is_within_step(&self) -> bool {
+        self.phase != Phase::Discrete
+    }
+
+    /// What the discrete phase makes of another instance, if that is what is read.
+    fn between<'o>(&self, o: &'o Overall) -> Option<&'o Between> {
+        self.is_within_step().then_some(&o.between)
+    }
+
+    /// A variable of another instance.
+    fn var(&self, o: &Overall, var: VarId, degree: usize) -> Option<Values> {
+        let between = self.between(o).and_then(|b| b.vars.get(var));
+        Some(o.vars.get(var)?[degree].or(between.map_or(&Values::none(), |v| &v[degree])))
+    }
+
+    fn position(&self, of: Subject, axis: usize) -> Values {
+        let at = |o: &Overall| self.var(o, VarId::XY[axis], 0);
+        let part = Part::Var(VarId::XY[axis], 0, self.is_within_step());
+        match of {
+            Subject::Slot(slot) => self.read(of, part, |o| Some(self.in_part(slot, axis, &at(o)?))),
+            _ => self.read(of, part, at),
+        }
+    }
+
+    /// The configuration in which a subject is read, if it is read in one.
+    fn mine(&self, of: Subject) -> Option<&'a Configuration> {
+        self.configured(of).map(|(_, at)| at)
+    }
+
+    fn configured(&self, of: Subject) -> Option<(SlotId, &'a Configuration)> {
+        match (of, self.pinned) {
+            (Subject::Me, _) => self.me,
+            (Subject::Slot(slot), Some((pinned, Pinned::At(at)))) if pinned == slot => Some((slot, at)),
+            _ => None,
+        }
+    }
+
+    /// Where an instance of a configuration is when a contact question of its own holds.
+    fn touched(&self, slot: SlotId, id: TouchId, at: &Configuration) -> Option<Vec<[Interval; 2]>> {
+        let mut boxes = self.surroundings.touched(slot, id, &self.entity(slot).touches[id], at)?;
+        boxes.retain(|b| (0..2).all(|axis| !at.vars[VarId(axis)][0].within(b[axis as usize]).is_none()));
+        Some(boxes)
+    }
+
+    fn is_played(&self) -> bool {
+        self.me.is_some_and(|(me, _)| self.world.slots[me].player.is_some())
+    }
+
+    /// The values that a number can have.
+    pub fn number(&self, id: ExprId) -> Values {
+        let number = |id| self.number(id);
+        match self.program.exprs[id] {
+            Expr::Number(n) => Values::point(n),
+            Expr::Frames(n) => Values::point(self.world.step.frames(n)),
+            Expr::Param(Subject::Me, p) if self.me.is_some() => {
+                let own = self.me.and_then(|(me, c)| c.params.get(p).or(self.slots[me].params.get(p)));
+                own.copied().unwrap_or(Values::all())
+            }
+            Expr::Param(of, p) => match self.mine(of).and_then(|c| c.params.get(p)) {
+                Some(values) => *values,
+                None => self.read(of, Part::Param(p), |o| o.params.get(p).cloned()),
+            },
+            Expr::Var(of, var, degree) => match self.mine(of) {
+                Some(c) => c.vars[var][usize::from(degree)],
+                None if degree == 0 && var.is_position() => self.position(of, var.index()),
+                None => {
+                    let degree = usize::from(degree);
+                    self.read(of, Part::Var(var, degree, self.is_within_step()), |o| self.var(o, var, degree))
+                }
+            },
+            Expr::Discrete(of, id) => match self.mine(of) {
+                Some(c) => c.discretes[id],
+                None => self.read(of, Part::Discrete(id, self.is_within_step()), |o| {
+                    let between = self.between(o).and_then(|b| b.discretes.get(id));
+                    Some(o.discretes.get(id)?.or(between.unwrap_or(&Values::none())))
+                }),
+            },
+            Expr::Axis(_) if self.is_played() => Values::from(Interval { low: -1.0, high: 1.0 }),
+            Expr::Axis(_) => Values::point(0.0),
+            Expr::Timer(timer) => match self.me {
+                Some((_, c)) => {
+                    let step = self.world.step;
+                    let count = c.timers[timer];
+                    let time = |steps: f64| if steps.is_finite() { step.times(steps as u32) } else { steps };
+                    Values::from(Interval { low: time(count.low), high: time(count.high) })
+                }
+                None => Values::all(),
+            },
+            Expr::Negate(a) => number(a).map(|i| i.map(|x| -x)),
+            Expr::Arithmetic(op, a, b) => {
+                let (a, b) = (number(a), number(b));
+                match op {
+                    Arithmetic::Add => a.pairs(&b, Interval::plus),
+                    Arithmetic::Subtract => a.pairs(&b, Interval::minus),
+                    Arithmetic::Multiply => a.pairs(&b, Interval::times),
+                    Arithmetic::Divide => a.pairs(&b, |a, b| match b.contains(0.0) {
+                        true => Interval::ALL,
+                        false => a.corners(b, |a, b| a / b),
+                    }),
+                }
+            }
+            Expr::Call(Function::If, [condition, a, b]) => {
+                let truth = self.truth(condition);
+                let a = if truth.can_hold { number(a) } else { Values::none() };
+                if truth.can_fail { a.or(&number(b)) } else { a }
+            }
+            Expr::Call(function, arguments) => self.called(function, arguments),
+            _ => {
+                let truth = self.truth(id);
+                let ways = [(truth.can_hold, 1.0), (truth.can_fail, 0.0)];
+                Values::any(ways.into_iter().filter(|(can, _)| *can).map(|(_, x)| Interval::point(x)))
+            }
+        }
+    }
+
+    fn called(&self, function: Function, arguments: [ExprId; 3]) -> Values {
+        let [a, b, c] = arguments.map(|x| self.number(x));
+        let f = |x: f64| call(function, [x, 0.0, 0.0]);
+        let within = |low: f64, high: f64| Values::from(Interval { low, high });
+        match function {
+            Function::Min => a.pairs(&b, Interval::least),
+            Function::Max => a.pairs(&b, Interval::greatest),
+            Function::Clamp => a.pairs(&b, Interval::greatest).pairs(&c, Interval::least),
+            Function::Abs => a.map(|i| match i.contains(0.0) {
+                true => Interval { low: 0.0, high: i.high.max(-i.low) },
+                false => i.map(f64::abs),
+            }),
+            Function::Sign | Function::Floor | Function::Ceil | Function::Round => {
+                // A sign has three values, of which an interval's ends show two.
+                let zero = function == Function::Sign && a.contains(0.0);
+                let found = a.map(|i| i.map(f));
+                if zero { found.or(&Values::point(0.0)) } else { found }
+            }
+            Function::Sqrt => a.within(Interval { low: 0.0, high: f64::INFINITY }).map(|i| i.map(f)),
+            Function::Sin | Function::Cos => match a.constant() {
+                Some(x) => Values::point(f(x)),
+                None => within(-1.0, 1.0),
+            },
+            Function::Atan2 => within(-4.0, 4.0),
+            Function::If => Values::all(),
+        }
+    }
+
+    /// The ways a guard can turn out.
+    pub fn truth(&self, id: ExprId) -> Truth {
+        match self.program.exprs[id] {
+            Expr::Bool(b) => Truth::of(b),
+            Expr::Compare(op, a, b) => compared(op, &self.number(a), &self.number(b)),
+            Expr::And(a, b) => {
+                let (a, b) = (self.truth(a), self.truth(b));
+                Truth { can_hold: a.can_hold && b.can_hold, can_fail: a.can_fail || b.can_fail }
+            }
+            Expr::Or(a, b) => {
+                let (a, b) = (self.truth(a), self.truth(b));
+                Truth { can_hold: a.can_hold || b.can_hold, can_fail: a.can_fail && b.can_fail }
+            }
+            Expr::Not(a) => self.truth(a).not(),
+            Expr::Button(..) => Truth { can_hold: self.is_played(), can_fail: true },
+            // The contacts are those of where it was before.
+            Expr::Touching(Subject::Me, _) if self.phase == (Phase::Continuous { is_put: true }) => Truth::EITHER,
+            Expr::Touching(of, touch) => {
+                if let Some(boxes) = self.configured(of).and_then(|(slot, at)| self.touched(slot, touch, at)) {
+                    return Truth { can_hold: !boxes.is_empty(), can_fail: true };
+                }
+                let can = |slot: &SlotId| {
+                    let vars = self.mine(of).map_or(&self.slots[*slot].vars, |c| &c.vars);
+                    let places = self.surroundings.places(*slot, touch).iter().enumerate();
+                    places
+                        .zip(vars.iter())
+                        .all(|((axis, places), [at, ..])| !self.in_part(*slot, axis, at).and(places).is_none())
+                };
+                Truth { can_hold: self.candidates(of).iter().any(can), can_fail: true }
+            }
+            Expr::Alive(slot) if self.mine(Subject::Slot(slot)).is_some() => Truth::of(true),
+            Expr::Alive(slot) => {
+                let Overall { can_live, can_be_absent, .. } = self.slots[slot];
+                Truth { can_hold: can_live, can_fail: can_be_absent }
+            }
+            Expr::InMode(of, mode) => {
+                let leaves = |slot: SlotId| self.entity(slot).modes[mode].leaves;
+                if let Some((me, c)) = self.configured(of) {
+                    return Truth::of(c.leaves.iter().any(|l| leaves(me).contains(*l)));
+                }
+                let of_mode = |slot: &SlotId| {
+                    let o = &self.slots[*slot];
+                    let Some(m) = self.entity(*slot).modes.get(mode) else { return false };
+                    let any = |leaves: &BTreeSet<LeafId>| leaves.range(m.leaves.from..m.leaves.to).next().is_some();
+                    any(&o.leaves) || self.between(o).is_some_and(|b| any(&b.leaves))
+                };
+                Truth { can_hold: self.candidates(of).iter().any(of_mode), can_fail: true }
+            }
+            Expr::InSpace(of, space) => {
+                match (of, self.pinned) {
+                    (Subject::Slot(slot), Some((pinned, Pinned::Part(here, _)))) if pinned == slot => {
+                        return Truth::of(here == space);
+                    }
+                    (Subject::Slot(slot), Some((pinned, Pinned::At(at)))) if pinned == slot => {
+                        let can_hold = at.spaces.contains(&space);
+                        return Truth { can_hold, can_fail: !can_hold || at.spaces.len() > 1 };
+                    }
+                    _ => {}
+                }
+                let spaces = |slot: &SlotId| self.slots[*slot].spaces.contains(&space);
+                Truth { can_hold: self.candidates(of).iter().any(spaces), can_fail: true }
+            }
+            Expr::Near { of, x, y, radius } => {
+                let (px, py) = match self.mine(of) {
+                    Some(c) => (c.vars[VarId::X][0], c.vars[VarId::Y][0]),
+                    None => (self.position(of, 0), self.position(of, 1)),
+                };
+                let apart = |a: &Values, b: ExprId| a.pairs(&self.number(b), Interval::minus).map(Interval::square);
+                let squares = apart(&px, x).pairs(&apart(&py, y), Interval::plus);
+                let distance = squares.map(|i| i.map(|s| s.max(0.0).sqrt()));
+                let found = compared(CompareOp::AtMost, &distance, &self.number(radius));
+                Truth { can_hold: found.can_hold, can_fail: true }
+            }
+            Expr::Joint(..) | Expr::IsNone(_) | Expr::Is(..) => Truth::EITHER,
+            _ => {
+                let number = self.number(id);
+                Truth { can_hold: number != Values::point(0.0), can_fail: number.contains(0.0) }
+            }
+        }
+    }
+
+    /// What is left of a configuration where a guard holds (or fails); none if it cannot.
+    pub fn refined(&self, from: &Configuration, guard: ExprId, holds: bool) -> Option<Configuration> {
+        if !self.can_turn_out(from, guard, holds) {
+            return None;
+        }
+        let mut out = from.clone();
+        self.refine(&mut out, guard, holds).then_some(out)
+    }
+
+    fn can_turn_out(&self, at: &Configuration, guard: ExprId, holds: bool) -> bool {
+        let reader = Reader { me: self.me.map(|(me, _)| (me, at)), ..*self };
+        let truth = reader.truth(guard);
+        if holds { truth.can_hold } else { truth.can_fail }
+    }
+
+    /// Cuts a configuration to what is left where a guard holds (or fails); gives whether it can.
+    pub fn refine(&self, at: &mut Configuration, guard: ExprId, holds: bool) -> bool {
+        let Some((me, _)) = self.me.filter(|_| self.can_turn_out(at, guard, holds)) else { return false };
+        match (self.program.exprs[guard], holds) {
+            (Expr::Not(a), _) => self.refine(at, a, !holds),
+            (Expr::And(a, b), true) | (Expr::Or(a, b), false) => self.refine(at, a, holds) && self.refine(at, b, holds),
+            (Expr::And(a, b), false) | (Expr::Or(a, b), true) => {
+                // Either decides; the second is asked only where the first has not.
+                let first = self.refined(at, a, holds);
+                let has_second = self.refine(at, a, !holds) && self.refine(at, b, holds);
+                match first {
+                    Some(first) if has_second => *at = first.or(at),
+                    Some(first) => *at = first,
+                    None => return has_second,
+                }
+                true
+            }
+            (Expr::Compare(op, a, b), _) => {
+                let op = if holds { op } else { op.negated() };
+                let reader = Reader { me: Some((me, at)), ..*self };
+                let (left, right) = (reader.number(a), reader.number(b));
+                self.cut(at, a, op, &right);
+                self.cut(at, b, op.mirrored(), &left);
+                !at.is_impossible()
+            }
+            (Expr::Touching(Subject::Me, touch), true) => {
+                let boxes = self.touched(me, touch, at);
+                for axis in 0..2 {
+                    let var = VarId::XY[axis];
+                    let places = match &boxes {
+                        Some(boxes) => Values::any(boxes.iter().map(|b| b[axis])),
+                        None => self.surroundings.places(me, touch)[axis],
+                    };
+                    at.set(var, 0, at.vars[var][0].and(&places));
+                }
+                !at.is_impossible()
+            }
+            _ => true,
+        }
+    }
+
+    /// Cuts a variable to what a comparison leaves.
+    fn cut(&self, out: &mut Configuration, id: ExprId, op: CompareOp, with: &Values) {
+        let Some(hull) = with.hull() else { return };
+        let cut = |values: &Values, whole: bool| left_by(values, op, with, whole);
+        match self.program.exprs[id] {
+            Expr::Var(Subject::Me, var, degree) => {
+                out.set(var, usize::from(degree), cut(&out.vars[var][usize::from(degree)], false));
+            }
+            Expr::Discrete(Subject::Me, id) => {
+                out.set_discrete(id, cut(&out.discretes[id], true));
+            }
+            Expr::Param(Subject::Me, id) if out.params.get(id).is_some() => {
+                let left = cut(&out.params[id], false);
+                if left != out.params[id] {
+                    out.params[id] = left;
+                }
+            }
+            Expr::Timer(timer) => {
+                // Counts are cut a step too wide, as times are rounded.
+                let step = self.world.step.seconds();
+                let cut = match op {
+                    CompareOp::Less | CompareOp::AtMost => {
+                        Interval { low: 0.0, high: (hull.high / step).floor() + 1.0 }
+                    }
+                    CompareOp::Greater | CompareOp::AtLeast => {
+                        Interval { low: (hull.low / step).ceil() - 1.0, high: f64::INFINITY }
+                    }
+                    _ => return,
+                };
+                if let Some(rest) = out.timers[timer].and(cut) {
+                    out.timers[timer] = rest;
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+/// What a comparison leaves of values; of whole numbers, which end before an open end, or of any.
+pub(in crate::analysis) fn left_by(values: &Values, op: CompareOp, with: &Values, whole: bool) -> Values {
+    let Some(hull) = with.hull() else { return *values };
+    let less = if whole { hull.high.ceil() - 1.0 } else { hull.high };
+    let more = if whole { hull.low.floor() + 1.0 } else { hull.low };
+    match op {
+        CompareOp::Equal => values.and(with),
+        CompareOp::Unequal => with.constant().map_or_else(|| *values, |x| values.without(x)),
+        CompareOp::Less => values.within(Interval { low: f64::NEG_INFINITY, high: less }),
+        CompareOp::AtMost => values.within(Interval { low: f64::NEG_INFINITY, high: hull.high }),
+        CompareOp::Greater => values.within(Interval { low: more, high: f64::INFINITY }),
+        CompareOp::AtLeast => values.within(Interval { low: hull.low, high: f64::INFINITY }),
+    }
+}
+
+fn compared(op: CompareOp, a: &Values, b: &Values) -> Truth {
+    let (Some(x), Some(y)) = (a.hull(), b.hull()) else { return Truth { can_hold: false, can_fail: false } };
+    match op {
+        CompareOp::Less => Truth { can_hold: x.low < y.high, can_fail: x.high >= y.low },
+        CompareOp::AtMost => Truth { can_hold: x.low <= y.high, can_fail: x.high > y.low },
+        CompareOp::Greater => Truth { can_hold: x.high > y.low, can_fail: x.low <= y.high },
+        CompareOp::AtLeast => Truth { can_hold: x.high >= y.low, can_fail: x.low < y.high },
+        CompareOp::Equal => {
+            let same = a.constant().is_some() && a.constant() == b.constant();
+            Truth { can_hold: !a.and(b).is_none(), can_fail: !same }
+        }
+        CompareOp::Unequal => compared(CompareOp::Equal, a, b).not(),
+    }
+}

@@ -1,0 +1,452 @@
+//! One step of an instance over what it can be: edges, updates and links here, what follows in `flow`. Each function
+//! follows a phase of the simulator and allows for everything that it could do.
+
+pub(in crate::analysis) mod evaluate;
+pub(in crate::analysis) mod flow;
+pub(in crate::analysis) mod forbidden;
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use crate::ir::{
+    Actions, Arithmetic, EdgeId, Entity, Expr, ExprId, Function, GroupId, Id, IdVec, LeafId, Link, ModeId, Place,
+    RefValue, SlotId, SpaceId, SpawnId, Subject, Transition, Update, VarId,
+};
+
+use crate::analysis::domain::configuration::Configuration;
+use crate::analysis::domain::values::{Interval, Values};
+use crate::analysis::geometry::landing::{Landing, Whose};
+use crate::analysis::geometry::scene::Scene;
+use crate::analysis::step::evaluate::{Phase, Reader};
+
+/// The most ways of a step that are told apart.
+const MAX_WAYS: usize = 512;
+
+/// What can come of a step.
+#[derive(Debug, Default)]
+pub(in crate::analysis) struct Outcome {
+    pub next: Vec<Configuration>,
+    /// What was spawned, by which spawn, from where.
+    pub spawns: Vec<(SpawnId, Configuration)>,
+    /// Whether the instance can be gone.
+    pub can_end: bool,
+    /// Whether a collider that is never pushed can come back.
+    pub appears: bool,
+    /// Active leaves with which a collider comes.
+    pub comes: Vec<Vec<LeafId>>,
+    /// Of both axes, how fast it moves before anything stops it, px/s.
+    pub speed: [f64; 2],
+    /// The same, where that leads to where there is something that never moves.
+    pub near_speed: [f64; 2],
+    /// What the discrete phase makes of it, where that changes anything.
+    pub between: Vec<Configuration>,
+    /// Where it is when contacts are found, px.
+    pub contact: [Values; 2],
+    /// Where updates and links put it.
+    pub landings: Vec<Landing>,
+    /// The spaces to which links lead it.
+    pub spaces: BTreeSet<SpaceId>,
+}
+
+/// Flows that have been followed: from where, and what came of it.
+pub(in crate::analysis) type Followed = Vec<(Configuration, Option<Configuration>)>;
+
+/// A step of one slot.
+pub(in crate::analysis) struct Stepper<'a> {
+    pub reader: Reader<'a>,
+    pub scene: &'a Scene<'a>,
+    pub slot: SlotId,
+    /// s
+    pub step: f64,
+    /// The groups whose leaves decide how the variables flow; none if time does, too.
+    pub flowing: Option<&'a [bool]>,
+    /// The groups whose leaves decide which colliders are pushed, where that makes a difference.
+    pub covering: Option<&'a [bool]>,
+    /// The edges whose way depends on where the instance is and how it moves.
+    pub moving: &'a IdVec<EdgeId, bool>,
+}
+
+/// How the continuous phase begins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::analysis) struct Beginning {
+    /// How far updates have put the instance from where its contacts were found, px.
+    pub jumps: [Interval; 2],
+    /// Whether updates or a link have put it anywhere.
+    pub is_put: bool,
+}
+
+/// A way that the groups decided so far can go: what each takes, and what the configuration is then.
+type Way = (Vec<Option<EdgeId>>, Configuration);
+
+impl<'a> Stepper<'a> {
+    pub fn entity(&self) -> &'a Entity {
+        &self.reader.program.entities[self.reader.world.slots[self.slot].entity]
+    }
+
+    pub fn at<'c>(&self, from: &'c Configuration) -> Reader<'c>
+    where
+        'a: 'c,
+    {
+        Reader { me: Some((self.slot, from)), ..self.reader }
+    }
+
+    /// What the continuous phase reads.
+    pub fn flowing_at<'c>(&self, from: &'c Configuration, is_put: bool) -> Reader<'c>
+    where
+        'a: 'c,
+    {
+        Reader { phase: Phase::Continuous { is_put }, ..self.at(from) }
+    }
+
+    /// All that can come of a configuration; none if there is too much to tell.
+    pub fn run(&self, from: &Configuration) -> Option<Outcome> {
+        self.follow_ways(from, false)
+    }
+
+    /// What can come of a configuration while its leaves stay active; none if there is too much to tell.
+    pub fn run_on(&self, from: &Configuration) -> Option<Outcome> {
+        let mut outcome = self.follow_ways(from, true)?;
+        outcome.next.retain(|next| next.leaves == from.leaves);
+        Some(outcome)
+    }
+
+    fn follow_ways(&self, from: &Configuration, stays: bool) -> Option<Outcome> {
+        let entity = self.entity();
+        let mut ways: Vec<Way> = vec![(Vec::new(), from.clone())];
+        for group in entity.groups.ids() {
+            let mut next = Vec::new();
+            for (taken, at) in ways {
+                self.choices(group, &taken, &at, stays, &mut next);
+            }
+            ways = next;
+            if ways.len() > MAX_WAYS {
+                return None;
+            }
+        }
+        let mut outcome = Outcome::default();
+        let mut followed = Followed::new();
+        for (taken, at) in ways {
+            self.take(&taken, &at, &mut followed, &mut outcome);
+        }
+        outcome.next.retain(|c| !c.is_impossible());
+        Some(outcome)
+    }
+
+    /// What a group can do: take each of its edges, or none. If it `stays`, those that lead elsewhere do not matter.
+    fn choices(&self, group: GroupId, taken: &[Option<EdgeId>], from: &Configuration, stays: bool, out: &mut Vec<Way>) {
+        let entity = self.entity();
+        let leaf = from.leaves[group.index()];
+        let with = |edge| taken.iter().copied().chain([edge]).collect::<Vec<_>>();
+        let mut rest = from.clone();
+        for &edge in &entity.leaves[leaf].edges {
+            let guard = entity.edges[edge].guard;
+            let target = entity.edges[edge].target;
+            let leads_off = || target.is_some_and(|t| !self.entered(t, &rest).contains(&leaf));
+            let held = if stays && leads_off() { None } else { self.at(&rest).refined(&rest, guard, true) };
+            if let Some(mut held) = held {
+                // What only turns a lamp on goes one way wherever that is.
+                if !self.moving[edge] && held.discretes == rest.discretes {
+                    held.numbers = Arc::clone(&rest.numbers);
+                }
+                out.push((with(Some(edge)), held));
+            }
+            if !self.at(from).refine(&mut rest, guard, false) {
+                return;
+            }
+        }
+        out.push((with(None), rest));
+    }
+
+    /// Runs what the groups have decided, then everything else of the step.
+    fn take(&self, taken: &[Option<EdgeId>], at: &Configuration, followed: &mut Followed, outcome: &mut Outcome) {
+        let entity = self.entity();
+        let mut nexts = vec![at.clone()];
+        let mut ends = false;
+        let (mut links, mut put) = (Vec::new(), [false; 2]);
+        for (group, edge) in entity.groups.ids().zip(taken) {
+            let from = at.leaves[group.index()];
+            for &internal in &entity.leaves[from].internal {
+                let internal = &entity.edges[internal];
+                if let Some(held) = self.at(at).refined(at, internal.guard, true) {
+                    let sure = internal.needs.is_empty() && !self.at(at).truth(internal.guard).can_fail;
+                    for next in &mut nexts {
+                        let mut changed = next.clone();
+                        self.act(&internal.actions, &held, &mut changed, outcome);
+                        note_puts(&internal.actions, &mut put);
+                        *next = if sure { changed } else { next.or(&changed) };
+                    }
+                }
+            }
+            if let Some(edge) = edge {
+                let edge = &entity.edges[*edge];
+                let Some(target) = edge.target else { continue };
+                note_puts(&edge.actions, &mut put);
+                let entries = entity.modes.iter().map(|m| &m.entry).filter(|e| !e.updates.is_empty());
+                entries.for_each(|e| note_puts(e, &mut put));
+                let mut entered = Vec::new();
+                for leaf in self.entered(target, at) {
+                    for next in &nexts {
+                        let mut next = next.clone();
+                        self.enter(Transition { group, from, target, to: leaf }, at, &mut next, outcome);
+                        ends |= self.act(&edge.actions, at, &mut next, outcome);
+                        entered.push(next);
+                    }
+                }
+                nexts = entered;
+            }
+            for &follow in &entity.leaves[from].follows {
+                let follow = &entity.follows[follow];
+                let held = match follow.guard {
+                    Some(guard) => self.at(at).refined(at, guard, true),
+                    None => Some(at.clone()),
+                };
+                let Some(held) = held else { continue };
+                let open = self.open_links(&held);
+                if open.is_empty() {
+                    continue;
+                }
+                for next in &mut nexts {
+                    let mut changed = next.clone();
+                    self.act(&follow.actions, &held, &mut changed, outcome);
+                    note_puts(&follow.actions, &mut put);
+                    *next = next.or(&changed);
+                }
+                links.extend(open);
+            }
+        }
+        // Who goes through a link does so after all updates.
+        let is_covered = self.is_covered(at);
+        let moved: Vec<Configuration> =
+            nexts.iter().flat_map(|next| links.iter().map(|link| self.through(*link, next, put, is_covered))).collect();
+        outcome.landings.extend(moved.iter().filter_map(Landing::of));
+        outcome.spaces.extend(moved.iter().flat_map(|next| next.spaces.iter()));
+        let is_put = put != [false; 2];
+        let jumps = |next: &Configuration| {
+            [0, 1].map(|axis| if put[axis as usize] { shift(at, next, VarId(axis)) } else { Interval::point(0.0) })
+        };
+        let mut nexts: Vec<_> =
+            nexts.into_iter().map(|next| (Beginning { jumps: jumps(&next), is_put }, next)).collect();
+        // What carried it stays behind.
+        let linked = Beginning { jumps: [Interval::point(0.0); 2], is_put: true };
+        nexts.extend(moved.into_iter().map(|next| (linked, next)));
+        // Others read it in this step even if it ends.
+        let changed = nexts.iter().filter(|(_, next)| !next.shares(at) || next.leaves != at.leaves);
+        outcome.between.extend(changed.map(|(_, next)| next.clone()));
+        outcome.can_end |= ends;
+        if ends {
+            return;
+        }
+        for (beginning, next) in nexts {
+            let mut moved = self.flowed(&next, beginning, followed, outcome);
+            if let Some(moved) = &mut moved {
+                moved.leaves.clone_from(&next.leaves);
+                moved.timers = self.time(&next);
+            }
+            self.activations(at, &next.leaves, moved.as_ref(), outcome);
+            outcome.next.extend(moved);
+        }
+    }
+
+    /// A collider that was not there can be so inside of something: where the instance was, and not only where it goes,
+    /// as what it meets on the way can push it. That counts even if it seems to get nowhere (`moved` is none), or where it
+    /// never may be: what is known of pushes holds only for the colliders that are known to come, and where they do.
+    fn activations(
+        &self,
+        from: &Configuration,
+        leaves: &[LeafId],
+        moved: Option<&Configuration>,
+        outcome: &mut Outcome,
+    ) {
+        let kind = &self.scene.kinds[self.scene.of[self.slot]];
+        for (collider, body) in self.entity().colliders.ids().zip(&kind.bodies) {
+            let Some(presence) = &body.presence else { continue };
+            if presence.is_there(&from.leaves) || !presence.is_there(leaves) {
+                continue;
+            }
+            if !body.is_live {
+                outcome.comes.push(leaves.to_vec());
+            }
+            if body.kinematic {
+                outcome.appears = true;
+                continue;
+            }
+            let was_bare = !kind.cover().covers(&from.leaves);
+            let whose = Whose::One { collider, was_bare };
+            let at = [Some(from), moved].into_iter().flatten().filter_map(Landing::of);
+            outcome.landings.extend(at.map(|l| Landing { whose: whose.clone(), ..l }));
+        }
+    }
+
+    /// The leaves that can become active when a mode is entered.
+    fn entered(&self, mode: ModeId, at: &Configuration) -> Vec<LeafId> {
+        let modes = &self.entity().modes;
+        let mut open = vec![mode];
+        let mut found = Vec::new();
+        while let Some(mode) = open.pop() {
+            let m = &modes[mode];
+            let Some(inner) = m.inner.filter(|_| m.chooses) else {
+                found.push(m.initial);
+                continue;
+            };
+            let mut otherwise = true;
+            for choice in &m.choices {
+                let truth = self.at(at).truth(choice.guard);
+                if truth.can_hold {
+                    open.push(choice.mode);
+                }
+                if !truth.can_fail {
+                    otherwise = false;
+                    break;
+                }
+            }
+            if otherwise {
+                open.push(inner);
+            }
+        }
+        found
+    }
+
+    /// Leaves and enters modes: timers begin anew, entries run.
+    fn enter(&self, transition: Transition, at: &Configuration, next: &mut Configuration, outcome: &mut Outcome) {
+        let entity = self.entity();
+        next.leaves[transition.group.index()] = transition.to;
+        for timer in transition.resets(entity) {
+            next.timers[timer] = Interval::point(0.0);
+        }
+        for mode in transition.entered(entity) {
+            self.act(&entity.modes[mode].entry, at, next, outcome);
+        }
+    }
+
+    /// Runs updates; gives whether the instance certainly ends.
+    fn act(&self, actions: &Actions, at: &Configuration, next: &mut Configuration, outcome: &mut Outcome) -> bool {
+        for update in &actions.updates {
+            self.update(update, at, next);
+        }
+        if actions.updates.iter().any(|u| matches!(u.place, Place::Var(VarId::X | VarId::Y, 0))) {
+            outcome.landings.extend(Landing::of(next));
+        }
+        for &spawn in &actions.spawns {
+            let at = at.or(next);
+            match outcome.spawns.iter_mut().find(|(known, _)| *known == spawn) {
+                Some((_, known)) => *known = known.or(&at),
+                None => outcome.spawns.push((spawn, at)),
+            }
+        }
+        let ends = actions.destroys.contains(&RefValue::Of(Subject::Me));
+        outcome.can_end |= ends;
+        ends
+    }
+
+    fn update(&self, update: &Update, at: &Configuration, next: &mut Configuration) {
+        let value = self.at(at).number(update.value);
+        match update.place {
+            Place::Var(var, degree) => {
+                let energy = next.energy[var].zip(next.vars[var][0].hull());
+                let energy = energy.filter(|_| degree == 1 && self.slows(update.value, var, at));
+                next.set(var, usize::from(degree), value);
+                next.forget_energy(var);
+                if let Some(((fall, energy), position)) = energy {
+                    next.set_energy(var, (fall, fall.slowed(energy, position)));
+                }
+            }
+            // A value out of the range stops the run.
+            Place::Discrete(id) => next.set_discrete(id, value.and(&Values::range(self.entity().discretes[id].range))),
+            Place::Ref(_) => {}
+        }
+    }
+
+    /// Whether a number lies between 0 and the velocity of a variable, whatever that is: what cuts a jump short.
+    fn slows(&self, value: ExprId, var: VarId, at: &Configuration) -> bool {
+        let slows = |id| self.slows(id, var, at);
+        let within =
+            |id, low: f64, high: f64| self.at(at).number(id).hull().is_some_and(|of| low <= of.low && of.high <= high);
+        match self.reader.program.exprs[value] {
+            Expr::Number(number) => number == 0.0,
+            Expr::Var(Subject::Me, of, 1) => of == var,
+            Expr::Arithmetic(Arithmetic::Multiply, a, b) => {
+                (slows(a) && within(b, 0.0, 1.0)) || (slows(b) && within(a, 0.0, 1.0))
+            }
+            Expr::Arithmetic(Arithmetic::Divide, a, b) => slows(a) && within(b, 1.0, f64::INFINITY),
+            Expr::Call(Function::Min, [a, b, _]) => {
+                let cuts = |a, b| slows(a) && (slows(b) || within(b, 0.0, f64::INFINITY));
+                cuts(a, b) || cuts(b, a)
+            }
+            Expr::Call(Function::Max, [a, b, _]) => {
+                let cuts = |a, b| slows(a) && (slows(b) || within(b, f64::NEG_INFINITY, 0.0));
+                cuts(a, b) || cuts(b, a)
+            }
+            Expr::Call(Function::Clamp, [a, low, high]) => {
+                slows(a) && within(low, f64::NEG_INFINITY, 0.0) && within(high, 0.0, f64::INFINITY)
+            }
+            Expr::Call(Function::If, [_, a, b]) => slows(a) && slows(b),
+            _ => false,
+        }
+    }
+
+    /// The links that the instance can stand in and that can be open, with their spaces.
+    fn open_links(&self, at: &Configuration) -> Vec<(SpaceId, &'a Link)> {
+        // The guards of links read the world's instances.
+        let onlooker = Reader { me: None, ..self.reader };
+        let links = at.spaces.iter().flat_map(|&s| self.reader.world.spaces[s].links.iter().map(move |l| (s, l)));
+        let open = |(space, link): &(SpaceId, &Link)| {
+            let [x, y] = self.standing(*space, link, at, self.is_covered(at));
+            !x.is_none() && !y.is_none() && link.guard.is_none_or(|g| onlooker.truth(g).can_hold)
+        };
+        links.filter(open).collect()
+    }
+
+    /// Whether it is kept out of what blocks it.
+    fn is_covered(&self, at: &Configuration) -> bool {
+        self.reader.surroundings.is_covered(self.slot, &at.leaves)
+    }
+
+    /// Where the instance can stand in a link, if it was kept out of what blocks it or not.
+    fn standing(&self, space: SpaceId, link: &Link, at: &Configuration, is_covered: bool) -> [Values; 2] {
+        let from = &link.from;
+        let axis = |axis: u32, low: f64, high: f64| at.vars[VarId(axis)][0].within(Interval { low, high });
+        let (x, y) = (axis(0, from.left, from.right), axis(1, from.bottom, from.top));
+        if is_covered { self.reader.surroundings.within_region(self.slot, space, &x, &y) } else { [x, y] }
+    }
+
+    /// What comes out of a link, where updates may have put `x` or `y` elsewhere since it stood there.
+    fn through(
+        &self,
+        (space, link): (SpaceId, &Link),
+        next: &Configuration,
+        put: [bool; 2],
+        is_covered: bool,
+    ) -> Configuration {
+        let mut out = next.clone();
+        out.spaces = Arc::new([link.space].into());
+        let (from, to) = (link.from, link.to);
+        let stood = match put {
+            [false, false] => self.standing(space, link, next, is_covered),
+            _ => [(from.left, from.right), (from.bottom, from.top)].map(|(low, high)| Interval { low, high }.into()),
+        };
+        let axes = [((from.left, from.right), (to.left, to.right)), ((from.bottom, from.top), (to.bottom, to.top))];
+        for (axis, (from, to)) in (0..).zip(axes) {
+            let var = VarId::XY[axis];
+            let position = out.vars[var][0];
+            let values = if put[axis] { position } else { position.and(&stood[axis]) };
+            out.vars[var][0] = values.map(|i| i.map(|x| to.0 + (to.1 - to.0) * (x - from.0) / (from.1 - from.0)));
+            out.forget_energy(var);
+        }
+        out
+    }
+}
+
+/// Notes which coordinates updates set.
+fn note_puts(actions: &Actions, put: &mut [bool; 2]) {
+    for update in &actions.updates {
+        if let Place::Var(var @ (VarId::X | VarId::Y), 0) = update.place {
+            put[var.index()] = true;
+        }
+    }
+}
+
+/// How far a variable can go from one configuration to the next.
+pub(in crate::analysis) fn shift(from: &Configuration, to: &Configuration, var: VarId) -> Interval {
+    let hulls = from.vars[var][0].hull().zip(to.vars[var][0].hull());
+    hulls.map_or(Interval::point(0.0), |(from, to)| to.minus(from))
+}

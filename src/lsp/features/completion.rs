@@ -1,0 +1,577 @@
+//! What can stand where one writes: names of the kind that the place asks for, keywords that may begin a statement there,
+//! snippets. What the text does not tell while it is broken is taken from its last state without errors.
+
+use std::collections::BTreeSet;
+use std::path::{Component, Path};
+
+use gen_lsp_types as types;
+use gen_lsp_types::{CompletionItem, CompletionItemKind, InsertTextFormat, TextEdit};
+
+use crate::sema::checked::{Checked, Entity, Type, World};
+use crate::source::FileId;
+use crate::syntax::occurrence::{NameKind, Occurrence, Role};
+
+use crate::lsp::snapshot::Snapshot;
+use crate::lsp::text::following::{after_operand, ends_operand, given};
+use crate::lsp::text::place::{Block, Place};
+use crate::lsp::text::uri::path_of;
+use crate::lsp::text::words::{SIGNATURES, Snippet, begins};
+use crate::lsp::view::{Failure, View};
+
+/// A name that is offered.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(in crate::lsp) struct Offer {
+    /// Nearer things come first.
+    rank: u8,
+    label: String,
+    kind: u32,
+    detail: String,
+    /// What is put in, with places to fill in, if that is not the label.
+    snippet: Option<String>,
+}
+
+impl View {
+    pub(in crate::lsp) fn completion(
+        &self,
+        params: types::CompletionParams,
+    ) -> Result<Option<types::CompletionResponse>, Failure> {
+        let at = params.text_document_position_params;
+        let path = path_of(&at.text_document.uri);
+        let Some(document) = self.documents.get(&path) else { return Ok(None) };
+        let encoding = self.client.encoding;
+        let code = document.text.code();
+        let byte = document.text.byte(at.position, encoding);
+        let place = Place::of(code, byte);
+        let mut offers = Offers::new(self, &path, code);
+        if !place.is_quoted {
+            offers.at(&place);
+        } else if place.statement == ["import"] {
+            offers.files(self.known.keys().filter_map(|other| relative(&path, other)));
+        }
+        let range = document.text.range(place.word.start..place.word.end.max(byte), encoding);
+        let all: BTreeSet<Offer> = offers.list.into_iter().collect();
+        let items = all.into_iter().map(|offer| {
+            let is_snippet = offer.snippet.is_some() && self.client.has_snippets;
+            let new_text = offer.snippet.filter(|_| is_snippet).unwrap_or_else(|| offer.label.clone());
+            CompletionItem {
+                sort_text: Some(format!("{}{}", offer.rank, offer.label)),
+                label: offer.label,
+                kind: Some(CompletionItemKind::from(offer.kind)),
+                detail: (!offer.detail.is_empty()).then_some(offer.detail),
+                insert_text_format: is_snippet.then_some(InsertTextFormat::Snippet),
+                text_edit: Some(TextEdit { range, new_text }.into()),
+                ..CompletionItem::default()
+            }
+        });
+        Ok(Some(items.collect::<Vec<_>>().into()))
+    }
+}
+
+/// Gathers what is offered.
+struct Offers<'a> {
+    /// The program as it is, and as it was last without errors.
+    programs: Vec<&'a Snapshot>,
+    file: Option<FileId>,
+    code: &'a str,
+    list: Vec<Offer>,
+}
+
+const KEYWORD: CompletionItemKind = CompletionItemKind::Keyword;
+
+impl<'a> Offers<'a> {
+    fn new(server: &'a View, path: &Path, code: &'a str) -> Self {
+        let known: Vec<_> = server.programs(path).collect();
+        let now = known.iter().map(|k| &*k.now);
+        let programs: Vec<&Snapshot> = now.chain(known.iter().filter_map(|k| k.good.as_deref())).collect();
+        let file = programs.first().and_then(|p| p.file(path));
+        Offers { programs, file, code, list: Vec::new() }
+    }
+
+    fn add(&mut self, rank: u8, label: &str, kind: CompletionItemKind, detail: &str) {
+        let (label, detail) = (label.to_string(), detail.to_string());
+        self.list.push(Offer { rank, label, kind: u32::from(kind), detail, snippet: None });
+    }
+
+    fn files(&mut self, paths: impl Iterator<Item = String>) {
+        paths.for_each(|path| self.add(0, &path, CompletionItemKind::File, ""));
+    }
+
+    fn words(&mut self, words: &[&str]) {
+        words.iter().for_each(|word| self.add(2, word, KEYWORD, ""));
+    }
+
+    fn snippets(&mut self, snippets: &[Snippet]) {
+        for Snippet { label, text, detail } in snippets {
+            self.add(3, label, CompletionItemKind::Snippet, detail);
+            if let Some(last) = self.list.last_mut() {
+                last.snippet = Some((*text).to_string());
+            }
+        }
+    }
+
+    fn checked(&self) -> impl Iterator<Item = &'a Checked> + use<'a> {
+        self.programs.clone().into_iter().map(|p| &p.study.checked)
+    }
+
+    /// An entity by its name, as it is, or as it was if nothing of it can be read.
+    fn entity(&self, name: &str) -> Option<&'a Entity> {
+        let all = || self.checked().flat_map(|c| c.entities.iter()).filter(|e| e.name.text == name);
+        all().find(|e| e.modes.len() + e.params.len() + e.buttons.len() > 0).or_else(|| all().next()).map(|e| &**e)
+    }
+
+    fn world(&self, name: &str) -> Option<&'a World> {
+        let all = || self.checked().flat_map(|c| c.worlds.iter()).filter(|w| w.name.text == name);
+        all().find(|w| !w.instances.is_empty()).or_else(|| all().next())
+    }
+
+    /// Names of some kinds that are declared in this file from a byte on: those of a behaviour, which is no entity.
+    fn declared(&mut self, from: usize, kinds: &[NameKind]) {
+        let Some((program, file)) = self.programs.first().copied().zip(self.file) else { return };
+        let all = &program.study.occurrences;
+        let first = all.partition_point(|o| (o.at.file, o.at.start as usize) < (file, from));
+        let here = all.iter().skip(first).take_while(|o| o.at.file == file).filter(|o| o.role == Role::Declared);
+        // The behaviour's own name comes first; the next item ends it.
+        let is_item = |o: &&Occurrence| {
+            matches!(o.kind, NameKind::Entity | NameKind::Behavior | NameKind::World | NameKind::Constant)
+        };
+        for o in here.skip(1).take_while(|o| !is_item(o)).filter(|o| kinds.contains(&o.kind)) {
+            self.add(0, program.name(o), kind_of(o.kind), super::hover::called(o.kind));
+        }
+    }
+
+    fn entities(&mut self) {
+        for entity in self.checked().flat_map(|c| c.entities.iter()) {
+            self.add(0, &entity.name.text, CompletionItemKind::Class, "entity");
+        }
+    }
+
+    fn named(&mut self, kind: NameKind) {
+        for program in self.programs.clone() {
+            let all = program.study.occurrences.iter();
+            for o in all.filter(|o| o.kind == kind && (o.role == Role::Declared || kind == NameKind::Tag)) {
+                self.add(0, program.name(o), kind_of(kind), super::hover::called(kind));
+            }
+        }
+    }
+
+    /// The modes of an entity, or those below a path.
+    fn modes(&mut self, entity: &Entity, prefix: &[&str]) {
+        self.modes_of(entity, prefix, |_| true);
+    }
+
+    /// Those of its modes whose group is wanted.
+    fn modes_of(&mut self, entity: &Entity, prefix: &[&str], wanted: impl Fn(&str) -> bool) {
+        let last = |name: &str| entity.modes.iter().filter(|m| m.name.text == name).count();
+        for mode in entity.modes.iter().filter(|m| m.path.first().is_some_and(|group| wanted(group))) {
+            let path: Vec<&str> = mode.path.iter().map(String::as_str).collect();
+            if prefix.is_empty() {
+                // The shortest path that fits one mode alone.
+                let short = last(&mode.name.text) == 1;
+                let label = if short { mode.name.text.to_string() } else { mode.path.join(".") };
+                self.add(0, &label, CompletionItemKind::Method, "mode");
+            } else if let Some((name, outer)) = path.split_last()
+                && outer.ends_with(prefix)
+            {
+                self.add(0, name, CompletionItemKind::Method, "mode");
+            }
+        }
+    }
+
+    /// What can be read of an instance of an entity.
+    fn members(&mut self, entity: &Entity) {
+        entity.vars.iter().for_each(|v| self.add(0, &v.name.text, CompletionItemKind::Field, "continuous"));
+        entity.discretes.iter().for_each(|d| self.add(0, &d.name.text, CompletionItemKind::Field, "discrete"));
+        entity.params.iter().for_each(|p| self.add(0, &p.name.text, CompletionItemKind::Constant, "param"));
+    }
+
+    /// What an instance of an entity can be given: those of its values that nothing is given yet, each ready to be set.
+    fn settings(&mut self, entity: &Entity, given: &[&str]) {
+        let from = self.list.len();
+        self.members(entity);
+        self.refs(Some(entity));
+        self.as_assignments(from, given);
+    }
+
+    /// Makes what was offered from some place in the list on an assignment, and leaves out what is given already.
+    fn as_assignments(&mut self, from: usize, given: &[&str]) {
+        let offered = self.list.split_off(from);
+        for mut offer in offered.into_iter().filter(|offer| !given.contains(&offer.label.as_str())) {
+            offer.snippet = Some(format!("{} = $1", offer.label));
+            self.list.push(offer);
+        }
+    }
+
+    fn functions(&mut self, wanted: impl Fn(&str) -> bool) {
+        let mut last_name = "";
+        for s in SIGNATURES.iter().filter(|s| wanted(s.name)) {
+            // The ways to call one thing stand one after the other.
+            if std::mem::replace(&mut last_name, s.name) == s.name {
+                continue;
+            }
+            self.add(1, s.name, CompletionItemKind::Function, s.doc);
+            if let Some(last) = self.list.last_mut() {
+                last.snippet = Some(format!("{}($1)", s.name));
+            }
+        }
+    }
+
+    /// What is offered at a place.
+    fn at(&mut self, place: &Place<'_>) {
+        let own = place.around(Block::Entity).and_then(|b| self.entity(b.name));
+        let world = place.around(Block::World).and_then(|b| self.world(b.name));
+        if place.back(1) == "." {
+            return self.after_dot(place, own, world);
+        }
+        if let Some(call) = place.calls.last().copied()
+            && self.argument(place, call.name, call.before, call.argument, own, world)
+        {
+            return;
+        }
+        if self.after_word(place, own, world) {
+            return;
+        }
+        if place.statement.is_empty() {
+            return self.statement(place, own);
+        }
+        self.expression(place, own, world);
+    }
+
+    fn after_dot(&mut self, place: &Place<'_>, own: Option<&Entity>, world: Option<&World>) {
+        let mut prefix: Vec<&str> = Vec::new();
+        let mut back = 1;
+        while place.back(back) == "." {
+            prefix.insert(0, place.back(back + 1));
+            back += 2;
+        }
+        let Some(first) = prefix.first().copied() else { return };
+        if let Some(entity) = own {
+            let leads = matches!(place.back(back), "->" | "in");
+            let names_mode = entity.modes.iter().any(|m| m.path.iter().any(|p| p == first));
+            if leads || names_mode && entity.refs.find(|r| r.name.text == first).is_none() {
+                return self.modes(entity, &prefix);
+            }
+            let refers = entity.refs.iter().find(|r| r.name.text == first).and_then(|r| r.entity);
+            let referred = refers.and_then(|id| self.programs.first()?.study.checked.entities.get(id)).map(|e| &**e);
+            // `e is Slime and e.`
+            let tested = place.statement.windows(3).find_map(|words| match words {
+                [name, "is", entity] if *name == first => self.entity(entity),
+                _ => None,
+            });
+            match referred.or(tested) {
+                Some(entity) => self.members(entity),
+                None => ["x", "y"].iter().for_each(|v| self.add(0, v, CompletionItemKind::Field, "continuous")),
+            }
+            return;
+        }
+        let Some(world) = world else { return };
+        if place.back(back) == "in" {
+            let asked = self.instance(world, place.back(back + 1)).or_else(|| self.entity(place.back(back + 1)));
+            return asked.into_iter().for_each(|entity| self.modes(entity, &prefix));
+        }
+        if world.spaces.iter().any(|s| s.name.text == first) {
+            ["width", "height"].iter().for_each(|m| self.add(0, m, CompletionItemKind::Property, "px"));
+        }
+        if let Some(entity) = self.instance(world, first) {
+            self.members(entity);
+        }
+    }
+
+    /// The entity of an instance.
+    fn instance(&self, world: &World, name: &str) -> Option<&'a Entity> {
+        let instance = world.instances.iter().find(|i| i.name.text == name)?;
+        // The entity's id is of the program that the world is of.
+        self.checked().filter(|c| c.worlds.iter().any(|w| w.span == world.span)).find_map(|c| {
+            let entity = c.entities.get(instance.entity)?;
+            Some(&**entity)
+        })
+    }
+
+    fn instances(&mut self, world: Option<&World>) {
+        let named = world.into_iter().flat_map(|w| w.instances.iter()).filter(|i| !i.name.text.contains('#'));
+        let names: Vec<String> = named.map(|i| i.name.text.to_string()).collect();
+        names.iter().for_each(|name| self.add(0, name, CompletionItemKind::Variable, "instance"));
+    }
+
+    fn refs(&mut self, own: Option<&Entity>) {
+        let refs = own.into_iter().flat_map(|e| e.refs.iter());
+        refs.for_each(|r| self.add(0, &r.name.text, CompletionItemKind::Field, "ref"));
+    }
+
+    /// What is offered as an argument; gives whether the place is one of a kind of its own.
+    fn argument(
+        &mut self,
+        place: &Place<'_>,
+        name: &str,
+        before: &str,
+        argument: usize,
+        own: Option<&Entity>,
+        world: Option<&World>,
+    ) -> bool {
+        let in_behavior = place.around(Block::Behavior).map(|b| b.start);
+        match name {
+            "pressed" | "held" | "released" => {
+                let buttons = own.into_iter().flat_map(|e| e.buttons.iter());
+                buttons.for_each(|b| self.add(0, &b.text, CompletionItemKind::Event, "button"));
+                if let Some(from) = in_behavior {
+                    self.declared(from, &[NameKind::Button, NameKind::Argument]);
+                }
+            }
+            "touching" => {
+                if argument < 2 {
+                    self.named(NameKind::Tag);
+                }
+                if argument > 0 {
+                    let sides = ["left", "right", "above", "below"];
+                    sides.iter().for_each(|s| self.add(1, s, CompletionItemKind::EnumMember, "side"));
+                }
+            }
+            "timer" | "entering" | "exiting" => {
+                // Only other groups can be waited for.
+                let group = place.around(Block::Group).filter(|_| name != "timer").map(|group| group.name);
+                if let Some(entity) = own {
+                    self.modes_of(entity, &[], |path| Some(path) != group);
+                }
+                if let Some(from) = in_behavior {
+                    self.declared(from, &[NameKind::Mode]);
+                }
+            }
+            "lost" => self.refs(own),
+            "near" | "inside" if argument == 0 => {
+                self.instances(world);
+                self.words(&["any"]);
+            }
+            "inside" => {
+                let spaces = world.into_iter().flat_map(|w| w.spaces.iter());
+                spaces.for_each(|s| self.add(0, &s.name.text, CompletionItemKind::Module, "space"));
+            }
+            _ if before == "spawn" && matches!(place.back(1), "(" | ",") => {
+                if let Some(entity) = self.entity(name) {
+                    self.settings(entity, &given(self.code, place.word.start, "("));
+                }
+            }
+            _ if before == "use" && matches!(place.back(1), "(" | ",") => {
+                let from = self.list.len();
+                if let Some(behavior) = self.programs.iter().find_map(|program| program.behavior(name)) {
+                    let parameters = behavior.parameters.iter();
+                    parameters.for_each(|p| self.add(0, &p.text, CompletionItemKind::Property, "parameter"));
+                }
+                self.as_assignments(from, &given(self.code, place.word.start, "("));
+            }
+            _ => return false,
+        }
+        true
+    }
+
+    /// What is offered after a word that asks for something; gives whether there is one.
+    fn after_word(&mut self, place: &Place<'_>, own: Option<&Entity>, world: Option<&World>) -> bool {
+        let first = place.statement.first().copied().unwrap_or_default();
+        let (last, before) = (place.back(1), place.back(2));
+        let in_behavior = place.around(Block::Behavior).map(|b| b.start);
+        match (last, first) {
+            ("->", "link") => {
+                let spaces = world.into_iter().flat_map(|w| w.spaces.iter());
+                spaces.for_each(|s| self.add(0, &s.name.text, CompletionItemKind::Module, "space"));
+            }
+            ("->", _) => {
+                // An edge stays in its group.
+                let group = place.around(Block::Group).map(|group| group.name);
+                own.into_iter().for_each(|e| self.modes_of(e, &[], |path| group.is_none_or(|group| path == group)));
+                if let Some(from) = in_behavior {
+                    self.declared(from, &[NameKind::Mode, NameKind::Argument]);
+                }
+            }
+            ("in", "clamp") => return false,
+            ("in", _) => {
+                let subject = world.and_then(|w| self.instance(w, before));
+                let refers = own.and_then(|e| e.refs.iter().find(|r| r.name.text == before)?.entity);
+                let referred = refers.and_then(|id| self.checked().next()?.entities.get(id)).map(|e| &**e);
+                // `any Slime in`
+                let any = world.filter(|_| place.back(3) == "any").and_then(|_| self.entity(before));
+                subject.or(any).or(referred).or(own).into_iter().for_each(|e| self.modes(e, &[]));
+            }
+            ("touching", _) | ("with", "collide") | ("collide" | "collider" | "rect", _) => self.named(NameKind::Tag),
+            (",", "collide" | "collider") if !place.statement.contains(&":") => self.named(NameKind::Tag),
+            (":", "collide") => self.words(&["block", "sense"]),
+            ("block" | ",", "collide") => self.words(&["from above", "keep velocity", "carry"]),
+            ("sense" | "above" | "velocity" | "carry", "collide") => {}
+            (":", "collider" | "kinematic") => self.functions(|name| matches!(name, "rect" | "circle")),
+            ("kinematic", _) => self.words(&["collider"]),
+            ("initial", _) => self.words(&["mode", "when"]),
+            ("is", _) => {
+                self.entities();
+                self.words(&["none"]);
+            }
+            ("any" | "spawn" | "limit", _) => self.entities(),
+            (":", "place") => self.entities(),
+            (":", "ref") => {
+                self.entities();
+                self.words(&["any"]);
+            }
+            (":", "player") => self.instances(world),
+            (":", "discrete") => self.words(&["int", "bool"]),
+            ("use", _) => self.named(NameKind::Behavior),
+            ("destroy", _) => {
+                self.refs(own);
+                self.words(&["self"]);
+            }
+            ("by", "envelope") => {
+                let axes = own.into_iter().flat_map(|e| e.axes.iter());
+                axes.for_each(|a| self.add(0, &a.text, CompletionItemKind::Event, "axis"));
+                self.functions(|name| name == "held");
+            }
+            ("map", _) if place.block() == Some(Block::Space) => {
+                self.named(NameKind::TileSet);
+                self.words(&["level", "vglc", "tiled", "ldtk"]);
+            }
+            ("level", "map") => {
+                self.named(NameKind::TileSet);
+                self.words(&["legend"]);
+            }
+            (":" | ",", _) if matches!(place.block(), Some(Block::Tiles | Block::Kinds)) => {
+                self.named(NameKind::Tag);
+                self.words(&["empty", "spawn"]);
+            }
+            ("follow", _) => self.words(&["links"]),
+            ("directions", "envelope") => self.words(&["any"]),
+            ("envelope" | "clamp", _) => {
+                let vars = own.into_iter().flat_map(|e| e.vars.iter());
+                vars.for_each(|v| self.add(0, &v.name.text, CompletionItemKind::Field, "continuous"));
+                if let Some(from) = in_behavior {
+                    self.declared(from, &[NameKind::Variable]);
+                }
+            }
+            ("attack" | "decay" | "release", _) if place.block() == Some(Block::Envelope) => {
+                self.words(&["instant", "accel", "over"]);
+                if last == "release" {
+                    self.words(&["hold", "to"]);
+                }
+            }
+            // A new name is the author's own.
+            ("entity" | "behavior" | "world" | "mode" | "group" | "param" | "continuous" | "discrete" | "ref", _)
+            | ("button" | "axis" | "const" | "goal" | "never" | "tiles" | "space" | "place" | "player" | "as", _) => {}
+            _ => return false,
+        }
+        true
+    }
+
+    /// What a statement can begin with.
+    fn statement(&mut self, place: &Place<'_>, own: Option<&Entity>) {
+        let block = place.block();
+        let (words, snippets) = begins(block);
+        self.words(words);
+        self.snippets(snippets);
+        let line = self.code.get(..place.word.start).and_then(|before| before.rfind('\n')).map_or(0, |at| at + 1);
+        if block.is_some() && line == place.word.start {
+            // The blocks around it may be still to be closed.
+            self.words(begins(None).0);
+        }
+        match block {
+            Some(Block::Settings) => {
+                let name = place.blocks.last().map_or("", |b| b.name);
+                if let Some(entity) = self.entity(name) {
+                    self.settings(entity, &given(self.code, place.word.start, "{"));
+                }
+            }
+            Some(Block::Entity | Block::Mode | Block::Updates | Block::Behavior) => {
+                if let Some(entity) = own {
+                    entity.vars.iter().for_each(|v| self.add(1, &v.name.text, CompletionItemKind::Field, "continuous"));
+                    let discretes = entity.discretes.iter().map(|d| (&d.name.text, "discrete"));
+                    for (name, detail) in discretes.chain(entity.refs.iter().map(|r| (&r.name.text, "ref"))) {
+                        if block != Some(Block::Entity) {
+                            self.add(1, name, CompletionItemKind::Field, detail);
+                        }
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// What a value can be made of.
+    fn expression(&mut self, place: &Place<'_>, own: Option<&Entity>, world: Option<&World>) {
+        let in_world = place.around(Block::World).is_some();
+        if ends_operand(place) {
+            return self.words(after_operand(place));
+        }
+        // What the value is set of: a place, what is spawned, or the entity itself.
+        let settings = place.blocks.last().filter(|open| open.block == Block::Settings).map(|open| open.name);
+        let spawned = place.calls.last().filter(|call| call.before == "spawn").map(|call| call.name);
+        let set = settings.or(spawned).and_then(|name| self.entity(name));
+        if let Some(of) = set
+            && of.refs.iter().any(|r| r.name.text == place.back(2))
+        {
+            self.instances(world);
+            self.refs(own);
+            return self.words(&["none", "self"]);
+        }
+        let compared = if matches!(place.back(1), "==" | "!=" | ":=" | "=") { place.back(2) } else { "" };
+        let chosen = set.or(own).and_then(|e| e.discretes.iter().find(|d| d.name.text == compared));
+        if let Some(values) = chosen.filter(|d| matches!(d.ty, Type::Set(_))).map(|d| &d.values) {
+            values.iter().for_each(|v| self.add(0, v, CompletionItemKind::EnumMember, "value"));
+            let same = own.into_iter().flat_map(|e| e.discretes.iter());
+            let same = same.filter(|d| d.name.text != compared && d.values == *values);
+            same.for_each(|d| self.add(1, &d.name.text, CompletionItemKind::Field, "discrete"));
+            return self.functions(|name| name == "if");
+        }
+        let is_fixed = place.statement.first() == Some(&"param");
+        if let (Some(entity), true) = (own, is_fixed) {
+            entity.params.iter().for_each(|p| self.add(0, &p.name.text, CompletionItemKind::Constant, "param"));
+        } else if let Some(entity) = own {
+            self.members(entity);
+            self.refs(Some(entity));
+            entity.axes.iter().for_each(|a| self.add(0, &a.text, CompletionItemKind::Event, "axis"));
+        }
+        if let Some(from) = place.around(Block::Behavior).map(|b| b.start) {
+            let kinds = [NameKind::Argument, NameKind::Parameter, NameKind::Variable, NameKind::Discrete];
+            self.declared(from, &kinds);
+        }
+        self.named(NameKind::Constant);
+        if in_world {
+            self.instances(world);
+            self.functions(|name| is_arithmetic(name) || matches!(name, "near" | "inside"));
+            self.words(&["any", "in", "touching", "and", "or", "not", "true", "false"]);
+        } else if is_fixed {
+            self.functions(is_arithmetic);
+            self.words(&["and", "or", "not", "true", "false"]);
+        } else {
+            self.functions(|name| !matches!(name, "near" | "inside" | "rect" | "circle"));
+            self.words(&["timer", "in", "is", "and", "or", "not", "true", "false", "none", "self"]);
+        }
+    }
+}
+
+/// Whether a function reads nothing but its arguments.
+fn is_arithmetic(name: &str) -> bool {
+    let reads = ["pressed", "held", "released", "touching", "timer", "entering", "exiting", "lost"];
+    !reads.contains(&name) && !matches!(name, "near" | "inside" | "rect" | "circle")
+}
+
+/// The path of a program as another one imports it.
+fn relative(from: &Path, to: &Path) -> Option<String> {
+    if from == to {
+        return None;
+    }
+    let folder: Vec<Component<'_>> = from.parent()?.components().collect();
+    let target: Vec<Component<'_>> = to.components().collect();
+    let same = folder.iter().zip(&target).take_while(|(a, b)| a == b).count();
+    let up = folder.iter().skip(same).map(|_| "..");
+    let down = target.iter().skip(same).filter_map(|part| part.as_os_str().to_str());
+    Some(up.chain(down).collect::<Vec<_>>().join("/"))
+}
+
+fn kind_of(kind: NameKind) -> CompletionItemKind {
+    match kind {
+        NameKind::Constant | NameKind::Parameter => CompletionItemKind::Constant,
+        NameKind::Entity => CompletionItemKind::Class,
+        NameKind::Behavior => CompletionItemKind::Interface,
+        NameKind::Argument => CompletionItemKind::Property,
+        NameKind::World | NameKind::Space => CompletionItemKind::Module,
+        NameKind::Group | NameKind::TileSet => CompletionItemKind::Enum,
+        NameKind::Mode => CompletionItemKind::Method,
+        NameKind::Variable | NameKind::Discrete | NameKind::Reference => CompletionItemKind::Field,
+        NameKind::Value | NameKind::Tag => CompletionItemKind::EnumMember,
+        NameKind::Touched | NameKind::Instance => CompletionItemKind::Variable,
+        NameKind::Button | NameKind::Axis => CompletionItemKind::Event,
+        NameKind::Goal | NameKind::Never => CompletionItemKind::Function,
+    }
+}

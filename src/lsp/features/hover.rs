@@ -1,0 +1,357 @@
+//! What is shown of a name: how it is declared, what it is, its dimension, its documentation, and what it can be in each
+//! mode as far as the analysis knows.
+
+use std::collections::BTreeSet;
+
+use crate::ir::EntityId;
+use gen_lsp_types as types;
+use gen_lsp_types::{Hover, MarkupContent, MarkupKind, Range};
+
+use crate::analysis::Values;
+use crate::diagnostic::page::{Page, Part};
+use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
+use crate::sema::checked::{Checked, Entity, Type};
+use crate::source::{FileId, Span};
+use crate::syntax;
+use crate::syntax::occurrence::{NameKind, Occurrence, Role};
+
+use super::navigate::{Spot, word_at};
+use crate::lsp::snapshot::Snapshot;
+use crate::lsp::text::meanings::{Meaning, meaning};
+use crate::lsp::text::place::Place;
+use crate::lsp::text::uri::path_of;
+use crate::lsp::text::words::{SIGNATURES, begins};
+use crate::lsp::values::written;
+use crate::lsp::view::{Failure, View};
+
+/// So many lines of worlds that carry a tag are listed.
+const MAX_CARRIERS: usize = 5;
+/// So many modes are listed.
+const MAX_MODES: usize = 12;
+
+impl View {
+    pub(in crate::lsp) fn hover(&self, params: types::HoverParams) -> Result<Option<Hover>, Failure> {
+        let at = params.text_document_position_params;
+        let known = self.hover_name(&at).or_else(|| self.hover_word(&at));
+        let found = self.hover_finding(&at);
+        let parts = known.into_iter().chain(found).collect::<Vec<(String, Range)>>();
+        let range = parts.first().map(|(_, range)| *range);
+        let value = parts.into_iter().map(|(value, _)| value).collect::<Vec<_>>().join("\n\n---\n\n");
+        Ok(range.map(|range| Hover { contents: markdown(value).into(), range: Some(range) }))
+    }
+
+    /// A name of the program.
+    fn hover_name(&self, at: &types::TextDocumentPositionParams) -> Option<(String, Range)> {
+        let spots = self.lasting_spots(at);
+        let spot = spots.iter().find(|spot| !spot.names.is_empty())?;
+        let o = *spot.names.first()?;
+        let value = About { spot, snapshot: spot.snapshot, o }.text();
+        let encoding = self.client.encoding;
+        if std::ptr::eq(spot.snapshot, &*spot.known.now) {
+            return Some((value, spot.snapshot.range(o.at, encoding)));
+        }
+        let text = &self.documents.get(&path_of(&at.text_document.uri))?.text;
+        Some((value, text.range(word_at(text.code(), text.byte(at.position, encoding))?, encoding)))
+    }
+
+    /// What the code means of what was found here, as far as its page begins with it; errors before warnings.
+    fn hover_finding(&self, at: &types::TextDocumentPositionParams) -> Option<(String, Range)> {
+        let path = path_of(&at.text_document.uri);
+        let encoding = self.client.encoding;
+        let mut found: Option<(&Diagnostic, Range)> = None;
+        for known in self.programs(&path) {
+            let Some(file) = known.now.file(&path) else { continue };
+            let byte = known.now.text(file).byte(at.position, encoding) as u32;
+            let said = known.now.study.compilation.diagnostics.iter();
+            for finding in said.chain(known.findings.iter().flat_map(Diagnostics::iter)) {
+                let Some(place) = finding.primary.as_ref().map(|label| label.span) else { continue };
+                let is_here = place.file == file && place.start <= byte && byte <= place.end;
+                let is_first = found.is_none_or(|(other, _)| {
+                    other.severity == Severity::Warning && finding.severity == Severity::Error
+                });
+                if is_here && is_first {
+                    found = Some((finding, known.now.range(place, encoding)));
+                }
+            }
+        }
+        let (finding, range) = found?;
+        let page = Page::of(finding.code);
+        let prose = page.parts.iter().find_map(|part| match part {
+            Part::Prose(lines) => Some(lines.join(" ")),
+            Part::Example(_) => None,
+        });
+        let code = finding.code.text();
+        let prose = prose.unwrap_or_default();
+        Some((format!("**{}**\n\n{prose} `hypedc explain {code}` tells more.", page.title), range))
+    }
+
+    /// A word of the language.
+    fn hover_word(&self, at: &types::TextDocumentPositionParams) -> Option<(String, Range)> {
+        let document = self.documents.get(&path_of(&at.text_document.uri))?;
+        let (text, encoding) = (&document.text, self.client.encoding);
+        let code = text.code();
+        let bytes = word_at(code, text.byte(at.position, encoding))?;
+        let word = code.get(bytes.clone())?;
+        let is_called = code.get(bytes.end..)?.trim_start_matches([' ', '\t']).starts_with('(');
+        let ways = SIGNATURES.iter().filter(|s| is_called && s.name == word);
+        let ways: Vec<String> = ways.map(|s| format!("`{word}({})`: {}", s.parameters.join(", "), s.doc)).collect();
+        let shape = || matches!(word, "rect") && is_word(code, &bytes);
+        let value = if ways.is_empty() || shape() {
+            let Meaning { says, example, .. } = meaning(word).filter(|_| is_word(code, &bytes))?;
+            format!("`{word}`: {says}\n\n```hyped\n{example}\n```")
+        } else {
+            ways.join("\n\n")
+        };
+        Some((value, text.range(bytes, encoding)))
+    }
+}
+
+/// Whether a word is one of the language where it stands, and no name.
+fn is_word(code: &str, bytes: &std::ops::Range<usize>) -> bool {
+    let word = code.get(bytes.clone()).unwrap_or_default();
+    if syntax::is_reserved(word) {
+        return true;
+    }
+    if let Some(pairs) = syntax::pairs(FileId(0), code) {
+        // In a slice that fits no rule nothing more is told.
+        let mut here = pairs.flatten().filter(|p| p.as_span().start() <= bytes.start && bytes.end <= p.as_span().end());
+        if !here.clone().any(|p| format!("{:?}", p.as_rule()).starts_with("bad_")) {
+            return here.any(|p| p.as_str() == word && format!("{:?}", p.as_rule()).starts_with("word_"));
+        }
+    }
+    let place = Place::of(code, bytes.start);
+    let goes_on = code.get(bytes.end..).unwrap_or_default().trim_start_matches([' ', '\t']);
+    place.statement.is_empty() && begins(place.block()).0.contains(&word) && !goes_on.starts_with(['=', ':', '\'', '.'])
+}
+
+/// Text with marks.
+pub(in crate::lsp) fn markdown(value: String) -> MarkupContent {
+    MarkupContent { kind: MarkupKind::Markdown, value }
+}
+
+/// What a kind of names is called.
+pub(in crate::lsp) fn called(kind: NameKind) -> &'static str {
+    match kind {
+        NameKind::Constant => "constant",
+        NameKind::Entity => "entity",
+        NameKind::Behavior => "behavior",
+        NameKind::Argument => "parameter of a behavior",
+        NameKind::World => "world",
+        NameKind::Group => "group",
+        NameKind::Mode => "mode",
+        NameKind::Parameter => "parameter",
+        NameKind::Variable => "continuous variable",
+        NameKind::Discrete => "discrete variable",
+        NameKind::Value => "value of a discrete variable",
+        NameKind::Reference => "reference",
+        NameKind::Touched => "what is touched",
+        NameKind::Button => "button",
+        NameKind::Axis => "axis",
+        NameKind::Tag => "tag",
+        NameKind::Space => "space",
+        NameKind::TileSet => "tile set",
+        NameKind::Instance => "instance",
+        NameKind::Goal => "goal",
+        NameKind::Never => "never",
+    }
+}
+
+/// The entities whose value, mode or input a name is: several if it stands in a behaviour.
+pub(in crate::lsp) fn owners<'c>(
+    checked: &'c Checked,
+    snapshot: &Snapshot,
+    o: &Occurrence,
+    name: &str,
+) -> Vec<(EntityId, &'c Entity)> {
+    let is_it = |span: Span| snapshot.study.compilation.sources.trace(span).0 == o.declared;
+    let owns = |e: &Entity| match o.kind {
+        NameKind::Parameter => e.params.iter().any(|p| is_it(p.name.span)),
+        NameKind::Variable => e.vars.iter().any(|v| v.name.text == name && is_it(v.name.span)),
+        NameKind::Discrete => e.discretes.iter().any(|d| is_it(d.name.span)),
+        NameKind::Reference => e.refs.iter().any(|r| is_it(r.name.span)),
+        NameKind::Button => e.buttons.iter().any(|b| is_it(b.span)),
+        NameKind::Axis => e.axes.iter().any(|a| is_it(a.span)),
+        NameKind::Mode => e.modes.iter().any(|m| is_it(m.name.span)),
+        NameKind::Group => e.groups.iter().filter_map(|g| g.name.as_ref()).any(|n| is_it(n.span)),
+        _ => false,
+    };
+    checked.entities.pairs().filter(|(_, e)| owns(e)).map(|(id, e)| (id, &**e)).collect()
+}
+
+/// Makes the text of a hover.
+struct About<'a> {
+    spot: &'a Spot<'a>,
+    snapshot: &'a Snapshot,
+    o: Occurrence,
+}
+
+impl About<'_> {
+    fn text(&self) -> String {
+        let name = self.snapshot.name(&self.o);
+        let checked = &self.snapshot.study.checked;
+        let owners = owners(checked, self.snapshot, &self.o, name);
+        let mut parts = Vec::new();
+        let is_own = self.snapshot.study.compilation.sources.slice(self.o.declared) == name;
+        if is_own && self.o.kind != NameKind::Tag {
+            parts.push(format!("```hyped\n{}\n```", self.snapshot.line(self.o.declared)));
+        }
+        let mut what = called(self.o.kind).to_string();
+        let names: Vec<String> = owners.iter().take(3).map(|(_, e)| format!("`{}`", e.name.text)).collect();
+        if !names.is_empty() {
+            what = format!("{what} of {}", names.join(", "));
+        }
+        if let Some(entity) = Some(name).filter(|_| self.o.kind == NameKind::Instance).and_then(|n| self.instance(n)) {
+            what = format!("{what} of `{entity}`");
+        }
+        let dimension = owners.first().and_then(|(id, e)| self.dimension(checked, *id, e, name));
+        if let Some(dimension) = dimension.or_else(|| self.last_dimension(owners.first()?.1, name)) {
+            what = format!("{what}, {dimension}");
+        }
+        parts.push(if is_own && self.o.kind != NameKind::Tag { what } else { format!("`{name}`: {what}") });
+        if is_own && self.o.kind != NameKind::Argument {
+            parts.extend(self.snapshot.doc(self.o.declared));
+        }
+        match self.o.kind {
+            NameKind::Mode => parts.extend(owners.first().map(|(_, e)| self.ways(e))),
+            NameKind::Tag => parts.push(self.carriers(name)),
+            NameKind::Variable | NameKind::Discrete => {
+                parts.extend(owners.iter().take(3).filter_map(|(_, e)| self.ranges(e, name)));
+            }
+            _ => {}
+        }
+        parts.retain(|part| !part.is_empty());
+        parts.join("\n\n")
+    }
+
+    /// How many primes follow the name.
+    fn degree(&self) -> usize {
+        let text = self.snapshot.text(self.o.at.file);
+        let after = text.code().get(self.o.at.end as usize..).unwrap_or_default();
+        after.bytes().take_while(|b| *b == b'\'').count().min(2)
+    }
+
+    /// What the dimension was when the program last had no errors: what is broken may have told it.
+    fn last_dimension(&self, entity: &Entity, name: &str) -> Option<String> {
+        let good = self.spot.known.good.as_deref().filter(|_| !self.spot.known.now.is_good())?;
+        let mut entities = good.study.checked.entities.pairs();
+        let (id, entity) = entities.find(|(_, e)| e.name.text == entity.name.text)?;
+        self.dimension(&good.study.checked, id, entity, name)
+    }
+
+    fn dimension(&self, checked: &Checked, id: EntityId, entity: &Entity, name: &str) -> Option<String> {
+        let known = &checked.dimensions;
+        match self.o.kind {
+            NameKind::Parameter => {
+                let param = entity.params.find(|p| p.name.text == name)?;
+                known.params.get(&(id, param)).cloned()
+            }
+            NameKind::Variable => {
+                let var = entity.vars.find(|v| v.name.text == name)?;
+                let base = if name == "x" || name == "y" { "px" } else { known.vars.get(&(id, var))? };
+                Some(per_second(base, self.degree()))
+            }
+            NameKind::Discrete => {
+                let discrete = &entity.discretes[entity.discretes.find(|d| d.name.text == name)?];
+                Some(match &discrete.ty {
+                    Type::Bool => "true or false".into(),
+                    Type::Set(_) => discrete.values.join(", "),
+                    _ => format!("{}..{}", discrete.range.0, discrete.range.1),
+                })
+            }
+            NameKind::Axis => Some("-1 to 1".into()),
+            _ => None,
+        }
+    }
+
+    /// What a variable can be in each mode.
+    fn ranges(&self, entity: &Entity, name: &str) -> Option<String> {
+        let known = self.spot.known.ranges.as_ref()?.get(&entity.name.text, name);
+        let degree = if self.o.kind == NameKind::Variable { self.degree() } else { 0 };
+        let discrete = entity.discretes.iter().find(|d| d.name.text == name);
+        let (ty, declared) = (discrete.map(|d| d.ty), discrete.map(|d| d.range));
+        let shown = |values: &Values| match ty {
+            Some(Type::Set(_)) => {
+                let may = discrete
+                    .iter()
+                    .flat_map(|d| d.values.iter())
+                    .enumerate()
+                    .filter(|(at, _)| values.contains(*at as f64));
+                may.map(|(_, name)| name.clone()).collect::<Vec<_>>().join(" or ")
+            }
+            Some(Type::Bool) => {
+                let may = [(0.0, "false"), (1.0, "true")].into_iter().filter(|(at, _)| values.contains(*at));
+                may.map(|(_, name)| name).collect::<Vec<_>>().join(" or ")
+            }
+            _ => written(values),
+        };
+        let rows: Vec<(&str, String)> =
+            known.iter().filter_map(|m| Some((m.mode.as_str(), shown(m.values.get(degree)?)))).collect();
+        let first = rows.first()?;
+        let written = format!("{name}{}", "'".repeat(degree));
+        if rows.iter().all(|(_, values)| *values == first.1) {
+            let says_nothing = first.1 == "any"
+                || matches!(ty, Some(Type::Set(_) | Type::Bool)) && first.1.contains(" or ")
+                || declared.is_some_and(|(low, high)| first.1 == format!("{low}..{high}"));
+            return Some(format!("`{written}` is {}", first.1)).filter(|_| !says_nothing);
+        }
+        let lines = rows.iter().take(MAX_MODES).map(|(mode, values)| format!("| `{mode}` | {values} |"));
+        let more = rows.len().saturating_sub(MAX_MODES);
+        let more = if more > 0 { format!("\n\n… and {more} more modes") } else { String::new() };
+        Some(format!("| in | `{written}` is |\n|---|---|\n{}{more}", lines.collect::<Vec<_>>().join("\n")))
+    }
+
+    /// Where a mode leads, and from where.
+    fn ways(&self, entity: &Entity) -> String {
+        let sources = &self.snapshot.study.compilation.sources;
+        let is_it = |span: Span| sources.trace(span).0 == self.o.declared;
+        let Some(mode) = entity.modes.find(|m| is_it(m.name.span)) else { return String::new() };
+        let list = |modes: Vec<String>| {
+            let mut once: Vec<String> = Vec::new();
+            for mode in modes {
+                if !once.contains(&mode) {
+                    once.push(mode);
+                }
+            }
+            once.join(", ")
+        };
+        let path = |id| format!("`{}`", entity.modes[id].path.join("."));
+        let into = entity.edges.iter().filter(|e| e.target == Some(mode)).map(|e| path(e.source)).collect();
+        let out = entity.edges.iter().filter(|e| e.source == mode).filter_map(|e| e.target).map(path).collect();
+        let line = |word: &str, modes: String| (!modes.is_empty()).then(|| format!("{word} {modes}"));
+        let lines = [line("from", list(into)), line("to", list(out))];
+        lines.into_iter().flatten().collect::<Vec<_>>().join("  \n")
+    }
+
+    /// What carries a tag.
+    fn carriers(&self, name: &str) -> String {
+        let checked = &self.snapshot.study.checked;
+        let Some(tag) = checked.tags.find(|t| t.text == name) else { return String::new() };
+        let entities = checked.entities.iter().filter(|e| e.colliders.iter().any(|c| c.tags.contains(&tag)));
+        let entities: Vec<String> = entities.map(|e| format!("`{}`", e.name.text)).collect();
+        let colliders = (!entities.is_empty()).then(|| format!("colliders of {}", entities.join(", ")));
+        // Tiles and rectangles carry it where they stand in worlds.
+        let in_worlds = |at: Span| checked.worlds.iter().any(|w| w.span.contains(at));
+        let all = self.snapshot.matching(&BTreeSet::from([self.snapshot.key(&self.o)]));
+        let here = all.filter(|o| o.role == Role::Declared && in_worlds(o.at)).take(MAX_CARRIERS);
+        let lines = here.map(|o| format!("`{}`", self.snapshot.line(o.at)));
+        colliders.into_iter().chain(lines).collect::<Vec<_>>().join("  \n")
+    }
+
+    fn instance(&self, name: &str) -> Option<String> {
+        let checked = &self.snapshot.study.checked;
+        let instance = checked.worlds.iter().flat_map(|w| w.instances.iter()).find(|i| i.name.text == name)?;
+        Some(checked.entities.get(instance.entity)?.name.text.to_string())
+    }
+}
+
+/// The dimension of a derivative.
+fn per_second(base: &str, degree: usize) -> String {
+    match (base, degree) {
+        (base, 0) => base.into(),
+        ("1", 1) => "1/s".into(),
+        ("1", _) => "1/s^2".into(),
+        (base, _) if base.contains('/') => format!("({base})/s{}", if degree == 2 { "^2" } else { "" }),
+        (base, 1) => format!("{base}/s"),
+        (base, _) => format!("{base}/s^2"),
+    }
+}

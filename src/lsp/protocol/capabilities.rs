@@ -1,0 +1,87 @@
+//! What the server offers to the editor.
+
+use gen_lsp_types as types;
+use gen_lsp_types::{PositionEncodingKind, ServerCapabilities};
+use serde_json::{Value, json};
+
+use crate::lsp::client::Client;
+use crate::lsp::features::tokens;
+use crate::lsp::text::document_text::Encoding;
+
+/// What the server offers.
+pub(in crate::lsp) fn capabilities(client: &Client) -> ServerCapabilities {
+    let words = |list: &[&str]| Some(list.iter().map(|w| (*w).to_string()).collect::<Vec<String>>());
+    ServerCapabilities {
+        position_encoding: Some(match client.encoding {
+            Encoding::Utf8 => PositionEncodingKind::UTF8,
+            Encoding::Utf16 => PositionEncodingKind::UTF16,
+            Encoding::Utf32 => PositionEncodingKind::UTF32,
+        }),
+        text_document_sync: Some(
+            types::TextDocumentSyncOptions {
+                open_close: Some(true),
+                change: Some(types::TextDocumentSyncKind::Incremental),
+                ..Default::default()
+            }
+            .into(),
+        ),
+        document_formatting_provider: Some(true.into()),
+        document_range_formatting_provider: Some(true.into()),
+        document_symbol_provider: Some(true.into()),
+        folding_range_provider: Some(true.into()),
+        selection_range_provider: Some(true.into()),
+        code_action_provider: Some(
+            types::CodeActionOptions {
+                code_action_kinds: Some(vec![types::CodeActionKind::QuickFix, types::CodeActionKind::SourceFixAll]),
+                ..Default::default()
+            }
+            .into(),
+        ),
+        definition_provider: Some(true.into()),
+        references_provider: Some(true.into()),
+        document_highlight_provider: Some(true.into()),
+        rename_provider: Some(types::RenameOptions { prepare_provider: Some(true), ..Default::default() }.into()),
+        hover_provider: Some(true.into()),
+        workspace_symbol_provider: Some(true.into()),
+        document_link_provider: Some(types::DocumentLinkOptions::default()),
+        completion_provider: Some(types::CompletionOptions {
+            trigger_characters: words(&[".", ">", "(", ",", ":", " ", "\"", "/"]),
+            ..Default::default()
+        }),
+        signature_help_provider: Some(types::SignatureHelpOptions {
+            trigger_characters: words(&["(", ","]),
+            ..Default::default()
+        }),
+        semantic_tokens_provider: Some(
+            types::SemanticTokensOptions {
+                legend: tokens::legend(),
+                range: Some(true.into()),
+                full: Some(types::SemanticTokensFullDelta { delta: Some(true) }.into()),
+                ..Default::default()
+            }
+            .into(),
+        ),
+        inlay_hint_provider: Some(true.into()),
+        code_lens_provider: Some(types::CodeLensOptions::default()),
+        call_hierarchy_provider: Some(true.into()),
+        workspace: Some(types::WorkspaceOptions {
+            workspace_folders: Some(types::WorkspaceFoldersServerCapabilities {
+                supported: Some(true),
+                change_notifications: Some(true.into()),
+            }),
+            ..Default::default()
+        }),
+        ..Default::default()
+    }
+}
+
+/// Asks the editor to tell of changes of programs, levels and legends.
+pub(in crate::lsp) fn watchers() -> Value {
+    let patterns = ["**/*.hyped", "**/*.txt", "**/*.json", "**/*.tmx", "**/*.tmj", "**/*.tsx", "**/*.ldtk"];
+    let watchers: Vec<Value> = patterns.iter().map(|pattern| json!({ "globPattern": pattern })).collect();
+    json!({ "registrations": [{
+        "id": "files",
+        "method": "workspace/didChangeWatchedFiles",
+        "registerOptions": { "watchers": watchers },
+    }] })
+}

@@ -1,0 +1,420 @@
+//! The server's loop: messages in, documents kept, answers out. Requests that need names wait here until the worker has
+//! compiled what they ask about.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use crossbeam_channel::{Receiver, Sender, select, unbounded};
+use gen_lsp_types as types;
+use gen_lsp_types::{Notification as _, Uri};
+use lsp_server::{Connection, ErrorCode, Message, Notification, Request, RequestId, Response};
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use super::capabilities::{capabilities, watchers};
+use super::requests::{self, Needs};
+use super::token_updates::SentTokens;
+use super::worker::{Event, Job, Worker};
+use crate::lsp::Workspace;
+use crate::lsp::client::Client;
+use crate::lsp::diagnostics::{ByDocument, Published, by_document, carried};
+use crate::lsp::documents::Documents;
+use crate::lsp::text::uri::path_of;
+use crate::lsp::view::{Failure, Known, View};
+
+/// How the server works.
+#[derive(Debug, Clone, Copy)]
+pub struct Settings {
+    /// How long nothing must change before it is worked out what values can be.
+    pub quiet: Duration,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Settings { quiet: Duration::from_millis(200) }
+    }
+}
+
+/// A language server.
+pub struct Server {
+    pub(super) view: View,
+    /// The semantic tokens that were sent last.
+    pub(super) tokens: SentTokens,
+    sender: Sender<Message>,
+    published: Published,
+    folders: Arc<Vec<PathBuf>>,
+    jobs: Sender<Job>,
+    /// Grows with every change.
+    revision: u64,
+    settled: Option<u64>,
+    indexed: Option<u64>,
+    idle: Option<u64>,
+    /// What changed since the last job.
+    changed: BTreeSet<PathBuf>,
+    is_due: bool,
+    rescan: bool,
+    waiting: Vec<(Request, Needs)>,
+    has_shut_down: bool,
+    last_request: i32,
+    /// The programs on which the compiler has failed since they were last compiled.
+    failed: BTreeSet<PathBuf>,
+}
+
+impl Server {
+    /// Serves a connection until the editor says `exit`, or goes away; gives whether it said `shutdown` before.
+    pub fn serve(connection: Connection, disk: Arc<dyn Workspace>, settings: Settings) -> bool {
+        let Connection { sender, receiver } = connection;
+        let connection = Connection { sender: sender.clone(), receiver: receiver.clone() };
+        let Ok((id, params)) = connection.initialize_start() else { return false };
+        let client = Client::of(&params);
+        let folders = folders(&params);
+        let result = types::InitializeResult {
+            capabilities: capabilities(&client),
+            server_info: Some(types::ServerInfo {
+                name: "hypedc".into(),
+                version: Some(env!("CARGO_PKG_VERSION").into()),
+            }),
+        };
+        let (jobs, waiting_jobs) = unbounded();
+        let (tell, events) = unbounded();
+        let has_ended = Arc::new(AtomicBool::new(false));
+        let ends = Arc::clone(&has_ended);
+        let worker = Worker {
+            has_ended: ends,
+            jobs: waiting_jobs,
+            events: tell,
+            disk: Arc::clone(&disk),
+            quiet: settings.quiet,
+        };
+        let thread = std::thread::spawn(move || worker.run());
+        let mut server = Server {
+            view: View { client, documents: Documents::default(), known: BTreeMap::new(), renamed: None, disk },
+            tokens: SentTokens::default(),
+            sender,
+            published: Published::default(),
+            folders: Arc::new(folders),
+            jobs,
+            revision: 0,
+            settled: None,
+            indexed: None,
+            idle: None,
+            changed: BTreeSet::new(),
+            is_due: true,
+            rescan: true,
+            waiting: Vec::new(),
+            has_shut_down: false,
+            last_request: 0,
+            failed: BTreeSet::new(),
+        };
+        server.answer(id, Ok(result));
+        let orderly = server.run(&receiver, &events);
+        has_ended.store(true, Ordering::Relaxed);
+        drop(server);
+        drop(events);
+        let _ = thread.join();
+        orderly
+    }
+
+    fn run(&mut self, messages: &Receiver<Message>, events: &Receiver<Event>) -> bool {
+        loop {
+            self.give_job();
+            select! {
+                recv(messages) -> message => {
+                    let Ok(message) = message else { return self.has_shut_down };
+                    if !self.message(message) {
+                        return self.has_shut_down;
+                    }
+                    // All edits that are there already make one job.
+                    while let Ok(message) = messages.try_recv() {
+                        if !self.message(message) {
+                            return self.has_shut_down;
+                        }
+                    }
+                }
+                recv(events) -> event => {
+                    let Ok(event) = event else { return false };
+                    self.event(event);
+                }
+            }
+        }
+    }
+
+    /// Hands the documents to the worker if they changed.
+    fn give_job(&mut self) {
+        if !std::mem::take(&mut self.is_due) {
+            return;
+        }
+        self.revision += 1;
+        let job = Job {
+            revision: self.revision,
+            open: Arc::clone(self.view.documents.all()),
+            folders: Arc::clone(&self.folders),
+            rescan: std::mem::take(&mut self.rescan),
+            changed: std::mem::take(&mut self.changed),
+        };
+        let _ = self.jobs.send(job);
+    }
+
+    fn touch(&mut self, path: Option<PathBuf>) {
+        if let Some(path) = path {
+            self.changed.insert(path);
+            self.is_due = true;
+        }
+    }
+
+    /// Takes a message; gives whether to go on.
+    fn message(&mut self, message: Message) -> bool {
+        match message {
+            Message::Request(request) => self.request(request),
+            Message::Notification(notification) if notification.method == "exit" => return false,
+            Message::Notification(notification) => self.notification(notification),
+            Message::Response(_) => {}
+        }
+        true
+    }
+
+    fn request(&mut self, request: Request) {
+        if request.method == "shutdown" {
+            self.has_shut_down = true;
+            return self.answer(request.id, Ok(()));
+        }
+        if self.has_shut_down || request.method == "initialize" {
+            let (code, message) =
+                (ErrorCode::InvalidRequest as i32, "the server has shut down, or runs already".into());
+            return self.answer::<()>(request.id, Err(Failure { code, message }));
+        }
+        let needs = requests::needs(&request.method);
+        if self.is_ready(needs) { self.dispatch(request) } else { self.waiting.push((request, needs)) }
+    }
+
+    fn is_ready(&self, needs: Needs) -> bool {
+        let current = |done: Option<u64>| !self.is_due && done == Some(self.revision);
+        match needs {
+            Needs::Text => true,
+            Needs::Open => current(self.settled),
+            Needs::All => current(self.indexed),
+            Needs::Idle => current(self.idle),
+        }
+    }
+
+    /// Answers what waited and need not wait any longer.
+    fn resume(&mut self) {
+        let waiting = std::mem::take(&mut self.waiting);
+        for (request, needs) in waiting {
+            if self.is_ready(needs) { self.dispatch(request) } else { self.waiting.push((request, needs)) }
+        }
+    }
+
+    fn notification(&mut self, notification: Notification) {
+        fn read<N: types::Notification>(params: Value) -> Option<N::Params> {
+            serde_json::from_value(params).ok()
+        }
+        let Notification { method, params } = notification;
+        match method.as_str() {
+            "initialized" if self.view.client.watches_files => self.ask("client/registerCapability", watchers()),
+            "textDocument/didOpen" => {
+                let Some(params) = read::<types::DidOpenTextDocumentNotification>(params) else { return };
+                let document = params.text_document;
+                let language = document.language_id.to_string();
+                let path = self.view.documents.open(document.uri, document.version, document.text, &language);
+                self.touch(Some(path));
+            }
+            "textDocument/didChange" => {
+                let Some(params) = read::<types::DidChangeTextDocumentNotification>(params) else { return };
+                let types::DidChangeTextDocumentParams { text_document: document, content_changes } = params;
+                let (uri, encoding) = (&document.text_document_identifier.uri, self.view.client.encoding);
+                let path = self.view.documents.change(uri, document.version, content_changes, encoding);
+                self.touch(path);
+            }
+            "textDocument/didClose" => {
+                let Some(params) = read::<types::DidCloseTextDocumentNotification>(params) else { return };
+                self.tokens.forget(&path_of(&params.text_document.uri));
+                let path = self.view.documents.close(&params.text_document.uri);
+                self.touch(path);
+            }
+            "workspace/didChangeWatchedFiles" => {
+                let Some(params) = read::<types::DidChangeWatchedFilesNotification>(params) else { return };
+                for change in params.changes {
+                    self.rescan |= change.kind != types::FileChangeType::Changed;
+                    self.touch(Some(path_of(&change.uri)));
+                }
+            }
+            "workspace/didChangeWorkspaceFolders" => {
+                let Some(params) = read::<types::DidChangeWorkspaceFoldersNotification>(params) else { return };
+                let gone: Vec<PathBuf> = params.event.removed.iter().map(|f| path_of(&f.uri)).collect();
+                let folders = Arc::make_mut(&mut self.folders);
+                folders.retain(|folder| !gone.contains(folder));
+                folders.extend(params.event.added.iter().map(|f| path_of(&f.uri)));
+                (self.rescan, self.is_due) = (true, true);
+            }
+            "$/cancelRequest" => {
+                let Some(params) = read::<types::CancelNotification>(params) else { return };
+                let id = match params.id {
+                    types::Id::Int(number) => RequestId::from(number),
+                    types::Id::String(text) => RequestId::from(text),
+                };
+                if let Some(at) = self.waiting.iter().position(|(request, _)| request.id == id) {
+                    self.waiting.remove(at);
+                    let (code, message) = (ErrorCode::RequestCanceled as i32, "cancelled".into());
+                    self.answer::<()>(id, Err(Failure { code, message }));
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn event(&mut self, event: Event) {
+        match event {
+            Event::Compiled(snapshot) => {
+                self.failed.remove(&snapshot.root);
+                let encoding = self.view.client.encoding;
+                let is_open = self.view.documents.get(&snapshot.root).is_some();
+                let found = &snapshot.study.compilation.diagnostics;
+                let compile_findings =
+                    if is_open { by_document(&snapshot, found, encoding) } else { ByDocument::new() };
+                let mut known = Known {
+                    now: Arc::clone(&snapshot),
+                    good: None,
+                    findings: None,
+                    ranges: None,
+                    compile_findings,
+                    value_findings: ByDocument::new(),
+                };
+                if let Some(before) = self.view.known.remove(&snapshot.root) {
+                    known.value_findings = if is_open {
+                        carried(&before.value_findings, &before.now, &snapshot)
+                    } else {
+                        ByDocument::new()
+                    };
+                    (known.good, known.ranges) = (before.good, before.ranges);
+                }
+                if snapshot.is_good() {
+                    known.good = Some(Arc::clone(&snapshot));
+                }
+                self.view.known.insert(snapshot.root.clone(), known);
+            }
+            Event::Failed(path, why) => {
+                let text = format!(
+                    "hypedc failed on {}: {why}. This is a bug of hypedc: please report it with the text. What is shown of the \
+                     file is from before",
+                    path.display()
+                );
+                self.tell("window/logMessage", &text);
+                // Not again for each letter that is typed.
+                if self.failed.insert(path) {
+                    self.tell("window/showMessage", &text);
+                }
+            }
+            Event::Dropped(path) => {
+                self.view.known.remove(&path);
+            }
+            Event::Settled(revision) => {
+                self.settled = Some(revision);
+                self.publish();
+                self.resume();
+            }
+            Event::Indexed(revision) => {
+                self.indexed = Some(revision);
+                self.resume();
+            }
+            Event::Idle(revision) => {
+                self.idle = Some(revision);
+                self.resume();
+            }
+            Event::Examined(snapshot, found) => {
+                let encoding = self.view.client.encoding;
+                let known = self.view.known.get_mut(&snapshot.root).filter(|known| Arc::ptr_eq(&known.now, &snapshot));
+                let Some(known) = known else { return };
+                let (findings, ranges) = *found;
+                known.value_findings = by_document(&snapshot, &findings, encoding);
+                known.findings = Some(findings);
+                // Of a program with errors nothing is known.
+                known.ranges = ranges.or(known.ranges.take());
+                self.publish();
+                if self.view.client.refreshes_hints {
+                    self.ask("workspace/inlayHint/refresh", Value::Null);
+                }
+            }
+        }
+    }
+
+    /// Tells whoever edits of an error of the server.
+    fn tell(&self, method: &str, text: &str) {
+        let params = json!({ "type": types::MessageType::Error, "message": text });
+        let _ = self.sender.send(Notification { method: method.into(), params }.into());
+    }
+
+    /// Tells the editor of findings that changed.
+    fn publish(&mut self) {
+        let open = self.view.known.iter().filter(|(path, _)| self.view.documents.get(path).is_some());
+        let version = |uri: &str| {
+            let path = path_of(&Uri(uri.into()));
+            let of = |known: &Known| known.now.file(&path).and_then(|file| known.now.version(file));
+            self.view.known.get(&path).and_then(of)
+        };
+        for params in
+            self.published.update(open.flat_map(|(_, known)| [&known.compile_findings, &known.value_findings]), version)
+        {
+            let params = serde_json::to_value(params).unwrap_or_default();
+            let method = String::from(types::PublishDiagnosticsNotification::METHOD);
+            let _ = self.sender.send(Notification { method, params }.into());
+        }
+    }
+
+    fn ask(&mut self, method: &str, params: Value) {
+        self.last_request += 1;
+        let request = Request { id: RequestId::from(self.last_request), method: method.into(), params };
+        let _ = self.sender.send(request.into());
+    }
+
+    fn answer<T: Serialize>(&self, id: RequestId, result: Result<T, Failure>) {
+        let response = match result.map(serde_json::to_value) {
+            Ok(Ok(value)) => Response::new_ok(id, value),
+            Ok(Err(error)) => Response::new_err(id, ErrorCode::InternalError as i32, error.to_string()),
+            Err(Failure { code, message }) => Response::new_err(id, code, message),
+        };
+        let _ = self.sender.send(response.into());
+    }
+
+    /// Answers a request with what a feature makes of it. A feature that panics is no reason to end.
+    pub(in crate::lsp) fn on<R: types::Request>(
+        &mut self,
+        request: Request,
+        feature: impl FnOnce(&mut Self, R::Params) -> Result<R::Result, Failure>,
+    ) {
+        let Request { id, params, .. } = request;
+        let result = match serde_json::from_value::<R::Params>(params) {
+            Err(error) => Err(Failure { code: ErrorCode::InvalidParams as i32, message: error.to_string() }),
+            Ok(params) => catch_unwind(AssertUnwindSafe(|| feature(self, params))).unwrap_or_else(|_| {
+                let (code, message) = (ErrorCode::InternalError as i32, "this cannot be answered".into());
+                Err(Failure { code, message })
+            }),
+        };
+        self.answer(id, result);
+    }
+
+    /// Answers a request with nothing.
+    pub(in crate::lsp) fn nothing(&self, request: Request) {
+        self.answer(request.id, Ok(()));
+    }
+
+    /// Says that a request is not known.
+    pub(in crate::lsp) fn unknown(&self, request: Request) {
+        let (code, message) = (ErrorCode::MethodNotFound as i32, format!("no method `{}`", request.method));
+        self.answer::<()>(request.id, Err(Failure { code, message }));
+    }
+}
+
+/// The folders that the editor has open; older editors name one alone. Read without the types of the protocol: a client
+/// that leaves out some field that should be there has folders all the same.
+fn folders(params: &Value) -> Vec<PathBuf> {
+    let path = |uri: &Value| uri.as_str().map(|uri| path_of(&Uri(uri.into())));
+    match params["workspaceFolders"].as_array() {
+        Some(list) => list.iter().filter_map(|folder| path(&folder["uri"])).collect(),
+        None => path(&params["rootUri"]).into_iter().collect(),
+    }
+}

@@ -1,0 +1,219 @@
+//! The thread that compiles: it takes the newest state of the documents, compiles the programs that a change touches,
+//! and, once nothing has changed for a while, looks at what values can be. A new state stops that.
+
+use std::any::Any;
+use std::collections::{BTreeMap, BTreeSet};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use crossbeam_channel::{Receiver, RecvTimeoutError, Sender};
+
+use crate::analysis::watched_findings;
+use crate::diagnostic::Diagnostics;
+use crate::source::FileId;
+use crate::watch::Watch;
+
+use crate::lsp::Workspace;
+use crate::lsp::documents::Open;
+use crate::lsp::snapshot::Snapshot;
+use crate::lsp::values::Ranges;
+
+/// A state of the documents.
+pub(in crate::lsp) struct Job {
+    /// Grows with every change.
+    pub revision: u64,
+    /// What is open.
+    pub open: Arc<Open>,
+    /// The folders of the workspace.
+    pub folders: Arc<Vec<PathBuf>>,
+    /// Whether programs may have come to them, or gone.
+    pub rescan: bool,
+    /// What changed since the last job.
+    pub changed: BTreeSet<PathBuf>,
+}
+
+/// What the thread tells.
+pub(in crate::lsp) enum Event {
+    /// A program was compiled.
+    Compiled(Arc<Snapshot>),
+    /// A program is of no interest any more.
+    Dropped(PathBuf),
+    /// All open programs are compiled as of this revision.
+    Settled(u64),
+    /// All programs of the workspace are.
+    Indexed(u64),
+    /// There is nothing left to do as of this revision.
+    Idle(u64),
+    /// A mistake of the server has ended the compilation or the analysis of a program.
+    Failed(PathBuf, String),
+    /// What values tell of a program that was compiled.
+    Examined(Arc<Snapshot>, Box<(Diagnostics, Option<Ranges>)>),
+}
+
+/// Stops as soon as there is something newer to do, or nobody to do it for.
+struct Newer<'a>(&'a Receiver<Job>, &'a AtomicBool);
+
+impl Watch for Newer<'_> {
+    fn stop(&self) -> bool {
+        !self.0.is_empty() || self.1.load(Ordering::Relaxed)
+    }
+}
+
+pub(in crate::lsp) struct Worker {
+    pub jobs: Receiver<Job>,
+    pub events: Sender<Event>,
+    pub disk: Arc<dyn Workspace>,
+    /// Set once the editor has gone.
+    pub has_ended: Arc<AtomicBool>,
+    /// How long nothing must change before values are looked at.
+    pub quiet: Duration,
+}
+
+impl Worker {
+    /// Works until nobody gives jobs or takes results any more.
+    pub fn run(self) {
+        let mut known: BTreeMap<PathBuf, Arc<Snapshot>> = BTreeMap::new();
+        // Programs whose values are not looked at yet.
+        let mut due: BTreeSet<PathBuf> = BTreeSet::new();
+        let mut closed: BTreeSet<PathBuf> = BTreeSet::new();
+        let mut waiting: Option<Job> = None;
+        while let Some(job) = waiting.take().or_else(|| self.jobs.recv().ok()) {
+            let job = self.newest(job);
+            if job.rescan {
+                closed = job.folders.iter().flat_map(|folder| self.disk.programs(folder)).collect();
+            }
+            if self.work(&job, &closed, &mut known, &mut due).is_none() {
+                return;
+            }
+            if due.is_empty() {
+                if self.events.send(Event::Idle(job.revision)).is_err() {
+                    return;
+                }
+                continue;
+            }
+            match self.jobs.recv_timeout(self.quiet) {
+                Ok(next) => waiting = Some(next),
+                Err(RecvTimeoutError::Disconnected) => return,
+                Err(RecvTimeoutError::Timeout) => {
+                    if self.examine(&known, &mut due).is_none() {
+                        return;
+                    }
+                    if due.is_empty() && self.events.send(Event::Idle(job.revision)).is_err() {
+                        return;
+                    }
+                }
+            }
+        }
+    }
+
+    /// The newest job that waits, with the changes of all.
+    fn newest(&self, mut job: Job) -> Job {
+        while let Ok(mut next) = self.jobs.try_recv() {
+            next.changed.append(&mut job.changed);
+            next.rescan |= job.rescan;
+            job = next;
+        }
+        job
+    }
+
+    /// Compiles what a job touches; nothing if nobody listens any more.
+    fn work(
+        &self,
+        job: &Job,
+        closed: &BTreeSet<PathBuf>,
+        known: &mut BTreeMap<PathBuf, Arc<Snapshot>>,
+        due: &mut BTreeSet<PathBuf>,
+    ) -> Option<()> {
+        let is_open = |path: &PathBuf| job.open.get(path).is_some_and(|document| document.is_program);
+        let is_wanted = |path: &PathBuf| is_open(path) || closed.contains(path);
+        let dropped: Vec<PathBuf> = known.keys().filter(|path| !is_wanted(path)).cloned().collect();
+        for path in dropped {
+            known.remove(&path);
+            due.remove(&path);
+            self.events.send(Event::Dropped(path)).ok()?;
+        }
+        let is_current = |_: &PathBuf, snapshot: &Arc<Snapshot>| snapshot.asked.is_disjoint(&job.changed);
+        let (current, mut outdated): (BTreeMap<_, _>, BTreeMap<_, _>) =
+            std::mem::take(known).into_iter().partition(|(path, snapshot)| is_current(path, snapshot));
+        *known = current;
+        for path in job.open.keys().filter(|path| is_open(path)) {
+            if !known.contains_key(path) {
+                known.extend(self.compile(path, job, outdated.remove(path))?);
+                due.insert(path.clone());
+            }
+        }
+        self.events.send(Event::Settled(job.revision)).ok()?;
+        for path in closed.iter().filter(|path| !job.open.contains_key(*path)) {
+            if known.contains_key(path) {
+                continue;
+            }
+            if !self.jobs.is_empty() {
+                return Some(());
+            }
+            known.extend(self.compile(path, job, outdated.remove(path))?);
+        }
+        self.events.send(Event::Indexed(job.revision)).ok()
+    }
+
+    /// Compiles a program: its path and what came of it. Where the compiler fails, what was known before stays. Nothing if
+    /// nobody listens any more.
+    fn compile(
+        &self,
+        path: &Path,
+        job: &Job,
+        before: Option<Arc<Snapshot>>,
+    ) -> Option<Option<(PathBuf, Arc<Snapshot>)>> {
+        let compile = || Snapshot::of(path, &job.open, &*self.disk);
+        let snapshot = match catch_unwind(AssertUnwindSafe(compile)) {
+            Ok(snapshot) => {
+                let snapshot = Arc::new(snapshot);
+                self.events.send(Event::Compiled(Arc::clone(&snapshot))).ok()?;
+                Some(snapshot)
+            }
+            Err(panic) => {
+                self.events.send(Event::Failed(path.to_path_buf(), message(&*panic))).ok()?;
+                before
+            }
+        };
+        Some(snapshot.map(|snapshot| (path.to_path_buf(), snapshot)))
+    }
+
+    /// Looks at what values can be, until there is something newer to do; nothing if nobody listens any more.
+    fn examine(&self, known: &BTreeMap<PathBuf, Arc<Snapshot>>, due: &mut BTreeSet<PathBuf>) -> Option<()> {
+        while let Some(path) = due.first().cloned() {
+            if let Some(snapshot) = known.get(&path) {
+                let compilation = &snapshot.study.compilation;
+                let examine = || {
+                    let program = compilation.program.as_ref()?;
+                    let (sources, said) = (&compilation.sources, &compilation.diagnostics);
+                    let (found, spaces) =
+                        watched_findings(program, sources, FileId(0), said, &Newer(&self.jobs, &self.has_ended))?;
+                    Some(Box::new((found, Some(Ranges::of(program, &spaces)))))
+                };
+                let found = match catch_unwind(AssertUnwindSafe(examine)) {
+                    Ok(found) => found,
+                    Err(panic) => {
+                        self.events.send(Event::Failed(path.clone(), message(&*panic))).ok()?;
+                        None
+                    }
+                };
+                if !self.jobs.is_empty() {
+                    return Some(());
+                }
+                let found = found.unwrap_or_default();
+                self.events.send(Event::Examined(Arc::clone(snapshot), found)).ok()?;
+            }
+            due.remove(&path);
+        }
+        Some(())
+    }
+}
+
+/// What a panic says.
+fn message(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().map(|text| (*text).to_string());
+    text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "no message".to_string())
+}

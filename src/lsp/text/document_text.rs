@@ -1,0 +1,178 @@
+//! Texts of an editor: positions of the protocol to bytes and back, changes. Lines end with LF, CRLF or CR; columns count
+//! what was agreed on. Every position has a byte: what lies beyond is moved to the nearest place inside.
+
+use gen_lsp_types::{Position, Range};
+
+/// What columns count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(in crate::lsp) enum Encoding {
+    /// Bytes.
+    Utf8,
+    /// UTF-16 code units: what clients that say nothing count.
+    #[default]
+    Utf16,
+    /// Characters.
+    Utf32,
+}
+
+impl Encoding {
+    fn width(self, c: char) -> u32 {
+        match self {
+            Encoding::Utf8 => c.len_utf8() as u32,
+            Encoding::Utf16 => c.len_utf16() as u32,
+            Encoding::Utf32 => 1,
+        }
+    }
+}
+
+/// A text and where its lines begin.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(in crate::lsp) struct Text {
+    whole: String,
+    /// Of each line its first byte.
+    starts: Vec<u32>,
+}
+
+/// What a file may begin with; the compiler does not see it.
+const BYTE_ORDER_MARK: char = '\u{feff}';
+
+impl Text {
+    pub fn new(whole: impl Into<String>) -> Self {
+        let whole = whole.into();
+        let starts = line_starts(&whole);
+        Text { whole, starts }
+    }
+
+    /// As the editor has it.
+    pub fn whole(&self) -> &str {
+        &self.whole
+    }
+
+    /// As the compiler sees it: bytes count from here.
+    pub fn code(&self) -> &str {
+        self.whole.get(self.skipped()..).unwrap_or_default()
+    }
+
+    fn skipped(&self) -> usize {
+        if self.whole.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len_utf8() } else { 0 }
+    }
+
+    /// The position of a byte of the code.
+    pub fn position(&self, byte: usize, encoding: Encoding) -> Position {
+        let mut byte = (byte + self.skipped()).min(self.whole.len());
+        while !self.whole.is_char_boundary(byte) {
+            byte -= 1;
+        }
+        let line = self.starts.partition_point(|&start| start as usize <= byte).saturating_sub(1);
+        let start = self.starts.get(line).map_or(0, |&s| s as usize);
+        let before = self.whole.get(start..byte).unwrap_or_default();
+        let character = if encoding == Encoding::Utf8 || before.is_ascii() {
+            before.len() as u32
+        } else {
+            before.chars().map(|c| encoding.width(c)).sum()
+        };
+        Position { line: line as u32, character }
+    }
+
+    /// The range of some bytes of the code.
+    pub fn range(&self, bytes: std::ops::Range<usize>, encoding: Encoding) -> Range {
+        Range { start: self.position(bytes.start, encoding), end: self.position(bytes.end, encoding) }
+    }
+
+    /// The byte of the code at a position, or at the nearest one that there is.
+    pub fn byte(&self, position: Position, encoding: Encoding) -> usize {
+        self.whole_byte(position, encoding).saturating_sub(self.skipped())
+    }
+
+    /// The bytes of the code between two positions, whichever comes first.
+    pub fn bytes(&self, range: Range, encoding: Encoding) -> std::ops::Range<usize> {
+        let (a, b) = (self.byte(range.start, encoding), self.byte(range.end, encoding));
+        a.min(b)..a.max(b)
+    }
+
+    fn whole_byte(&self, position: Position, encoding: Encoding) -> usize {
+        let Some(&start) = self.starts.get(position.line as usize) else { return self.whole.len() };
+        let end = self.starts.get(position.line as usize + 1).map_or(self.whole.len(), |&e| e as usize);
+        let line = self.whole.get(start as usize..end).unwrap_or_default().trim_end_matches(['\n', '\r']);
+        let mut left = position.character;
+        for (at, c) in line.char_indices() {
+            let width = encoding.width(c);
+            // Inside of a character is before it.
+            if left < width {
+                return start as usize + at;
+            }
+            left -= width;
+        }
+        start as usize + line.len()
+    }
+
+    /// Puts a text in place of a range, or of everything.
+    pub fn change(&mut self, range: Option<Range>, text: &str, encoding: Encoding) {
+        match range {
+            Some(range) => {
+                let (a, b) = (self.whole_byte(range.start, encoding), self.whole_byte(range.end, encoding));
+                self.whole.replace_range(a.min(b)..a.max(b), text);
+            }
+            None => text.clone_into(&mut self.whole),
+        }
+        self.starts = line_starts(&self.whole);
+    }
+}
+
+fn line_starts(text: &str) -> Vec<u32> {
+    let bytes = text.as_bytes();
+    let ends = |(at, byte): (usize, &u8)| match byte {
+        b'\n' => Some(at as u32 + 1),
+        b'\r' if bytes.get(at + 1) != Some(&b'\n') => Some(at as u32 + 1),
+        _ => None,
+    };
+    std::iter::once(0).chain(bytes.iter().enumerate().filter_map(ends)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(line: u32, character: u32) -> Position {
+        Position { line, character }
+    }
+
+    #[test]
+    fn columns_count_what_was_agreed_on() {
+        let text = Text::new("é\u{1f40a}x\r\nab\rc");
+        assert_eq!(text.byte(at(0, 3), Encoding::Utf16), 6);
+        assert_eq!(text.byte(at(0, 2), Encoding::Utf32), 6);
+        assert_eq!(text.byte(at(0, 6), Encoding::Utf8), 6);
+        assert_eq!(text.position(6, Encoding::Utf16), at(0, 3));
+        assert_eq!(text.position(9, Encoding::Utf16), at(1, 0));
+        assert_eq!(text.position(12, Encoding::Utf16), at(2, 0), "a carriage return alone ends a line");
+    }
+
+    #[test]
+    fn what_lies_beyond_is_moved_inside() {
+        let text = Text::new("é\u{1f40a}x\r\nab");
+        assert_eq!(text.byte(at(0, 2), Encoding::Utf16), 2, "inside of a surrogate pair");
+        assert_eq!(text.byte(at(0, 99), Encoding::Utf16), 7, "beyond the end of a line");
+        assert_eq!(text.byte(at(99, 0), Encoding::Utf16), 11, "beyond the last line");
+        assert_eq!(text.position(1, Encoding::Utf16), at(0, 0), "inside of a character");
+        assert_eq!(text.position(999, Encoding::Utf16), at(1, 2));
+    }
+
+    #[test]
+    fn a_byte_order_mark_is_a_column_and_no_code() {
+        let text = Text::new("\u{feff}ab\n");
+        assert_eq!(text.code(), "ab\n");
+        assert_eq!(text.position(0, Encoding::Utf16), at(0, 1));
+        assert_eq!(text.byte(at(0, 2), Encoding::Utf16), 1);
+    }
+
+    #[test]
+    fn changes_are_put_in_place() {
+        let mut text = Text::new("ab\r\ncd");
+        text.change(Some(Range { start: at(0, 2), end: at(1, 0) }), "\u{1f40a}\n", Encoding::Utf16);
+        assert_eq!(text.whole(), "ab\u{1f40a}\ncd");
+        assert_eq!(text.position(7, Encoding::Utf16), at(1, 0));
+        text.change(None, "x", Encoding::Utf16);
+        assert_eq!(text, Text::new("x"));
+    }
+}

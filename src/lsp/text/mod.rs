@@ -1,0 +1,11 @@
+//! Texts that may be broken: positions, words, where a cursor stands. Nothing here knows of programs or of the protocol's
+//! messages.
+
+pub(super) mod alignment;
+pub(super) mod document_text;
+pub(super) mod following;
+pub(super) mod lexer;
+pub(super) mod meanings;
+pub(super) mod place;
+pub(super) mod uri;
+pub(super) mod words;

@@ -22,6 +22,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::support::files;
+use hypedc::reach::Planner;
 
 const README: &str = "README.md";
 const SUMMARY: &str = "docs/SUMMARY.md";
@@ -375,7 +376,7 @@ fn links_lead_somewhere() {
     all.extend(BESIDE.map(PathBuf::from));
     let (mut count, mut trouble) = (0, String::new());
     for page in all {
-        for link in links(&read(&page)) {
+        for link in links(&whole(&page)) {
             count += 1;
             let at = format!("{}: {link}", page.display());
             let (path, anchor) = link.split_once('#').map_or((link.as_str(), None), |(path, a)| (path, Some(a)));
@@ -448,6 +449,14 @@ fn each_command_has_its_page_and_each_option_stands_there() {
         }
     }
     assert!(options["reach"] > 30, "{options:?}");
+}
+
+#[test]
+fn each_planner_is_described() {
+    let page = read("docs/planners.md");
+    for planner in Planner::ALL {
+        assert!(page.contains(&format!("\n| `{}` | ", planner.name())), "{}", planner.name());
+    }
 }
 
 /// The words in the quotes after `const NAME =` in the book's highlighter.

@@ -169,7 +169,9 @@ fn run(program: &Arc<hypedc::ir::Program>, world: WorldId) {
 fn of_dimensions_with_too_large_exponents_nothing_is_said() {
     let squares: String = (1..=80).map(|i| format!("param p{i} = p{} * p{}\n", i - 1, i - 1)).collect();
     let program = |used: &str| {
-        format!("entity A {{\nparam p0: px = 1\n{squares}mode a {{ x' = 0\nwhen {used} -> b }} mode b {{ x' = 0 }} }}\n")
+        format!(
+            "entity A {{\nparam p0: px = 1\n{squares}mode a {{ x' = 0\nwhen {used} -> b }} mode b {{ x' = 0 }} }}\n"
+        )
     };
     let found = |used: &str| {
         let compilation = compile_text(&program(used));

@@ -13,9 +13,11 @@ use serde_json::Value;
 
 const PAGE: &str = "docs/benchmarks.md";
 
-/// A table's name, and what measures it.
-const TABLES: [(&str, fn() -> String); 4] =
-    [("paper", paper), ("worlds", worlds), ("levels", levels), ("samples", samples)];
+/// Measures a table.
+type Measure = fn() -> String;
+
+/// The tables by name.
+const TABLES: [(&str, Measure); 4] = [("paper", paper), ("worlds", worlds), ("levels", levels), ("samples", samples)];
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

@@ -1,5 +1,6 @@
 //! Texts of an editor: positions of the protocol to bytes and back, changes. Lines end with LF, CRLF or CR; columns count
-//! what was agreed on. Every position has a byte: what lies beyond is moved to the nearest place inside.
+//! what was agreed on. Every position has a byte: what lies beyond is moved to the nearest place inside. The protocol ends
+//! lines with a carriage return alone, too, which `line-index` and its like do not know.
 
 use gen_lsp_types::{Position, Range};
 

@@ -3,13 +3,35 @@
 use std::path::{Component, Path, PathBuf};
 
 use gen_lsp_types::Uri;
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, utf8_percent_encode};
+
+/// What stands in no path of a URI (RFC 3986, 3.3).
+const OUTSIDE_OF_PATHS: &AsciiSet = &NON_ALPHANUMERIC
+    .remove(b'-')
+    .remove(b'.')
+    .remove(b'_')
+    .remove(b'~')
+    .remove(b'/')
+    .remove(b':')
+    .remove(b'@')
+    .remove(b'!')
+    .remove(b'$')
+    .remove(b'&')
+    .remove(b'(')
+    .remove(b')')
+    .remove(b'*')
+    .remove(b'+')
+    .remove(b',')
+    .remove(b';')
+    .remove(b'=')
+    .remove(b'\'');
 
 /// The path of a document, without `.` and `..`.
 pub(in crate::lsp) fn path_of(uri: &Uri) -> PathBuf {
     let Some(rest) = uri.0.strip_prefix("file://") else { return PathBuf::from(&uri.0) };
     // What stands before the first slash is a host; ours has no name.
     let path = rest.find('/').map_or("", |at| &rest[at..]);
-    let decoded = decoded(path);
+    let decoded = percent_decode_str(path).decode_utf8_lossy();
     let bytes = decoded.as_bytes();
     let has_drive = matches!(bytes, [b'/', drive, b':', ..] if drive.is_ascii_alphabetic());
     clean(Path::new(if has_drive { &decoded[1..] } else { &decoded }))
@@ -21,15 +43,8 @@ pub(in crate::lsp) fn uri_of(path: &Path) -> Uri {
     if !text.starts_with('/') && text.get(1..2).is_none_or(|colon| colon != ":") {
         return Uri(text);
     }
-    let mut uri = String::from(if text.starts_with('/') { "file://" } else { "file:///" });
-    for byte in text.bytes() {
-        if byte.is_ascii_alphanumeric() || b"-._~/:@!$&'()*+,;=".contains(&byte) {
-            uri.push(char::from(byte));
-        } else {
-            uri.push_str(&format!("%{byte:02X}"));
-        }
-    }
-    Uri(uri)
+    let root = if text.starts_with('/') { "file://" } else { "file:///" };
+    Uri(format!("{root}{}", utf8_percent_encode(&text, OUTSIDE_OF_PATHS)))
 }
 
 /// A path without `.` and `..`, whatever the disk says of links.
@@ -45,25 +60,6 @@ pub(in crate::lsp) fn clean(path: &Path) -> PathBuf {
         }
     }
     out
-}
-
-fn decoded(text: &str) -> String {
-    let mut bytes = Vec::with_capacity(text.len());
-    let mut rest = text.as_bytes();
-    while let Some((&byte, after)) = rest.split_first() {
-        let code = after.get(..2).filter(|_| byte == b'%').and_then(|two| std::str::from_utf8(two).ok());
-        match code.and_then(|two| u8::from_str_radix(two, 16).ok()) {
-            Some(code) => {
-                bytes.push(code);
-                rest = after.get(2..).unwrap_or_default();
-            }
-            None => {
-                bytes.push(byte);
-                rest = after;
-            }
-        }
-    }
-    String::from_utf8_lossy(&bytes).into_owned()
 }
 
 #[cfg(test)]

@@ -1,6 +1,5 @@
 //! The renderer for programs: everything that was found in a run, as one JSON object.
 
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{Found, distinct};
@@ -11,7 +10,8 @@ use crate::source::{SourceMap, Span};
 const VERSION: u32 = 1;
 
 /// The findings of a run of `hypedc check`.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 struct Run {
     /// The version of this format.
     version: u32,
@@ -24,7 +24,8 @@ struct Run {
 }
 
 /// A program that was checked.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 struct Program {
     /// Its path.
     file: String,
@@ -34,7 +35,8 @@ struct Program {
     warnings: usize,
 }
 
-#[derive(Serialize, JsonSchema, PartialEq)]
+#[derive(Serialize, PartialEq)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 struct Finding {
     /// The code, such as `E0302`.
     code: &'static str,
@@ -54,14 +56,16 @@ struct Finding {
     fix: Option<Mending>,
 }
 
-#[derive(Serialize, JsonSchema, PartialEq)]
+#[derive(Serialize, PartialEq)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 struct Place {
     #[serde(flatten)]
     range: Range,
     label: String,
 }
 
-#[derive(Serialize, JsonSchema, PartialEq)]
+#[derive(Serialize, PartialEq)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 struct Range {
     file: String,
     bytes: Bytes,
@@ -69,25 +73,29 @@ struct Range {
     end: Position,
 }
 
-#[derive(Serialize, JsonSchema, PartialEq)]
+#[derive(Serialize, PartialEq)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 struct Bytes {
     start: u32,
     end: u32,
 }
 
-#[derive(Serialize, JsonSchema, PartialEq)]
+#[derive(Serialize, PartialEq)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 struct Position {
     line: usize,
     column: usize,
 }
 
-#[derive(Serialize, JsonSchema, PartialEq)]
+#[derive(Serialize, PartialEq)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 struct Mending {
     title: String,
     edits: Vec<Edit>,
 }
 
-#[derive(Serialize, JsonSchema, PartialEq)]
+#[derive(Serialize, PartialEq)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 struct Edit {
     #[serde(flatten)]
     range: Range,
@@ -113,6 +121,7 @@ pub fn json(run: &[Found<'_>]) -> Result<String, serde_json::Error> {
 }
 
 /// The schema of what [`json`] renders.
+#[cfg(feature = "cli")]
 pub(crate) fn json_schema() -> schemars::Schema {
     schemars::schema_for!(Run)
 }

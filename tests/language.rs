@@ -5,6 +5,7 @@
 mod support;
 
 mod compiled;
+mod docs;
 mod editors;
 mod explain;
 mod fix;
@@ -20,5 +21,6 @@ mod new;
 mod reference;
 mod robust;
 mod scale;
+mod schemas;
 mod tidy;
 mod ui;

@@ -24,6 +24,7 @@ mod reach;
 mod refusal;
 mod replay;
 mod report;
+mod schemas;
 mod sim;
 mod time;
 mod watching;
@@ -34,6 +35,7 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use args::{Arguments, Command};
+pub use schemas::schemas;
 
 /// What a subcommand ends with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::reach::Conclusion;
@@ -10,7 +11,7 @@ use crate::reach::Conclusion;
 use super::row::{Key, Row};
 
 /// Whether a change is for the better.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Change {
     /// The verdict is the expected one now, and was not.
@@ -22,7 +23,7 @@ pub enum Change {
 }
 
 /// A verdict that is another one.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Flip {
     /// What it is about.
     #[serde(flatten)]
@@ -36,7 +37,7 @@ pub struct Flip {
 }
 
 /// A path whose length is another one.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct LengthChange {
     /// What it is about.
     #[serde(flatten)]
@@ -48,7 +49,7 @@ pub struct LengthChange {
 }
 
 /// A question that only one of the two runs asked.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Unpaired {
     /// What it is about.
     #[serde(flatten)]
@@ -66,7 +67,7 @@ impl Unpaired {
 }
 
 /// What changed since an older run.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Comparison {
     /// Verdicts that are others, in the order of the new rows.
     pub flips: Vec<Flip>,

@@ -65,7 +65,7 @@ pub struct Timing {
 }
 
 /// What tells the questions of a run apart.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, JsonSchema)]
 pub struct Key {
     /// The path of the level as it was given; none for a program that has its maps in it.
     pub level: Option<String>,

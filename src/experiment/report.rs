@@ -44,6 +44,12 @@ impl Report<'_> {
         formats::json(self)
     }
 
+    /// The schema of [`Report::json`].
+    #[cfg(feature = "cli")]
+    pub(crate) fn json_schema() -> schemars::Schema {
+        formats::json_schema()
+    }
+
     /// A table for each question, and what it takes to run it again.
     pub fn text(&self) -> String {
         let rows = self.rows();

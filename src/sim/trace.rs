@@ -30,6 +30,7 @@ pub enum TraceFormat {
 
 /// What a run depends on: with the files it can be run again.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct TraceHeader {
     /// [`TRACE_VERSION`].
     pub trace: u32,
@@ -83,15 +84,65 @@ pub struct TraceLines<'s> {
     format: TraceFormat,
 }
 
+/// A state in a trace.
 #[derive(serde::Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 struct Line<'a> {
+    /// The step; 0 is the initial state.
     step: u64,
+    /// What is held in this step.
     inputs: Vec<String>,
+    /// The instances that exist, by name.
+    #[cfg_attr(feature = "cli", schemars(with = "std::collections::BTreeMap<String, InstanceSchema>"))]
     instances: Instances<'a>,
+    /// The goals that hold.
     #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "cli", schemars(default))]
     goals: Vec<&'a str>,
+    /// Each `never` that holds.
     #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "cli", schemars(default))]
     never: Vec<&'a str>,
+}
+
+/// An instance in a state. Beside these fields it has one for each variable: a continuous variable is its position,
+/// velocity and acceleration, a discrete one its value, a reference a name or null.
+#[cfg(feature = "cli")]
+#[derive(schemars::JsonSchema)]
+#[allow(dead_code, reason = "it describes what `Instance` writes")]
+struct InstanceSchema {
+    /// The entity.
+    entity: String,
+    /// The space.
+    space: String,
+    /// The active innermost mode of each group.
+    modes: Vec<String>,
+    /// The times in modes whose `timer` is read, s.
+    timers: Option<std::collections::BTreeMap<String, f64>>,
+    #[serde(flatten)]
+    variables: std::collections::BTreeMap<String, VariableSchema>,
+}
+
+/// A value of a variable.
+#[cfg(feature = "cli")]
+#[derive(schemars::JsonSchema)]
+#[schemars(untagged)]
+#[allow(dead_code, reason = "it describes what `Instance` writes")]
+enum VariableSchema {
+    /// Position, velocity, acceleration.
+    Continuous([f64; 3]),
+    /// A whole number.
+    Int(i32),
+    /// A truth value.
+    Bool(bool),
+    /// A value of a set, or the instance that a reference refers to.
+    Name(Option<String>),
+}
+
+/// The schemas of the lines of a trace as JSON lines: the header, and a state.
+#[cfg(feature = "cli")]
+pub(crate) fn trace_schemas() -> [schemars::Schema; 2] {
+    [schemars::schema_for!(TraceHeader), schemars::schema_for!(Line<'_>)]
 }
 
 impl<'s> TraceLines<'s> {

@@ -5,11 +5,11 @@ mod table;
 use std::io::{self, Write};
 use std::ops::AddAssign;
 
+use schemars::JsonSchema;
 use serde::Serialize;
-use serde_json::{Value, json};
 
 use crate::analysis::{Configuration, ConfigurationSpace, Interval, SlotSpace, Values, configuration_space};
-use crate::ir::{Bounds, Entity, Id, Program, SlotId, World, WorldId};
+use crate::ir::{Bounds, DiscreteId, Entity, Id, Program, SlotId, TimerId, VarId, World, WorldId};
 use crate::reach::query::{is_bounded, proof_reasons};
 use crate::reach::{Conclusion, Problem, Proof};
 use crate::sim::Simulator;
@@ -25,7 +25,7 @@ const RESULT_VERSION: u32 = 1;
 
 /// How many numbers a state has: three for each continuous variable (it and two derivatives), one for each discrete
 /// variable and each timer, one for each group of modes that has several.
-#[derive(Debug, Clone, Copy, Default, Serialize)]
+#[derive(Debug, Clone, Copy, Default, Serialize, JsonSchema)]
 pub(in crate::cli) struct Dimensions {
     /// As the program is written.
     pub all: usize,
@@ -109,16 +109,16 @@ pub(in crate::cli) fn run(args: &BoundsArgs) -> io::Result<Exit> {
     let goals = goals(&loaded, id, &space);
     let mut out = io::stdout().lock();
     if args.format == ResultFormat::Json {
-        let result = json!({
-            "version": RESULT_VERSION,
-            "hypedc": env!("CARGO_PKG_VERSION"),
-            "file": args.file.display().to_string(),
-            "world": of.world.name,
-            "dimensions": of.dimensions(),
-            "slots": of.space.slots.ids().map(|slot| slot_json(&of, slot)).collect::<Vec<_>>(),
-            "borders": borders(&of),
-            "goals": goals.iter().map(|(name, why)| goal_json(name, why.as_deref())).collect::<Vec<_>>(),
-        });
+        let result = BoundsResult {
+            version: RESULT_VERSION,
+            hypedc: env!("CARGO_PKG_VERSION"),
+            file: args.file.display().to_string(),
+            world: &of.world.name,
+            dimensions: of.dimensions(),
+            slots: of.space.slots.ids().map(|slot| slot_result(&of, slot)).collect(),
+            borders: borders(&of),
+            goals: goals.iter().map(|(name, why)| goal_result(name, why.as_deref())).collect(),
+        };
         serde_json::to_writer_pretty(&mut out, &result)?;
         writeln!(out)?;
         return Ok(Exit::Yes);
@@ -160,8 +160,102 @@ fn borders(of: &WorldBounds<'_>) -> Vec<Border> {
     borders
 }
 
+/// What each part of a world can be.
+#[derive(Serialize, JsonSchema)]
+struct BoundsResult<'a> {
+    /// The version of this format.
+    version: u32,
+    /// The version of `hypedc`.
+    hypedc: &'static str,
+    /// The path of the program.
+    file: String,
+    /// The world.
+    world: &'a str,
+    /// Of all slots together.
+    dimensions: Dimensions,
+    /// The places for instances.
+    slots: Vec<SlotResult<'a>>,
+    /// Where runs end.
+    borders: Vec<Border>,
+    /// The goals of the world.
+    goals: Vec<GoalResult<'a>>,
+}
+
+/// A place for an instance.
+#[derive(Serialize, JsonSchema)]
+struct SlotResult<'a> {
+    /// Its name.
+    slot: &'a str,
+    /// The entity of its instances.
+    entity: &'a str,
+    /// Whether there can be no instance.
+    can_be_absent: bool,
+    /// Whether nothing is known: the instance can be anything.
+    given_up: bool,
+    /// The numbers of its state.
+    dimensions: Dimensions,
+    /// The combinations of modes that can be; null if nothing is known.
+    combinations: Option<Vec<Combination<'a>>>,
+}
+
+/// A combination of modes, and what the instance can be in it.
+#[derive(Serialize, JsonSchema)]
+struct Combination<'a> {
+    /// The innermost mode of each group.
+    modes: Vec<&'a str>,
+    /// The spaces that it can be in.
+    spaces: Vec<&'a str>,
+    /// Its continuous variables.
+    variables: Vec<VariableResult<'a>>,
+    /// Its discrete variables.
+    discretes: Vec<DiscreteResult<'a>>,
+    /// Its timers.
+    timers: Vec<TimerResult<'a>>,
+}
+
+/// Closed intervals `[low, high]`; null for an end that is infinite.
+type Intervals = Vec<[Option<f64>; 2]>;
+
+/// What a continuous variable can be, as closed intervals; null for an end that is infinite.
+#[derive(Serialize, JsonSchema)]
+struct VariableResult<'a> {
+    name: &'a str,
+    value: Intervals,
+    velocity: Intervals,
+    acceleration: Intervals,
+}
+
+/// What a discrete variable can be, as closed intervals.
+#[derive(Serialize, JsonSchema)]
+struct DiscreteResult<'a> {
+    name: &'a str,
+    value: Intervals,
+}
+
+/// How long a mode can have been active, in steps.
+#[derive(Serialize, JsonSchema)]
+struct TimerResult<'a> {
+    mode: &'a str,
+    steps: Intervals,
+}
+
+/// What is known of a goal.
+#[derive(Serialize, JsonSchema)]
+struct GoalResult<'a> {
+    goal: &'a str,
+    /// `not ruled out` or `proven-unreachable`.
+    verdict: &'static str,
+    /// Why it cannot hold.
+    argument: Option<String>,
+}
+
+/// The schema of the JSON result.
+pub(super) fn json_schema() -> schemars::Schema {
+    schemars::schema_for!(BoundsResult<'_>)
+}
+
 /// Where runs end because of a player in a space.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct Border {
     player: String,
     space: String,
@@ -170,7 +264,7 @@ struct Border {
 }
 
 /// Below and beside these numbers, px, a run ends.
-#[derive(Debug, PartialEq, Serialize)]
+#[derive(Debug, PartialEq, Serialize, JsonSchema)]
 struct End {
     left: f64,
     right: f64,
@@ -206,54 +300,49 @@ fn goals(loaded: &Loaded, id: WorldId, space: &ConfigurationSpace) -> Vec<(Strin
     sim.world().goals.pairs().map(|(goal, g)| (g.name.clone(), why(goal))).collect()
 }
 
-fn goal_json(name: &str, why: Option<&[String]>) -> Value {
+fn goal_result<'a>(goal: &'a str, why: Option<&[String]>) -> GoalResult<'a> {
     let verdict = if why.is_some() { Conclusion::ProvenUnreachable.name() } else { "not ruled out" };
-    json!({ "goal": name, "verdict": verdict, "argument": why.map(|w| w.join("; ")) })
+    GoalResult { goal, verdict, argument: why.map(|w| w.join("; ")) }
 }
 
-fn slot_json(of: &WorldBounds<'_>, slot: SlotId) -> Value {
+fn slot_result<'a>(of: &WorldBounds<'a>, slot: SlotId) -> SlotResult<'a> {
     let (entity, found) = (of.entity(slot), &of.space.slots[slot]);
-    json!({
-        "slot": of.world.slots[slot].name,
-        "entity": entity.name,
-        "can_be_absent": found.can_be_absent,
-        "given_up": found.is_given_up,
-        "dimensions": dimensions(entity, found),
-        "combinations": match found.is_given_up {
-            true => Value::Null,
-            false => found.configurations.iter().map(|c| configuration_json(of, entity, c)).collect(),
-        },
-    })
+    let combinations = || found.configurations.iter().map(|c| combination(of, entity, c)).collect();
+    SlotResult {
+        slot: &of.world.slots[slot].name,
+        entity: &entity.name,
+        can_be_absent: found.can_be_absent,
+        given_up: found.is_given_up,
+        dimensions: dimensions(entity, found),
+        combinations: (!found.is_given_up).then(combinations),
+    }
 }
 
-/// Intervals as pairs, infinite ends as null.
-fn intervals<'i>(all: impl IntoIterator<Item = &'i Interval>) -> Value {
-    let end = |x: f64| if x.is_finite() { json!(x) } else { Value::Null };
-    all.into_iter().map(|i| json!([end(i.low), end(i.high)])).collect()
+fn intervals<'i>(all: impl IntoIterator<Item = &'i Interval>) -> Intervals {
+    let end = |x: f64| x.is_finite().then_some(x);
+    all.into_iter().map(|i| [end(i.low), end(i.high)]).collect()
 }
 
-fn configuration_json(of: &WorldBounds<'_>, entity: &Entity, at: &Configuration) -> Value {
-    let modes: Vec<&str> = at.leaves.iter().map(|l| entity.modes[entity.leaves[*l].mode].path.as_str()).collect();
-    let spaces: Vec<&str> = at.spaces.iter().map(|s| of.world.spaces[*s].name.as_str()).collect();
-    let variable = |(var, [position, velocity, acceleration]): (crate::ir::VarId, &[Values; 3])| {
-        json!({
-            "name": entity.vars[var],
-            "value": intervals(position.intervals()),
-            "velocity": intervals(velocity.intervals()),
-            "acceleration": intervals(acceleration.intervals()),
-        })
+fn combination<'a>(of: &WorldBounds<'a>, entity: &'a Entity, at: &Configuration) -> Combination<'a> {
+    let variable = |(var, [value, velocity, acceleration]): (VarId, &[Values; 3])| VariableResult {
+        name: &entity.vars[var],
+        value: intervals(value.intervals()),
+        velocity: intervals(velocity.intervals()),
+        acceleration: intervals(acceleration.intervals()),
     };
-    let discrete =
-        |(id, v): (_, &Values)| json!({ "name": entity.discretes[id].name, "value": intervals(v.intervals()) });
-    let timer = |(id, steps): (_, &Interval)| {
-        let timer: &crate::ir::Timer = &entity.timers[id];
-        json!({ "mode": entity.modes[timer.mode].path, "steps": intervals([steps]) })
+    let discrete = |(id, values): (DiscreteId, &Values)| DiscreteResult {
+        name: &entity.discretes[id].name,
+        value: intervals(values.intervals()),
     };
-    json!({
-        "modes": modes,
-        "spaces": spaces,
-        "variables": at.vars.pairs().map(variable).collect::<Vec<_>>(),
-        "discretes": at.discretes.pairs().map(discrete).collect::<Vec<_>>(),
-        "timers": at.timers.pairs().map(timer).collect::<Vec<_>>(),
-    })
+    let timer = |(id, steps): (TimerId, &Interval)| TimerResult {
+        mode: &entity.modes[entity.timers[id].mode].path,
+        steps: intervals([steps]),
+    };
+    Combination {
+        modes: at.leaves.iter().map(|l| entity.modes[entity.leaves[*l].mode].path.as_str()).collect(),
+        spaces: at.spaces.iter().map(|s| of.world.spaces[*s].name.as_str()).collect(),
+        variables: at.vars.pairs().map(variable).collect(),
+        discretes: at.discretes.pairs().map(discrete).collect(),
+        timers: at.timers.pairs().map(timer).collect(),
+    }
 }

@@ -14,6 +14,7 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::corpus::{Comparison, Key, Record, Row, StoredRow, junit, summary, table};
@@ -255,16 +256,28 @@ struct Presentation<'t> {
     is_stopped: bool,
 }
 
-#[derive(Serialize)]
+/// The answers about many levels.
+#[derive(Serialize, JsonSchema)]
 struct JsonResult<'t> {
+    /// The version of this format.
     version: u32,
+    /// The version of `hypedc`.
     hypedc: &'static str,
+    /// The path of the program.
     file: String,
+    /// The world.
     world: &'t str,
+    /// Whether the run was interrupted.
     stopped: bool,
+    /// The rows.
     rows: Vec<&'t Row>,
-    /// Null if there is no baseline.
+    /// What changed since the baseline; null if there is none.
     changes: Option<&'t Comparison>,
+}
+
+/// The schema of the answers about many levels.
+pub(super) fn json_schema() -> schemars::Schema {
+    schemars::schema_for!(JsonResult<'_>)
 }
 
 impl Presentation<'_> {

@@ -8,6 +8,8 @@ pub(in crate::cli) mod refuted;
 mod result;
 mod text;
 
+pub(in crate::cli) use result::json_schema;
+
 use std::io::{self, Write};
 use std::ops::ControlFlow;
 use std::time::Instant;

@@ -54,6 +54,11 @@ struct GoalResult {
     tree: Option<Vec<(u32, u32, f32, f32)>>,
 }
 
+/// The schema of the result.
+pub(in crate::cli) fn json_schema() -> schemars::Schema {
+    schemars::schema_for!(RunResult)
+}
+
 impl RunResult {
     pub fn new(args: &ReachArgs, session: &Session, analysis_seconds: f64) -> Self {
         let sim = session.simulator();

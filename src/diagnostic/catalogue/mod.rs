@@ -9,7 +9,9 @@
 //! 2. a fact here, in the file of its family, that words itself as a [`Diagnostic`](super::Diagnostic) of this code;
 //! 3. `pages/CODE.md`: what `hypedc explain CODE` shows, with a wrong and a right example (the form is described in
 //!    [`page`](super::page)); without it nothing compiles, and `tests/explain.rs` tries its examples;
-//! 4. the row of the table "All codes" in `grammar/README.md`, and a program in `tests/ui` in which it is found.
+//! 4. a program in `tests/ui` in which it is found.
+//!
+//! `UPDATE=1 cargo test --test language reference` adds the code to the table in `grammar/README.md`.
 
 pub mod file;
 pub mod import;

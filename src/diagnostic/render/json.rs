@@ -9,34 +9,55 @@ use crate::source::{SourceMap, Span};
 /// The version of the object. It grows when a field changes its meaning or goes away.
 const VERSION: u32 = 1;
 
+/// The findings of a run of `hypedc check`.
 #[derive(Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 struct Run {
+    /// The version of this format.
     version: u32,
+    /// The version of `hypedc`.
     hypedc: &'static str,
+    /// The programs that were checked.
     programs: Vec<Program>,
+    /// What was found in them.
     findings: Vec<Finding>,
 }
 
+/// A program that was checked.
 #[derive(Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 struct Program {
+    /// Its path.
     file: String,
+    /// The number of errors.
     errors: usize,
+    /// The number of warnings.
     warnings: usize,
 }
 
 #[derive(Serialize, PartialEq)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 struct Finding {
+    /// The code, such as `E0302`.
     code: &'static str,
+    /// `error` or `warning`.
     severity: &'static str,
+    /// The finding in one line.
     message: String,
+    /// The place that it is about.
     primary: Option<Place>,
+    /// Other places.
     related: Vec<Place>,
+    /// Ways out.
     helps: Vec<String>,
+    /// Further lines.
     notes: Vec<String>,
+    /// A repair.
     fix: Option<Mending>,
 }
 
 #[derive(Serialize, PartialEq)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 struct Place {
     #[serde(flatten)]
     range: Range,
@@ -44,6 +65,7 @@ struct Place {
 }
 
 #[derive(Serialize, PartialEq)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 struct Range {
     file: String,
     bytes: Bytes,
@@ -52,31 +74,35 @@ struct Range {
 }
 
 #[derive(Serialize, PartialEq)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 struct Bytes {
     start: u32,
     end: u32,
 }
 
 #[derive(Serialize, PartialEq)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 struct Position {
     line: usize,
     column: usize,
 }
 
 #[derive(Serialize, PartialEq)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 struct Mending {
     title: String,
     edits: Vec<Edit>,
 }
 
 #[derive(Serialize, PartialEq)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 struct Edit {
     #[serde(flatten)]
     range: Range,
     text: String,
 }
 
-/// Renders the findings of all programs of a run as one JSON object, see the README for its fields.
+/// Renders the findings of all programs of a run as one JSON object, see `docs/formats/findings.md` for its fields.
 ///
 /// # Errors
 /// None that are known; those of `serde_json`.
@@ -92,6 +118,12 @@ pub fn json(run: &[Found<'_>]) -> Result<String, serde_json::Error> {
         findings: distinct(run, |found, d| finding(found.sources, d)),
     };
     Ok(serde_json::to_string_pretty(&object)? + "\n")
+}
+
+/// The schema of what [`json`] renders.
+#[cfg(feature = "cli")]
+pub(crate) fn json_schema() -> schemars::Schema {
+    schemars::schema_for!(Run)
 }
 
 fn finding(sources: &SourceMap, d: &Diagnostic) -> Finding {

@@ -17,6 +17,8 @@ use std::path::{Path, PathBuf};
 #[cfg(feature = "cli")]
 pub use human::human;
 pub use json::json;
+#[cfg(feature = "cli")]
+pub(crate) use json::json_schema;
 pub use page::page;
 #[cfg(feature = "cli")]
 pub use sarif::sarif;

@@ -1,0 +1,27 @@
+// Colours `.hyped` code blocks of the book. `tests/docs.rs` compares the words with the grammar's.
+(function () {
+  const reserved =
+    "and or not in is as if true false none self timer param continuous discrete ref button axis " +
+    "collider kinematic clamp invariant group mode when envelope use spawn destroy entity behavior " +
+    "world import const";
+  const contextual =
+    "int bool initial by fixed directions attack decay sustain for release while instant accel over " +
+    "hold to follow links step collide with block sense from above keep velocity carry tiles space " +
+    "player goal never limit map place at link rect bounds legend vglc level tiled ldtk tile any " +
+    "touching";
+  hljs.registerLanguage("hyped", () => ({
+    name: "hyped",
+    keywords: { keyword: reserved, built_in: contextual },
+    contains: [
+      hljs.C_LINE_COMMENT_MODE,
+      { className: "string", begin: '"', end: '"' },
+      // A tile; the quotes of a derivative follow a name.
+      { className: "string", begin: "'.':" },
+      { className: "title", begin: /\b(?<=\b(?:entity|behavior|world|mode|group|space)\s+)\w+/ },
+      { className: "number", begin: /\b\d+(?:\.\d+)?/ },
+    ],
+  }));
+  for (const block of document.querySelectorAll("code.language-hyped")) {
+    hljs.highlightBlock(block);
+  }
+})();

@@ -1,0 +1,40 @@
+//! JSON Schemas (draft 2020-12) of what the commands write: those in `docs/schemas`.
+
+use schemars::Schema;
+use schemars::transform::{RecursiveTransform, Transform};
+use serde_json::Value;
+
+use super::{bounds, corpus, reach};
+use crate::corpus::Row;
+use crate::diagnostic::render;
+use crate::experiment::Report;
+use crate::ir::Program;
+use crate::sim::trace_schemas;
+
+/// Each schema with the name of its format.
+pub fn schemas() -> Vec<(&'static str, Value)> {
+    let [header, line] = trace_schemas();
+    vec![
+        ("program", Program::json_schema()),
+        ("findings", closed(render::json_schema(), "Findings of `hypedc check --format json`")),
+        ("bounds", closed(bounds::json_schema(), "What `hypedc bounds --format json` writes")),
+        ("results", closed(reach::json_schema(), "What `hypedc reach --format json` writes")),
+        ("row", closed(schemars::schema_for!(Row), "A line of `hypedc reach --results`")),
+        ("levels", closed(corpus::json_schema(), "What `hypedc reach --format json` writes of several levels")),
+        ("experiment", closed(Report::json_schema(), "What `hypedc experiment --format json` writes")),
+        ("trace-header", closed(header, "The first line of a trace of `hypedc sim --trace`")),
+        ("trace-line", closed(line, "A state in a trace of `hypedc sim --trace`, as JSON")),
+    ]
+}
+
+/// A schema with a title that admits no other fields.
+fn closed(mut schema: Schema, title: &str) -> Value {
+    schema.insert("title".into(), title.into());
+    let close = |schema: &mut Schema| {
+        if schema.get("properties").is_some() && schema.get("additionalProperties").is_none() {
+            schema.insert("additionalProperties".into(), false.into());
+        }
+    };
+    RecursiveTransform(close).transform(&mut schema);
+    schema.to_value()
+}

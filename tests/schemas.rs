@@ -1,0 +1,155 @@
+//! The JSON Schemas in `docs/schemas`: they are those of the code, and what the commands write is as they say.
+//!
+//! `UPDATE=1 cargo test --test language schemas` writes them anew.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::support::files;
+use hypedc::cli::schemas;
+use serde_json::Value;
+
+const FOLDER: &str = "docs/schemas";
+
+fn text(arguments: &str) -> String {
+    let output = Command::new(env!("CARGO_BIN_EXE_hypedc")).args(arguments.split_whitespace()).output().unwrap();
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// What a command writes to standard output.
+fn written(arguments: &str) -> Value {
+    serde_json::from_str(&text(arguments)).unwrap_or_else(|e| panic!("{arguments}: {e}"))
+}
+
+/// The objects of a file of JSON lines.
+fn lines(path: &Path) -> Vec<Value> {
+    std::fs::read_to_string(path).unwrap().lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+/// Holds values against the schema of a name, and the same values with a key that is misspelt.
+fn validate(name: &str, values: &[Value]) {
+    assert!(!values.is_empty());
+    let schema = schemas().into_iter().find(|(n, _)| *n == name).unwrap().1;
+    let validator = jsonschema::draft202012::new(&schema).unwrap();
+    for value in values {
+        if let Some(error) = validator.iter_errors(value).next() {
+            panic!("{name}: {error} at {}", error.instance_path());
+        }
+        let mut keys = Vec::new();
+        fields(value, String::new(), &mut keys);
+        for (object, key) in keys.iter().step_by(keys.len() / 60 + 1) {
+            let mut broken = value.clone();
+            let fields = broken.pointer_mut(object).unwrap().as_object_mut().unwrap();
+            let old = fields.remove(key).unwrap();
+            fields.insert(format!("{key}_"), old);
+            assert!(!validator.is_valid(&broken), "{name}: `{key}` in `{object}` has another name");
+        }
+    }
+}
+
+/// The keys of all objects, with the pointers to these; those of instances and of their variables are the program's.
+fn fields(value: &Value, at: String, out: &mut Vec<(String, String)>) {
+    match value {
+        Value::Array(all) => all.iter().enumerate().for_each(|(i, value)| fields(value, format!("{at}/{i}"), out)),
+        Value::Object(all) => {
+            for (key, value) in all {
+                out.push((at.clone(), key.clone()));
+                if key != "instances" {
+                    fields(value, format!("{at}/{key}"), out);
+                }
+            }
+        }
+        _ => {}
+    }
+}
+
+/// A file of this test run.
+fn temporary(name: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("schemas");
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join(name);
+    let _ = std::fs::remove_file(&path);
+    path
+}
+
+#[test]
+fn the_documentation_has_the_schemas_of_the_code() {
+    let mut expected: Vec<PathBuf> = Vec::new();
+    for (name, schema) in schemas() {
+        let path = Path::new(FOLDER).join(format!("{name}.json"));
+        let text = serde_json::to_string_pretty(&schema).unwrap() + "\n";
+        if std::env::var_os("UPDATE").is_some() {
+            std::fs::write(&path, &text).unwrap();
+        }
+        let kept = std::fs::read_to_string(&path).unwrap_or_default();
+        assert!(kept == text, "{} is another; `UPDATE=1 cargo test --test language schemas` writes it", path.display());
+        expected.push(path);
+    }
+    expected.sort();
+    assert_eq!(files(FOLDER, "json"), expected);
+}
+
+#[test]
+fn findings_are_as_their_schema_says() {
+    let named = ["misspelt_words", "habits", "dimension_conflict", "idle_edge", "import_cycle"];
+    let paths: Vec<String> = named.iter().map(|n| format!("tests/ui/{n}.hyped")).collect();
+    let found = written(&format!("check --format json {}", paths.join(" ")));
+    assert!(found["findings"].as_array().unwrap().len() > 4);
+    validate("findings", &[found, written("check --format json examples/balloon.hyped")]);
+}
+
+#[test]
+fn bounds_are_as_their_schema_says() {
+    let examples = ["balloon", "frog", "link", "paper/test1", "switch_door"];
+    let all: Vec<Value> =
+        examples.iter().map(|name| written(&format!("bounds --format json examples/{name}.hyped"))).collect();
+    validate("bounds", &all);
+}
+
+#[test]
+fn results_are_as_their_schema_says() {
+    let questions = [
+        "examples/paper/test2.hyped --goal drawn --tree",
+        "examples/paper/test1.hyped --within 20frames",
+        "examples/link.hyped --goal treasure --without hero.keys>0",
+        "examples/platforms.hyped --never stung --nodes 300",
+        "examples/frog.hyped --nodes 40 --planner rrt --after -*10",
+    ];
+    let all: Vec<Value> = questions.iter().map(|q| written(&format!("reach --format json {q}"))).collect();
+    validate("results", &all);
+}
+
+#[test]
+fn rows_are_as_their_schema_says() {
+    let (rows, again) = (temporary("rows.jsonl"), temporary("again.jsonl"));
+    let broken = temporary("broken.txt");
+    std::fs::write(&broken, "--\n-\n").unwrap();
+    let of = "reach examples/smb/smb.hyped --nodes 300 --map examples/smb/mario-1-1.txt";
+    text(&format!("{of} {} --results {}", broken.display(), rows.display()));
+    let options = format!("--goal end --baseline {} --results {} --format json", rows.display(), again.display());
+    let levels = written(&format!("{of} {options}"));
+    assert!(lines(&rows).iter().any(|row| row["verdict"] == "error"));
+    validate("row", &lines(&rows));
+    validate("levels", &[levels]);
+}
+
+#[test]
+fn experiments_are_as_their_schema_says() {
+    let few = "--seeds 2 --nodes 200 --planners rrt --bounds reduced --format json";
+    let of = |what: &str| written(&format!("experiment {what} {few}"));
+    validate("experiment", &[of("paper --tests 1"), of("examples/balloon.hyped")]);
+}
+
+#[test]
+fn traces_are_as_their_schemas_say() {
+    for name in ["balloon", "link", "mario", "boss"] {
+        let inputs = format!("examples/inputs/{name}.inputs");
+        let trace = text(&format!("sim examples/{name}.hyped --inputs-file {inputs} --trace -"));
+        let mut all: Vec<Value> = trace.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+        let states = all.split_off(1);
+        validate("trace-header", &all);
+        validate("trace-line", &states.into_iter().step_by(50).collect::<Vec<_>>());
+    }
+}

@@ -158,7 +158,7 @@ pub struct Entity {
     /// Groups; one leaf of each is active.
     pub groups: RareVec<GroupId, Group>,
     /// Modes in preorder, group by group.
-    pub modes: RareVec<ModeId, Mode>,
+    pub modes: IdVec<ModeId, Mode>,
     /// Edges in source order.
     pub edges: RareVec<EdgeId, Edge>,
     /// Envelopes.

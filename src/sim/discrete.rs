@@ -193,7 +193,7 @@ impl Simulator {
     }
 
     /// The new state's slot is where timers of active modes are counted.
-    #[inline]
+    #[inline(always)]
     pub(super) fn count_timers(&self, state: &mut [u8], actor: &Actor) {
         let Actor { layout, timer_limits, code, .. } = actor;
         if timer_limits.is_empty() {

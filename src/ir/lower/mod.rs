@@ -72,7 +72,7 @@ fn shell(e: &checked::Entity) -> Entity {
         axes: e.axes.iter().map(|a| a.text.to_string()).collect(),
         colliders: RareVec::new(),
         groups: RareVec::new(),
-        modes: RareVec::new(),
+        modes: IdVec::new(),
         edges: RareVec::new(),
         envelopes: RareVec::new(),
         leaves: RareVec::new(),

@@ -125,6 +125,9 @@ pub(super) struct Actor {
     /// Of each timer, the count above which it no longer matters.
     pub timer_limits: IdVec<TimerId, u32>,
     pub layout: SlotLayout,
+    /// The number of its contact questions, and of those that are bound.
+    pub touches: usize,
+    pub bound: usize,
     /// What the entity does.
     pub code: Arc<Code>,
     /// The number of the first expression in it.
@@ -170,6 +173,8 @@ pub(super) fn actors(program: &Program, world: &World) -> Vec<Actor> {
             id,
             entity: Arc::clone(entity),
             timer_limits: slot.timer_limits.clone(),
+            touches: entity.touches.len(),
+            bound: entity.bound,
             layout,
             code,
             base,

@@ -282,8 +282,8 @@ impl Simulator {
         let Scratch { boxes, sweep, active, displacements, work } = &mut scratch.collision;
         *work = work.wrapping_add(MOVED * (self.actors.len() + boxes.len()) as u64);
         for &slot in &self.collision.askers {
-            let Actor { entity, layout, .. } = &self.actors[slot];
-            layout.clear_touches(state, entity.touches.len(), entity.bound);
+            let Actor { layout, touches, bound, .. } = &self.actors[slot];
+            layout.clear_touches(state, *touches, *bound);
         }
         for &slot in &self.collision.movable {
             displacements[slot] = Displacement::default();

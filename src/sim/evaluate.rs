@@ -88,6 +88,8 @@ impl<'a> Reader<'a> {
         self.sim.param(self.state, slot, id)
     }
 
+    // Seldom asked: inlined, it makes every guard larger.
+    #[inline(never)]
     fn joint(&self, mode: ModeId, entering: bool) -> bool {
         let entity = self.sim.entity(self.me);
         let taken = self.taken.get(entity.modes[mode].group.index());

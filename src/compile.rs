@@ -38,7 +38,7 @@ pub struct ExtraConstraint<'a> {
     pub name: &'a str,
     /// Its text.
     pub predicate: &'a str,
-    /// Where the text stands, as findings call it.
+    /// Where the text is, as findings call it.
     pub origin: &'a str,
 }
 
@@ -95,7 +95,7 @@ pub struct IdeCompilation {
     pub compilation: Compilation,
     /// The checked program, as far as there is one.
     pub checked: Checked,
-    /// Where names stand, in order.
+    /// Where names occur, in order.
     pub occurrences: Vec<Occurrence>,
 }
 

@@ -7,7 +7,7 @@
 //!                  └── diagnostic ─┘               graph, view ◀──┴──▶ sim ◀── reach
 //! ```
 //!
-//! The modules below stand in the order in which the data passes through them. Each stage is a function from
+//! The modules below are in the order in which the data passes through them. Each stage is a function from
 //! borrowed input to owned output that returns what it found wrong beside what it made; none prints, reads a
 //! clock or ends the process. Only [`cli`] does.
 //!

@@ -38,7 +38,7 @@ pub struct SourceFile {
     pub path: PathBuf,
     text: String,
     line_starts: Vec<u32>,
-    /// How many characters, and how many UTF-16 code units, stand before each multiple of `MARK` bytes: a line may be
+    /// How many characters, and how many UTF-16 code units, are before each multiple of `MARK` bytes: a line may be
     /// as long as a file.
     marks: Vec<(u32, u32)>,
 }
@@ -174,7 +174,7 @@ impl SourceMap {
         id.copy().and_then(|copy| self.copies.get(copy)).map_or(id, |(of, _)| *of)
     }
 
-    /// Where a span stands in the text, and where what it stands in was put in place, from the inside out.
+    /// Where a span is in the text, and where what it is in was put in place, from the inside out.
     pub fn trace(&self, span: Span) -> (Span, Vec<Span>) {
         let mut places = Vec::new();
         let mut at = span;

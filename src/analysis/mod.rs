@@ -11,7 +11,7 @@
 //! transitions can happen or not. Positions are known from levels in three ways: a push ends where edges meet and a
 //! contact tells where both are (`surroundings`), and what moves in small steps among walls stays where it can get
 //! (`region`); how far something gets in a number of steps is `pace`. Speed and height under a constant acceleration are
-//! tied to each other (`energy`). What can be used up once bounds what counts it (`counter_bounds`). Players can be told apart by
+//! tied to each other (`energy`). What can be used up once bounds what counts it (`counter_bounds`). Players can be distinguished by
 //! place (`cells`, `local`).
 //!
 //! What is lost: else variables are not related to each other, nor instances. An entity with more than a thousand
@@ -37,7 +37,7 @@
 //! what holds the two together, beside the random runs of `tests/analysis.rs`, the harness in `tests/soundness` and the
 //! interpreter in `tests/oracle`, which look at all of them.
 //!
-//! | simulator | here | told apart or given up | tests |
+//! | simulator | here | distinguished or given up | tests |
 //! |---|---|---|---|
 //! | `Simulator::initial`: contacts are found, nothing is pushed | `initial::begin`: the first positions are places of contacts | what begins inside of something is pushed anywhere beside it | `found/*initial*`, `*slight*` |
 //! | input: buttons, axes | `Reader::truth`, `number`: anything, if there is a player | – | oracle, exhaustive |
@@ -82,7 +82,7 @@ use geometry::surroundings::Surroundings;
 use step::evaluate::{Joined, Phase, Pinned, Reader};
 use step::forbidden::Forbidden;
 
-/// So where players are told apart by place, with each place that a way leads to.
+/// So where players are distinguished by place, with each place that a way leads to.
 const MAX_EFFORT_BY_PLACE: usize = 60_000;
 
 /// The number of ways of steps after which a world is given up: everything can be anything.
@@ -131,7 +131,7 @@ pub struct ConfigurationSpace {
     overall: IdVec<SlotId, Overall>,
     joined: Joined,
     surroundings: Surroundings,
-    /// The same with players told apart by place, where that was asked for and could be done.
+    /// The same with players distinguished by place, where that was asked for and could be done.
     finer: Option<Box<ConfigurationSpace>>,
 }
 

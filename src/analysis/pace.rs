@@ -2,7 +2,7 @@
 //!
 //! Along an axis it moves by at most its greatest velocity in a step, or is pushed to where edges meet
 //! (`surroundings`). A push can help it over a distance before each such place; what is left of the way it has to go by itself.
-//! Nothing is said of what something can put elsewhere: an update of the position, a link, a carrier, a spawn.
+//! Nothing is known of what something can put elsewhere: an update of the position, a link, a carrier, a spawn.
 
 use crate::ir::{Entity, ExprId, Origin, Place, Program, SlotId, SpaceId, VarId, World, WorldId};
 

@@ -22,7 +22,7 @@ pub(super) fn run(command: &ImportCommand) -> io::Result<Exit> {
             let mut beside = xml::Entities::default();
             import(&args.files, &args.into, |_, file, text, is_beside| {
                 if !is_beside {
-                    // Each file is a program of its own, in which no other entity stands.
+                    // Each file is a program of its own, in which no other entity is.
                     beside = xml::Entities::default();
                 }
                 xml::import(file, text, &mut beside)
@@ -41,7 +41,7 @@ struct Done<'a> {
     diagnostics: Diagnostics,
 }
 
-/// Imports files, each by `read`, which is told whether the text stands beside those before it.
+/// Imports files, each by `read`, which is told whether the text is beside those before it.
 fn import(
     files: &[PathBuf],
     into: &ImportInto,

@@ -75,7 +75,7 @@ impl Hold {
             return Ok(Hold { least: time, most: time });
         };
         let most = Time::read(high)?;
-        // The unit may stand behind both.
+        // The unit may be behind both.
         let unit = high.trim_start_matches(|c: char| !c.is_alphabetic());
         let least = Time::read(low)
             .or_else(|why| if unit.is_empty() { Err(why) } else { Time::read(&format!("{low}{unit}")) })?;

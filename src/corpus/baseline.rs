@@ -82,7 +82,7 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Compares; lengths are told of if they differ by more than this share of the older one (0.1 is a tenth).
+    /// Compares; lengths are listed if they differ by more than this share of the older one (0.1 is a tenth).
     pub fn of<'r>(
         old: impl IntoIterator<Item = &'r Row>,
         new: impl IntoIterator<Item = &'r Row>,

@@ -23,7 +23,7 @@ pub fn junit(rows: &[&Row]) -> io::Result<String> {
     out.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
     let suites = out.create_element("testsuites").with_attribute(("name", "hypedc reach"));
     suites.with_attributes(attributes(&counts(rows))).write_inner_content(|out| {
-        // The rows of a level stand together.
+        // The rows of a level are together.
         rows.chunk_by(|a, b| a.level == b.level).try_for_each(|rows| suite(out, rows))
     })?;
     let mut text = String::from_utf8_lossy(&out.into_inner()).into_owned();

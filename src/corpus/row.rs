@@ -1,5 +1,5 @@
 //! A row: what came of one question about one level, with all that it depends on. What depends on the machine alone
-//! stands apart, in [`Timing`].
+//! is apart, in [`Timing`].
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

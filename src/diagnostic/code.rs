@@ -50,7 +50,7 @@ codes! {
     Syntax Error "E0101" "the text does not fit the grammar"
     UnbalancedBrace Error "E0102" "a brace has no partner"
     UnterminatedMap Error "E0103" "a map has no end"
-    Misplaced Error "E0104" "a declaration stands where it cannot"
+    Misplaced Error "E0104" "a declaration in the wrong place"
 
     UnknownName Error "E0201" "a name is not declared"
     DuplicateName Error "E0202" "a name is declared twice"
@@ -68,7 +68,7 @@ codes! {
     EdgeOutOfGroup Error "E0401" "an edge leads into another group"
     FlowConflict Error "E0402" "a variable is driven twice"
     UpdateConflict Error "E0403" "a variable is updated twice"
-    MixedGroups Error "E0404" "modes stand beside named groups"
+    MixedGroups Error "E0404" "modes beside named groups"
     BadEnvelope Error "E0405" "an envelope is incomplete or contradicts itself"
     BadCollider Error "E0406" "a collider has no extent"
     LostReference Error "E0407" "a reference is read where it may be none"
@@ -78,7 +78,7 @@ codes! {
     BadStep Error "E0502" "a world's step is not a positive time"
     BadPlayer Error "E0503" "players and instances do not fit together"
     BadLimit Error "E0504" "more instances than a limit allows, or none given"
-    TileInstances Error "E0505" "a named tile instance does not stand exactly once"
+    TileInstances Error "E0505" "a named tile instance is not in the map exactly once"
 
     LinkNowhere Error "E0506" "a link leads to nowhere"
     BadLevel Error "E0507" "a level of an editor cannot be read"

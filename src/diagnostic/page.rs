@@ -18,7 +18,7 @@ use super::Code;
 pub struct Page<'a> {
     /// The heading, without its `#`.
     pub title: &'a str,
-    /// What stands below, in order.
+    /// What is below, in order.
     pub parts: Vec<Part<'a>>,
 }
 
@@ -70,7 +70,7 @@ impl<'a> Example<'a> {
 
     fn new(fence: &'a str, lines: Vec<&'a str>) -> Self {
         let (mut words, mut settings) = (Vec::new(), Vec::new());
-        // Every second part stands between quotes, its key before them.
+        // Every second part is between quotes, its key before them.
         let mut parts = fence.split('"');
         while let Some(part) = parts.next() {
             words.extend(part.split_whitespace());

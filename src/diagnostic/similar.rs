@@ -44,7 +44,7 @@ fn close<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> impl 
 /// needs of the name is made once.
 struct Measure {
     name: Vec<char>,
-    /// For each ASCII character where it stands in the name, a bit for each place.
+    /// For each ASCII character where it is in the name, a bit for each place.
     places: [u64; 128],
     other: Vec<char>,
     /// The last three rows of the table, for names that have more characters than a word has bits.

@@ -94,7 +94,7 @@ fn inner(line: &Line) -> std::ops::Range<usize> {
     (line.pieces.start + 1).min(line.pieces.end)..line.pieces.end
 }
 
-/// The lines that stand below each other with nothing but comments between them, for the author and in the layout.
+/// The lines that are below each other with nothing but comments between them, for the author and in the layout.
 fn neighbours(lines: &[Line]) -> Vec<(usize, usize)> {
     let mut pairs = Vec::new();
     let mut above: Option<usize> = None;

@@ -1,4 +1,4 @@
-//! What stands between two tokens: blanks, line breaks, `;` and comments.
+//! What is between two tokens: blanks, line breaks, `;` and comments.
 
 /// A comment.
 #[derive(Debug, Clone, Copy)]
@@ -7,24 +7,24 @@ pub(super) struct Comment<'t> {
     pub text: &'t str,
     /// Its first byte.
     pub start: usize,
-    /// Whether it stands at the end of the line of the token before it.
+    /// Whether it is at the end of the line of the token before it.
     pub trailing: bool,
-    /// Whether a blank line stands before it.
+    /// Whether a blank line is before it.
     pub blank: bool,
 }
 
-/// What stands before a token.
+/// What is before a token.
 #[derive(Debug, Default)]
 pub(super) struct Gap<'t> {
     /// The comments, in order.
     pub comments: Vec<Comment<'t>>,
     /// Whether there is a line break.
     pub newline: bool,
-    /// Whether a blank line stands directly before the token.
+    /// Whether a blank line is directly before the token.
     pub blank: bool,
 }
 
-/// Reads what stands between two bytes. Nothing comes before the first byte of a text.
+/// Reads what is between two bytes. Nothing comes before the first byte of a text.
 pub(super) fn gap(text: &str, start: usize, end: usize) -> Gap<'_> {
     let bytes = text.as_bytes();
     let mut gap = Gap::default();

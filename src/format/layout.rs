@@ -93,7 +93,7 @@ struct Layout<'t, 'k> {
     statement: usize,
     /// How many columns the last line has so far.
     width: usize,
-    /// Nothing stands in the innermost block so far.
+    /// Nothing is in the innermost block so far.
     opened: bool,
     split: Split,
     known_blocks: usize,
@@ -115,7 +115,7 @@ impl<'t> Layout<'t, '_> {
     }
 
     fn run(&mut self) {
-        // Comments and line breaks before a comma stand after it.
+        // Comments and line breaks before a comma are after it.
         let mut carried = Gap::default();
         for (index, token) in self.tokens.iter().enumerate() {
             let mut gap = self.gap(index);
@@ -349,7 +349,7 @@ impl<'t> Layout<'t, '_> {
         if let Some(comment) = rows.next().filter(|c| !c.is_empty()) {
             self.push(Piece { space: true, ..verbatim(comment.trim_end()) }, 0);
         }
-        // What stands before the closing quote is no row.
+        // What is before the closing quote is no row.
         let mut held: Option<&str> = None;
         for row in rows {
             if let Some(row) = held.replace(row) {

@@ -24,7 +24,7 @@ pub(super) struct Piece<'t> {
     pub text: &'t str,
     /// How many columns it takes.
     pub width: usize,
-    /// Whether a blank stands before it at least.
+    /// Whether a blank is before it at least.
     pub space: bool,
     /// What can be aligned with it.
     pub slot: Slot,
@@ -43,7 +43,7 @@ pub(super) struct Line {
     pub indent: usize,
     /// Its pieces.
     pub pieces: Range<usize>,
-    /// Whether a blank line stands before it.
+    /// Whether a blank line is before it.
     pub blank: bool,
     /// Whether it is a comment and nothing else.
     pub comment: bool,

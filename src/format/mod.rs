@@ -1,4 +1,4 @@
-//! The canonical layout of a program's text. The grammar's pairs say what stands there; the text between them says
+//! The canonical layout of a program's text. The grammar's pairs say what is there; the text between them says
 //! where the author put comments, blank lines and line breaks.
 //!
 //! ```text
@@ -12,10 +12,10 @@
 //! - A block that is written on one line stays there if the line fits in [`WIDTH`] columns, one that is written over
 //!   several lines stays so. An empty block is `{ }`.
 //! - Inside a statement line breaks stay where the author put them, moved to before `and`, `or` and `->`, and to after
-//!   a comma. A line of a statement that goes on is indented once more, `{` then stands on a line of its own. A
+//!   a comma. A line of a statement that goes on is indented once more, `{` then is on a line of its own. A
 //!   statement that is too long for a line and has no break yet is broken before its `or`, `and` and `->`.
 //! - Comments stay in their gap between two tokens, those at a line's end at the end of that line. Blank lines between
-//!   statements stay, several become one; none stand at the beginning or the end of a block.
+//!   statements stay, several become one; none are at the beginning or the end of a block.
 //! - More than one blank inside a line stays where it aligns something with the line above or below.
 //! - The rows of a map are indented with their `map` and otherwise left alone: a map's rows are read without the blanks
 //!   around them.

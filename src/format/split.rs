@@ -18,7 +18,7 @@ pub(super) enum Split {
 }
 
 impl Split {
-    /// Whether a break stands before a token that is in no list.
+    /// Whether a break is before a token that is in no list.
     pub fn is_before(self, rule: Rule) -> bool {
         match self {
             Split::Nowhere => false,

@@ -1,4 +1,4 @@
-//! The tokens of a text, from the grammar's pairs: which of them belong together, and where blanks stand between them.
+//! The tokens of a text, from the grammar's pairs: which of them belong together, and where blanks are between them.
 
 use pest::Token as Event;
 use pest::iterators::Pairs;
@@ -35,13 +35,13 @@ pub(super) struct Token<'t> {
     pub rule: Rule,
     /// What it is to the layout.
     pub kind: Kind,
-    /// Whether a blank stands before it if it does not begin a line.
+    /// Whether a blank is before it if it does not begin a line.
     pub space: bool,
     /// Whether a statement begins with it.
     pub starts: bool,
     /// Of an opening bracket: where it is closed.
     pub partner: usize,
-    /// Of an opening bracket: whether commas stand inside.
+    /// Of an opening bracket: whether commas are inside.
     pub listed: bool,
 }
 
@@ -51,7 +51,7 @@ impl Token<'_> {
         self.start + self.text.len()
     }
 
-    /// Whether a line break beside it stands before it.
+    /// Whether a line break beside it is before it.
     pub fn leads(&self) -> bool {
         matches!(self.rule, Rule::kw_and | Rule::kw_or | Rule::arrow)
     }
@@ -116,7 +116,7 @@ fn is_bad(rule: Rule) -> bool {
     )
 }
 
-/// Whether a rule makes one token of all that stands in it.
+/// Whether a rule makes one token of all that is in it.
 fn is_whole(rule: Rule) -> bool {
     matches!(
         rule,
@@ -156,7 +156,7 @@ struct Tokenizer<'t> {
     brackets: Vec<usize>,
     /// The next token begins a statement.
     starts: bool,
-    /// Where the last `step` stands.
+    /// Where the last `step` is.
     step: usize,
 }
 
@@ -224,7 +224,7 @@ impl<'t> Tokenizer<'t> {
     }
 }
 
-/// Whether no blank stands between a token and the next.
+/// Whether no blank is between a token and the next.
 fn is_tight(before: &Token<'_>, rule: Rule, kind: Kind, parent: Rule) -> bool {
     let opens = before.kind == Kind::Open;
     let binds = matches!(before.rule, Rule::negative | Rule::range | Rule::caret | Rule::dimension_operator);

@@ -16,7 +16,7 @@ pub(super) fn edge(text: &str) -> (String, Vec<String>) {
     (on_one_line(guard), statements(updates))
 }
 
-/// The updates of a block, which stand one a line or with `;` between them.
+/// The updates of a block, which are one a line or with `;` between them.
 fn statements(block: &str) -> Vec<String> {
     let mut depth = 0i32;
     let mut cuts = vec![0];
@@ -53,7 +53,7 @@ fn without_comments(text: &str) -> String {
     text.lines().map(cut).collect::<Vec<_>>().join("\n")
 }
 
-/// The characters that stand in no quotes.
+/// The characters that are in no quotes.
 fn outside_quotes(text: &str) -> impl Iterator<Item = (usize, char)> {
     let mut quoted = false;
     text.char_indices().filter(move |&(_, c)| {

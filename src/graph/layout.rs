@@ -1,6 +1,6 @@
-//! Where everything of a statechart stands in our own pictures, in pixels; y points down.
+//! Where everything of a statechart is in our own pictures, in pixels; y points down.
 //!
-//! The modes of a group stand one below the other, inner ones inside. What is said of a mode are lines of text in its
+//! The modes of a group are one below the other, inner ones inside. What a mode does is written in lines of text in its
 //! box, an edge among them, so that no text covers another. The ways of the edges run beside the boxes: from the edge's
 //! line to the right, along a track, back to the target's title. All edges to one mode share a track.
 
@@ -20,7 +20,7 @@ pub(super) const NUMBER: f64 = 22.0;
 /// Of what staying changes.
 pub(super) const INDENT: f64 = 2.0 * LETTER;
 
-/// What is said of an entity without modes.
+/// The text of an entity without modes.
 pub(super) const NONE: &str = "no modes";
 
 /// Room for the arrow of an initial marker.
@@ -93,7 +93,7 @@ pub(super) struct Way {
     pub x: f64,
 }
 
-/// Where everything stands.
+/// Where everything is.
 #[derive(Debug, Clone)]
 pub(super) struct Layout {
     pub rect: Rect,

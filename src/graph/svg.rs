@@ -152,7 +152,7 @@ impl Drawing<'_> {
 
     fn text(&mut self, class: &str, (x, y): (f64, f64), text: &str) {
         let class = if class.is_empty() { String::new() } else { format!(" class=\"{class}\"") };
-        // From the middle of the letters to the line they stand on.
+        // From the middle of the letters to the line they are on.
         let y = y + if class.contains("number") { 3.5 } else { 4.2 };
         self.line(&format!("<text{class} x=\"{x:.1}\" y=\"{y:.1}\">{}</text>", escaped(text)));
     }

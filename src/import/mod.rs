@@ -1,5 +1,5 @@
 //! What other systems describe, as `.hyped` text in its canonical layout. Each format has a module of its own; all give
-//! an [`Import`]. What cannot be carried over is told of, with its place in the imported file.
+//! an [`Import`]. What cannot be carried over is reported, with its place in the imported file.
 
 pub mod xml;
 pub mod zelda;

@@ -1,7 +1,7 @@
 //! Dungeons of *The Legend of Zelda* from the Video Game Level Corpus as a world: rooms become spaces, doors links.
 //!
 //! The corpus writes columns as rows: its rooms are 11 characters wide and 16 lines high, those of the game 16 tiles wide
-//! and 11 high. Here they stand as in the game, each called by its column (a letter) and its row (a number, from above).
+//! and 11 high. Here they are as in the game, each called by its column (a letter) and its row (a number, from above).
 //! The corpus says neither where one comes in nor what is wanted: one comes in by a door behind which there is no room,
 //! and wants to get down the stairs, and to the room that is the most doors away, as far as one can walk there: what
 //! opens doors, moves blocks or crosses water is not in the corpus either.
@@ -39,7 +39,7 @@ const TILES: [(char, &str); 10] = [
     ('M', "spawn Monster"),
     ('P', "water"),
     ('I', "water, block"),
-    // By what stands around it, the floor beside an element.
+    // By what is around it, the floor beside an element.
     ('O', "empty"),
 ];
 
@@ -250,7 +250,7 @@ fn world(rooms: &BTreeMap<Place, Room>, name: &str, entities: &str, diagnostics:
         let mut inside = (0..ROWS).flat_map(|y| (0..COLUMNS).map(move |x| (x, y))).filter(|p| is_void(*p));
         if let Some(at) = inside.find(|(x, y)| room.cells[*y][*x].0 == '-') {
             diagnostics.report(Assumed {
-                what: format!("nothing is said of the inside of room `{}`; it is taken for floor", called(place)),
+                what: format!("the inside of room `{}` has no meaning; it is taken for floor", called(place)),
                 at: room.span(at),
                 help: "where it is none, put blocks (`B`) there".into(),
             });

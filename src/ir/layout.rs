@@ -45,7 +45,7 @@ pub struct SlotLayout {
     pub bound: usize,
     /// A `u16`: the space.
     pub space: usize,
-    /// A `u16`: 0, or 1 plus the slot that the instance stands on and that carries it.
+    /// A `u16`: 0, or 1 plus the slot that the instance is on and that carries it.
     pub carrier: usize,
     /// A byte: 0 where there is no instance, 1 for one that is alive.
     pub alive: usize,

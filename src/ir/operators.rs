@@ -129,7 +129,7 @@ pub struct Response {
     pub push: Push,
     /// The velocity into the surface is set to 0.
     pub stop: bool,
-    /// What stands on the other moves along.
+    /// What is on the other moves along.
     pub carry: bool,
 }
 

@@ -32,7 +32,7 @@ pub struct World {
     pub nevers: IdVec<NeverId, Predicate>,
     /// The space whose map is not given: the world cannot be run.
     pub open: Option<SpaceId>,
-    /// Where everything stands in a state.
+    /// Where everything is in a state.
     pub layout: Layout,
 }
 
@@ -217,9 +217,9 @@ pub struct Predicate {
 pub struct Meeting {
     /// What a contact does.
     pub response: Response,
-    /// The first may stand on the second: it has the tags on the left of the line.
+    /// The first may be on the second: it has the tags on the left of the line.
     pub first_on_second: bool,
-    /// The second may stand on the first.
+    /// The second may be on the first.
     pub second_on_first: bool,
 }
 

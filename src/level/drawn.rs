@@ -1,4 +1,4 @@
-//! What a level editor's file says: a grid in which each cell has names, rectangles with names, and things that stand
+//! What a level editor's file says: a grid in which each cell has names, rectangles with names, and things that are
 //! somewhere. Names are classes, tags or identifiers; what they mean is the program's affair.
 
 use std::collections::BTreeMap;
@@ -27,14 +27,14 @@ pub struct Drawn {
     pub cells: Vec<u16>,
     /// Rectangles with names: x and y of the lower-left corner, width, height.
     pub rectangles: Vec<(Vec<String>, [f64; 4], Span)>,
-    /// What stands in the level, in the order of the file.
+    /// What is in the level, in the order of the file.
     pub things: Vec<Thing>,
 }
 
 /// What a name of a level stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Meaning {
-    /// An entity: an instance stands there.
+    /// An entity: an instance is there.
     Entity,
     /// Tags.
     Tags,
@@ -42,7 +42,7 @@ pub enum Meaning {
     Nothing,
 }
 
-/// What stands in a level.
+/// What is in a level.
 #[derive(Debug, Clone)]
 pub struct Thing {
     /// Its class.
@@ -55,12 +55,12 @@ pub struct Thing {
     pub position: (f64, f64),
     /// Its properties.
     pub settings: Vec<Setting>,
-    /// Where it stands in the file.
+    /// Where it is in the file.
     pub at: Span,
 }
 
 impl Thing {
-    /// What stands on a tile: it has no name, and nothing refers to it.
+    /// What is on a tile: it has no name, and nothing refers to it.
     pub(super) fn of_tile(class: String, position: (f64, f64), settings: Vec<Setting>, at: Span) -> Self {
         Thing { class, name: String::new(), id: String::new(), position, settings, at }
     }
@@ -73,7 +73,7 @@ pub struct Setting {
     pub name: String,
     /// To what.
     pub value: Value,
-    /// Where it stands in the file.
+    /// Where it is in the file.
     pub at: Span,
 }
 

@@ -42,7 +42,7 @@ pub fn read_beside(
     files: &dyn Files,
     diagnostics: &mut Diagnostics,
 ) {
-    // What is wrong with the level itself is said when it is read.
+    // What is wrong with the level itself is reported when it is read.
     let Ok(root) = Node::read(sources.file(file).text()) else { return };
     let named = match format {
         Format::Tiled => tiled::named(&root),

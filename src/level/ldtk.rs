@@ -131,7 +131,7 @@ impl Reader<'_, '_> {
         (layer.text_of("__type") == "IntGrid" || listed(values.text, 0).next().is_some()).then_some(values)
     }
 
-    /// Puts the values of a layer into the grid. Returns what stands on cells whose value is an entity.
+    /// Puts the values of a layer into the grid. Returns what is on cells whose value is an entity.
     fn grid(&self, layer: &Node<'_>, values: &Node<'_>, side: f64, grid: &mut Grid) -> Result<Vec<Thing>, Trouble> {
         let columns = grid.columns();
         let called = layer.text_of("__identifier");

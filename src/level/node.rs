@@ -20,7 +20,7 @@ pub(super) const MAX_NODES: usize = 1_000_000;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Trouble {
     pub at: Range<usize>,
-    /// None if it is said already.
+    /// None if it is reported already.
     pub why: Option<String>,
 }
 
@@ -29,7 +29,7 @@ impl Trouble {
         Trouble { at, why: Some(why.into()) }
     }
 
-    /// A file that is named here could not be read, which is said already.
+    /// A file that is named here could not be read, which is reported already.
     pub fn missing(at: Range<usize>) -> Self {
         Trouble { at, why: None }
     }
@@ -40,16 +40,16 @@ impl Trouble {
 pub(super) struct Scalar<'t> {
     /// What it says, without quotes.
     pub text: Cow<'t, str>,
-    /// Where it stands.
+    /// Its place.
     pub at: Range<usize>,
 }
 
 /// An element of XML, or an object of JSON.
 #[derive(Debug)]
 pub(super) struct Node<'t> {
-    /// The element's name, or the key under which the object stands, alone or in an array.
+    /// The element's name, or the key under which the object is, alone or in an array.
     pub name: Cow<'t, str>,
-    /// Where it stands.
+    /// Its place.
     pub at: Range<usize>,
     /// Attributes; members that are neither objects nor arrays.
     pub attributes: Vec<(Cow<'t, str>, Scalar<'t>)>,
@@ -178,7 +178,7 @@ fn json(text: &str) -> Result<Node<'_>, Trouble> {
 }
 
 impl<'t> JsonReader<'t> {
-    /// Where a part of the text stands in it.
+    /// Where a part of the text is in it.
     fn place(&self, part: &str) -> Range<usize> {
         let start = (part.as_ptr() as usize).saturating_sub(self.text.as_ptr() as usize);
         start..start + part.len()

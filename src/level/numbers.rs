@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::node::Trouble;
 
-/// The numbers of a list, each with the bytes where it stands; brackets and white space do not count.
+/// The numbers of a list, each with the bytes where it is; brackets and white space do not count.
 pub(super) fn listed(text: &str, text_at: usize) -> impl Iterator<Item = (&str, Range<usize>)> {
     let mut start = 0;
     let parts = text.split(',').map(move |part| {
@@ -64,7 +64,7 @@ impl Data<'_> {
         }
     }
 
-    /// Where a number stands, as far as that is known.
+    /// Where a number is, as far as that is known.
     pub fn place(&self, index: usize) -> Range<usize> {
         match self.encoding {
             "csv" | "" => listed(self.text, self.text_at).nth(index).map_or(self.at.clone(), |(_, at)| at),

@@ -1,4 +1,4 @@
-//! The objects of a map of Tiled: rectangles with names, and what stands in the level.
+//! The objects of a map of Tiled: rectangles with names, and what is in the level.
 
 use std::ops::Range;
 

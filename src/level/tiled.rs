@@ -164,7 +164,7 @@ fn tileset(node: &Node<'_>, file: FileId, first: u32) -> Result<Tileset, Trouble
 /// The tags and the other properties of a node.
 pub(super) fn properties(node: &Node<'_>, file: FileId) -> Result<(Vec<String>, Vec<Setting>), Trouble> {
     let (mut tags, mut settings) = (Vec::new(), Vec::new());
-    // In XML they stand in an element of their own.
+    // In XML they are in an element of their own.
     let list = node.children(&["properties"]).filter(|p| p.get("name").is_none());
     let inside = list.flat_map(|list| list.children(&["property"]));
     for property in inside.chain(node.children(&["properties"]).filter(|p| p.get("name").is_some())) {
@@ -287,7 +287,7 @@ impl Reader<'_> {
                 "group" => self.layers(layer, moved, grid)?,
                 "tiles" if moved != (0.0, 0.0) => {
                     let why =
-                        format!("the layer `{}` is moved, and all tiles stand in one grid", layer.text_of("name"));
+                        format!("the layer `{}` is moved, and all tiles are in one grid", layer.text_of("name"));
                     return Err(Trouble::new(layer.head(), why));
                 }
                 "tiles" => self.tiles(layer, grid)?,

@@ -120,7 +120,7 @@ fn shadow(
         around = entity.modes[outer].parent;
     }
     let possible = before.into_iter().take(MAX_COMPARED).map(|id| (id, &entity.edges[id])).filter(|(id, other)| {
-        // Edges on `lost` come before all others; a guard that is no choice is told of where it stands.
+        // Edges on `lost` come before all others; a guard that is no choice is reported where it is.
         other.target.is_some()
             && (this.lost.is_none() || other.lost.is_some())
             && (is_literal(&other.guard) || truths[*id].is_none())

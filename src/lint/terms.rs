@@ -73,7 +73,7 @@ pub(super) fn of_entity(entity: &Entity) -> Vec<&Term> {
     out
 }
 
-/// Whether two terms of one entity say the same, wherever they stand.
+/// Whether two terms of one entity say the same, wherever they are.
 pub(super) fn same(a: &Term, b: &Term) -> bool {
     let inside = |a: &Term, b: &Term| {
         let (a, b) = (a.operands(), b.operands());

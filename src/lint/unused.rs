@@ -18,7 +18,7 @@ struct Reads {
     refs: BTreeSet<(EntityId, RefId)>,
 }
 
-/// Where a term stands: in an entity, or in a world.
+/// Where a term is: in an entity, or in a world.
 #[derive(Clone, Copy)]
 enum Here {
     Entity(EntityId),

@@ -18,7 +18,7 @@ const TOLERANCE: f64 = 0.001;
 /// A contact question: the tag of one's own collider, if it says, and the other's.
 type Question = (Option<TagId>, TagId);
 
-/// The contact questions of an entity, each where it first stands.
+/// The contact questions of an entity, each where it first is.
 fn questions(entity: &Entity) -> Vec<(Question, Span)> {
     let mut out: Vec<(Question, Span)> = Vec::new();
     for term in terms::of_entity(entity) {

@@ -107,9 +107,9 @@ pub(in crate::lsp) fn shown(finding: &Diagnostic, snapshot: &Snapshot, encoding:
 /// Words below a place that only point at it.
 const SAYS_NOTHING: [&str; 2] = ["not declared", "does not fit here"];
 
-/// The words of a finding: what was found, what is said of the place, ways out, background.
+/// The words of a finding: what was found, the label of the place, ways out, background.
 fn message(finding: &Diagnostic) -> String {
-    // In a terminal these words stand below the place; here they would say the same twice.
+    // In a terminal these words are below the place; here they would say the same twice.
     let adds = |text: &String| !finding.message.contains(text.as_str()) && !SAYS_NOTHING.contains(&text.as_str());
     let label = finding.primary.iter().map(|l| l.text.to_string()).filter(adds);
     let helps = finding.helps.iter().map(|text| format!("help: {text}"));

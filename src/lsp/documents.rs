@@ -18,7 +18,7 @@ pub(in crate::lsp) struct Document {
     pub version: i32,
     /// Whether it is a program, and not a level or a legend.
     pub is_program: bool,
-    /// What stands in it.
+    /// What is in it.
     pub text: Arc<Text>,
 }
 

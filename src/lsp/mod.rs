@@ -11,7 +11,7 @@
 //! | `protocol` | the connection, the worker, the table of requests |
 //! | `features` | what the server can do: functions of a view |
 //! | `view`, `snapshot`, `documents`, `diagnostics`, `values`, `client` | what is known at one moment |
-//! | `text` | texts that may be broken: positions, words, where a cursor stands |
+//! | `text` | texts that may be broken: positions, words, where a cursor is |
 //!
 //! The server's thread only reads messages, keeps the documents and answers from snapshots; all that takes long is done
 //! by the worker, which restarts when a document changes. A request that needs names waits until the worker has

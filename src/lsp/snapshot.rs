@@ -1,5 +1,5 @@
-//! What is known of a program at one moment: what compiling found, where names stand, and the texts that it was
-//! compiled from, so that places are told in the words of the editor. It never changes; a new one takes its place.
+//! What is known of a program at one moment: what compiling found, where names occur, and the texts that it was
+//! compiled from, so that places are positions of the editor. It never changes; a new one takes its place.
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -63,12 +63,12 @@ pub(in crate::lsp) struct Snapshot {
 pub(in crate::lsp) struct Key {
     pub kind: NameKind,
     pub name: String,
-    /// Where it is declared; a tag is the same wherever it stands.
+    /// Where it is declared; a tag is the same wherever it is.
     pub declared: Option<(PathBuf, u32)>,
 }
 
 impl Snapshot {
-    /// Compiles a file as it stands in the editor, or on the disk.
+    /// Compiles a file as it is in the editor, or on the disk.
     pub fn of(root: &Path, open: &Arc<Open>, disk: &dyn Workspace) -> Self {
         let files = Overlay { open, disk, asked: RefCell::default() };
         let study = study(root, &files);

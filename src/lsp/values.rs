@@ -22,7 +22,7 @@ pub(in crate::lsp) struct Ranges {
 }
 
 impl Ranges {
-    /// What all worlds have found. Of an entity that was given up in one of them nothing is told.
+    /// What all worlds have found. Nothing is kept of an entity that was given up in one of them.
     pub fn of(program: &Program, spaces: &Spaces) -> Self {
         let mut out = Ranges::default();
         let mut given_up = Vec::new();

@@ -106,7 +106,7 @@ impl Coverage {
         Covered { all: self.count(), half, growth: self.growth.clone() }
     }
 
-    /// Adds what another search covered; how it grew is then told of the larger one.
+    /// Adds what another search covered; how it grew is that of the larger one.
     pub fn join(&mut self, other: &Coverage) {
         for (mine, theirs) in
             [(&mut self.places, &other.places), (&mut self.modes, &other.modes), (&mut self.both, &other.both)]

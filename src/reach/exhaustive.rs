@@ -5,7 +5,7 @@
 //! beside the world. Its states are the steps that an input must still be held and, where that matters, the input. While it
 //! must be held there is nothing to choose, so that a node is only where it need not be any more: from there the input goes
 //! on for a step, or another one begins and is held for as long as it must be. What a new input leads to does not depend on
-//! the one before; of each state it is looked at once. Where inputs may change at every step, a node is a state alone.
+//! the one before; of each state it is examined once. Where inputs may change at every step, a node is a state alone.
 //!
 //! Inputs that change only every few steps lead to fewer states, which are soon visited; that they lead nowhere tells
 //! nothing of others.

@@ -102,7 +102,7 @@ impl Guard {
     }
 
     /// Told of a script that leads to a state which is outside: keeps the first state on its way that is; where it is
-    /// stopped before it has found that, the state that it is told of.
+    /// stopped before it has found that, the state that it is reported.
     pub(super) fn refute(&self, problem: &Problem<'_>, script: Script, state: &[u8], meter: &Meter<'_>) {
         self.follow(problem, &script, meter);
         if meter.is_stopped()

@@ -11,7 +11,7 @@
 //! take turns. A found path is replayed in the simulator before it is reported, and can be made faster (`improve_duration.rs`) and simpler
 //! (`shorten.rs`); what is found for one question can answer another one (`exchange.rs`). [`query`] does all of this in a row.
 //!
-//! Every state that is made on the way is held against what the analysis says (`guard.rs`). One that lies outside shows that
+//! Every state that is made on the way is checked against what the analysis says (`guard.rs`). One that lies outside shows that
 //! the analysis is wrong about this world: no proof that rests on it is given then.
 
 mod bounds;
@@ -71,7 +71,7 @@ use guard::guarded;
 const GLANCE: u64 = 4_000;
 
 /// Asks the analysis whether what is asked for can hold at all; if so, searches for a way to it. What a glance does not find
-/// is looked at more closely before the search goes on: by place, which takes longer (only where the planner is `auto`).
+/// is examined more closely before the search goes on: by place, which takes longer (only where the planner is `auto`).
 ///
 /// # Errors
 /// A [`Fault`] if the initial state breaks a rule.
@@ -129,7 +129,7 @@ fn reach_guarded(
         let closer = whole.clone().by_place(of, world, &nevers, watch);
         if let Some(proof) = Proof::of(problem, &closer) {
             if let Some(guard) = problem.guard() {
-                // What the glance saw was held against less than the proof rests on: it is looked at again.
+                // What the glance saw was checked against less than the proof rests on: it is examined again.
                 let closely = Guard::new(&closer, program, world);
                 let again = problem.clone().guarded(&closely);
                 search(&again, space, settings, &Limits { nodes: GLANCE, ..*limits }, watch)?;

@@ -72,7 +72,7 @@ pub struct Statistics {
     pub failures: u64,
     /// Steps simulated.
     pub steps: u64,
-    /// States held against what the world can be.
+    /// States checked against what the world can be.
     pub checked: u64,
 }
 

@@ -53,7 +53,7 @@ pub struct TooFar {
     pub least: u64,
 }
 
-/// What takes more steps than this at least is looked at no closer.
+/// What takes more steps than this at least is examined no closer.
 const MAX_STEPS: u64 = 1 << 32;
 
 impl TooFar {

@@ -51,7 +51,7 @@ pub struct Settings {
     pub threads: usize,
     /// Whether all nodes are recorded, for pictures.
     pub records: bool,
-    /// Whether all states are held against what the world can be, where a problem has no [`Guard`](super::Guard) of its own.
+    /// Whether all states are checked against what the world can be, where a problem has no [`Guard`](super::Guard) of its own.
     pub checks: bool,
 }
 
@@ -221,7 +221,7 @@ impl<'a> Builder<'_, 'a> {
         Exhaustive::new(self.context(tree, ControlSets::complete(), (1, 1)), change, best_first)
     }
 
-    /// What a tree stands on. Trees begin at different starts and with different seeds, of which the first is the one that is
+    /// What a tree is built on. Trees begin at different starts and with different seeds, of which the first is the one that is
     /// given.
     fn context(&self, tree: usize, controls: ControlSets, hold: (u16, u16)) -> SearchContext<'a> {
         let mut starts = self.starts.to_vec();

@@ -1,4 +1,4 @@
-//! What planners stand on: the tree, the inputs of its nodes, the simulator that extends it, and what is noted on the
+//! What planners build on: the tree, the inputs of its nodes, the simulator that extends it, and what is noted on the
 //! way. The loop (`sampler.rs`, `exhaustive.rs`) owns one; strategies borrow it.
 
 use rand::RngExt;

@@ -1,5 +1,5 @@
 //! The tree: flat arrays by node. A node is a state, the input held for some steps that led there, and its parent.
-//! States stand in chunks, so that a growing tree is never copied.
+//! States are in chunks, so that a growing tree is never copied.
 
 use crate::sim::{Input, Script};
 

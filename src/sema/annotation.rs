@@ -10,7 +10,7 @@ pub struct Annotation {
     pub px: i32,
     /// Exponent of s.
     pub s: i32,
-    /// Where it stands.
+    /// Its place.
     pub span: Span,
 }
 

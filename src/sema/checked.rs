@@ -33,7 +33,7 @@ pub struct Checked {
     pub has_open_map: bool,
     /// Tags that levels and legends name.
     pub level_tags: BTreeSet<String>,
-    /// Where names stand.
+    /// Where names occur.
     pub occurrences: Occurrences,
     /// What was found of dimensions.
     pub dimensions: Dimensions,
@@ -84,7 +84,7 @@ pub struct Term {
     pub kind: TermKind,
     /// The type of its value.
     pub ty: Type,
-    /// Where it stands.
+    /// Its place.
     pub span: Span,
 }
 
@@ -112,7 +112,7 @@ impl Term {
     }
 }
 
-/// What an expression computes. A large text has many of them, so what is seldom or large stands in boxes.
+/// What an expression computes. A large text has many of them, so what is seldom or large is in boxes.
 #[derive(Debug, Clone, PartialEq)]
 pub enum TermKind {
     /// A number, or the index of a set's value.
@@ -250,7 +250,7 @@ pub struct BoundTouch {
     pub other: TagId,
     /// The side of one's own collider.
     pub side: Option<Side>,
-    /// Where it stands.
+    /// Its place.
     pub span: Span,
 }
 

@@ -100,7 +100,7 @@ pub struct Instance {
     pub origin: Origin,
     /// Its entity.
     pub entity: EntityId,
-    /// The space it stands in.
+    /// The space it is in.
     pub space: SpaceId,
     /// The values of its parameters.
     pub params: IdVec<ParamId, f64>,

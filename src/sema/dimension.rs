@@ -148,7 +148,7 @@ pub(super) fn check(program: &Checked, sources: &SourceMap, diagnostics: &mut Di
 /// The dimensions of parameters and variables, as one writes them: `px/s^2`.
 #[derive(Debug, Clone, Default)]
 pub struct Dimensions {
-    /// Those of parameters that are told by how they are used.
+    /// Those of parameters that follow from how they are used.
     pub params: BTreeMap<(EntityId, ParamId), String>,
     /// Those of continuous variables.
     pub vars: BTreeMap<(EntityId, VarId), String>,
@@ -167,7 +167,7 @@ enum Named {
     Var(EntityId, VarId),
 }
 
-/// Where a term stands whose dimension does not fit.
+/// Where a term is whose dimension does not fit.
 #[derive(Debug, Clone)]
 enum Beside {
     /// In a place that asks for a dimension.
@@ -203,7 +203,7 @@ struct Solver<'p> {
     solved: Vec<Option<(Dim, Span)>>,
     named: BTreeMap<Named, Unknown>,
     conflicts: Vec<Conflict>,
-    /// The envelope whose terms are looked at.
+    /// The envelope whose terms are examined.
     envelope: Option<Span>,
     /// Of each square root: its dimension and what it is taken of.
     roots: Vec<(Dim, Term)>,
@@ -290,7 +290,7 @@ impl Solver<'_> {
     /// Makes `found`, the dimension of `term`, equal to what its place needs.
     fn need(&mut self, term: &Term, found: &Dim, needed: &Dim, beside: Beside, here: &Here<'_>) {
         let difference = self.reduce(found).plus(&self.reduce(needed), Ratio(-1, 1));
-        // The unknown that stands alone is the one that this use determines.
+        // The unknown that is alone is the one that this use determines.
         let pick =
             difference.unknowns.iter().max_by_key(|(u, _)| found.unknowns.contains_key(*u)).map(|(u, r)| (*u, *r));
         match pick {

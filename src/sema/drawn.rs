@@ -44,7 +44,7 @@ impl Checker<'_> {
         });
         let Some(level) = level else {
             if file.is_some() || world.open != Some(id) {
-                // Whatever stands in it is not known, and that is explained already.
+                // Whatever is in it is not known, and that is explained already.
                 self.poisoned_names.insert("*".into());
             }
             let named = kinds.values().filter_map(|kind| kind.spawn.as_ref()?.name.as_ref().map(|name| (*kind, name)));

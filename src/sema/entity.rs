@@ -43,7 +43,7 @@ pub(super) struct Skeleton {
 /// program the syntax and what is made of it are large.
 #[derive(Debug)]
 pub(super) struct Body {
-    /// What stands outside of its modes.
+    /// What is outside of its modes.
     members: Vec<Member>,
     /// Modes in preorder, as their ids number them, without the modes inside.
     modes: Boxes<ast::Mode>,

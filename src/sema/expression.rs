@@ -1,4 +1,4 @@
-//! Expressions: names resolved and types checked, with one scope for each place where an expression can stand.
+//! Expressions: names resolved and types checked, with one scope for each place where an expression can be.
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -17,7 +17,7 @@ use super::entity::Skeleton;
 use super::mode::ModeNames;
 use super::names::{Known, unknown};
 
-/// Where an expression stands, and so what it may read.
+/// Where an expression is, and so what it may read.
 #[derive(Clone, Copy)]
 pub(super) struct Scope<'s> {
     /// The entity around it.
@@ -176,7 +176,7 @@ impl Checker<'_> {
         self.expect(term, ty)
     }
 
-    /// The term if its value may stand where `ty` is needed: an int may stand where a real may.
+    /// The term if its value may be where `ty` is needed: an int may be where a real may.
     pub(super) fn expect(&mut self, term: Term, ty: &Type) -> Option<Term> {
         let fits = match (&term.ty, ty) {
             (Type::Int, Type::Real) | (Type::Ref(_), Type::AnyRef) => true,
@@ -489,7 +489,7 @@ impl Checker<'_> {
     fn binary(&mut self, op: BinaryOp, a: &Expr, b: &Expr, span: Span, scope: &Scope<'_>) -> Option<Term> {
         let arithmetic = match op {
             BinaryOp::And | BinaryOp::Or => {
-                // Both sides are looked at, so that both can be wrong in one run.
+                // Both sides are examined, so that both can be wrong in one run.
                 let a = self.guard(a, scope);
                 let mark = self.facts.mark();
                 if let Some(a) = &a {

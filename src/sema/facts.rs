@@ -1,4 +1,4 @@
-//! What is known where an expression stands: references that were tested, instances that a guard named. A guard tells
+//! What is known where an expression is: references that were tested, instances that a guard named. A guard tells
 //! what follows it in the same `and`, the updates of its edge, and the branches of an `if`.
 
 use crate::ir::{EntityId, IdVec, ModeId, RefId, Subject, TouchId};

@@ -211,7 +211,7 @@ impl<'a> Checker<'a> {
             }
             Own::Block(tiles) => self.tile_kinds(tiles, &mut set),
         }
-        // What is wrong with a side is said already.
+        // What is wrong with a side is reported already.
         let rows = rows.filter(|_| tile.is_some());
         let declared = (&*called.text, called.span);
         world.spaces[id].map = rows.and_then(|rows| {

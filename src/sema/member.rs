@@ -1,4 +1,4 @@
-//! What stands at an entity's own level, or in a mode as well: colliders, clamps, flows.
+//! What is at an entity's own level, or in a mode as well: colliders, clamps, flows.
 
 use crate::diagnostic::catalogue::structure::BadCollider;
 use crate::diagnostic::catalogue::types::{TypeMismatch, WrongArguments};

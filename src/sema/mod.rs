@@ -67,7 +67,7 @@ pub struct Level {
 }
 
 /// Checks a program: the root file first, then what it imports. `level` is the map of worlds that leave theirs open.
-/// Where names stand is added to what is known of it. The result is complete only if the diagnostics hold no error. What is
+/// Where names occur is added to what is known of it. The result is complete only if the diagnostics hold no error. What is
 /// checked goes at once: of a large program both are large.
 pub fn check(
     files: Vec<ast::File>,
@@ -191,7 +191,7 @@ impl<'a> Checker<'a> {
         }
         if let Some(first) = entities.get(MAX_ENTITIES) {
             self.too_many("entities", MAX_ENTITIES, first.name.span);
-            // Nothing is said of who uses those.
+            // Their users are not reported.
             let others = entities.drain(MAX_ENTITIES..);
             self.poisoned_names.extend(others.map(|entity| entity.name.text.to_string()));
         }

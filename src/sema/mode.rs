@@ -358,7 +358,7 @@ impl Checker<'_> {
     }
 }
 
-/// What an action writes, and where it stands.
+/// What an action writes, and where it is.
 fn written(action: &Action) -> Option<(Place, Span)> {
     match action {
         Action::Update(update) => Some((update.place, update.span)),

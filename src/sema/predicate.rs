@@ -186,7 +186,7 @@ impl Checker<'_> {
         None
     }
 
-    /// What `make` says of the instance, or of any instance of an entity, that stands left of `in` or `touching`.
+    /// What `make` says of the instance, or of any instance of an entity, that is left of `in` or `touching`.
     pub(super) fn relation(
         &mut self,
         subject: &Expr,

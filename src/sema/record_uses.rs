@@ -1,4 +1,4 @@
-//! Notes where names stand, as they are resolved: see [`Occurrences`](crate::syntax::occurrence::Occurrences).
+//! Notes where names occur, as they are resolved: see [`Occurrences`](crate::syntax::occurrence::Occurrences).
 
 use crate::ir::{EntityId, Subject, TagId};
 use crate::source::Span;
@@ -35,7 +35,7 @@ impl Checker<'_> {
         self.tag_id(name)
     }
 
-    /// A tag where it stands; those of legends and levels stand nowhere in the program.
+    /// A tag where it is; those of legends and levels are nowhere in the program.
     pub(super) fn note_tag(&mut self, name: &Name, carried: bool) {
         let written = self.sources.slice(name.span);
         let inner = written.strip_prefix('"').and_then(|w| w.strip_suffix('"')).unwrap_or(written);

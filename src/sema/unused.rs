@@ -8,7 +8,7 @@ use crate::syntax::occurrence::{NameKind, Occurrence, Occurrences, Role};
 
 use super::{Level, check};
 
-/// Where names stand in behaviours of which `known`, the names of the checked program in order, tells nothing. `files` are
+/// Where names occur in behaviours of which `known`, the names of the checked program in order, tells nothing. `files` are
 /// the program's trees. `x` and `y` are declared by the name of their behaviour.
 pub fn names_of_unused(files: Vec<File>, sources: &mut SourceMap, known: &[Occurrence]) -> Vec<Occurrence> {
     let mut unused: Vec<(Span, Span)> = Vec::new();
@@ -47,7 +47,7 @@ fn is_told(whole: Span, known: &[Occurrence]) -> bool {
     inside.into_iter().any(|o| o.role != Role::Declared && o.kind != NameKind::Argument)
 }
 
-/// An entity that holds what a behaviour holds: in a mode, if something of it can only stand in one.
+/// An entity that holds what a behaviour holds: in a mode, if something of it can only be in one.
 fn alone(behavior: &Behavior) -> Entity {
     let mut members = behavior.members.clone();
     let has_groups = members.iter().any(|m| matches!(m, Member::Group(_)));

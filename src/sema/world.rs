@@ -17,7 +17,7 @@ use super::names::{Table, unknown};
 use super::population::Population;
 use super::{Checker, MAX_TILE_KINDS};
 
-/// A tile set: its size, its tiles, and what stands on them at first.
+/// A tile set: its size, its tiles, and what is on them at first.
 pub(super) struct TileSet<'a> {
     pub name: Name,
     pub tile: (f64, f64),

@@ -56,7 +56,7 @@ pub(super) struct Body {
     fixed: Option<[f64; 4]>,
     /// Whether it is a rectangle that never changes, is never empty and has nothing to read for it to be there.
     is_plain: bool,
-    /// Where a leaf stands in a state on which alone it depends whether it is there, and while which leaves it is.
+    /// Where a leaf is in a state on which alone it depends whether it is there, and while which leaves it is.
     by_leaf: Option<(usize, Arc<[bool]>)>,
 }
 
@@ -349,8 +349,8 @@ impl Simulator {
         Ok(())
     }
 
-    /// Moves what stands on a carrier along with it, and forgets who stands where. Who stands on what is carried itself
-    /// goes after that; of those that stand on each other in a circle, the lowest slot goes first.
+    /// Moves what is on a carrier along with it, and forgets who is where. Who is on what is carried itself
+    /// goes after that; of those that are on each other in a circle, the lowest slot goes first.
     fn carry(&self, state: &mut [u8], start: &[(f64, f64)]) {
         let rides = |state: &[u8], slot: SlotId| {
             let layout = self.layout(slot);

@@ -2,7 +2,7 @@
 
 use crate::ir::{Meeting, Push, Side};
 
-/// How far inside something may have stood that counts as outside of it, px.
+/// How far inside something may have been that counts as outside of it, px.
 pub(super) const TOLERANCE: f64 = 0.001;
 
 /// A box in a space.

@@ -52,7 +52,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Where the reader's own instance stands in the state.
+    /// Where the reader's own instance is in the state.
     #[inline(always)]
     pub fn mine(&self) -> &'a SlotLayout {
         match self.actor {
@@ -66,7 +66,7 @@ impl<'a> Reader<'a> {
         &self.code[(id.0 - self.base) as usize]
     }
 
-    /// Where the instance of a subject stands in the state; notes a fault where there is none.
+    /// Where the instance of a subject is in the state; notes a fault where there is none.
     fn layout(&self, of: Subject, at: ExprId) -> Option<&'a SlotLayout> {
         if of == Subject::Me {
             return Some(self.mine());

@@ -65,7 +65,7 @@ impl<'a> Instance<'a> {
         self.sim.layout(self.slot).discrete(self.state, discrete)
     }
 
-    /// The name that a discrete variable stands at, if its values have names.
+    /// The name that a discrete variable is at, if its values have names.
     pub fn discrete_name(self, discrete: DiscreteId) -> Option<&'a str> {
         match &self.entity().discretes[discrete].domain {
             Domain::Set(names) => names.get(usize::try_from(self.discrete(discrete)).ok()?).map(String::as_str),

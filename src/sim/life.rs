@@ -94,7 +94,7 @@ impl Changes {
 }
 
 impl Simulator {
-    /// The first link of the instance's space that is open and in whose rectangle the instance stands.
+    /// The first link of the instance's space that is open and in whose rectangle the instance is.
     pub(super) fn link_at(&self, reader: &Reader<'_>) -> Option<usize> {
         let (x, y) = self.position(reader.state, reader.me);
         let links = &self.world().spaces[self.space(reader.state, reader.me)].links;

@@ -40,7 +40,7 @@ impl Deref for State {
     }
 }
 
-/// The bytes, to be written by the layout of the world: the simulator relies on what stands there.
+/// The bytes, to be written by the layout of the world: the simulator relies on what is there.
 impl DerefMut for State {
     fn deref_mut(&mut self) -> &mut [u8] {
         &mut self.0
@@ -109,7 +109,7 @@ impl Simulator {
         };
         let of_players = self.world().layout.players.iter();
         if of_players.into_iter().any(|at| buttons(state, *at) & !self.remembered != 0) {
-            return Err(damaged(None, "a button that nobody reads is down"));
+            return Err(damaged(None, "a button that nothing reads is down"));
         }
         for slot in self.world().slots.ids() {
             self.check(state, slot).map_err(|what| damaged(Some(slot), what))?;
@@ -155,7 +155,7 @@ impl Simulator {
         let touched = entity.touches.ids().take(entity.bound);
         let is_slot = |target: SlotId| target.index() < world.slots.len();
         let mut others = touched.filter_map(|touch| layout.touched(state, touch)).chain(layout.carrier(state));
-        must(others.all(is_slot), "what it touches or stands on is nothing")
+        must(others.all(is_slot), "what it touches or is on is nothing")
     }
 
     /// A number that tells worlds apart whose states mean different things: FNV-1a (Fowler, Noll, Vo) over all that the bytes

@@ -121,7 +121,7 @@ pub(super) fn names(program: &Program, world: WorldId, input: &Input) -> Vec<Str
 const DIRECTIONS: [(&str, &str, f64); 4] =
     [("left", "horizontal", -1.0), ("right", "horizontal", 1.0), ("down", "vertical", -1.0), ("up", "vertical", 1.0)];
 
-/// Reads a script for the players of a world. `file` is where `text` stands, for the diagnostics.
+/// Reads a script for the players of a world. `file` is where `text` is, for the diagnostics.
 pub fn parse_script(program: &Program, world: WorldId, file: FileId, text: &str) -> (Script, Diagnostics) {
     let mut parser = Parser { program, world, file, text, diagnostics: Diagnostics::new() };
     let mut script = Script::default();
@@ -229,7 +229,7 @@ impl Parser<'_> {
             None => (name, None),
         };
         if name.is_empty() {
-            let help = "names stand on both sides of `+`: `right+jump`".to_string();
+            let help = "there is a name on both sides of `+`: `right+jump`".to_string();
             self.report(
                 from.min(self.text.len().saturating_sub(1)),
                 to.max(from + 1),

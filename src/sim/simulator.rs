@@ -62,7 +62,7 @@ pub struct Scratch {
     pub(super) clamps: Vec<(f64, f64)>,
     /// The direction in which each envelope of each slot reached its peak.
     pub(super) peaks: Vec<u16>,
-    /// Where each slot stands as the continuous phase begins, px.
+    /// Where each slot is as the continuous phase begins, px.
     pub(super) start: Vec<(f64, f64)>,
     /// What the collision phase needs.
     pub(super) collision: super::collision::Scratch,
@@ -262,7 +262,7 @@ impl Simulator {
         Ok(())
     }
 
-    /// Notes where everything stands before it moves.
+    /// Notes where everything is before it moves.
     fn note_start(&self, state: &[u8], scratch: &mut Scratch) {
         for (start, slot) in scratch.start.iter_mut().zip(self.world.slots.ids()) {
             *start = self.position(state, slot);

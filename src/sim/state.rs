@@ -5,7 +5,7 @@ use crate::ir::{
     DiscreteId, EnvelopeId, GroupId, Id, LeafId, ParamId, RefId, SlotId, SlotLayout, SpaceId, TimerId, TouchId, VarId,
 };
 
-/// How it stands with a slot.
+/// How it is with a slot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Life {
     /// There is no instance.
@@ -19,7 +19,7 @@ pub enum Life {
 }
 
 fn short(state: &[u8], at: usize) -> u16 {
-    // Numbers of two bytes stand at multiples of 2.
+    // Numbers of two bytes are at multiples of 2.
     u16::from_le_bytes(state.as_chunks().0[at / 2])
 }
 
@@ -44,7 +44,7 @@ fn store<const N: usize>(state: &mut [u8], at: usize, bytes: [u8; N]) {
 
 /// A real number at an offset.
 pub fn real(state: &[u8], at: usize) -> f64 {
-    // Real numbers stand at multiples of 8.
+    // Real numbers are at multiples of 8.
     f64::from_le_bytes(state.as_chunks().0[at / 8])
 }
 
@@ -112,7 +112,7 @@ impl Whereabouts {
     }
 }
 
-/// A leaf, by where it stands.
+/// A leaf, by where it is.
 #[inline]
 pub(super) fn leaf_at(state: &[u8], at: usize) -> LeafId {
     LeafId(u32::from(short(state, at)))
@@ -165,7 +165,7 @@ impl SlotLayout {
         leaf_at(state, self.leaf_offset(group))
     }
 
-    /// Where a group's leaf stands.
+    /// Where a group's leaf is.
     pub(super) fn leaf_offset(&self, group: GroupId) -> usize {
         self.leaves + 2 * group.index()
     }
@@ -191,7 +191,7 @@ impl SlotLayout {
         state[self.alive] != 0
     }
 
-    /// How it stands with the slot.
+    /// How it is with the slot.
     pub fn life(&self, state: &[u8]) -> Life {
         match state[self.alive] {
             0 => Life::None,
@@ -206,7 +206,7 @@ impl SlotLayout {
         state[self.alive] == 1
     }
 
-    /// Sets how it stands with the slot.
+    /// Sets how it is with the slot.
     pub fn set_life(&self, state: &mut [u8], life: Life) {
         state[self.alive] = life as u8;
     }

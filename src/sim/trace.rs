@@ -16,7 +16,7 @@ use super::simulator::Simulator;
 /// The version of the trace format.
 pub const TRACE_VERSION: u32 = 2;
 
-/// What stands before the header in CSV.
+/// What is before the header in CSV.
 const COMMENT: &str = "# ";
 
 /// How the states of a run are written.
@@ -282,7 +282,7 @@ impl<'s, W: Write> TraceWriter<'s, W> {
     }
 }
 
-/// Where two lines of traces differ first, and what stands there in each: the line itself if they are of no common form.
+/// Where two lines of traces differ first, and what is there in each: the line itself if they are of no common form.
 pub fn first_difference(format: TraceFormat, columns: &[String], old: &str, new: &str) -> (String, String, String) {
     let parsed = |text: &str| serde_json::from_str::<serde_json::Value>(text);
     match (format, parsed(old), parsed(new)) {

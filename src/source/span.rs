@@ -133,7 +133,7 @@ impl Span {
         Span::new(self.file(), start as usize, end as usize)
     }
 
-    /// Whether it stands in a copy of what a file holds, see [`SourceMap::copy`](super::SourceMap::copy).
+    /// Whether it is in a copy of what a file holds, see [`SourceMap::copy`](super::SourceMap::copy).
     pub fn is_copy(self) -> bool {
         self.file().copy().is_some()
     }

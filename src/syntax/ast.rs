@@ -26,7 +26,7 @@ pub struct File {
     pub texts: Vec<(Span, FileId)>,
 }
 
-/// A name and where it stands.
+/// A name and where it is.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Name {
     /// The word; all that are equal in a file share it.
@@ -255,7 +255,7 @@ pub struct Collider {
 pub struct Group {
     /// Its name.
     pub name: Name,
-    /// Its modes, and what else stands there by mistake.
+    /// Its modes, and what else is there by mistake.
     pub members: Vec<Member>,
     /// The whole.
     pub span: Span,
@@ -421,12 +421,12 @@ pub enum Rate {
     Over(Expr),
 }
 
-/// An expression and where it stands.
+/// An expression and where it is.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Expr {
     /// What it is.
     pub kind: ExprKind,
-    /// Where it stands.
+    /// Its place.
     pub span: Span,
 }
 
@@ -489,7 +489,7 @@ pub struct Call {
     pub binding: Option<Box<Name>>,
 }
 
-/// What an expression is. A large text has many of them, so what is seldom or large stands in boxes.
+/// What an expression is. A large text has many of them, so what is seldom or large is in boxes.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ExprKind {
     /// `12`, `0.5s`

@@ -1,5 +1,5 @@
 //! The part of the syntax tree that names are made of. A large text is names above all, so a single one is kept without
-//! memory of its own: where it stands follows from where the whole stands.
+//! memory of its own: where it is follows from where the whole is.
 
 use std::ops::Deref;
 
@@ -49,7 +49,7 @@ pub struct Dotted {
 /// A name that may be dotted: `size.small`, `hero.x'`.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Path {
-    /// One name, its primes, and where both stand.
+    /// One name, its primes, and where both are.
     Name(Word, u8, Span),
     /// Any other.
     Dotted(Box<Dotted>),

@@ -107,11 +107,11 @@ pub struct Tiles {
 pub struct Tile {
     /// The character in the map.
     pub symbol: char,
-    /// Where the character stands.
+    /// Where the character is.
     pub symbol_span: Span,
     /// Its tags; `empty` stands for none.
     pub tags: Vec<Name>,
-    /// What stands there at first.
+    /// What is there at first.
     pub spawn: Option<TileSpawn>,
 }
 
@@ -242,7 +242,7 @@ pub struct Kind {
     pub name: Name,
     /// Its tags; `empty` stands for none.
     pub tags: Vec<Name>,
-    /// What stands there at first.
+    /// What is there at first.
     pub spawn: Option<TileSpawn>,
 }
 
@@ -268,9 +268,9 @@ pub struct Place {
     pub name: Name,
     /// Its entity.
     pub entity: Name,
-    /// Where it stands.
+    /// Its place.
     pub x: Expr,
-    /// Where it stands.
+    /// Its place.
     pub y: Expr,
     /// Its own parameters and first values.
     pub settings: Vec<Assignment>,

@@ -31,7 +31,7 @@ pub(super) struct Builder<'a> {
     source: &'a str,
     scan: &'a Scan,
     text: &'a str,
-    /// Where in the text the pairs stand that are being built from: a text is parsed part by part.
+    /// Where in the text the pairs are that are being built from: a text is parsed part by part.
     base: usize,
     /// The furthest place to which the last part could be read that fit no rule at all.
     stuck: usize,
@@ -179,7 +179,7 @@ impl<'a> Builder<'a> {
 
     pub fn name(&self, pair: &Pair<'_, Rule>) -> Name {
         let text = match pair.as_rule() {
-            // A text's name is what stands between the quotes.
+            // A text's name is what is between the quotes.
             Rule::text => pair.as_str().trim_matches('"'),
             Rule::tag => match pair.clone().into_inner().next() {
                 Some(inner) => return self.name(&inner),
@@ -200,7 +200,7 @@ impl<'a> Builder<'a> {
         self.scan.is_explained(span)
     }
 
-    /// Reports a slice that fit no rule. `rule` is what should have stood there.
+    /// Reports a slice that fit no rule. `rule` is what should have been there.
     pub fn bad(&mut self, rule: Rule, pair: &Pair<'_, Rule>) {
         let (from, to) = (self.start_of(pair), self.base + pair.as_span().end());
         let span = self.span_of(pair);

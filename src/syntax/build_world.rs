@@ -10,7 +10,7 @@ use super::ast::{
 use super::build::Builder;
 use super::part::{Part, Parts, parts};
 
-/// How what stands in spaces is read.
+/// How what is in spaces is read.
 const SPACE_ITEMS: Parts<SpaceItem> = Parts {
     next: Rule::next_space_item,
     plain: Rule::next_space_item,

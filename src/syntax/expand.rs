@@ -20,7 +20,7 @@ use super::substitute::Substitution;
 
 /// The most members that behaviours may put in place in one program.
 pub const MAX_PUT: usize = 200_000;
-/// How deep modes, groups and behaviours may stand inside of each other once all are in place.
+/// How deep modes, groups and behaviours may be inside of each other once all are in place.
 const MAX_DEPTH: usize = 2 * MAX_NESTING;
 
 /// Puts all behaviours in place, and notes where they and their parameters are named.

@@ -1,5 +1,5 @@
-//! The keywords, read from the text of the grammar, so that they stand in one place: which there are, and with which of them
-//! a rule can begin. Rules that are called `kw_…` are words that are never names; `word_…` mean something where they stand.
+//! The keywords, read from the text of the grammar, so that they are in one place: which there are, and with which of them
+//! a rule can begin. Rules that are called `kw_…` are words that are never names; `word_…` mean something where they are.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;

@@ -1,4 +1,4 @@
-//! Mending braces that do not match, by indentation: one lost brace is one diagnostic, and what stands around it is
+//! Mending braces that do not match, by indentation: one lost brace is one diagnostic, and what is around it is
 //! still checked. Used by the scan, before the grammar sees the text.
 
 use crate::diagnostic::Diagnostics;
@@ -12,7 +12,7 @@ pub(super) struct Brace {
     pub open: bool,
     /// Width of the white space its line begins with.
     pub indent: usize,
-    /// Whether nothing stands before it on its line.
+    /// Whether nothing is before it on its line.
     pub leads: bool,
     /// Where its line begins.
     pub line: usize,
@@ -120,7 +120,7 @@ impl Mender<'_> {
             return;
         }
         if brace.leads && self.open.iter().any(|o| o.indent == brace.indent) {
-            // The brace stands under its opener: what is open inside it has lost its own.
+            // The brace is under its opener: what is open inside it has lost its own.
             self.close_until(brace.at, brace.at, |top| top.indent <= brace.indent);
         }
         if let Some((stray, _)) = self.candidate.filter(|(_, opener)| brace.leads && opener.indent == brace.indent)

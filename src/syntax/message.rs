@@ -123,7 +123,7 @@ fn token_at(text: &str, at: usize) -> &str {
     rest.get(..length).unwrap_or("")
 }
 
-/// The rules that could have stood at an error, in the order of importance and without repetition.
+/// The rules that could have been at an error, in the order of importance and without repetition.
 fn words(rules: &[Rule]) -> Vec<String> {
     let mut words: Vec<Cow<'static, str>> = Vec::new();
     let mut add = |word: Cow<'static, str>| {

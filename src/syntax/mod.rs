@@ -43,7 +43,7 @@ mod grammar {
     pub struct Grammar;
 }
 
-/// What the grammar makes of a text: nothing if [`parse`] does not give it to the grammar as it stands. Slices that fit no
+/// What the grammar makes of a text: nothing if [`parse`] does not give it to the grammar as it is. Slices that fit no
 /// rule are among the pairs.
 pub(crate) fn pairs(file: FileId, text: &str) -> Option<Pairs<'_, Rule>> {
     let mut diagnostics = Diagnostics::new();

@@ -1,4 +1,4 @@
-//! Where names stand and what they mean: what an editor asks for. The stages that resolve names note each declaration and
+//! Where names occur and what they mean: what an editor asks for. The stages that resolve names note each declaration and
 //! each use as they meet it, also in programs with errors; nothing is resolved twice.
 
 use crate::source::{SourceMap, Span};
@@ -12,7 +12,7 @@ pub enum NameKind {
     Entity,
     /// `behavior`
     Behavior,
-    /// What stands in the parentheses of a `behavior`.
+    /// What is in the parentheses of a `behavior`.
     Argument,
     /// `world`
     World,
@@ -50,7 +50,7 @@ pub enum NameKind {
     Never,
 }
 
-/// What is done with a name where it stands.
+/// What is done with a name where it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Role {
     /// It is declared.
@@ -69,7 +69,7 @@ pub struct Occurrence {
     /// What it names.
     pub kind: NameKind,
     /// The name in its declaration. `x` and `y` are declared by the name of their entity; a tag by itself, wherever it
-    /// stands.
+    /// is.
     pub declared: Span,
     /// What is done with it.
     pub role: Role,
@@ -114,7 +114,7 @@ impl Occurrences {
         self.note(Occurrence { at, kind, declared, role: Role::Written });
     }
 
-    /// In order of their places, each once. What stands in copies made by `use` is told of the text itself.
+    /// In order of their places, each once. What is in copies made by `use` is noted of the text itself.
     pub fn sorted(self, sources: &SourceMap) -> Vec<Occurrence> {
         let traced =
             |o: Occurrence| Occurrence { at: sources.trace(o.at).0, declared: sources.trace(o.declared).0, ..o };

@@ -20,13 +20,13 @@ pub(super) struct Parts<T> {
     pub build: fn(&mut Builder<'_>, &Pair<'_, Rule>, usize) -> Part<T>,
 }
 
-/// How what stands in a file is read.
+/// How what is in a file is read.
 pub(super) const ITEMS: Parts<Item> =
     Parts { next: Rule::next_item, plain: Rule::plain_item, build: |b, pair, end| b.item(pair, end) };
-/// How what stands in entities, behaviours, groups and modes is read.
+/// How what is in entities, behaviours, groups and modes is read.
 pub(super) const MEMBERS: Parts<Member> =
     Parts { next: Rule::next_member, plain: Rule::plain_member, build: |b, pair, end| b.part(pair, end) };
-/// How what stands in worlds is read.
+/// How what is in worlds is read.
 pub(super) const WORLD_ITEMS: Parts<WorldItem> =
     Parts { next: Rule::next_world_item, plain: Rule::plain_world_item, build: |b, pair, end| b.world_part(pair, end) };
 /// How updates are read.

@@ -48,7 +48,7 @@ impl Scan {
     pub fn position(&self, mended: usize) -> usize {
         let before = self.insertions.partition_point(|(at, ..)| *at < mended);
         let shift = match before.checked_sub(1).and_then(|last| self.insertions.get(last)) {
-            // The byte may stand within what was inserted.
+            // The byte may be within what was inserted.
             Some(&(at, length, sum)) => sum - length + length.min(mended - at),
             None => 0,
         };
@@ -57,7 +57,7 @@ impl Scan {
 
     /// Whether what is wrong with a place has been told.
     pub fn is_explained(&self, span: Span) -> bool {
-        // They stand in order and do not overlap.
+        // They are in order and do not overlap.
         let before = self.explained.partition_point(|e| e.start() <= span.start());
         before.checked_sub(1).and_then(|last| self.explained.get(last)).is_some_and(|e| e.contains(span))
     }
@@ -85,7 +85,7 @@ pub(super) fn scan(file: FileId, text: &str, diagnostics: &mut Diagnostics) -> S
         let inserts = if is_balanced {
             Vec::new()
         } else {
-            // Where lines begin and braces stand is of interest only now; what is wrong otherwise has been said.
+            // Where lines begin and braces are is of interest only now; what is wrong otherwise has been reported.
             let mut said = Diagnostics::new();
             let mut scanner = Scanner { is_mending: true, ..Scanner::new(file, text, &mut said) };
             scanner.run();
@@ -254,7 +254,7 @@ impl<'a> Scanner<'a> {
     fn one_token(&mut self, i: usize, leads: bool, word: usize) -> usize {
         let is_brace = matches!(self.bytes[i], b'{' | b'}');
         let after = self.brace_or_other(i, leads, word);
-        // An opening brace may stand alone on the next line.
+        // An opening brace may be alone on the next line.
         let belongs = !leads || self.bytes[i] == b'{' || self.lines.last().is_some_and(|l| l.token == i);
         if let Some(line) = self.lines.last_mut().filter(|_| belongs) {
             line.bare_header &= !is_brace;
@@ -394,7 +394,7 @@ impl<'a> Scanner<'a> {
                 return line + self.bytes[line..line_end].iter().position(|&b| b == b'"').unwrap_or(0) + 1;
             }
             if row.ends_with('"') && !row.contains(char::is_whitespace) {
-                // The closing quote stands at the end of the last row.
+                // The closing quote is at the end of the last row.
                 line = line_end + 1;
                 break;
             }
@@ -410,7 +410,7 @@ impl<'a> Scanner<'a> {
         stop.saturating_sub(1).max(i + 1)
     }
 
-    /// `map NAME` whose rows follow without an opening quote, up to a closing one that stands alone.
+    /// `map NAME` whose rows follow without an opening quote, up to a closing one that is alone.
     fn map_without_quote(&mut self, i: usize, word: usize) -> usize {
         let end = self.this_line_end(i);
         let name = self.text.get(i + word..end).unwrap_or("").trim();

@@ -17,7 +17,7 @@ pub(super) struct Failed<'a> {
     pub at: usize,
     /// The token; empty at the end.
     pub found: &'a str,
-    /// What could have stood there, in words.
+    /// What could have been there, in words.
     pub expected: &'a [String],
 }
 
@@ -45,7 +45,7 @@ impl Slip {
 /// What is called with its argument in parentheses.
 const CALLS: [&str; 9] = ["pressed", "held", "released", "touching", "entering", "exiting", "lost", "inside", "timer"];
 
-/// First words of other languages, what stands for them, and what is said of it; none: it takes more than a word.
+/// First words of other languages, what stands for them, and the help; none: it takes more than a word.
 type Habit = (&'static [&'static str], Option<&'static str>, &'static str);
 
 const MEMBERS: &[Habit] = &[
@@ -79,7 +79,7 @@ const MEMBERS: &[Habit] = &[
         None,
         "there are no functions; what several entities share is a `behavior`, taken with `use`",
     ),
-    (&["parallel", "concurrent", "region"], Some("group"), "modes that run beside others stand in a `group`"),
+    (&["parallel", "concurrent", "region"], Some("group"), "modes that run beside others are in a `group`"),
 ];
 
 const ITEMS: &[Habit] = &[
@@ -89,7 +89,7 @@ const ITEMS: &[Habit] = &[
         "what has modes and flows is an `entity`",
     ),
     (&["level", "scene", "game", "stage"], Some("world"), "spaces with entities in them make a `world`"),
-    (&["include", "require", "using", "from"], Some("import"), "other files are taken in by `import \"file.hyped\"`"),
+    (&["include", "require", "using", "from"], Some("import"), "other files are included with `import \"file.hyped\"`"),
     (&["constant", "define", "let", "var"], Some("const"), "a number with a name is a `const`"),
     (&["trait", "mixin", "template", "component"], Some("behavior"), "what several entities share is a `behavior`"),
 ];
@@ -97,18 +97,18 @@ const ITEMS: &[Habit] = &[
 const WORLD_ITEMS: &[Habit] = &[
     (&["room", "scene", "stage", "area"], Some("space"), "a room of a world is a `space`"),
     (&["timestep", "dt", "tick", "fps"], None, "`step 1/60` says how long a step is, s"),
-    (&["tileset", "legend"], Some("tiles"), "what the characters of maps are stands in `tiles NAME 16 x 16 { … }`"),
+    (&["tileset", "legend"], Some("tiles"), "what the characters of maps mean is in `tiles NAME 16 x 16 { … }`"),
     (&["win", "reach", "target"], Some("goal"), "what is to be brought about is a `goal NAME: PREDICATE`"),
     (&["lose", "avoid", "assert", "forbid"], Some("never"), "what must not come about is a `never NAME: PREDICATE`"),
     (&["collision", "collisions", "contact"], Some("collide"), "contacts are ruled by `collide TAG with TAG: block`"),
-    (&["map", "place", "rect", "bounds", "link"], None, "this stands in a space: `space main { … }`"),
+    (&["map", "place", "rect", "bounds", "link"], None, "this belongs in a space: `space main { … }`"),
 ];
 
 const SPACE_ITEMS: &[Habit] = &[
     (&["spawn", "instance", "object", "put", "add"], None, "an instance is placed by `place hero: Hero at (0, 0)`"),
     (&["door", "portal", "exit", "warp"], None, "`link rect(…) -> SPACE at rect(…)` leads into another space"),
     (&["wall", "solid", "platform", "box"], None, "what never moves is `rect TAG (x, y, width, height)`, or a tile"),
-    (&["goal", "never", "player", "collide", "tiles", "step"], None, "this stands in the world, outside of spaces"),
+    (&["goal", "never", "player", "collide", "tiles", "step"], None, "this belongs in the world, outside of spaces"),
 ];
 
 const RAMPS: &[Habit] = &[(&["peak", "hold"], Some("sustain"), "a level that is kept is a `sustain`")];
@@ -148,7 +148,7 @@ impl<'a> Failed<'a> {
         (self.at..self.at + length, text)
     }
 
-    /// What stands in place of all the rest, apart from what stands before it.
+    /// What is in place of all the rest, apart from what is before it.
     fn to_the_end(&self, text: &str) -> (Range<usize>, String) {
         let (Range { start, .. }, text) = self.spaced(0, text);
         (start..self.slice.len(), text.trim_end().to_string())
@@ -171,7 +171,7 @@ fn comment(failed: &Failed<'_>) -> Option<Slip> {
     match rest {
         _ if failed.at > 0 && !failed.expects("the end of the statement") => None,
         _ if ["#include", "#define", "#import"].iter().any(|word| rest.starts_with(word)) => {
-            Some(Slip::new("files are taken in by `import \"file.hyped\"`, numbers get names by `const NAME = 3`"))
+            Some(Slip::new("files are included with `import \"file.hyped\"`, numbers get names by `const NAME = 3`"))
         }
         _ if rest.starts_with('#') => Some(Slip::instead(help, failed.at..failed.at + 1, "//")),
         _ if rest.starts_with("--") => Some(Slip::instead(help, failed.at..failed.at + 2, "//")),
@@ -212,7 +212,7 @@ fn update(failed: &Failed<'_>) -> Option<Slip> {
     });
     if let (Some(sign), Some(value)) = (sign, value.filter(|value| !value.is_empty())) {
         if failed.rule != Rule::only_update {
-            let help = "while a mode lasts, `y' = …` says what flows; `:=` stands in the `{ }` of an edge";
+            let help = "while a mode lasts, `y' = …` says what flows; `:=` belongs in the `{ }` of an edge";
             return Some(Slip::new(help));
         }
         let is_sum = value.trim_start_matches('-').contains(['+', '-', '*', '/', ' ']);
@@ -232,7 +232,7 @@ fn update(failed: &Failed<'_>) -> Option<Slip> {
 fn edge(failed: &Failed<'_>) -> Option<Slip> {
     let rest = failed.rest();
     if failed.expects("`->`") {
-        let help = "where an edge leads stands after `->`";
+        let help = "the target of an edge follows `->`";
         let length = match rest {
             _ if rest.starts_with("=>") => 2,
             _ if ["goto", "then", "to", "do"].contains(&failed.found) => failed.found.len(),
@@ -248,13 +248,13 @@ fn edge(failed: &Failed<'_>) -> Option<Slip> {
         ["do ", "then ", ",", ":", "/", "with "].iter().find_map(|sign| rest.strip_prefix(sign)).unwrap_or(rest);
     let updates = updates.trim();
     (is_edge && !updates.starts_with('{') && updates.contains('=')).then(|| {
-        let help = "updates stand in braces after the mode: `-> MODE { x := 1 }`";
+        let help = "updates are in braces after the mode: `-> MODE { x := 1 }`";
         let (range, text) = failed.to_the_end(&format!("{{ {updates} }}"));
         Slip::instead(help, range, text)
     })
 }
 
-/// A unit that stands apart from its number, or is none.
+/// A unit that is apart from its number, or is none.
 fn unit(failed: &Failed<'_>) -> Option<Slip> {
     // `2sec` is one token, `2px` two.
     let digits = failed.found.bytes().take_while(u8::is_ascii_digit).count();
@@ -277,7 +277,7 @@ fn unit(failed: &Failed<'_>) -> Option<Slip> {
         "s" | "ms" | "frames" if is_apart => {
             let digits = number.rfind(|c: char| !(c.is_ascii_digit() || c == '.')).map_or(0, |at| at + 1);
             let text = format!("{}{}", number.get(digits..)?, failed.found);
-            Some(Slip::instead(format!("a unit stands right after its number: `{text}`"), first..failed.at, ""))
+            Some(Slip::instead(format!("a unit directly follows its number: `{text}`"), first..failed.at, ""))
         }
         "sec" | "secs" | "second" | "seconds" => Some(Slip::instead("seconds are written `2s`", first..last, "s")),
         "frame" => Some(Slip::instead("a time in steps is written `2frames`", first..last, "frames")),
@@ -307,7 +307,7 @@ fn call(failed: &Failed<'_>) -> Option<Slip> {
         return None;
     }
     let text = format!("({})", arguments.join(", "));
-    let help = format!("what is asked stands in parentheses: `{callee}{text}`");
+    let help = format!("the argument is in parentheses: `{callee}{text}`");
     Some(Slip::instead(help, before.len()..end, text))
 }
 
@@ -334,7 +334,7 @@ fn equality(failed: &Failed<'_>) -> Option<Slip> {
 /// A block as Python or a label opens it.
 fn block(failed: &Failed<'_>) -> Option<Slip> {
     let rest = failed.rest().strip_prefix(':').filter(|_| failed.expects("`{`"))?;
-    let help = "a block stands in braces: `{ … }`, without `:`";
+    let help = "a block is in braces: `{ … }`, without `:`";
     let is_braced = rest.trim_start().starts_with('{');
     let instead = is_braced.then(|| (failed.at..failed.at + 1, String::new()));
     Some(Slip { help: help.into(), instead, is_first: false })
@@ -345,7 +345,7 @@ fn opener(failed: &Failed<'_>, opening: &[&'static str]) -> Option<Slip> {
     let first = failed.first_word();
     if first == "initial" && failed.rule == Rule::only_member && failed.expects("`mode`") {
         return Some(Slip::new(
-            "the mode that an entity begins in is marked where it stands: `initial mode NAME { … }`",
+            "the mode that an entity begins in is marked in place: `initial mode NAME { … }`",
         ));
     }
     let habits: &[Habit] = match failed.rule {

@@ -17,7 +17,7 @@ pub(super) struct Substitution {
     pub arguments: Vec<(String, Expr)>,
     /// The first expression that became too long.
     pub too_long: Option<Span>,
-    /// Where parameters stood, and which.
+    /// Where parameters were, and which.
     pub replaced: Vec<(Span, usize)>,
 }
 
@@ -236,7 +236,7 @@ impl Substitution {
             };
             self.replaced.push((at, index));
             *operators += count(argument);
-            // The argument stands in parentheses of its own, except for names: those of buttons and tags are no values.
+            // The argument is in parentheses of its own, except for names: those of buttons and tags are no values.
             *e = match argument.kind {
                 ExprKind::Name(..) | ExprKind::Path(_) | ExprKind::Text(_) => argument.clone(),
                 _ => Expr { kind: ExprKind::Paren(Box::new(argument.clone())), span: e.span },

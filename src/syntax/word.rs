@@ -19,7 +19,7 @@ fn fits(rule: Rule, text: &str) -> bool {
     found.is_some_and(|pair| pair.as_str().len() == text.len())
 }
 
-/// Whether a text can be a name as it stands: not a word that the grammar keeps for itself, and not too long.
+/// Whether a text can be a name as it is: not a word that the grammar keeps for itself, and not too long.
 pub fn is_name(text: &str) -> bool {
     text.len() <= MAX_WORD && fits(Rule::name, text)
 }

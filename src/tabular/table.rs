@@ -1,12 +1,12 @@
 //! A table in plain text, its columns aligned, some of them under a common heading.
 
-/// How many blanks stand between two columns.
+/// How many blanks are between two columns.
 const GAP: usize = 2;
 
 /// A column's heading.
 #[derive(Debug, Clone, Copy)]
 pub struct Column {
-    /// What stands above it and the neighbours that say the same; empty for nothing.
+    /// What is above it and the neighbours that say the same; empty for nothing.
     group: &'static str,
     name: &'static str,
     is_right: bool,
@@ -24,7 +24,7 @@ impl Column {
     }
 }
 
-/// What stands in a row under a column.
+/// What is in a row under a column.
 #[derive(Debug, Clone)]
 pub struct Cell(String);
 

@@ -89,7 +89,7 @@ pub(super) fn position(slot: &Slot) -> [f64; 2] {
     [places.next().unwrap_or(0.0), places.next().unwrap_or(0.0)]
 }
 
-/// A part of an instance that stands somewhere.
+/// A part of an instance that is somewhere.
 pub(super) fn placed(part: &Part, slot: &Slot) -> Bounds {
     moved(part.bounds, position(slot))
 }

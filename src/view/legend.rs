@@ -16,7 +16,7 @@ const SWATCH: f64 = 26.0;
 const GAP: f64 = 7.0;
 const APART: f64 = 22.0;
 
-/// What stands before the words of an entry, drawn in a box of `SWATCH` by 14.
+/// What is before the words of an entry, drawn in a box of `SWATCH` by 14.
 enum Sign {
     Box(String),
     Goal,

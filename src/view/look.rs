@@ -20,7 +20,7 @@ pub(super) enum Role {
     Scenery,
     /// It notices it.
     Sensed,
-    /// It stands on it, and can jump through it from below.
+    /// It is on it, and can jump through it from below.
     OneWay,
     /// It cannot get in.
     Solid,

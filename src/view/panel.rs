@@ -1,4 +1,4 @@
-//! One space, layer by layer: the level, where the player was, the tree, what stands there, the goal, the path, names.
+//! One space, layer by layer: the level, where the player was, the tree, what is there, the goal, the path, names.
 
 use crate::ir::{Bounds, Origin, Program, SlotId, SpaceId, World};
 

@@ -116,7 +116,7 @@ impl Route<'_> {
             if let Some(stop) = stop.filter(|stop| stop.space == space && frame.holds(self.point(stop))) {
                 let at = frame.point(self.point(stop));
                 marker(out, labels, class, at, None);
-                // Where it starts stands the player's name.
+                // Where it starts is the player's name.
                 if class == "end" {
                     labels.write("name strong", class, Rect::around(at, MARKER));
                 }

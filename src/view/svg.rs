@@ -50,7 +50,7 @@ pub(super) fn path(out: &mut String, class: &str, data: &str) {
     }
 }
 
-/// Text as it stands in XML, also in an attribute; characters that XML does not have become U+FFFD.
+/// Text as it is in XML, also in an attribute; characters that XML does not have become U+FFFD.
 pub(super) fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

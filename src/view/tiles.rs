@@ -8,7 +8,7 @@ use super::svg::{box_data, path};
 
 /// The most rectangles of a map.
 const MAX_RECTANGLES: usize = 15_000;
-/// How high the upper edge of what is stood on is, in the picture.
+/// The height of the upper edge of the ground, in the picture.
 const LIP: f64 = 3.0;
 
 /// Tiles by the number of their look.

@@ -57,20 +57,20 @@ pub(super) struct Account<'a> {
     pub invariants: Invariants,
     /// Updates that may leave a range.
     pub leaving: Vec<Leaving>,
-    /// Whether it is of the file that is looked at.
+    /// Whether it is of the file that is examined.
     is_ours: bool,
     /// What is read by guards that values may decide.
     reads: Reads,
 }
 
 impl<'a> Account<'a> {
-    /// Of an entity of which nothing has been seen yet; `is_known` tells that all worlds that have it are looked at.
+    /// Of an entity of which nothing has been seen yet; `is_known` tells that all worlds that have it are examined.
     pub fn new(scene: &'a Scene<'a>, id: EntityId, is_known: bool) -> Self {
         let (program, entity) = (scene.program, &scene.program.entities[id]);
         let is_ours = scene.is_ours(id);
         let mut sites = sites(program, entity);
         if !is_ours {
-            // Of others nothing is said but what concerns all who use a behaviour.
+            // Of others nothing is reported but what concerns all who use a behaviour.
             sites.retain(|s| program.spans.exprs[s.guard].is_copy());
         }
         let mut reads = Reads::default();
@@ -110,7 +110,7 @@ impl<'a> Account<'a> {
         }
         self.can_live |= !known.is_empty();
         if !self.is_known {
-            // Nothing more is said of it.
+            // Nothing more is reported of it.
             return;
         }
         for o in &known {

@@ -26,13 +26,13 @@ pub(super) const SAID: &[Code] = &[
     Code::NoPlayer,
 ];
 
-/// A guard, and how it turns out wherever it is looked at.
+/// A guard, and how it turns out wherever it is examined.
 pub(super) struct Site {
     pub guard: ExprId,
     pub edge: Option<EdgeId>,
-    /// The leaves in which it is looked at, in order; all if none.
+    /// The leaves in which it is examined, in order; all if none.
     leaves: Option<Vec<LeafId>>,
-    /// Whether it is looked at anywhere.
+    /// Whether it is examined anywhere.
     is_asked: bool,
     /// How it turns out at most.
     truth: Truth,

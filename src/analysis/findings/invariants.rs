@@ -1,4 +1,4 @@
-//! Invariants: proven, or where they may break. They are looked at after each step and before the first one, which is
+//! Invariants: proven, or where they may break. They are examined after each step and before the first one, which is
 //! what a configuration holds.
 
 use std::collections::BTreeMap;

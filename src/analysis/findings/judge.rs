@@ -1,5 +1,5 @@
 //! How a guard turns out by the values of the instance itself. What depends on inputs, contacts, other instances, on
-//! parameters alone or on where the instance stands is left open: that is a matter of the level, not of the guard.
+//! parameters alone or on where the instance is is left open: that is a matter of the level, not of the guard.
 
 use std::collections::BTreeSet;
 
@@ -166,7 +166,7 @@ impl<'a> Judge<'a> {
         Judge { program: subject.scene.program, params: Some(&subject.params) }
     }
 
-    /// While the worlds are looked at: what it leaves open stays open.
+    /// While the worlds are examined: what it leaves open stays open.
     pub fn early(program: &'a Program) -> Self {
         Judge { program, params: None }
     }

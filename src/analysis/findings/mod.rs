@@ -1,9 +1,9 @@
 //! What the configuration space tells of a program: guards and modes that values decide, invariants that are not proven,
 //! ranges that are left, bodies that are too fast for what blocks them. Each check has a file of its own.
 //!
-//! A finding holds of all worlds of the program together. The worlds are looked at without the bounds at which a search
+//! A finding holds of all worlds of the program together. The worlds are examined without the bounds at which a search
 //! stops, and with a player for every entity that reads inputs: what is never said to happen does not happen in a run
-//! that goes on beyond, either. Nor does it matter how many things there are to be picked up. They are looked at one by
+//! that goes on beyond, either. Nor does it matter how many things there are to be picked up. They are examined one by
 //! one, and what they tell of each entity is gathered: what a world can be is not kept, unless a caller asks for it.
 
 mod account;
@@ -34,7 +34,7 @@ use tunnelling::Tunnelling;
 /// The most ways of steps that are examined for all worlds of a program: a check answers while one types.
 const MAX_EFFORT: usize = 200_000;
 
-/// Looks for what values tell of the entities of a file. `said` is what was found before: nothing is said twice.
+/// Looks for what values tell of the entities of a file. `said` is what was found before: nothing is reported twice.
 pub fn findings(program: &Program, sources: &SourceMap, root: FileId, said: &Diagnostics) -> Diagnostics {
     look(program, sources, root, said, &Unwatched, &mut |_, space| drop(space)).unwrap_or_default()
 }
@@ -110,7 +110,7 @@ fn look(
     }
     tunnelling.report(&mut found);
     found.trace(sources);
-    // What stands in a behaviour of another file is that file's affair.
+    // What is in a behaviour of another file is that file's affair.
     found.retain(|d| d.primary.as_ref().is_some_and(|l| l.span.file() == root));
     Some(found)
 }
@@ -148,11 +148,11 @@ fn freed<'a>(program: &Program, world: &'a World) -> Cow<'a, World> {
     Cow::Owned(free)
 }
 
-/// What is looked at.
+/// What is examined.
 struct Scene<'a> {
     program: &'a Program,
     sources: &'a SourceMap,
-    /// The file of whose entities something is said.
+    /// The file whose entities are reported on.
     root: FileId,
     said: Said,
 }
@@ -172,7 +172,7 @@ struct Said(Vec<(Code, Span)>);
 impl Said {
     fn new(found: &Diagnostics) -> Self {
         let places = found.iter().flat_map(|d| {
-            // What a trap's edges are is said by its labels.
+            // What a trap's edges are is shown by its labels.
             let more = if d.code == Code::Trap { d.secondary.as_slice() } else { &[] };
             d.primary.iter().chain(more).map(|l| (d.code, l.span)).collect::<Vec<_>>()
         });

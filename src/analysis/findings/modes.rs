@@ -10,7 +10,7 @@ use super::account::Account;
 use super::guards::{SAID, Site, any_of};
 use super::judge::Judge;
 
-/// Reports modes that are never entered; returns the edges whose guards are told of with them.
+/// Reports modes that are never entered; returns the edges whose guards are reported with them.
 pub(super) fn modes(subject: &Account<'_>, found: &mut Diagnostics) -> BTreeSet<EdgeId> {
     let (entity, scene) = (subject.entity, subject.scene);
     let is_live = |mode: ModeId| any_of(&subject.live, entity.modes[mode].leaves);

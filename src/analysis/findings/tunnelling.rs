@@ -266,7 +266,7 @@ impl<'a> Course<'a> {
     }
 }
 
-/// The tags of the tiles that stand somewhere in a map.
+/// The tags of the tiles that are somewhere in a map.
 fn used(map: &TileMap<TagId>) -> Vec<TagSet> {
     let mut stands = vec![false; map.kinds.len()];
     for kind in &map.cells {

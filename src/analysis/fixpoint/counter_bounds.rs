@@ -37,7 +37,7 @@ pub(in crate::analysis) fn ranges(program: &Program, world: &World) -> Limits {
 /// The ranges, cut where there is not enough to raise a variable so far.
 pub(in crate::analysis) fn limits(program: &Program, world: &World) -> Limits {
     let mut limits = ranges(program, world);
-    // What stands on a map that is not known is not known either.
+    // What is on a map that is not known is not known either.
     if world.open.is_some() {
         return limits;
     }

@@ -26,7 +26,7 @@ use crate::analysis::step::evaluate::{Joined, Phase, Reader};
 use crate::analysis::step::forbidden::Forbidden;
 use crate::analysis::step::{Outcome, Stepper};
 
-/// More combinations of leaves than that are not told apart.
+/// More combinations of leaves than that are not distinguished.
 pub(in crate::analysis) const MAX_CONFIGURATIONS: usize = 1_024;
 /// How often the result is cut to what follows from it.
 const NARROWINGS: usize = 2;
@@ -80,7 +80,7 @@ pub(in crate::analysis) struct Analysis<'a> {
     joined: Joined,
     pub scene: Scene<'a>,
     pub surroundings: Surroundings,
-    /// Of each slot the one that is looked at for it: slots in which nothing is at first are alike.
+    /// Of each slot the one that is examined for it: slots in which nothing is at first are alike.
     first: IdVec<SlotId, SlotId>,
     /// What discrete variables can be at most, whatever the steps.
     limits: Limits,
@@ -172,7 +172,7 @@ impl<'a> Analysis<'a> {
         &self.program.entities[self.world.slots[slot].entity]
     }
 
-    /// Whether a slot is looked at itself.
+    /// Whether a slot is examined itself.
     pub(in crate::analysis) fn is_first(&self, slot: SlotId) -> bool {
         self.first[slot] == slot
     }
@@ -206,7 +206,7 @@ impl<'a> Analysis<'a> {
         changed
     }
 
-    /// Where a slot's instance is told apart.
+    /// Where a slot's instance is distinguished.
     pub fn cells(&self, slot: SlotId) -> &Cells {
         &self.scene.cells[self.scene.of[slot]]
     }
@@ -407,7 +407,7 @@ impl<'a> Analysis<'a> {
     fn settle(&mut self, slot: SlotId) -> bool {
         let mut changed = false;
         while self.effort > 0 {
-            // What is met in other spaces is not known before they are told of.
+            // What is met in other spaces is not known before they are reported.
             let told = &self.overall[slot].spaces;
             let known = self.slots[slot].configurations.iter();
             let new = known.filter(|(_, g)| g.is_new && g.at.spaces.is_subset(told));

@@ -9,7 +9,7 @@ use crate::analysis::geometry::presence::{Cover, Presence};
 /// Edges that meet are this near, px: positions are rounded.
 pub(in crate::analysis) const ROUNDING: f64 = 1e-6;
 
-/// How far inside of a platform something may have stood that comes from above, px; as the simulator has it.
+/// How far inside of a platform something may have been that comes from above, px; as the simulator has it.
 pub(in crate::analysis) const TOLERANCE: f64 = 0.001;
 /// How much rounding can shift where edges meet at some coordinates, px.
 pub(in crate::analysis) fn rounding(at: f64) -> f64 {

@@ -1,11 +1,11 @@
-//! How the plane of an instance's positions is cut, so that what it can be is told apart by where it is: a disjunctive
+//! How the plane of an instance's positions is cut, so that what it can be is distinguished by where it is: a disjunctive
 //! completion by location (Cousot and Cousot, *Systematic design of program analysis frameworks*, POPL 1979).
 //!
 //! What falls out of a level falls for ever, faster and faster; that must not be mixed with how fast it moves where there
 //! is something to be met. So there is a cell for what lies around all that never moves, and one each below and beside.
 //!
-//! Where that is asked for, players are told apart by place: the plane is cut at all lines at which pushes can end, so that
-//! a cell lies as a whole inside of what blocks, or outside, and few discrete values are told apart, too. What a player
+//! Where that is asked for, players are distinguished by place: the plane is cut at all lines at which pushes can end, so that
+//! a cell lies as a whole inside of what blocks, or outside, and few discrete values are distinguished, too. What a player
 //! cannot come to by its speed, height and jumps is then shown step by step.
 
 use std::sync::Arc;
@@ -24,11 +24,11 @@ pub(in crate::analysis) type CellId = u32;
 
 /// How far beyond what can be met a cell ends, px.
 const MARGIN: f64 = 1.0;
-/// More cells than that are not told apart.
+/// More cells than that are not distinguished.
 const MAX_CELLS: usize = 4_000;
 /// How far a cell of what fits exactly reaches to both sides, px.
 const THIN: f64 = 4.0 * ROUNDING;
-/// A discrete variable of more values is not told apart, nor are more combinations of them.
+/// A discrete variable of more values is not distinguished, nor are more combinations of them.
 const MAX_VALUES: i32 = 4;
 const MAX_COMBINATIONS: u32 = 16;
 

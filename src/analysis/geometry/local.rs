@@ -1,5 +1,5 @@
 //! What never moves around a place: which contacts there can be, and where pushes end. The rest of the analysis looks at
-//! both axes one by one, which is enough as long as positions are not told apart; by place, a floor counts only above it.
+//! both axes one by one, which is enough as long as positions are not distinguished; by place, a floor counts only above it.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +17,7 @@ use crate::watch::Meter;
 const MAX_SURFACES: usize = 1 << 14;
 /// The size of a bucket in which surfaces are looked up, px.
 const BUCKET: f64 = 32.0;
-/// With more buckets than that under a box, all surfaces are looked at.
+/// With more buckets than that under a box, all surfaces are examined.
 const MAX_BUCKETS: usize = 256;
 
 /// Something that never moves, as one collider meets it.
@@ -47,7 +47,7 @@ pub(in crate::analysis) struct Surfaces {
     /// When each collider is there.
     presences: Vec<Presence>,
     buckets: BTreeMap<(i64, i64), Vec<u32>>,
-    /// Those that lie in too many buckets: they are looked at from everywhere.
+    /// Those that lie in too many buckets: they are examined from everywhere.
     long: Vec<u32>,
 }
 

@@ -6,7 +6,7 @@ use crate::analysis::domain::values::{Interval, Values};
 
 /// With more strips than that only the box around all of them is used.
 const MAX_STRIPS: usize = 256;
-/// So for what is asked of the world, which is looked at in each of them once.
+/// So for what is asked of the world, which is examined in each of them once.
 const MAX_BOXES: usize = 1 << 16;
 
 /// Boxes of positions, px.

@@ -55,7 +55,7 @@ pub(in crate::analysis) struct Contacts {
     cover: Cover,
     /// Where it can get then, in each of its spaces.
     regions: Vec<(SpaceId, Region)>,
-    /// Where it is told apart by place: what never moves, in each space.
+    /// Where it is distinguished by place: what never moves, in each space.
     surfaces: Vec<(SpaceId, Arc<Surfaces>)>,
     /// So: what never moves although it could, as far as it pushes it.
     obstacles: Vec<(SpaceId, Surfaces)>,
@@ -119,7 +119,7 @@ impl Surroundings {
         self.of(slot).places.get(touch.index()).unwrap_or(&ANYWHERE)
     }
 
-    /// Boxes around where an instance of a configuration is while a contact question holds; none if it is not told apart
+    /// Boxes around where an instance of a configuration is while a contact question holds; none if it is not distinguished
     /// by place.
     pub fn touched(&self, slot: SlotId, id: TouchId, touch: &Touch, at: &Configuration) -> Option<Vec<[Interval; 2]>> {
         let contacts = self.of(slot);
@@ -177,7 +177,7 @@ impl Surroundings {
         for ((axis, places), own) in (0..).zip(&contacts.carried).zip(way.own) {
             if let Some(places) = places {
                 let var = VarId(axis);
-                // It stood near the carrier, and has gone from there by itself and with it.
+                // It was near the carrier, and has gone from there by itself and with it.
                 moved.vars[var][0] = moved.vars[var][0].or(&places.map(|i| i.plus(own)));
                 moved.energy[var] = None;
             }
@@ -265,7 +265,7 @@ impl Contacts {
         }
     }
 
-    /// Where what never moves near to an instance can push it, if it is told apart by place.
+    /// Where what never moves near to an instance can push it, if it is distinguished by place.
     fn local_edges(&self, far: f64, at: &Configuration) -> Option<Edges> {
         if self.surfaces.is_empty() || !self.is_gentle {
             return None;
@@ -368,7 +368,7 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
         out.is_loose |= !pair.meeting.response.stop || !theirs.kinematic;
         is_moved_by_movers |= !theirs.kinematic;
         let crowd = &crowds[pair.kind];
-        // It may have been pushed since it stood on the carrier; what never moves carries nothing along.
+        // It may have been pushed since it was on the carrier; what never moves carries nothing along.
         let slack = [0, 1].map(|axis| crowds[me].push[axis] + crowd.displacement[axis]);
         let slack = crowd.still.is_none().then_some(slack);
         pushed_by(&mut out, &mut carried, pair, (mine, theirs), crowd, slack);
@@ -434,7 +434,7 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
     out
 }
 
-/// What pushes a kind and never moves although it could, where the kind is told apart by place.
+/// What pushes a kind and never moves although it could, where the kind is distinguished by place.
 fn obstacles(scene: &Scene<'_>, me: usize, crowd: &Crowd) -> Vec<(SpaceId, Surfaces)> {
     let kind = &scene.kinds[me];
     if scene.surfaces[me].is_empty() {

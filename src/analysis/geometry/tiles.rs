@@ -1,4 +1,4 @@
-//! The tiles of a space as the analysis looks at them: which kinds stand where, in which columns and rows.
+//! The tiles of a space as the analysis looks at them: which kinds are where, in which columns and rows.
 
 use crate::ir::{Bounds, Side, SpaceId, TagId, TagSet, TileMap, World};
 use crate::watch::Meter;

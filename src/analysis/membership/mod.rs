@@ -88,7 +88,7 @@ pub struct Membership {
     tables: Vec<Table>,
     /// The table of each slot.
     of: IdVec<SlotId, usize>,
-    /// The same with players told apart by place: proofs rest on both.
+    /// The same with players distinguished by place: proofs rest on both.
     finer: Option<Box<Membership>>,
 }
 
@@ -164,7 +164,7 @@ struct Falling {
 #[derive(Debug, Clone, Default)]
 struct Table {
     can_be_absent: bool,
-    /// Whatever the leaves, the rows are looked at.
+    /// Whatever the leaves, the rows are examined.
     any_leaves: bool,
     groups: usize,
     /// What each leaf adds to the key of a combination.

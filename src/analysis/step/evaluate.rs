@@ -17,7 +17,7 @@ use crate::analysis::geometry::surroundings::Surroundings;
 /// The phase of the simulator in which an expression is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::analysis) enum Phase {
-    /// The discrete phase, and what is looked at between steps: everything is as the step began.
+    /// The discrete phase, and what is examined between steps: everything is as the step began.
     Discrete,
     /// The continuous phase: everything is as the discrete phase left it, but for contacts, which are those of the last
     /// collision phase.
@@ -76,7 +76,7 @@ pub(in crate::analysis) struct Reader<'a> {
     pub joined: &'a Joined,
     /// What is known of each slot's contacts.
     pub surroundings: &'a Surroundings,
-    /// In a world's predicate: an instance, and what it is looked at in.
+    /// In a world's predicate: an instance, and what it is examined in.
     pub pinned: Option<(SlotId, Pinned<'a>)>,
     /// The instance that `Subject::Me` stands for, none in a world's predicate.
     pub me: Option<(SlotId, &'a Configuration)>,
@@ -134,7 +134,7 @@ impl<'a> Reader<'a> {
         values
     }
 
-    /// A position of an instance, within the part of its region that it is looked at in.
+    /// A position of an instance, within the part of its region that it is examined in.
     fn in_part(&self, slot: SlotId, axis: usize, at: &Values) -> Values {
         match self.pinned {
             Some((pinned, Pinned::Part(_, part))) if pinned == slot => at.within(part[axis]),

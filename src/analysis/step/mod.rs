@@ -19,7 +19,7 @@ use crate::analysis::geometry::landing::{Landing, Whose};
 use crate::analysis::geometry::scene::Scene;
 use crate::analysis::step::evaluate::{Phase, Reader};
 
-/// The most ways of a step that are told apart.
+/// The most ways of a step that are distinguished.
 const MAX_WAYS: usize = 512;
 
 /// What can come of a step.
@@ -384,7 +384,7 @@ impl<'a> Stepper<'a> {
         }
     }
 
-    /// The links that the instance can stand in and that can be open, with their spaces.
+    /// The links that the instance can be in and that can be open, with their spaces.
     fn open_links(&self, at: &Configuration) -> Vec<(SpaceId, &'a Link)> {
         // The guards of links read the world's instances.
         let onlooker = Reader { me: None, ..self.reader };
@@ -401,7 +401,7 @@ impl<'a> Stepper<'a> {
         self.reader.surroundings.is_covered(self.slot, &at.leaves)
     }
 
-    /// Where the instance can stand in a link, if it was kept out of what blocks it or not.
+    /// Where the instance can be in a link, if it was kept out of what blocks it or not.
     fn standing(&self, space: SpaceId, link: &Link, at: &Configuration, is_covered: bool) -> [Values; 2] {
         let from = &link.from;
         let axis = |axis: u32, low: f64, high: f64| at.vars[VarId(axis)][0].within(Interval { low, high });
@@ -409,7 +409,7 @@ impl<'a> Stepper<'a> {
         if is_covered { self.reader.surroundings.within_region(self.slot, space, &x, &y) } else { [x, y] }
     }
 
-    /// What comes out of a link, where updates may have put `x` or `y` elsewhere since it stood there.
+    /// What comes out of a link, where updates may have put `x` or `y` elsewhere since it was there.
     fn through(
         &self,
         (space, link): (SpaceId, &Link),

@@ -26,8 +26,7 @@ impl LevelArgs {
 /// How the level of worlds that leave their map open is read.
 #[derive(Debug, Args)]
 pub(in crate::cli) struct ReadingArgs {
-    /// What the characters of the level stand for: a legend of the VGLC. What the program itself says of a character
-    /// goes before.
+    /// The meaning of the level's characters: a legend of the VGLC. A meaning in the program itself takes precedence.
     #[arg(long, value_name = "PATH")]
     pub legend: Option<PathBuf>,
     /// Width and height of a tile of the level, px.

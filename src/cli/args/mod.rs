@@ -28,29 +28,29 @@ pub(in crate::cli) enum Command {
     Check(CheckArgs),
     /// Puts programs into their canonical layout.
     Fmt(FmtArgs),
-    /// Makes programs of what other systems describe.
+    /// Converts entities and levels of other systems to programs.
     #[command(subcommand)]
     Import(ImportCommand),
     /// Prints the flat intermediate representation of a program.
     Ir(IrArgs),
     /// Runs a world with given inputs.
     Sim(SimArgs),
-    /// Searches for inputs that bring about a world's goals.
+    /// Searches for inputs that reach a world's goals, or proves that there are none.
     Reach(ReachArgs),
     /// Runs planners many times over the same goals, and compares them in tables.
     Experiment(ExperimentArgs),
     /// Explains the code of a finding, with a wrong and a right example.
     Explain(ExplainArgs),
-    /// Tells what each part of a world can be.
+    /// Shows the values that each part of a world can have.
     Bounds(BoundsArgs),
     /// Draws the modes and edges of entities.
     Graph(GraphArgs),
     #[cfg(feature = "lsp")]
-    /// Serves an editor: the language server over standard input and output.
+    /// Runs the language server over standard input and output.
     Lsp(LspArgs),
-    /// Makes a folder with a small project to start from.
+    /// Creates a folder with a small project to start from.
     New(NewArgs),
-    /// Prints what a shell needs to complete commands.
+    /// Prints completions for a shell.
     Completions(CompletionsArgs),
     /// Prints a page of the manual.
     Man(ManArgs),
@@ -59,7 +59,7 @@ pub(in crate::cli) enum Command {
 #[cfg(feature = "lsp")]
 #[derive(Debug, Args)]
 pub(in crate::cli) struct LspArgs {
-    /// Over standard input and output, which is all there is: editors say so by habit.
+    /// Uses standard input and output, the only transport; editors pass it by convention.
     #[arg(long)]
     pub stdio: bool,
 }
@@ -96,15 +96,15 @@ pub(in crate::cli) struct CheckArgs {
     /// How findings are shown.
     #[arg(long, value_enum, default_value = "human")]
     pub format: FindingFormat,
-    /// What else makes the answer no (exit code 1), beside errors.
+    /// What makes the command fail (exit code 1), in addition to errors.
     #[arg(long, value_enum, value_name = "WHAT")]
     pub deny: Option<Denied>,
-    /// Mends what is certain, in the files and in those they import from the same folder or one in it.
+    /// Applies the fixes that are certain, in the files and in their imports from the same folder or below.
     #[arg(long)]
     pub fix: bool,
 }
 
-/// What `--deny` turns away.
+/// What `--deny` rejects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(in crate::cli) enum Denied {
     /// All warnings; they are still shown as warnings.
@@ -113,10 +113,10 @@ pub(in crate::cli) enum Denied {
 
 #[derive(Debug, Args)]
 pub(in crate::cli) struct FmtArgs {
-    /// The programs to rewrite; `-` goes from standard input to standard output.
+    /// The programs to rewrite; `-` reads standard input and writes standard output.
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
-    /// Changes nothing; says which programs would change.
+    /// Changes nothing; lists the programs that would change.
     #[arg(long)]
     pub check: bool,
 }
@@ -145,10 +145,10 @@ pub(in crate::cli) struct ImportZeldaArgs {
 /// Where imported text goes, and findings.
 #[derive(Debug, Args)]
 pub(in crate::cli) struct ImportInto {
-    /// Writes `NAME.hyped` for each file into this folder; by itself all go to standard output.
+    /// Writes `NAME.hyped` for each file into this folder [default: standard output].
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Replaces files that are there already.
+    /// Replaces files that exist.
     #[arg(long, requires = "output")]
     pub force: bool,
     /// How findings are shown, on standard error.
@@ -202,7 +202,7 @@ right and jump for 12, nothing for 10. `steer=-1` sets an axis; `left right down
 `vertical`; `2:jump` is player 2's."
 )]
 pub(in crate::cli) struct SimArgs {
-    /// The program; with `--replay`, another one than that of the trace.
+    /// The program; with `--replay`, a program to use instead of the one in the trace.
     #[arg(value_name = "FILE", required_unless_present = "replay")]
     pub file: Option<PathBuf>,
     #[command(flatten)]
@@ -216,22 +216,22 @@ pub(in crate::cli) struct SimArgs {
     /// A file that holds an input script.
     #[arg(long, value_name = "PATH")]
     pub inputs_file: Option<PathBuf>,
-    /// How many steps to run; the script is cut, or followed by no input.
+    /// The number of steps to run; a longer script is cut, after a shorter one there is no input.
     #[arg(long, value_name = "N")]
     pub frames: Option<u64>,
     /// Writes every state to a file; `-` for standard output.
     #[arg(long, value_name = "PATH")]
     pub trace: Option<PathBuf>,
-    /// How states are written; by itself as CSV if the file's name ends in `.csv`, else as JSON lines.
+    /// How states are written [default: CSV if the file's name ends in `.csv`, else JSON lines].
     #[arg(long, value_enum, value_name = "FORMAT", requires = "trace")]
     pub trace_format: Option<TraceFormatName>,
-    /// A goal that must have held by the end of the run, or the answer is no.
+    /// Fails unless this goal has held by the end of the run.
     #[arg(long, value_name = "GOAL")]
     pub expect: Vec<String>,
-    /// A goal or a `never` that must not have held at any step, or the answer is no.
+    /// Fails if this goal or `never` has held at any step.
     #[arg(long, value_name = "NAME")]
     pub expect_not: Vec<String>,
-    /// Runs a trace again by what its header says, and compares each line.
+    /// Repeats the run of a trace from its header, and compares each line.
     #[arg(
         long,
         value_name = "TRACE",
@@ -264,7 +264,7 @@ pub(in crate::cli) struct ReachArgs {
     /// The program.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// The level of worlds that leave their map open. Several are searched one by one; a folder stands for the levels in
+    /// The level of worlds that leave their map open. Several levels are searched one by one; a folder means all levels in
     /// it: `.txt`, `.tmx` and `.tmj` files.
     #[arg(long, value_name = "PATH", num_args(1..))]
     pub map: Vec<PathBuf>,
@@ -273,26 +273,26 @@ pub(in crate::cli) struct ReachArgs {
     /// The world, where the program has several.
     #[arg(long, value_name = "NAME")]
     pub world: Option<String>,
-    /// A goal to ask for; all goals of the world if nothing is asked for.
+    /// A goal to reach [default: all goals of the world].
     #[arg(long, value_name = "NAME", help_heading = "The question")]
     pub goal: Vec<String>,
-    /// A `never` to break: asks for a counterexample.
+    /// A `never` to break: searches for a counterexample.
     #[arg(long, value_name = "NAME", help_heading = "The question")]
     pub never: Vec<String>,
-    /// Asks for ways on which a predicate never holds: are the key, the run button needed?
+    /// Only paths on which a predicate never holds: is the key needed, or the run button?
     #[arg(long, value_name = "PREDICATE", help_heading = "The question")]
     pub without: Option<String>,
-    /// Asks for ways that take at most so long from where the search begins, such as `600frames` or `10s`.
+    /// Only paths that take at most this time from where the search begins, such as `600frames` or `10s`.
     #[arg(long, value_name = "TIME", value_parser = Time::read, help_heading = "The question")]
     pub within: Option<Time>,
-    /// Begins in the state that an input script leads to; several make several beginnings.
+    /// Begins in the state that an input script leads to; can be given several times.
     #[arg(long, value_name = "SCRIPT", allow_hyphen_values = true, help_heading = "The question")]
     pub after: Vec<String>,
-    /// Admits only inputs that are held for so long at least, such as `12frames` or `200ms`. An input is what all players give
-    /// together; once the time is over, it can change at any step.
+    /// Only inputs that are held for at least this time, such as `12frames` or `200ms`. An input is that of all players
+    /// together; when the time is over, it can change at any step.
     #[arg(long, value_name = "TIME", value_parser = Time::read, help_heading = "The question")]
     pub min_hold: Option<Time>,
-    /// Who searches.
+    /// The planner that searches.
     #[arg(long, value_name = "NAME", default_value = "auto", value_parser = planner(), help_heading = "The search")]
     pub planner: String,
     /// Where samples are drawn from.
@@ -301,49 +301,48 @@ pub(in crate::cli) struct ReachArgs {
     /// What distances are measured in.
     #[arg(long, value_enum, value_name = "METRIC", default_value = "full", help_heading = "The search")]
     pub metric: MetricName,
-    /// For how long planners hold an input: `10frames`, or `10frames..1s` to draw it for each extension. By itself, a planner
-    /// holds them for 10 steps, `coverage` and `lead` for 4 to 60; `exhaustive` and `best-first` for as short as the question
-    /// admits.
+    /// The time for which planners hold an input: `10frames`, or `10frames..1s` to draw it for each extension [default: 10
+    /// steps; 4 to 60 for `coverage` and `lead`; as short as the question allows for `exhaustive` and `best-first`].
     #[arg(long, value_name = "TIME|A..B", value_parser = Hold::read, help_heading = "The search")]
     pub hold: Option<Hold>,
-    /// The nodes of the shortest tree before a new one is begun, or `never`. By itself, `lead` takes 100000, `coverage` 20000,
-    /// others 2000.
+    /// The number of nodes of the shortest tree before a restart, or `never` [default: 100000 for `lead`, 20000 for
+    /// `coverage`, 2000 for others].
     #[arg(long, value_name = "N|never", value_parser = restart, help_heading = "The search")]
     pub restart: Option<Restart>,
-    /// How many trees grow side by side, each from a seed of its own.
+    /// The number of trees that grow side by side, each from a seed of its own.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..), help_heading = "The search")]
     pub trees: u16,
-    /// How many threads let them grow, or how many of several levels are searched side by side; the result is the same
-    /// for any number.
+    /// The number of threads that grow the trees, or of levels that are searched in parallel; the result does not depend
+    /// on it.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..), help_heading = "The search")]
     pub threads: u16,
     /// The seed: the same seed gives the same search.
     #[arg(long, value_name = "N", default_value_t = 1, help_heading = "The search")]
     pub seed: u64,
-    /// Does not hold every state against what the analysis says the world can be. For measurements of what that costs: a
-    /// mistake of the analysis, and of the proofs that rest on it, goes unnoticed then.
+    /// Does not check every state against the analysis. For measuring the cost of these checks: without them, a mistake of
+    /// the analysis, and of the proofs that rest on it, goes unnoticed.
     #[arg(long, help_heading = "The search")]
     pub no_check_states: bool,
-    /// The most nodes to grow for each goal; by itself 200000, or with `--seconds` as many as come.
+    /// The most nodes for each goal [default: 200000; with `--seconds` no limit].
     #[arg(long, value_name = "N", help_heading = "The budget")]
     pub nodes: Option<u64>,
-    /// The most seconds to take for each goal; for the first one, with the analysis of the world.
+    /// The most seconds for each goal; for the first one, the analysis of the world included.
     #[arg(long, value_name = "S", value_parser = seconds, help_heading = "The budget")]
     pub seconds: Option<f64>,
-    /// The most memory that trees may take, MiB.
+    /// The most memory for trees, MiB.
     #[arg(long, value_name = "MIB", default_value_t = 2048, help_heading = "The budget")]
     pub memory: u64,
     /// As text for people, or as JSON.
     #[arg(long, value_enum, default_value = "human", help_heading = "The result")]
     pub format: ResultFormat,
-    /// Looks for faster ways than the one that is found, with at most as many nodes again, and takes out changes of inputs
-    /// that are not needed.
+    /// Searches for faster paths than the one that is found, with at most as many nodes again, and removes changes of
+    /// inputs that are not needed.
     #[arg(long, help_heading = "The result")]
     pub minimize: bool,
     /// Writes the inputs of a found path to a file; with several goals, the goal's name goes before the extension.
     #[arg(long, value_name = "PATH", help_heading = "The result")]
     pub save_inputs: Option<PathBuf>,
-    /// Draws the level, what was covered, the tree and the path to an SVG file; with several goals as above.
+    /// Draws the level, the coverage, the tree and the path to an SVG file; with several goals as above.
     #[arg(long, value_name = "PATH", help_heading = "The result")]
     pub svg: Option<PathBuf>,
     /// Adds all nodes to the JSON result.
@@ -358,7 +357,7 @@ pub(in crate::cli) struct ReachArgs {
 pub(in crate::cli) enum SampleBounds {
     /// A box: the level for positions, ±1000 for velocities and accelerations, all combinations of modes.
     Naive,
-    /// What can be in each combination of modes, as `hypedc bounds` shows it.
+    /// The values that are possible in each combination of modes, as `hypedc bounds` shows them.
     Reduced,
 }
 
@@ -387,7 +386,7 @@ fn planner() -> clap::builder::PossibleValuesParser {
 
 #[derive(Debug, Args)]
 pub(in crate::cli) struct ExplainArgs {
-    /// The codes, such as E0302; without one, all codes are listed.
+    /// The codes, such as E0302 [default: a list of all codes].
     #[arg(value_name = "CODE")]
     pub codes: Vec<String>,
 }
@@ -397,7 +396,7 @@ pub(in crate::cli) struct GraphArgs {
     /// The program.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// An entity to draw; all of the program if none is given.
+    /// An entity to draw [default: all of the program].
     #[arg(long, value_name = "NAME")]
     pub entity: Vec<String>,
     /// What is written to standard output.
@@ -412,13 +411,13 @@ pub(in crate::cli) enum GraphFormat {
     Dot,
     /// A Mermaid `stateDiagram-v2`.
     Mermaid,
-    /// A picture that needs nothing else.
+    /// A self-contained picture.
     Svg,
 }
 
 #[derive(Debug, Args)]
 pub(in crate::cli) struct NewArgs {
-    /// The folder to make; there must be none of that name.
+    /// The folder to create; it must not exist.
     #[arg(value_name = "NAME")]
     pub name: PathBuf,
 }
@@ -432,7 +431,7 @@ pub(in crate::cli) struct CompletionsArgs {
 
 #[derive(Debug, Args)]
 pub(in crate::cli) struct ManArgs {
-    /// The subcommand that the page is about; the whole command if none is given.
+    /// The subcommand that the page is about [default: the whole command].
     #[arg(value_name = "COMMAND")]
     pub command: Option<String>,
 }

@@ -1,4 +1,4 @@
-//! The tables of `hypedc bounds`. What no mode changes stands in one list; then, for each group, one row a mode and one
+//! The tables of `hypedc bounds`. What no mode changes is in one list; then, for each group, one row a mode and one
 //! column for each number that differs between its modes, whatever the other groups do.
 
 use std::collections::BTreeSet;
@@ -27,12 +27,12 @@ struct Slot<'a> {
     space: &'a SlotSpace,
 }
 
-/// Slots that are alike, but for where they stand if they never move.
+/// Slots that are alike, but for where they are if they never move.
 struct Alike {
     slots: Vec<SlotId>,
-    /// What is told of all.
+    /// The text about all.
     shared: String,
-    /// What is told of the first; of all, as long as it is the same.
+    /// The text about the first; about all, as long as it is the same.
     own: Option<String>,
 }
 
@@ -71,7 +71,7 @@ fn told(d: Dimensions) -> String {
 }
 
 impl Slot<'_> {
-    /// Everything after the name; with or without the place where it stands if it never moves.
+    /// Everything after the name; with or without the place where it is if it never moves.
     fn text(&self, place: bool) -> String {
         if self.space.is_given_up {
             let why = self.space.why.map_or(String::new(), |why| format!(" ({})", why.reason()));

@@ -7,20 +7,20 @@ use clap::Args;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Many levels")]
 pub(in crate::cli) struct CorpusArgs {
-    /// Keeps a row for each level and goal in a file of JSON lines, each as soon as it is done; a later run with the same
-    /// file does only what is missing or has changed.
+    /// Appends a row for each level and goal to a file of JSON lines as soon as it is known; a later run with the same file
+    /// does only what is missing or has changed.
     #[arg(long, value_name = "FILE.jsonl")]
     pub results: Option<PathBuf>,
-    /// Writes the rows to a CSV file, too, as they come.
+    /// Also writes the rows to a CSV file as they are found.
     #[arg(long, value_name = "FILE.csv")]
     pub csv: Option<PathBuf>,
     /// Writes a JUnit report, with a case for each level and goal.
     #[arg(long, value_name = "FILE.xml")]
     pub junit: Option<PathBuf>,
-    /// Tells what changed since an older run, whose `--results` this is. The answer is no if it is worse.
+    /// Reports what changed since an older run, whose `--results` file this is; fails if something is worse.
     #[arg(long, value_name = "FILE.jsonl")]
     pub baseline: Option<PathBuf>,
-    /// By how many percent the length of a path may differ from the baseline before it is told.
+    /// The difference in the length of a path, in percent of the baseline, above which it is listed.
     #[arg(long, value_name = "PERCENT", default_value_t = 10.0, value_parser = percent, requires = "baseline")]
     pub tolerance: f64,
 }

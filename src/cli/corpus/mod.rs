@@ -137,7 +137,7 @@ impl Run<'_> {
         let bar = bar(rows.len());
         if let (Some(path), true) = (&args.corpus.results, self.files.record.as_ref().is_some_and(|file| file.was_cut))
         {
-            writeln!(io::stderr(), "the last row of `{}` was cut off, and is done anew", path.display())?;
+            writeln!(io::stderr(), "the last row of `{}` was cut off, and is repeated", path.display())?;
         }
         let Run { common, levels, files, .. } = &mut self;
         let task = |at: usize, task_context: &TaskContext<'_, Done>| common.level(&levels[at], task_context);
@@ -234,7 +234,7 @@ impl Files {
                 let rows = if left_out == 1 { "row was" } else { "rows were" };
                 let _ = writeln!(
                     io::stderr(),
-                    "{left_out} {rows} taken out of `{}`: nobody asked for them any more",
+                    "{left_out} {rows} taken out of `{}`: no question of this run has them",
                     path.display()
                 );
             }

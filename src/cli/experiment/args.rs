@@ -63,12 +63,12 @@ impl PaperGoal {
 
 #[derive(Debug, Args)]
 pub(in crate::cli) struct FilesArgs {
-    /// The programs, for all goals of all their worlds.
+    /// The programs: all goals of all their worlds.
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
     #[command(flatten)]
     pub level: LevelArgs,
-    /// Asks for goals of this name alone.
+    /// Only goals with this name.
     #[arg(long, value_name = "NAME")]
     pub goal: Vec<String>,
     #[command(flatten)]
@@ -78,10 +78,10 @@ pub(in crate::cli) struct FilesArgs {
 /// What all experiments have.
 #[derive(Debug, Args)]
 pub(in crate::cli) struct ExperimentOptions {
-    /// How often each planner is run: with the seeds 1 to N.
+    /// The number of runs of each planner, with the seeds 1 to N.
     #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u32).range(1..))]
     pub seeds: u32,
-    /// The planners, with commas between them; `all` for all. The paper's four for `paper`, else all.
+    /// The planners, separated by commas, or `all` [default: the paper's four for `paper`, else all].
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', value_parser = planners())]
     pub planners: Vec<String>,
     /// Where samples are drawn from.
@@ -90,26 +90,26 @@ pub(in crate::cli) struct ExperimentOptions {
     /// What distances are measured in.
     #[arg(long, value_enum, value_name = "METRIC", default_value = "full")]
     pub metric: MetricChoice,
-    /// For how many steps an input is held: `10frames`, or `10..60frames` to draw it for each extension. If none is given, as
-    /// each planner does by itself.
+    /// The number of steps for which an input is held: `10frames`, or `10..60frames` to draw it for each extension [default:
+    /// as each planner does].
     #[arg(long, value_name = "STEPS|A..B", value_parser = hold)]
     pub hold: Option<(u16, u16)>,
-    /// The most seconds of CPU time that a run may take.
+    /// The most CPU seconds of a run.
     #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = seconds, help_heading = "The budget")]
     pub seconds: f64,
-    /// The most nodes that a run may grow; no limit by itself.
+    /// The most nodes of a run [default: no limit].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), help_heading = "The budget")]
     pub nodes: Option<u64>,
-    /// The most memory that a run may take, MiB.
+    /// The most memory of a run, MiB.
     #[arg(long, value_name = "MIB", default_value_t = 2048, value_parser = clap::value_parser!(u64).range(1..=1 << 40), help_heading = "The budget")]
     pub memory: u64,
-    /// How many runs go on at once, each on a thread of its own; as many as there are cores by itself.
+    /// The number of runs at the same time, each on a thread of its own [default: the number of cores].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = "The budget")]
     pub threads: Option<u16>,
-    /// What goes to standard output.
+    /// The format of standard output.
     #[arg(long, value_enum, default_value = "text", help_heading = "The result")]
     pub format: ExperimentFormat,
-    /// Writes a line for each run to a file, as they come.
+    /// Writes a line for each run to a file, as runs end.
     #[arg(long, value_name = "PATH", help_heading = "The result")]
     pub csv: Option<PathBuf>,
     /// Writes settings, runs and rows to a file.
@@ -144,7 +144,7 @@ impl ExperimentOptions {
 pub(in crate::cli) enum BoundsChoice {
     /// A box for everything.
     Naive,
-    /// What the analysis finds that can be.
+    /// The values that the analysis finds possible.
     Reduced,
     /// Each in turn.
     Both,

@@ -1,4 +1,4 @@
-//! What is said and kept where a search has led to a state which the analysis says that there is not: it is wrong about this
+//! What is reported and kept where a search has reached a state that the analysis rules out: it is wrong about this
 //! world, which is a mistake of `hypedc`, and nothing is proven by it.
 
 use std::fs::File;
@@ -13,7 +13,7 @@ use crate::reach::Refutation;
 
 use crate::cli::report::program_sha256;
 
-/// The most files of one name, told apart by numbers.
+/// The most files of one name, distinguished by numbers.
 const MAX_FILES: usize = 10_000;
 
 /// A run that refutes the analysis, as results have it.

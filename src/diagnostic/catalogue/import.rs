@@ -64,15 +64,15 @@ pub enum Misfit {
         /// The element.
         owner: &'static str,
     },
-    /// An element that cannot stand in the other one.
+    /// An element that cannot be in the other one.
     Element {
         /// Its name.
         name: String,
-        /// What it stands in.
+        /// What it is in.
         owner: &'static str,
-        /// One that may stand there and is spelt nearly so.
+        /// One that may be there and is spelt nearly so.
         near: Option<String>,
-        /// Whether it may stand elsewhere.
+        /// Whether it may be elsewhere.
         elsewhere: bool,
     },
     /// An element is not there.
@@ -86,12 +86,12 @@ pub enum Misfit {
     Twice {
         /// Its name.
         name: String,
-        /// What it stands in.
+        /// What it is in.
         owner: &'static str,
     },
     /// Text between elements.
     Text {
-        /// What it stands in.
+        /// What it is in.
         owner: &'static str,
     },
     /// A word that is none of those possible.
@@ -150,7 +150,7 @@ impl Fact for BadForm {
             Misfit::Element { name: found, owner, near, elsewhere } => {
                 let found = name(found);
                 let message = if *elsewhere {
-                    format!("`<{found}>` cannot stand in `<{owner}>`")
+                    format!("`<{found}>` is not allowed in `<{owner}>`")
                 } else {
                     format!("there is no `<{found}>` in the form of entities{}", did_you_mean(near.as_ref()))
                 };
@@ -160,14 +160,14 @@ impl Fact for BadForm {
                 .at(at, "without it, this is left out")
                 .help(format!("add a `<{name}>`")),
             Misfit::Twice { name, owner } => form(format!("a second `<{name}>` in one `<{owner}>`"))
-                .at(at, "only one can stand there: all of it is left out")
+                .at(at, "only one is allowed there: all of it is left out")
                 .help("put both in one, or take one out"),
-            Misfit::Text { owner } => form(format!("text stands in `<{owner}>`"))
+            Misfit::Text { owner } => form(format!("text is in `<{owner}>`"))
                 .at(at, "left out")
                 .help("make a comment of it: `<!-- … -->`"),
             Misfit::Word { found, known } => {
                 let words: Vec<String> = known.iter().map(|w| format!("`{w}`")).collect();
-                form(format!("`{}` is none of the words that can stand here", name(found)))
+                form(format!("`{}` is none of the words that are allowed here", name(found)))
                     .at(at, "not known")
                     .help(format!("write {}", list(&words, "or")))
             }

@@ -128,7 +128,7 @@ pub struct Shadowed {
     pub at: Span,
     /// The guard of the earlier one.
     pub by: Span,
-    /// Whether the earlier one stands in a mode around.
+    /// Whether the earlier one is in a mode around.
     pub outer: bool,
 }
 
@@ -140,7 +140,7 @@ impl Fact for Shadowed {
         if self.outer {
             d.note("edges of a mode are tried before those of the modes inside of it")
         } else {
-            d.note("the edges of a mode are tried in the order in which they stand")
+            d.note("the edges of a mode are tried in the order in which they are written")
         }
     }
 }
@@ -171,7 +171,7 @@ pub struct UncarriedTag {
     pub tag: String,
     /// Where it is asked for.
     pub at: Span,
-    /// A carried one of a similar name, and where it stands first.
+    /// A carried one of a similar name, and where it is first.
     pub near: Option<(String, Span)>,
 }
 
@@ -232,7 +232,7 @@ impl Fact for NoPlayer {
         let (name, span) = self.instance;
         Diagnostic::new(Code::NoPlayer, format!("no player gives the inputs of `{}`", self.entity))
             .at(self.at, "never pressed")
-            .and(span, "this instance is nobody's")
+            .and(span, "no player controls this instance")
             .help(format!("add `player 1: {name}` to the world"))
     }
 }
@@ -287,7 +287,7 @@ impl Fact for LinkNowhere {
 pub struct BeyondBounds {
     /// What, and what it does: `this holds`, `this link is followed`.
     pub what: String,
-    /// Where it stands.
+    /// Its place.
     pub at: Span,
 }
 

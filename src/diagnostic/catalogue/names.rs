@@ -11,7 +11,7 @@ pub struct UnknownName {
     pub kind: &'static str,
     /// The name.
     pub name: String,
-    /// Where it stands.
+    /// Its place.
     pub at: Span,
     /// The nearest name of that kind, and whether it is the only near one.
     near: Option<(String, bool)>,
@@ -27,7 +27,7 @@ pub struct UnknownName {
 const MAX_LISTED: usize = 8;
 
 impl UnknownName {
-    /// The name of some kind that stands at a place, and all names of that kind with where they are declared.
+    /// The name of some kind that is at a place, and all names of that kind with where they are declared.
     pub fn new<'a>(
         kind: &'static str,
         name: &str,
@@ -112,7 +112,7 @@ impl Fact for DuplicateName {
 pub struct AmbiguousMode {
     /// The name as written.
     pub name: String,
-    /// Where it stands.
+    /// Its place.
     pub at: Span,
     /// The full paths that it fits.
     pub fits: Vec<(String, Span)>,

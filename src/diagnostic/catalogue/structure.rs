@@ -39,7 +39,7 @@ pub struct FlowConflict {
     pub first: Span,
     /// The other.
     pub second: Span,
-    /// Whether they stand in two groups, not in one mode.
+    /// Whether they are in two groups, not in one mode.
     pub across_groups: bool,
 }
 
@@ -85,7 +85,7 @@ pub struct MixedGroups {
 
 impl Fact for MixedGroups {
     fn into_diagnostic(self) -> Diagnostic {
-        Diagnostic::new(Code::MixedGroups, "a mode stands beside named groups")
+        Diagnostic::new(Code::MixedGroups, "a mode is beside named groups")
             .at(self.mode, "in no group")
             .and(self.group, "a named group")
             .help("put the mode into a `group` of its own")

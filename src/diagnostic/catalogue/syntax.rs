@@ -6,11 +6,11 @@ use crate::source::Span;
 
 /// A token that fits no rule.
 pub struct Unexpected {
-    /// The token, or the end of what stands before the gap.
+    /// The token, or the end of what is before the gap.
     pub at: Span,
     /// The token's text; none at the end of a statement.
     pub found: Option<String>,
-    /// What could have stood there.
+    /// What could have been there.
     pub expected: Vec<String>,
     /// A way out, where one is likely.
     pub help: Option<String>,
@@ -208,7 +208,7 @@ pub struct Misplaced {
     pub at: Span,
     /// What it is: `param`.
     pub what: &'static str,
-    /// Where it stands: `a mode`.
+    /// Where it is: `a mode`.
     pub inside: &'static str,
     /// Where it would belong.
     pub belongs: &'static str,
@@ -216,7 +216,7 @@ pub struct Misplaced {
 
 impl Fact for Misplaced {
     fn into_diagnostic(self) -> Diagnostic {
-        Diagnostic::new(Code::Misplaced, format!("{} cannot stand in {}", self.what, self.inside))
+        Diagnostic::new(Code::Misplaced, format!("{} is not allowed in {}", self.what, self.inside))
             .at(self.at, "out of place")
             .help(format!("it belongs {}", self.belongs))
     }

@@ -57,7 +57,7 @@ impl Fact for DimensionConflict {
 pub struct Dimensioned {
     /// As it is written, in backquotes.
     pub text: String,
-    /// Where it stands.
+    /// Its place.
     pub at: Option<Span>,
     /// Its dimension.
     pub dimension: String,
@@ -124,7 +124,7 @@ impl Fact for Unjoinable {
 pub struct NoSquare {
     /// What it is taken of, as written.
     pub of: String,
-    /// Where that stands.
+    /// Where that is.
     pub at: Span,
     /// Its dimension.
     pub dimension: String,

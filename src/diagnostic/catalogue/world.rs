@@ -38,7 +38,7 @@ pub struct UnknownTile {
     pub count: usize,
     /// The tile set or legend: `tiles basic`.
     pub tiles: String,
-    /// Where the tile set stands.
+    /// Where the tile set is.
     pub declared: Span,
     /// The characters that it has.
     pub known: Vec<char>,
@@ -150,7 +150,7 @@ pub struct BadTile {
 impl Fact for BadTile {
     fn into_diagnostic(self) -> Diagnostic {
         Diagnostic::new(Code::BadMap, "a tile is neither white space nor `\"`")
-            .at(self.at, "cannot stand in a map")
+            .at(self.at, "is not allowed in a map")
             .help("rows are trimmed, and a `\"` ends the map; use another character")
     }
 }
@@ -201,7 +201,7 @@ impl Fact for MissingLimit {
     }
 }
 
-/// A tile with `as` that does not stand exactly once.
+/// A tile with `as` that is not there exactly once.
 pub struct TileInstances {
     /// The name.
     pub at: Span,
@@ -209,7 +209,7 @@ pub struct TileInstances {
     pub name: String,
     /// The tile: its character, or its name.
     pub tile: String,
-    /// How often it stands in the map.
+    /// How often it is in the map.
     pub count: u64,
     /// The map.
     pub map: Span,
@@ -219,7 +219,7 @@ impl Fact for TileInstances {
     fn into_diagnostic(self) -> Diagnostic {
         let TileInstances { at, name, tile, count, map } = self;
         let message =
-            format!("the tile `{tile}` stands {count} times in the map, so `{name}` names no single instance");
+            format!("the tile `{tile}` occurs {count} times in the map, so `{name}` names no single instance");
         Diagnostic::new(Code::TileInstances, message)
             .at(at, "needs exactly one such tile")
             .and(map, format!("{count} times here"))
@@ -309,7 +309,7 @@ impl Fact for BadLevel {
 
 /// A thing of a level that the program has no entity for.
 pub struct UnknownThing {
-    /// Where it stands in the level.
+    /// Where it is in the level.
     pub at: Span,
     /// Its class.
     pub class: String,

@@ -117,7 +117,7 @@ fn report(sources: &SourceMap, d: &Diagnostic, primary: &MarkedPlace, color: boo
     report.finish()
 }
 
-/// A span that lies within its file and is not empty where the file is not: carets need something to stand under.
+/// A span that lies within its file and is not empty where the file is not: carets need something to be under.
 fn clamp(sources: &SourceMap, span: Span) -> Place {
     let text = sources.file(span.file()).text();
     let Range { start, end } = span.range();

@@ -43,7 +43,7 @@ pub struct Found<'a> {
 /// import, comes once.
 fn distinct<'a, T: PartialEq>(run: &[Found<'a>], make: impl Fn(&Found<'a>, &Diagnostic) -> T) -> Vec<T> {
     let mut all: Vec<T> = Vec::new();
-    // Where those stand in `all` that begin at a place and say the same.
+    // Where those are in `all` that begin at a place and say the same.
     type Place = Option<(PathBuf, u32)>;
     let mut known: BTreeMap<(Place, String), Vec<usize>> = BTreeMap::new();
     for found in run {

@@ -1,4 +1,4 @@
-//! The renderer of the pages that explain codes: prose as it stands, examples indented below a heading.
+//! The renderer of the pages that explain codes: prose as it is, examples indented below a heading.
 
 use std::fmt::Write;
 
@@ -39,7 +39,7 @@ fn styled(text: &str, style: &str, color: bool) -> String {
     if color { format!("{style}{text}{PLAIN}") } else { text.to_string() }
 }
 
-/// What stands between backquotes shows its colour instead of them, if there is any.
+/// What is between backquotes shows its colour instead of them, if there is any.
 fn prose(text: &str, color: bool) -> String {
     if !color {
         return text.to_string();

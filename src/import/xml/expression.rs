@@ -66,7 +66,7 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// Takes a sign if it stands next.
+    /// Takes a sign if it is next.
     fn take(&mut self, sign: &str) -> bool {
         let rest = self.rest.trim_start();
         let after = rest.strip_prefix(sign);
@@ -77,14 +77,14 @@ impl Reader<'_> {
     fn operator(&mut self) -> Result<(), Unread> {
         self.operators += 1;
         if self.operators > MAX_OPERATORS / 4 {
-            return Err(Unread::Foreign("an expression with so many operators".into()));
+            return Err(Unread::Foreign("an expression with too many operators".into()));
         }
         Ok(())
     }
 
     fn deeper(&mut self, inner: impl Fn(&mut Self) -> Result<Expr, Unread>) -> Result<Expr, Unread> {
         if self.open == MAX_OPEN {
-            return Err(Unread::Foreign("an expression with so many parentheses".into()));
+            return Err(Unread::Foreign("an expression with too many parentheses".into()));
         }
         self.open += 1;
         let found = inner(self);
@@ -205,7 +205,7 @@ impl Reader<'_> {
             _ => return Err(Unread::Bad(format!("`{text}` is no number"))),
         };
         if written.len() > MAX_WORD {
-            return Err(Unread::Foreign("a number of so many digits".into()));
+            return Err(Unread::Foreign("a number with too many digits".into()));
         }
         Ok(Expr::Number(written))
     }

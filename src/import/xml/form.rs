@@ -1,4 +1,4 @@
-//! The form of an entity file: which elements stand where, with which attributes. What does not fit is told of here,
+//! The form of an entity file: which elements are where, with which attributes. What does not fit is reported here,
 //! once; later stages pass over it.
 
 use super::read::Element;
@@ -10,11 +10,11 @@ struct Form {
     name: &'static str,
     required: &'static [&'static str],
     optional: &'static [&'static str],
-    /// Elements that may stand in it any number of times.
+    /// Elements that may be in it any number of times.
     many: &'static [&'static str],
-    /// Elements that may stand in it once.
+    /// Elements that may be in it once.
     once: &'static [&'static str],
-    /// Elements that must stand in it.
+    /// Elements that must be in it.
     needed: &'static [&'static str],
 }
 

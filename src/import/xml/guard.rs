@@ -35,7 +35,7 @@ const COMPARISONS: &[(&str, &str, &str)] =
 const GREATER: &[(&str, &str, &str)] = &[(">", ">", "<="), (">=", ">=", "<")];
 
 /// The condition of an element that may have a `<guard>`: without one it always holds. None if it cannot be carried
-/// over, which is told of.
+/// over, which is reported.
 pub(super) fn of(owner: Element<'_, '_>, asker: Asker, scope: &mut Scope<'_, '_, '_>) -> Option<Guard> {
     match owner.first("guard") {
         Some(guard) => condition(guard, asker, scope),
@@ -70,14 +70,14 @@ fn condition(e: Element<'_, '_>, asker: Asker, scope: &mut Scope<'_, '_, '_>) ->
         }
         "colliding" => colliding(e, asker, scope),
         "joint_transition" => joint_transition(e, asker, scope),
-        // `form` has told of it.
+        // `form` has reported it.
         _ => None,
     }
 }
 
 /// The conditions in an element.
 fn parts(e: Element<'_, '_>, asker: Asker, scope: &mut Scope<'_, '_, '_>) -> Option<Vec<Guard>> {
-    // All are looked at, so that all mistakes are told of.
+    // All are examined, so that all mistakes are reported.
     let parts: Vec<Option<Guard>> = e.children().map(|c| condition(c, asker, scope)).collect();
     if e.children().all(|c| is_guard(c.name())) { parts.into_iter().collect() } else { None }
 }
@@ -227,7 +227,7 @@ impl Guard {
         self.tighter(0)
     }
 
-    /// Its text where something stands around it that binds so tight: 1 `or`, 2 `and`, 3 `not`.
+    /// Its text where something is around it that binds so tight: 1 `or`, 2 `and`, 3 `not`.
     fn tighter(&self, around: u8) -> String {
         let joined = |parts: &[Guard], own: u8, word: &str| {
             let text = parts.iter().map(|p| p.tighter(own)).collect::<Vec<_>>().join(word);

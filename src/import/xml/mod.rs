@@ -1,16 +1,16 @@
 //! Entity definitions of the 2017 HyPED system (XML) as `.hyped` text. What they mean there is followed, not what they
-//! look like: what that system ignores is left out, and told of.
+//! look like: what that system ignores is left out, and reported.
 //!
 //! ```text
 //!  text ──read──▶ elements ──form──▶ known elements ──modes, names──▶ scope ──guard, expression──▶ members ──write──▶ text
 //! ```
 //!
 //! - An `automaton` becomes an entity, its name in capitals: `plat_h` is `PlatH`.
-//! - Groups in modes vanish, their modes stand in the mode: `movement.air.aerial.falling` is `movement.air.falling`.
+//! - Groups in modes vanish, their modes are in the mode: `movement.air.aerial.falling` is `movement.air.falling`.
 //!   An entity's only group vanishes, too, if its name is the entity's.
 //! - Rectangles hang from their upper-left corner there and from the lower-left one here: `y - h`.
-//! - Members stand in the usual order, for none of them depends on it: flows, `follow links`, envelopes, edges, modes.
-//! - Comments go with what they stand at. Markup that was commented out goes.
+//! - Members are in the usual order, for none of them depends on it: flows, `follow links`, envelopes, edges, modes.
+//! - Comments go with what they are at. Markup that was commented out goes.
 //! - What cannot be carried over is left out as a whole statement, never in part, and a comment says so.
 
 mod discrete;
@@ -32,11 +32,11 @@ use crate::diagnostic::catalogue::import::NotCarriedOver;
 use crate::format::format;
 use crate::source::{FileId, Span};
 
-/// The names of entities that stand in one program.
+/// The names of entities that are in one program.
 #[derive(Default)]
 pub struct Entities(names::Names);
 
-/// The entity that an XML text describes, to stand beside others; its name is added to theirs.
+/// The entity that an XML text describes, to be put beside others; its name is added to theirs.
 pub fn import(file: FileId, text: &str, beside: &mut Entities) -> Import {
     let mut diagnostics = Diagnostics::new();
     let document = match read::document(file, text) {

@@ -30,7 +30,7 @@ impl Mode<'_, '_> {
 /// A root group.
 pub(super) struct Root<'a, 't> {
     pub element: Element<'a, 't>,
-    /// Its name with us; none if its modes stand in the entity.
+    /// Its name with us; none if its modes are in the entity.
     pub name: Option<String>,
     pub modes: Vec<usize>,
 }

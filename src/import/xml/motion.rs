@@ -18,7 +18,7 @@ fn driven<'a>(envelope: Element<'a, '_>) -> Vec<&'a str> {
     envelope.all("control").filter_map(|c| c.value("var")).map(|v| base(v.text)).collect()
 }
 
-/// A flow among all elements of its mode; none if it has no effect or cannot be carried over, which is told of.
+/// A flow among all elements of its mode; none if it has no effect or cannot be carried over, which is reported.
 pub(super) fn flow(e: Element<'_, '_>, mode: Element<'_, '_>, scope: &mut Scope<'_, '_, '_>) -> Option<Statement> {
     let (var, value) = (e.value("var")?, e.value("value")?);
     if mode.all("envelope").any(|envelope| driven(envelope).contains(&base(var.text))) {

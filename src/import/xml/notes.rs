@@ -1,4 +1,4 @@
-//! Comments, and what each of them stands at: on the line of a tag, it is about that; deeper than the element before it,
+//! Comments, and what each of them is at: on the line of a tag, it is about that; deeper than the element before it,
 //! about that one; before all elements, with a blank line after it, about what holds them; else about the element after it.
 
 use roxmltree::Node;
@@ -47,7 +47,7 @@ pub(super) fn notes<'a, 't>(e: Element<'a, 't>) -> Notes<'a, 't> {
         } else {
             let breaks = text.get(node.range()).map_or(0, |t| t.matches('\n').count());
             same_line &= breaks == 0;
-            // What stands apart from all that follows is about the whole.
+            // What is apart from all that follows is about the whole.
             if breaks > 1 && notes.children.is_empty() {
                 notes.opening.append(&mut waiting);
             }
@@ -62,7 +62,7 @@ pub(super) fn inside(e: Element<'_, '_>) -> Vec<String> {
     e.node.descendants().filter(Node::is_comment).flat_map(lines).collect()
 }
 
-/// How far a node is indented; none if something stands before it on its line.
+/// How far a node is indented; none if something is before it on its line.
 fn indent(text: &str, node: Node<'_, '_>) -> Option<usize> {
     let before = text.get(..node.range().start)?;
     let line = &before[before.rfind('\n').map_or(0, |at| at + 1)..];

@@ -44,7 +44,7 @@ pub(super) fn document(file: FileId, text: &str) -> Result<Document<'_>, NotWell
             .map_err(|error| not_well_formed(file, text, &error))?;
     let mut depths: Vec<u32> = Vec::new();
     for node in document.descendants() {
-        // A parent stands before what it holds.
+        // A parent is before what it holds.
         let depth = node.parent().and_then(|p| depths.get(p.id().get_usize())).map_or(0, |d| d + 1);
         if depth > MAX_DEPTH {
             let start = node.range().start;
@@ -120,17 +120,17 @@ fn not_well_formed(file: FileId, text: &str, error: &Error) -> NotWellFormed {
             (None, format!("nothing is known as `&{name};`"), Some("write `&amp;` for `&`, `&lt;` for `<`".into()))
         }
         Error::MalformedEntityReference(_) => {
-            (None, "`&` stands alone".into(), Some("write `&amp;` for `&` itself".into()))
+            (None, "`&` is alone".into(), Some("write `&amp;` for `&` itself".into()))
         }
         Error::InvalidAttributeValue(_) => {
-            (None, "`<` stands in a value".into(), Some("write `&lt;` for `<` itself".into()))
+            (None, "`<` is in a value".into(), Some("write `&lt;` for `<` itself".into()))
         }
         Error::DuplicatedAttribute(name, _) => (None, format!("the attribute `{name}` is given twice"), None),
         Error::InvalidComment(_) => {
             (None, "a comment holds `--`".into(), Some("only its end, `-->`, may have these signs".into()))
         }
         Error::InvalidChar(b'"' | b'\'', b'<', _) => {
-            (None, "`<` stands in a value".into(), Some("write `&lt;` for `<` itself".into()))
+            (None, "`<` is in a value".into(), Some("write `&lt;` for `<` itself".into()))
         }
         Error::InvalidChar(needed, found, _) => {
             (None, format!("`{}` is needed here, not `{}`", char::from(*needed), char::from(*found)), None)
@@ -145,7 +145,7 @@ fn not_well_formed(file: FileId, text: &str, error: &Error) -> NotWellFormed {
         }
         Error::UnknownToken(_) => (
             None,
-            "this can stand neither before nor after the outermost element".into(),
+            "this is allowed neither before nor after the outermost element".into(),
             Some("a file holds one `<automaton>`".into()),
         ),
         other => {
@@ -166,7 +166,7 @@ fn byte_at(text: &str, row: u32, column: u32) -> usize {
     line + rest.char_indices().nth(column.saturating_sub(1) as usize).map_or(rest.len(), |(at, _)| at)
 }
 
-/// An element, and the file that it stands in.
+/// An element, and the file that it is in.
 #[derive(Clone, Copy)]
 pub(super) struct Element<'a, 't> {
     file: FileId,

@@ -46,7 +46,7 @@ pub(super) struct Scope<'a, 't, 'd> {
     button_names: Names,
     /// Whether `x` and `y` are read as axes.
     pub axes: [bool; 2],
-    /// Whether a second player was told of.
+    /// Whether a second player was reported.
     players_told: bool,
     /// Whether the last statement that was looked at has no effect there.
     pub idle: bool,

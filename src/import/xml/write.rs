@@ -1,4 +1,4 @@
-//! Statements as text. The formatter has the last word on blanks; here it is decided what stands on one line.
+//! Statements as text. The formatter has the last word on blanks; here it is decided what is on one line.
 
 use crate::format::WIDTH;
 
@@ -9,9 +9,9 @@ pub(super) struct Statement {
     pub above: Vec<String>,
     /// Whether they document it.
     pub documented: bool,
-    /// Whether a blank line stands before it.
+    /// Whether a blank line is before it.
     pub apart: bool,
-    /// Its own text; of one with a block, what stands before `{`. Only comments if it is empty.
+    /// Its own text; of one with a block, what is before `{`. Only comments if it is empty.
     pub text: String,
     /// Comments on its line.
     pub beside: Vec<String>,

@@ -15,7 +15,7 @@ const MAX_DEEP: u16 = 1 << 12;
 /// What is known of all expressions.
 pub(super) struct Code<'p> {
     program: &'p Program,
-    /// How much work is left for what is looked at in the light of guards.
+    /// How much work is left for what is examined in the light of guards.
     patience: Cell<u64>,
 }
 
@@ -30,7 +30,7 @@ pub(super) enum Owner {
 pub(super) type Facts = Vec<(Subject, EntityId)>;
 
 impl<'p> Code<'p> {
-    /// Looks at what holds of an expression wherever it stands.
+    /// Looks at what holds of an expression wherever it is.
     pub fn new(program: &'p Program) -> Result<Self, Invalid> {
         // Two tables: of large programs they are large.
         let mut sizes: Arena<ExprId, u32> = Arena::default();
@@ -104,7 +104,7 @@ impl<'p> Code<'p> {
         };
         let me = || match owner {
             Owner::Entity(me) => Ok(&program.entities[me]),
-            Owner::World(_) => Err(Invalid::new("a world reads nobody's inputs and timers")),
+            Owner::World(_) => Err(Invalid::new("a world reads no inputs and no timers")),
         };
         match expr {
             Expr::Param(subject, param) => exists(param, &of(subject)?.params),

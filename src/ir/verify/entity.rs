@@ -10,7 +10,7 @@ use crate::ir::{
 use super::code::{Code, Facts, Owner};
 use super::{At, Checked, Invalid, all_exist, each, each_of, exists, must, range, same, tags};
 
-/// The entity that is looked at.
+/// The entity that is examined.
 struct Looked<'p> {
     program: &'p Program,
     code: &'p Code<'p>,
@@ -294,7 +294,7 @@ impl Looked<'_> {
             self.guarded(*guard, actions)?;
             all_exist(needs, refs).at("needs")
         })?;
-        // Each is looked at where it happens, in the light of the guard there.
+        // Each is examined where it happens, in the light of the guard there.
         let of_actions = self.entity.action_lists().flat_map(|actions| &actions.spawns);
         let mut happens: Vec<_> = of_actions.copied().collect();
         happens.sort_unstable();

@@ -1,6 +1,6 @@
 //! One look at every id, range and offset of a program, so that consumers index without checks: what `lower`
 //! makes holds by construction, what is read from a file may be anything. Each struct is taken apart without `..`, so
-//! that a new field does not build before it is looked at.
+//! that a new field does not build before it is examined.
 
 mod code;
 mod entity;
@@ -62,7 +62,7 @@ pub fn verify(program: &Program) -> Checked {
 
 /// Names the place of a check.
 trait At {
-    /// Says where what was checked stands.
+    /// Says where what was checked is.
     fn at(self, place: &str) -> Checked;
 }
 

@@ -1,4 +1,4 @@
-//! What can stand where one writes: names of the kind that the place asks for, keywords that may begin a statement there,
+//! What can be where one writes: names of the kind that the place asks for, keywords that may begin a statement there,
 //! snippets. What the text does not tell while it is broken is taken from its last state without errors.
 
 use std::collections::BTreeSet;
@@ -204,7 +204,7 @@ impl<'a> Offers<'a> {
     fn functions(&mut self, wanted: impl Fn(&str) -> bool) {
         let mut last_name = "";
         for s in SIGNATURES.iter().filter(|s| wanted(s.name)) {
-            // The ways to call one thing stand one after the other.
+            // The ways to call one thing are one after the other.
             if std::mem::replace(&mut last_name, s.name) == s.name {
                 continue;
             }

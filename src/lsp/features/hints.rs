@@ -94,7 +94,7 @@ struct Hints<'a> {
 
 impl Hints<'_> {
     fn add(&mut self, at: Span, label: String) {
-        // What stands in a behaviour means different things where it is put.
+        // What is in a behaviour means different things where it is put.
         if at.file() == self.file {
             self.found.push((at.range().end, label));
         }

@@ -106,14 +106,14 @@ impl View {
     }
 }
 
-/// Whether a word is one of the language where it stands, and no name.
+/// Whether a word is one of the language where it is, and no name.
 fn is_word(code: &str, bytes: &std::ops::Range<usize>) -> bool {
     let word = code.get(bytes.clone()).unwrap_or_default();
     if syntax::is_reserved(word) {
         return true;
     }
     if let Some(pairs) = syntax::pairs(FileId(0), code) {
-        // In a slice that fits no rule nothing more is told.
+        // In a slice that fits no rule nothing more is known.
         let mut here = pairs.flatten().filter(|p| p.as_span().start() <= bytes.start && bytes.end <= p.as_span().end());
         if !here.clone().any(|p| format!("{:?}", p.as_rule()).starts_with("bad_")) {
             return here.any(|p| p.as_str() == word && format!("{:?}", p.as_rule()).starts_with("word_"));
@@ -156,7 +156,7 @@ pub(in crate::lsp) fn called(kind: NameKind) -> &'static str {
     }
 }
 
-/// The entities whose value, mode or input a name is: several if it stands in a behaviour.
+/// The entities whose value, mode or input a name is: several if it is in a behaviour.
 pub(in crate::lsp) fn owners<'c>(
     checked: &'c Checked,
     snapshot: &Snapshot,
@@ -329,7 +329,7 @@ impl About<'_> {
         let entities = checked.entities.iter().filter(|e| e.colliders.iter().any(|c| c.tags.contains(&tag)));
         let entities: Vec<String> = entities.map(|e| format!("`{}`", e.name.text)).collect();
         let colliders = (!entities.is_empty()).then(|| format!("colliders of {}", entities.join(", ")));
-        // Tiles and rectangles carry it where they stand in worlds.
+        // Tiles and rectangles carry it where they are in worlds.
         let in_worlds = |at: Span| checked.worlds.iter().any(|w| w.span.contains(at));
         let all = self.snapshot.matching(&BTreeSet::from([self.snapshot.key(&self.o)]));
         let here = all.filter(|o| o.role == Role::Declared && in_worlds(o.at)).take(MAX_CARRIERS);

@@ -69,7 +69,7 @@ impl View {
         spots.map(|(known, snapshot, (file, names))| Spot { known, snapshot, file, names }).collect()
     }
 
-    /// Where something of a program stands in its document as it is now; none if that line has changed.
+    /// Where something of a program is in its document as it is now; none if that line has changed.
     fn location_now(&self, snapshot: &Snapshot, at: Span) -> Option<Location> {
         let path = snapshot.path(at.file());
         let text = snapshot.text(at.file());
@@ -83,13 +83,13 @@ impl View {
         Some(Location { uri: snapshot.uri(at.file()), range: now.range(bytes, self.client.encoding) })
     }
 
-    /// What stands at a place.
+    /// What is at a place.
     pub(in crate::lsp) fn keys_at(&self, at: &types::TextDocumentPositionParams) -> BTreeSet<Key> {
         let spots = self.spots(at);
         spots.iter().flat_map(|spot| spot.names.iter().map(|o| spot.snapshot.key(o))).collect()
     }
 
-    /// Where some names stand in all programs, each place once.
+    /// Where some names occur in all programs, each place once.
     pub(in crate::lsp) fn places(&self, keys: &BTreeSet<Key>) -> Vec<(&Snapshot, Occurrence)> {
         let mut seen: BTreeSet<(PathBuf, u32)> = BTreeSet::new();
         let mut out = Vec::new();
@@ -224,7 +224,7 @@ impl View {
 }
 
 impl Snapshot {
-    /// Where some names stand.
+    /// Where some names occur.
     pub fn matching(&self, keys: &BTreeSet<Key>) -> std::vec::IntoIter<Occurrence> {
         // Places are compared by their numbers here.
         let local = keys.iter().filter_map(|key| {
@@ -246,7 +246,7 @@ impl Snapshot {
     }
 }
 
-/// Of a value that several equal sets declare, the one that stands nearest before.
+/// Of a value that several equal sets declare, the one that is nearest before.
 fn own_values(names: &[Occurrence]) -> Vec<Occurrence> {
     let is_value = |o: &&Occurrence| o.kind == NameKind::Value && o.declared.file() == o.at.file();
     let before = names.iter().filter(is_value).filter(|o| o.declared.start() <= o.at.start());
@@ -263,7 +263,7 @@ fn fits(name: &str, query: &str) -> Option<bool> {
     query.chars().all(|q| letters.any(|c| c == q)).then(|| name.starts_with(&query))
 }
 
-/// The entity, behaviour or world that a declaration stands in: the last one before it in its file.
+/// The entity, behaviour or world that a declaration is in: the last one before it in its file.
 fn container(snapshot: &Snapshot, at: Span) -> Option<&Occurrence> {
     let is_outer = |o: &&Occurrence| {
         o.role == Role::Declared && matches!(o.kind, NameKind::Entity | NameKind::Behavior | NameKind::World)

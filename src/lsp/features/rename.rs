@@ -18,7 +18,7 @@ use crate::lsp::snapshot::{Key, Snapshot};
 use crate::lsp::text::document_text::Text;
 use crate::lsp::view::{Failure, View};
 
-/// Where a name stands in each file, in order: first and one past the last byte.
+/// Where a name is in each file, in order: first and one past the last byte.
 type Places = BTreeMap<PathBuf, Vec<(u32, u32)>>;
 
 /// A renaming that was tried out.
@@ -71,7 +71,7 @@ impl View {
         Ok(Renaming { old, new: new.to_string(), edit })
     }
 
-    /// Adds what else is named where these names stand: a word of a behaviour can mean something in several entities.
+    /// Adds what else is named where these names are: a word of a behaviour can mean something in several entities.
     fn close_over(&self, keys: &mut BTreeSet<Key>) {
         loop {
             let before = keys.len();
@@ -150,7 +150,7 @@ impl View {
     }
 }
 
-/// Where each name stands and where it is declared, as it is once the places have names of another length.
+/// Where each name is and where it is declared, as it is once the places have names of another length.
 fn meaning(snapshot: &Snapshot, places: &Places, length: u32) -> BTreeSet<(FileId, u32, NameKind, FileId, u32)> {
     let moved = |at: Span| {
         let before =

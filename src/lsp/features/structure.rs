@@ -16,7 +16,7 @@ use crate::lsp::view::{Failure, View};
 /// The number of characters of a guard that are shown.
 const MAX_DETAIL: usize = 60;
 
-/// A text is looked at by itself.
+/// A text is examined by itself.
 const ONLY: FileId = FileId(0);
 
 impl View {
@@ -75,7 +75,7 @@ impl View {
     }
 }
 
-/// Blocks, maps, runs of comments and of imports that stand over several lines.
+/// Blocks, maps, runs of comments and of imports that are over several lines.
 fn folds(text: &Text, encoding: Encoding) -> Vec<FoldingRange> {
     let code = text.code();
     let line = |byte: usize| text.position(byte, encoding).line;

@@ -38,7 +38,7 @@ const TYPES: &[&str] = &[
     "type",
     "enum",
 ];
-/// What else is told of a name, as bits.
+/// What else is reported a name, as bits.
 const MODIFIERS: &[&str] = &["declaration", "readonly", "modification", "defaultLibrary"];
 
 /// What the numbers of tokens mean.
@@ -135,7 +135,7 @@ fn encoded(
             Kind::Number => (type_index("number"), 0),
             Kind::Tile => (type_index("string"), 0),
             Kind::Text => {
-                // A token stands in one line: the rows of a map are one each.
+                // A token is in one line: the rows of a map are one each.
                 let mut start = token.at.start;
                 for row in word.split_inclusive('\n') {
                     let blank = row.len() - row.trim_start().len();

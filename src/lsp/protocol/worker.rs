@@ -68,7 +68,7 @@ pub(in crate::lsp) struct Worker {
     pub disk: Arc<dyn Workspace>,
     /// Set once the editor has gone.
     pub has_ended: Arc<AtomicBool>,
-    /// How long nothing must change before values are looked at.
+    /// How long nothing must change before values are examined.
     pub quiet: Duration,
 }
 

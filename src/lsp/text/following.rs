@@ -5,7 +5,7 @@ use super::lexer::{Kind, begins_name, tokens};
 use super::place::{Block, Place};
 use super::words::is_keyword;
 
-/// Whether a value stands before a place, so that an operator or a word that goes on must come.
+/// Whether a value is before a place, so that an operator or a word that goes on must come.
 pub(in crate::lsp) fn ends_operand(place: &Place<'_>) -> bool {
     let last = place.back(1);
     match place.statement.as_slice() {
@@ -96,7 +96,7 @@ pub(in crate::lsp) fn given<'t>(code: &'t str, byte: usize, opens: &str) -> Vec<
     let here = all.partition_point(|token| token.at.start < byte);
     let text = |at: usize| all.get(at).map_or("", |token| token.text(code));
     let closes = if opens == "(" { ")" } else { "}" };
-    // Whether a token is the bracket that ends what is looked at, those inside left out.
+    // Whether a token is the bracket that ends what is examined, those inside left out.
     let ends = |depth: &mut usize, at: usize, inner: &str, outer: &str| {
         *depth += usize::from(text(at) == inner);
         text(at) == outer && std::mem::replace(depth, depth.saturating_sub(1)) == 0

@@ -1,4 +1,4 @@
-//! The words of a text, whatever state it is in: what stands where cannot be told from a syntax tree while one types.
+//! The words of a text, whatever state it is in: what is where cannot be told from a syntax tree while one types.
 //! Nothing fails here; what is not closed ends with its line.
 
 use std::ops::Range;
@@ -86,7 +86,7 @@ pub(in crate::lsp) fn tokens(text: &str) -> Vec<Token> {
     out
 }
 
-/// How long a text in quotes is: to the quote in the same line, or over several lines if nothing else stands in its first.
+/// How long a text in quotes is: to the quote in the same line, or over several lines if nothing else is in its first.
 fn quoted(rest: &str, line: usize) -> usize {
     if let Some(end) = rest.get(1..line).and_then(|inside| inside.find('"')) {
         return end + 2;

@@ -1,11 +1,11 @@
-//! What the words of the language mean: a sentence or two and an example each, for hovering. The whole story is told by
+//! What the words of the language mean: a sentence or two and an example each, for hovering. The whole story is in
 //! `grammar/README.md`.
 
-/// What a word means where it stands as one of the language.
+/// What a word means where it is as one of the language.
 pub(in crate::lsp) struct Meaning {
     pub word: &'static str,
     pub says: &'static str,
-    /// Statements in which it stands.
+    /// Statements in which it is.
     pub example: &'static str,
 }
 
@@ -68,7 +68,7 @@ const MEANINGS: &[Meaning] = &[
     means("bool", "`true` or `false`.", "discrete armed: bool = false"),
     means(
         "ref",
-        "Refers to another instance, or is `none`. Of a `ref owner: any` only `x` and `y` can be read until `is` tells more.",
+        "Refers to another instance, or is `none`. Of a `ref owner: any` only `x` and `y` can be read until `is` narrows it.",
         "ref target: Slime",
     ),
     means("button", "The buttons that the entity asks, with `pressed`, `held` and `released`.", "button jump, run"),
@@ -155,7 +155,7 @@ const MEANINGS: &[Meaning] = &[
     ),
     means(
         "fixed",
-        "The envelope runs once, by the clock of the mode it stands in.",
+        "The envelope runs once, by the timer of the mode it is in.",
         "envelope reach fixed {\n    attack over 0.2s to 16\n    sustain for 0.1s\n    release over 0.2s to 0\n}",
     ),
     means(
@@ -255,7 +255,7 @@ const MEANINGS: &[Meaning] = &[
     means("sense", "The contact is seen by `touching`, and does nothing more.", "collide body with coin: sense"),
     means(
         "from",
-        "`block from above` is a contact only for what comes from above. After `map` it stands before a text file of rows.",
+        "`block from above` is a contact only for what comes from above. After `map` it precedes a text file of rows.",
         "collide body with cloud: block from above",
     ),
     means(
@@ -280,7 +280,7 @@ const MEANINGS: &[Meaning] = &[
     ),
     means(
         "tiles",
-        "A tile set: how large its tiles are, px, and what each character of a map stands for. `empty` is no tag at all.",
+        "A tile set: how large its tiles are, px, and what each character of a map means. `empty` is no tag at all.",
         "tiles room 16 x 16 {\n    '.': empty\n    '#': wall\n    'S': spawn Slime\n}",
     ),
     means("x", "Stands between the width and the height of a tile, px.", "tiles room 16 x 16 { '.': empty }"),
@@ -320,7 +320,7 @@ const MEANINGS: &[Meaning] = &[
     ),
     means(
         "tiled",
-        "A map of Tiled, `.tmx` or `.tmj`. The block says what its names stand for.",
+        "A map of Tiled, `.tmx` or `.tmj`. The block says what its names mean.",
         "map tiled \"cave.tmx\" {\n    blob: spawn Slime\n    Rock: wall\n}",
     ),
     means("ldtk", "A level of a project of LDtk.", "map ldtk \"world.ldtk\" level \"Cave\" { Rock: wall }"),
@@ -377,7 +377,7 @@ mod tests {
             "world W { space s { | } }",
         ];
         for Meaning { word, example, .. } in MEANINGS {
-            // Of several lines some can only stand in place of each other.
+            // Of several lines some can only be in place of each other.
             let parts: Vec<&str> = if example.contains(['{', '"']) { vec![example] } else { example.lines().collect() };
             for part in parts {
                 let fits = |outer: &&str| !crate::syntax::parse(FileId(0), &outer.replace('|', part)).1.has_errors();

@@ -1,4 +1,4 @@
-//! Texts that may be broken: positions, words, where a cursor stands. Nothing here knows of programs or of the protocol's
+//! Texts that may be broken: positions, words, where a cursor is. Nothing here knows of programs or of the protocol's
 //! messages.
 
 pub(super) mod alignment;

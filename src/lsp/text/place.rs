@@ -1,4 +1,4 @@
-//! Where a cursor stands, told from the words before it: the blocks around it, the statement that it is in, the brackets
+//! Where a cursor is, told from the words before it: the blocks around it, the statement that it is in, the brackets
 //! that are open. Works in any text, finished or not.
 
 use super::lexer::{Kind, Token, tokens};
@@ -59,7 +59,7 @@ struct Bracket {
     last: usize,
 }
 
-/// Where a cursor stands.
+/// Where a cursor is.
 #[derive(Debug, Clone, Default)]
 pub(in crate::lsp) struct Place<'t> {
     /// The blocks around it, outermost first.
@@ -74,7 +74,7 @@ pub(in crate::lsp) struct Place<'t> {
     begin: usize,
     /// How far the line in which the statement begins is indented, bytes.
     indent: usize,
-    /// Whether it stands in a comment or a text in quotes. In a text, the word is what the quotes hold.
+    /// Whether it is in a comment or a text in quotes. In a text, the word is what the quotes hold.
     pub is_quoted: bool,
 }
 
@@ -119,7 +119,7 @@ impl<'t> Place<'t> {
         let is_first = text.get(line..token.at.start).is_some_and(|before| before.trim().is_empty());
         if is_first && brackets.is_empty() && !matches!(token.kind, Kind::Newline | Kind::Comment) {
             let indent = token.at.start - line;
-            // What stands further left than the head of a block is not in it: the block is still to be closed.
+            // What is further left than the head of a block is not in it: the block is still to be closed.
             while self.blocks.last().is_some_and(|open| open.indent > indent) {
                 self.blocks.pop();
             }

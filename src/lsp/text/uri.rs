@@ -5,7 +5,7 @@ use std::path::{Component, Path, PathBuf};
 use gen_lsp_types::Uri;
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, utf8_percent_encode};
 
-/// What stands in no path of a URI (RFC 3986, 3.3).
+/// What is in no path of a URI (RFC 3986, 3.3).
 const OUTSIDE_OF_PATHS: &AsciiSet = &NON_ALPHANUMERIC
     .remove(b'-')
     .remove(b'.')
@@ -29,7 +29,7 @@ const OUTSIDE_OF_PATHS: &AsciiSet = &NON_ALPHANUMERIC
 /// The path of a document, without `.` and `..`.
 pub(in crate::lsp) fn path_of(uri: &Uri) -> PathBuf {
     let Some(rest) = uri.0.strip_prefix("file://") else { return PathBuf::from(&uri.0) };
-    // What stands before the first slash is a host; ours has no name.
+    // What is before the first slash is a host; ours has no name.
     let path = rest.find('/').map_or("", |at| &rest[at..]);
     let decoded = percent_decode_str(path).decode_utf8_lossy();
     let bytes = decoded.as_bytes();

@@ -5,10 +5,10 @@ use crate::syntax::opening_keywords;
 use super::meanings::meaning;
 use super::place::Block;
 
-/// Names to the grammar that mean something where they stand.
+/// Names to the grammar that mean something where they are.
 const SPECIAL: &[&str] = &["left", "right", "above", "below", "rect", "circle", "empty"];
 
-/// Whether a word is one of the language's, where no name of the program stands.
+/// Whether a word is one of the language's, where no name of the program is.
 pub(in crate::lsp) fn is_keyword(word: &str) -> bool {
     // The `x` of `16 x 16` is a variable far more often.
     word != "x" && meaning(word).is_some() || SPECIAL.contains(&word)

@@ -1,4 +1,4 @@
-//! Points with real coordinates and modes, and the nearest of them by a linear scan. Points stand in blocks of sixteen,
+//! Points with real coordinates and modes, and the nearest of them by a linear scan. Points are in blocks of sixteen,
 //! one coordinate after the other, so that the compiler can use vector instructions. What a distance is, is defined
 //! here: one summation order, so that every way of searching comes to the same bits.
 

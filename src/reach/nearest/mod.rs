@@ -1,6 +1,6 @@
 //! The exact nearest neighbour among points that come and go: real coordinates, and modes that cost a fixed penalty
 //! where they differ. Few points are scanned; the modes that many points share get a partition each (`partition.rs`),
-//! whose points stand in trees (`forest.rs`, `tree.rs`) where that is faster.
+//! whose points are in trees (`forest.rs`, `tree.rs`) where that is faster.
 
 mod forest;
 mod linear;

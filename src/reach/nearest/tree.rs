@@ -1,6 +1,6 @@
 //! A k-d tree over a range of points that no longer change (Bentley, *Multidimensional Binary Search Trees Used for
 //! Associative Searching*, 1975), as `kiddo` builds it. The tree only proposes: its distances are rounded in ways of
-//! their own, so every candidate is measured again, and all within a hair of the best are looked at.
+//! their own, so every candidate is measured again, and all within a hair of the best are examined.
 
 use std::fmt::Debug;
 use std::num::NonZeroUsize;

@@ -20,7 +20,7 @@ use super::metric::Metric;
 use super::problem::Problem;
 use super::strategy::Strategy;
 
-/// A planner. What it does stands in its [`Planner::summary`].
+/// A planner. What it does is in its [`Planner::summary`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 #[expect(missing_docs, reason = "each is described in the table")]
 pub enum Planner {

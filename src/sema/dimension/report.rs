@@ -142,7 +142,7 @@ impl Joint {
     }
 }
 
-/// A plain number that makes a pure number of a term because it stands beside `*` or `/`: the way out is to give it a
+/// A plain number that makes a pure number of a term because it is beside `*` or `/`: the way out is to give it a
 /// name.
 fn plain_factor(sources: &SourceMap, term: &Term, found: &Dim, needed: &Dim) -> Option<String> {
     let number = factor(term)?;

@@ -9,7 +9,7 @@
 //! Where several colliders take turns, what lies within all of them is kept out of what blocks while one of them is there.
 //!
 //! That fails where a push ends inside of something else, or where two things push against each other: between two things
-//! that leave a gap which is too narrow by up to two steps. Where it could come near to one, nothing is said.
+//! that leave a gap which is too narrow by up to two steps. Where it could come near to one, nothing is reported.
 
 use crate::ir::{Bounds, Push, SpaceId, TagSet};
 

@@ -22,7 +22,7 @@ use crate::analysis::geometry::presence::Presence;
 use crate::analysis::geometry::region::{Obstacle, Region};
 use crate::analysis::geometry::statics::Statics;
 
-/// More places than that where instances are put are not told apart.
+/// More places than that where instances are put are not distinguished.
 const MAX_SEEDS: usize = 64;
 
 /// Beyond this coordinates are too coarse for what is known of pushes to hold, px.
@@ -51,7 +51,7 @@ pub(in crate::analysis) struct Scene<'a> {
     pub covering: IdVec<EntityId, Vec<bool>>,
     /// Of each entity, the edges whose way depends on where the instance is and how it moves.
     pub moving: IdVec<EntityId, IdVec<EdgeId, bool>>,
-    /// Of each kind, where its instances are told apart.
+    /// Of each kind, where its instances are distinguished.
     pub cells: Vec<Cells>,
     /// Of each kind whose cells are fine: what never moves, in each space.
     pub surfaces: Vec<Vec<(SpaceId, Arc<Surfaces>)>>,

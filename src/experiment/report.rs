@@ -167,8 +167,8 @@ impl Report<'_> {
         let metrics = metrics.into_iter().collect::<Vec<_>>().join(", ");
         out.push_str(&format!("Distance: {metrics}. Steps for which inputs are held: {}.\n", self.holds()));
         out.push_str(
-            "restarts: `never` is the planner as it was published, one tree; else the nodes of the shortest tree before it is \
-             begun anew.\nall runs: mean; at the goal: of the runs that reached it.\n",
+            "restarts: `never` is the planner as it was published, one tree; else the nodes of the shortest tree before a \
+             restart.\nall runs: mean; at the goal: of the runs that reached it.\n",
         );
         if self.questions.iter().any(|q| q.paper.is_some()) {
             out.push_str(&format!(

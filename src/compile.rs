@@ -100,7 +100,7 @@ pub struct IdeCompilation {
 }
 
 /// As [`compile`], and keeps what its stages know of names.
-pub fn study(root: &Path, files: &dyn Files) -> IdeCompilation {
+pub fn compile_for_ide(root: &Path, files: &dyn Files) -> IdeCompilation {
     let ((mut compilation, mut checked), trees) = stages(root, LevelFile::default(), None, files, Occurrences::kept());
     let mut occurrences = std::mem::take(&mut checked.occurrences).sorted(&compilation.sources);
     occurrences.extend(sema::names_of_unused(trees, &mut compilation.sources, &occurrences));

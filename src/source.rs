@@ -15,7 +15,7 @@ pub use span::Span;
 pub const MAX_FILE_BYTES: usize = (16 << 20) - 1;
 /// The most files that a program may name, levels and legends included.
 pub const MAX_SOURCES: usize = 15_000;
-/// So many more can be named on the command line.
+/// The most files beside these: those of the command line.
 const OTHER_SOURCES: usize = 500;
 /// The most copies of what files hold, see [`SourceMap::copy`].
 pub const MAX_COPIES: usize = 50_000;

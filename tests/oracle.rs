@@ -19,7 +19,7 @@ use std::path::Path;
 
 use crate::analysis::{any_program, generate as lively};
 use crate::support::{Disk, Text, files};
-use hypedc::compile::{IdeCompilation, study};
+use hypedc::compile::{IdeCompilation, compile_for_ide};
 use hypedc::ir::WorldId;
 use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestError, TestRunner};
@@ -38,7 +38,7 @@ fn set(name: &str) -> Option<u64> {
 }
 
 fn study_text(text: &str) -> IdeCompilation {
-    study(Path::new("test.hyped"), &Text(text))
+    compile_for_ide(Path::new("test.hyped"), &Text(text))
 }
 
 /// Draws so many programs and checks them. One that fails shrinks and is told of.
@@ -167,7 +167,7 @@ fn states_are_the_same_to_the_bit() {
     let mut wrong = Vec::new();
     let (mut worlds, mut steps, mut faults) = (0, 0, 0);
     for path in folders.iter().flat_map(|folder| files(folder, "hyped")) {
-        let study = study(Path::new(&path), &Disk);
+        let study = compile_for_ide(Path::new(&path), &Disk);
         let Some(program) = &study.compilation.program else { panic!("{} does not compile", path.display()) };
         for (world, table) in program.worlds.pairs().filter(|(_, w)| w.open.is_none()) {
             let mut rng = Pcg64::seed_from_u64(1);
@@ -189,7 +189,7 @@ fn states_are_the_same_to_the_bit() {
 fn what_was_found_is_judged_right() {
     let mut wrong = Vec::new();
     for path in files("tests/oracle/found", "hyped") {
-        let study = study(Path::new(&path), &Disk);
+        let study = compile_for_ide(Path::new(&path), &Disk);
         assert!(study.compilation.program.is_some(), "{} does not compile", path.display());
         for judge in [Judge::Analysis, Judge::Exhaustion] {
             let told = verdict::check(&study, judge, 3_000, &mut Tally::default());

@@ -9,7 +9,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::Id;
 
-/// So many entries are in one block.
+/// The number of entries in a block.
 const BLOCK: usize = 1 << 14;
 
 /// A table keyed by an id, in blocks.

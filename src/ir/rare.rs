@@ -30,7 +30,7 @@ impl<I: Id, T> RareVec<I, T> {
         self.0.as_deref_mut().map_or_else(Default::default, IdVec::iter_mut)
     }
 
-    /// Makes room for so many more entries and no others.
+    /// Makes room for exactly `more` entries.
     pub fn reserve(&mut self, more: usize) {
         if more > 0 {
             self.0.get_or_insert_default().reserve(more);

@@ -286,8 +286,7 @@ impl Reader<'_> {
             match kind {
                 "group" => self.layers(layer, moved, grid)?,
                 "tiles" if moved != (0.0, 0.0) => {
-                    let why =
-                        format!("the layer `{}` is moved, and all tiles are in one grid", layer.text_of("name"));
+                    let why = format!("the layer `{}` is moved, and all tiles are in one grid", layer.text_of("name"));
                     return Err(Trouble::new(layer.head(), why));
                 }
                 "tiles" => self.tiles(layer, grid)?,

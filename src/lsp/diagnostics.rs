@@ -176,7 +176,7 @@ pub(in crate::lsp) fn mendable<'a>(
     file: FileId,
     bytes: std::ops::Range<usize>,
 ) -> impl Iterator<Item = &'a Diagnostic> {
-    let found = snapshot.study.compilation.diagnostics.iter().chain(more.into_iter().flat_map(Diagnostics::iter));
+    let found = snapshot.ide.compilation.diagnostics.iter().chain(more.into_iter().flat_map(Diagnostics::iter));
     found.filter(move |finding| {
         let touches = |l: &crate::diagnostic::Label| {
             l.span.file() == file && l.span.range().start <= bytes.end && bytes.start <= l.span.range().end

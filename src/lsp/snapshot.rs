@@ -8,7 +8,7 @@ use std::sync::{Arc, OnceLock};
 
 use gen_lsp_types::{Location, Range, Uri};
 
-use crate::compile::{IdeCompilation, study};
+use crate::compile::{IdeCompilation, compile_for_ide};
 use crate::source::{FileId, Files, ReadError, Span, decode};
 use crate::syntax;
 use crate::syntax::ast::{Behavior, Item};
@@ -49,7 +49,7 @@ pub(in crate::lsp) struct Snapshot {
     /// The file that was compiled.
     pub root: PathBuf,
     /// What came of it.
-    pub study: IdeCompilation,
+    pub ide: IdeCompilation,
     /// What was read, or was to be read.
     pub asked: BTreeSet<PathBuf>,
     open: Arc<Open>,
@@ -71,16 +71,16 @@ impl Snapshot {
     /// Compiles a file as it is in the editor, or on the disk.
     pub fn of(root: &Path, open: &Arc<Open>, disk: &dyn Workspace) -> Self {
         let files = Overlay { open, disk, asked: RefCell::default() };
-        let study = study(root, &files);
-        let paths: Vec<PathBuf> = study.compilation.sources.iter().map(|(_, file)| clean(&file.path)).collect();
+        let ide = compile_for_ide(root, &files);
+        let paths: Vec<PathBuf> = ide.compilation.sources.iter().map(|(_, file)| clean(&file.path)).collect();
         let texts = paths.iter().map(|_| OnceLock::new()).collect();
         let asked = files.asked.into_inner();
-        Snapshot { root: root.to_path_buf(), study, asked, open: Arc::clone(open), paths, texts }
+        Snapshot { root: root.to_path_buf(), ide, asked, open: Arc::clone(open), paths, texts }
     }
 
     /// Whether the program has no error.
     pub fn is_good(&self) -> bool {
-        self.study.compilation.program.is_some()
+        self.ide.compilation.program.is_some()
     }
 
     /// The file of a path, if the program has it.
@@ -114,7 +114,7 @@ impl Snapshot {
         if let Some(document) = self.open.get(self.path(file)) {
             return Arc::clone(&document.text);
         }
-        let read = || Arc::new(Text::new(self.study.compilation.sources.file(file).text()));
+        let read = || Arc::new(Text::new(self.ide.compilation.sources.file(file).text()));
         match self.texts.get(file.0 as usize) {
             Some(known) => Arc::clone(known.get_or_init(read)),
             None => read(),
@@ -134,7 +134,7 @@ impl Snapshot {
     /// The names at a byte of a file: those that hold it, or else those that end there.
     pub fn names_at(&self, file: FileId, byte: usize) -> Vec<Occurrence> {
         let byte = byte as u32;
-        let all = &self.study.occurrences;
+        let all = &self.ide.occurrences;
         let from = all.partition_point(|o| (o.at.file(), o.at.start()) < (file, byte.saturating_sub(256)));
         let near = || all[from..].iter().take_while(|o| o.at.file() == file && o.at.start() <= byte);
         let inside: Vec<Occurrence> = near().filter(|o| byte < o.at.end()).copied().collect();
@@ -143,7 +143,7 @@ impl Snapshot {
 
     /// What the name of an occurrence is.
     pub fn name(&self, o: &Occurrence) -> &str {
-        self.study.compilation.sources.slice(o.at)
+        self.ide.compilation.sources.slice(o.at)
     }
 
     /// What an occurrence names.
@@ -155,7 +155,7 @@ impl Snapshot {
 
     /// A behaviour of the program.
     pub fn behavior(&self, name: &str) -> Option<Behavior> {
-        let files = self.study.compilation.sources.iter();
+        let files = self.ide.compilation.sources.iter();
         let programs = files.filter(|(_, file)| file.path.extension().is_some_and(|e| e == "hyped"));
         programs.into_iter().find_map(|(id, file)| {
             let (tree, _) = syntax::parse(id, file.text());
@@ -168,7 +168,7 @@ impl Snapshot {
 
     /// The text of the `///` lines above a place.
     pub fn doc(&self, at: Span) -> Option<String> {
-        let text = self.study.compilation.sources.file(at.file()).text();
+        let text = self.ide.compilation.sources.file(at.file()).text();
         let before = text.get(..at.range().start)?;
         let line = before.rfind('\n').map_or(0, |at| at + 1);
         let above = before.get(..line)?.lines().rev();
@@ -180,7 +180,7 @@ impl Snapshot {
 
     /// The line of a place, without what opens a block.
     pub fn line(&self, at: Span) -> String {
-        let text = self.study.compilation.sources.file(at.file()).text();
+        let text = self.ide.compilation.sources.file(at.file()).text();
         let start = text.get(..at.range().start).and_then(|t| t.rfind('\n')).map_or(0, |at| at + 1);
         let line = text.get(start..).and_then(|t| t.lines().next()).unwrap_or_default();
         let line = line.split("//").next().unwrap_or(line).trim();

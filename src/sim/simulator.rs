@@ -25,7 +25,7 @@ pub struct Simulator {
     program: Arc<Program>,
     world: Arc<World>,
     id: WorldId,
-    /// All expressions, where the program has so many that they are not in one piece.
+    /// A copy of all expressions, if those of the program are in several blocks.
     code: Option<Box<[Expr]>>,
     pub(super) step: f64,
     pub(super) collision: Collision,

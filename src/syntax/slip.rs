@@ -344,9 +344,7 @@ fn block(failed: &Failed<'_>) -> Option<Slip> {
 fn opener(failed: &Failed<'_>, opening: &[&'static str]) -> Option<Slip> {
     let first = failed.first_word();
     if first == "initial" && failed.rule == Rule::only_member && failed.expects("`mode`") {
-        return Some(Slip::new(
-            "the mode that an entity begins in is marked in place: `initial mode NAME { … }`",
-        ));
+        return Some(Slip::new("the mode that an entity begins in is marked in place: `initial mode NAME { … }`"));
     }
     let habits: &[Habit] = match failed.rule {
         Rule::only_item => ITEMS,

@@ -162,9 +162,9 @@ impl Fact for BadForm {
             Misfit::Twice { name, owner } => form(format!("a second `<{name}>` in one `<{owner}>`"))
                 .at(at, "only one is allowed there: all of it is left out")
                 .help("put both in one, or take one out"),
-            Misfit::Text { owner } => form(format!("text is in `<{owner}>`"))
-                .at(at, "left out")
-                .help("make a comment of it: `<!-- … -->`"),
+            Misfit::Text { owner } => {
+                form(format!("text is in `<{owner}>`")).at(at, "left out").help("make a comment of it: `<!-- … -->`")
+            }
             Misfit::Word { found, known } => {
                 let words: Vec<String> = known.iter().map(|w| format!("`{w}`")).collect();
                 form(format!("`{}` is none of the words that are allowed here", name(found)))

@@ -110,7 +110,7 @@ impl<'a> Offers<'a> {
     }
 
     fn checked(&self) -> impl Iterator<Item = &'a Checked> + use<'a> {
-        self.programs.clone().into_iter().map(|p| &p.study.checked)
+        self.programs.clone().into_iter().map(|p| &p.ide.checked)
     }
 
     /// An entity by its name, as it is, or as it was if nothing of it can be read.
@@ -127,7 +127,7 @@ impl<'a> Offers<'a> {
     /// Names of some kinds that are declared in this file from a byte on: those of a behaviour, which is no entity.
     fn declared(&mut self, from: usize, kinds: &[NameKind]) {
         let Some((program, file)) = self.programs.first().copied().zip(self.file) else { return };
-        let all = &program.study.occurrences;
+        let all = &program.ide.occurrences;
         let first = all.partition_point(|o| (o.at.file(), o.at.range().start) < (file, from));
         let here = all.iter().skip(first).take_while(|o| o.at.file() == file).filter(|o| o.role == Role::Declared);
         // The behaviour's own name comes first; the next item ends it.
@@ -147,7 +147,7 @@ impl<'a> Offers<'a> {
 
     fn named(&mut self, kind: NameKind) {
         for program in self.programs.clone() {
-            let all = program.study.occurrences.iter();
+            let all = program.ide.occurrences.iter();
             for o in all.filter(|o| o.kind == kind && (o.role == Role::Declared || kind == NameKind::Tag)) {
                 self.add(0, program.name(o), kind_of(kind), super::hover::called(kind));
             }
@@ -251,7 +251,7 @@ impl<'a> Offers<'a> {
                 return self.modes(entity, &prefix);
             }
             let refers = entity.refs.iter().find(|r| r.name.text == first).and_then(|r| r.entity);
-            let referred = refers.and_then(|id| self.programs.first()?.study.checked.entities.get(id)).map(|e| &**e);
+            let referred = refers.and_then(|id| self.programs.first()?.ide.checked.entities.get(id)).map(|e| &**e);
             // `e is Slime and e.`
             let tested = place.statement.windows(3).find_map(|words| match words {
                 [name, "is", entity] if *name == first => self.entity(entity),

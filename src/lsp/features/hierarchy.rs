@@ -18,11 +18,11 @@ impl View {
         params: types::CallHierarchyPrepareParams,
     ) -> Result<Option<Vec<CallHierarchyItem>>, Failure> {
         let mut out: Vec<CallHierarchyItem> = Vec::new();
-        for spot in self.spots(&params.text_document_position_params) {
-            let snapshot = spot.snapshot;
-            for o in spot.names.iter().filter(|o| o.kind == NameKind::Mode) {
-                for (_, entity) in owners(&snapshot.study.checked, snapshot, o, snapshot.name(o)) {
-                    let trace = |span| snapshot.study.compilation.sources.trace(span).0;
+        for position in self.positions(&params.text_document_position_params) {
+            let snapshot = position.snapshot;
+            for o in position.names.iter().filter(|o| o.kind == NameKind::Mode) {
+                for (_, entity) in owners(&snapshot.ide.checked, snapshot, o, snapshot.name(o)) {
+                    let trace = |span| snapshot.ide.compilation.sources.trace(span).0;
                     let Some(mode) = entity.modes.find(|m| trace(m.name.span) == o.declared) else { continue };
                     let item = self.item(snapshot, entity, mode);
                     if !out.iter().any(|known| known.data == item.data) {
@@ -62,7 +62,7 @@ impl View {
 
     fn item(&self, snapshot: &Snapshot, entity: &Entity, mode: ModeId) -> CallHierarchyItem {
         let mode = &entity.modes[mode];
-        let trace = |span| snapshot.study.compilation.sources.trace(span).0;
+        let trace = |span| snapshot.ide.compilation.sources.trace(span).0;
         let (name, whole) = (trace(mode.name.span), trace(mode.span));
         let whole = if whole.contains(name) { whole } else { name };
         CallHierarchyItem {
@@ -84,7 +84,7 @@ impl View {
         let data = item.data.as_ref()?;
         let text = |key: &str| data.get(key).and_then(Value::as_str);
         let snapshot = &*self.known.get(std::path::Path::new(text("root")?))?.now;
-        let entity = snapshot.study.checked.entities.iter().find(|e| Some(&*e.name.text) == text("entity"))?;
+        let entity = snapshot.ide.checked.entities.iter().find(|e| Some(&*e.name.text) == text("entity"))?;
         let mode = entity.modes.find(|m| Some(m.path.join(".").as_str()) == text("mode"))?;
         Some((snapshot, entity, mode))
     }
@@ -92,7 +92,7 @@ impl View {
     /// The edges from a mode to another.
     fn edges(&self, snapshot: &Snapshot, entity: &Entity, source: ModeId, target: ModeId) -> Vec<types::Range> {
         let edges = entity.edges.iter().filter(|e| e.source == source && e.target == Some(target));
-        let trace = |span| snapshot.study.compilation.sources.trace(span).0;
+        let trace = |span| snapshot.ide.compilation.sources.trace(span).0;
         edges.map(|e| snapshot.range(trace(e.span), self.client.encoding)).collect()
     }
 }

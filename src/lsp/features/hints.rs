@@ -31,8 +31,8 @@ impl View {
         let snapshot = &*known.now;
         let bytes = snapshot.text(file).bytes(params.range, encoding);
         let mut hints = Hints { known, snapshot, file, found: Vec::new() };
-        for (id, entity) in snapshot.study.checked.entities.pairs() {
-            hints.entity(&snapshot.study.checked, id, entity);
+        for (id, entity) in snapshot.ide.checked.entities.pairs() {
+            hints.entity(&snapshot.ide.checked, id, entity);
         }
         hints.found.sort();
         hints.found.dedup();
@@ -136,7 +136,7 @@ impl Hints<'_> {
 
     /// The end of the line of a place, its comment left out.
     fn line_end(&self, at: Span) -> Span {
-        let text = self.snapshot.study.compilation.sources.file(at.file()).text();
+        let text = self.snapshot.ide.compilation.sources.file(at.file()).text();
         let rest = text.get(at.range().end..).unwrap_or_default();
         let line = rest.split(['\n', '\r', ';', '}']).next().unwrap_or_default();
         let line = line.split("//").next().unwrap_or_default().trim_end();

@@ -15,7 +15,7 @@ use crate::source::{FileId, Span};
 use crate::syntax;
 use crate::syntax::occurrence::{NameKind, Occurrence, Role};
 
-use super::navigate::{Spot, word_at};
+use super::navigate::{ProgramPosition, word_at};
 use crate::lsp::snapshot::Snapshot;
 use crate::lsp::text::meanings::{Meaning, meaning};
 use crate::lsp::text::place::Place;
@@ -42,13 +42,13 @@ impl View {
 
     /// A name of the program.
     fn hover_name(&self, at: &types::TextDocumentPositionParams) -> Option<(String, Range)> {
-        let spots = self.lasting_spots(at);
-        let spot = spots.iter().find(|spot| !spot.names.is_empty())?;
-        let o = *spot.names.first()?;
-        let value = About { spot, snapshot: spot.snapshot, o }.text();
+        let positions = self.last_known_positions(at);
+        let position = positions.iter().find(|position| !position.names.is_empty())?;
+        let o = *position.names.first()?;
+        let value = About { position, snapshot: position.snapshot, o }.text();
         let encoding = self.client.encoding;
-        if std::ptr::eq(spot.snapshot, &*spot.known.now) {
-            return Some((value, spot.snapshot.range(o.at, encoding)));
+        if std::ptr::eq(position.snapshot, &*position.known.now) {
+            return Some((value, position.snapshot.range(o.at, encoding)));
         }
         let text = &self.documents.get(&path_of(&at.text_document.uri))?.text;
         Some((value, text.range(word_at(text.code(), text.byte(at.position, encoding))?, encoding)))
@@ -62,7 +62,7 @@ impl View {
         for known in self.programs(&path) {
             let Some(file) = known.now.file(&path) else { continue };
             let byte = known.now.text(file).byte(at.position, encoding) as u32;
-            let said = known.now.study.compilation.diagnostics.iter();
+            let said = known.now.ide.compilation.diagnostics.iter();
             for finding in said.chain(known.findings.iter().flat_map(Diagnostics::iter)) {
                 let Some(place) = finding.primary.as_ref().map(|label| label.span) else { continue };
                 let is_here = place.file() == file && place.start() <= byte && byte <= place.end();
@@ -163,7 +163,7 @@ pub(in crate::lsp) fn owners<'c>(
     o: &Occurrence,
     name: &str,
 ) -> Vec<(EntityId, &'c Entity)> {
-    let is_it = |span: Span| snapshot.study.compilation.sources.trace(span).0 == o.declared;
+    let is_it = |span: Span| snapshot.ide.compilation.sources.trace(span).0 == o.declared;
     let owns = |e: &Entity| match o.kind {
         NameKind::Parameter => e.params.iter().any(|p| is_it(p.name.span)),
         NameKind::Variable => e.vars.iter().any(|v| v.name.text == name && is_it(v.name.span)),
@@ -180,7 +180,7 @@ pub(in crate::lsp) fn owners<'c>(
 
 /// Makes the text of a hover.
 struct About<'a> {
-    spot: &'a Spot<'a>,
+    position: &'a ProgramPosition<'a>,
     snapshot: &'a Snapshot,
     o: Occurrence,
 }
@@ -188,10 +188,10 @@ struct About<'a> {
 impl About<'_> {
     fn text(&self) -> String {
         let name = self.snapshot.name(&self.o);
-        let checked = &self.snapshot.study.checked;
+        let checked = &self.snapshot.ide.checked;
         let owners = owners(checked, self.snapshot, &self.o, name);
         let mut parts = Vec::new();
-        let is_own = self.snapshot.study.compilation.sources.slice(self.o.declared) == name;
+        let is_own = self.snapshot.ide.compilation.sources.slice(self.o.declared) == name;
         if is_own && self.o.kind != NameKind::Tag {
             parts.push(format!("```hyped\n{}\n```", self.snapshot.line(self.o.declared)));
         }
@@ -232,10 +232,10 @@ impl About<'_> {
 
     /// What the dimension was when the program last had no errors: what is broken may have told it.
     fn last_dimension(&self, entity: &Entity, name: &str) -> Option<String> {
-        let good = self.spot.known.good.as_deref().filter(|_| !self.spot.known.now.is_good())?;
-        let mut entities = good.study.checked.entities.pairs();
+        let good = self.position.known.good.as_deref().filter(|_| !self.position.known.now.is_good())?;
+        let mut entities = good.ide.checked.entities.pairs();
         let (id, entity) = entities.find(|(_, e)| e.name.text == entity.name.text)?;
-        self.dimension(&good.study.checked, id, entity, name)
+        self.dimension(&good.ide.checked, id, entity, name)
     }
 
     fn dimension(&self, checked: &Checked, id: EntityId, entity: &Entity, name: &str) -> Option<String> {
@@ -265,7 +265,7 @@ impl About<'_> {
 
     /// What a variable can be in each mode.
     fn ranges(&self, entity: &Entity, name: &str) -> Option<String> {
-        let known = self.spot.known.ranges.as_ref()?.get(&entity.name.text, name);
+        let known = self.position.known.ranges.as_ref()?.get(&entity.name.text, name);
         let degree = if self.o.kind == NameKind::Variable { self.degree() } else { 0 };
         let discrete = entity.discretes.iter().find(|d| d.name.text == name);
         let (ty, declared) = (discrete.map(|d| d.ty), discrete.map(|d| d.range));
@@ -302,7 +302,7 @@ impl About<'_> {
 
     /// Where a mode leads, and from where.
     fn ways(&self, entity: &Entity) -> String {
-        let sources = &self.snapshot.study.compilation.sources;
+        let sources = &self.snapshot.ide.compilation.sources;
         let is_it = |span: Span| sources.trace(span).0 == self.o.declared;
         let Some(mode) = entity.modes.find(|m| is_it(m.name.span)) else { return String::new() };
         let list = |modes: Vec<String>| {
@@ -324,7 +324,7 @@ impl About<'_> {
 
     /// What carries a tag.
     fn carriers(&self, name: &str) -> String {
-        let checked = &self.snapshot.study.checked;
+        let checked = &self.snapshot.ide.checked;
         let Some(tag) = checked.tags.find(|t| t.text == name) else { return String::new() };
         let entities = checked.entities.iter().filter(|e| e.colliders.iter().any(|c| c.tags.contains(&tag)));
         let entities: Vec<String> = entities.map(|e| format!("`{}`", e.name.text)).collect();
@@ -338,7 +338,7 @@ impl About<'_> {
     }
 
     fn instance(&self, name: &str) -> Option<String> {
-        let checked = &self.snapshot.study.checked;
+        let checked = &self.snapshot.ide.checked;
         let instance = checked.worlds.iter().flat_map(|w| w.instances.iter()).find(|i| i.name.text == name)?;
         Some(checked.entities.get(instance.entity)?.name.text.to_string())
     }

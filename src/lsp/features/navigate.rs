@@ -23,7 +23,7 @@ use crate::lsp::view::{Failure, Known, View};
 const MAX_SYMBOLS: usize = 500;
 
 /// A place in one of the programs that hold it.
-pub(in crate::lsp) struct Spot<'a> {
+pub(in crate::lsp) struct ProgramPosition<'a> {
     pub known: &'a Known,
     /// The program as it is, or as it was when it last had no errors.
     pub snapshot: &'a Snapshot,
@@ -34,27 +34,32 @@ pub(in crate::lsp) struct Spot<'a> {
 
 impl View {
     /// A place in all programs that hold it, its own first.
-    pub(in crate::lsp) fn spots(&self, at: &types::TextDocumentPositionParams) -> Vec<Spot<'_>> {
+    pub(in crate::lsp) fn positions(&self, at: &types::TextDocumentPositionParams) -> Vec<ProgramPosition<'_>> {
         let path = path_of(&at.text_document.uri);
-        let spot = |known: &'_ Known| -> Option<(FileId, Vec<Occurrence>)> {
+        let position = |known: &'_ Known| -> Option<(FileId, Vec<Occurrence>)> {
             let file = known.now.file(&path)?;
             let byte = known.now.text(file).byte(at.position, self.client.encoding);
             Some((file, known.now.names_at(file, byte)))
         };
-        let spots = self.programs(&path).filter_map(|known| spot(known).map(|found| (known, found)));
-        spots.map(|(known, (file, names))| Spot { known, snapshot: &known.now, file, names }).collect()
+        let positions = self.programs(&path).filter_map(|known| position(known).map(|found| (known, found)));
+        positions.map(|(known, (file, names))| ProgramPosition { known, snapshot: &known.now, file, names }).collect()
     }
 
-    /// As [`spots`](Self::spots); of a name that means nothing while its program has errors, what it meant when that had
+    /// As [`positions`](Self::positions); of a name that means nothing while its program has errors, what it meant when that had
     /// none.
-    pub(in crate::lsp) fn lasting_spots(&self, at: &types::TextDocumentPositionParams) -> Vec<Spot<'_>> {
-        let spots = self.spots(at);
+    pub(in crate::lsp) fn last_known_positions(
+        &self,
+        at: &types::TextDocumentPositionParams,
+    ) -> Vec<ProgramPosition<'_>> {
+        let positions = self.positions(at);
         let path = path_of(&at.text_document.uri);
         let word = self.documents.get(&path).and_then(|document| {
             let byte = document.text.byte(at.position, self.client.encoding);
             Some((document.text.code(), word_at(document.text.code(), byte)?))
         });
-        let Some((code, word)) = word.filter(|_| spots.iter().all(|spot| spot.names.is_empty())) else { return spots };
+        let Some((code, word)) = word.filter(|_| positions.iter().all(|position| position.names.is_empty())) else {
+            return positions;
+        };
         let name = code.get(word.clone()).unwrap_or_default();
         let renamed = self.renamed.as_ref().filter(|(_, new)| new == name).map(|(old, _)| old.as_str());
         let earlier = |known: &'_ Known| -> Option<(FileId, Vec<Occurrence>)> {
@@ -65,8 +70,8 @@ impl View {
             let is_it = |o: &Occurrence| good.name(o) == name || renamed == Some(good.name(o));
             Some((file, names.into_iter().filter(is_it).collect()))
         };
-        let spots = self.programs(&path).filter_map(|known| Some((known, known.good.as_deref()?, earlier(known)?)));
-        spots.map(|(known, snapshot, (file, names))| Spot { known, snapshot, file, names }).collect()
+        let positions = self.programs(&path).filter_map(|known| Some((known, known.good.as_deref()?, earlier(known)?)));
+        positions.map(|(known, snapshot, (file, names))| ProgramPosition { known, snapshot, file, names }).collect()
     }
 
     /// Where something of a program is in its document as it is now; none if that line has changed.
@@ -85,8 +90,8 @@ impl View {
 
     /// What is at a place.
     pub(in crate::lsp) fn keys_at(&self, at: &types::TextDocumentPositionParams) -> BTreeSet<Key> {
-        let spots = self.spots(at);
-        spots.iter().flat_map(|spot| spot.names.iter().map(|o| spot.snapshot.key(o))).collect()
+        let positions = self.positions(at);
+        positions.iter().flat_map(|position| position.names.iter().map(|o| position.snapshot.key(o))).collect()
     }
 
     /// Where some names occur in all programs, each place once.
@@ -116,9 +121,9 @@ impl View {
             return Ok(Some(types::Definition::from(vec![location]).into()));
         }
         let mut out: Vec<Location> = Vec::new();
-        for spot in self.lasting_spots(&at) {
-            let snapshot = spot.snapshot;
-            for o in own_values(&spot.names) {
+        for position in self.last_known_positions(&at) {
+            let snapshot = position.snapshot;
+            for o in own_values(&position.names) {
                 let declared: Vec<Span> = match o.kind {
                     NameKind::Tag => {
                         let all = snapshot.matching(&BTreeSet::from([snapshot.key(&o)]));
@@ -148,12 +153,12 @@ impl View {
         params: types::DocumentHighlightParams,
     ) -> Result<Option<Vec<DocumentHighlight>>, Failure> {
         let at = params.text_document_position_params;
-        let spots = self.spots(&at);
-        let Some(spot) = spots.iter().find(|spot| !spot.names.is_empty()) else { return Ok(None) };
-        let snapshot = spot.snapshot;
-        let keys: BTreeSet<Key> = spot.names.iter().map(|o| snapshot.key(o)).collect();
+        let positions = self.positions(&at);
+        let Some(position) = positions.iter().find(|position| !position.names.is_empty()) else { return Ok(None) };
+        let snapshot = position.snapshot;
+        let keys: BTreeSet<Key> = position.names.iter().map(|o| snapshot.key(o)).collect();
         let mut out: Vec<DocumentHighlight> = Vec::new();
-        for o in snapshot.matching(&keys).filter(|o| o.at.file() == spot.file) {
+        for o in snapshot.matching(&keys).filter(|o| o.at.file() == position.file) {
             let kind = match o.role {
                 Role::Read => DocumentHighlightKind::Read,
                 Role::Written | Role::Declared => DocumentHighlightKind::Write,
@@ -174,7 +179,7 @@ impl View {
         let mut found: Vec<(bool, types::WorkspaceSymbol)> = Vec::new();
         for known in self.known.values() {
             let snapshot = &*known.now;
-            for o in snapshot.study.occurrences.iter().filter(|o| o.role == Role::Declared) {
+            for o in snapshot.ide.occurrences.iter().filter(|o| o.role == Role::Declared) {
                 let Some(kind) = symbol_kind(o.kind) else { continue };
                 let name = snapshot.name(o);
                 let Some(begins) = fits(name, &params.query) else { continue };
@@ -242,7 +247,7 @@ impl Snapshot {
                     && self.name(o) == *name
             })
         };
-        self.study.occurrences.iter().filter(fits).copied().collect::<Vec<_>>().into_iter()
+        self.ide.occurrences.iter().filter(fits).copied().collect::<Vec<_>>().into_iter()
     }
 }
 
@@ -268,7 +273,7 @@ fn container(snapshot: &Snapshot, at: Span) -> Option<&Occurrence> {
     let is_outer = |o: &&Occurrence| {
         o.role == Role::Declared && matches!(o.kind, NameKind::Entity | NameKind::Behavior | NameKind::World)
     };
-    let all = &snapshot.study.occurrences;
+    let all = &snapshot.ide.occurrences;
     let here = all.partition_point(|o| (o.at.file(), o.at.start()) < (at.file(), at.start()));
     let own = all.get(here).is_some_and(|o| is_outer(&o) || o.kind == NameKind::Constant);
     let before = all.get(..here)?.iter().rev().take_while(|o| o.at.file() == at.file());

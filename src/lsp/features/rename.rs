@@ -33,11 +33,12 @@ impl View {
         &self,
         params: types::PrepareRenameParams,
     ) -> Result<Option<types::PrepareRenameResult>, Failure> {
-        let spots = self.spots(&params.text_document_position_params);
-        let Some((spot, o)) = spots.iter().find_map(|spot| Some((spot, spot.names.first()?))) else {
+        let positions = self.positions(&params.text_document_position_params);
+        let Some((position, o)) = positions.iter().find_map(|position| Some((position, position.names.first()?)))
+        else {
             return Ok(None);
         };
-        let snapshot = spot.snapshot;
+        let snapshot = position.snapshot;
         let keys = BTreeSet::from([snapshot.key(o)]);
         self.renamable(&keys)?;
         let range = snapshot.range(o.at, self.client.encoding);
@@ -78,7 +79,7 @@ impl View {
             for known in self.known.values() {
                 let snapshot = &*known.now;
                 let places: BTreeSet<Span> = snapshot.matching(keys).map(|o| o.at).collect();
-                let here = snapshot.study.occurrences.iter().filter(|o| places.contains(&o.at));
+                let here = snapshot.ide.occurrences.iter().filter(|o| places.contains(&o.at));
                 keys.extend(here.map(|o| snapshot.key(o)));
             }
             if keys.len() == before {
@@ -93,11 +94,11 @@ impl View {
             let name = &key.name;
             for known in self.known.values() {
                 let snapshot = &*known.now;
-                if key.kind == NameKind::Tag && snapshot.study.checked.level_tags.contains(name) {
+                if key.kind == NameKind::Tag && snapshot.ide.checked.level_tags.contains(name) {
                     return Err(Failure::refused(format!("a level or a legend names the tag `{name}`, too")));
                 }
                 for o in snapshot.matching(&BTreeSet::from([key.clone()])) {
-                    let declared = snapshot.study.compilation.sources.slice(o.declared);
+                    let declared = snapshot.ide.compilation.sources.slice(o.declared);
                     if key.kind == NameKind::Variable && declared != name {
                         return Err(Failure::refused(format!("`{name}` is part of the language")));
                     }
@@ -132,10 +133,10 @@ impl View {
         for known in self.known.values().filter(|known| touched(&known.now)) {
             let before = &*known.now;
             let after = Snapshot::of(&before.root, &open, &*self.disk);
-            let errors = |s: &Snapshot| s.study.compilation.diagnostics.counts().0;
+            let errors = |s: &Snapshot| s.ide.compilation.diagnostics.counts().0;
             if errors(&after) > errors(before) {
                 let messages = |s: &Snapshot| -> Vec<String> {
-                    let found = s.study.compilation.diagnostics.iter();
+                    let found = s.ide.compilation.diagnostics.iter();
                     found.filter(|d| d.severity == Severity::Error).map(|d| d.message.clone()).collect()
                 };
                 let known = messages(before);
@@ -157,6 +158,6 @@ fn meaning(snapshot: &Snapshot, places: &Places, length: u32) -> BTreeSet<(FileI
             places.get(snapshot.path(at.file())).into_iter().flatten().filter(|(start, _)| *start < at.start());
         before.fold(i64::from(at.start()), |start, (a, b)| start + i64::from(length) - i64::from(b - a)) as u32
     };
-    let all = snapshot.study.occurrences.iter();
+    let all = snapshot.ide.occurrences.iter();
     all.map(|o: &Occurrence| (o.at.file(), moved(o.at), o.kind, o.declared.file(), moved(o.declared))).collect()
 }

@@ -68,7 +68,7 @@ impl View {
     fn spawned(&self, path: &std::path::Path, name: &str) -> Option<SignatureInformation> {
         let programs: Vec<&Known> = self.programs(path).collect();
         let states = programs.iter().map(|k| &*k.now).chain(programs.iter().filter_map(|k| k.good.as_deref()));
-        let mut entities = states.flat_map(|s| s.study.checked.entities.iter().map(move |e| (s, e)));
+        let mut entities = states.flat_map(|s| s.ide.checked.entities.iter().map(move |e| (s, e)));
         let (snapshot, entity) = entities.find(|(_, e)| e.name.text == name)?;
         let all = entity.params.iter().map(|p| &p.name).chain(entity.refs.iter().map(|r| &r.name));
         let all = all.chain(entity.vars.iter().map(|v| &v.name)).chain(entity.discretes.iter().map(|d| &d.name));

@@ -100,7 +100,7 @@ fn encoded(
     let code = text.code();
     let mut names: BTreeMap<usize, (u32, u32)> = BTreeMap::new();
     if let Some((snapshot, file)) = program {
-        for o in snapshot.study.occurrences.iter().filter(|o| o.at.file() == file) {
+        for o in snapshot.ide.occurrences.iter().filter(|o| o.at.file() == file) {
             names.entry(o.at.range().start).or_insert_with(|| of_name(o));
         }
     }

@@ -273,7 +273,7 @@ impl Server {
                 self.failed.remove(&snapshot.root);
                 let encoding = self.view.client.encoding;
                 let is_open = self.view.documents.get(&snapshot.root).is_some();
-                let found = &snapshot.study.compilation.diagnostics;
+                let found = &snapshot.ide.compilation.diagnostics;
                 let compile_findings =
                     if is_open { by_document(&snapshot, found, encoding) } else { ByDocument::new() };
                 let mut known = Known {

@@ -185,7 +185,7 @@ impl Worker {
     fn examine(&self, known: &BTreeMap<PathBuf, Arc<Snapshot>>, due: &mut BTreeSet<PathBuf>) -> Option<()> {
         while let Some(path) = due.first().cloned() {
             if let Some(snapshot) = known.get(&path) {
-                let compilation = &snapshot.study.compilation;
+                let compilation = &snapshot.ide.compilation;
                 let examine = || {
                     let program = compilation.program.as_ref()?;
                     let (sources, said) = (&compilation.sources, &compilation.diagnostics);

@@ -10,9 +10,9 @@ use std::sync::Arc;
 use crate::support::{Disk, files, stir};
 use hypedc::analysis::watched_space;
 use hypedc::compile::{LevelFile, compile_with};
-use hypedc::ir::{Program, WorldId};
+use hypedc::ir::{Expr, GoalId, Program, WorldId, verify};
 use hypedc::sim::{Input, Simulator, State};
-use hypedc::source::SourceMap;
+use hypedc::source::{FileId, SourceMap, Span};
 use hypedc::watch::Patience;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -220,4 +220,36 @@ fn entries(value: &Value, at: &mut Vec<String>, out: &mut Vec<Vec<String>>) {
         Value::Object(all) => all.iter().for_each(|(key, value)| inside(key.clone(), value, true)),
         _ => {}
     }
+}
+
+/// A goal that is an `or` within an `or`, this many levels deep.
+fn deep(levels: usize) -> Program {
+    let compilation = compile_with(Path::new("examples/balloon.hyped"), LevelFile::default(), &Disk);
+    let mut program = Program::clone(&compilation.program.unwrap());
+    let Program { exprs, spans, worlds, .. } = &mut program;
+    let mut push = |expr| {
+        spans.exprs.push(Span::new(FileId(0), 0, 0));
+        exprs.push(expr)
+    };
+    let fails = push(Expr::Bool(false));
+    let goal = &mut Arc::make_mut(&mut worlds[WorldId(0)]).goals[GoalId(0)].holds;
+    for _ in 0..levels {
+        *goal = push(Expr::Or(*goal, fails));
+    }
+    program
+}
+
+/// A thread has a stack of 2 MiB where nobody asks for more.
+#[test]
+fn what_is_nested_as_deep_as_can_be_is_read_on_a_small_stack() {
+    let program = (0..).map(deep).step_by(64).take_while(|program| verify(program).is_ok()).last().unwrap();
+    let look = move || {
+        let space = watched_space(&program, WorldId(0), &[], &Patience::new(1 << 20));
+        assert!(space.can_hold(&program, WorldId(0), GoalId(0)));
+        let sim = Simulator::new(&Arc::new(program), WorldId(0));
+        let mut scratch = sim.scratch();
+        let state = sim.initial(&mut scratch).unwrap();
+        assert!(!sim.goal(&state, GoalId(0)).unwrap());
+    };
+    std::thread::Builder::new().stack_size(2 << 20).spawn(look).unwrap().join().unwrap();
 }

@@ -304,7 +304,7 @@ impl Checker<'_> {
             }
             ExprKind::Is(asked) if scope.entity.is_some() => {
                 let (subject, entity) = &**asked;
-                let (of, _) = self.reference(subject, scope)?;
+                let (of, known) = self.reference(subject, scope)?;
                 let Some(name) = entity else {
                     return make(TermKind::IsNone(of), Type::Bool);
                 };
@@ -313,6 +313,11 @@ impl Checker<'_> {
                     self.report_unknown(fact);
                     return None;
                 };
+                if let Some(known) = known.filter(|known| *known != entity) {
+                    self.never_is(of, subject, name, known, scope);
+                    // What follows may read what the reference really has.
+                    return make(TermKind::Is(of, known), Type::Bool);
+                }
                 make(TermKind::Is(of, entity), Type::Bool)
             }
             ExprKind::In(asked) => self.relation(&asked.0, e.span, scope, |this, slot, entity| {

@@ -65,6 +65,28 @@ impl Checker<'_> {
         None
     }
 
+    /// Reports a test for an entity that a reference never has.
+    pub(super) fn never_is(&mut self, of: Subject, subject: &Expr, name: &Name, known: EntityId, scope: &Scope<'_>) {
+        let subject = subject.name().map(|name| name.text.to_string()).unwrap_or_default();
+        let known = &self.checked.entities[known].name.text;
+        let is_declared = match (of, scope.entity) {
+            (Subject::Ref(id), Some(me)) => me.refs[id].entity.is_some(),
+            _ => false,
+        };
+        let help = match is_declared {
+            true => {
+                format!("`{subject}` is declared to refer to `{known}`; `ref {subject}: any` may refer to any entity")
+            }
+            false => format!("here `{subject}` is known to refer to `{known}`: another `is` around this one says so"),
+        };
+        self.diagnostics.report(TypeMismatch {
+            at: name.span,
+            found: format!("`{}`", name.text),
+            expected: format!("`{known}`"),
+            help: Some(help),
+        });
+    }
+
     /// Reports the read of a reference that may be none here.
     pub(super) fn readable(&mut self, subject: Subject, name: &Name, span: Span, scope: &Scope<'_>) {
         if self.facts.is_set(subject) {

@@ -143,18 +143,22 @@ impl Maker<'_> {
 
     /// The atom of one of some slots: that of any of them which is alive.
     fn of_any(&mut self, slots: &[SlotId], atom: impl Fn(&mut Self, Subject) -> Expr) -> Option<ExprId> {
-        let mut out: Option<ExprId> = None;
+        let mut some: Vec<ExprId> = Vec::new();
         for slot in slots {
             let is_alive = self.push(Expr::Alive(*slot));
             let atom = atom(self, Subject::Slot(*slot));
             let atom = self.push(atom);
-            let both = self.push(Expr::And(is_alive, atom));
-            out = Some(match out {
-                Some(others) => self.push(Expr::Or(others, both)),
-                None => both,
-            });
+            some.push(self.push(Expr::And(is_alive, atom)));
         }
-        out
+        // A balanced tree, as the compiler makes it: expressions are read by recursion.
+        while some.len() > 1 {
+            let halves = some.chunks(2).map(|pair| match *pair {
+                [a, b] => self.push(Expr::Or(a, b)),
+                _ => pair[0],
+            });
+            some = halves.collect();
+        }
+        some.pop()
     }
 
     fn atom(&mut self, state: &[u8], slot: SlotId, slots: &[SlotId], who: &str) -> Option<Part> {

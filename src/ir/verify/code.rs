@@ -10,7 +10,7 @@ use super::{At, Checked, Invalid, each, each_pair, exists, exists_among, must};
 /// The most expressions that one is made of, each counted as often as it occurs.
 const MAX_PARTS: u32 = 1 << 24;
 /// The most that lie inside of one another: they are read by recursion.
-const MAX_DEEP: u16 = 1 << 12;
+const MAX_DEEP: u16 = 640;
 
 /// What is known of all expressions.
 pub(super) struct Code<'p> {
@@ -67,37 +67,44 @@ impl<'p> Code<'p> {
         let left = self.patience.get();
         self.patience.set(left.saturating_sub(1));
         must(left > 0, "its expressions share too much")?;
-        let program = self.program;
-        let expr = program.exprs[id];
-        let inside = |id: ExprId, facts: &mut Facts| {
-            self.check(owner, id, facts).map_err(|inner| match inner.at.is_empty() {
-                true => inner.within(&format!("exprs[{}]", id.index())),
-                false => inner,
-            })
-        };
-        match expr {
+        match self.program.exprs[id] {
             Expr::And(a, b) | Expr::Or(a, b) => {
-                inside(a, facts)?;
-                let known = facts.len();
-                self.learn(a, matches!(expr, Expr::And(..)), facts);
-                let b = inside(b, facts);
-                facts.truncate(known);
-                return b;
+                self.operand(owner, a, facts)?;
+                let outcome = matches!(self.program.exprs[id], Expr::And(..));
+                self.operand_where(owner, b, (a, outcome), facts)
             }
             Expr::Call(Function::If, [condition, a, b]) => {
-                inside(condition, facts)?;
-                for (branch, outcome) in [(a, true), (b, false)] {
-                    let known = facts.len();
-                    self.learn(condition, outcome, facts);
-                    let branch = inside(branch, facts);
-                    facts.truncate(known);
-                    branch?;
-                }
-                return Ok(());
+                self.operand(owner, condition, facts)?;
+                self.operand_where(owner, a, (condition, true), facts)?;
+                self.operand_where(owner, b, (condition, false), facts)
             }
-            _ => {}
+            expr => {
+                for operand in expr.operands() {
+                    self.operand(owner, operand, facts)?;
+                }
+                self.atom(owner, expr, facts)
+            }
         }
-        expr.operands().into_iter().try_for_each(|operand| inside(operand, facts))?;
+    }
+
+    /// As [`check`](Self::check), of what another expression reads.
+    fn operand(&self, owner: Owner, id: ExprId, facts: &mut Facts) -> Checked {
+        self.check(owner, id, facts).map_err(|inner| at_its_place(inner, id))
+    }
+
+    /// As [`operand`](Self::operand), where a guard has an outcome.
+    fn operand_where(&self, owner: Owner, id: ExprId, guard: (ExprId, bool), facts: &mut Facts) -> Checked {
+        let known = facts.len();
+        self.learn(guard.0, guard.1, facts);
+        let checked = self.operand(owner, id, facts);
+        facts.truncate(known);
+        checked
+    }
+
+    /// Whether what an expression itself reads is there, apart from the recursion: so that one level of it takes little
+    /// of the stack.
+    fn atom(&self, owner: Owner, expr: Expr, facts: &Facts) -> Checked {
+        let program = self.program;
         let of = |subject: Subject| {
             let of = self.entity(owner, subject, facts)?;
             exists(of, &program.entities).map(|()| &program.entities[of])
@@ -191,6 +198,14 @@ impl<'p> Code<'p> {
             RefValue::None => Ok(()),
             RefValue::Of(subject) => self.subject(owner, subject),
         }
+    }
+}
+
+/// An error in an operand, with its place if it has none.
+fn at_its_place(inner: Invalid, id: ExprId) -> Invalid {
+    match inner.at.is_empty() {
+        true => inner.within(&format!("exprs[{}]", id.index())),
+        false => inner,
     }
 }
 

@@ -2,6 +2,7 @@
 //! it that bears its name.
 
 use super::excerpt::{short, wrapped};
+use super::writer::{Writer, write_all};
 use super::{Action, Chart, Edge, Initial, Mode};
 
 /// Characters of a line of a label, and of an update.
@@ -13,92 +14,71 @@ pub fn dot(charts: &[Chart]) -> String {
     out.push_str("  newrank=true fontname=\"Helvetica\" bgcolor=\"transparent\"\n");
     out.push_str("  node [shape=box style=\"rounded,filled\" fillcolor=\"#f6f8fa\" color=\"#57606a\" fontname=\"Helvetica\" fontsize=11]\n");
     out.push_str("  edge [color=\"#57606a\" fontname=\"Helvetica\" fontsize=10]\n");
-    for (index, chart) in charts.iter().enumerate() {
-        Writer { chart, prefix: format!("e{index}"), out: &mut out }.chart();
-    }
+    write_all(charts, &mut out, write_chart);
     out.push_str("}\n");
     out
 }
 
-struct Writer<'a> {
-    chart: &'a Chart,
-    prefix: String,
-    out: &'a mut String,
+fn write_chart(out: &mut Writer<'_>) {
+    let (chart, prefix) = (out.chart, out.prefix.clone());
+    out.line(1, &format!("subgraph cluster_{prefix} {{"));
+    out.line(
+        2,
+        &format!("label={} style=rounded penwidth=2 color=\"#57606a\"", quoted(std::slice::from_ref(&chart.entity))),
+    );
+    if chart.regions.is_empty() {
+        out.line(2, &format!("{prefix}_none [label=\"no modes\" shape=plaintext style=\"\"]"));
+    }
+    for (index, region) in chart.regions.iter().enumerate() {
+        out.line(2, &format!("subgraph cluster_{prefix}_g{index} {{"));
+        let label = region.name.iter().cloned().collect::<Vec<_>>();
+        out.line(3, &format!("label={} style=dashed penwidth=1 color=\"#57606a\"", quoted(&label)));
+        write_initial(out, 3, &format!("{prefix}_g{index}_first"), &region.initial);
+        for &mode in &region.modes {
+            write_mode(out, 3, mode);
+        }
+        out.line(2, "}");
+    }
+    for edge in &chart.edges {
+        let (from, to) = (out.node(edge.source), out.node(edge.target));
+        out.line(2, &format!("{from} -> {to} [label={}]", quoted(&edge_label(edge))));
+    }
+    out.line(1, "}");
 }
 
-impl Writer<'_> {
-    fn line(&mut self, depth: usize, text: &str) {
-        self.out.push_str(&format!("{}{text}\n", "  ".repeat(depth)));
+fn write_mode(out: &mut Writer<'_>, depth: usize, index: usize) {
+    let mode = &out.chart.modes[index];
+    let (node, label) = (out.node(index), quoted(&mode_label(mode)));
+    let Some(initial) = &mode.initial else {
+        out.line(depth, &format!("{node} [label={label}]"));
+        return;
+    };
+    out.line(depth, &format!("subgraph cluster_{node} {{"));
+    out.line(depth + 1, "label=\"\" style=rounded penwidth=1 color=\"#57606a\"");
+    out.line(depth + 1, &format!("{node} [label={label} style=filled penwidth=0 fontname=\"Helvetica-Bold\"]"));
+    write_initial(out, depth + 1, &format!("{node}_first"), initial);
+    out.line(depth + 1, &format!("{node} -> {node}_first [style=invis]"));
+    for &child in &mode.children {
+        write_mode(out, depth + 1, child);
     }
+    out.line(depth, "}");
+}
 
-    fn node(&self, mode: usize) -> String {
-        format!("{}_m{mode}", self.prefix)
+fn write_initial(out: &mut Writer<'_>, depth: usize, point: &str, initial: &Initial) {
+    out.line(
+        depth,
+        &format!("{point} [label=\"\" shape=circle width=0.12 fixedsize=true style=filled fillcolor=\"#57606a\"]"),
+    );
+    for (guard, mode) in &initial.choices {
+        let (node, label) = (out.node(*mode), quoted(&wrapped(guard, WIDTH)));
+        out.line(depth, &format!("{point} -> {node} [label={label}]"));
     }
-
-    fn chart(&mut self) {
-        let (chart, prefix) = (self.chart, self.prefix.clone());
-        self.line(1, &format!("subgraph cluster_{prefix} {{"));
-        self.line(
-            2,
-            &format!(
-                "label={} style=rounded penwidth=2 color=\"#57606a\"",
-                quoted(std::slice::from_ref(&chart.entity))
-            ),
-        );
-        if chart.regions.is_empty() {
-            self.line(2, &format!("{prefix}_none [label=\"no modes\" shape=plaintext style=\"\"]"));
-        }
-        for (index, region) in chart.regions.iter().enumerate() {
-            self.line(2, &format!("subgraph cluster_{prefix}_g{index} {{"));
-            let label = region.name.iter().cloned().collect::<Vec<_>>();
-            self.line(3, &format!("label={} style=dashed penwidth=1 color=\"#57606a\"", quoted(&label)));
-            self.initial(3, &format!("{prefix}_g{index}_first"), &region.initial);
-            for &mode in &region.modes {
-                self.mode(3, mode);
-            }
-            self.line(2, "}");
-        }
-        for edge in &chart.edges {
-            let (from, to) = (self.node(edge.source), self.node(edge.target));
-            self.line(2, &format!("{from} -> {to} [label={}]", quoted(&edge_label(edge))));
-        }
-        self.line(1, "}");
-    }
-
-    fn mode(&mut self, depth: usize, index: usize) {
-        let mode = &self.chart.modes[index];
-        let (node, label) = (self.node(index), quoted(&mode_label(mode)));
-        let Some(initial) = &mode.initial else {
-            self.line(depth, &format!("{node} [label={label}]"));
-            return;
-        };
-        self.line(depth, &format!("subgraph cluster_{node} {{"));
-        self.line(depth + 1, "label=\"\" style=rounded penwidth=1 color=\"#57606a\"");
-        self.line(depth + 1, &format!("{node} [label={label} style=filled penwidth=0 fontname=\"Helvetica-Bold\"]"));
-        self.initial(depth + 1, &format!("{node}_first"), initial);
-        self.line(depth + 1, &format!("{node} -> {node}_first [style=invis]"));
-        for &child in &mode.children {
-            self.mode(depth + 1, child);
-        }
-        self.line(depth, "}");
-    }
-
-    fn initial(&mut self, depth: usize, point: &str, initial: &Initial) {
-        self.line(
-            depth,
-            &format!("{point} [label=\"\" shape=circle width=0.12 fixedsize=true style=filled fillcolor=\"#57606a\"]"),
-        );
-        for (guard, mode) in &initial.choices {
-            let (node, label) = (self.node(*mode), quoted(&wrapped(guard, WIDTH)));
-            self.line(depth, &format!("{point} -> {node} [label={label}]"));
-        }
-        let node = self.node(initial.mode);
-        self.line(depth, &format!("{point} -> {node}"));
-    }
+    let node = out.node(initial.mode);
+    out.line(depth, &format!("{point} -> {node}"));
 }
 
 fn mode_label(mode: &Mode) -> Vec<String> {
-    let mut lines = vec![if mode.timed { format!("{} · timer", mode.name) } else { mode.name.clone() }];
+    let mut lines = vec![mode.title()];
     lines.extend(mode.entry.iter().map(|update| format!("entry / {}", short(update, WIDTH))));
     for Action { guard, updates } in &mode.internal {
         lines.extend(wrapped(guard, WIDTH));

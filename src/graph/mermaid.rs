@@ -1,6 +1,7 @@
 //! Mermaid's `stateDiagram-v2`. Labels escape what Mermaid would read as its own.
 
 use super::excerpt::short;
+use super::writer::{Writer, write_all};
 use super::{Action, Chart, Edge, Initial, Mode};
 
 /// Characters of a guard and of all updates of an edge.
@@ -9,113 +10,91 @@ const WIDTH: usize = 80;
 /// Writes charts as one Mermaid diagram.
 pub fn mermaid(charts: &[Chart]) -> String {
     let mut out = String::from("stateDiagram-v2\n");
-    for (index, chart) in charts.iter().enumerate() {
-        Writer { chart, prefix: format!("e{index}"), out: &mut out }.chart();
-    }
+    write_all(charts, &mut out, write_chart);
     out
 }
 
-struct Writer<'a> {
-    chart: &'a Chart,
-    prefix: String,
-    out: &'a mut String,
+/// What edges of a mode hang on: of one that has modes inside, a state in it, as Mermaid draws no edge from a state
+/// into itself.
+fn end(out: &Writer<'_>, mode: usize) -> String {
+    if out.chart.modes[mode].initial.is_some() { format!("{}_self", out.node(mode)) } else { out.node(mode) }
 }
 
-impl Writer<'_> {
-    fn line(&mut self, depth: usize, text: &str) {
-        self.out.push_str(&format!("{}{text}\n", "  ".repeat(depth)));
+fn write_chart(out: &mut Writer<'_>) {
+    let (chart, prefix) = (out.chart, out.prefix.clone());
+    out.line(1, &format!("state \"{}\" as {prefix} {{", escaped(&chart.entity)));
+    if chart.regions.is_empty() {
+        out.line(2, &format!("{prefix}_none : no modes"));
     }
-
-    fn node(&self, mode: usize) -> String {
-        format!("{}_m{mode}", self.prefix)
-    }
-
-    /// What edges of a mode hang on: of one that has modes inside, a state in it, as Mermaid draws no edge from a state
-    /// into itself.
-    fn end(&self, mode: usize) -> String {
-        if self.chart.modes[mode].initial.is_some() { format!("{}_self", self.node(mode)) } else { self.node(mode) }
-    }
-
-    fn chart(&mut self) {
-        let (chart, prefix) = (self.chart, self.prefix.clone());
-        self.line(1, &format!("state \"{}\" as {prefix} {{", escaped(&chart.entity)));
-        if chart.regions.is_empty() {
-            self.line(2, &format!("{prefix}_none : no modes"));
-        }
-        for (index, region) in chart.regions.iter().enumerate() {
-            // Mermaid's own regions, `--`, bear no names.
-            let named = region.name.as_ref().map(|name| format!("state \"{}\" as {prefix}_g{index} {{", escaped(name)));
-            let depth = if let Some(head) = named {
-                if index > 0 {
-                    self.line(2, "--");
-                }
-                self.line(2, &head);
-                3
-            } else {
-                2
-            };
-            self.initial(depth, &region.initial);
-            // Mermaid puts a state where it is named last, so the edges come before the states.
-            let inside = |edge: &&Edge| region.modes.contains(&self.outermost(edge.source));
-            let edges: Vec<&Edge> = chart.edges.iter().filter(inside).collect();
-            for edge in edges {
-                let (from, to) = (self.end(edge.source), self.end(edge.target));
-                self.line(depth, &format!("{from} --> {to} : {}", escaped(&edge_label(edge))));
+    for (index, region) in chart.regions.iter().enumerate() {
+        // Mermaid's own regions, `--`, bear no names.
+        let named = region.name.as_ref().map(|name| format!("state \"{}\" as {prefix}_g{index} {{", escaped(name)));
+        let depth = if let Some(head) = named {
+            if index > 0 {
+                out.line(2, "--");
             }
-            for &mode in &region.modes {
-                self.mode(depth, mode);
-            }
-            if depth == 3 {
-                self.line(2, "}");
-            }
-        }
-        self.line(1, "}");
-    }
-
-    fn outermost(&self, mode: usize) -> usize {
-        self.chart.modes[mode].parent.map_or(mode, |parent| self.outermost(parent))
-    }
-
-    fn mode(&mut self, depth: usize, index: usize) {
-        let mode = &self.chart.modes[index];
-        let (node, name) = (self.node(index), escaped(&title(mode)));
-        let Some(initial) = &mode.initial else {
-            self.line(depth, &format!("state \"{name}\" as {node}"));
-            self.actions(depth, &node, mode);
-            return;
+            out.line(2, &head);
+            3
+        } else {
+            2
         };
-        self.line(depth, &format!("state \"{name}\" as {node} {{"));
-        let own = format!("{node}_self");
-        self.line(depth + 1, &format!("state \"({name})\" as {own}"));
-        self.actions(depth + 1, &own, mode);
-        self.initial(depth + 1, initial);
-        for &child in &mode.children {
-            self.mode(depth + 1, child);
+        write_initial(out, depth, &region.initial);
+        // Mermaid puts a state where it is named last, so the edges come before the states.
+        let inside = |edge: &&Edge| region.modes.contains(&outermost(out, edge.source));
+        let edges: Vec<&Edge> = chart.edges.iter().filter(inside).collect();
+        for edge in edges {
+            let (from, to) = (end(out, edge.source), end(out, edge.target));
+            out.line(depth, &format!("{from} --> {to} : {}", escaped(&edge_label(edge))));
         }
-        self.line(depth, "}");
-    }
-
-    fn actions(&mut self, depth: usize, node: &str, mode: &Mode) {
-        for update in &mode.entry {
-            self.line(depth, &format!("{node} : {}", escaped(&format!("entry / {}", short(update, WIDTH)))));
+        for &mode in &region.modes {
+            write_mode(out, depth, mode);
         }
-        for action in &mode.internal {
-            self.line(depth, &format!("{node} : {}", escaped(&action_label(action))));
+        if depth == 3 {
+            out.line(2, "}");
         }
     }
+    out.line(1, "}");
+}
 
-    fn initial(&mut self, depth: usize, initial: &Initial) {
-        for (guard, mode) in &initial.choices {
-            let (node, label) = (self.end(*mode), escaped(&short(guard, WIDTH)));
-            self.line(depth, &format!("[*] --> {node} : {label}"));
-        }
-        let node = self.end(initial.mode);
-        self.line(depth, &format!("[*] --> {node}"));
+fn outermost(out: &Writer<'_>, mode: usize) -> usize {
+    out.chart.modes[mode].parent.map_or(mode, |parent| outermost(out, parent))
+}
+
+fn write_mode(out: &mut Writer<'_>, depth: usize, index: usize) {
+    let mode = &out.chart.modes[index];
+    let (node, name) = (out.node(index), escaped(&mode.title()));
+    let Some(initial) = &mode.initial else {
+        out.line(depth, &format!("state \"{name}\" as {node}"));
+        write_actions(out, depth, &node, mode);
+        return;
+    };
+    out.line(depth, &format!("state \"{name}\" as {node} {{"));
+    let own = format!("{node}_self");
+    out.line(depth + 1, &format!("state \"({name})\" as {own}"));
+    write_actions(out, depth + 1, &own, mode);
+    write_initial(out, depth + 1, initial);
+    for &child in &mode.children {
+        write_mode(out, depth + 1, child);
+    }
+    out.line(depth, "}");
+}
+
+fn write_actions(out: &mut Writer<'_>, depth: usize, node: &str, mode: &Mode) {
+    for update in &mode.entry {
+        out.line(depth, &format!("{node} : {}", escaped(&format!("entry / {}", short(update, WIDTH)))));
+    }
+    for action in &mode.internal {
+        out.line(depth, &format!("{node} : {}", escaped(&action_label(action))));
     }
 }
 
-fn title(mode: &Mode) -> String {
-    if mode.timed { format!("{} · timer", mode.name) } else { mode.name.clone() }
+fn write_initial(out: &mut Writer<'_>, depth: usize, initial: &Initial) {
+    for (guard, mode) in &initial.choices {
+        let (node, label) = (end(out, *mode), escaped(&short(guard, WIDTH)));
+        out.line(depth, &format!("[*] --> {node} : {label}"));
+    }
+    let node = end(out, initial.mode);
+    out.line(depth, &format!("[*] --> {node}"));
 }
 
 fn edge_label(edge: &Edge) -> String {

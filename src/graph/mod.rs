@@ -13,6 +13,7 @@ mod excerpt;
 mod layout;
 mod mermaid;
 mod svg;
+mod writer;
 
 pub use chart::{Action, Chart, Edge, Initial, Mode, Region, chart};
 pub use dot::dot;

@@ -43,7 +43,6 @@ pub(super) struct Collision {
 #[derive(Debug)]
 pub(super) struct Body {
     slot: SlotId,
-    collider: ColliderId,
     pub kind: usize,
     /// The number of its set of tags.
     set: usize,
@@ -58,6 +57,9 @@ pub(super) struct Body {
     is_plain: bool,
     /// Where a leaf is in a state on which alone it depends whether it is there, and while which leaves it is.
     by_leaf: Option<(usize, Arc<[bool]>)>,
+    /// Its shape, and what must hold for it to be there, for a body that is not plain.
+    shape: Shape,
+    guard: Option<ExprId>,
 }
 
 /// What the bodies of one collider of one entity have in common.
@@ -169,7 +171,6 @@ impl Collision {
                 });
                 bodies.push(Body {
                     slot,
-                    collider,
                     kind,
                     set,
                     kinematic: c.kinematic,
@@ -178,6 +179,8 @@ impl Collision {
                     fixed,
                     is_plain,
                     by_leaf,
+                    shape: c.shape,
+                    guard: c.guard,
                 });
             }
         }
@@ -403,14 +406,13 @@ impl Simulator {
                 Some(sides) if body.is_plain => sides,
                 _ => {
                     let actor = &self.actors[body.slot.index()];
-                    let collider = &actor.entity.colliders[body.collider];
                     let reader = self.reader(actor, state, frames, &[], &fault);
-                    if body.by_leaf.is_none() && !collider.guard.is_none_or(|guard| reader.truth(guard)) {
+                    if body.by_leaf.is_none() && !body.guard.is_none_or(|guard| reader.truth(guard)) {
                         rect.active = false;
                         continue;
                     }
-                    let read = || collider.shape.sides(|id| Some(reader.number(id))).unwrap_or_default();
-                    rect.round = collider.shape.is_round();
+                    let read = || body.shape.sides(|id| Some(reader.number(id))).unwrap_or_default();
+                    rect.round = body.shape.is_round();
                     body.fixed.unwrap_or_else(read)
                 }
             };

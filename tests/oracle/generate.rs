@@ -4,6 +4,8 @@
 
 use std::fmt::Write;
 
+use crate::support::draw::Draw;
+
 /// Who an entity is.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Role {
@@ -26,7 +28,7 @@ impl Role {
 const STEPS: [(u32, u32); 8] = [(1, 4), (1, 10), (1, 8), (1, 60), (1, 2), (1, 20), (1, 30), (1, 1)];
 
 struct Generator<'c> {
-    choices: std::slice::Iter<'c, u16>,
+    draw: Draw<'c>,
     out: String,
     step: (u32, u32),
     role: Role,
@@ -44,7 +46,7 @@ struct Generator<'c> {
 /// The text of a program.
 pub fn program(choices: &[u16]) -> String {
     let mut g = Generator {
-        choices: choices.iter(),
+        draw: Draw::new(choices),
         out: String::new(),
         step: (1, 4),
         role: Role::Hero,
@@ -56,11 +58,11 @@ pub fn program(choices: &[u16]) -> String {
         group: 0,
         in_mode: false,
     };
-    g.step = STEPS[g.pick(STEPS.len())];
-    let inputs = g.pick(5);
+    g.step = STEPS[g.draw.pick(STEPS.len())];
+    let inputs = g.draw.pick(5);
     (g.has_button, g.has_axis) = (inputs != 1 && inputs != 3, matches!(inputs, 1 | 3 | 4));
-    g.has_foe = g.chance(55);
-    g.has_shot = g.chance(30);
+    g.has_foe = g.draw.chance(55);
+    g.has_shot = g.draw.chance(30);
     for role in [Role::Hero, Role::Foe, Role::Shot] {
         g.role = role;
         g.names();
@@ -76,18 +78,6 @@ pub fn program(choices: &[u16]) -> String {
 }
 
 impl Generator<'_> {
-    fn pick(&mut self, count: usize) -> usize {
-        self.choices.next().map_or(0, |c| usize::from(*c) % count.max(1))
-    }
-
-    fn chance(&mut self, percent: usize) -> bool {
-        self.choices.next().is_some_and(|c| usize::from(*c) % 100 >= 100 - percent)
-    }
-
-    fn one<'s>(&mut self, of: &[&'s str]) -> &'s str {
-        of[self.pick(of.len())]
-    }
-
     fn line(&mut self, text: impl AsRef<str>) {
         self.out.push_str(text.as_ref());
         self.out.push('\n');
@@ -97,49 +87,49 @@ impl Generator<'_> {
     fn names(&mut self) {
         let role = self.role;
         let prefix = ["a", "p", "u"][role as usize];
-        let count = 1 + self.pick(3);
+        let count = 1 + self.draw.pick(3);
         let mut groups = vec![(0..count).map(|i| format!("{prefix}{i}")).collect::<Vec<String>>()];
-        if role == Role::Hero && self.chance(20) {
+        if role == Role::Hero && self.draw.chance(20) {
             groups.push(vec!["b0".into(), "b1".into()]);
         }
         self.modes[role as usize] = groups;
     }
 
     fn length(&mut self) -> String {
-        self.one(&["16", "0", "8", "32", "24", "4", "48", "12", "40", "20", "2", "15", "6.5", "-8", "64"]).into()
+        self.draw.one(&["16", "0", "8", "32", "24", "4", "48", "12", "40", "20", "2", "15", "6.5", "-8", "64"]).into()
     }
 
     /// A speed of so many px a step.
     fn speed(&mut self) -> String {
-        let px = [4.0, -4.0, 8.0, 0.0, -8.0, 2.0, 1.0, 16.0, -16.0, 3.0, -2.0, 20.0, -5.0][self.pick(13)];
+        let px = [4.0, -4.0, 8.0, 0.0, -8.0, 2.0, 1.0, 16.0, -16.0, 3.0, -2.0, 20.0, -5.0][self.draw.pick(13)];
         number(px * f64::from(self.step.1) / f64::from(self.step.0))
     }
 
     /// An acceleration of so many px a step for each step.
     fn acceleration(&mut self) -> String {
-        let px = [-1.0, -2.0, 1.0, -4.0, 0.0, 2.0, -0.5][self.pick(7)];
+        let px = [-1.0, -2.0, 1.0, -4.0, 0.0, 2.0, -0.5][self.draw.pick(7)];
         number(px * f64::from(self.step.1 * self.step.1) / f64::from(self.step.0 * self.step.0))
     }
 
     fn time(&mut self) -> String {
-        let steps = 1 + self.pick(5);
-        match self.pick(3) {
+        let steps = 1 + self.draw.pick(5);
+        match self.draw.pick(3) {
             0 => format!("{steps}frames"),
             1 => number(f64::from(steps as u32 * self.step.0) / f64::from(self.step.1)),
-            _ => self.one(&["0.5", "0.25s", "100ms", "1s"]).into(),
+            _ => self.draw.one(&["0.5", "0.25s", "100ms", "1s"]).into(),
         }
     }
 
     /// A mode of the entity that is written, of its current group.
     fn mode(&mut self) -> String {
         let modes = self.modes[self.role as usize][self.group].clone();
-        modes[self.pick(modes.len())].clone()
+        modes[self.draw.pick(modes.len())].clone()
     }
 
     fn mode_of(&mut self, role: Role) -> String {
-        let group = self.pick(self.modes[role as usize].len());
+        let group = self.draw.pick(self.modes[role as usize].len());
         let modes = self.modes[role as usize][group].clone();
-        modes[self.pick(modes.len())].clone()
+        modes[self.draw.pick(modes.len())].clone()
     }
 
     /// What the one that is written can touch.
@@ -147,7 +137,7 @@ impl Generator<'_> {
         let mut all = vec!["wall", "coin", "cloud"];
         let roles = [(Role::Hero, true), (Role::Foe, self.has_foe), (Role::Shot, self.has_shot)];
         all.extend(roles.iter().filter(|(role, is)| *is && *role != self.role).map(|(role, _)| role.tag()));
-        all[self.pick(all.len())]
+        all[self.draw.pick(all.len())]
     }
 
     fn entity(&mut self) {
@@ -162,43 +152,43 @@ impl Generator<'_> {
         let speed = self.speed();
         self.line(format!("    param s: px/s = {speed}"));
         self.line("    param l: px = 16");
-        let most = 1 + self.pick(3);
+        let most = 1 + self.draw.pick(3);
         self.line(format!("    discrete n: int 0..{most} = 0"));
-        if self.chance(30) {
+        if self.draw.chance(30) {
             self.line("    discrete f: bool = false");
         } else {
             self.line("    discrete f: bool = true");
         }
-        let target = match self.pick(3) {
+        let target = match self.draw.pick(3) {
             0 if self.has_foe => "Foe",
             1 if self.has_shot => "Shot",
             _ => "any",
         };
         self.line(format!("    ref t: {}", if self.has_foe { "Foe" } else { target }));
-        if self.chance(85) {
-            let kinematic = if role == Role::Foe && self.chance(40) { "kinematic " } else { "" };
-            let shape = if self.chance(85) {
-                let at = self.one(&["0, 0", "0, 0", "2, 0", "-4, 4"]);
-                let size = self.one(&["8, 8", "16, 16", "12, 16", "16, 4", "4, 4", "24, 8"]);
+        if self.draw.chance(85) {
+            let kinematic = if role == Role::Foe && self.draw.chance(40) { "kinematic " } else { "" };
+            let shape = if self.draw.chance(85) {
+                let at = self.draw.one(&["0, 0", "0, 0", "2, 0", "-4, 4"]);
+                let size = self.draw.one(&["8, 8", "16, 16", "12, 16", "16, 4", "4, 4", "24, 8"]);
                 format!("rect({at}, {size})")
             } else {
-                format!("circle({})", self.one(&["8, 8, 8", "0, 0, 4", "4, 4, 6.5"]))
+                format!("circle({})", self.draw.one(&["8, 8, 8", "0, 0, 4", "4, 4, 6.5"]))
             };
             self.in_mode = false;
-            let when = match self.pick(10) {
+            let when = match self.draw.pick(10) {
                 1 => " when f".to_string(),
                 2 => format!(" when in {}", self.modes[role as usize][0].last().unwrap()),
                 _ => String::new(),
             };
             self.line(format!("    {kinematic}collider {}: {shape}{when}", role.tag()));
-            if self.chance(12) {
-                let size = self.one(&["4, 4", "if(f, l, l / 2), 4"]);
+            if self.draw.chance(12) {
+                let size = self.draw.one(&["4, 4", "if(f, l, l / 2), 4"]);
                 self.line(format!("    collider nose, coin: rect(16, 0, {size})"));
             }
         }
         self.clamps();
-        if self.chance(15) {
-            let var = self.one(&["x", "y"]);
+        if self.draw.chance(15) {
+            let var = self.draw.one(&["x", "y"]);
             let flow = self.flow(var);
             self.line(format!("    {flow}"));
         }
@@ -219,19 +209,19 @@ impl Generator<'_> {
     }
 
     fn clamps(&mut self) {
-        let top = self.one(&["48", "32", "64", "40"]);
-        match self.pick(6) {
+        let top = self.draw.one(&["48", "32", "64", "40"]);
+        match self.draw.pick(6) {
             5 => {}
             4 => self.line(format!("    clamp x in 0..{top}")),
             _ => {
                 self.line(format!("    clamp x in 0..{top}"));
-                let top = self.one(&["32", "48", "16"]);
+                let top = self.draw.one(&["32", "48", "16"]);
                 self.line(format!("    clamp y in 0..{top}"));
             }
         }
         for var in ["x'", "y'"] {
-            if self.chance(45) {
-                let most = 2.0_f64.powi(1 + self.pick(3) as i32) * f64::from(self.step.1) / f64::from(self.step.0);
+            if self.draw.chance(45) {
+                let most = 2.0_f64.powi(1 + self.draw.pick(3) as i32) * f64::from(self.step.1) / f64::from(self.step.0);
                 self.line(format!("    clamp {var} in -{0}..{0}", number(most)));
             }
         }
@@ -239,7 +229,7 @@ impl Generator<'_> {
 
     fn flow(&mut self, var: &str) -> String {
         let played = self.role == Role::Hero;
-        match self.pick(12) {
+        match self.draw.pick(12) {
             1 if played && self.has_axis => format!("{var}' = s * h"),
             2 if played && self.has_button => format!("{var}' = if(held(go), s, 0)"),
             3 => format!("{var}'' = {}", self.acceleration()),
@@ -250,13 +240,13 @@ impl Generator<'_> {
             8 if played && (self.has_axis || self.has_button) => {
                 let by = if self.has_axis { "h" } else { "held(go)" };
                 let (rate, level) = (self.acceleration().replace('-', ""), self.speed().replace('-', ""));
-                let attack = match self.pick(4) {
+                let attack = match self.draw.pick(4) {
                     0 => format!("attack accel {rate}"),
                     1 => format!("attack over {}", self.time()),
                     2 => format!("attack accel {rate} to {}", self.speed().replace('-', "")),
                     _ => "attack instant".into(),
                 };
-                let release = match self.pick(4) {
+                let release = match self.draw.pick(4) {
                     0 => format!("release accel {rate}"),
                     1 => "release hold".into(),
                     2 => format!("release instant to {}", self.speed().replace('-', "")),
@@ -266,7 +256,7 @@ impl Generator<'_> {
             }
             9 => format!("{var}' = if(x > y, -s, s)"),
             10 => format!("{var}' = s / 2"),
-            _ => format!("{var}' = {}", self.one(&["s", "-s"])),
+            _ => format!("{var}' = {}", self.draw.one(&["s", "-s"])),
         }
     }
 
@@ -274,21 +264,21 @@ impl Generator<'_> {
         self.line(format!("    mode {mode} {{"));
         self.in_mode = true;
         for (index, var) in ["x", "y"].into_iter().enumerate() {
-            if (!grouped || index == group) && self.chance(60) {
+            if (!grouped || index == group) && self.draw.chance(60) {
                 let flow = self.flow(var);
                 self.line(format!("        {flow}"));
             }
         }
-        if self.role != Role::Shot && group == 0 && self.chance(30) {
-            let guard = if self.chance(30) { format!(" when {}", self.guard(1)) } else { String::new() };
-            let updates = if self.chance(30) { format!(" {{ {} }}", self.update()) } else { String::new() };
+        if self.role != Role::Shot && group == 0 && self.draw.chance(30) {
+            let guard = if self.draw.chance(30) { format!(" when {}", self.guard(1)) } else { String::new() };
+            let updates = if self.draw.chance(30) { format!(" {{ {} }}", self.update()) } else { String::new() };
             self.line(format!("        follow links{guard}{updates}"));
         }
-        if self.chance(15) {
+        if self.draw.chance(15) {
             let update = self.update();
             self.line(format!("        {update}"));
         }
-        for _ in 0..1 + self.pick(3) {
+        for _ in 0..1 + self.draw.pick(3) {
             let edge = self.edge();
             self.line(format!("        {edge}"));
         }
@@ -297,17 +287,18 @@ impl Generator<'_> {
     }
 
     fn edge(&mut self) -> String {
-        if self.chance(6) {
-            let (other, what) = (self.other(), self.one(&["destroy e", "n := 1; destroy e", "x := e.x", "y := e.y"]));
+        if self.draw.chance(6) {
+            let (other, what) =
+                (self.other(), self.draw.one(&["destroy e", "n := 1; destroy e", "x := e.x", "y := e.y"]));
             return format!("when touching({other}) as e {{ {what} }}");
         }
-        if self.chance(5) {
+        if self.draw.chance(5) {
             return format!("when lost(t) -> {} {{ n := 0 }}", self.mode());
         }
         let guard = self.guard(2);
-        let target = if self.chance(65) { format!(" -> {}", self.mode()) } else { String::new() };
+        let target = if self.draw.chance(65) { format!(" -> {}", self.mode()) } else { String::new() };
         let mut updates = Vec::new();
-        for _ in 0..if target.is_empty() { 1 + self.pick(2) } else { self.pick(3) } {
+        for _ in 0..if target.is_empty() { 1 + self.draw.pick(2) } else { self.draw.pick(3) } {
             let update = self.update();
             let place = |u: &str| u.split(' ').next().map(str::to_string);
             if updates.iter().all(|u: &String| place(u) != place(&update)) {
@@ -319,7 +310,7 @@ impl Generator<'_> {
     }
 
     fn update(&mut self) -> String {
-        match self.pick(14) {
+        match self.draw.pick(14) {
             0 => "n := min(n + 1, 1)".into(),
             1 => format!("x := {}", self.length()),
             2 => format!("y := {}", self.length()),
@@ -327,17 +318,17 @@ impl Generator<'_> {
             4 => format!("x' := {}", self.speed()),
             5 => "f := not f".into(),
             6 => "n := if(n > 0, 0, 1)".into(),
-            7 if self.has_shot && (self.role != Role::Shot || self.chance(40)) => {
-                let given = match self.pick(5) {
+            7 if self.has_shot && (self.role != Role::Shot || self.draw.chance(40)) => {
+                let given = match self.draw.pick(5) {
                     0 => String::new(),
-                    1 => self.one(&["(s = -s)", "(s = s + s)", "(x = x + l, s = l / 0.25s)"]).into(),
+                    1 => self.draw.one(&["(s = -s)", "(s = s + s)", "(x = x + l, s = l / 0.25s)"]).into(),
                     2 => format!("(x = x + l, s = {})", self.speed()),
                     3 => format!("(y = {}, n = 1)", self.length()),
                     _ => format!("(x' = {}, s = s, f = f)", self.speed()),
                 };
                 format!("spawn Shot{given}")
             }
-            8 if self.role != Role::Hero || self.chance(20) => "destroy self".into(),
+            8 if self.role != Role::Hero || self.draw.chance(20) => "destroy self".into(),
             9 => "destroy t".into(),
             10 => "t := none".into(),
             11 => format!("x := x + {}", self.length()),
@@ -348,41 +339,41 @@ impl Generator<'_> {
     }
 
     fn guard(&mut self, depth: usize) -> String {
-        if depth > 0 && self.chance(30) {
+        if depth > 0 && self.draw.chance(30) {
             let (a, b) = (self.guard(depth - 1), self.guard(depth - 1));
-            return match self.pick(3) {
+            return match self.draw.pick(3) {
                 0 => format!("{a} and {b}"),
                 1 => format!("({a} or {b})"),
                 _ => format!("not ({a}) and {b}"),
             };
         }
         let played = self.role == Role::Hero;
-        match self.pick(18) {
+        match self.draw.pick(18) {
             0 if played && self.has_button => "pressed(go)".into(),
             1 if played && self.has_button => "held(go)".into(),
             2 if played && self.has_button => "released(go)".into(),
-            0..=2 if played => self.one(&["h > 0", "h < 0", "h == 0"]).into(),
+            0..=2 if played => self.draw.one(&["h > 0", "h < 0", "h == 0"]).into(),
             3 => format!("x >= {}", self.length()),
             4 => format!("x < {}", self.length()),
-            5 => format!("y {} {}", self.one(&[">", "<=", "=="]), self.length()),
+            5 => format!("y {} {}", self.draw.one(&[">", "<=", "=="]), self.length()),
             6 | 7 => format!("touching({})", self.other()),
-            8 | 9 => format!("touching({}, {})", self.other(), self.one(&["below", "right", "left", "above"])),
-            10 => format!("n {} 1", self.one(&["==", ">=", "<"])),
+            8 | 9 => format!("touching({}, {})", self.other(), self.draw.one(&["below", "right", "left", "above"])),
+            10 => format!("n {} 1", self.draw.one(&["==", ">=", "<"])),
             11 => "f".into(),
-            12 => self.one(&["x' > 0", "y' < 0", "y' <= 0", "x' == 0"]).into(),
-            13 if self.has_foe => format!("t is Foe and t.x {} x", self.one(&["<", ">", "=="])),
+            12 => self.draw.one(&["x' > 0", "y' < 0", "y' <= 0", "x' == 0"]).into(),
+            13 if self.has_foe => format!("t is Foe and t.x {} x", self.draw.one(&["<", ">", "=="])),
             14 if self.has_foe => format!("t in {}", self.mode_of(Role::Foe)),
             15 if self.modes[self.role as usize].len() > 1 && self.in_mode => {
                 let other = self.modes[self.role as usize][1 - self.group].clone();
-                let mode = other[self.pick(other.len())].clone();
+                let mode = other[self.draw.pick(other.len())].clone();
                 // Only the second group waits for the first one.
-                let word = if self.group == 1 { self.one(&["in", "entering", "exiting"]) } else { "in" };
+                let word = if self.group == 1 { self.draw.one(&["in", "entering", "exiting"]) } else { "in" };
                 if word == "in" { format!("in {mode}") } else { format!("{word}({mode})") }
             }
             16 if self.has_foe => "t is none".into(),
             _ if self.in_mode => {
                 let time = self.time();
-                format!("timer {} {time}", self.one(&[">=", ">", "<"]))
+                format!("timer {} {time}", self.draw.one(&[">=", ">", "<"]))
             }
             _ => "x > y".into(),
         }
@@ -398,55 +389,55 @@ impl Generator<'_> {
         self.line("        '#': wall");
         self.line("        'c': cloud");
         self.line("        'o': coin");
-        let tile_foe = self.has_foe && self.chance(25);
+        let tile_foe = self.has_foe && self.draw.chance(25);
         if tile_foe {
             self.line("        'F': spawn Foe");
         }
         self.line("    }");
-        let has_link = self.chance(25);
+        let has_link = self.draw.chance(25);
         self.line("    space main {");
-        if self.chance(70) {
+        if self.draw.chance(70) {
             self.map(tile_foe);
         }
-        for _ in 0..self.pick(3) {
-            let (tag, at) = (self.one(&["wall", "coin", "cloud", "wall"]), (self.length(), self.length()));
-            let size = self.one(&["16, 16", "48, 8", "8, 24", "64, 16", "4, 4"]);
+        for _ in 0..self.draw.pick(3) {
+            let (tag, at) = (self.draw.one(&["wall", "coin", "cloud", "wall"]), (self.length(), self.length()));
+            let size = self.draw.one(&["16, 16", "48, 8", "8, 24", "64, 16", "4, 4"]);
             self.line(format!("        rect {tag} ({}, {}, {size})", at.0, at.1));
         }
-        if self.chance(30) {
-            let bounds = self.one(&["0, 0, 48, 32", "-16, -8, 64, 64", "8, 8, 32, 32", "0, 0, 40, 100"]);
+        if self.draw.chance(30) {
+            let bounds = self.draw.one(&["0, 0, 48, 32", "-16, -8, 64, 64", "8, 8, 32, 32", "0, 0, 40, 100"]);
             self.line(format!("        bounds rect({bounds})"));
         }
         let (x, y) = (self.length(), self.length());
-        let foe = self.has_foe && !self.chance(20);
-        let refs = if foe && self.chance(70) { " { t = foe }" } else { "" };
+        let foe = self.has_foe && !self.draw.chance(20);
+        let refs = if foe && self.draw.chance(70) { " { t = foe }" } else { "" };
         self.line(format!("        place hero: Hero at ({x}, {y}){refs}"));
         if foe {
             let (x, y) = (self.length(), self.length());
-            let refs = if self.chance(30) { " { n = 1 }" } else { "" };
+            let refs = if self.draw.chance(30) { " { n = 1 }" } else { "" };
             self.line(format!("        place foe: Foe at ({x}, {y}){refs}"));
         }
         if has_link {
-            let (from, to) = (self.one(&["16, 0, 16, 16", "0, 0, 48, 48", "32, 0, 8, 64"]), self.length());
-            let when = if self.chance(40) { " when hero.n > 0" } else { "" };
+            let (from, to) = (self.draw.one(&["16, 0, 16, 16", "0, 0, 48, 48", "32, 0, 8, 64"]), self.length());
+            let when = if self.draw.chance(40) { " when hero.n > 0" } else { "" };
             self.line(format!("        link rect({from}) -> cellar at rect({to}, 8, 16, 16){when}"));
         }
         self.line("    }");
         if has_link {
             self.line("    space cellar {");
-            if self.chance(50) {
+            if self.draw.chance(50) {
                 self.map(false);
             }
-            if self.chance(50) {
+            if self.draw.chance(50) {
                 self.line("        link rect(8, 8, 32, 16) -> main at rect(16, 16, 16, 16)");
             }
             self.line("    }");
         }
-        if self.has_foe && tile_foe && self.chance(50) {
+        if self.has_foe && tile_foe && self.draw.chance(50) {
             self.line("    limit Foe 20");
         }
         if self.has_shot {
-            let limit = 1 + self.pick(2);
+            let limit = 1 + self.draw.pick(2);
             self.line(format!("    limit Shot {limit}"));
         }
         self.line("    player 1: hero");
@@ -454,7 +445,7 @@ impl Generator<'_> {
             let predicate = self.predicate(foe, has_link);
             self.line(format!("    goal g{goal}: {predicate}"));
         }
-        if self.chance(25) {
+        if self.draw.chance(25) {
             let predicate = self.predicate(foe, has_link);
             self.line(format!("    never n0: {predicate}"));
         }
@@ -474,26 +465,26 @@ impl Generator<'_> {
             lines.push(("foe", "shot", 50));
         }
         for (left, right, percent) in lines {
-            if self.chance(percent) {
+            if self.draw.chance(percent) {
                 let first = match right {
                     "coin" => 1,
                     "cloud" => 3,
                     _ => 0,
                 };
-                let response = if self.chance(60) { responses[first] } else { responses[self.pick(5)] };
-                let (left, right) = if self.chance(12) { (right, left) } else { (left, right) };
+                let response = if self.draw.chance(60) { responses[first] } else { responses[self.draw.pick(5)] };
+                let (left, right) = if self.draw.chance(12) { (right, left) } else { (left, right) };
                 self.line(format!("    collide {left} with {right}: {response}"));
             }
         }
     }
 
     fn map(&mut self, tile_foe: bool) {
-        let (columns, rows) = (3 + self.pick(4), 2 + self.pick(3));
+        let (columns, rows) = (3 + self.draw.pick(4), 2 + self.draw.pick(3));
         self.line("        map t \"");
         for row in 0..rows {
             let mut text = String::from("            ");
             for _ in 0..columns {
-                let tile = match self.pick(16) {
+                let tile = match self.draw.pick(16) {
                     1 | 2 => '#',
                     3 => 'c',
                     4 => 'o',
@@ -510,25 +501,25 @@ impl Generator<'_> {
 
     /// What is asked of the world.
     fn predicate(&mut self, has_foe: bool, has_cellar: bool) -> String {
-        let who = if has_foe && self.chance(30) { "foe" } else { "hero" };
+        let who = if has_foe && self.draw.chance(30) { "foe" } else { "hero" };
         let role = if who == "foe" { Role::Foe } else { Role::Hero };
-        if self.chance(20) {
+        if self.draw.chance(20) {
             let (a, b) =
                 (self.question(who, role, has_foe, has_cellar), self.question("hero", Role::Hero, has_foe, has_cellar));
-            return format!("{a} {} {b}", self.one(&["and", "or"]));
+            return format!("{a} {} {b}", self.draw.one(&["and", "or"]));
         }
         self.question(who, role, has_foe, has_cellar)
     }
 
     fn question(&mut self, who: &str, role: Role, has_foe: bool, has_cellar: bool) -> String {
         let mut out = String::new();
-        let _ = match self.pick(16) {
+        let _ = match self.draw.pick(16) {
             0..=3 => {
                 let modes: Vec<String> =
                     self.modes[role as usize].iter().flat_map(|g| &g[g.len().min(2) - 1..]).cloned().collect();
-                write!(out, "{who} in {}", modes[self.pick(modes.len())])
+                write!(out, "{who} in {}", modes[self.draw.pick(modes.len())])
             }
-            4 => write!(out, "{who}.x {} {}", self.one(&[">=", "<"]), self.length()),
+            4 => write!(out, "{who}.x {} {}", self.draw.one(&[">=", "<"]), self.length()),
             5 => write!(out, "{who}.y > {}", self.length()),
             6 => write!(out, "{who}.y < {}", self.length()),
             7 => write!(out, "{who}.n == 1"),
@@ -537,7 +528,7 @@ impl Generator<'_> {
                 write!(out, "{who} touching {}", self.other())
             }
             9 => write!(out, "near({who}, ({}, {}), 8)", self.length(), self.length()),
-            10 => write!(out, "{who}.x' {} 0", self.one(&[">", "<", "=="])),
+            10 => write!(out, "{who}.x' {} 0", self.draw.one(&[">", "<", "=="])),
             11 if self.has_shot => write!(out, "any Shot"),
             12 if self.has_shot => write!(out, "any Shot in {}", self.mode_of(Role::Shot)),
             13 if has_foe => write!(out, "near(hero, foe, 12)"),

@@ -1,8 +1,8 @@
 //! The worlds of random programs: rooms of a few tiles with everything close together, who stands where, and what is asked.
 
-use super::choices::Draw;
 use super::frame::{Frame, number};
 use super::generate::{Dim, Generator, Palette};
+use crate::support::draw::Draw;
 
 /// What is decided of a world before anything is written.
 pub struct Arena {

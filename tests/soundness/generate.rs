@@ -2,9 +2,9 @@
 //! vocabulary is declared, so that programs are short.
 
 use super::arena::Arena;
-use super::choices::Draw;
 use super::frame::{Axes, Frame};
 use super::situations::Situation;
+use crate::support::draw::Draw;
 
 /// The dimension of an expression.
 #[derive(Clone, Copy, PartialEq, Eq)]

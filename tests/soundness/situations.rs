@@ -2,9 +2,9 @@
 //! is cut short under a ledge. In a random world too much happens at once for any of them to come about by itself.
 
 use super::arena::STEPS;
-use super::choices::Draw;
 use super::frame::number;
 use super::generate::{Generator, NAMES, Palette, Plan};
+use crate::support::draw::Draw;
 
 /// What a world is about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

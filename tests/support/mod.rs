@@ -2,6 +2,8 @@
 
 #![allow(dead_code, reason = "not every test binary uses all of it")]
 
+pub mod draw;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 

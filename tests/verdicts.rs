@@ -289,7 +289,7 @@ fn hastens(
     settings: &Settings,
     plan: &Plan,
 ) {
-    let fast = improve_duration(problem, space, settings, &limits(1_000), plan, &Unwatched);
+    let fast = improve_duration(problem, space, settings, &limits(500), plan, &Unwatched);
     question.replay(&fast);
     assert!(fast.steps - fast.after < plan.steps - plan.after || fast == *plan, "{}", question.what);
 }
@@ -353,12 +353,10 @@ fn threads_change_nothing() {
         for planner in [Planner::Auto, Planner::Rrt, Planner::Coverage] {
             let with = |threads| {
                 let settings = Settings { planner, trees: 4, threads, seed: 7, ..Settings::default() };
-                reach(&problem, &space, &settings, &limits(1_500), &Unwatched).unwrap()
+                reach(&problem, &space, &settings, &limits(800), &Unwatched).unwrap()
             };
             let alone = with(1);
-            for threads in [2, 3] {
-                assert_eq!(alone, with(threads), "{} {}", question.what, planner.name());
-            }
+            assert_eq!(alone, with(3), "{} {}", question.what, planner.name());
             if let Verdict::Reached(plan) = &alone.verdict {
                 question.replay(plan);
             }
@@ -385,18 +383,17 @@ fn ways_go_on_from_where_a_script_leads() {
         let (third, half) = (part(whole.steps / 3), part(whole.steps / 2));
         let later = Problem::asking(&sim, question.target).after(third.clone()).unwrap();
         let later = later.after(half.clone()).unwrap();
-        for (planner, seed) in [(Planner::Auto, 3), (Planner::Rrt, 4), (Planner::EgRrt, 5), (Planner::Exhaustive, 6)] {
-            for trees in [1, 2] {
-                let settings = Settings { planner, seed, trees, ..Settings::default() };
-                let outcome = reach(&later, &space, &settings, &limits(1_000), &Unwatched).unwrap();
-                let Verdict::Reached(plan) = &outcome.verdict else { continue };
-                question.replay(plan);
-                let start = [&third, &half].into_iter().find(|s| s.len() == plan.after).unwrap();
-                assert!(plan.script.inputs().zip(start.inputs()).all(|(a, b)| a == b), "{}", question.what);
-                shortens(question, &later, plan);
-                hastens(question, &later, &space, &settings, plan);
-                found += 1;
-            }
+        let planners = [(Planner::Auto, 1), (Planner::Rrt, 2), (Planner::EgRrt, 1), (Planner::Exhaustive, 2)];
+        for ((planner, trees), seed) in planners.into_iter().zip(3..) {
+            let settings = Settings { planner, seed, trees, ..Settings::default() };
+            let outcome = reach(&later, &space, &settings, &limits(1_000), &Unwatched).unwrap();
+            let Verdict::Reached(plan) = &outcome.verdict else { continue };
+            question.replay(plan);
+            let start = [&third, &half].into_iter().find(|s| s.len() == plan.after).unwrap();
+            assert!(plan.script.inputs().zip(start.inputs()).all(|(a, b)| a == b), "{}", question.what);
+            shortens(question, &later, plan);
+            hastens(question, &later, &space, &settings, plan);
+            found += 1;
         }
     });
     assert!(found > 50, "{found}");

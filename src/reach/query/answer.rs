@@ -1,5 +1,5 @@
-//! The answer to one question, as one record of plain data: what results and rows keep, and what text is made of. Nothing in
-//! it depends on the machine, unless a limit of seconds ended the search.
+//! The answer to one question, as a record of plain data, from which results, rows and text are made. It does not
+//! depend on the machine, unless a limit of seconds ended the search.
 
 use serde::{Deserialize, Serialize};
 

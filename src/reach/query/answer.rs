@@ -222,7 +222,7 @@ pub struct Answer {
 
 impl Answer {
     /// The record of a question that could not be asked.
-    pub fn unasked(kind: Kind, goal: String) -> Self {
+    pub fn failed(kind: Kind, goal: String) -> Self {
         Answer {
             kind,
             goal,
@@ -311,7 +311,7 @@ impl Answer {
             },
             violations: Vec::new(),
             inputs_left_out: outcome.truncated,
-            ..Answer::unasked(target.kind(), target.name(world).to_string())
+            ..Answer::failed(target.kind(), target.name(world).to_string())
         }
     }
 }

@@ -59,7 +59,7 @@ impl Query {
 
 /// Why a question cannot be answered at all.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Unasked {
+pub enum QueryError {
     /// A run-time error at a step, 0 in the initial state.
     Fault(Fault, u64),
     /// The run of one of the scripts in [`Query::after`] is over at a step.
@@ -163,8 +163,8 @@ impl Session {
 
     /// Searches for all targets; fewer results than targets if the supervisor ends it.
     ///
-    /// [`Unasked`] if no target can be searched for.
-    pub fn find_all(&self, supervisor: &mut dyn Supervisor) -> Result<Vec<Found<'_>>, Unasked> {
+    /// [`QueryError`] if no target can be searched for.
+    pub fn find_all(&self, supervisor: &mut dyn Supervisor) -> Result<Vec<Found<'_>>, QueryError> {
         let mut all: Vec<Found<'_>> = Vec::new();
         for &target in &self.query.targets {
             let mut found = None;
@@ -195,8 +195,8 @@ impl Session {
 
     /// Searches for one target independently of the others.
     ///
-    /// [`Unasked`] if the target cannot be searched for.
-    pub fn find(&self, target: Target, watch: &dyn Watch) -> Result<Found<'_>, Unasked> {
+    /// [`QueryError`] if the target cannot be searched for.
+    pub fn find(&self, target: Target, watch: &dyn Watch) -> Result<Found<'_>, QueryError> {
         let mut found = self.search(target, watch)?;
         if self.query.minimizes {
             self.minimize(&mut found, watch);
@@ -220,12 +220,12 @@ impl Session {
         Answer { violations, ..Answer::new(&self.sim, sources, found.target, &found.outcome) }
     }
 
-    fn search(&self, target: Target, watch: &dyn Watch) -> Result<Found<'_>, Unasked> {
+    fn search(&self, target: Target, watch: &dyn Watch) -> Result<Found<'_>, QueryError> {
         let Query { settings, limits, .. } = &self.query;
         let Some(problem) = self.problem(target, watch)? else {
             return Ok(Found { target, problem: None, outcome: Outcome::stopped(settings.planner) });
         };
-        let outcome = reach(&problem, &self.space, settings, limits, watch).map_err(|f| Unasked::Fault(f, 0))?;
+        let outcome = reach(&problem, &self.space, settings, limits, watch).map_err(|f| QueryError::Fault(f, 0))?;
         Ok(Found { target, problem: Some(problem), outcome })
     }
 
@@ -289,7 +289,7 @@ impl Session {
     }
 
     /// The problem for a target; `None` if the watch stopped the replay of a start.
-    fn problem(&self, target: Target, watch: &dyn Watch) -> Result<Option<Problem<'_>>, Unasked> {
+    fn problem(&self, target: Target, watch: &dyn Watch) -> Result<Option<Problem<'_>>, QueryError> {
         let Query { least_hold, within, without, after, .. } = &self.query;
         let mut problem = Problem::asking(&self.sim, target).holding(*least_hold);
         if let Some(monitor) = &self.monitor {
@@ -305,8 +305,8 @@ impl Session {
             problem = match problem.after_watched(script.clone(), watch) {
                 Ok(problem) => problem,
                 Err(BadStart::Stopped) => return Ok(None),
-                Err(BadStart::Fault(fault, step)) => return Err(Unasked::Fault(fault, step)),
-                Err(BadStart::Over(reason, step)) => return Err(Unasked::Over { script: index, reason, step }),
+                Err(BadStart::Fault(fault, step)) => return Err(QueryError::Fault(fault, step)),
+                Err(BadStart::Over(reason, step)) => return Err(QueryError::Over { script: index, reason, step }),
             };
         }
         Ok(Some(problem))

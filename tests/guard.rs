@@ -11,7 +11,7 @@ use hypedc::analysis::{ConfigurationSpace, configuration_space};
 use hypedc::compile::compile;
 use hypedc::ir::{GoalId, Program, WorldId};
 use hypedc::reach::{
-    Argument, Guard, Limits, Outcome, Planner, Problem, Settings, Verdict, improve_duration, reach, search, shorten,
+    Argument, Limits, Monitor, Outcome, Planner, Problem, Settings, Verdict, improve_duration, reach, search, shorten,
 };
 use hypedc::sim::{Script, Simulator, parse_script};
 use hypedc::source::SourceMap;
@@ -96,7 +96,7 @@ fn whatever_searches_finds_what_is_outside() {
         // The first state on its way that is outside, and none before.
         let mut scratch = sim.scratch();
         let mut state = sim.initial(&mut scratch).unwrap();
-        let guard = Guard::new(&space, &program, WORLD);
+        let guard = Monitor::new(&space, &program, WORLD);
         for input in refuted.script.inputs() {
             assert_eq!(guard.outside(&sim, &state), None);
             sim.step(&mut state, input, &mut scratch).unwrap();
@@ -109,8 +109,8 @@ fn whatever_searches_finds_what_is_outside() {
 fn a_refuted_analysis_proves_nothing() {
     let (program, space) = wrong();
     let sim = Simulator::new(&program, WORLD);
-    let guard = Guard::new(&space, &program, WORLD);
-    let of = |goal: GoalId| Problem::new(&sim, goal).guarded(&guard);
+    let guard = Monitor::new(&space, &program, WORLD);
+    let of = |goal: GoalId| Problem::new(&sim, goal).monitored(&guard);
     let settings = Settings::default();
     // As long as nobody has looked, it is proven.
     let mut before = ask(&of(FAST), &space, &settings);
@@ -144,8 +144,8 @@ fn replayed_ways_are_looked_at() {
     let unchecked = Settings { checks: false, ..Settings::default() };
     let Verdict::Reached(plan) = ask(&Problem::new(&sim, FAR), &space, &unchecked).verdict else { panic!() };
     for way in [0, 1] {
-        let guard = Guard::new(&space, &program, WORLD);
-        let problem = Problem::new(&sim, FAR).guarded(&guard);
+        let guard = Monitor::new(&space, &program, WORLD);
+        let problem = Problem::new(&sim, FAR).monitored(&guard);
         match way {
             0 => drop(shorten(&problem, &plan, &Unwatched)),
             _ => drop(improve_duration(&problem, &space, &unchecked, &limits(500), &plan, &Unwatched)),

@@ -13,7 +13,7 @@ use hypedc::diagnostic::render::{self, Found};
 use hypedc::format::format;
 use hypedc::graph::{Chart, chart, dot, mermaid, svg};
 use hypedc::ir::{self, Program, WorldId};
-use hypedc::reach::Guard;
+use hypedc::reach::Monitor;
 use hypedc::sim::{Input, Simulator};
 use hypedc::source::{FileId, Files, ReadError, SourceMap, decode};
 use hypedc::syntax::parse;
@@ -187,7 +187,7 @@ fn run(program: &Arc<Program>, world: WorldId) {
     let mut scratch = sim.scratch();
     let Ok(mut state) = sim.initial(&mut scratch) else { return };
     let space = configuration_space(program, world);
-    let guard = Guard::new(&space, program, world);
+    let guard = Monitor::new(&space, program, world);
     let mut input = Input::nothing(program.worlds[world].players.len());
     for step in 0..50u64 {
         if !goes_on(&sim, &state) {

@@ -1,41 +1,41 @@
-//! What each part of a world can be: abstract interpretation of the flat program (Cousot and Cousot, *Abstract
-//! interpretation: a unified lattice model*, POPL 1977), per slot and per combination of active leaves.
+//! Abstract interpretation of the flat program (Cousot and Cousot, *Abstract interpretation: a unified lattice model*,
+//! POPL 1977), per slot and per combination of active leaves.
 //!
-//! For each combination that can be active it finds what each variable and its derivatives can be: a constant, a few
-//! values, or intervals. A state that a run can reach is never outside, as long as the run stops where a search does:
-//! when a player leaves the bounds of its space, below or beside. It steps from all that is known until nothing new is
-//! found (`fixpoint`), moves ends that keep growing to numbers of the program, and in the end cuts what nothing comes to
-//! (`widen`).
+//! For each possible combination of leaves it computes the values of each variable and its derivatives: a constant, a
+//! few values, or intervals. The result contains every state that a run can reach until a search would stop: when a
+//! player leaves the bounds of its space, below or beside. The analysis steps from all known configurations until
+//! nothing new is found (`fixpoint`), widens growing ends to numbers of the program (`widen`), and finally narrows
+//! (`narrowing`).
 //!
-//! What is assumed: inputs can be anything at any time; references can refer to any instance of their entity; joint
-//! transitions can happen or not. Positions are known from levels in three ways: a push ends where edges meet and a
-//! contact tells where both are (`surroundings`), and what moves in small steps among walls stays where it can get
-//! (`region`); how far something gets in a number of steps is `pace`. Speed and height under a constant acceleration are
-//! tied to each other (`energy`). What can be used up once bounds what counts it (`counter_bounds`). Players can be distinguished by
-//! place (`cells`, `local`).
+//! Assumptions: inputs are arbitrary at any time; references can refer to any instance of their entity; joint
+//! transitions may or may not happen. Positions follow from levels in three ways: a push ends where edges touch and a
+//! contact determines the positions of both bodies (`surroundings`), a body that moves in small steps among obstacles
+//! stays in its reachable region (`region`), and the distance covered in a number of steps is bounded (`travel_bound`).
+//! Speed and height under a constant acceleration are related by `energy`. Things that can be used up only once bound
+//! the counters that count them (`counter_bounds`). Players can be distinguished by place (`cells`, `local`).
 //!
-//! What is lost: else variables are not related to each other, nor instances. An entity with more than a thousand
-//! combinations of leaves, or a world that takes too many steps to look at, is given up: everything is possible then.
+//! Losses: variables are otherwise not related to each other, nor are instances. An entity with more than a thousand
+//! combinations of leaves, or a world that needs too many steps, is given up: everything is possible then.
 //!
-//! # Rooms
+//! # Folders
 //!
-//! Each uses those above it.
+//! Each folder or file uses only those above it.
 //!
 //! | folder, file | holds |
 //! |---|---|
-//! | `domain` | sets of values, what an instance can be, widening |
-//! | `geometry` | bodies, tiles, what never moves, where pushes end, what the instances of a kind are together |
+//! | `domain` | sets of values, abstract states of instances, widening |
+//! | `geometry` | bodies, tiles, static obstacles, ends of pushes, summaries of kinds |
 //! | `step` | the phases of a step over sets of values |
-//! | `fixpoint` | steps from all that is known until nothing new is found; how it begins, how it ends |
-//! | `membership` | whether a state lies inside, fast: searches ask it of every state |
-//! | `pace` | how far an instance gets in a number of steps |
-//! | `findings` | what `check` reports |
+//! | `fixpoint` | the iteration, with initial states and narrowing |
+//! | `membership` | fast membership test of a state, which searches apply to every state |
+//! | `travel_bound` | how far an instance gets in a number of steps |
+//! | `findings` | the findings that `check` reports |
 //!
 //! # The phases of a step
 //!
-//! The analysis takes a step in the order of the simulator's phases. Each row sets a phase beside its abstraction, and names
-//! what holds the two together, beside the random runs of `tests/analysis.rs`, the harness in `tests/soundness` and the
-//! interpreter in `tests/oracle`, which look at all of them.
+//! The analysis follows the order of the simulator's phases. Each row relates a phase to its abstraction and names the
+//! tests that compare the two, in addition to the random runs of `tests/analysis.rs`, the harness in `tests/soundness`
+//! and the interpreter in `tests/oracle`, which cover all of them.
 //!
 //! | simulator | here | distinguished or given up | tests |
 //! |---|---|---|---|
@@ -44,12 +44,12 @@
 //! | discrete: `decide`, edges in order, first guard that holds | `Stepper::choices`: refined by each guard in turn | others are read as the step began (`Phase::Discrete`) | `verdicts/*` |
 //! | discrete: `take`, entries, updates, timers restart | `Stepper::take`, `enter`, `act` | ways of groups are joined beyond 512 | `found.rs` |
 //! | `life::change`: destroy, spawn | `outcome.can_end`, `initial::spawn`: parameters are part of what a spawned instance can be | which slot is taken is not known | `found/spawnchain*`, `pair`, `home` |
-//! | what dies is read until the step ends | `Between`: what the discrete phase makes of it, modes included | – | `found/*dying*` |
+//! | what dies is read until the step ends | `MidStep`: what the discrete phase makes of it, modes included | – | `found/*dying*` |
 //! | `life::change`: links | `Stepper::through` | – | `found/linkout`, `found.rs` |
 //! | continuous: flows, envelopes, clamps | `flow::flow`: contacts are those of the last collision (`Phase::Continuous`) | of others, all they are within a step | `found/*stale*`, `*clamp*` |
 //! | `collision::carry` | `Surroundings::collide`: near what carries it, moved by as much, carriers of carriers included | positions of the two are not related | `tests/semantics.rs`, oracle |
 //! | contacts, where everything is before pushes | `Overall::contact`, `places` | – | `found/false-pushed-pusher` |
-//! | pushes: along an axis the deepest counts | `Contacts::push_out`: it ends at an edge of what it meets | instances that move and push (`crowd`); colliders that appear inside of something (`Stepper::activations`); overlaps; gaps a little too narrow: anywhere beside it | `found/false-opposite-pushes`, `verdicts/slit*` |
+//! | pushes: along an axis the deepest counts | `Contacts::push_out`: it ends at an edge of what it meets | instances that move and push (`kind_summary`); colliders that appear inside of something (`Stepper::activations`); overlaps; gaps a little too narrow: anywhere beside it | `found/false-opposite-pushes`, `verdicts/slit*` |
 //! | velocities into surfaces become 0 | the same, beside the old one | energies: only of what never moves | `found/false-clamped*` |
 //! | `life::remove_destroyed`: references become none | references may always be none | – | oracle |
 //! | observation: `never`, then written bounds, then `goal` | `forbidden`, `widen::within_bounds`, `can_turn_out` | – | `tests/border.rs` |
@@ -59,8 +59,8 @@ mod findings;
 mod fixpoint;
 mod geometry;
 mod membership;
-mod pace;
 mod step;
+mod travel_bound;
 
 pub use domain::configuration::{Configuration, Numbers};
 pub use domain::values::{Interval, Values};
@@ -82,13 +82,13 @@ use geometry::surroundings::Surroundings;
 use step::evaluate::{Joined, Phase, Pinned, Reader};
 use step::forbidden::Forbidden;
 
-/// So where players are distinguished by place, with each place that a way leads to.
+/// Maximum number of branches, if players are distinguished by place.
 const MAX_EFFORT_BY_PLACE: usize = 60_000;
 
-/// The number of ways of steps after which a world is given up: everything can be anything.
+/// Maximum number of branches of steps per world; above it, the world is given up and everything is possible.
 const MAX_EFFORT: usize = 300_000;
 
-/// Why everything is taken to be possible.
+/// Why a slot was given up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GivenUp {
     /// There are too many combinations of leaves, or too many ways of a step.
@@ -100,7 +100,7 @@ pub enum GivenUp {
 }
 
 impl GivenUp {
-    /// In words, of an analysis.
+    /// The reason, as text.
     pub fn reason(self) -> String {
         match self {
             GivenUp::Combinations => format!("more than {} combinations of modes", fixpoint::MAX_CONFIGURATIONS),
@@ -110,44 +110,44 @@ impl GivenUp {
     }
 }
 
-/// What a slot can be.
+/// The possible states of a slot.
 #[derive(Debug, Clone)]
 pub struct SlotSpace {
-    /// What it can be while there is an instance, one for each combination of leaves; none if there never is one.
+    /// The configurations of its instance, one per combination of leaves and cell; empty if there never is an instance.
     pub configurations: Vec<Configuration>,
-    /// Whether there can be no instance.
+    /// Whether the slot can be empty.
     pub can_be_absent: bool,
-    /// Whether there was too much to tell, so that everything is possible.
+    /// Whether the analysis gave up, so that everything is possible.
     pub is_given_up: bool,
-    /// Why, if so.
+    /// The reason, if given up.
     pub why: Option<GivenUp>,
 }
 
-/// What a world can be.
+/// The possible states of a world.
 #[derive(Debug, Clone)]
 pub struct ConfigurationSpace {
-    /// Of each slot.
+    /// The possible states of each slot.
     pub slots: IdVec<SlotId, SlotSpace>,
     overall: IdVec<SlotId, Overall>,
     joined: Joined,
     surroundings: Surroundings,
-    /// The same with players distinguished by place, where that was asked for and could be done.
+    /// The result with players distinguished by place, if it was requested and possible.
     finer: Option<Box<ConfigurationSpace>>,
 }
 
-/// Finds what a world can be.
+/// Computes the configuration space of a world.
 pub fn configuration_space(program: &Program, world: WorldId) -> ConfigurationSpace {
     let world = &program.worlds[world];
     within_limits(program, world, &[], counter_bounds::limits(program, world), &mut { MAX_EFFORT }, &Unwatched)
 }
 
-/// As [`configuration_space`], of all runs on which some predicates of the world never hold.
+/// As [`configuration_space`], for runs on which some predicates of the world never hold.
 pub fn configuration_space_without(program: &Program, world: WorldId, predicates: &[ExprId]) -> ConfigurationSpace {
     let world = &program.worlds[world];
     within_limits(program, world, predicates, counter_bounds::limits(program, world), &mut { MAX_EFFORT }, &Unwatched)
 }
 
-/// As [`configuration_space_without`], until a watch stops it: then everything is possible.
+/// As [`configuration_space_without`]; if the watch stops it, everything is possible.
 pub fn watched_space(
     program: &Program,
     world: WorldId,
@@ -158,17 +158,18 @@ pub fn watched_space(
     within_limits(program, world, predicates, counter_bounds::limits(program, world), &mut { MAX_EFFORT }, watch)
 }
 
-/// A program in whose world nothing ends a run but a fault: it has no `bounds`, and a space of it without predicates knows of
-/// no `never`. What a run of the world comes to it comes to there, too, the state included in which it ends.
+/// A copy of the program in which only a fault ends a run of the world: it has no `bounds`, and an analysis without
+/// predicates ignores `never`. It reaches every state that the original reaches, including the state in which a run
+/// ends.
 pub fn endless(program: &Program, world: WorldId) -> Program {
     let mut endless = program.clone();
     Arc::make_mut(&mut endless.worlds[world]).spaces.iter_mut().for_each(|space| space.bounds = None);
     endless
 }
 
-/// As [`configuration_space`], but whatever the number of things that can be picked up: that is a matter of the level.
-/// Takes what it needs from an effort; a world that needs more than is left is given up. The world need not be one of the
-/// program's, but is of its entities.
+/// As [`configuration_space`], but without bounds on counters of things to pick up: these depend on the level. Takes
+/// its work from `effort`; a world that needs more is given up. The world need not be one of the program's, but must
+/// use its entities.
 fn without_counter_bounds(
     program: &Program,
     world: &World,
@@ -195,9 +196,9 @@ fn within_limits(
 }
 
 impl ConfigurationSpace {
-    /// Tells players apart by place, too, as long as none of some predicates holds: what they cannot come to step by step
-    /// is shown then. That takes longer; nothing changes if there is no player of whom it can be done, or if there is too
-    /// much to look at.
+    /// Adds a second analysis that distinguishes players by place, for runs on which the predicates never hold; it
+    /// shows what they cannot reach step by step. Nothing changes if no player can be distinguished, or if there is too
+    /// much to examine.
     #[must_use]
     pub fn by_place(mut self, program: &Program, world: WorldId, predicates: &[ExprId], watch: &dyn Watch) -> Self {
         let table = &program.worlds[world];
@@ -214,12 +215,12 @@ impl ConfigurationSpace {
         self
     }
 
-    /// What is known in most detail.
+    /// The most precise result.
     pub fn finest(&self) -> &ConfigurationSpace {
         self.finer.as_deref().unwrap_or(self)
     }
 
-    /// Whether a goal can hold in some state; if not, it is proven that it cannot be reached.
+    /// Whether a goal can hold in some state; if not, it is proven unreachable.
     pub fn can_hold(&self, program: &Program, world: WorldId, goal: GoalId) -> bool {
         self.can_turn_out(program, world, program.worlds[world].goals[goal].holds, true)
     }
@@ -235,7 +236,7 @@ impl ConfigurationSpace {
             let truth = reader.truth(predicate);
             if holds { truth.can_hold } else { truth.can_fail }
         };
-        // Each instance is somewhere in its region while it is covered, if it is there at all.
+        // A player that is kept out of obstacles is in some box of its region.
         let in_parts = |slot: SlotId| {
             let regions = self.surroundings.regions(slot);
             let mut parts = regions.iter().flat_map(|(space, region)| region.boxes().iter().map(move |b| (*space, *b)));
@@ -244,9 +245,9 @@ impl ConfigurationSpace {
             regions.is_empty()
                 || absent
                 || parts.any(|(space, part)| can(&Reader { pinned: Some((slot, Pinned::Part(space, part))), ..reader }))
-                || self.bare(slot).any(at)
+                || self.not_kept_out(slot).any(at)
         };
-        // So it is in one of its configurations.
+        // A player is in one of its configurations.
         let in_configurations = |slot: SlotId| {
             let SlotSpace { configurations, can_be_absent, is_given_up, .. } = &self.slots[slot];
             let at = |at| can(&Reader { pinned: Some((slot, Pinned::At(at))), ..reader });
@@ -256,14 +257,14 @@ impl ConfigurationSpace {
         can(&reader) && players().all(in_parts) && players().all(in_configurations)
     }
 
-    /// The configurations in which nothing keeps an instance out of what blocks it.
-    fn bare(&self, slot: SlotId) -> impl Iterator<Item = &Configuration> {
-        let cover = self.surroundings.cover(slot);
-        let is_bare = |at: &&Configuration| !cover.covers(&at.leaves);
-        self.slots[slot].configurations.iter().filter(is_bare)
+    /// The configurations in which nothing keeps an instance out of obstacles.
+    fn not_kept_out(&self, slot: SlotId) -> impl Iterator<Item = &Configuration> {
+        let cover = self.surroundings.kept_out(slot);
+        let is_not_kept_out = |at: &&Configuration| !cover.holds_for(&at.leaves);
+        self.slots[slot].configurations.iter().filter(is_not_kept_out)
     }
 
-    /// What expressions are read against: those of an instance in one of its configurations, or those of the world.
+    /// The context in which expressions of an instance in a configuration, or of the world, are evaluated.
     fn reader<'a>(
         &'a self,
         program: &'a Program,

@@ -1,4 +1,4 @@
-//! `hypedc completions` and `hypedc man`: what shells and manuals want to know about the command line itself.
+//! `hypedc completions` and `hypedc man`: generated shell completions and manual pages.
 
 use std::io::{self, Write};
 
@@ -25,7 +25,7 @@ pub(super) fn man(args: &ManArgs) -> io::Result<Exit> {
             Some(found) => found.clone(),
             None => {
                 plain_error(&format!("no command `{name}`"))?;
-                return Ok(Exit::Unasked);
+                return Ok(Exit::Refused);
             }
         },
     };

@@ -1,4 +1,4 @@
-//! `hypedc check`: what is wrong with programs. Findings go to standard output, they are the result.
+//! `hypedc check`: reports findings. They are the result, so they go to standard output.
 
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
@@ -10,10 +10,10 @@ use crate::diagnostic::{Code, Diagnostic, Diagnostics, MAX_FINDINGS, Severity};
 use super::Exit;
 use super::args::{CheckArgs, FindingFormat};
 use super::disk::Disk;
-use super::fix::mend;
+use super::fix::apply_fixes;
 use super::report::colored;
 
-/// The most findings of a program that are shown to people.
+/// Maximum number of findings per program that are shown to people.
 const MAX_SHOWN: usize = 100;
 
 pub(super) fn run(args: &CheckArgs) -> io::Result<Exit> {
@@ -22,18 +22,18 @@ pub(super) fn run(args: &CheckArgs) -> io::Result<Exit> {
     let mut first: Option<(Severity, Code)> = None;
     let mut kept: Vec<(&Path, Compilation)> = Vec::new();
     for path in &args.files {
-        if args.fix && !mend(path, args.level.file())? {
-            answer = Exit::Unasked;
+        if args.fix && !apply_fixes(path, args.level.file())? {
+            answer = Exit::Refused;
         }
         let compilation = check_with(path, args.level.file(), &Disk);
         let found = &compilation.diagnostics;
-        answer = answer.max(judged(found, args.deny.is_some()));
+        answer = answer.max(exit_code(found, args.deny.is_some()));
         // The first error, or the first warning where there is no error.
         let all = first.into_iter().chain(found.iter().map(|d| (d.severity, d.code)));
         first = all.min_by_key(|(severity, _)| *severity);
         match args.format {
             FindingFormat::Human => {
-                let shown = first_of(found);
+                let shown = select_shown(found);
                 write!(io::stdout(), "{}", render::human(&compilation.sources, shown.iter().copied(), color))?;
                 let left = found.iter().len() - shown.len();
                 if left > 0 {
@@ -70,8 +70,8 @@ pub(super) fn run(args: &CheckArgs) -> io::Result<Exit> {
     Ok(answer)
 }
 
-/// What is shown to people, who mend the first mistakes first: errors rather than warnings if there are too many.
-fn first_of(found: &Diagnostics) -> Vec<&Diagnostic> {
+/// The findings shown to people: the first ones, errors before warnings if there are too many.
+fn select_shown(found: &Diagnostics) -> Vec<&Diagnostic> {
     let (errors, warnings) = found.iter().partition::<Vec<_>, _>(|d| d.severity == Severity::Error);
     let mut errors = errors.len().min(MAX_SHOWN);
     let mut warnings = warnings.len().min(MAX_SHOWN - errors);
@@ -84,10 +84,10 @@ fn first_of(found: &Diagnostics) -> Vec<&Diagnostic> {
     shown.collect()
 }
 
-fn judged(found: &Diagnostics, deny_warnings: bool) -> Exit {
+fn exit_code(found: &Diagnostics, deny_warnings: bool) -> Exit {
     let unasked = |code: Code| matches!(code, Code::Unreadable | Code::NotUtf8 | Code::TooLarge | Code::NoQuestion);
     if found.iter().any(|d| unasked(d.code) && d.primary.is_none()) {
-        Exit::Unasked
+        Exit::Refused
     } else if found.has_errors() || (deny_warnings && !found.is_empty()) {
         Exit::No
     } else {

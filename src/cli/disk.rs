@@ -1,5 +1,5 @@
-//! Files from and to the disk. All that the command line reads comes through here: regular files of bounded size. A device
-//! has no end, and opening a pipe waits for its other end.
+//! Files on the disk. Everything that the command line reads comes through here: only regular files of bounded size, as
+//! a device has no end and opening a pipe blocks.
 
 use std::fs::{File, FileType};
 use std::io::{self, BufRead, Read, Write};
@@ -22,15 +22,14 @@ impl Files for Disk {
 
 /// Opens a regular file for reading.
 ///
-/// # Errors
-/// [`ReadError::Unreadable`] if it cannot be opened or is something else.
+/// [`ReadError::Unreadable`] if it cannot be opened or is not a regular file.
 pub(super) fn open(path: &Path) -> Result<File, ReadError> {
-    // Before it is opened: that alone may wait for ever.
+    // Checked first, as opening alone may block.
     is_regular(path)?;
     File::open(path).map_err(unreadable)
 }
 
-/// Whether there is a regular file at a path, perhaps through links.
+/// Checks that a path leads to a regular file, possibly through links.
 ///
 /// # Errors
 /// [`ReadError::Unreadable`] if not.
@@ -42,7 +41,7 @@ pub(super) fn is_regular(path: &Path) -> Result<(), ReadError> {
     }
 }
 
-/// What something is that is no regular file.
+/// The kind of something that is not a regular file.
 fn name(kind: FileType) -> &'static str {
     #[cfg(unix)]
     {
@@ -73,7 +72,7 @@ pub(super) fn bytes(path: &Path) -> Result<Vec<u8>, ReadError> {
     all(file)
 }
 
-/// A compiled program may be larger than the text that it was made from, but not larger than this, bytes.
+/// Maximum size of a compiled program, bytes; it may be larger than its source.
 const MAX_COMPILED_BYTES: u64 = 1 << 28;
 
 /// The text of a compiled program.
@@ -92,8 +91,7 @@ pub(super) fn compiled(path: &Path) -> Result<String, ReadError> {
 
 /// All bytes of a stream.
 ///
-/// # Errors
-/// [`ReadError`] if it cannot be read. Of one that is too large no more than that is read.
+/// [`ReadError`] if it cannot be read. Stops reading at the size limit.
 pub(super) fn all(stream: impl Read) -> Result<Vec<u8>, ReadError> {
     let mut bytes = Vec::new();
     let limit = MAX_FILE_BYTES as u64 + 1;
@@ -101,13 +99,12 @@ pub(super) fn all(stream: impl Read) -> Result<Vec<u8>, ReadError> {
     Ok(bytes)
 }
 
-/// A file of rows may be larger than a program, but not larger than this, bytes.
+/// Maximum size of a file of rows, bytes.
 const MAX_ROWS_BYTES: u64 = 1 << 30;
 
 /// All bytes of a file of rows.
 ///
-/// # Errors
-/// Why it cannot be read, in a few words.
+/// Why it cannot be read, as a short text.
 pub(super) fn rows(file: &mut File) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     file.take(MAX_ROWS_BYTES + 1).read_to_end(&mut bytes).map_err(|e| reason(&e))?;
@@ -117,13 +114,12 @@ pub(super) fn rows(file: &mut File) -> Result<Vec<u8>, String> {
     }
 }
 
-/// The longest line that is read on its own, bytes.
+/// Maximum length of a line that is read on its own, bytes.
 const MAX_LINE_BYTES: usize = 16 << 20;
 
-/// The next line of a text, without its end; none at the end of the text.
+/// The next line of a text, without its line end; `None` at the end of the text.
 ///
-/// # Errors
-/// Why it cannot be read, in a few words. Of a line that is too long no more than that is read.
+/// Why it cannot be read, as a short text. Stops reading at the length limit.
 pub(super) fn line(text: &mut impl BufRead) -> Result<Option<String>, String> {
     let mut line = Vec::new();
     let limit = MAX_LINE_BYTES as u64 + 1;
@@ -142,12 +138,12 @@ fn unreadable(error: io::Error) -> ReadError {
     ReadError::Unreadable(reason(&error))
 }
 
-/// Puts a text in place of a file in one go: it is written beside it first, so that nothing is lost on the way.
+/// Replaces a file atomically: writes a temporary file temporary it and renames it.
 ///
 /// # Errors
 /// Why it cannot be written.
 pub(super) fn replace(path: &Path, text: &str) -> Result<(), String> {
-    // Through a link, the file itself is replaced.
+    // Follows links to the file itself.
     let path = path.canonicalize().map_err(|e| reason(&e))?;
     let found = path.metadata().map_err(|e| reason(&e))?;
     if !found.is_file() {
@@ -157,23 +153,23 @@ pub(super) fn replace(path: &Path, text: &str) -> Result<(), String> {
         return Err("it is read-only".into());
     }
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-    let beside = path.with_file_name(format!(".{name}.{}", std::process::id()));
+    let temporary = path.with_file_name(format!(".{name}.{}", std::process::id()));
     let written = || -> io::Result<()> {
-        let mut file = File::options().write(true).create_new(true).open(&beside)?;
+        let mut file = File::options().write(true).create_new(true).open(&temporary)?;
         file.write_all(text.as_bytes())?;
         file.set_permissions(found.permissions())?;
         file.sync_all()?;
-        std::fs::rename(&beside, &path)
+        std::fs::rename(&temporary, &path)
     };
     written().map_err(|e| {
         if e.kind() != io::ErrorKind::AlreadyExists {
-            let _ = std::fs::remove_file(&beside);
+            let _ = std::fs::remove_file(&temporary);
         }
         reason(&e)
     })
 }
 
-/// What the system says, without the number of the error: that says nothing to a reader.
+/// The system's message, without the error number.
 fn reason(error: &io::Error) -> String {
     let text = error.to_string();
     text.split(" (os error").next().unwrap_or(&text).to_lowercase()

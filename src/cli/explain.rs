@@ -1,4 +1,4 @@
-//! `hypedc explain`: what a code means, with a wrong and a right example.
+//! `hypedc explain`: explains a code, with a wrong and a right example.
 
 use std::io::{self, IsTerminal, Write};
 
@@ -27,7 +27,7 @@ pub(super) fn run(args: &ExplainArgs) -> io::Result<Exit> {
             let near = similar(text, Code::ALL.iter().map(|code| code.text()));
             let help = near.is_none().then(|| "`hypedc explain` lists all codes".to_string());
             show_fact(&SourceMap::new(), NoQuestion { why: format!("no code `{text}`"), near, help })?;
-            answer = Exit::Unasked;
+            answer = Exit::Refused;
             continue;
         };
         if shown > 0 {

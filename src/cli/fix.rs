@@ -1,4 +1,4 @@
-//! `hypedc check --fix`: makes the fixes of findings in the files themselves, and tells on standard error what it did.
+//! `hypedc check --fix`: applies fixes to the files, and reports them on standard error.
 
 use std::fs::{self, File};
 use std::io::{self, Write};
@@ -11,14 +11,14 @@ use crate::source::{FileId, SourceMap, Span, decode};
 use super::disk::{Disk, bytes};
 use super::report::plain_error;
 
-/// A fix can bring the next mistake to light; no program needs more rounds than this.
+/// Maximum number of rounds: a fix can reveal the next mistake.
 const MAX_ROUNDS: usize = 16;
 
-/// The bytes that some editors put first.
+/// The UTF-8 byte order mark.
 const MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// Mends a program until there is nothing certain left. Returns false if a file could not be written.
-pub(super) fn mend(root: &Path, level: LevelFile<'_>) -> io::Result<bool> {
+/// Applies certain fixes until none are left. Returns false if a file could not be written.
+pub(super) fn apply_fixes(root: &Path, level: LevelFile<'_>) -> io::Result<bool> {
     for _ in 0..MAX_ROUNDS {
         let Compilation { sources, diagnostics, .. } = compile_with(root, level, &Disk);
         let may = |file: FileId| is_ours(root, &sources.file(file).path);
@@ -45,7 +45,7 @@ pub(super) fn mend(root: &Path, level: LevelFile<'_>) -> io::Result<bool> {
     Ok(true)
 }
 
-/// Whether a file is the program itself, or one that is imported from its folder or a folder in it.
+/// Whether a file is the program itself, or one imported from its folder or a subfolder.
 fn is_ours(root: &Path, path: &Path) -> bool {
     let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
     let (root, path) = (real(root), real(path));
@@ -53,10 +53,10 @@ fn is_ours(root: &Path, path: &Path) -> bool {
     path == root || (is_program && root.parent().is_some_and(|folder| path.starts_with(folder)))
 }
 
-/// Makes edits in a file, all or none: the new text is written beside it and then takes its place.
+/// Applies edits to a file atomically.
 fn write(sources: &SourceMap, file: FileId, edits: &[(Span, &str)]) -> Result<(), String> {
     let source = sources.file(file);
-    // A link stays one: what it leads to is replaced.
+    // Follows links: the target is replaced.
     let path = source.path.canonicalize().map_err(|e| e.to_string())?;
     let bytes = bytes(&path).map_err(|_| "it has changed meanwhile".to_string())?;
     if decode(bytes.clone()).ok().as_deref() != Some(source.text()) {
@@ -70,7 +70,7 @@ fn write(sources: &SourceMap, file: FileId, edits: &[(Span, &str)]) -> Result<()
     replace(&path, &[mark, text.as_bytes()].concat(), &bytes).map_err(|e| e.to_string())
 }
 
-/// Puts a new file in place of one that still holds what it did.
+/// Replaces a file, unless its content has changed.
 fn replace(path: &Path, new: &[u8], old: &[u8]) -> io::Result<()> {
     let beside = beside(path);
     let mut file = File::options().write(true).create_new(true).open(&beside)?;
@@ -84,13 +84,13 @@ fn replace(path: &Path, new: &[u8], old: &[u8]) -> io::Result<()> {
         fs::rename(&beside, path)
     })();
     if written.is_err() {
-        // There is nothing to be done if this fails, too.
+        // Nothing more can be done if this fails, too.
         let _ = fs::remove_file(&beside);
     }
     written
 }
 
-/// A path for the new text in the folder of the old one.
+/// A temporary path in the folder of the file.
 fn beside(path: &Path) -> PathBuf {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     path.with_file_name(format!(".{name}.{}.mended", std::process::id()))

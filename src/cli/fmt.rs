@@ -1,5 +1,5 @@
-//! `hypedc fmt`: programs in their canonical layout. Errors go to standard error; standard output is for what would
-//! change, or for the text itself.
+//! `hypedc fmt`: rewrites programs in canonical layout. Errors go to standard error; standard output is for
+//! differences, or for the text itself.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -13,7 +13,7 @@ use super::args::FmtArgs;
 use super::disk::{all, bytes, replace};
 use super::report::{plain_error, show, show_fact};
 
-/// How many characters of a line are shown.
+/// Maximum number of characters shown per line.
 const SHOWN: usize = 160;
 
 pub(super) fn run(args: &FmtArgs) -> io::Result<Exit> {
@@ -52,17 +52,17 @@ fn one(path: &Path, check: bool) -> io::Result<Exit> {
         io::stdout().write_all(after.as_bytes())?;
     } else if changes && let Err(why) = replace(path, &after) {
         plain_error(&format!("cannot write `{}`: {why}", path.display()))?;
-        return Ok(Exit::Unasked);
+        return Ok(Exit::Refused);
     }
     Ok(Exit::Yes)
 }
 
 fn unreadable(path: &Path, error: ReadError) -> io::Result<Exit> {
     show_fact(&SourceMap::new(), Unreadable { path: path.to_path_buf(), import: None, error })?;
-    Ok(Exit::Unasked)
+    Ok(Exit::Refused)
 }
 
-/// Where a text first differs from its canonical layout, and how.
+/// Describes the first difference between a text and its canonical layout.
 fn first_difference(path: &Path, before: &[u8], after: &str) -> String {
     let before = String::from_utf8_lossy(before);
     let (mut olds, mut news) = (before.split_inclusive('\n'), after.split_inclusive('\n'));
@@ -79,7 +79,7 @@ fn first_difference(path: &Path, before: &[u8], after: &str) -> String {
     }
 }
 
-/// A line of a text for a terminal: what cannot be seen is written out, and only the beginning of a long line.
+/// A line for a terminal: invisible characters are escaped, long lines are cut.
 fn plain(line: &str) -> String {
     let (line, end) = line.strip_suffix('\n').map_or((line, " (no line end)"), |line| (line, ""));
     let seen = line.trim_end_matches(' ').len();

@@ -14,10 +14,10 @@ use super::report::{Loaded, load, show_fact};
 
 pub(super) fn run(args: &GraphArgs) -> io::Result<Exit> {
     let Some(loaded) = load(&args.file, LevelFile::default())? else {
-        return Ok(Exit::Unasked);
+        return Ok(Exit::Refused);
     };
     let Some(entities) = choose(&loaded, args)? else {
-        return Ok(Exit::Unasked);
+        return Ok(Exit::Refused);
     };
     let charts: Vec<Chart> = entities.into_iter().map(|id| chart(&loaded.program, &loaded.sources, id)).collect();
     let text = match args.format {
@@ -29,7 +29,7 @@ pub(super) fn run(args: &GraphArgs) -> io::Result<Exit> {
     Ok(Exit::Yes)
 }
 
-/// The entities that were asked for, or all; shows why if there are none.
+/// The requested entities, or all; reports why if there are none.
 fn choose(loaded: &Loaded, args: &GraphArgs) -> io::Result<Option<Vec<EntityId>>> {
     let entities = &loaded.program.entities;
     let file = args.file.display();

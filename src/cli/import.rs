@@ -1,5 +1,5 @@
-//! `hypedc import`: what other systems describe, as `.hyped` text. The text goes to standard output or into files of a
-//! folder, findings go to standard error.
+//! `hypedc import`: converts descriptions of other systems to `.hyped` text. The text goes to standard output or into
+//! files of a folder, findings go to standard error.
 
 use std::fs::{self, File};
 use std::io::{self, IsTerminal, Write};
@@ -22,7 +22,7 @@ pub(super) fn run(command: &ImportCommand) -> io::Result<Exit> {
             let mut beside = xml::Entities::default();
             import(&args.files, &args.into, |_, file, text, is_beside| {
                 if !is_beside {
-                    // Each file is a program of its own, in which no other entity is.
+                    // Each file becomes a separate program, without other entities.
                     beside = xml::Entities::default();
                 }
                 xml::import(file, text, &mut beside)
@@ -34,14 +34,14 @@ pub(super) fn run(command: &ImportCommand) -> io::Result<Exit> {
     }
 }
 
-/// A file, and what came of it.
-struct Done<'a> {
+/// An imported file with its findings.
+struct Imported<'a> {
     path: &'a Path,
     sources: SourceMap,
     diagnostics: Diagnostics,
 }
 
-/// Imports files, each by `read`, which is told whether the text is beside those before it.
+/// Imports files, each with `read`, which is told whether the text follows those before it in one output.
 fn import(
     files: &[PathBuf],
     into: &ImportInto,
@@ -49,7 +49,7 @@ fn import(
 ) -> io::Result<Exit> {
     let mut answer = Exit::Yes;
     let mut texts: Vec<String> = Vec::new();
-    let mut done: Vec<Done<'_>> = Vec::new();
+    let mut imported: Vec<Imported<'_>> = Vec::new();
     for path in files {
         let mut sources = SourceMap::new();
         let Import { text, diagnostics } = match Disk.read(path) {
@@ -58,7 +58,7 @@ fn import(
                 read(path, file, sources.file(file).text(), into.output.is_none())
             }
             Err(error) => {
-                answer = Exit::Unasked;
+                answer = Exit::Refused;
                 let mut diagnostics = Diagnostics::new();
                 diagnostics.report(Unreadable { path: path.clone(), import: None, error });
                 Import { text: None, diagnostics }
@@ -71,26 +71,26 @@ fn import(
             let target = folder.join(program_name(path));
             if let Err(why) = write(folder, &target, text, into.force) {
                 plain_error(&format!("cannot write `{}`: {why}", target.display()))?;
-                answer = Exit::Unasked;
+                answer = Exit::Refused;
             }
         } else {
             texts.extend(text);
         }
-        done.push(Done { path, sources, diagnostics });
+        imported.push(Imported { path, sources, diagnostics });
     }
     write!(io::stdout(), "{}", texts.join("\n"))?;
-    show(into.format, &done)?;
+    show(into.format, &imported)?;
     Ok(answer)
 }
 
-/// What the program of a file is called: `mario.hyped` for `mario.char.xml`.
+/// The name of the program for a file: `mario.hyped` for `mario.char.xml`.
 fn program_name(path: &Path) -> PathBuf {
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let stem = Path::new(&name).file_stem().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     PathBuf::from(format!("{}.hyped", stem.strip_suffix(".char").unwrap_or(&stem)))
 }
 
-/// What the world of a file is called: `Tloz1_1` for `tloz1_1.txt`.
+/// The name of the world for a file: `Tloz1_1` for `tloz1_1.txt`.
 fn world_name(path: &Path) -> String {
     let stem = path.file_stem().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let word: String = stem.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
@@ -100,7 +100,7 @@ fn world_name(path: &Path) -> String {
     }
 }
 
-/// Writes a file of a folder, which is made if there is none.
+/// Writes a file into a folder, creating the folder if needed.
 fn write(folder: &Path, target: &Path, text: &str, force: bool) -> Result<(), String> {
     fs::create_dir_all(folder).map_err(|e| e.to_string())?;
     if force && target.exists() {
@@ -113,11 +113,11 @@ fn write(folder: &Path, target: &Path, text: &str, force: bool) -> Result<(), St
     file.write_all(text.as_bytes()).map_err(|e| e.to_string())
 }
 
-fn show(format: FindingFormat, done: &[Done<'_>]) -> io::Result<()> {
+fn show(format: FindingFormat, imported: &[Imported<'_>]) -> io::Result<()> {
     let color = colored(io::stderr().is_terminal());
     let run: Vec<Found<'_>> =
-        done.iter().map(|Done { path, sources, diagnostics }| Found { path, sources, diagnostics }).collect();
-    let each = |shown: &dyn Fn(&Done<'_>) -> String| done.iter().map(shown).collect::<String>();
+        imported.iter().map(|Imported { path, sources, diagnostics }| Found { path, sources, diagnostics }).collect();
+    let each = |shown: &dyn Fn(&Imported<'_>) -> String| imported.iter().map(shown).collect::<String>();
     let text = match format {
         FindingFormat::Human => each(&|d| render::human(&d.sources, d.diagnostics.iter(), color)),
         FindingFormat::Short => each(&|d| render::short(&d.sources, d.diagnostics.iter())),

@@ -16,10 +16,10 @@ pub(super) fn run(args: &IrArgs) -> io::Result<Exit> {
         return Ok(Exit::Yes);
     };
     let Some(loaded) = load(file, args.level.file())? else {
-        return Ok(Exit::Unasked);
+        return Ok(Exit::Refused);
     };
     if !has_maps(&loaded, loaded.program.worlds.iter())? {
-        return Ok(Exit::Unasked);
+        return Ok(Exit::Refused);
     }
     match args.format {
         ResultFormat::Human => write!(out, "{}", text(&loaded.program))?,

@@ -12,7 +12,7 @@ use crate::source::{Files, ReadError};
 use super::Exit;
 use super::disk::Disk;
 
-/// The most programs of a workspace that are compiled, and the most folders that are searched for them.
+/// Maximum number of compiled programs of a workspace, and of folders searched for them.
 const MAX_PROGRAMS: usize = 2_000;
 const MAX_FOLDERS: usize = 20_000;
 
@@ -42,7 +42,7 @@ impl Workspace for Folders {
                 let path = entry.path();
                 let hidden = entry.file_name().to_string_lossy().starts_with('.');
                 let built = matches!(entry.file_name().to_str(), Some("target" | "node_modules"));
-                // Links are not followed: they may lead round in circles.
+                // Links are not followed: they may form cycles.
                 match entry.file_type() {
                     Ok(kind) if kind.is_dir() && !hidden && !built => folders.push(path),
                     Ok(kind) if kind.is_file() && path.extension().is_some_and(|e| e == "hyped") => found.push(path),
@@ -59,7 +59,7 @@ impl Workspace for Folders {
 pub(super) fn run() -> io::Result<Exit> {
     let (connection, threads) = Connection::stdio();
     let orderly = Server::serve(connection, Arc::new(Folders), Settings::default());
-    // A client that went away without a word may have left the pipe open.
+    // A client that disconnected may have left the pipe open.
     if orderly {
         threads.join()?;
     }

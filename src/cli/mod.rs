@@ -1,6 +1,6 @@
-//! The command line: one file per subcommand. The only part that talks to the terminal, looks at a clock, reads the
-//! disk and chooses an exit code: 0 every question has the expected answer, 1 an answer is no or there is none, 2 a question could not
-//! be asked.
+//! The command line: one file per subcommand. Only this part accesses the terminal, the clock and the disk, and chooses
+//! an exit code: 0 if every question has the expected answer, 1 if an answer is no or missing, 2 if a question could
+//! not be asked.
 
 #![allow(clippy::disallowed_methods, reason = "seconds are a matter of the command line")]
 
@@ -27,7 +27,7 @@ mod report;
 mod schemas;
 mod sim;
 mod time;
-mod watching;
+mod watches;
 
 use std::io;
 use std::process::ExitCode;
@@ -37,24 +37,24 @@ use clap::Parser;
 use args::{Arguments, Command};
 pub use schemas::schemas;
 
-/// What a subcommand ends with.
+/// The exit status of a subcommand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Exit {
     /// As expected.
     Yes,
-    /// An answer is no, or there is none: errors, a goal not reached, a `never` violated or not answered, a layout that is not
+    /// An answer is no or missing: errors, a goal not reached, a `never` violated or not answered, a layout that is not
     /// canonical.
     No,
     /// The question could not be asked.
-    Unasked,
+    Refused,
 }
 
-/// Parses the arguments, runs the subcommand and gives the exit code.
+/// Parses the arguments, runs the subcommand and returns the exit code.
 pub fn main() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => {
-            // Clap's own codes are 0 for help and 2 for bad usage, as ours. A closed pipe is no error.
+            // Clap's exit codes, 0 for help and 2 for bad usage, match ours. A closed pipe is no error.
             let _ = error.print();
             return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
         }
@@ -65,7 +65,7 @@ pub fn main() -> ExitCode {
         Command::Import(command) => import::run(&command),
         Command::Ir(args) => ir::run(&args),
         Command::Sim(args) => sim::run(&args),
-        Command::Reach(args) if corpus::is_asked(&args) => corpus::run(&args),
+        Command::Reach(args) if corpus::is_corpus_run(&args) => corpus::run(&args),
         Command::Reach(args) => reach::run(&args),
         Command::Experiment(args) => experiment::run(&args),
         Command::Explain(args) => explain::run(&args),
@@ -80,7 +80,7 @@ pub fn main() -> ExitCode {
     match answer {
         Ok(Exit::Yes) => ExitCode::SUCCESS,
         Ok(Exit::No) => ExitCode::from(1),
-        Ok(Exit::Unasked) => ExitCode::from(2),
+        Ok(Exit::Refused) => ExitCode::from(2),
         // The reader of the output is gone.
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(error) => {

@@ -1,4 +1,4 @@
-//! `hypedc new`: a folder with a small project to start from. Nothing that is there already is touched.
+//! `hypedc new`: creates a folder with a small project. Existing files are never touched.
 
 use std::fs;
 use std::io::{self, Write};
@@ -8,7 +8,7 @@ use super::Exit;
 use super::args::NewArgs;
 use super::report::plain_error;
 
-/// The files of a project. `{{name}}` stands for its name.
+/// The files of a project. `{{name}}` is replaced by its name.
 const FILES: [(&str, &str); 3] = [
     ("game.hyped", include_str!("template/game.hyped")),
     ("play.inputs", include_str!("template/play.inputs")),
@@ -19,7 +19,7 @@ pub(super) fn run(args: &NewArgs) -> io::Result<Exit> {
     let folder = args.name.as_path();
     let Some(name) = folder.file_name() else {
         plain_error(&format!("`{}` is no name for a folder", folder.display()))?;
-        return Ok(Exit::Unasked);
+        return Ok(Exit::Refused);
     };
     if let Err(error) = make(folder, &name.to_string_lossy()) {
         let why = match error.kind() {
@@ -27,7 +27,7 @@ pub(super) fn run(args: &NewArgs) -> io::Result<Exit> {
             _ => error.to_string(),
         };
         plain_error(&format!("cannot make `{}`: {why}", folder.display()))?;
-        return Ok(Exit::Unasked);
+        return Ok(Exit::Refused);
     }
     let mut out = io::stdout().lock();
     for (file, _) in FILES {
@@ -41,7 +41,7 @@ fn make(folder: &Path, name: &str) -> io::Result<()> {
     if let Some(parent) = folder.parent() {
         fs::create_dir_all(parent)?;
     }
-    // Fails where there is something of this name, so what is written into it is all new.
+    // Fails if the name exists, so all files written into it are new.
     fs::create_dir(folder)?;
     for (file, text) in FILES {
         fs::write(folder.join(file), text.replace("{{name}}", name))?;

@@ -1,4 +1,4 @@
-//! Why a command cannot do what it is asked to: findings with their places, or a plain sentence.
+//! Why a command cannot be carried out: findings with their locations, or a plain sentence.
 
 use std::io;
 

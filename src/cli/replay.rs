@@ -1,4 +1,4 @@
-//! `hypedc sim --replay`: runs a trace again by what its header says, and tells where the first difference is.
+//! `hypedc sim --replay`: repeats the run of a trace from its header, and reports the first difference.
 
 use std::fs::File;
 use std::io::{self, BufReader, Write};
@@ -14,15 +14,15 @@ use super::Exit;
 use super::args::SimArgs;
 use super::disk::{line, open};
 use super::report::{choose_world, load, plain_error, show, show_fact};
-use super::sim::{Ended, drive, header};
-use super::watching::Interrupt;
+use super::sim::{RunEnd, drive, header};
+use super::watches::Interrupt;
 
 pub(super) fn run(path: &Path, args: &SimArgs) -> io::Result<Exit> {
     let file = match open(path) {
         Ok(file) => file,
         Err(error) => {
             show_fact(&SourceMap::new(), Unreadable::named(path, error))?;
-            return Ok(Exit::Unasked);
+            return Ok(Exit::Refused);
         }
     };
     let cannot = |why: &str| plain_error(&format!("cannot replay `{}`: {why}", path.display()));
@@ -30,7 +30,7 @@ pub(super) fn run(path: &Path, args: &SimArgs) -> io::Result<Exit> {
         Ok(trace) => trace,
         Err(why) => {
             cannot(&why)?;
-            return Ok(Exit::Unasked);
+            return Ok(Exit::Refused);
         }
     };
     let old = trace.header.clone();
@@ -41,13 +41,13 @@ pub(super) fn run(path: &Path, args: &SimArgs) -> io::Result<Exit> {
         legend: given.legend.or(old.legend.as_deref().map(Path::new)),
         tile: given.tile.or(old.tile),
     };
-    let Some(mut loaded) = load(file, level)? else { return Ok(Exit::Unasked) };
-    let Some(world) = choose_world(&loaded, file, Some(&old.world))? else { return Ok(Exit::Unasked) };
+    let Some(mut loaded) = load(file, level)? else { return Ok(Exit::Refused) };
+    let Some(world) = choose_world(&loaded, file, Some(&old.world))? else { return Ok(Exit::Refused) };
     let id = loaded.sources.add(path, old.inputs.clone());
     let (script, found) = parse_script(&loaded.program, world, id, &old.inputs);
     if found.has_errors() {
         show(&loaded.sources, &found)?;
-        return Ok(Exit::Unasked);
+        return Ok(Exit::Refused);
     }
     let sim = Simulator::new(&loaded.program, world);
     let now = header(&sim, file, level, &script, old.steps);
@@ -70,7 +70,7 @@ pub(super) fn run(path: &Path, args: &SimArgs) -> io::Result<Exit> {
             ControlFlow::Continue(())
         })
     })?;
-    if let Ended::Stopped(step) = ended {
+    if let RunEnd::Stopped(step) = ended {
         plain_error(&format!("stopped after step {step} of {}", old.steps))?;
         return Ok(Exit::No);
     }
@@ -81,7 +81,7 @@ pub(super) fn run(path: &Path, args: &SimArgs) -> io::Result<Exit> {
     }
     if let Some(why) = &trace.broken {
         cannot(why)?;
-        return Ok(Exit::Unasked);
+        return Ok(Exit::Refused);
     }
     let mut out = io::stdout().lock();
     let is_same = now.program_sha256 == old.program_sha256;
@@ -102,19 +102,19 @@ pub(super) fn run(path: &Path, args: &SimArgs) -> io::Result<Exit> {
         None => writeln!(out, "{}: all {steps} steps are the same", path.display())?,
     }
     drop(out);
-    if let (Ended::Fault(fault, step), None) = (ended, &difference) {
-        // It stopped there when the trace was made, too.
+    if let (RunEnd::Fault(fault, step), None) = (ended, &difference) {
+        // The original run stopped there, too.
         show_fact(&loaded.sources, fault.fact(&loaded.program, world, step))?;
     }
     Ok(if is_same && difference.is_none() { Exit::Yes } else { Exit::No })
 }
 
-/// A trace that is read line by line.
+/// A trace, read line by line.
 struct Trace {
     header: TraceHeader,
     format: TraceFormat,
     lines: BufReader<File>,
-    /// Why it cannot be read any further.
+    /// Why it cannot be read further.
     broken: Option<String>,
 }
 
@@ -126,7 +126,7 @@ impl Trace {
         Ok(Trace { header, format, lines, broken: None })
     }
 
-    /// The next line; none at the end, and where it cannot be read.
+    /// The next line; `None` at the end or on an error.
     fn line(&mut self) -> Option<String> {
         line(&mut self.lines).unwrap_or_else(|why| {
             self.broken = Some(why);
@@ -134,7 +134,7 @@ impl Trace {
         })
     }
 
-    /// Compares the next line with what it should be; tells where it differs first.
+    /// Compares the next line with the expected one; describes the first difference.
     fn compare(&mut self, place: &str, columns: &[String], expected: &str) -> Option<String> {
         let Some(line) = self.line() else { return Some(format!("the trace ends before {place}")) };
         if line == expected {

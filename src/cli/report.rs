@@ -1,4 +1,4 @@
-//! Showing findings, and the way from a file and a world's name to a program that can be run.
+//! Shows findings, and loads runnable programs from a file and a world's name.
 
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
@@ -15,7 +15,7 @@ use crate::source::{ReadError, SourceMap};
 
 use super::disk::{Disk, bytes, compiled};
 
-/// Whether to colour what goes to a stream: only on a terminal, and not where `NO_COLOR` is set.
+/// Whether to colour the output: only on a terminal, and not if `NO_COLOR` is set.
 pub(super) fn colored(terminal: bool) -> bool {
     terminal && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty())
 }
@@ -44,7 +44,7 @@ pub(super) struct Loaded {
     pub program: Arc<Program>,
 }
 
-/// What tells programs apart that mean different things; in hexadecimal digits.
+/// A hash of a program's meaning, in hexadecimal digits.
 pub(super) fn program_sha256(program: &Program) -> String {
     let json = serde_json::to_vec(&program.meaning()).unwrap_or_default();
     sha256(&json)
@@ -60,13 +60,12 @@ fn sha256(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Compiles a file, with a level for worlds that leave their map open; shows what is wrong and gives nothing if it
-/// cannot be run.
+/// Compiles a file, with a level for worlds with an open map; shows findings, and returns `None` if it cannot be run.
 pub(super) fn load(path: &Path, level: LevelFile<'_>) -> io::Result<Option<Loaded>> {
     load_constrained(path, level, None)
 }
 
-/// As [`load`], with a predicate that may never hold.
+/// As [`load`], with a predicate that must never hold.
 pub(super) fn load_constrained(
     path: &Path,
     level: LevelFile<'_>,
@@ -78,7 +77,7 @@ pub(super) fn load_constrained(
     let Compilation { sources, program, diagnostics } = compile_constrained(path, level, constraint, &Disk);
     match diagnostics.counts() {
         (0, 0) => {}
-        // Warnings in full would drown the output of repeated runs.
+        // Full warnings would clutter the output of repeated runs.
         (0, warnings) => {
             let count = if warnings == 1 { "1 warning".to_string() } else { format!("{warnings} warnings") };
             writeln!(io::stderr(), "{count}, shown by `hypedc check {}`", path.display())?;
@@ -88,7 +87,7 @@ pub(super) fn load_constrained(
     Ok(program.map(|program| Loaded { sources, program }))
 }
 
-/// Reads a program that `hypedc ir --format json` has written; shows what is wrong and gives nothing if it cannot be run.
+/// Reads a program written by `hypedc ir --format json`; shows findings, and returns `None` if it cannot be run.
 fn load_compiled(
     path: &Path,
     level: LevelFile<'_>,
@@ -119,7 +118,7 @@ fn load_compiled(
     }
 }
 
-/// Whether worlds have all their maps; shows how to give the one that is missing.
+/// Whether worlds have all their maps; reports the missing one.
 pub(super) fn has_maps<'w>(loaded: &Loaded, worlds: impl IntoIterator<Item = &'w Arc<World>>) -> io::Result<bool> {
     let Some(open) = worlds.into_iter().find(|w| w.open.is_some()) else {
         return Ok(true);
@@ -130,7 +129,7 @@ pub(super) fn has_maps<'w>(loaded: &Loaded, worlds: impl IntoIterator<Item = &'w
     Ok(false)
 }
 
-/// The world of a name, or the only one, with all its maps; shows why if there is none.
+/// The named world, or the only one, with all its maps; reports why if there is none.
 pub(super) fn choose_world(loaded: &Loaded, path: &Path, name: Option<&str>) -> io::Result<Option<WorldId>> {
     match find_world(&loaded.program, path, name) {
         Ok(world) => Ok(has_maps(loaded, [&loaded.program.worlds[world]])?.then_some(world)),
@@ -141,7 +140,7 @@ pub(super) fn choose_world(loaded: &Loaded, path: &Path, name: Option<&str>) -> 
     }
 }
 
-/// The world of a name, or the only one.
+/// The named world, or the only one.
 pub(super) fn find_world(program: &Program, path: &Path, name: Option<&str>) -> Result<WorldId, NoQuestion> {
     let worlds = &program.worlds;
     let names: Vec<&str> = worlds.iter().map(|w| w.name.as_str()).collect();

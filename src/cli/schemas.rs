@@ -1,4 +1,4 @@
-//! JSON Schemas (draft 2020-12) of what the commands write: those in `docs/schemas`.
+//! JSON Schemas (draft 2020-12) of the outputs of commands: those in `docs/schemas`.
 
 use schemars::Schema;
 use schemars::transform::{RecursiveTransform, Transform};
@@ -27,7 +27,7 @@ pub fn schemas() -> Vec<(&'static str, Value)> {
     ]
 }
 
-/// A schema with a title that admits no other fields.
+/// Adds a title to a schema and closes it to other fields.
 fn closed(mut schema: Schema, title: &str) -> Value {
     schema.insert("title".into(), title.into());
     let close = |schema: &mut Schema| {

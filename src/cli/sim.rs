@@ -1,4 +1,4 @@
-//! `hypedc sim`: runs a world with given inputs and tells where everything ends up.
+//! `hypedc sim`: runs a world with given inputs and shows its final state.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -22,28 +22,28 @@ use super::args::{SimArgs, TraceFormatName};
 use super::disk::Disk;
 use super::replay;
 use super::report::{Loaded, choose_world, level_sha256, load, plain_error, program_sha256, show, show_fact};
-use super::watching::Interrupt;
+use super::watches::Interrupt;
 
 pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
     if let Some(trace) = &args.replay {
         return replay::run(trace, args);
     }
-    // The arguments have a program where they have no trace to replay.
+    // The arguments have a program unless they have a trace to replay.
     let file = args.file.as_deref().unwrap_or(Path::new(""));
     let Some(mut loaded) = load(file, args.level.file())? else {
-        return Ok(Exit::Unasked);
+        return Ok(Exit::Refused);
     };
     let Some(world) = choose_world(&loaded, file, args.world.as_deref())? else {
-        return Ok(Exit::Unasked);
+        return Ok(Exit::Refused);
     };
     let Some(script) = script(args, &mut loaded, world)? else {
-        return Ok(Exit::Unasked);
+        return Ok(Exit::Refused);
     };
     let expected = match Expected::new(&loaded.program.worlds[world], args) {
         Ok(expected) => expected,
         Err(fact) => {
             show_fact(&loaded.sources, fact)?;
-            return Ok(Exit::Unasked);
+            return Ok(Exit::Refused);
         }
     };
     let sim = Simulator::new(&loaded.program, world);
@@ -57,7 +57,7 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
                     Ok(file) => Box::new(file),
                     Err(error) => {
                         plain_error(&format!("cannot write `{}`: {error}", path.display()))?;
-                        return Ok(Exit::Unasked);
+                        return Ok(Exit::Refused);
                     }
                 }
             };
@@ -69,7 +69,7 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
     let mut report = Report::new(&sim);
     let ended = drive(&sim, &script, frames, &Interrupt::new(), &mut |step, input, state, scratch| {
         report.observe(step, state);
-        report.note(step, scratch, state);
+        report.record_events(step, scratch, state);
         trace.as_mut().map_or(Ok(()), |t| t.state(step, input, state))?;
         Ok(ControlFlow::Continue(()))
     })?;
@@ -81,23 +81,23 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
         write!(io::stdout(), "{}", report.text(&file.display().to_string()))?;
     }
     show(&loaded.sources, &report.findings(&loaded.program, world))?;
-    let missed = expected.missed(&report);
-    missed.iter().try_for_each(|why| plain_error(why))?;
+    let unmet = expected.unmet(&report);
+    unmet.iter().try_for_each(|why| plain_error(why))?;
     match ended {
-        Ended::Done | Ended::LeftBounds | Ended::Enough => {}
-        Ended::Fault(fault, step) => {
+        RunEnd::Done | RunEnd::LeftBounds | RunEnd::Enough => {}
+        RunEnd::Fault(fault, step) => {
             show_fact(&loaded.sources, fault.fact(&loaded.program, world, step))?;
             return Ok(Exit::No);
         }
-        Ended::Stopped(step) => {
+        RunEnd::Stopped(step) => {
             plain_error(&format!("stopped after step {step} of {frames}"))?;
             return Ok(Exit::No);
         }
     }
-    Ok(if report.violated() || !missed.is_empty() { Exit::No } else { Exit::Yes })
+    Ok(if report.violated() || !unmet.is_empty() { Exit::No } else { Exit::Yes })
 }
 
-/// All that a run depends on.
+/// Everything that a run depends on.
 pub(super) fn header(sim: &Simulator, file: &Path, level: LevelFile<'_>, script: &Script, steps: u64) -> TraceHeader {
     let step = sim.world().step;
     TraceHeader {
@@ -116,7 +116,7 @@ pub(super) fn header(sim: &Simulator, file: &Path, level: LevelFile<'_>, script:
     }
 }
 
-/// How a trace is written.
+/// The format of the trace.
 fn format(args: &SimArgs, path: &Path) -> TraceFormat {
     let is_csv = || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"));
     match args.trace_format {
@@ -126,7 +126,7 @@ fn format(args: &SimArgs, path: &Path) -> TraceFormat {
     }
 }
 
-/// What a run is expected to bring about, and not to.
+/// The expectations about a run.
 struct Expected {
     goals: Vec<GoalId>,
     not_goals: Vec<GoalId>,
@@ -161,31 +161,31 @@ impl Expected {
         Ok(expected)
     }
 
-    /// What came out otherwise.
-    fn missed(&self, report: &Report<'_>) -> Vec<String> {
+    /// The unmet expectations.
+    fn unmet(&self, report: &Report<'_>) -> Vec<String> {
         let world = report.sim.world();
         let held = |kind: &str, name: &str, step: u64| format!("`--expect-not {name}`: the {kind} held at step {step}");
         let first = |of: &[Option<u64>], id: usize| of.get(id).copied().flatten();
-        let mut missed = Vec::new();
+        let mut unmet = Vec::new();
         for &goal in &self.goals {
             if first(&report.goals, goal.index()).is_none() {
                 let (name, steps) = (&world.goals[goal].name, report.steps);
-                missed.push(format!("`--expect {name}`: the goal was not reached in {steps} steps"));
+                unmet.push(format!("`--expect {name}`: the goal was not reached in {steps} steps"));
             }
         }
         for &goal in &self.not_goals {
             let step = first(&report.goals, goal.index());
-            missed.extend(step.map(|step| held("goal", &world.goals[goal].name, step)));
+            unmet.extend(step.map(|step| held("goal", &world.goals[goal].name, step)));
         }
         for &never in &self.not_nevers {
             let step = first(&report.nevers, never.index());
-            missed.extend(step.map(|step| held("never", &world.nevers[never].name, step)));
+            unmet.extend(step.map(|step| held("never", &world.nevers[never].name, step)));
         }
-        missed
+        unmet
     }
 }
 
-/// The script that was asked for; shows why if there is none.
+/// The requested script; reports why if there is none.
 fn script(args: &SimArgs, loaded: &mut Loaded, world: WorldId) -> io::Result<Option<Script>> {
     let (path, text) = match (&args.inputs, &args.inputs_file) {
         (Some(text), _) => ("--inputs".into(), text.clone()),
@@ -210,16 +210,16 @@ fn script(args: &SimArgs, loaded: &mut Loaded, world: WorldId) -> io::Result<Opt
     Ok((!found.has_errors()).then_some(script))
 }
 
-/// Shown the number of a step, its input and the state after it; says whether that is enough.
-pub(super) type See<'a> = dyn FnMut(u64, &Input, &[u8], &Scratch) -> io::Result<ControlFlow<()>> + 'a;
+/// Called with the number of a step, its input and the state after it; breaks to end the run.
+pub(super) type OnState<'a> = dyn FnMut(u64, &Input, &[u8], &Scratch) -> io::Result<ControlFlow<()>> + 'a;
 
 /// How a run ended.
-pub(super) enum Ended {
+pub(super) enum RunEnd {
     /// After all of its steps.
     Done,
     /// A player left the bounds of its space.
     LeftBounds,
-    /// The reader has seen enough.
+    /// The callback ended it.
     Enough,
     /// By a run-time error at a step.
     Fault(Fault, u64),
@@ -227,30 +227,30 @@ pub(super) enum Ended {
     Stopped(u64),
 }
 
-/// Runs at most `frames` steps and shows every state, the initial one first.
+/// Runs at most `frames` steps and passes every state to the callback, starting with the initial one.
 pub(super) fn drive(
     sim: &Simulator,
     script: &Script,
     frames: u64,
     watch: &dyn Watch,
-    see: &mut See<'_>,
-) -> io::Result<Ended> {
+    on_state: &mut OnState<'_>,
+) -> io::Result<RunEnd> {
     let mut scratch = sim.scratch();
     let nothing = Input::nothing(sim.world().players.len());
     let meter = Meter::new(watch);
     let mut state = match sim.metered_initial(&mut scratch, &meter) {
-        _ if meter.is_stopped() => return Ok(Ended::Stopped(0)),
+        _ if meter.is_stopped() => return Ok(RunEnd::Stopped(0)),
         Ok(state) => state,
-        Err(fault) => return Ok(Ended::Fault(fault, 0)),
+        Err(fault) => return Ok(RunEnd::Fault(fault, 0)),
     };
     let mut inputs = script.inputs().chain(std::iter::repeat(&nothing));
     let mut input = &nothing;
     for step in 0.. {
-        if see(step, input, &state, &scratch)?.is_break() {
-            return Ok(Ended::Enough);
+        if on_state(step, input, &state, &scratch)?.is_break() {
+            return Ok(RunEnd::Enough);
         }
         if sim.left_bounds(&state).is_some() {
-            return Ok(Ended::LeftBounds);
+            return Ok(RunEnd::LeftBounds);
         }
         if step == frames {
             break;
@@ -258,21 +258,21 @@ pub(super) fn drive(
         input = inputs.next().unwrap_or(&nothing);
         let stepped = sim.metered_step(&mut state, input, &mut scratch, &meter);
         if meter.is_stopped() {
-            return Ok(Ended::Stopped(step));
+            return Ok(RunEnd::Stopped(step));
         }
         if let Err(fault) = stepped {
-            return Ok(Ended::Fault(fault, step + 1));
+            return Ok(RunEnd::Fault(fault, step + 1));
         }
     }
-    Ok(Ended::Done)
+    Ok(RunEnd::Done)
 }
 
-/// What happened during a run.
+/// The events of a run.
 struct Report<'s> {
     sim: &'s Simulator,
     goals: Vec<Option<u64>>,
     nevers: Vec<Option<u64>>,
-    /// The first broken invariant: the step, whose, and its number.
+    /// The first broken invariant: the step, the slot, and its index.
     broken: Option<(u64, SlotId, usize)>,
     /// Each spawn that was refused, with the first step at which it was.
     refused: Vec<(u64, SlotId, SpawnId)>,
@@ -300,7 +300,7 @@ impl<'s> Report<'s> {
     fn observe(&mut self, step: u64, state: &[u8]) {
         let world = self.sim.world();
         self.left = self.sim.left_bounds(state);
-        // Out of bounds a `never` counts, a goal does not.
+        // Out of bounds, a `never` still counts, a goal does not.
         let goals = self.goals.iter_mut().zip(world.goals.iter()).filter(|_| self.left.is_none());
         for (first, predicate) in goals.chain(self.nevers.iter_mut().zip(world.nevers.iter())) {
             if first.is_none() && self.sim.holds(state, predicate.holds) == Ok(true) {
@@ -312,8 +312,8 @@ impl<'s> Report<'s> {
         self.last.extend_from_slice(state);
     }
 
-    /// Notes what the simulator reports beside the state.
-    fn note(&mut self, step: u64, scratch: &Scratch, state: &[u8]) {
+    /// Records refused spawns and broken invariants.
+    fn record_events(&mut self, step: u64, scratch: &Scratch, state: &[u8]) {
         if let Some((slot, spawn)) = self.sim.refused(scratch) {
             let entity = |s: SlotId| self.sim.world().slots[s].entity;
             let known = self.refused.iter().any(|(_, s, x)| (entity(*s), *x) == (entity(slot), spawn));
@@ -328,7 +328,7 @@ impl<'s> Report<'s> {
         }
     }
 
-    /// What is to be said of it.
+    /// The findings about the run.
     fn findings(&self, program: &Program, world: WorldId) -> Diagnostics {
         let slots = &program.worlds[world].slots;
         let mut out = Diagnostics::new();
@@ -417,7 +417,7 @@ impl<'s> Report<'s> {
     }
 }
 
-/// Writes a script where a later run will find it.
+/// Writes a script to a file.
 pub(super) fn save_script(path: &Path, text: &str) -> io::Result<()> {
     fs::write(path, format!("{text}\n"))
 }

@@ -1,10 +1,10 @@
-//! Times in the world, as the command line takes them: in seconds or in steps, always with a unit.
+//! Times in the world as arguments: in seconds or in steps, always with a unit.
 
 use std::fmt;
 
 use crate::ir::World;
 
-/// What a whole number of steps may be off by rounding.
+/// Rounding tolerance for a number of steps.
 const ROUNDED: f64 = 1e-6;
 
 /// A time, as steps or as seconds.
@@ -26,7 +26,7 @@ impl fmt::Display for Time {
 }
 
 impl Time {
-    /// Of a text with its unit.
+    /// Parses a number with its unit.
     pub fn read(text: &str) -> Result<Time, String> {
         let number = |text: &str| text.trim_end().parse::<f64>().ok().filter(|x| x.is_finite() && *x >= 0.0);
         let steps = text.strip_suffix("frames").or(text.strip_suffix("frame"));
@@ -37,13 +37,13 @@ impl Time {
             _ => None,
         };
         found.ok_or_else(|| match number(text) {
-            // Whether seconds or steps are meant cannot be told.
+            // Without a unit it is ambiguous.
             Some(_) => format!("write `{text}s` or `{text}frames`"),
             None => "a time such as `12frames`, `0.2s` or `200ms`".to_string(),
         })
     }
 
-    /// How many whole steps of a world it has room for.
+    /// Number of whole steps of a world that fit into it.
     pub fn room(self, world: &World) -> u32 {
         match self {
             Time::Steps(steps) => steps,
@@ -51,7 +51,7 @@ impl Time {
         }
     }
 
-    /// The fewest steps of a world that last as long, at least one.
+    /// Minimum number of steps of a world that last at least as long, at least one.
     pub fn steps(self, world: &World) -> u32 {
         match self {
             Time::Steps(steps) => steps.max(1),
@@ -75,14 +75,14 @@ impl Hold {
             return Ok(Hold { least: time, most: time });
         };
         let most = Time::read(high)?;
-        // The unit may be behind both.
+        // The unit may follow the second number only.
         let unit = high.trim_start_matches(|c: char| !c.is_alphabetic());
         let least = Time::read(low)
             .or_else(|why| if unit.is_empty() { Err(why) } else { Time::read(&format!("{low}{unit}")) })?;
         Ok(Hold { least, most })
     }
 
-    /// In steps, where a step takes no matter how long: none if it is given in seconds.
+    /// The range in steps; `None` if it is given in seconds.
     pub fn frames(self) -> Option<(u32, u32)> {
         match (self.least, self.most) {
             (Time::Steps(least), Time::Steps(most)) => Some((least, most)),
@@ -90,13 +90,13 @@ impl Hold {
         }
     }
 
-    /// In steps of a world.
+    /// The range in steps of a world.
     pub fn steps(self, world: &World) -> (u32, u32) {
         (self.least.steps(world), self.most.steps(world))
     }
 }
 
-/// A range of steps as planners take it.
+/// A range of steps, checked for planners.
 pub(super) fn held((least, most): (u32, u32)) -> Result<(u16, u16), String> {
     match (u16::try_from(least.max(1)), u16::try_from(most)) {
         (Ok(least), Ok(most)) if least <= most => Ok((least, most)),

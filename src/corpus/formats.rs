@@ -200,7 +200,7 @@ mod tests {
             ..missed.answer
         };
         let failed = Row {
-            answer: Answer::unasked(Kind::Goal, "out".into()),
+            answer: Answer::failed(Kind::Goal, "out".into()),
             error: Some("levels/b.txt:2:1: error[E0501]: a row has 2 tiles, others have 3\nmore".into()),
             ..row("levels/b.txt")
         };

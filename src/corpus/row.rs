@@ -119,11 +119,11 @@ pub struct Row {
 
 impl Row {
     /// The row of a question that could not be asked.
-    pub fn unasked(key: Key, file: String, world: String, settings: Settings, error: String) -> Row {
+    pub fn failed(key: Key, file: String, world: String, settings: Settings, error: String) -> Row {
         Row {
             row: ROW_VERSION,
             level: key.level,
-            answer: Answer::unasked(key.kind, key.goal),
+            answer: Answer::failed(key.kind, key.goal),
             error: Some(error),
             fault: None,
             refuted: None,
@@ -202,7 +202,7 @@ pub(super) mod tests {
             answered_by: Some("coverage".into()),
             nodes: 31,
             coverage,
-            ..Answer::unasked(key.kind, key.goal.clone())
+            ..Answer::failed(key.kind, key.goal.clone())
         };
         Row {
             answer,
@@ -210,14 +210,14 @@ pub(super) mod tests {
             program_sha256: Some("a0".into()),
             error: None,
             timing: Timing { seconds: 0.25, cpu_seconds: Some(0.125), analysis_seconds: 0.5 },
-            ..Row::unasked(key, "game.hyped".into(), "Open".into(), settings, String::new())
+            ..Row::failed(key, "game.hyped".into(), "Open".into(), settings, String::new())
         }
     }
 
     #[test]
     fn a_row_is_read_as_it_was_written() {
-        let unasked = Answer::unasked(Kind::Never, "fell".into());
-        let error = Row { error: Some("cannot read".into()), answer: unasked, ..row("levels/\"odd\", ü.txt") };
+        let failed = Answer::failed(Kind::Never, "fell".into());
+        let error = Row { error: Some("cannot read".into()), answer: failed, ..row("levels/\"odd\", ü.txt") };
         for row in [row("a"), error] {
             let text = serde_json::to_string(&row).unwrap();
             assert_eq!(serde_json::from_str::<Row>(&text).unwrap(), row);

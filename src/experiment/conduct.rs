@@ -20,7 +20,7 @@ pub trait Clock: Sync {
 
 /// A question could not be searched: its initial state breaks a rule.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Unasked {
+pub struct RunError {
     /// Which of the questions.
     pub question: usize,
     /// What it breaks.
@@ -34,7 +34,7 @@ pub struct Unasked {
 /// so has no part in the result.
 ///
 /// # Errors
-/// [`Unasked`] if a world's initial state breaks a rule.
+/// [`RunError`] if a world's initial state breaks a rule.
 pub fn conduct(
     design: &Design,
     questions: &[Question<'_>],
@@ -42,31 +42,31 @@ pub fn conduct(
     clock: &dyn Clock,
     stop: &(dyn Fn() -> bool + Sync),
     each: &mut dyn FnMut(&Run) -> ControlFlow<()>,
-) -> Result<Vec<Run>, Unasked> {
+) -> Result<Vec<Run>, RunError> {
     let tasks = tasks(design, questions);
     let mut found: Vec<Option<Run>> = vec![None; tasks.len()];
-    let (mut told, mut is_broken_off, mut unasked) = (0, false, None);
-    let run = |at: usize, task_context: &TaskContext<'_, Result<Run, Unasked>>| {
+    let (mut told, mut is_broken_off, mut failure) = (0, false, None);
+    let run = |at: usize, task_context: &TaskContext<'_, Result<Run, RunError>>| {
         let task = tasks[at];
         match run(design, questions, clock, task, task_context) {
             Ok(None) => {}
             Ok(Some(run)) => task_context.submit(Ok(run)),
-            Err(fault) => task_context.submit(Err(Unasked { question: task.question, fault })),
+            Err(fault) => task_context.submit(Err(RunError { question: task.question, fault })),
         }
     };
     parallel::work(tasks.len(), threads, stop, &run, &mut |task, result| {
         match result {
             Ok(run) => found[task] = Some(run),
-            Err(error) => unasked = unasked.or(Some(error)),
+            Err(error) => failure = failure.or(Some(error)),
         }
-        while let (None, false, Some(Some(run))) = (unasked, is_broken_off, found.get(told)) {
+        while let (None, false, Some(Some(run))) = (failure, is_broken_off, found.get(told)) {
             told += 1;
             is_broken_off = each(run).is_break();
         }
-        if is_broken_off || unasked.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if is_broken_off || failure.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
-    if let Some(unasked) = unasked {
-        return Err(unasked);
+    if let Some(error) = failure {
+        return Err(error);
     }
     // Where it was stopped, runs were lost, and there are some behind them.
     for run in found.iter().skip(told).flatten() {
@@ -104,7 +104,7 @@ fn run(
     questions: &[Question<'_>],
     clock: &dyn Clock,
     task: Task,
-    task_context: &TaskContext<'_, Result<Run, Unasked>>,
+    task_context: &TaskContext<'_, Result<Run, RunError>>,
 ) -> Result<Option<Run>, Fault> {
     let Task { question, setup, seed } = task;
     let q = &questions[question];

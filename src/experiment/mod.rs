@@ -12,7 +12,7 @@ pub mod paper;
 mod report;
 mod row;
 
-pub use conduct::{Clock, Unasked, conduct};
+pub use conduct::{Clock, RunError, conduct};
 pub use design::{Design, Question, Setup};
 pub use formats::{CSV_HEADER, csv_line};
 pub use report::Report;

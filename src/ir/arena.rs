@@ -1,5 +1,5 @@
-//! A table that never moves what it holds: it grows by blocks. The expressions of a large program are most of what it takes;
-//! a vector that grows would hold all of them twice.
+//! A table whose entries never move: it grows by blocks. The expressions of a large program dominate its memory, and a
+//! growing vector would briefly hold them twice.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -15,7 +15,7 @@ const BLOCK: usize = 1 << 14;
 /// A table keyed by an id, in blocks.
 #[derive(Clone, PartialEq)]
 pub struct Arena<I, T> {
-    /// The first block; most programs have no other.
+    /// The first block, the only one in most programs.
     first: Vec<T>,
     /// The others, all but the last of them full.
     rest: Vec<Vec<T>>,
@@ -23,7 +23,7 @@ pub struct Arena<I, T> {
 }
 
 impl<I: Id, T> Arena<I, T> {
-    /// Appends an entry and gives its id.
+    /// Appends an entry and returns its id.
     pub fn push(&mut self, entry: T) -> I {
         let id = I::from_index(self.len());
         if self.first.len() < BLOCK {
@@ -57,7 +57,7 @@ impl<I: Id, T> Arena<I, T> {
         }
     }
 
-    /// The entries in one piece, if they are: those of most programs.
+    /// The entries as one slice, if there is only one block, as in most programs.
     pub fn in_one_piece(&self) -> Option<&[T]> {
         self.rest.is_empty().then_some(&self.first)
     }

@@ -1,8 +1,8 @@
-//! Operators and functions on numbers: the one arithmetic of the constants, the simulator and the analysis.
+//! Operators and functions on numbers: the shared arithmetic of constant folding, the simulator and the analysis.
 
 use super::{Arithmetic, CompareOp, Function};
 
-/// Arithmetic as the simulator does it; dividing by zero gives no finite number.
+/// The arithmetic of the simulator; division by zero gives no finite number.
 pub fn arithmetic(op: Arithmetic, a: f64, b: f64) -> f64 {
     match op {
         Arithmetic::Add => a + b,

@@ -1,10 +1,10 @@
-//! Which expressions there are: those that an entity reads as it runs, and those that one is made of.
+//! Traversal of expressions: those that an entity reads at run time, and the operands of an expression.
 
 use super::{Actions, Drive, Entity, Expr, ExprId, Id, Program, Release};
 use crate::ir::{EntityId, IdVec, ParamId, Step, Subject, Timer, TimerId, arithmetic, call, compare};
 
 impl Entity {
-    /// The expressions that decide how its variables flow: those of drives, envelopes and clamps.
+    /// The expressions of its flows: of drives, envelopes and clamps.
     pub fn flow_exprs(&self) -> Vec<ExprId> {
         let drives = self.free.iter().chain(self.leaves.iter().flat_map(|l| &l.drives));
         let values = drives.filter_map(|d| match d {
@@ -24,14 +24,14 @@ impl Entity {
         out
     }
 
-    /// All that it can do in the discrete phase: on edges, as it enters modes, as it follows links.
+    /// All its actions in the discrete phase: on edges, on entry of modes, on links.
     pub fn action_lists(&self) -> impl Iterator<Item = &Actions> {
         let edges = self.edges.iter().map(|edge| &edge.actions);
         let entries = self.modes.iter().map(|mode| &mode.entry);
         edges.chain(entries).chain(self.follows.iter().map(|follow| &follow.actions))
     }
 
-    /// The expressions that it compares with, writes and flows by.
+    /// The expressions that it evaluates.
     pub fn exprs(&self) -> Vec<ExprId> {
         let mut out = self.flow_exprs();
         out.extend(self.edges.iter().map(|e| e.guard));
@@ -50,7 +50,7 @@ impl Entity {
 }
 
 impl Program {
-    /// Some expressions and all that they are made of, each once, in order.
+    /// Some expressions and all their operands, each once, in order.
     pub fn with_operands(&self, mut open: Vec<ExprId>) -> Vec<ExprId> {
         let mut seen = vec![false; self.exprs.len()];
         let mut out = Vec::new();
@@ -66,7 +66,7 @@ impl Program {
 }
 
 impl Expr {
-    /// The expressions that it is made of.
+    /// Its operands.
     pub fn operands(self) -> Vec<ExprId> {
         match self {
             Expr::Negate(a) | Expr::Not(a) => vec![a],
@@ -96,8 +96,8 @@ impl Expr {
 }
 
 impl Program {
-    /// The count above which each timer's value no longer matters: the first whose time exceeds all that it is compared
-    /// with. What it is compared with may read parameters where they are known.
+    /// The count above which each timer's value no longer matters: the first whose time exceeds everything that it is
+    /// compared with. The compared values may read parameters if these are known.
     pub fn timer_limits(
         &self,
         entity: EntityId,
@@ -130,15 +130,15 @@ impl Program {
         self.entities[entity].timers.iter().map(limit).collect()
     }
 
-    /// The value of an expression that reads nothing but parameters and the step; none if it reads more, or has no
-    /// finite value.
+    /// The value of an expression that reads only parameters and the step; `None` if it reads more, or has no finite
+    /// value.
     pub fn constant(&self, id: ExprId, params: &IdVec<ParamId, f64>, step: Step) -> Option<f64> {
         let value = |id| self.constant(id, params, step);
         let result = match self.exprs[id] {
             Expr::Number(n) => n,
             Expr::Frames(n) => step.frames(n),
             Expr::Bool(b) => f64::from(u8::from(b)),
-            // What is not a number is not known.
+            // NaN is unknown.
             Expr::Param(Subject::Me, p) => params.get(p).copied().filter(|p| p.is_finite())?,
             Expr::Negate(a) => -value(a)?,
             Expr::Not(a) => f64::from(u8::from(value(a)? == 0.0)),

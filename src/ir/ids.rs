@@ -1,4 +1,4 @@
-//! Dense ids, one type for each kind of thing, and tables keyed by them: a `VarId` cannot index modes.
+//! Dense ids, one type per kind, and tables keyed by them: a `VarId` cannot index modes.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -153,10 +153,10 @@ impl<I: Id, T> IdVec<I, T> {
         Self::default()
     }
 
-    /// Appends an entry and gives its id.
+    /// Appends an entry and returns its id.
     pub fn push(&mut self, entry: T) -> I {
         if self.entries.len() == self.entries.capacity() {
-            // Tables of large programs are large: they do not double, so that little of them stays empty.
+            // Tables of large programs are large: they do not double, to limit unused capacity.
             self.entries.reserve_exact(2.max(self.entries.len() / 4));
         }
         self.entries.push(entry);
@@ -188,7 +188,7 @@ impl<I: Id, T> IdVec<I, T> {
         self.entries.iter()
     }
 
-    /// The entries in order, to be changed.
+    /// The entries in order, mutable.
     pub fn iter_mut(&mut self) -> std::slice::IterMut<'_, T> {
         self.entries.iter_mut()
     }
@@ -219,7 +219,7 @@ impl<I, T> IntoIterator for IdVec<I, T> {
 }
 
 impl<I, T> IdVec<I, T> {
-    /// An empty table, known to the compiler.
+    /// An empty table, as a constant.
     pub(super) const fn empty() -> Self {
         IdVec { entries: Vec::new(), kind: PhantomData }
     }

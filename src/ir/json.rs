@@ -1,5 +1,5 @@
-//! A compiled program as JSON, and read back. What is read is verified as a whole before anybody runs it. The text that it
-//! was compiled from comes with it, for excerpts and for diagnostics of runs; who writes such a file may leave it out.
+//! A compiled program as JSON, written and read. A program that is read is verified completely before it can run. The
+//! file includes the source text for excerpts and run-time diagnostics; tools that write such a file may omit it.
 
 use std::fmt;
 use std::io::{self, Write};
@@ -10,28 +10,28 @@ use serde::{Deserialize, Serialize};
 use super::{Invalid, Program, Spans, verify};
 use crate::source::{SourceMap, Texts};
 
-/// The version of the format; another one is not read.
+/// The version of the format; other versions are rejected.
 pub const JSON_VERSION: u32 = 1;
 
-/// The whole of a file.
+/// The contents of a file.
 #[derive(Serialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
-struct Written<'p> {
+struct ProgramFile<'p> {
     hypedc_program: u32,
     program: &'p Program,
     sources: Texts,
 }
 
-/// The whole of a file, read back.
+/// The parsed contents of a file.
 #[derive(Deserialize)]
-struct Read {
+struct ParsedFile {
     program: Program,
     sources: Option<Texts>,
 }
 
-/// Which version a file is of.
+/// The version field of a file.
 #[derive(Deserialize)]
-struct Version {
+struct VersionField {
     hypedc_program: u32,
 }
 
@@ -69,7 +69,7 @@ impl Program {
     /// # Errors
     /// Those of the writer.
     pub fn write_json(&self, sources: &SourceMap, out: &mut dyn Write) -> io::Result<()> {
-        let written = Written { hypedc_program: JSON_VERSION, program: self, sources: sources.texts() };
+        let written = ProgramFile { hypedc_program: JSON_VERSION, program: self, sources: sources.texts() };
         serde_json::to_writer_pretty(&mut *out, &written)?;
         writeln!(out)
     }
@@ -79,7 +79,7 @@ impl Program {
     pub fn json_schema() -> serde_json::Value {
         use schemars::transform::{RecursiveTransform, Transform};
 
-        let mut schema = schemars::schema_for!(Written<'_>);
+        let mut schema = schemars::schema_for!(ProgramFile<'_>);
         schema.insert("title".into(), "A program that was compiled by hypedc".into());
         let closed = |schema: &mut schemars::Schema| {
             if schema.get("properties").is_some() {
@@ -95,11 +95,11 @@ impl Program {
     /// # Errors
     /// [`NotAProgram`] if it is something else, or anything in it could not be run.
     pub fn from_json(text: &str) -> Result<(Arc<Program>, SourceMap), NotAProgram> {
-        let Version { hypedc_program: version } = serde_json::from_str(text).map_err(NotAProgram::Json)?;
+        let VersionField { hypedc_program: version } = serde_json::from_str(text).map_err(NotAProgram::Json)?;
         if version != JSON_VERSION {
             return Err(NotAProgram::Version(version));
         }
-        let Read { mut program, sources } = serde_json::from_str(text).map_err(NotAProgram::Json)?;
+        let ParsedFile { mut program, sources } = serde_json::from_str(text).map_err(NotAProgram::Json)?;
         let sources = match sources {
             Some(texts) => SourceMap::of(texts).ok_or(NotAProgram::Sources)?,
             None => {

@@ -1,12 +1,13 @@
-//! What of a program a run depends on: two texts that differ in layout, comments and names that nothing shows mean the same.
+//! The part of a program on which runs depend: texts that differ only in layout, comments and invisible names have
+//! equal meanings.
 
 use std::sync::Arc;
 
 use super::{Program, Spans};
 
 impl Program {
-    /// The program without places in the text, documentation and names of parameters: equal for texts of which everything
-    /// that is run, asked and shown is equal.
+    /// The program without source locations, documentation and names of parameters: equal for texts with the same runs,
+    /// questions and output.
     pub fn meaning(&self) -> Program {
         let Program { tags, exprs, entities, worlds, spans: _ } = self;
         let (tags, exprs, entities, worlds) = (tags.clone(), exprs.clone(), entities.clone(), worlds.clone());

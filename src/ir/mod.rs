@@ -1,8 +1,8 @@
 //! The flat intermediate representation: tables indexed by ids, no pointers, no names in the hot part.
 //!
-//! Everything that can be decided when a program is compiled is decided here: for each leaf mode the drives of its
-//! variables and the edges to try, for each world the slots with their first values and the layout of a state. The
-//! simulator, the planners and all later backends read these tables and nothing else.
+//! Everything that can be decided at compile time is decided here: for each leaf mode the drives of its variables and
+//! the edges to try, for each world the slots with their initial values and the layout of a state. The simulator, the
+//! planners and all backends read only these tables.
 
 mod arena;
 mod arithmetic;

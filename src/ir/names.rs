@@ -1,4 +1,4 @@
-//! Looking things up by the names that the author gave them, once, before a loop that goes by ids.
+//! Look-up by name, to be done once before a loop that uses ids.
 
 use super::{
     AxisId, ButtonId, DiscreteId, Entity, EntityId, GoalId, ModeId, NeverId, ParamId, Program, RefId, SlotId, SpaceId,

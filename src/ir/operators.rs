@@ -1,4 +1,4 @@
-//! What expressions are made of: whose values they read, operators and functions, sides and responses of contacts.
+//! The parts of expressions: subjects, operators and functions; sides and responses of contacts.
 
 use serde::{Deserialize, Serialize};
 
@@ -166,7 +166,7 @@ pub enum CompareOp {
 }
 
 impl CompareOp {
-    /// What holds where this one fails.
+    /// The negation.
     #[must_use]
     pub fn negated(self) -> Self {
         match self {

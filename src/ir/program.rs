@@ -262,8 +262,8 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// Its bounding box relative to the position: x and y of the lower-left corner, width, height, px. None if a number is
-    /// not known.
+    /// Its bounding box relative to the position: x and y of the lower-left corner, width, height, px. `None` if a
+    /// number is not known.
     pub fn sides(&self, number: impl Fn(ExprId) -> Option<f64>) -> Option<[f64; 4]> {
         Some(match *self {
             Shape::Rect([x, y, width, height]) => [number(x)?, number(y)?, number(width)?, number(height)?],
@@ -274,7 +274,7 @@ impl Shape {
         })
     }
 
-    /// Its bounding box along one axis (0 or 1): where it begins, and how long it is, px. None if a number is not known.
+    /// Its bounding box along one axis (0 or 1): the lower end and the length, px. `None` if a number is not known.
     pub fn along(&self, axis: usize, number: impl Fn(ExprId) -> Option<f64>) -> Option<(f64, f64)> {
         match *self {
             Shape::Rect([x, y, width, height]) => {

@@ -1,5 +1,5 @@
-//! A table that most owners leave empty: a word until it has an entry. A program may have many thousand entities, and an
-//! entity has a dozen of such tables.
+//! A table that is usually empty and then takes one word: a program may have many thousand entities, with a dozen such
+//! tables each.
 
 use std::fmt;
 use std::ops::{Deref, DerefMut};
@@ -8,7 +8,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{Id, IdVec};
 
-/// A table keyed by an id that takes no more than a word while it is empty; else it is an [`IdVec`].
+/// A table keyed by an id that takes only one word while it is empty; otherwise an [`IdVec`].
 #[derive(Clone)]
 pub struct RareVec<I, T>(Option<Box<IdVec<I, T>>>);
 
@@ -23,9 +23,9 @@ impl<I, T> RareVec<I, T> {
     }
 }
 
-// What needs no table where there is none.
+// Operations that need no table if it is empty.
 impl<I: Id, T> RareVec<I, T> {
-    /// The entries in order, to be changed.
+    /// The entries in order, mutable.
     pub fn iter_mut(&mut self) -> std::slice::IterMut<'_, T> {
         self.0.as_deref_mut().map_or_else(Default::default, IdVec::iter_mut)
     }

@@ -1,4 +1,4 @@
-//! The text form of a program: for people, and for tests that hold it.
+//! The text form of a program, for people and for snapshot tests.
 
 use std::fmt::Write;
 
@@ -7,7 +7,7 @@ use super::{
     Program, Push, RefValue, Release, Response, Shape, Side, Subject, TagSet, World,
 };
 
-/// The whole program as text.
+/// Formats a program.
 pub fn text(program: &Program) -> String {
     let mut out = String::new();
     // Writing to a string cannot fail.
@@ -380,7 +380,7 @@ fn world_expression(p: &Program, w: &World, id: ExprId) -> String {
     expression(p, id, &entity, none, &owner)
 }
 
-/// What an update writes.
+/// Formats the target of an update.
 fn place(e: &Entity, place: Place) -> String {
     match place {
         Place::Var(var, degree) => e.variable_text(var, degree),

@@ -1,4 +1,4 @@
-//! A grid of tiles, as levels give it and as worlds hold it.
+//! A grid of tiles, as levels provide it and worlds store it.
 
 use serde::{Deserialize, Serialize};
 
@@ -29,7 +29,7 @@ pub struct TileKind<T> {
 }
 
 impl<T> TileMap<T> {
-    /// The kind of the tile at a column and a row; none outside of the map.
+    /// The kind of the tile at a column and a row; `None` outside the map.
     pub fn kind(&self, column: i64, row: i64) -> Option<usize> {
         let (column, row) = (usize::try_from(column).ok()?, usize::try_from(row).ok()?);
         if column >= self.columns {
@@ -38,7 +38,7 @@ impl<T> TileMap<T> {
         self.cells.get(row * self.columns + column).map(|&k| usize::from(k))
     }
 
-    /// Where a tile is, by its index among the cells: its lower-left corner, its width and its height, px.
+    /// The rectangle of a tile by the index of its cell: lower-left corner, width and height, px.
     pub fn rectangle(&self, cell: usize) -> [f64; 4] {
         let (column, row) = ((cell % self.columns) as f64, (cell / self.columns) as f64);
         [column * self.tile.0, row * self.tile.1, self.tile.0, self.tile.1]

@@ -1,28 +1,28 @@
-//! What an edge does to the modes of its group: which it keeps, leaves and enters, whose timers restart. The simulator
-//! and the analysis both take it from here: where they drift apart, proofs become false.
+//! The effect of an edge on the modes of its group: which modes it keeps, exits and enters, and which timers restart.
+//! The simulator and the analysis share this code: if they differed, proofs would be unsound.
 
 use super::{Entity, Group, GroupId, Id, IdRange, LeafId, ModeId, TimerId};
 
-/// An edge that is taken: from the leaf that was active to the one that is from now on.
+/// A taken edge, with the leaf before and after.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Transition {
     /// The group whose modes change.
     pub group: GroupId,
-    /// The leaf that was active.
+    /// The previous leaf.
     pub from: LeafId,
-    /// Where the edge leads.
+    /// The target of the edge.
     pub target: ModeId,
-    /// The leaf that becomes active.
+    /// The new leaf.
     pub to: LeafId,
 }
 
 impl Transition {
-    /// Whether it neither leaves nor enters a mode: an active proper ancestor of the target.
+    /// Whether it neither exits nor enters a mode: an active proper ancestor of the target.
     pub fn keeps(self, entity: &Entity, mode: ModeId) -> bool {
         mode < self.target && self.target < entity.modes[mode].end && entity.is_active_in(mode, self.from)
     }
 
-    /// Whether it leaves a mode.
+    /// Whether it exits a mode.
     pub fn leaves(self, entity: &Entity, mode: ModeId) -> bool {
         entity.is_active_in(mode, self.from) && !self.keeps(entity, mode)
     }
@@ -38,7 +38,7 @@ impl Transition {
         path.filter(move |mode| !self.keeps(entity, *mode))
     }
 
-    /// The timers of its group that are 0 from now on: those of all modes but the ones that it keeps.
+    /// The timers of its group that restart: those of all modes except the ones that it keeps.
     pub fn resets(self, entity: &Entity) -> impl Iterator<Item = TimerId> + '_ {
         let inside = entity.groups[self.group].modes;
         let kept = move |mode: ModeId| entity.is_active_in(mode, self.to) && self.keeps(entity, mode);
@@ -53,7 +53,7 @@ impl Entity {
         self.modes[mode].leaves.contains(leaf)
     }
 
-    /// Whether a mode is another one, or lies inside of it.
+    /// Whether a mode is another one or a descendant of it.
     pub fn is_inside(&self, mode: ModeId, outer: ModeId) -> bool {
         outer <= mode && mode < self.modes[outer].end
     }
@@ -64,7 +64,7 @@ impl Entity {
         IdRange::new(self.modes[group.modes.from].leaves.from, self.modes[last].leaves.to)
     }
 
-    /// The leaves that can become active where a mode is entered: which of them may depend on parameters.
+    /// The leaves that can become active when a mode is entered; parameters may decide between them.
     pub fn enterable(&self, mode: ModeId) -> IdRange<LeafId> {
         let mode = &self.modes[mode];
         match mode.chooses {

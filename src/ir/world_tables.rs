@@ -1,4 +1,4 @@
-//! The tables of a world: spaces, slots with their first values, who meets whom, what is asked.
+//! The tables of a world: spaces, slots with their initial values, contact rules, predicates.
 
 use std::cmp::Ordering;
 
@@ -80,12 +80,12 @@ pub struct Space {
 }
 
 impl Space {
-    /// The rectangle that the map covers. A run does not end at it.
+    /// The rectangle that the map covers. It does not end a run.
     pub fn map_rectangle(&self) -> Option<Bounds> {
         self.map.as_ref().map(|map| Bounds::new([0.0, 0.0, map.size().0, map.size().1]))
     }
 
-    /// What is taken for the size of the space where one is needed: the written bounds, or the map's rectangle.
+    /// The size of the space where one is needed: the written bounds, or the map's rectangle.
     pub fn extent(&self) -> Option<Bounds> {
         self.bounds.or_else(|| self.map_rectangle())
     }
@@ -130,7 +130,7 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// From the lower-left corner, the width and the height.
+    /// From the lower-left corner, width and height.
     pub fn new([x, y, width, height]: [f64; 4]) -> Self {
         Bounds { left: x, right: x + width, bottom: y, top: y + height }
     }
@@ -146,7 +146,7 @@ impl Bounds {
         }
     }
 
-    /// Returns true if a position lies below or beside; above is open sky.
+    /// Whether a position lies below or beside; above is open.
     pub fn is_left_at(&self, (x, y): (f64, f64)) -> bool {
         !((self.left..=self.right).contains(&x) && y >= self.bottom)
     }
@@ -224,8 +224,8 @@ pub struct Meeting {
 }
 
 impl World {
-    /// What a contact between colliders of these tags does; none if they do not meet. The strongest line holds, or all
-    /// that are as strong.
+    /// The rule of a contact between colliders with these tags, if there is one. The strongest rule wins; equally
+    /// strong ones are combined.
     pub fn meeting(&self, a: TagSet, b: TagSet) -> Option<Meeting> {
         let meetings = self.collide.iter().filter_map(|c| {
             let first_on_second = c.left.meets(a) && c.right.meets(b);

@@ -1,6 +1,6 @@
 //! The bounds that samples are drawn from. Naive: a box for everything, every combination of leaves. Reduced: for each
-//! combination that can be, what the analysis finds that each variable can be then; what the combination tells is no
-//! coordinate of its own. Both are after Osborn, Lambrigger and Mateas, *HyPED: Modeling and Analyzing Action Games as Hybrid
+//! possible combination, the values that the analysis allows; quantities that the combination determines are no
+//! coordinates. Both follow Osborn, Lambrigger and Mateas, *HyPED: Modeling and Analyzing Action Games as Hybrid
 //! Systems*, AIIDE 2017.
 
 use std::collections::BTreeSet;
@@ -13,15 +13,15 @@ use super::metric::{Coordinate, Quantity, SlotPart};
 
 /// The bound of velocities and accelerations, px/s and px/s².
 const SPEED: f64 = 1000.0;
-/// How far around the placed instances positions are sampled where there is no map, px.
+/// Margin around the placed instances in a space without a map, px.
 const OPEN_MARGIN: f64 = 500.0;
-/// An unbounded counter says little by its size.
+/// Maximum size of an unbounded counter: its size says little.
 const COUNTER: i32 = 1000;
-/// Nor does a timer that is compared with nothing, steps.
+/// Maximum range of a timer that no expression compares, steps.
 const TIMER: u32 = 600;
-/// How many times its range a speed, an acceleration or a timer has to differ by to count as much as the position: they
-/// change at once, or by themselves.
-const FLEETING: f64 = 10.0;
+/// Scale of velocities, accelerations and timers relative to positions: they change quickly or by themselves, so they
+/// have to differ by this multiple of their range to count as much.
+const FAST_CHANGE_FACTOR: f64 = 10.0;
 
 /// Where samples are drawn from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -29,7 +29,7 @@ pub enum Sampling {
     /// A box: the level for positions, ±1000 for what is derived from them, all values of discrete variables, all
     /// combinations of leaves.
     Naive,
-    /// What the analysis says that can be.
+    /// The values that the analysis allows.
     #[default]
     Reduced,
 }
@@ -94,16 +94,16 @@ fn reduced(entity: &Entity, slot: SlotId, space: &SlotSpace, all: &[Coordinate])
     let mut coordinates = Vec::new();
     for c in all {
         let found = || configurations.iter().map(|at| finite(&values(at, c.quantity), c));
-        // What the leaves tell is not told twice.
+        // Skip quantities that the leaves determine.
         if found().all(|v| v.constant().is_some()) {
             continue;
         }
         if let Some(Interval { low, high }) = found().filter_map(|v| v.hull()).reduce(Interval::or) {
             let unit = match c.quantity {
-                // A px is a px, however far something can go.
+                // Positions keep their scale, however far something can move.
                 Quantity::Var(_, var, 0) if var.is_position() => c.unit,
                 Quantity::Var(_, _, 0) | Quantity::Discrete(..) => high - low,
-                Quantity::Var(..) | Quantity::Timer(..) => (high - low) * FLEETING,
+                Quantity::Var(..) | Quantity::Timer(..) => (high - low) * FAST_CHANGE_FACTOR,
             };
             coordinates.push(Coordinate { quantity: c.quantity, low, high, unit: positive(unit) });
         }
@@ -131,7 +131,7 @@ fn reduced(entity: &Entity, slot: SlotId, space: &SlotSpace, all: &[Coordinate])
         let space = has_spaces.then_some(Leaf::Fixed(space.0 as f32));
         Combination { leaves: present.into_iter().chain(leaves).chain(space).collect(), values }
     };
-    // What can be in several spaces is a combination in each of them.
+    // A configuration with several spaces yields one combination per space.
     let spaces = |at: &Configuration| -> Vec<SpaceId> {
         if has_spaces { at.spaces.iter().copied().collect() } else { vec![SpaceId(0)] }
     };
@@ -146,7 +146,7 @@ fn reduced(entity: &Entity, slot: SlotId, space: &SlotSpace, all: &[Coordinate])
     (coordinates, part)
 }
 
-/// What a quantity can be in a configuration.
+/// The values of a quantity in a configuration.
 fn values(at: &Configuration, quantity: Quantity) -> Values {
     match quantity {
         Quantity::Var(_, var, degree) => at.vars[var][usize::from(degree)],
@@ -155,7 +155,7 @@ fn values(at: &Configuration, quantity: Quantity) -> Values {
     }
 }
 
-/// Without infinite ends: those are moved to the ends of a box, and so are finite ones that are nowhere near it.
+/// Replaces infinite ends, and finite ends far outside the box, by the ends of the box.
 fn finite(values: &Values, within: &Coordinate) -> Values {
     let width = within.high - within.low;
     let (least, most) = (within.low - width, within.high + width);
@@ -171,7 +171,7 @@ fn positive(unit: f64) -> f64 {
     if unit > 0.0 { unit.min(f64::MAX) } else { 1.0 }
 }
 
-/// Every variable of a slot, its derivatives, the discrete ones and the timers, in a box.
+/// Every variable of a slot with its derivatives, the discrete variables and the timers, each in a box.
 fn boxes(world: &World, entity: &Entity, slot: SlotId, around: Bounds) -> Vec<Coordinate> {
     let mut all = Vec::new();
     let mut add = |quantity: Quantity, low: f64, high: f64| {
@@ -179,7 +179,7 @@ fn boxes(world: &World, entity: &Entity, slot: SlotId, around: Bounds) -> Vec<Co
     };
     for var in entity.vars.ids() {
         for degree in 0..3u8 {
-            // What is neither x nor y has no range of its own.
+            // Variables other than x and y have no natural range.
             let (low, high) = match (var.index(), degree) {
                 (0, 0) => (around.left, around.right),
                 (1, 0) => (around.bottom, around.top),
@@ -199,7 +199,7 @@ fn boxes(world: &World, entity: &Entity, slot: SlotId, around: Bounds) -> Vec<Co
     all
 }
 
-/// Where positions are sampled where there is no map: around what is placed, px.
+/// The box in which positions are sampled if there is no map: around all placed instances, px.
 pub(super) fn around(world: &World) -> Bounds {
     let along = |axis: u32| {
         let placed = || world.slots.iter().map(|s| s.vars[VarId(axis)][0]);

@@ -66,7 +66,7 @@ impl Conclusion {
         matches!(self, Conclusion::NotFound | Conclusion::NotAnswered)
     }
 
-    /// Whether it is what an author wants to hear: that a goal is reached, that a `never` is proven.
+    /// Whether the author wants it: a goal is reached, a `never` is proven.
     pub fn is_expected(self, target: Target) -> bool {
         match target {
             Target::Goal(_) => self == Conclusion::Reached,
@@ -76,7 +76,7 @@ impl Conclusion {
 }
 
 impl Outcome {
-    /// What came of a question that ended so.
+    /// The conclusion of this outcome.
     pub fn conclusion(&self, target: Target) -> Conclusion {
         match (&self.verdict, target) {
             (Verdict::Reached(_), Target::Goal(_)) => Conclusion::Reached,

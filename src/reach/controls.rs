@@ -1,5 +1,5 @@
-//! The inputs worth trying: buttons up or down, axes at -1, 0 and 1. Either those that an active mode reads, or all that
-//! anything ever reads; and whether axes between make a difference.
+//! The inputs to try: buttons up or down, axes at -1, 0 and 1. Either those that an active mode reads, or all that any
+//! mode reads. Also tells whether axis values in between matter.
 
 use std::collections::BTreeMap;
 
@@ -8,24 +8,24 @@ use crate::sim::{Input, PlayerInput};
 
 use super::problem::Problem;
 
-/// The most inputs that are tried at one node.
+/// Maximum number of inputs per node.
 pub const MAX_CONTROLS: usize = 4_096;
 
-/// The inputs for each combination of the players' active leaves, made when a combination is first met.
+/// The inputs for each combination of the players' active leaves, computed on demand.
 #[derive(Debug, Clone, Default)]
 pub struct ControlSets {
     sets: Vec<Vec<Input>>,
     known: BTreeMap<Vec<LeafId>, u16>,
     key: Vec<LeafId>,
-    /// One set for all states: every input that anything reads.
+    /// Whether one set with every input serves all states.
     is_complete: bool,
     /// Whether some inputs were left out because there were more than [`MAX_CONTROLS`].
     pub truncated: bool,
 }
 
 impl ControlSets {
-    /// The same inputs everywhere: all that any mode reads. A button that is held unseen is not pressed later, so that
-    /// an exhaustion of all that can be done needs them.
+    /// The same inputs in all states: all that any mode reads. Exhaustive search needs them, because a button that is
+    /// already held cannot be pressed later.
     pub fn complete() -> Self {
         ControlSets { is_complete: true, ..ControlSets::default() }
     }
@@ -46,8 +46,7 @@ impl ControlSets {
         }
         let (inputs, truncated) = self.inputs_of(problem);
         self.truncated |= truncated;
-        // Many combinations read the same inputs: there are at most as many sets as sets of buttons and axes that
-        // modes read, far fewer than numbers.
+        // Many combinations read the same inputs, so there are far fewer sets than a `u16` can number.
         let set = match self.sets.iter().position(|s| *s == inputs) {
             Some(same) => same as u16,
             None => {
@@ -64,7 +63,7 @@ impl ControlSets {
         &self.sets[usize::from(set)]
     }
 
-    /// An input without the buttons and axes that nothing ever reads.
+    /// Clears the buttons and axes that nothing reads.
     pub fn relevant(&self, problem: &Problem<'_>, input: &Input) -> Input {
         let (program, world) = (problem.sim.program(), problem.sim.world());
         let mut input = input.clone();
@@ -107,13 +106,14 @@ impl ControlSets {
     }
 }
 
-/// All that an entity ever reads.
+/// All inputs that an entity reads in any mode.
 fn all_inputs(entity: &Entity) -> Inputs {
     entity.leaves.iter().fold(entity.inputs, |reads, leaf| reads.with(leaf.inputs))
 }
 
-/// Whether a player's entity reads more of an axis than its sign, so that values between -1, 0 and 1 can lead elsewhere.
-/// Two axes that are read only as the nearest of some directions, all of which their ends make, count as read by sign.
+/// Whether a player's entity reads more of an axis than its sign, so that values between -1, 0 and 1 matter. Two axes
+/// that are read only as the nearest of some directions count as read by sign if their end values produce all of these
+/// directions.
 pub(super) fn reads_between(problem: &Problem<'_>) -> bool {
     let (program, world) = (problem.sim.program(), problem.sim.world());
     problem.players().iter().any(|&slot| entity_reads_between(program, &program.entities[world.slots[slot].entity]))
@@ -126,7 +126,7 @@ fn entity_reads_between(program: &Program, entity: &Entity) -> bool {
     };
     let is_zero = |id: ExprId| matches!(program.exprs[id], Expr::Number(0.0));
     let code = || entity.code.ids().map(|id| (id, &program.exprs[id]));
-    // An axis has one reader; one that is no operand drives something by itself.
+    // Every other use of an axis depends on its exact value.
     let mut by_sign = Vec::new();
     for (_, expr) in code() {
         match *expr {
@@ -148,7 +148,7 @@ fn entity_reads_between(program: &Program, entity: &Entity) -> bool {
         if let By::Axes(axes, ways) = &envelope.by {
             let is_known = directions.contains(&(axes, ways));
             let is_shared = directions.iter().any(|(others, _)| others.iter().any(|axis| axes.contains(axis)));
-            if !is_known && is_shared || axes.iter().any(|axis| signs.contains(axis)) || !ends_make(ways) {
+            if !is_known && is_shared || axes.iter().any(|axis| signs.contains(axis)) || !ends_produce(ways) {
                 return true;
             }
             directions.push((axes, ways));
@@ -157,15 +157,15 @@ fn entity_reads_between(program: &Program, entity: &Entity) -> bool {
     false
 }
 
-/// Whether axes at their ends make each of some directions: upright, level, and halfway between.
-fn ends_make(ways: &[[f64; 2]]) -> bool {
+/// Whether axes at -1, 0 and 1 produce each of some directions: vertical, horizontal and diagonal.
+fn ends_produce(directions: &[[f64; 2]]) -> bool {
     const NEAR: f64 = 1e-9;
     let is_made = |[x, y]: &[f64; 2]| x.abs() < NEAR || y.abs() < NEAR || (x.abs() - y.abs()).abs() < NEAR;
-    !ways.is_empty() && ways.iter().all(is_made)
+    !directions.is_empty() && directions.iter().all(is_made)
 }
 
-/// Every input so far with every variant of one more button or axis; false where that would be more than
-/// [`MAX_CONTROLS`], and the button or axis is left alone.
+/// Multiplies the inputs by the variants of one more button or axis; returns false, without doing so, if there would be
+/// more than [`MAX_CONTROLS`].
 fn multiply(all: &mut Vec<Input>, player: usize, variants: &[fn(&mut PlayerInput, usize)], which: usize) -> bool {
     if all.len() * variants.len() > MAX_CONTROLS {
         return false;

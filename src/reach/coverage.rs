@@ -1,5 +1,5 @@
-//! What a search has covered: how many places the players were in, how many combinations of modes, how many of both;
-//! and how many of them are new lately, so that "not found" carries weight.
+//! The coverage of a search: numbers of places, of combinations of modes, and of both together, and how many of them
+//! are recent, so that "not found" can be judged.
 
 use hashbrown::HashTable;
 
@@ -9,32 +9,32 @@ use super::problem::Problem;
 
 /// The side of a place, px.
 pub const PLACE: f64 = 16.0;
-/// The most checkpoints that are kept of how coverage grew.
-const CHECKPOINTS: usize = 512;
+/// Maximum number of checkpoints of the growth of coverage.
+const MAX_CHECKPOINTS: usize = 512;
 
-/// How much was covered.
+/// Sizes of the covered sets.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Count {
-    /// Places of 16 × 16 px in which the players' positions were, all players at once.
+    /// Places of 16 × 16 px in which the players were, all players together.
     pub places: u64,
     /// Combinations of modes and of discrete variables, of all instances.
     pub modes: u64,
-    /// Places with combinations.
+    /// Pairs of a place and a combination.
     pub both: u64,
 }
 
-/// What was covered, and what of it is new.
+/// The coverage, and how it grew.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Covered {
     /// By all nodes.
     pub all: Count,
     /// By the first half of them.
     pub half: Count,
-    /// How it grew: numbers of nodes, with the coverage at each.
+    /// Checkpoints: numbers of nodes with the coverage at each.
     pub growth: Vec<(u64, Count)>,
 }
 
-/// What is being covered.
+/// The sets of covered places and combinations.
 #[derive(Debug, Default)]
 pub(super) struct Coverage {
     places: HashTable<u64>,
@@ -64,32 +64,32 @@ impl Coverage {
         let mut place = 0;
         for &slot in problem.players() {
             let (x, y) = problem.sim.position(state, slot);
-            place = mixed(place, u64::from(problem.sim.space(state, slot).0));
-            place = mixed(place, (x / PLACE).floor() as i64 as u64);
-            place = mixed(place, (y / PLACE).floor() as i64 as u64);
+            place = mix(place, u64::from(problem.sim.space(state, slot).0));
+            place = mix(place, (x / PLACE).floor() as i64 as u64);
+            place = mix(place, (y / PLACE).floor() as i64 as u64);
         }
         let mut modes = 0;
         for &slot in &self.slots {
             let layout = &world.layout.slots[slot];
             let entity = &problem.sim.program().entities[world.slots[slot].entity];
-            modes = mixed(modes, u64::from(layout.alive(state)));
+            modes = mix(modes, u64::from(layout.alive(state)));
             if !layout.alive(state) {
                 continue;
             }
             for group in entity.groups.ids() {
-                modes = mixed(modes, u64::from(layout.leaf(state, group).0));
+                modes = mix(modes, u64::from(layout.leaf(state, group).0));
             }
             for id in entity.discretes.ids() {
-                modes = mixed(modes, layout.discrete(state, id) as u64);
+                modes = mix(modes, layout.discrete(state, id) as u64);
             }
         }
         insert(&mut self.places, place);
         insert(&mut self.modes, modes);
-        insert(&mut self.both, mixed(place, modes));
+        insert(&mut self.both, mix(place, modes));
         self.visits += 1;
         if self.visits.is_multiple_of(self.every) {
             self.growth.push((self.visits, self.count()));
-            if self.growth.len() >= CHECKPOINTS {
+            if self.growth.len() >= MAX_CHECKPOINTS {
                 self.every *= 2;
                 let every = self.every;
                 self.growth.retain(|(visits, _)| visits.is_multiple_of(every));
@@ -106,7 +106,7 @@ impl Coverage {
         Covered { all: self.count(), half, growth: self.growth.clone() }
     }
 
-    /// Adds what another search covered; how it grew is that of the larger one.
+    /// Adds the coverage of another search; keeps the checkpoints of the larger one.
     pub fn join(&mut self, other: &Coverage) {
         for (mine, theirs) in
             [(&mut self.places, &other.places), (&mut self.modes, &other.modes), (&mut self.both, &other.both)]
@@ -119,7 +119,7 @@ impl Coverage {
         }
     }
 
-    /// The memory that it takes, bytes.
+    /// Memory use, bytes.
     pub fn bytes(&self) -> usize {
         (self.places.capacity() + self.modes.capacity() + self.both.capacity()) * 10
     }
@@ -129,8 +129,8 @@ fn insert(table: &mut HashTable<u64>, key: u64) {
     table.entry(key, |known| *known == key, |known| *known).or_insert(key);
 }
 
-/// Mixes a number into a key, so that other numbers make other keys, but for one case in 2⁶⁴.
-pub(super) fn mixed(key: u64, number: u64) -> u64 {
+/// Mixes a number into a hash key. Collisions are negligible (one in 2⁶⁴).
+pub(super) fn mix(key: u64, number: u64) -> u64 {
     // The finaliser of Steele, Lea and Flood, Fast Splittable Pseudorandom Number Generators, 2014.
     let mut z = key.rotate_left(23) ^ number.wrapping_add(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

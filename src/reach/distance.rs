@@ -1,7 +1,7 @@
-//! How far a player is from the goal: the number of places on the shortest way through what never blocks it, whatever it
-//! can do, as in Barraquand and Latombe, *Robot Motion Planning: A Distributed Representation Approach*, 1991. Ways through
-//! links count as one. What the planner that is led by distances (`planners/lead.rs`) follows; and the least time that the
-//! rest of the way takes, by the greatest velocities, where there is a time to keep.
+//! The distance field of the goal: the number of places on the shortest path around static obstacles, whatever the
+//! player's abilities, as in Barraquand and Latombe, *Robot Motion Planning: A Distributed Representation Approach*,
+//! 1991. A link counts as one place. Used by `planners/lead.rs`. With a time limit, also a lower bound of the remaining
+//! time, from the maximum velocities.
 
 use std::collections::VecDeque;
 
@@ -10,44 +10,44 @@ use crate::ir::{Bounds, Id, Push, SlotId, SpaceId, TagSet, VarId};
 use crate::watch::Meter;
 
 use super::coverage::PLACE;
+use super::goal_positions::{PositionBox, extent, goal_positions};
 use super::problem::Problem;
-use super::whereabouts::{Place, extent, wanted};
 
-/// With more places than that there is no field.
+/// Maximum number of places; above it, there is no field.
 const MAX_PLACES: usize = 1 << 21;
-/// How far above the bounds of a space, and around what is in one without bounds, there are places; px.
+/// Margin above the bounds of a space, and around the contents of a space without bounds, px.
 const MARGIN: f64 = 8.0 * PLACE;
-/// The number of positions along each side of a place at which the player is tried.
-const TRIED: usize = 4;
-/// No way is known.
-const FAR: u32 = u32::MAX;
+/// Number of positions per side of a place at which the player's body is tested.
+const SAMPLES: usize = 4;
+/// No path is known.
+const UNREACHABLE: u32 = u32::MAX;
 
-/// The distances of a player's places to the goal.
+/// Distances from places to the goal, for one player.
 #[derive(Debug)]
-pub(super) struct Distances {
-    /// Whose.
+pub(super) struct DistanceField {
+    /// The player.
     pub player: SlotId,
     grids: Vec<Grid>,
-    /// Of each place, how many places away the goal is.
-    places: Field,
-    /// What counts for places from which no way is known: more than for all others.
+    /// The distance of each place, in places.
+    places: CostField,
+    /// The distance of places without a known path: larger than all others.
     far: u32,
-    pace: Option<Pace>,
+    min_time: Option<MinTime>,
 }
 
 /// A number for each place of each space.
-type Field = Vec<Vec<u32>>;
+type CostField = Vec<Vec<u32>>;
 
-/// How fast a player gets on at best.
+/// Lower bounds of the time to the goal.
 #[derive(Debug)]
-struct Pace {
-    /// The least places to the side, and up or down, on any way to the goal.
-    places: [Field; 2],
-    /// The steps that a place takes at least.
+struct MinTime {
+    /// Minimum numbers of horizontal and vertical moves on any path to the goal.
+    places: [CostField; 2],
+    /// Minimum number of steps per place, along each axis.
     steps: [f64; 2],
 }
 
-/// What a way costs: for a place to the side, for one up or down, for a link.
+/// Costs of a path: per horizontal move, per vertical move, per link.
 type Costs = [u32; 3];
 
 /// The places of a space.
@@ -57,15 +57,15 @@ struct Grid {
     bottom: f64,
     columns: usize,
     rows: usize,
-    /// Row by row from the lowest: the positions that are blocked, a bit for each.
+    /// Row by row from the lowest: one bit for each blocked position.
     blocked: Vec<u16>,
 }
 
-impl Distances {
-    /// Of the first player of whom the goal says where it has to be.
-    /// None if it is stopped.
+impl DistanceField {
+    /// For the first player whose position the goal restricts. `None` if there is none, if there are too many places,
+    /// or if the meter runs out.
     pub fn new(problem: &Problem<'_>, space: &ConfigurationSpace, meter: &Meter<'_>) -> Option<Self> {
-        let (player, goal) = wanted(problem)?;
+        let (player, goal) = goal_positions(problem)?;
         let mut grids = Vec::new();
         let mut count = 0;
         for id in problem.sim.world().spaces.ids() {
@@ -77,8 +77,8 @@ impl Distances {
             grids.push(grid);
         }
         let places = flood(&grids, problem, &goal, [1, 1, 1], meter);
-        let far = places.iter().flatten().filter(|d| **d != FAR).max()? + 1;
-        let pace = problem.time().map(|_| Pace {
+        let far = places.iter().flatten().filter(|d| **d != UNREACHABLE).max()? + 1;
+        let min_time = problem.time().map(|_| MinTime {
             places: [[1, 0, 0], [0, 1, 0]].map(|costs| flood(&grids, problem, &goal, costs, meter)),
             steps: VarId::XY.map(|var| {
                 let fastest = fastest(space, player, var) * problem.sim.world().step.seconds();
@@ -88,22 +88,22 @@ impl Distances {
         if meter.is_stopped() {
             return None;
         }
-        Some(Distances { player, grids, places, far, pace })
+        Some(DistanceField { player, grids, places, far, min_time })
     }
 
-    /// Of a position.
+    /// The distance of a position.
     pub fn of(&self, space: SpaceId, x: f64, y: f64) -> u32 {
         self.places[space.index()][self.cell(space, x, y)].min(self.far)
     }
 
-    /// How many steps the rest of the way takes at least, as far as is known, if nothing carries the player.
+    /// A lower bound of the number of steps to the goal, if nothing carries the player.
     pub fn least_steps(&self, space: SpaceId, x: f64, y: f64) -> u32 {
-        let Some(pace) = &self.pace else { return 0 };
+        let Some(min_time) = &self.min_time else { return 0 };
         let cell = self.cell(space, x, y);
-        let along = pace.places.iter().zip(pace.steps).map(|(field, steps)| {
-            // What is in a place may be at its edge.
+        let along = min_time.places.iter().zip(min_time.steps).map(|(field, steps)| {
+            // The player may be at the edge of the place.
             let places = field[space.index()][cell];
-            if places == FAR { 0.0 } else { f64::from(places.saturating_sub(1)) * steps }
+            if places == UNREACHABLE { 0.0 } else { f64::from(places.saturating_sub(1)) * steps }
         });
         along.fold(0.0, f64::max) as u32
     }
@@ -116,7 +116,7 @@ impl Distances {
     }
 }
 
-/// The greatest velocity of a player along an axis, px/s; infinite where nothing is known.
+/// The maximum velocity of a player along an axis, px/s; infinite if unknown.
 fn fastest(space: &ConfigurationSpace, player: SlotId, var: VarId) -> f64 {
     let slot = &space.slots[player];
     if slot.is_given_up {
@@ -126,16 +126,16 @@ fn fastest(space: &ConfigurationSpace, player: SlotId, var: VarId) -> f64 {
     velocities.map(|v| v.low.abs().max(v.high.abs())).fold(0.0, f64::max)
 }
 
-/// What the cheapest way to the goal costs from each place; costs are 0 or 1 (breadth first with two ends). Cut short if
-/// it is stopped.
+/// The cost of the cheapest path to the goal from each place, by a 0-1 breadth-first search. Incomplete if the meter
+/// runs out.
 fn flood(
     grids: &[Grid],
     problem: &Problem<'_>,
-    goal: &[Place],
+    goal: &[PositionBox],
     [across, along, through]: Costs,
     meter: &Meter<'_>,
-) -> Field {
-    let mut field: Field = grids.iter().map(|grid| vec![FAR; grid.blocked.len()]).collect();
+) -> CostField {
+    let mut field: CostField = grids.iter().map(|grid| vec![UNREACHABLE; grid.blocked.len()]).collect();
     let mut open: VecDeque<(SpaceId, usize, u32)> = VecDeque::new();
     for (space, grid) in grids.iter().enumerate() {
         let space = SpaceId(space as u32);
@@ -170,7 +170,7 @@ fn flood(
             (row + 1 < grid.rows).then(|| (cell + grid.columns, along)),
         ];
         sides.into_iter().flatten().for_each(|(cell, more)| go(space, cell, more));
-        // Where links come out, they have gone in.
+        // Links are followed backwards, from exit to entrance.
         let at = (grid.left + column as f64 * PLACE, grid.bottom + row as f64 * PLACE);
         for (from, link) in spaces.pairs().flat_map(|(id, s)| s.links.iter().map(move |l| (id, l))) {
             let is_out = link.space == space
@@ -188,7 +188,13 @@ fn flood(
 }
 
 impl Grid {
-    fn new(problem: &Problem<'_>, player: SlotId, id: SpaceId, goal: &[Place], meter: &Meter<'_>) -> Option<Self> {
+    fn new(
+        problem: &Problem<'_>,
+        player: SlotId,
+        id: SpaceId,
+        goal: &[PositionBox],
+        meter: &Meter<'_>,
+    ) -> Option<Self> {
         let world = problem.sim.world();
         let space = &world.spaces[id];
         let area = match space.bounds {
@@ -207,7 +213,7 @@ impl Grid {
         Some(grid)
     }
 
-    /// Marks the positions at which the player lies inside of what never moves.
+    /// Marks the positions at which the player overlaps static obstacles.
     fn block(&mut self, problem: &Problem<'_>, player: SlotId, id: SpaceId, meter: &Meter<'_>) {
         let world = problem.sim.world();
         let entity = &problem.sim.program().entities[world.slots[player].entity];
@@ -218,7 +224,7 @@ impl Grid {
         let kinds: Vec<TagSet> =
             space.map.iter().flat_map(|m| &m.kinds).map(|k| k.tags.iter().copied().collect()).collect();
         let solids = |mine: TagSet| space.solids.iter().filter(move |s| blocks(mine, s.tags));
-        // What every shape of it covers: one that is seldom there says little of where it fits.
+        // The intersection of all shapes: a shape that is seldom active says little about where the player fits.
         let bodies = entity.colliders.iter().filter(|c| {
             !c.kinematic && (solids(c.tags).next().is_some() || kinds.iter().any(|tags| blocks(c.tags, *tags)))
         });
@@ -251,14 +257,14 @@ impl Grid {
 
     /// Marks the positions at which a body overlaps a box.
     fn mark(&mut self, wall: Bounds, body: Bounds, meter: &Meter<'_>) {
-        // Strictly between these positions it does.
+        // They overlap strictly between these positions.
         let (left, right) = (wall.left - body.right, wall.right - body.left);
         let (bottom, top) = (wall.bottom - body.top, wall.top - body.bottom);
-        let apart = PLACE / TRIED as f64;
+        let apart = PLACE / SAMPLES as f64;
         let range = |low: f64, high: f64, from: f64, count: usize| {
             let first = ((low - from) / apart).floor() + 1.0;
             let after = ((high - from) / apart).ceil();
-            let most = (count * TRIED) as f64;
+            let most = (count * SAMPLES) as f64;
             (first.clamp(0.0, most) as usize)..(after.clamp(0.0, most) as usize)
         };
         let across = range(left, right, self.left, self.columns);
@@ -267,13 +273,13 @@ impl Grid {
                 return;
             }
             for x in across.clone() {
-                let bit = (y % TRIED) * TRIED + x % TRIED;
-                self.blocked[(y / TRIED) * self.columns + x / TRIED] |= 1 << bit;
+                let bit = (y % SAMPLES) * SAMPLES + x % SAMPLES;
+                self.blocked[(y / SAMPLES) * self.columns + x / SAMPLES] |= 1 << bit;
             }
         }
     }
 
-    /// The cells that a box meets.
+    /// The cells that a box overlaps.
     fn cells(&self, x: (f64, f64), y: (f64, f64)) -> Vec<usize> {
         let range = |(low, high): (f64, f64), from: f64, count: usize| {
             let most = count as f64;
@@ -286,15 +292,15 @@ impl Grid {
         rows.flat_map(|row| across.clone().map(move |column| row * self.columns + column)).collect()
     }
 
-    /// Whether the player fits anywhere in a place.
+    /// Whether the player fits somewhere in a place.
     fn is_free(&self, cell: usize) -> bool {
         self.blocked[cell] != u16::MAX
     }
 }
 
-/// A box around what is known to be in a space without bounds. Around a map there are no places but those that something
-/// lies at: ways around the outside are seldom possible, and always short.
-fn around(problem: &Problem<'_>, player: SlotId, id: SpaceId, goal: &[Place]) -> Bounds {
+/// A box around the known contents of a space without bounds. Around a map, only places with contents count: paths
+/// around the outside are seldom possible, and would be short.
+fn around(problem: &Problem<'_>, player: SlotId, id: SpaceId, goal: &[PositionBox]) -> Bounds {
     let world = problem.sim.world();
     let space = &world.spaces[id];
     let begin = world.slots[player].vars.iter().take(2).map(|v| v[0]).collect::<Vec<f64>>();

@@ -1,4 +1,4 @@
-//! Drawing a part of a sample: a combination of leaves, then a value for each coordinate from what it can be then.
+//! Draws a slot's part of a sample: a combination of leaves, then a value for each coordinate.
 
 use rand::{Rng, RngExt};
 
@@ -6,17 +6,16 @@ use crate::analysis::Interval;
 
 use super::metric::{Coordinate, NO_LEAF, Point};
 
-/// No part of a union counts for less than this share of the range around it: a point, which has no length, is drawn,
-/// too.
+/// Minimum weight of an interval, as a share of the whole range: points, which have no length, are drawn, too.
 const LEAST_SHARE: f64 = 1.0 / 16.0;
 
-/// Lengths count up to this, so that all weights together are a number.
+/// Maximum length that counts, so that the sum of all weights stays finite.
 const MAX_LENGTH: f64 = 1e30;
 
-/// How the values of one slot are drawn.
+/// The distribution of one slot.
 #[derive(Debug, Clone, Default)]
 pub(super) struct SlotDraw {
-    /// Each is as likely as any other.
+    /// Drawn uniformly.
     pub combinations: Vec<Combination>,
 }
 
@@ -31,20 +30,20 @@ pub(super) struct Combination {
 /// The leaf of a group.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Leaf {
-    /// This one.
+    /// A fixed leaf.
     Fixed(f32),
     /// One of `count` numbers from `first` on.
     Any(u32, u32),
 }
 
-/// The values of a coordinate, on its scale: intervals with the weights of all up to each.
+/// The values of a coordinate, on its scale: intervals with cumulative weights.
 #[derive(Debug, Clone)]
 pub(super) struct Draw {
     parts: Vec<(f32, f32, f32)>,
 }
 
 impl Draw {
-    /// Uniform over intervals by length; whole numbers each count the same.
+    /// Uniform by length; uniform over numbers if they are whole.
     pub fn of(coordinate: &Coordinate, intervals: &[Interval], whole: bool) -> Self {
         let hull = intervals.iter().copied().reduce(Interval::or);
         let least = hull.map_or(0.0, |h| (h.high - h.low).min(MAX_LENGTH)) * LEAST_SHARE;
@@ -57,9 +56,9 @@ impl Draw {
         Draw { parts: intervals.iter().map(part).collect() }
     }
 
-    /// Where there is no instance.
-    fn nowhere(coordinate: &Coordinate) -> Self {
-        let at = coordinate.nowhere();
+    /// The value for an absent instance.
+    fn absent(coordinate: &Coordinate) -> Self {
+        let at = coordinate.absent();
         Draw { parts: vec![(0.0, at, at)] }
     }
 
@@ -77,15 +76,15 @@ impl Draw {
 }
 
 impl Combination {
-    /// No instance.
+    /// The combination without an instance.
     pub fn absent(coordinates: &[Coordinate], leaves: usize) -> Self {
-        let values = coordinates.iter().map(Draw::nowhere).collect();
+        let values = coordinates.iter().map(Draw::absent).collect();
         Combination { leaves: vec![Leaf::Fixed(NO_LEAF); leaves], values }
     }
 }
 
 impl SlotDraw {
-    /// Leaves out all leaves and those values that are not kept.
+    /// Removes all leaves, and the values that are not kept.
     pub fn keep(&mut self, kept: &[bool]) {
         for combination in &mut self.combinations {
             combination.leaves.clear();

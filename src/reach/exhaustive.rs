@@ -1,17 +1,17 @@
-//! Exhaustion: all that can be done, each state once. Many worlds are finite under a fixed step; then "no" is proven.
-//! Breadth first by steps, the first way that is found is a shortest one; best first, what is nearest to the goal goes on.
+//! Exhaustive search: tries all inputs and visits each state once. Many worlds are finite under a fixed step, so it can
+//! prove a "no". Breadth first finds shortest paths; best first extends the state nearest to the goal.
 //!
-//! The inputs of a question are those that are held for at least `least_hold` steps and then change at any step: an automaton
-//! beside the world. Its states are the steps that an input must still be held and, where that matters, the input. While it
-//! must be held there is nothing to choose, so that a node is only where it need not be any more: from there the input goes
-//! on for a step, or another one begins and is held for as long as it must be. What a new input leads to does not depend on
-//! the one before; of each state it is examined once. Where inputs may change at every step, a node is a state alone.
+//! The inputs of a question are held for at least `least_hold` steps and can then change at any step: an automaton
+//! beside the world. Its state is the remaining hold and, where it matters, the input. During a hold there is no
+//! choice, so nodes exist only after it: from there the input continues for one step, or a new one starts and is held
+//! for its minimum. The result of a new input does not depend on the previous one, so it is tried once per state. If
+//! inputs can change at every step, a node is just a state.
 //!
-//! Inputs that change only every few steps lead to fewer states, which are soon visited; that they lead nowhere tells
-//! nothing of others.
+//! Inputs that change only every few steps lead to fewer states, which are visited sooner; a failure with them says
+//! nothing about other inputs.
 //!
-//! States are the same if all their bytes are: everything that the next step reads is part of a state (`sim/state.rs`).
-//! Inputs are all that anything ever reads.
+//! Two states are equal if all their bytes are: everything that the next step reads is part of a state
+//! (`sim/state.rs`). The inputs are all that any mode reads.
 
 use std::cmp::{Ordering, Reverse};
 use std::collections::{BinaryHeap, VecDeque};
@@ -28,45 +28,45 @@ use super::searcher::{Ending, Searcher};
 use super::strategy::Choice;
 use super::tree::{NodeId, Tree};
 
-/// What looking for a state among those that are known costs, in units of work.
-const TURN: u64 = 64;
+/// The cost of looking up a state, in units of work.
+const LOOKUP_WORK: u64 = 64;
 /// No input is held.
 const NONE: u16 = u16::MAX;
 
 /// When inputs change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Change {
-    /// At any step once they were held for this number of steps: all that a question admits.
+    /// At any step after they were held for this number of steps: all inputs that a question admits.
     After(u16),
     /// Only every this number of steps.
     Every(u16),
 }
 
 impl Change {
-    /// For how many steps an input is held that begins.
+    /// Number of steps for which a new input is held.
     fn hold(self) -> u16 {
         match self {
             Change::After(steps) | Change::Every(steps) => steps.max(1),
         }
     }
 
-    /// Whether the input that is held can go on where another one would start a hold of its own.
-    fn goes_on(self) -> bool {
+    /// Whether a held input can continue where a new one would have to be held.
+    fn continues(self) -> bool {
         matches!(self, Change::After(2..))
     }
 }
 
-/// In which order nodes are extended.
+/// The order of extension.
 #[derive(Debug)]
 enum Order {
-    /// By the number of steps that lead there (Dial, *Algorithm 360: Shortest-path forest with topological ordering*, 1969): the
-    /// nodes of each number, from the number of the first on.
+    /// By the number of steps (Dial, *Algorithm 360: Shortest-path forest with topological ordering*, 1969): the nodes
+    /// of each number, starting at `first`.
     Breadth { first: u32, layers: VecDeque<Layer> },
-    /// Those nearest to the goal first.
+    /// By the distance to the goal.
     Best(BinaryHeap<Reverse<Ranked>>),
 }
 
-/// The nodes that a number of steps lead to, and how many of them were taken.
+/// The nodes at a number of steps, and how many of them were taken.
 #[derive(Debug, Default)]
 struct Layer {
     nodes: Vec<u32>,
@@ -80,7 +80,7 @@ impl Order {
                 if layers.is_empty() {
                     *first = depth;
                 }
-                // Starts come in any order.
+                // Starts come in any order of depth.
                 while depth < *first {
                     layers.push_front(Layer::default());
                     *first -= 1;
@@ -136,37 +136,37 @@ impl PartialOrd for Ranked {
     }
 }
 
-/// The node that is extended.
+/// The node being extended.
 #[derive(Debug, Clone, Copy)]
-struct Turn {
+struct Expansion {
     node: NodeId,
-    /// Whether the input that is held is still to go on.
-    goes_on: bool,
-    /// The inputs that are still to begin: from the first to before the second.
-    begins: (usize, usize),
+    /// Whether the held input still has to be continued.
+    continues: bool,
+    /// The range of new inputs to try.
+    new_inputs: (usize, usize),
 }
 
-/// All states that were reached.
+/// An exhaustive search.
 pub(super) struct Exhaustive<'a> {
     context: SearchContext<'a>,
     region: GoalRegion,
     change: Change,
     hashes: DefaultHashBuilder,
-    /// The nodes, by state and input that is held.
+    /// The nodes, by state and held input.
     known: HashTable<u32>,
-    /// Where inputs that are held can go on: a node of each state at which others have begun.
-    begun: HashTable<u32>,
-    /// Where inputs that are held can go on: that of each node.
+    /// If held inputs can continue: one node for each state at which new inputs were tried.
+    expanded: HashTable<u32>,
+    /// If held inputs can continue: the held input of each node.
     held: Vec<u16>,
     order: Order,
-    turn: Option<Turn>,
-    /// The fewest steps of a way so far, with its last choice and the steps of that.
+    expansion: Option<Expansion>,
+    /// The shortest path so far: its steps, its last choice and the steps of that.
     found: Option<(u32, Choice, u16)>,
     point: Point,
 }
 
 impl<'a> Exhaustive<'a> {
-    /// Breadth first, or the nearest to the goal first.
+    /// Searches breadth first, or best first.
     pub fn new(context: SearchContext<'a>, change: Change, best_first: bool) -> Self {
         let order = match best_first {
             true => Order::Best(BinaryHeap::new()),
@@ -178,10 +178,10 @@ impl<'a> Exhaustive<'a> {
             change,
             hashes: DefaultHashBuilder::default(),
             known: HashTable::new(),
-            begun: HashTable::new(),
+            expanded: HashTable::new(),
             held: Vec::new(),
             order,
-            turn: None,
+            expansion: None,
             found: None,
             point: Point::default(),
         }
@@ -191,11 +191,11 @@ impl<'a> Exhaustive<'a> {
         matches!(self.order, Order::Breadth { .. })
     }
 
-    fn plant(&mut self) {
+    fn add_roots(&mut self) {
         self.context.notes.statistics.trees += 1;
         for start in 0..self.context.starts() {
-            let root = self.context.plant(start, false);
-            let held = match self.change.goes_on() {
+            let root = self.context.add_root(start, false);
+            let held = match self.change.continues() {
                 true => self.context.held_at_start(root).unwrap_or(NONE),
                 false => NONE,
             };
@@ -204,7 +204,7 @@ impl<'a> Exhaustive<'a> {
         }
     }
 
-    /// Keeps a new node with the input that is held there.
+    /// Stores a new node with its held input.
     fn keep(&mut self, node: NodeId, held: u16, hash: u64) {
         let tree = &self.context.tree;
         let distance = match self.order {
@@ -215,13 +215,13 @@ impl<'a> Exhaustive<'a> {
             }
         };
         self.order.push(node, tree.depth(node), distance);
-        if self.change.goes_on() {
+        if self.change.continues() {
             self.held.push(held);
         }
         let (held, hashes) = (&self.held, &self.hashes);
         let rehash = |id: &u32| hashed(hashes, tree.state(NodeId(*id)), held_by(held, *id));
         match find(&mut self.known, tree, held, hash, node) {
-            // It was reached later before.
+            // The same state was reached later before.
             Some(later) => *later = node.0,
             None => {
                 self.known.insert_unique(hash, node.0, rehash);
@@ -229,38 +229,38 @@ impl<'a> Exhaustive<'a> {
         }
     }
 
-    /// The next node to extend; none if nothing is left.
-    fn next(&mut self) -> Option<Turn> {
+    /// The next node to extend, if any.
+    fn next(&mut self) -> Option<Expansion> {
         loop {
             let node = self.order.pop()?;
             let inputs = self.context.inputs(node);
-            if !self.change.goes_on() {
-                return Some(Turn { node, goes_on: false, begins: (0, inputs) });
+            if !self.change.continues() {
+                return Some(Expansion { node, continues: false, new_inputs: (0, inputs) });
             }
             let (tree, hashes) = (&self.context.tree, &self.hashes);
             let (state, held) = (tree.state(node), held_by(&self.held, node.0));
             let hash = hashed(hashes, state, held);
             if find(&mut self.known, tree, &self.held, hash, node).is_none_or(|known| *known != node.0) {
-                // It was reached sooner since.
+                // The same state was reached sooner in the meantime.
                 continue;
             }
             let hash = hashed(hashes, state, NONE);
-            let is_new = self.begun.find(hash, |id| tree.state(NodeId(*id)) == state).is_none();
+            let is_new = self.expanded.find(hash, |id| tree.state(NodeId(*id)) == state).is_none();
             if is_new {
-                self.begun.insert_unique(hash, node.0, |id| hashed(hashes, tree.state(NodeId(*id)), NONE));
+                self.expanded.insert_unique(hash, node.0, |id| hashed(hashes, tree.state(NodeId(*id)), NONE));
             }
-            return Some(Turn { node, goes_on: held != NONE, begins: (0, if is_new { inputs } else { 0 }) });
+            return Some(Expansion { node, continues: held != NONE, new_inputs: (0, if is_new { inputs } else { 0 }) });
         }
     }
 
     /// Extends a node by its next input.
-    fn extend(&mut self, turn: &mut Turn) {
-        let node = turn.node;
-        let choice = if std::mem::take(&mut turn.goes_on) {
+    fn extend(&mut self, expansion: &mut Expansion) {
+        let node = expansion.node;
+        let choice = if std::mem::take(&mut expansion.continues) {
             Choice { node, input: usize::from(held_by(&self.held, node.0)), hold: 1 }
         } else {
-            turn.begins.0 += 1;
-            Choice { node, input: turn.begins.0 - 1, hold: self.change.hold() }
+            expansion.new_inputs.0 += 1;
+            Choice { node, input: expansion.new_inputs.0 - 1, hold: self.change.hold() }
         };
         let depth = self.context.tree.depth(node);
         match self.context.extend(choice) {
@@ -273,12 +273,12 @@ impl<'a> Exhaustive<'a> {
             }
             Extension::Open => {
                 let state = self.context.reached();
-                let held = if self.change.goes_on() { choice.input as u16 } else { NONE };
+                let held = if self.change.continues() { choice.input as u16 } else { NONE };
                 let (tree, all) = (&self.context.tree, &self.held);
                 let hash = hashed(&self.hashes, state, held);
                 let is_same = |id: &u32| held_by(all, *id) == held && tree.state(NodeId(*id)) == state;
                 let known = self.known.find(hash, is_same);
-                // A longer hold may lead there before a shorter one that began later.
+                // A longer hold may reach it before a shorter one that started later.
                 let later = |id: &u32| tree.depth(NodeId(*id)) > depth + u32::from(choice.hold);
                 if known.is_none_or(|id| self.is_breadth_first() && later(id)) {
                     let id = self.context.add(choice, false);
@@ -288,36 +288,36 @@ impl<'a> Exhaustive<'a> {
         }
     }
 
-    /// Whether no state was left out that ways of fewer than `steps` steps pass: a way may lead around outside of a
-    /// search window, on from where a branch was given up.
+    /// Whether no state on a path of fewer than `steps` steps was left out. A path may leave a search window and
+    /// return.
     fn is_complete(&self, steps: u32) -> bool {
         let notes = &self.context.notes;
         let is_far = |cut: &Cut| cut.soonest.saturating_add(1) >= steps;
         !self.context.controls.truncated && notes.fault.is_none() && notes.cuts.iter().all(is_far)
     }
 
-    /// The way that was found, if it is the answer: as soon as there can be no shorter one, where `least` is the least number
-    /// of steps that another could take; best first at once.
+    /// The path found, if it is final: if no path of fewer than `least` steps can still be found, or at once if best
+    /// first.
     fn answer(&mut self, least: u32) -> Option<Plan> {
         let (total, choice, steps) = self.found.take_if(|(total, ..)| {
             let is_best_first = matches!(self.order, Order::Best(_));
             is_best_first || *total <= least
         })?;
-        // Starts that are not the initial state have had steps of different number.
+        // Several starts have different numbers of previous steps.
         let is_alone = self.context.starts() == 1;
         let is_all = matches!(self.change, Change::After(_)) && self.is_complete(total);
         let is_shortest = self.is_breadth_first() && is_alone && is_all;
         self.context.plan(choice, steps, is_shortest)
     }
 
-    /// How it ends where nothing is left to extend.
+    /// The result when nothing is left to extend.
     fn exhausted(&mut self) -> Ending {
-        // Within a time, what was reached late may have been left that could also be reached soon.
+        // With a time limit, a state that was reached late may also be reachable soon.
         let is_timely = self.context.problem.time().is_none() || self.is_breadth_first();
         if !self.is_complete(u32::MAX) || !is_timely {
             return Ending::Spent;
         }
-        let states = if self.change.goes_on() { self.begun.len() } else { self.context.tree.len() } as u64;
+        let states = if self.change.continues() { self.expanded.len() } else { self.context.tree.len() } as u64;
         match self.change {
             Change::After(steps) => Ending::Exhausted(Exhaustion { states, least_hold: steps }),
             Change::Every(steps) => {
@@ -331,32 +331,33 @@ impl<'a> Exhaustive<'a> {
 impl Searcher for Exhaustive<'_> {
     fn advance(&mut self, nodes: u64) -> Ending {
         if self.context.tree.is_empty() {
-            self.plant();
+            self.add_roots();
         }
         let until = self.context.notes.statistics.nodes.saturating_add(nodes);
-        // A closed world adds no nodes, but still takes its time.
-        let mut patience = nodes.saturating_mul(16);
-        while self.context.notes.statistics.nodes < until && patience > 0 {
-            patience -= 1;
-            // What was cut short proves nothing.
-            if self.context.meter.spend(TURN) {
+        // A finite world may add no nodes, but every attempt takes time.
+        let mut attempts = nodes.saturating_mul(16);
+        while self.context.notes.statistics.nodes < until && attempts > 0 {
+            attempts -= 1;
+            // A stopped search proves nothing.
+            if self.context.meter.spend(LOOKUP_WORK) {
                 return Ending::Stopped;
             }
-            let Some(mut turn) = self.turn.or_else(|| self.next()) else {
+            let Some(mut expansion) = self.expansion.or_else(|| self.next()) else {
                 if let Some(plan) = self.answer(u32::MAX) {
                     return Ending::Reached(plan);
                 }
                 return self.exhausted();
             };
-            // All nodes that are left are at least as far away as this one.
-            if let Some(plan) = self.answer(self.context.tree.depth(turn.node) + 1) {
+            // All remaining nodes are at least as deep as this one.
+            if let Some(plan) = self.answer(self.context.tree.depth(expansion.node) + 1) {
                 return Ending::Reached(plan);
             }
-            let is_open = |turn: &Turn| turn.goes_on || turn.begins.0 < turn.begins.1;
-            if is_open(&turn) {
-                self.extend(&mut turn);
+            let is_open =
+                |expansion: &Expansion| expansion.continues || expansion.new_inputs.0 < expansion.new_inputs.1;
+            if is_open(&expansion) {
+                self.extend(&mut expansion);
             }
-            self.turn = Some(turn).filter(is_open);
+            self.expansion = Some(expansion).filter(is_open);
         }
         match self.answer(0) {
             Some(plan) => Ending::Reached(plan),
@@ -382,7 +383,7 @@ impl Searcher for Exhaustive<'_> {
     }
 
     fn bytes(&self) -> usize {
-        let tables = (self.known.capacity() + self.begun.capacity()) * 5;
+        let tables = (self.known.capacity() + self.expanded.capacity()) * 5;
         self.context.bytes() + tables + self.held.capacity() * 2 + self.order.bytes()
     }
 

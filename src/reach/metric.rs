@@ -1,6 +1,5 @@
-//! The space that is sampled and the distance in it: the full state. Each coordinate is scaled, and each group whose
-//! active leaf differs adds a fixed penalty. Which coordinates there are, and their scales, the bounds tell
-//! (`bounds.rs`).
+//! The sampled space and its metric: the full state. Each coordinate is scaled, and each group whose active leaf
+//! differs adds a fixed penalty. `bounds.rs` determines the coordinates and their scales.
 
 use rand::Rng;
 
@@ -12,7 +11,7 @@ use super::bounds::{self, Sampling};
 use super::coverage::PLACE;
 use super::draw::SlotDraw;
 
-/// What a differing leaf adds to the squared distance.
+/// Penalty of a differing leaf in the squared distance.
 pub const MODE_PENALTY: f32 = 0.05;
 
 /// The leaf of an absent instance.
@@ -38,45 +37,44 @@ pub struct Coordinate {
     pub low: f64,
     /// The greatest value.
     pub high: f64,
-    /// What counts as a distance of 1; above 0.
+    /// The difference that counts as a distance of 1; positive.
     pub unit: f64,
 }
 
 impl Coordinate {
-    /// A value on the scale of distances, 0 at the lower end of the range. What lies far outside is kept at a distance
-    /// whose square is still a number.
+    /// A value on the scale of distances, 0 at the lower end of the range; clamped so that its square is finite.
     pub fn scaled(&self, value: f64) -> f32 {
         ((value - self.low) / self.unit).clamp(-1e9, 1e9) as f32
     }
 
-    /// Where an absent instance is: in the middle.
-    pub(super) fn nowhere(&self) -> f32 {
+    /// The coordinate of an absent instance: the middle.
+    pub(super) fn absent(&self) -> f32 {
         self.scaled(self.low + (self.high - self.low) / 2.0)
     }
 }
 
-/// What of a slot takes part: how many coordinates, which groups' leaves, and how they are drawn.
+/// The part of a slot in the sampled space: coordinates, groups, and their distribution.
 #[derive(Debug, Clone)]
 pub(super) struct SlotPart {
     pub slot: SlotId,
     /// The number of its coordinates.
     pub reals: usize,
-    /// Groups whose leaf is compared.
+    /// Groups whose leaves are compared.
     pub groups: Vec<GroupId>,
-    /// Whether it is compared that there is an instance; where leaves are, they tell.
+    /// Whether presence is compared; otherwise the leaves show it.
     pub presence: bool,
-    /// Whether it is compared in which space it is.
+    /// Whether the space is compared.
     pub space: bool,
     pub draw: SlotDraw,
 }
 
 impl SlotPart {
-    /// How many modes are compared.
+    /// Number of compared modes.
     fn modes(&self) -> usize {
         self.groups.len() + usize::from(self.presence) + usize::from(self.space)
     }
 
-    /// Leaves out all modes and those coordinates that are not kept.
+    /// Removes all modes, and the coordinates that are not kept.
     fn keep(&mut self, kept: &[bool]) {
         self.reals = kept.iter().filter(|k| **k).count();
         self.groups.clear();
@@ -86,17 +84,17 @@ impl SlotPart {
     }
 }
 
-/// A coordinate or a mode in a projection: its level, its cells along a distance of 1 and where the first one begins (of
-/// a mode each value is a cell), and whether it can be something that is achieved.
+/// A coordinate or a mode in a projection: its level, its cells per unit of distance with the offset of the first
+/// (`None` for a mode: each value is a cell), and whether it can show progress.
 pub(super) type Projected = (usize, Option<(f32, f32)>, bool);
 
-/// What of a state distances are measured in.
+/// The part of a state that distances measure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Measure {
-    /// All of it.
+    /// The full state.
     #[default]
     Full,
-    /// The players' positions alone.
+    /// Only the players' positions.
     Positions,
 }
 
@@ -129,7 +127,7 @@ pub struct Point {
 }
 
 impl Point {
-    /// The squared distance to another; a mode that differs adds `penalty`.
+    /// The squared distance to another point; each differing mode adds `penalty`.
     pub fn distance(&self, other: &Point, penalty: f32) -> f32 {
         let reals = self.reals.iter().zip(&other.reals).map(|(a, b)| (a - b) * (a - b));
         let modes = self.modes.iter().zip(&other.modes).map(|(a, b)| if a == b { 0.0 } else { penalty });
@@ -138,14 +136,14 @@ impl Point {
 }
 
 impl Metric {
-    /// The space of a world, sampled from the chosen bounds and measured by all of it.
+    /// The space of a world, sampled from the chosen bounds, with the full metric.
     pub fn new(sim: &Simulator, space: &ConfigurationSpace, sampling: Sampling) -> Self {
         let extent = sim.world().spaces.iter().filter_map(Space::extent).reduce(Bounds::join);
         Metric::measuring(sim, space, (sampling, extent), Measure::Full)
     }
 
-    /// The space of a world, sampled from the chosen bounds; positions that nothing bounds from an extent, or else from
-    /// around what is placed.
+    /// The space of a world, sampled from the chosen bounds. Unbounded positions are sampled from `extent`, or else
+    /// from around the placed instances.
     pub fn measuring(
         sim: &Simulator,
         space: &ConfigurationSpace,
@@ -184,7 +182,7 @@ impl Metric {
         self.modes
     }
 
-    /// The place of a group in [`Point::modes`].
+    /// The index of a group in [`Point::modes`].
     pub fn mode_index(&self, slot: SlotId, group: GroupId) -> Option<usize> {
         let mut before = 0;
         for part in &self.slots {
@@ -196,9 +194,8 @@ impl Metric {
         None
     }
 
-    /// For planners that cover a projection: of each coordinate and then of each mode the level (1 or 2) at which it
-    /// tells, its cells along a distance of 1 and where the first cell begins (of a mode each value is a cell), and whether
-    /// it can be something that is achieved: a mode, a count, whether there is an instance. Where players are is level 1.
+    /// The projection for planners that measure coverage: for each coordinate, then for each mode, its [`Projected`]
+    /// entry. Level 1 is the position of the players; the flag marks modes, counters and presence.
     pub(super) fn projection(&self) -> Vec<Projected> {
         let is_player = |slot: SlotId| self.players.contains(&slot);
         let real = |c: &Coordinate| {
@@ -213,7 +210,7 @@ impl Metric {
                 Quantity::Timer(..) => (2, 4.0, false),
                 Quantity::Var(..) => (2, 2.0, false),
             };
-            // Beyond all numbers there is one cell.
+            // One cell if the number overflows.
             let cells = Some((cells * c.unit / width) as f32).filter(|cells| cells.is_finite()).unwrap_or(1.0);
             (level, Some((cells, c.scaled(c.low))), counts)
         };
@@ -239,7 +236,7 @@ impl Metric {
                 out.modes.push(if alive { 0.0 } else { NO_LEAF });
             }
             if !alive {
-                out.reals.extend(own.iter().map(Coordinate::nowhere));
+                out.reals.extend(own.iter().map(Coordinate::absent));
                 let others = part.modes() - usize::from(part.presence);
                 out.modes.extend(std::iter::repeat_n(NO_LEAF, others));
                 continue;

@@ -1,18 +1,19 @@
 //! Reachability: can the player bring about a goal, and how?
 //!
-//! The analysis is asked first: a goal that holds in no state that it allows is proven unreachable. It allows all that
-//! a run could come to: both end one where a player leaves the bounds that are written for its space. Where there are none,
-//! a search stops at a window of its own (`window.rs`), and proves nothing if it did.
+//! The analysis comes first: a goal that holds in no state of the configuration space is proven unreachable. The space
+//! contains every state of a run until a player leaves the written bounds of its space. Without bounds, a search stops
+//! at a window (`window.rs`), and proves nothing if it did.
 //!
-//! It is also asked how soon a goal can hold at the earliest, where there is a time to keep.
+//! With a time limit, it also bounds from below the time at which a goal can hold.
 //!
-//! Then searchers grow trees of states ([`search`]). Those that sample share one loop (`sampler.rs`), to which a planner
-//! adds a strategy (`planners/`); `exhaustive.rs` visits each state once and can prove a "no"; `portfolio.rs` lets several
-//! take turns. A found path is replayed in the simulator before it is reported, and can be made faster (`improve_duration.rs`) and simpler
-//! (`shorten.rs`); what is found for one question can answer another one (`exchange.rs`). [`query`] does all of this in a row.
+//! Then searchers grow trees of states ([`search`]). Sampling searchers share one loop (`sampler.rs`), to which a
+//! planner adds a strategy (`planners/`); `exhaustive.rs` visits each state once and can prove a "no"; `portfolio.rs`
+//! alternates several. A path is replayed in the simulator before it is reported, and can be made faster
+//! (`improve_duration.rs`) and simpler (`shorten.rs`); a path for one question can answer another one (`exchange.rs`).
+//! [`query`] runs all of this in order.
 //!
-//! Every state that is made on the way is checked against what the analysis says (`guard.rs`). One that lies outside shows that
-//! the analysis is wrong about this world: no proof that rests on it is given then.
+//! Every state created on the way is checked against the analysis (`monitor.rs`). A state outside shows that the
+//! analysis is wrong about this world: proofs that rest on it are withdrawn.
 
 mod bounds;
 mod conclusion;
@@ -22,9 +23,10 @@ mod distance;
 mod draw;
 mod exchange;
 mod exhaustive;
-mod guard;
+mod goal_positions;
 mod improve_duration;
 mod metric;
+mod monitor;
 mod nearest;
 mod outcome;
 mod planners;
@@ -34,24 +36,23 @@ mod proof;
 pub mod query;
 mod region;
 mod sampler;
-mod seam;
 mod search;
 mod search_context;
 mod searcher;
 mod shorten;
+mod start_hold;
 mod strategy;
 mod tree;
-mod whereabouts;
 mod window;
 
 pub use bounds::Sampling;
 pub use conclusion::Conclusion;
 pub use controls::MAX_CONTROLS;
 pub use coverage::{Count, Covered, PLACE};
-pub use exchange::passed;
-pub use guard::{Guard, Refutation};
+pub use exchange::plan_from_script;
 pub use improve_duration::improve_duration;
 pub use metric::{Coordinate, Measure, Metric, Point, Quantity};
+pub use monitor::{Monitor, Refutation};
 pub use nearest::{Index, Neighbour};
 pub use outcome::{Argument, Cut, End, Exhaustion, Outcome, Plan, Statistics, Verdict, Visited};
 pub use planners::Planner;
@@ -65,13 +66,14 @@ use crate::ir::ExprId;
 use crate::sim::Fault;
 use crate::watch::{Meter, Watch};
 
-use guard::guarded;
+use monitor::monitored;
 
-/// Nodes of a first glance: what is found within them needs no closer look by the analysis.
-const GLANCE: u64 = 4_000;
+/// Number of nodes of a quick search; an answer within them needs no finer analysis.
+const QUICK_NODES: u64 = 4_000;
 
-/// Asks the analysis whether what is asked for can hold at all; if so, searches for a way to it. What a glance does not find
-/// is examined more closely before the search goes on: by place, which takes longer (only where the planner is `auto`).
+/// Asks the analysis whether the target can hold at all; if so, searches for a path to it. With the planner `auto`, a
+/// quick search without an answer is followed by an analysis that distinguishes players by place, before the search
+/// continues.
 ///
 /// # Errors
 /// A [`Fault`] if the initial state breaks a rule.
@@ -82,20 +84,20 @@ pub fn reach(
     limits: &Limits,
     watch: &dyn Watch,
 ) -> Result<Outcome, Fault> {
-    guarded(problem, space, settings, |problem| {
-        let mut outcome = reach_guarded(problem, space, settings, limits, watch)?;
-        if let Some(guard) = problem.guard() {
+    monitored(problem, space, settings, |problem| {
+        let mut outcome = reach_monitored(problem, space, settings, limits, watch)?;
+        if let Some(monitor) = problem.monitor() {
             if outcome.rests_on_analysis() {
                 let starts = problem.starts(watch)?.unwrap_or_default();
-                starts.iter().for_each(|start| guard.follow(problem, &start.script, &Meter::new(watch)));
+                starts.iter().for_each(|start| monitor.follow(problem, &start.script, &Meter::new(watch)));
             }
-            outcome.refute_by(guard);
+            outcome.refute_by(monitor);
         }
         Ok(outcome)
     })
 }
 
-fn reach_guarded(
+fn reach_monitored(
     problem: &Problem<'_>,
     space: &ConfigurationSpace,
     settings: &Settings,
@@ -103,7 +105,7 @@ fn reach_guarded(
     watch: &dyn Watch,
 ) -> Result<Outcome, Fault> {
     let (program, world) = (problem.sim.program(), problem.sim.world_id());
-    // A goal counts as long as a run has not ended; a `never` in the state that ends it, too.
+    // A goal counts until a run has ended; a `never` also counts in the state that ends it.
     let endless = matches!(problem.target, Target::Never(_)).then(|| endless(program, world));
     let nevers: Vec<ExprId> = match endless {
         Some(_) => Vec::new(),
@@ -112,7 +114,7 @@ fn reach_guarded(
     let whole = endless.as_ref().map(|endless| watched_space(endless, world, &nevers, watch));
     let (of, whole) = (endless.as_ref().unwrap_or(program), whole.as_ref().unwrap_or(space));
     if let Some(proof) = Proof::of(problem, whole) {
-        // Where it breaks a rule, there is nothing to ask.
+        // A faulty or stopped start has no answer.
         if problem.starts(watch)?.is_none() {
             return Ok(Outcome::stopped(settings.planner));
         }
@@ -121,19 +123,19 @@ fn reach_guarded(
     if let Some(far) = TooFar::of(problem, space, watch)? {
         return Ok(Outcome::of(Verdict::Unreachable(Argument::Distance(far)), "analysis"));
     }
-    if settings.planner == Planner::Auto && limits.nodes > GLANCE {
-        let glance = search(problem, space, settings, &Limits { nodes: GLANCE, ..*limits }, watch)?;
-        if glance.verdict != Verdict::NotFound || glance.end != End::Nodes {
-            return Ok(glance);
+    if settings.planner == Planner::Auto && limits.nodes > QUICK_NODES {
+        let quick = search(problem, space, settings, &Limits { nodes: QUICK_NODES, ..*limits }, watch)?;
+        if quick.verdict != Verdict::NotFound || quick.end != End::Nodes {
+            return Ok(quick);
         }
         let closer = whole.clone().by_place(of, world, &nevers, watch);
         if let Some(proof) = Proof::of(problem, &closer) {
-            if let Some(guard) = problem.guard() {
-                // What the glance saw was checked against less than the proof rests on: it is examined again.
-                let closely = Guard::new(&closer, program, world);
-                let again = problem.clone().guarded(&closely);
-                search(&again, space, settings, &Limits { nodes: GLANCE, ..*limits }, watch)?;
-                closely.refutation().into_iter().for_each(|refutation| guard.note(refutation));
+            if let Some(monitor) = problem.monitor() {
+                // The quick search was monitored against less than this proof rests on, so it is repeated.
+                let finer_monitor = Monitor::new(&closer, program, world);
+                let again = problem.clone().monitored(&finer_monitor);
+                search(&again, space, settings, &Limits { nodes: QUICK_NODES, ..*limits }, watch)?;
+                finer_monitor.refutation().into_iter().for_each(|refutation| monitor.note(refutation));
             }
             return Ok(Outcome::of(Verdict::Unreachable(Argument::Analysis(proof)), "analysis"));
         }

@@ -1,4 +1,4 @@
-//! How a search ends, and what it took.
+//! The outcome of a search: verdict, statistics, coverage.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,7 +6,7 @@ use crate::ir::{Bounds, NeverId, SpaceId};
 use crate::sim::{Fault, Script};
 
 use super::coverage::Covered;
-use super::guard::{Guard, Refutation};
+use super::monitor::{Monitor, Refutation};
 use super::planners::Planner;
 use super::proof::{Proof, TooFar};
 
@@ -19,47 +19,47 @@ pub enum Verdict {
     NotFound,
     /// No, and this is why.
     Unreachable(Argument),
-    /// Not by any inputs with axes at -1, 0 and 1; the world also reads how far an axis is moved, and values between were
-    /// not tried.
+    /// Not with any inputs with axes at -1, 0 and 1. The world also reads how far an axis is moved, and values in
+    /// between were not tried.
     Exhausted(Exhaustion),
 }
 
 /// Why something cannot be reached.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Argument {
-    /// It holds in no state that the world can be in; nothing was searched.
+    /// It holds in no state of the configuration space; nothing was searched.
     Analysis(Proof),
-    /// It is too far away for the time that there is; nothing was searched.
+    /// It is too far away for the time limit; nothing was searched.
     Distance(TooFar),
-    /// All that a player can do was tried.
+    /// All inputs were tried.
     Exhaustion(Exhaustion),
-    /// Every run is over before it begins.
+    /// Every run is over before its first step.
     Over,
 }
 
-/// All states were visited that inputs lead to: each combination of all buttons that are read and all axes at -1, 0 and 1.
+/// All reachable states were visited, for each combination of all buttons that are read and all axes at -1, 0 and 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Exhaustion {
-    /// How many different states there are.
+    /// Number of distinct states.
     pub states: u64,
-    /// For how many steps each input is held at least.
+    /// Minimum number of steps for which each input is held.
     pub least_hold: u16,
 }
 
-/// A way to what was asked for.
+/// A path to the target.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
-    /// The inputs from the initial state on; what was asked for holds after the last step.
+    /// The inputs from the initial state; the target holds after the last step.
     pub script: Script,
-    /// How many steps they last.
+    /// Their number of steps.
     pub steps: u64,
-    /// How many of the first steps lead to where the search began.
+    /// Number of steps before the start of the search.
     pub after: u64,
-    /// Whether no inputs that the question admits, with axes at -1, 0 and 1, take fewer steps from where the search began.
+    /// Whether no admitted inputs, with axes at -1, 0 and 1, take fewer steps from the start of the search.
     pub is_shortest: bool,
 }
 
-/// What a search did.
+/// Statistics of a search.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Statistics {
     /// Nodes over all trees, roots included.
@@ -72,12 +72,12 @@ pub struct Statistics {
     pub failures: u64,
     /// Steps simulated.
     pub steps: u64,
-    /// States checked against what the world can be.
+    /// States checked against the configuration space.
     pub checked: u64,
 }
 
 impl Statistics {
-    /// Adds what another search did.
+    /// Adds the statistics of another search.
     pub(super) fn add(&mut self, other: &Statistics) {
         self.nodes += other.nodes;
         self.trees += other.trees;
@@ -88,10 +88,10 @@ impl Statistics {
     }
 }
 
-/// A node of a tree, as far as pictures show it.
+/// A node of a tree, for pictures.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Visited {
-    /// The place of its parent in the record; its own for a root.
+    /// The index of its parent in the record; its own index for a root.
     pub parent: u32,
     /// The space that the first player is in.
     pub space: SpaceId,
@@ -114,50 +114,50 @@ pub enum End {
     Stopped,
 }
 
-/// Branches that a search gave up because a player left the window of a space.
+/// The branches that a search gave up because a player left the search window of a space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cut {
     /// The space.
     pub space: SpaceId,
     /// Its window.
     pub window: Bounds,
-    /// How many.
+    /// Their number.
     pub branches: u64,
-    /// The fewest steps that lead to one of them.
+    /// Minimum number of steps to one of them.
     pub soonest: u32,
 }
 
-/// The end of a search.
+/// The outcome of a search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
     /// The answer.
     pub verdict: Verdict,
     /// What ended the search.
     pub end: End,
-    /// Which planner gave the answer, or was the last.
+    /// The planner that gave the answer, or the last one.
     pub planner: &'static str,
-    /// What it took.
+    /// Statistics.
     pub statistics: Statistics,
-    /// What was covered.
+    /// The coverage.
     pub covered: Covered,
-    /// Where nothing was found: the finest inputs that change only every few steps and were all tried; for how many steps
-    /// they are held, and how many states they lead to. It says nothing of inputs that change at other steps.
+    /// If nothing was found: the finest completely tried class of inputs that change only every few steps, as the
+    /// number of steps and the number of states. It says nothing about other inputs.
     pub exhausted: Option<(u16, u64)>,
-    /// What was given up at search windows though what is asked for may happen beyond: then no "no" is proven.
+    /// Branches given up at search windows although the target may lie beyond; then a "no" cannot be proven.
     pub cuts: Vec<Cut>,
-    /// The first way found that broke each `never`.
+    /// The first counterexample found for each `never`.
     pub violations: Vec<(NeverId, Script)>,
-    /// All nodes of all trees, if they were to be recorded.
+    /// All nodes of all trees, if they are recorded.
     pub record: Vec<Visited>,
     /// Whether some combinations of inputs were left out because there are too many.
     pub truncated: bool,
-    /// The first run-time error met, with the step of its path (from 1): a mistake of the program.
+    /// The first run-time error, with its step (from 1): a mistake in the program.
     pub fault: Option<(Fault, u64)>,
-    /// Whether an axis is read for more than its sign, so that axes at -1, 0 and 1 are not all there is.
+    /// Whether an axis is read for more than its sign, so that -1, 0 and 1 do not cover all inputs.
     pub reads_between: bool,
-    /// A run into a state which the analysis says that there is not: it is wrong about this world.
+    /// A run into a state that the analysis excludes: the analysis is wrong about this world.
     pub refuted: Option<Refutation>,
-    /// Whether there was a proof, which rests on what is refuted: then there is no answer.
+    /// Whether a proof was withdrawn because it rests on a refuted analysis; then there is no answer.
     pub is_withdrawn: bool,
 }
 
@@ -174,7 +174,7 @@ impl End {
 }
 
 impl Argument {
-    /// Whether it rests on what the analysis says the world can be.
+    /// Whether it is a proof that rests on the analysis.
     fn rests_on_analysis(&self) -> bool {
         match self {
             Argument::Analysis(_) | Argument::Distance(_) => true,
@@ -184,12 +184,12 @@ impl Argument {
 }
 
 impl Outcome {
-    /// Whether it is a proof that rests on what the analysis says the world can be.
+    /// Whether it is a proof that rests on the analysis.
     pub fn rests_on_analysis(&self) -> bool {
         matches!(&self.verdict, Verdict::Unreachable(argument) if argument.rests_on_analysis())
     }
 
-    /// Withdraws a proof that rests on a refuted analysis; the search for another answer may have refuted it.
+    /// Records a refutation and withdraws a proof that rests on the analysis.
     pub fn refute(&mut self, refutation: &Refutation) {
         self.refuted.get_or_insert_with(|| refutation.clone());
         if self.rests_on_analysis() {
@@ -198,19 +198,19 @@ impl Outcome {
         }
     }
 
-    /// As [`Outcome::refute`], if a guard has found something.
-    pub(super) fn refute_by(&mut self, guard: &Guard) {
-        if let Some(refutation) = guard.refutation() {
+    /// As [`Outcome::refute`], if the monitor has found a refutation.
+    pub(super) fn refute_by(&mut self, monitor: &Monitor) {
+        if let Some(refutation) = monitor.refutation() {
             self.refute(&refutation);
         }
     }
 
-    /// Of a search that was stopped before it began.
+    /// The outcome of a search that was stopped before it started.
     pub fn stopped(planner: Planner) -> Self {
         Outcome { end: End::Stopped, ..Outcome::of(Verdict::NotFound, planner.name()) }
     }
 
-    /// A verdict before any work.
+    /// An outcome without any work.
     pub(super) fn of(verdict: Verdict, planner: &'static str) -> Self {
         Outcome {
             verdict,

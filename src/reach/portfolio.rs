@@ -1,31 +1,31 @@
-//! A portfolio: several planners in turns, each of which is good at what others are not. The first answer counts.
+//! A portfolio: alternates several planners with different strengths. The first answer counts.
 
 use super::outcome::Plan;
 use super::search_context::Notes;
 use super::searcher::{Ending, Searcher};
 
-/// A turn of the first round, nodes for each share; turns grow with what was spent, so that few are taken.
+/// Number of nodes per share in the first turn; turns grow with the nodes spent, to limit their number.
 const TURN: u64 = 64;
-/// A turn is at most this share of what its planner has grown.
+/// Divisor: the maximum length of a turn as a share of the planner's nodes so far.
 const SHARE: u64 = 8;
 
-/// A planner, and its share of the nodes.
+/// A planner with its share of the nodes.
 type Arm<'a> = (u64, Box<dyn Searcher + 'a>);
 
-/// Planners in turns.
+/// Alternates planners.
 pub(super) struct Portfolio<'a> {
     arms: Vec<Arm<'a>>,
-    /// What planners that gave up had noted.
+    /// The notes of planners that gave up.
     spent: Notes,
-    /// Whose turn it is, and up to how many of its nodes.
+    /// The current planner, and the number of its nodes at which its turn ends.
     turn: Option<(usize, u64)>,
-    /// An arm that takes more memory than this gives up, bytes; the last one does not.
+    /// Memory limit of an arm, bytes; the last one has no limit.
     memory: u64,
     planner: &'static str,
 }
 
 impl<'a> Portfolio<'a> {
-    /// Planners with their shares of the nodes, those that come first having the first turn.
+    /// Alternates planners with shares of the nodes; the first has the first turn.
     pub fn new(arms: Vec<Arm<'a>>, memory: u64) -> Self {
         let memory = memory / arms.len().max(1) as u64;
         Portfolio { arms, spent: Notes::default(), turn: None, memory, planner: "auto" }
@@ -36,7 +36,7 @@ impl<'a> Portfolio<'a> {
         self.arms.remove(at).1.report(&mut self.spent);
     }
 
-    /// The planner that is farthest behind its share.
+    /// The planner that is furthest behind its share.
     fn next(&self) -> Option<usize> {
         (0..self.arms.len()).min_by_key(|at| {
             let (share, arm) = &self.arms[*at];
@@ -109,15 +109,15 @@ impl Searcher for Portfolio<'_> {
     }
 }
 
-/// Searches one after the other, each of which can tell more than the one before.
+/// Runs searches in sequence, each of which can prove more than the one before.
 pub(super) struct Refinement<'a> {
-    /// The last is the one at work.
+    /// The last one is active.
     stages: Vec<Box<dyn Searcher + 'a>>,
     done: Notes,
 }
 
 impl<'a> Refinement<'a> {
-    /// Of at least one search, the coarsest first.
+    /// Runs at least one search, the coarsest first.
     pub fn new(mut stages: Vec<Box<dyn Searcher + 'a>>) -> Self {
         stages.reverse();
         Refinement { stages, done: Notes::default() }

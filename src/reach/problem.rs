@@ -1,4 +1,4 @@
-//! The question: a world, what is asked for, where a search begins, and where a branch of it ends.
+//! The question: a world, a target, the starts of a search, and the conditions that end a branch.
 
 use std::sync::OnceLock;
 
@@ -6,9 +6,9 @@ use crate::ir::{ExprId, GoalId, NeverId, SlotId};
 use crate::sim::{Fault, Script, Simulator, State};
 use crate::watch::{Meter, Unwatched, Watch};
 
-use super::guard::Guard;
+use super::monitor::Monitor;
 
-/// What is asked for.
+/// The target.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Target {
     /// A way to a goal.
@@ -22,25 +22,26 @@ pub enum Target {
 pub enum Termination {
     /// A `never` holds.
     Never(NeverId),
-    /// What the question asks to do without holds.
+    /// A predicate that the question excludes holds.
     Avoided,
-    /// A player's position lies below or beside the bounds that are written for its space.
+    /// A player is below or beside the written bounds of its space.
     Outside,
 }
 
-/// What the simulator makes of a state on the way.
+/// The status of a state of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StateStatus {
     /// Go on.
     Open,
-    /// What is asked for holds.
+    /// The target holds.
     Goal,
     /// The branch ends.
     Dead(Termination),
 }
 
 impl StateStatus {
-    /// Whether the run is over: at a goal it could go on, where a `never` is broken it cannot, even if that is the target.
+    /// Whether the run is over. It can continue after a goal, but not after a broken `never`, even if that is the
+    /// target.
     pub(super) fn is_over(self, target: Target) -> bool {
         match self {
             StateStatus::Open => false,
@@ -50,19 +51,19 @@ impl StateStatus {
     }
 }
 
-/// A state from which a search begins, and the inputs that lead there.
+/// A start of a search, and the inputs that lead there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Start {
-    /// From the world's initial state on; empty where the search begins there.
+    /// The inputs from the initial state; empty if the search starts there.
     pub script: Script,
-    /// How many of its steps are given; during those after them its last input is held for as long as it must be.
+    /// Number of its steps that are given; after them, its last input is held for the rest of its minimum time.
     pub after: u64,
-    /// What it leads to.
+    /// The state after them.
     pub state: State,
 }
 
 impl Start {
-    /// How many steps of it are not given.
+    /// Number of steps that are not given.
     pub(super) fn steps(&self) -> u32 {
         u32::try_from(self.script.len() - self.after).unwrap_or(u32::MAX)
     }
@@ -79,42 +80,42 @@ pub enum BadStart {
     Stopped,
 }
 
-/// A world and what is asked of it.
+/// A question about a world.
 #[derive(Clone)]
 pub struct Problem<'s> {
     /// The simulator of the world.
     pub sim: &'s Simulator,
-    /// What is asked for.
+    /// The target.
     pub target: Target,
-    /// Predicates of the world that may not hold on the way, nor at its end.
+    /// Predicates of the world that must not hold on the path, including its end.
     avoided: Vec<ExprId>,
-    /// The most steps from where the search begins.
+    /// Maximum number of steps from the start of the search.
     within: Option<u32>,
-    /// The number of steps for which each input is held at least.
+    /// Minimum number of steps for which each input is held.
     least_hold: u16,
     players: Vec<SlotId>,
-    /// Looks at the states that are made for an answer.
-    guard: Option<&'s Guard>,
-    /// From where; none: from the initial state alone.
+    /// Checks the states created for an answer.
+    monitor: Option<&'s Monitor>,
+    /// The starts; if empty, the initial state.
     starts: Vec<Start>,
-    /// The initial state, once it was asked for: of a large world it takes long.
+    /// The initial state, computed on demand: it takes long for a large world.
     initial: OnceLock<Result<State, Fault>>,
 }
 
 impl<'s> Problem<'s> {
-    /// Asks for a goal of the simulator's world, from its initial state.
+    /// A question about a goal of the simulator's world, from its initial state.
     pub fn new(sim: &'s Simulator, goal: GoalId) -> Self {
         Problem::asking(sim, Target::Goal(goal))
     }
 
-    /// Asks for a goal, or for a way to break a `never`.
+    /// A question about a goal or a `never`, from the initial state.
     pub fn asking(sim: &'s Simulator, target: Target) -> Self {
         let players = sim.world().players.iter().map(|p| p.slot).collect();
         Problem {
             sim,
             target,
             players,
-            guard: None,
+            monitor: None,
             avoided: Vec::new(),
             within: None,
             least_hold: 1,
@@ -123,68 +124,66 @@ impl<'s> Problem<'s> {
         }
     }
 
-    /// Where it may not lead: a predicate of the world must never hold.
+    /// Excludes a predicate of the world on the path.
     #[must_use]
     pub fn without(mut self, predicate: ExprId) -> Self {
         self.avoided.push(predicate);
         self
     }
 
-    /// The predicates that may not hold on the way.
+    /// The predicates that must not hold on the path.
     pub(super) fn avoided(&self) -> &[ExprId] {
         &self.avoided
     }
 
-    /// Holds all states that are made for an answer against what the world can be, so that several questions share what is
-    /// found out. Without it, each search does so for itself ([`super::Settings::checks`]).
+    /// Checks all states created for an answer, with a monitor that several questions can share. Without one, each
+    /// search has its own ([`super::Settings::checks`]).
     #[must_use]
-    pub fn guarded(mut self, guard: &'s Guard) -> Self {
-        self.guard = Some(guard);
+    pub fn monitored(mut self, monitor: &'s Monitor) -> Self {
+        self.monitor = Some(monitor);
         self
     }
 
-    /// Who looks at the states.
-    pub fn guard(&self) -> Option<&'s Guard> {
-        self.guard
+    /// The monitor.
+    pub fn monitor(&self) -> Option<&'s Monitor> {
+        self.monitor
     }
 
-    /// How many steps it may take at most, from where a search begins.
+    /// Limits the number of steps from the start of the search.
     #[must_use]
     pub fn within(mut self, steps: u32) -> Self {
         self.within = Some(steps);
         self
     }
 
-    /// How many steps it may take at most; none: as many as it takes.
+    /// Maximum number of steps; `None`: no limit.
     pub fn time(&self) -> Option<u32> {
         self.within
     }
 
-    /// Admits only inputs that are held for at least `steps` steps (an input is what all players give together). Once
-    /// the hold is over, an input can change at any step. What is asked for can come about during a hold.
+    /// Admits only inputs that are held for at least `steps` steps (an input is the combination of all players'
+    /// inputs). After that, an input can change at any step. The target can be reached during a hold.
     #[must_use]
     pub fn holding(mut self, steps: u16) -> Self {
         self.least_hold = steps.max(1);
         self
     }
 
-    /// For how many steps an input is held at least.
+    /// Minimum number of steps for which an input is held.
     pub fn least_hold(&self) -> u16 {
         self.least_hold
     }
 
-    /// Begins where a script leads, too; without any, a search begins in the initial state.
+    /// Adds a start at the end of a script; without any, a search starts in the initial state.
     ///
-    /// # Errors
-    /// Where the run ends on the way.
+    /// [`BadStart`] if the run ends on the way.
     pub fn after(self, script: Script) -> Result<Self, BadStart> {
         self.after_watched(script, &Unwatched)
     }
 
     /// As [`Problem::after`], with a watch over the replay of the script.
     ///
-    /// # Errors
-    /// Where the run ends on the way, or the watch stops it.
+    /// [`BadStart`] if the run ends on the way, or if the watch stops it.
     pub fn after_watched(mut self, script: Script, watch: &dyn Watch) -> Result<Self, BadStart> {
         let initial = self.initial(watch).map_err(|f| BadStart::Fault(f, 0))?;
         let mut state = initial.ok_or(BadStart::Stopped)?;
@@ -206,7 +205,7 @@ impl<'s> Problem<'s> {
         Ok(self)
     }
 
-    /// From where a search begins; none if the watch stops it before that is known.
+    /// The starts of a search; `None` if the watch stops their computation.
     ///
     /// # Errors
     /// A [`Fault`] if the initial state breaks a rule.
@@ -218,7 +217,7 @@ impl<'s> Problem<'s> {
         Ok(self.initial(watch)?.map(start))
     }
 
-    /// The initial state; none if the watch stops it before that is known.
+    /// The initial state; `None` if the watch stops its computation.
     fn initial(&self, watch: &dyn Watch) -> Result<Option<State>, Fault> {
         if let Some(known) = self.initial.get() {
             return known.clone().map(Some);
@@ -236,7 +235,7 @@ impl<'s> Problem<'s> {
         &self.players
     }
 
-    /// The predicate that is asked for.
+    /// The predicate of the target.
     pub fn predicate(&self) -> ExprId {
         match self.target {
             Target::Goal(goal) => self.sim.world().goals[goal].holds,
@@ -244,9 +243,8 @@ impl<'s> Problem<'s> {
         }
     }
 
-    /// Judges a state: `never` first, then the bounds that are written, then the goal. The order matters: a state out of
-    /// bounds is the end of a run, which the analysis does not look at. Where a search itself stops (`window.rs`) is no
-    /// part of it.
+    /// Classifies a state: `never` first, then the written bounds, then the goal. The order matters: a state out of
+    /// bounds ends a run and is not part of the analysis. Search windows (`window.rs`) do not count here.
     ///
     /// # Errors
     /// A [`Fault`] if a predicate breaks a rule.

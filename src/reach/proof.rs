@@ -1,5 +1,5 @@
-//! Why a goal cannot be reached: the parts of its predicate that hold in no state that the world can be in, with what
-//! they read.
+//! Explains why a goal cannot be reached: the parts of its predicate that hold in no state of the configuration space,
+//! with the values that they read.
 
 use crate::analysis::{ConfigurationSpace, Interval, SlotSpace, Values};
 use crate::ir::{Expr, ExprId, SlotId, Subject, VarId};
@@ -9,7 +9,7 @@ use crate::watch::Watch;
 use super::metric::Quantity;
 use super::problem::{Problem, Target};
 
-/// The argument that a goal cannot be reached; each of its parts would have to turn out otherwise.
+/// The argument that a goal cannot be reached; each part would need the opposite truth value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Proof {
     /// The parts of the goal's predicate.
@@ -21,15 +21,15 @@ pub struct Proof {
 pub struct Part {
     /// The expression.
     pub predicate: ExprId,
-    /// How it always turns out.
+    /// Its constant truth value.
     pub holds: bool,
-    /// The numbers that it reads of instances, with all that they can be.
+    /// The variables that it reads, with all their values.
     pub reads: Vec<(Quantity, Values)>,
 }
 
 impl Proof {
-    /// Whether the analysis shows that what is asked for holds in no state, and why. A `never` counts in the state in which a
-    /// run ends, too: the space must be one that tells of those.
+    /// A proof from the analysis that the target holds in no state, if there is one. A `never` also counts in the state
+    /// in which a run ends, so its space must contain those states.
     pub fn of(problem: &Problem<'_>, space: &ConfigurationSpace) -> Option<Proof> {
         let (program, world) = (problem.sim.program(), problem.sim.world_id());
         if space.can_turn_out(program, world, problem.predicate(), true) {
@@ -42,22 +42,22 @@ impl Proof {
     }
 }
 
-/// A goal that is too far away for the time that there is.
+/// A goal that is too far away for the time limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TooFar {
-    /// The player that would have to get there.
+    /// The player that would have to reach it.
     pub player: SlotId,
-    /// Where it can be at most by then, along both axes.
+    /// The positions that it can have by then, per axis.
     pub within: [Interval; 2],
-    /// How many steps it takes at least.
+    /// A lower bound of the number of steps.
     pub least: u64,
 }
 
-/// What takes more steps than this at least is examined no closer.
+/// Upper limit of the search for the lower bound.
 const MAX_STEPS: u64 = 1 << 32;
 
 impl TooFar {
-    /// Whether the analysis shows that no player can be where the goal holds within the time that there is.
+    /// A proof that no player can be where the goal holds within the time limit, if there is one.
     ///
     /// # Errors
     /// A [`Fault`] if the initial state breaks a rule.
@@ -69,7 +69,7 @@ impl TooFar {
             let (x, y) = sim.position(state, player);
             space.within_steps(sim.program(), sim.world_id(), player, [x, y], steps)
         };
-        // Whether it can hold so soon, as far as is known of a player.
+        // Whether the goal can hold within a number of steps, judging by one player.
         let can = |player: SlotId, steps: u64| {
             starts.iter().any(|start| {
                 within(player, &start.state, steps).is_none_or(|part| {
@@ -84,7 +84,7 @@ impl TooFar {
             while high < MAX_STEPS && !can(player, high) {
                 (low, high) = (high, high * 2);
             }
-            // It cannot after `low` steps; after `high` perhaps.
+            // It cannot hold after `low` steps; after `high` it may.
             while low + 1 < high {
                 let middle = low.midpoint(high);
                 if can(player, middle) { high = middle } else { low = middle }
@@ -107,11 +107,11 @@ impl Prover<'_> {
         self.space.can_turn_out(self.problem.sim.program(), self.problem.sim.world_id(), id, holds)
     }
 
-    /// The parts for which an expression cannot turn out as asked.
+    /// Collects the parts because of which an expression cannot have the wanted truth value.
     fn explain(&self, id: ExprId, wanted: bool, parts: &mut Vec<Part>) {
         match (self.problem.sim.program().exprs[id], wanted) {
             (Expr::Not(a), _) => self.explain(a, !wanted, parts),
-            // Both would have to: one that cannot is enough.
+            // Both are needed: one impossible part is enough.
             (Expr::And(a, b), true) | (Expr::Or(a, b), false) => {
                 match [a, b].into_iter().find(|part| !self.can(*part, wanted)) {
                     Some(part) => self.explain(part, wanted, parts),
@@ -133,7 +133,7 @@ impl Prover<'_> {
         Part { predicate, holds: !wanted, reads }
     }
 
-    /// The variables of instances that an expression reads, each once.
+    /// The variables of instances that an expression reads, without duplicates.
     fn reads(&self, id: ExprId, out: &mut Vec<Quantity>) {
         let mut add = |quantity: Quantity| {
             if !out.contains(&quantity) {
@@ -160,7 +160,7 @@ impl Prover<'_> {
         }
     }
 
-    /// All that a variable can be; none where nothing is known.
+    /// All values of a variable; `None` if unknown.
     fn values(&self, quantity: Quantity) -> Option<Values> {
         let of =
             |slot: SlotId| -> Option<&SlotSpace> { Some(&self.space.finest().slots[slot]).filter(|s| !s.is_given_up) };

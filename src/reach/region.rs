@@ -1,25 +1,25 @@
-//! Where a goal lies, as far as its predicate says: boxes of coordinates from which some samples are drawn, so that
-//! the tree leans towards the goal.
+//! The goal region: boxes of coordinates derived from the goal's predicate, from which some samples are drawn to bias
+//! the tree towards the goal.
 
 use rand::{Rng, RngExt};
 
 use crate::ir::{CompareOp, Entity, Expr, ExprId, SlotId, Subject, TagSet, TouchId, VarId};
 
+use super::goal_positions::{extent, overlapping, static_boxes};
 use super::metric::{MODE_PENALTY, Metric, Point, Quantity};
 use super::problem::Problem;
-use super::whereabouts::{extent, overlapping, unmoving};
 
-/// The most boxes a goal is cut into.
+/// Maximum number of boxes per goal.
 const MAX_BOXES: usize = 256;
 
-/// One box: some coordinates with the scaled range they are drawn from, and some modes.
+/// One box: scaled ranges of some coordinates, and values of some modes.
 #[derive(Debug, Clone, Default, PartialEq)]
 struct Region {
     reals: Vec<(usize, f32, f32)>,
     modes: Vec<(usize, f32)>,
 }
 
-/// The boxes of a goal; none where its predicate says nothing that could be sampled.
+/// The boxes of a goal; empty if its predicate cannot be sampled.
 #[derive(Debug, Clone, Default)]
 pub(super) struct GoalRegion {
     boxes: Vec<Region>,
@@ -47,7 +47,7 @@ impl GoalRegion {
         self.boxes.iter().map(to).reduce(f32::min).unwrap_or(0.0)
     }
 
-    /// Moves a sample into a random box; leaves it as it is if there is none.
+    /// Moves a sample into a random box, if there is one.
     pub fn pull(&self, rng: &mut impl Rng, sample: &mut Point) {
         if self.boxes.is_empty() {
             return;
@@ -68,7 +68,7 @@ struct Finder<'a> {
 }
 
 impl Finder<'_> {
-    /// Boxes whose union holds what an expression allows, roughly: what cannot be told is not restricted.
+    /// Boxes whose union approximates the set where an expression holds; unsupported expressions are unrestricted.
     fn boxes(&self, id: ExprId) -> Vec<Region> {
         let anything = || vec![Region::default()];
         match self.problem.sim.program().exprs[id] {
@@ -98,7 +98,7 @@ impl Finder<'_> {
                 let (Some(x), Some(y), Some(r)) = (self.constant(x), self.constant(y), self.constant(radius)) else {
                     return anything();
                 };
-                // The square inside the circle.
+                // The square inscribed in the circle.
                 let r = r.max(0.0) / std::f64::consts::SQRT_2;
                 vec![self.position_box(slot, (x - r, x + r), (y - r, y + r))]
             }
@@ -159,7 +159,7 @@ impl Finder<'_> {
         Some(Region { reals: vec![range?], modes: Vec::new() })
     }
 
-    /// The positions at which a collider of the slot lies over a tile or a rectangle with the tag.
+    /// The positions at which a collider of the slot overlaps a tile or a rectangle with the tag.
     fn touching(&self, slot: SlotId, touch: TouchId) -> Vec<Region> {
         let (program, world) = (self.problem.sim.program(), self.problem.sim.world());
         let s = &world.slots[slot];
@@ -169,7 +169,7 @@ impl Finder<'_> {
         let mut boxes = Vec::new();
         for collider in entity.colliders.iter().filter(|c| touch.mine.meets(c.tags)) {
             let Some(mine) = extent(self.problem, slot, collider) else { continue };
-            let targets = unmoving(&world.spaces[s.space], wanted, MAX_BOXES).take(MAX_BOXES);
+            let targets = static_boxes(&world.spaces[s.space], wanted, MAX_BOXES).take(MAX_BOXES);
             boxes.extend(targets.map(|target| {
                 let [x, y] = overlapping(&mine, &target);
                 self.position_box(slot, x, y)

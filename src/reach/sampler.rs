@@ -1,4 +1,4 @@
-//! The planning loop of all that sample: sample, choose a node and an input, extend, learn; and restarts.
+//! The planning loop of sampling planners: sample, choose a node and an input, extend, learn; with restarts.
 //!
 //! Restarts follow the universal sequence 1, 1, 2, 1, 1, 2, 4, … of Luby, Sinclair and Zuckerman, *Optimal Speedup of
 //! Las Vegas Algorithms*, 1993: an early choice that cannot be undone (boarding a platform at the wrong moment) makes
@@ -6,7 +6,7 @@
 
 use rand::RngExt;
 
-use super::distance::Distances;
+use super::distance::DistanceField;
 use super::metric::Point;
 use super::outcome::Plan;
 use super::region::GoalRegion;
@@ -14,40 +14,39 @@ use super::search_context::{Extension, Notes, SearchContext};
 use super::searcher::{Ending, Searcher};
 use super::strategy::{Choice, Growth, Strategy};
 
-/// How many samples in a row a strategy may discard before its tree is given up.
-const MAX_FRUITLESS: u64 = 10_000;
+/// Maximum number of consecutive samples that a strategy may discard before its tree is abandoned.
+const MAX_DISCARDED: u64 = 10_000;
 
-/// The number of trees in a row that may stay without a node beside their roots before the search ends: all that is possible there
-/// ends at once, or has no time left.
-const MAX_BARREN: u64 = 1_000;
+/// Maximum number of consecutive trees without a node besides their root before the search ends.
+const MAX_EMPTY_TREES: u64 = 1_000;
 
-/// What a sample costs, in units of work, beside being compared.
-const TRY: u64 = 512;
+/// Cost of a sample, in units of work, without comparisons.
+const SAMPLE_WORK: u64 = 512;
 
-/// The number of coordinates that are compared for a unit of work: indexes leave most nodes out.
-const COMPARED: u64 = 16;
+/// Number of compared coordinates per unit of work: the index skips most nodes.
+const COMPARISONS_PER_WORK: u64 = 16;
 
-/// A tree that a strategy grows from samples, replanted now and then.
+/// Grows trees with a strategy, with restarts.
 pub(super) struct Sampler<'a> {
     context: SearchContext<'a>,
     strategy: Box<dyn Strategy + Send + 'a>,
-    /// The planner's.
+    /// The name of the planner.
     name: &'static str,
     region: GoalRegion,
-    /// The share of samples that are drawn towards the goal; none if the strategy looks at no samples.
+    /// The share of samples that are drawn from the goal region; `None` if the strategy uses no samples.
     goal_bias: Option<f64>,
-    /// The number of nodes of the shortest tree before a restart; none: never.
+    /// Number of nodes of the shortest tree before a restart; `None`: never.
     restart: Option<u64>,
-    /// How many nodes the tree may have.
-    allowance: u64,
-    /// What tells how long the rest of a way takes at least, where there is a time to keep.
-    distances: Option<&'a Distances>,
+    /// Maximum number of nodes of the current tree.
+    max_tree_nodes: u64,
+    /// The distance field, if there is a time limit.
+    distances: Option<&'a DistanceField>,
     round: u64,
-    /// How many coordinates a point has.
+    /// Number of coordinates of a point.
     coordinates: u64,
-    fruitless: u64,
-    /// How many trees in a row have stayed without a node beside their roots.
-    barren: u64,
+    discarded: u64,
+    /// Number of consecutive trees without a node besides their root.
+    empty_trees: u64,
     toward: Point,
     point: Point,
 }
@@ -59,7 +58,7 @@ impl<'a> Sampler<'a> {
         name: &'static str,
         goal_bias: Option<f64>,
         restart: Option<u64>,
-        distances: Option<&'a Distances>,
+        distances: Option<&'a DistanceField>,
     ) -> Self {
         let region = GoalRegion::new(context.problem, context.metric);
         let coordinates = context.metric.coordinates().len() as u64 + 1;
@@ -69,27 +68,28 @@ impl<'a> Sampler<'a> {
             region,
             goal_bias: goal_bias.map(|share| share.clamp(0.0, 1.0)),
             restart,
-            allowance: 0,
+            max_tree_nodes: 0,
             distances: distances.filter(|_| context.problem.time().is_some()),
             context,
             round: 0,
             coordinates,
-            fruitless: 0,
-            barren: 0,
+            discarded: 0,
+            empty_trees: 0,
             toward: Point::default(),
             point: Point::default(),
         }
     }
 
-    /// Begins the next tree, at the next start.
-    fn plant(&mut self) {
+    /// Starts the next tree at the next start.
+    fn start_tree(&mut self) {
         self.round += 1;
-        self.fruitless = 0;
-        self.barren = if self.context.tree.len() == 1 { self.barren + 1 } else { 0 };
-        self.allowance = self.restart.map_or(u64::MAX, |shortest| shortest.max(2).saturating_mul(luby(self.round)));
+        self.discarded = 0;
+        self.empty_trees = if self.context.tree.len() == 1 { self.empty_trees + 1 } else { 0 };
+        self.max_tree_nodes =
+            self.restart.map_or(u64::MAX, |shortest| shortest.max(2).saturating_mul(luby(self.round)));
         self.context.clear();
         let start = (self.round - 1) as usize % self.context.starts().max(1);
-        let root = self.context.plant(start, true);
+        let root = self.context.add_root(start, true);
         self.context.notes.statistics.trees += 1;
         self.context.point(root, &mut self.point);
         self.strategy.learn(&mut self.context, None, Growth::Rooted(root, &self.point));
@@ -97,7 +97,7 @@ impl<'a> Sampler<'a> {
 
     fn is_over(&self) -> bool {
         let tree = &self.context.tree;
-        tree.len() as u64 >= self.allowance || tree.open_nodes() == 0 || self.fruitless >= MAX_FRUITLESS
+        tree.len() as u64 >= self.max_tree_nodes || tree.open_nodes() == 0 || self.discarded >= MAX_DISCARDED
     }
 
     fn choose(&mut self) -> Option<Choice> {
@@ -112,7 +112,7 @@ impl<'a> Sampler<'a> {
         self.strategy.choose(&mut self.context, &self.toward)
     }
 
-    /// Whether the rest of the way from a state takes longer than the time that is left after a number of steps.
+    /// Whether the remaining time at a depth is less than the lower bound from a state.
     fn is_too_late(&self, state: &[u8], depth: u32) -> bool {
         let (Some(most), Some(distances)) = (self.context.problem.time(), self.distances) else { return false };
         let sim = self.context.problem.sim;
@@ -121,26 +121,25 @@ impl<'a> Sampler<'a> {
         depth.saturating_add(rest) > most
     }
 
-    /// Whether all starts are too far away from the goal for the time that there is, as far as `lead` can tell: then every
-    /// tree would stay without a node.
+    /// Whether all starts are too far away from the goal for the time limit, or all recent trees were empty.
     fn is_hopeless(&self) -> bool {
         let tree = &self.context.tree;
-        self.barren >= MAX_BARREN
-            || self.barren >= self.context.starts() as u64
+        self.empty_trees >= MAX_EMPTY_TREES
+            || self.empty_trees >= self.context.starts() as u64
                 && !tree.is_empty()
                 && self.context.start_states().all(|(state, depth)| self.is_too_late(state, depth))
     }
 
-    /// One turn of the loop.
-    fn turn(&mut self) -> Option<Plan> {
+    /// One iteration of the loop.
+    fn iterate(&mut self) -> Option<Plan> {
         let Some(choice) = self.choose() else {
-            // A strategy that discards every sample has nothing more to say about this tree.
-            self.fruitless += 1;
+            // A strategy that discards every sample is stuck in this tree.
+            self.discarded += 1;
             return None;
         };
-        self.fruitless = 0;
+        self.discarded = 0;
         match self.context.extend(choice) {
-            // From there, the goal is too far away for the time that is left.
+            // From there, the goal is too far away for the remaining time.
             Extension::Open
                 if self.is_too_late(
                     self.context.reached(),
@@ -167,17 +166,17 @@ impl Searcher for Sampler<'_> {
     fn advance(&mut self, nodes: u64) -> Ending {
         let until = self.context.notes.statistics.nodes.saturating_add(nodes);
         while self.context.notes.statistics.nodes < until {
-            // A sample is compared with nodes, at worst with all of them.
+            // A sample is compared with nodes, in the worst case with all of them.
             let compared = self.context.tree.len() as u64 + 1;
-            if self.context.meter.spend(TRY + self.coordinates * compared / COMPARED) {
+            if self.context.meter.spend(SAMPLE_WORK + self.coordinates * compared / COMPARISONS_PER_WORK) {
                 return Ending::Stopped;
             }
             if self.is_over() {
-                self.plant();
+                self.start_tree();
                 if self.is_hopeless() {
                     return Ending::Spent;
                 }
-            } else if let Some(plan) = self.turn() {
+            } else if let Some(plan) = self.iterate() {
                 return Ending::Reached(plan);
             }
         }

@@ -1,5 +1,5 @@
-//! A whole search: builds the searchers that the settings ask for, lets them grow until there is an answer or the budget
-//! is spent, several of them in parallel, and tells what came of it.
+//! A complete search: builds searchers from the settings, runs them in parallel until there is an answer or the budget
+//! is spent, and builds the outcome.
 
 use std::sync::Mutex;
 use std::thread;
@@ -13,45 +13,45 @@ use crate::watch::{Meter, Progress, Watch};
 
 use super::bounds::Sampling;
 use super::controls::{ControlSets, reads_between};
-use super::coverage::mixed;
-use super::distance::Distances;
+use super::coverage::mix;
+use super::distance::DistanceField;
 use super::exhaustive::{Change, Exhaustive};
-use super::guard::guarded;
 use super::metric::{Measure, Metric};
+use super::monitor::monitored;
 use super::outcome::{Argument, End, Outcome, Plan, Verdict};
 use super::planners::{Method, Planner};
 use super::portfolio::{Portfolio, Refinement};
 use super::problem::{Problem, Start};
 use super::sampler::Sampler;
-use super::seam::{Settled, settled};
 use super::search_context::{Notes, SearchContext};
 use super::searcher::{Ending, Searcher};
+use super::start_hold::{StartStatus, finish_hold};
 use super::window::Windows;
 
-/// How a search goes about it.
+/// Search settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// The seed of the generator: the same seed gives the same search.
     pub seed: u64,
-    /// Who searches.
+    /// The planner.
     pub planner: Planner,
-    /// For how many steps an input is held: drawn between both, ends included; none: as the planner does by itself.
+    /// Range of the number of steps for which an input is held, ends included; `None`: the planner's default.
     pub hold: Option<(u16, u16)>,
-    /// The share of samples that are drawn towards the goal.
+    /// The share of samples that are drawn from the goal region.
     pub goal_bias: f64,
     /// When a tree is given up for a new one.
     pub restart: Restart,
     /// Where samples are drawn from.
     pub sampling: Sampling,
-    /// What distances are measured in.
+    /// The metric.
     pub measure: Measure,
-    /// How many trees grow side by side, each from a seed of its own; the result depends on it.
+    /// Number of parallel trees, each with its own seed; the result depends on it.
     pub trees: usize,
-    /// How many threads let them grow; the result does not depend on it.
+    /// Number of threads; the result does not depend on it.
     pub threads: usize,
     /// Whether all nodes are recorded, for pictures.
     pub records: bool,
-    /// Whether all states are checked against what the world can be, where a problem has no [`Guard`](super::Guard) of its own.
+    /// Whether all states are checked against the configuration space, if a problem has no [`Monitor`](super::Monitor).
     pub checks: bool,
 }
 
@@ -76,21 +76,21 @@ impl Default for Settings {
 /// When a tree is given up for a new one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Restart {
-    /// As the planner does by itself.
+    /// The planner's default.
     #[default]
     ByPlanner,
     /// After this number of nodes, or a multiple of it.
     After(u64),
-    /// Trees grow for ever.
+    /// Never.
     Never,
 }
 
-/// What a search may cost.
+/// Limits of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
     /// Nodes over all trees.
     pub nodes: u64,
-    /// Bytes that trees and indexes may take.
+    /// Memory for trees and indexes, bytes.
     pub memory: u64,
 }
 
@@ -100,10 +100,10 @@ impl Default for Limits {
     }
 }
 
-/// How many nodes grow between two looks at the whole.
+/// Number of nodes between two checks of the limits.
 const ROUND: u64 = 512;
 
-/// Searches until what is asked for is found or the budget is spent, without asking the analysis first.
+/// Searches until the target is found or the budget is spent, without the analysis.
 ///
 /// # Errors
 /// A [`Fault`] if the initial state breaks a rule.
@@ -114,16 +114,16 @@ pub fn search(
     limits: &Limits,
     watch: &dyn Watch,
 ) -> Result<Outcome, Fault> {
-    guarded(problem, space, settings, |problem| {
-        let mut outcome = search_guarded(problem, space, settings, limits, watch)?;
-        if let Some(guard) = problem.guard() {
-            outcome.refute_by(guard);
+    monitored(problem, space, settings, |problem| {
+        let mut outcome = search_monitored(problem, space, settings, limits, watch)?;
+        if let Some(monitor) = problem.monitor() {
+            outcome.refute_by(monitor);
         }
         Ok(outcome)
     })
 }
 
-fn search_guarded(
+fn search_monitored(
     problem: &Problem<'_>,
     space: &ConfigurationSpace,
     settings: &Settings,
@@ -134,15 +134,15 @@ fn search_guarded(
     let is_alone = all.len() == 1;
     let (mut starts, mut fault) = (Vec::new(), None);
     for start in all {
-        problem.guard().inspect(|guard| guard.follow(problem, &start.script, &Meter::new(watch)));
-        match settled(problem, start, watch)? {
-            Settled::Open(start) => starts.push(start),
-            Settled::Over => {}
-            Settled::Fault(at, step) => fault = fault.or(Some((at, step))),
-            Settled::Stopped => return Ok(Outcome::stopped(settings.planner)),
-            Settled::Goal { script, after } => {
+        problem.monitor().inspect(|monitor| monitor.follow(problem, &start.script, &Meter::new(watch)));
+        match finish_hold(problem, start, watch)? {
+            StartStatus::Open(start) => starts.push(start),
+            StartStatus::Over => {}
+            StartStatus::Fault(at, step) => fault = fault.or(Some((at, step))),
+            StartStatus::Stopped => return Ok(Outcome::stopped(settings.planner)),
+            StartStatus::Goal { script, after } => {
                 let steps = script.len();
-                // Only what must be held anyway comes before.
+                // Only the mandatory hold comes before it.
                 let plan = Plan { steps, script, after, is_shortest: is_alone };
                 return Ok(Outcome::of(Verdict::Reached(plan), settings.planner.name()));
             }
@@ -154,8 +154,8 @@ fn search_guarded(
     }
     let windows = Windows::new(problem, &starts);
     let metric = Metric::measuring(problem.sim, space, (settings.sampling, windows.extent), settings.measure);
-    let is_led = settings.planner.is_led() || problem.time().is_some();
-    let distances = if is_led { Distances::new(problem, space, &Meter::new(watch)) } else { None };
+    let uses_distances = settings.planner.uses_distances() || problem.time().is_some();
+    let distances = if uses_distances { DistanceField::new(problem, space, &Meter::new(watch)) } else { None };
     let build = Builder {
         problem,
         measures: (&metric, &windows),
@@ -166,14 +166,14 @@ fn search_guarded(
         watch,
     };
     let trees: Vec<Box<dyn Searcher + '_>> = (0..settings.trees.max(1)).map(|tree| build.searcher(tree)).collect();
-    Ok(Forest { trees, settings, limits, watch, fault, reads_between: reads_between(problem) }.grow())
+    Ok(ParallelSearch { trees, settings, limits, watch, fault, reads_between: reads_between(problem) }.grow())
 }
 
 /// Builds searchers.
 struct Builder<'b, 'a> {
     problem: &'a Problem<'a>,
     measures: (&'a Metric, &'a Windows),
-    distances: Option<&'a Distances>,
+    distances: Option<&'a DistanceField>,
     settings: &'b Settings,
     limits: &'b Limits,
     starts: &'b [Start],
@@ -188,29 +188,30 @@ impl<'a> Builder<'_, 'a> {
                 let planners = match (self.distances, self.problem.time()) {
                     (Some(_), None) => AUTO,
                     (Some(_), Some(_)) => AUTO_IN_TIME,
-                    (None, _) => AUTO_NOWHERE,
+                    (None, _) => AUTO_WITHOUT_DISTANCES,
                 };
                 let sampling =
-                    planners.iter().map(|(share, planner)| (*share, self.one(*planner, tree, self.settings.hold)));
+                    planners.iter().map(|(share, planner)| (*share, self.single(*planner, tree, self.settings.hold)));
                 let mut arms: Vec<_> = sampling.collect();
-                // An exhaustion is the same whatever its seed.
+                // Exhaustive search does not depend on the seed.
                 if tree == 0 {
                     arms.push((1, Box::new(self.refinement(tree))));
                 }
                 Box::new(Portfolio::new(arms, self.limits.memory / self.settings.trees.max(1) as u64))
             }
             Method::Sampling { .. } | Method::Exhaustive { .. } => {
-                self.one(self.settings.planner, tree, self.settings.hold)
+                self.single(self.settings.planner, tree, self.settings.hold)
             }
         }
     }
 
-    /// Exhaustions by inputs that change only every few steps, finer and finer, down to all that the question admits.
+    /// Exhaustive searches with inputs that change only every few steps, finer and finer, up to all that the question
+    /// admits.
     fn refinement(&self, tree: usize) -> Refinement<'a> {
         let least = self.problem.least_hold();
         let coarse = COARSE.into_iter().filter(|hold| *hold > least).chain((least > 1).then_some(least));
         let changes = coarse.map(Change::Every).chain([Change::After(least)]);
-        // Within a time, only what goes in the order of time proves anything.
+        // With a time limit, only breadth-first search proves anything.
         let best_first = self.problem.time().is_none();
         let stages =
             changes.map(|change| Box::new(self.exhaustive(tree, change, best_first)) as Box<dyn Searcher + 'a>);
@@ -221,19 +222,18 @@ impl<'a> Builder<'_, 'a> {
         Exhaustive::new(self.context(tree, ControlSets::complete(), (1, 1)), change, best_first)
     }
 
-    /// What a tree is built on. Trees begin at different starts and with different seeds, of which the first is the one that is
-    /// given.
+    /// The context of a tree. Trees have different starts and seeds; the first has the given seed.
     fn context(&self, tree: usize, controls: ControlSets, hold: (u16, u16)) -> SearchContext<'a> {
         let mut starts = self.starts.to_vec();
         starts.rotate_left(tree % self.starts.len().max(1));
-        let seed = if tree == 0 { self.settings.seed } else { mixed(self.settings.seed, tree as u64) };
+        let seed = if tree == 0 { self.settings.seed } else { mix(self.settings.seed, tree as u64) };
         let rng = Pcg64::seed_from_u64(seed);
         SearchContext::new(self.problem, self.measures, controls, starts, hold, rng, self.watch)
             .recording(self.settings.records)
     }
 
-    /// The searcher of a planner that is no portfolio.
-    fn one(&self, planner: Planner, tree: usize, hold: Option<(u16, u16)>) -> Box<dyn Searcher + 'a> {
+    /// The searcher of a single planner.
+    fn single(&self, planner: Planner, tree: usize, hold: Option<(u16, u16)>) -> Box<dyn Searcher + 'a> {
         let hold = hold.unwrap_or(planner.hold());
         match planner.method() {
             Method::Sampling { samples, strategy } => {
@@ -257,34 +257,34 @@ impl<'a> Builder<'_, 'a> {
     }
 }
 
-/// Inputs that change only every few steps lead to few states, so that ways to the goal are soon found among them.
+/// Coarse holds, steps: they lead to few states, among which paths are found soon.
 const COARSE: [u16; 3] = [10, 5, 2];
 
-/// The sampling planners that `auto` takes in turns, with their shares of the nodes: by measurement, the first solves most
-/// goals at a place soonest, the second most others, the third some that these do not. Beside them, an exhaustion with a
+/// The sampling planners of `auto`, with their shares of the nodes. By measurement, the first solves most goals at a
+/// position soonest, the second most others, the third some that these do not. In addition, an exhaustive search with a
 /// share of 1 looks for proofs.
 const AUTO: [(u64, Planner); 3] = [(4, Planner::Lead), (4, Planner::Coverage), (1, Planner::Rrt)];
-/// Where there is a time to keep, the first is the best by far.
+/// With a time limit, the first is the best by far.
 const AUTO_IN_TIME: [(u64, Planner); 3] = [(16, Planner::Lead), (4, Planner::Coverage), (1, Planner::Rrt)];
-/// Where distances lead nowhere, as the goal lies at no place: then places are left that are covered regardless of what
-/// all others do.
-const AUTO_NOWHERE: [(u64, Planner); 3] = [(4, Planner::Coverage), (2, Planner::Lead), (1, Planner::Rrt)];
+/// Without a distance field, as the goal is not at a position: `lead` then only favours places that were chosen less
+/// often.
+const AUTO_WITHOUT_DISTANCES: [(u64, Planner); 3] = [(4, Planner::Coverage), (2, Planner::Lead), (1, Planner::Rrt)];
 
-/// Searchers side by side.
-struct Forest<'f, 'a> {
+/// Parallel searchers.
+struct ParallelSearch<'f, 'a> {
     trees: Vec<Box<dyn Searcher + 'a>>,
     settings: &'f Settings,
     limits: &'f Limits,
     watch: &'f dyn Watch,
-    /// The first run-time error before any tree has begun, with its step.
+    /// The first run-time error before the start of any tree, with its step.
     fault: Option<(Fault, u64)>,
-    /// Whether values of axes between -1, 0 and 1 can make a difference.
+    /// Whether axis values between -1, 0 and 1 matter.
     reads_between: bool,
 }
 
-impl Forest<'_, '_> {
-    /// Lets all trees grow in rounds. In each round all grow as much, and the lowest tree with an answer has the word, so
-    /// that the result does not depend on who is faster.
+impl ParallelSearch<'_, '_> {
+    /// Grows all trees in rounds. In each round all grow equally, and the first tree in order with an answer wins, so
+    /// the result does not depend on timing.
     fn grow(mut self) -> Outcome {
         if self.watch.stop() {
             return self.outcome(Verdict::NotFound, End::Stopped, 0);
@@ -312,7 +312,7 @@ impl Forest<'_, '_> {
                             true => Verdict::Exhausted(found),
                             false => Verdict::Unreachable(Argument::Exhaustion(found)),
                         };
-                        // A start that ended in a run-time error says nothing of where it might have led.
+                        // A start that ended in a run-time error might have led further.
                         let verdict = if self.fault.is_some() { Verdict::NotFound } else { verdict };
                         return self.outcome(verdict, End::Answered, tree);
                     }
@@ -329,18 +329,18 @@ impl Forest<'_, '_> {
         }
     }
 
-    /// Lets each tree grow by `nodes` nodes, on as many threads as the settings and the system allow.
+    /// Grows each tree by `nodes` nodes, on as many threads as the settings and the system allow.
     fn round(&mut self, nodes: u64) -> Vec<Ending> {
         let threads = self.settings.threads.clamp(1, self.trees.len());
         if threads == 1 {
             return self.trees.iter_mut().map(|tree| tree.advance(nodes)).collect();
         }
-        // More threads than cores only wait for each other.
+        // More threads than cores do not help.
         let threads = threads.min(thread::available_parallelism().map_or(1, usize::from).max(2));
         let mut endings: Vec<Option<Ending>> = self.trees.iter().map(|_| None).collect();
         let tasks = Mutex::new(self.trees.iter_mut().zip(&mut endings));
         let grow = || {
-            // A thread that panics takes all with it in the end.
+            // A poisoned lock ends the loop; the scope re-raises the panic.
             let next = || tasks.lock().map_or(None, |mut tasks| tasks.next());
             while let Some((tree, ending)) = next() {
                 *ending = Some(tree.advance(nodes));
@@ -348,7 +348,7 @@ impl Forest<'_, '_> {
         };
         thread::scope(|scope| {
             for _ in 1..threads {
-                // What the system does not give is not needed: the threads that there are do it all.
+                // If the system refuses a thread, the existing ones do all the work.
                 if thread::Builder::new().spawn_scoped(scope, grow).is_err() {
                     break;
                 }
@@ -358,7 +358,7 @@ impl Forest<'_, '_> {
         endings.into_iter().map(|ending| ending.unwrap_or(Ending::Stopped)).collect()
     }
 
-    /// The end of a search that has no answer yet; a way that was found already is one.
+    /// The outcome of a search without an answer, unless a pending path is one.
     fn unanswered(mut self, end: End, tree: usize) -> Outcome {
         let pending = self.trees.iter_mut().enumerate().find_map(|(tree, t)| Some((tree, t.pending()?)));
         match pending {

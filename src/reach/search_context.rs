@@ -1,5 +1,5 @@
-//! What planners build on: the tree, the inputs of its nodes, the simulator that extends it, and what is noted on the
-//! way. The loop (`sampler.rs`, `exhaustive.rs`) owns one; strategies borrow it.
+//! The context of planners: the tree, the inputs of its nodes, the simulator, and the notes of the search. The loops
+//! (`sampler.rs`, `exhaustive.rs`) own it; strategies borrow it.
 
 use rand::RngExt;
 use rand_pcg::Pcg64;
@@ -17,42 +17,42 @@ use super::strategy::Choice;
 use super::tree::{NodeId, Tree};
 use super::window::Windows;
 
-/// So often the watch of a short replay is asked that must be over soon: a few tenths of a second.
-const SOON: u32 = 100;
+/// Number of polls after which a final short replay is stopped: a few tenths of a second.
+const REPLAY_POLLS: u32 = 100;
 
 /// How an extension ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Extension {
     /// The input was held to the end.
     Open,
-    /// The branch ended before.
+    /// The branch ended earlier.
     Dead,
-    /// What is asked for holds after this number of steps.
+    /// The target holds after this number of steps.
     Goal(u16),
 }
 
-/// What a search notes beside its tree.
+/// Results of a search besides its tree.
 #[derive(Debug, Default)]
 pub(super) struct Notes {
     pub statistics: Statistics,
-    /// The first way that broke each `never`.
+    /// The first counterexample to each `never`.
     pub violations: Vec<(NeverId, Script)>,
-    /// The first run-time error met, with the step of its path.
+    /// The first run-time error, with its step.
     pub fault: Option<(Fault, u64)>,
     pub coverage: Coverage,
     /// Whether inputs were left out because there are too many.
     pub is_truncated: bool,
     /// Every node, if nodes are recorded.
     pub record: Vec<Visited>,
-    /// Where all states were visited without an answer that inputs lead to which change only every few steps, the
-    /// finest such inputs: for how many steps they are held, and how many states there are. Proves nothing of others.
+    /// If all states were visited without an answer for inputs that change only every few steps: the finest such
+    /// inputs, as the number of steps and of states. Proves nothing about others.
     pub exhausted: Option<(u16, u64)>,
-    /// Branches given up at search windows, beyond which something that is asked for may happen.
+    /// Branches given up at search windows although the target may lie beyond.
     pub cuts: Vec<Cut>,
 }
 
 impl Notes {
-    /// Adds what another search noted; what was first stays.
+    /// Adds the notes of another search; first entries take precedence.
     pub fn join(&mut self, other: &Notes) {
         self.statistics.add(&other.statistics);
         for (never, script) in &other.violations {
@@ -74,7 +74,7 @@ impl Notes {
         };
     }
 
-    /// Counts branches that were given up.
+    /// Counts abandoned branches.
     fn cut(&mut self, cut: Cut) {
         match self.cuts.iter_mut().find(|known| known.space == cut.space) {
             Some(known) => {
@@ -86,7 +86,7 @@ impl Notes {
     }
 }
 
-/// A tree in its world.
+/// A tree with its world.
 pub struct SearchContext<'a> {
     /// The question.
     pub problem: &'a Problem<'a>,
@@ -95,28 +95,28 @@ pub struct SearchContext<'a> {
     windows: &'a Windows,
     /// The tree that grows.
     pub tree: Tree,
-    /// Where all that is drawn comes from.
+    /// The random number generator.
     pub rng: Pcg64,
-    /// Counts what is done, and asks whether to go on.
+    /// Counts work and polls the watch.
     pub(super) meter: Meter<'a>,
     pub(super) controls: ControlSets,
     pub(super) notes: Notes,
-    /// For how many steps an input is held: from the least to the most.
+    /// Range of the number of steps for which an input is held.
     pub(super) hold: (u16, u16),
     starts: Vec<Start>,
-    /// Of each root of the tree, its start.
+    /// For each root of the tree, its start.
     roots: Vec<(NodeId, usize)>,
     scratch: Scratch,
-    /// The state that the last simulation led to.
+    /// The state after the last simulation.
     work: Vec<u8>,
-    /// Whether a state was outside of what the world can be: one is enough.
+    /// Whether a state was outside the configuration space: one is enough.
     is_refuted: bool,
-    /// Where the tree's nodes begin in the record, if nodes are recorded.
+    /// The index of the tree's first node in the record, if nodes are recorded.
     recorded: Option<usize>,
 }
 
 impl<'a> SearchContext<'a> {
-    /// What a search from some starts needs.
+    /// The context of a search from some starts.
     pub(super) fn new(
         problem: &'a Problem<'a>,
         (metric, windows): (&'a Metric, &'a Windows),
@@ -165,17 +165,17 @@ impl<'a> SearchContext<'a> {
         self.notes.record.push(Visited { parent, space, at: [x as f32, y as f32] });
     }
 
-    /// The number of states to begin in.
+    /// Number of starts.
     pub(super) fn starts(&self) -> usize {
         self.starts.len()
     }
 
-    /// The states to begin in, each with the steps that have led there from where the search began.
+    /// The states of the starts, with the number of steps since the search began.
     pub(super) fn start_states(&self) -> impl Iterator<Item = (&[u8], u32)> {
         self.starts.iter().map(|start| (&*start.state, start.steps()))
     }
 
-    /// Forgets the tree.
+    /// Removes the tree.
     pub(super) fn clear(&mut self) {
         self.tree.clear();
         self.roots.clear();
@@ -184,12 +184,12 @@ impl<'a> SearchContext<'a> {
         }
     }
 
-    /// Begins a tree at a start.
-    pub(super) fn plant(&mut self, start: usize, inputs_one_by_one: bool) -> NodeId {
+    /// Adds a root at a start.
+    pub(super) fn add_root(&mut self, start: usize, inputs_one_by_one: bool) -> NodeId {
         let (state, depth) = (&self.starts[start].state, self.starts[start].steps());
         let set = self.controls.of(self.problem, state);
         let inputs = if inputs_one_by_one { self.controls.inputs(set).len() } else { 0 };
-        let root = self.tree.plant(state, depth, set, inputs);
+        let root = self.tree.add_root(state, depth, set, inputs);
         self.roots.push((root, start));
         self.notes.statistics.nodes += 1;
         self.notes.coverage.visit(self.problem, state);
@@ -198,8 +198,8 @@ impl<'a> SearchContext<'a> {
         root
     }
 
-    /// For how many steps the next input is held: each doubling of the least time is as likely as any other, so that
-    /// short and long times both come.
+    /// The number of steps for which the next input is held: each doubling of the minimum is equally likely, so that
+    /// short and long times both occur.
     pub fn draw_hold(&mut self) -> u16 {
         let (low, high) = self.hold;
         if low >= high {
@@ -212,18 +212,18 @@ impl<'a> SearchContext<'a> {
         self.rng.random_range(least..=most)
     }
 
-    /// Any node of the tree.
+    /// A random node of the tree.
     pub fn draw_node(&mut self) -> NodeId {
         NodeId(self.rng.random_range(0..self.tree.len().max(1)) as u32)
     }
 
-    /// Any input of a node, tried or not.
+    /// A random input of a node, tried or not.
     pub fn draw_input(&mut self, node: NodeId) -> usize {
         let inputs = self.inputs(node);
         self.rng.random_range(0..inputs.max(1))
     }
 
-    /// One of the untried inputs of a node, which is tried then, held for a drawn time; none if there is none.
+    /// A random untried input of a node, marked as tried, with a random hold; `None` if there is none.
     pub fn draw_untried(&mut self, node: NodeId) -> Option<Choice> {
         let untried = self.tree.untried(node);
         if untried == 0 {
@@ -239,7 +239,7 @@ impl<'a> SearchContext<'a> {
         self.controls.inputs(self.tree.set(node)).len()
     }
 
-    /// Simulates a choice, counts it, and notes what it broke.
+    /// Simulates a choice, and updates the statistics and notes.
     pub(super) fn extend(&mut self, choice: Choice) -> Extension {
         let extension = self.simulate(choice);
         let s = &mut self.notes.statistics;
@@ -248,7 +248,7 @@ impl<'a> SearchContext<'a> {
         extension
     }
 
-    /// Simulates a choice without adding to the tree; where it does not end, `point` is where it leads.
+    /// Simulates a choice without adding to the tree; `point` is the resulting state.
     pub fn preview(&mut self, choice: Choice, point: &mut Point) -> Extension {
         let extension = self.simulate(choice);
         self.metric.point(self.problem.sim.world(), &self.work, point);
@@ -268,21 +268,22 @@ impl<'a> SearchContext<'a> {
             let input: &Input = &self.controls.inputs(set)[choice.input];
             let stepped = self.problem.sim.metered_step(&mut self.work, input, &mut self.scratch, &self.meter);
             if self.meter.is_stopped() {
-                // All that is grown is kept as it is; this says nothing.
+                // The tree is left unchanged; the result means nothing.
                 return Extension::Dead;
             }
             match stepped.and_then(|()| self.problem.judge(&self.work)) {
-                // What is compared with a position is so in the next step: whatever the speed, one is made beyond.
+                // Comparisons of a position take effect in the next step: one state beyond the window is simulated,
+                // whatever the speed.
                 Ok(StateStatus::Open) => match self.windows.left(self.problem, &self.work) {
                     Some(space) if was_beyond => {
-                        self.note_cut(space, self.tree.depth(choice.node) + u32::from(step));
+                        self.record_cut(space, self.tree.depth(choice.node) + u32::from(step));
                         return Extension::Dead;
                     }
                     left => was_beyond = left.is_some(),
                 },
                 Ok(StateStatus::Goal) => return Extension::Goal(step),
                 Ok(StateStatus::Dead(death)) => {
-                    self.note_death(choice, step, death);
+                    self.record_termination(choice, step, death);
                     return Extension::Dead;
                 }
                 Err(fault) => {
@@ -297,13 +298,13 @@ impl<'a> SearchContext<'a> {
         Extension::Open
     }
 
-    fn note_cut(&mut self, space: SpaceId, soonest: u32) {
+    fn record_cut(&mut self, space: SpaceId, soonest: u32) {
         if let Some(window) = self.windows.of(space) {
             self.notes.cut(Cut { space, window: *window, branches: 1, soonest });
         }
     }
 
-    fn note_death(&mut self, choice: Choice, step: u16, death: Termination) {
+    fn record_termination(&mut self, choice: Choice, step: u16, death: Termination) {
         if let Termination::Never(never) = death
             && self.notes.violations.iter().all(|(known, _)| *known != never)
         {
@@ -312,7 +313,7 @@ impl<'a> SearchContext<'a> {
         }
     }
 
-    /// Adds what the last simulation led to.
+    /// Adds the result of the last simulation.
     pub(super) fn add(&mut self, choice: Choice, inputs_one_by_one: bool) -> NodeId {
         let set = self.controls.of(self.problem, &self.work);
         let inputs = if inputs_one_by_one { self.controls.inputs(set).len() } else { 0 };
@@ -324,27 +325,27 @@ impl<'a> SearchContext<'a> {
         node
     }
 
-    /// Holds the state that the last simulation led to against what the world can be; the state before it was, too.
+    /// Checks the result of the last simulation; its predecessor was checked before.
     fn check(&mut self, choice: Choice) {
-        let Some(guard) = self.problem.guard().filter(|_| !self.is_refuted) else { return };
+        let Some(monitor) = self.problem.monitor().filter(|_| !self.is_refuted) else { return };
         self.notes.statistics.checked += 1;
-        if !guard.contains_after(self.problem.sim.world(), &self.work, self.tree.state(choice.node)) {
+        if !monitor.contains_after(self.problem.sim.world(), &self.work, self.tree.state(choice.node)) {
             self.is_refuted = true;
-            guard.refute(self.problem, self.script(choice, choice.hold), &self.work, &self.meter);
+            monitor.refute(self.problem, self.script(choice, choice.hold), &self.work, &self.meter);
         }
     }
 
     fn check_root(&mut self, start: usize) {
-        let Some(guard) = self.problem.guard().filter(|_| !self.is_refuted) else { return };
+        let Some(monitor) = self.problem.monitor().filter(|_| !self.is_refuted) else { return };
         self.notes.statistics.checked += 1;
         let start = &self.starts[start];
-        if !guard.contains(self.problem.sim.world(), &start.state) {
+        if !monitor.contains(self.problem.sim.world(), &start.state) {
             self.is_refuted = true;
-            guard.refute(self.problem, start.script.clone(), &start.state, &self.meter);
+            monitor.refute(self.problem, start.script.clone(), &start.state, &self.meter);
         }
     }
 
-    /// The state that the last simulation led to.
+    /// The state after the last simulation.
     pub(super) fn reached(&self) -> &[u8] {
         &self.work
     }
@@ -371,12 +372,12 @@ impl<'a> SearchContext<'a> {
         script
     }
 
-    /// A way to what is asked for, which a choice brings about after `steps` steps; replayed.
+    /// The plan to the target, which a choice reaches after `steps` steps; replayed.
     pub(super) fn plan(&mut self, choice: Choice, steps: u16, is_shortest: bool) -> Option<Plan> {
         let after = self.start(choice.node).after;
         let script = self.script(choice, steps);
-        // What was found before the watch stopped all is an answer, if it is soon replayed.
-        let patience = Patience::new(SOON);
+        // A path found before the stop still counts, if a short replay confirms it.
+        let patience = Patience::new(REPLAY_POLLS);
         let late = Meter::new(&patience);
         let meter = if self.meter.is_stopped() { &late } else { &self.meter };
         let length = replays_to(self.problem, &script, after, &mut self.scratch, meter);
@@ -384,8 +385,8 @@ impl<'a> SearchContext<'a> {
         (length == Some(script.len())).then_some(Plan { steps: script.len(), script, after, is_shortest })
     }
 
-    /// The input of a node's start that is still held there, as an index into the node's control set; none at an initial
-    /// state, and where it is none of that set.
+    /// The input of a node's start that is still held, as an index into the node's control set; `None` at an initial
+    /// state, and if it is not in the set.
     pub(super) fn held_at_start(&self, root: NodeId) -> Option<u16> {
         let last = &self.start(root).script.steps.last()?.input;
         let inputs = self.controls.inputs(self.tree.set(root));
@@ -393,20 +394,20 @@ impl<'a> SearchContext<'a> {
         inputs.iter().position(|input| *input == read).map(|index| index as u16)
     }
 
-    /// Adds what was noted.
+    /// Adds the notes.
     pub(super) fn report(&self, notes: &mut Notes) {
         notes.join(&self.notes);
         notes.is_truncated |= self.controls.truncated;
     }
 
-    /// The memory that the tree takes, bytes.
+    /// Memory use, bytes.
     pub(super) fn bytes(&self) -> usize {
         self.tree.bytes() + self.notes.coverage.bytes() + self.notes.record.capacity() * size_of::<Visited>()
     }
 }
 
-/// Runs a script from the initial state: after how many steps what is asked for holds for the first time, not looking at
-/// the first `skipped` ones; none if a branch ends before, or if it is stopped.
+/// Runs a script from the initial state. Returns the number of steps after which the target first holds, ignoring the
+/// first `skipped` ones; `None` if a branch ends before, or if the meter stops it.
 pub(super) fn replays_to(
     problem: &Problem<'_>,
     script: &Script,
@@ -417,16 +418,16 @@ pub(super) fn replays_to(
     let mut state = problem.sim.metered_initial(scratch, meter).ok().filter(|_| !meter.is_stopped())?;
     let mut inputs = script.inputs();
     let mut step = 0;
-    let mut guard = problem.guard();
+    let mut monitor = problem.monitor();
     loop {
         if step >= skipped {
-            let standing = problem.judge(&state).ok()?;
-            if !standing.is_over(problem.target)
-                && guard.is_some_and(|guard| !guard.contains(problem.sim.world(), &state))
+            let status = problem.judge(&state).ok()?;
+            if !status.is_over(problem.target)
+                && monitor.is_some_and(|monitor| !monitor.contains(problem.sim.world(), &state))
             {
-                guard.take().inspect(|guard| guard.refute(problem, script.first(step), &state, meter));
+                monitor.take().inspect(|monitor| monitor.refute(problem, script.first(step), &state, meter));
             }
-            match standing {
+            match status {
                 StateStatus::Open => {}
                 StateStatus::Goal => return Some(step),
                 StateStatus::Dead(_) => return None,

@@ -1,27 +1,27 @@
-//! Makes a plan shorter and simpler: leaves out parts, merges neighbours, cuts times, as long as what is left still leads
-//! to the goal. Every plan on the way is replayed.
+//! Makes a plan shorter and simpler: removes parts, merges neighbours and cuts times while the rest still reaches the
+//! goal. Every candidate is replayed.
 
 use crate::sim::{Script, ScriptStep};
 use crate::watch::{Meter, Watch};
 
 use super::outcome::Plan;
 use super::problem::Problem;
-use super::seam::is_held;
 use super::search_context::replays_to;
+use super::start_hold::is_held;
 
-/// How many steps may be simulated, about.
+/// Approximate maximum number of simulated steps.
 const MAX_STEPS: u64 = 10_000_000;
 
-/// Shortens a plan of a question until no change of one place makes it better, or the watch stops it. Better is: no more
-/// steps and no more changes of inputs, and fewer of one of them. What leads to where the search began stays, and inputs are
-/// held for as long as the question says.
+/// Shortens a plan until no single change improves it, or the watch stops it. A plan is better if it has no more steps
+/// and no more changes of inputs, and fewer of one of them. Steps before the start of the search are kept, and inputs
+/// are held for their minimum time.
 #[must_use]
 pub fn shorten(problem: &Problem<'_>, plan: &Plan, watch: &dyn Watch) -> Plan {
     let kept = plan.after;
     let mut scratch = problem.sim.scratch();
     let meter = Meter::new(watch);
     let (prefix, mut best) = split(&plan.script, kept);
-    // A script that ends with the goal at once, if it leads there.
+    // The steps up to the goal, if they reach it.
     let mut attempt = |steps: &[ScriptStep]| -> Option<Vec<ScriptStep>> {
         let mut script = prefix.clone();
         steps.iter().for_each(|s| script.push(&s.input, s.count));
@@ -71,12 +71,12 @@ pub fn shorten(problem: &Problem<'_>, plan: &Plan, watch: &dyn Watch) -> Plan {
     if script == plan.script {
         return plan.clone();
     }
-    // What is as short as the shortest is, too.
+    // A plan as short as a shortest one is a shortest one.
     let steps = script.len();
     Plan { is_shortest: plan.is_shortest && steps == plan.steps, steps, script, after: kept }
 }
 
-/// The first steps of a script, and what follows.
+/// Splits a script after some steps.
 fn split(script: &Script, kept: u64) -> (Script, Vec<ScriptStep>) {
     let (mut prefix, mut rest) = (Script::default(), Vec::new());
     let mut left = kept;
@@ -91,13 +91,13 @@ fn split(script: &Script, kept: u64) -> (Script, Vec<ScriptStep>) {
     (prefix, rest)
 }
 
-/// What a place of a plan can be changed to, the boldest first.
+/// Possible changes at an index of a plan, the boldest first.
 fn variants(steps: &[ScriptStep], at: usize) -> Vec<Vec<ScriptStep>> {
     let mut out = Vec::new();
     let with = |change: &dyn Fn(&mut Vec<ScriptStep>)| {
         let mut steps = steps.to_vec();
         change(&mut steps);
-        // Neighbours that are alike become one.
+        // Equal neighbours are merged.
         let mut script = Script::default();
         steps.iter().filter(|s| s.count > 0).for_each(|s| script.push(&s.input, s.count));
         script.steps
@@ -120,7 +120,7 @@ fn variants(steps: &[ScriptStep], at: usize) -> Vec<Vec<ScriptStep>> {
             out.push(with(&|s| s[at].count -= cut));
         }
     }
-    // A change that comes earlier or later makes room.
+    // Moving a change of inputs can make room.
     if at + 1 < steps.len() {
         for moved in [8, 4, 2, 1] {
             if moved < count {

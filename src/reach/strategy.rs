@@ -1,11 +1,12 @@
-//! Where planners differ: where samples lean, which node to grow and how, what to learn from it.
+//! The interface in which planners differ: how samples are biased, which node to extend and how, and what to learn from
+//! the result.
 
 use super::metric::Point;
 use super::region::GoalRegion;
 use super::search_context::SearchContext;
 use super::tree::NodeId;
 
-/// A node, the index of an input of its control set, and for how many steps it is held.
+/// An extension: a node, an input of its control set, and a hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Choice {
     /// The node to grow.
@@ -16,10 +17,10 @@ pub struct Choice {
     pub hold: u16,
 }
 
-/// What came of a choice.
+/// The result of a choice.
 #[derive(Debug, Clone, Copy)]
 pub enum Growth<'p> {
-    /// A new tree was begun; this is its root.
+    /// A new tree was started; this is its root.
     Rooted(NodeId, &'p Point),
     /// A node was added at this point.
     Added(NodeId, &'p Point),
@@ -27,20 +28,20 @@ pub enum Growth<'p> {
     Failed,
 }
 
-/// Everything in which planners differ; the loop owns the rest.
+/// Everything in which planners differ; the loop does the rest.
 pub trait Strategy {
-    /// Moves a sample towards what the planner leans to; false to leave that to the loop, which draws a share of all
-    /// samples from the goal.
+    /// Biases a sample; returns false to leave that to the loop, which draws a share of all samples from the goal
+    /// region.
     fn aim(&mut self, _context: &mut SearchContext<'_>, _goal: &GoalRegion, _toward: &mut Point) -> bool {
         false
     }
 
-    /// Which node to grow and how; none to discard this sample. The input is marked as tried.
+    /// Chooses a node and how to extend it; `None` discards this sample. The input is marked as tried.
     fn choose(&mut self, context: &mut SearchContext<'_>, toward: &Point) -> Option<Choice>;
 
-    /// Told what came of a choice, or of none at a root.
+    /// Learns the result of a choice; `choice` is `None` for a root.
     fn learn(&mut self, context: &mut SearchContext<'_>, choice: Option<Choice>, growth: Growth<'_>);
 
-    /// The memory that it takes, bytes.
+    /// Memory use, bytes.
     fn bytes(&self) -> usize;
 }

@@ -1,5 +1,5 @@
-//! The tree: flat arrays by node. A node is a state, the input held for some steps that led there, and its parent.
-//! States are in chunks, so that a growing tree is never copied.
+//! The search tree as flat arrays by node. A node is a state, its parent, and the input that led there with its hold.
+//! States are stored in chunks, so a growing tree is never copied.
 
 use crate::sim::{Input, Script};
 
@@ -8,7 +8,7 @@ use crate::sim::{Input, Script};
 pub struct NodeId(pub u32);
 
 impl NodeId {
-    /// Its place in an array.
+    /// Its index.
     pub fn index(self) -> usize {
         self.0 as usize
     }
@@ -17,17 +17,17 @@ impl NodeId {
 /// The size of a block of states, bytes.
 const CHUNK: usize = 1 << 18;
 
-/// A tree of states, or several with roots of their own.
+/// A tree of states, or several with their own roots.
 #[derive(Debug, Default)]
 pub struct Tree {
     stride: usize,
-    /// A chunk holds 2 to the power of this many states.
+    /// Binary logarithm of the number of states per chunk.
     shift: u32,
     chunks: Vec<Box<[u8]>>,
     nodes: Vec<Node>,
-    /// One bit for each input that was tried, for each node from its `tried` on.
+    /// One bit per tried input; the bits of a node start at its `tried`.
     tried: Vec<u64>,
-    /// How many nodes have untried inputs.
+    /// Number of nodes with untried inputs.
     open: usize,
 }
 
@@ -40,11 +40,11 @@ struct Node {
     set: u16,
     /// The parent's input that led here, as an index into the parent's control set.
     input: u16,
-    /// For how many steps it was held; 0 of a root.
+    /// Number of steps for which it was held; 0 for a root.
     hold: u16,
-    /// How many inputs are still untried.
+    /// Number of untried inputs.
     untried: u16,
-    /// How many steps lead here from where the search began.
+    /// Number of steps from the start of the search.
     depth: u32,
 }
 
@@ -55,14 +55,14 @@ impl Tree {
         Tree { stride, shift: (CHUNK / stride).max(1).ilog2(), ..Tree::default() }
     }
 
-    /// Forgets all nodes, keeps the memory.
+    /// Removes all nodes, but keeps the memory.
     pub fn clear(&mut self) {
         self.nodes.clear();
         self.tried.clear();
         self.open = 0;
     }
 
-    /// How many nodes have untried inputs.
+    /// Number of nodes with untried inputs.
     pub fn open_nodes(&self) -> usize {
         self.open
     }
@@ -77,15 +77,15 @@ impl Tree {
         self.nodes.is_empty()
     }
 
-    /// The memory that it takes, bytes.
+    /// Memory use, bytes.
     pub fn bytes(&self) -> usize {
         let chunks = self.chunks.len() * (self.stride << self.shift);
         chunks + self.nodes.capacity() * size_of::<Node>() + self.tried.capacity() * size_of::<u64>()
     }
 
-    /// Adds a root at a depth in steps. `inputs` is the number of inputs of its control set, none if
-    /// they are not tried one by one.
-    pub fn plant(&mut self, state: &[u8], depth: u32, set: u16, inputs: usize) -> NodeId {
+    /// Adds a root at a depth in steps. `inputs` is the number of inputs of its control set, 0 if tried inputs are not
+    /// tracked.
+    pub fn add_root(&mut self, state: &[u8], depth: u32, set: u16, inputs: usize) -> NodeId {
         let id = self.push(state, NodeId(self.nodes.len() as u32), (0, 0), set, inputs);
         self.nodes[id.index()].depth = depth;
         id
@@ -97,7 +97,7 @@ impl Tree {
         if id >> self.shift >= self.chunks.len() {
             self.chunks.push(vec![0; self.stride << self.shift].into_boxed_slice());
         }
-        let (chunk, from) = self.place(id);
+        let (chunk, from) = self.chunk_of(id);
         self.chunks[chunk][from..from + state.len()].copy_from_slice(state);
         let tried = self.tried.len() as u32;
         self.tried.resize(self.tried.len() + inputs.div_ceil(64), 0);
@@ -107,13 +107,13 @@ impl Tree {
         NodeId(id as u32)
     }
 
-    fn place(&self, index: usize) -> (usize, usize) {
+    fn chunk_of(&self, index: usize) -> (usize, usize) {
         (index >> self.shift, (index & ((1 << self.shift) - 1)) * self.stride)
     }
 
     /// The state of a node.
     pub fn state(&self, node: NodeId) -> &[u8] {
-        let (chunk, from) = self.place(node.index());
+        let (chunk, from) = self.chunk_of(node.index());
         &self.chunks[chunk][from..from + self.stride]
     }
 
@@ -128,17 +128,17 @@ impl Tree {
         (n.parent != node.0).then_some(NodeId(n.parent))
     }
 
-    /// How many steps lead to a node from where the search began.
+    /// Number of steps to a node from the start of the search.
     pub fn depth(&self, node: NodeId) -> u32 {
         self.nodes[node.index()].depth
     }
 
-    /// How many inputs are still untried at a node.
+    /// Number of untried inputs of a node.
     pub fn untried(&self, node: NodeId) -> usize {
         usize::from(self.nodes[node.index()].untried)
     }
 
-    /// Marks the `nth` untried input of a node as tried and gives its index. `nth` is below [`Tree::untried`].
+    /// Marks the `nth` untried input of a node as tried and returns its index. `nth` is below [`Tree::untried`].
     pub fn take_untried(&mut self, node: NodeId, nth: usize) -> usize {
         let n = &mut self.nodes[node.index()];
         n.untried = n.untried.saturating_sub(1);
@@ -162,7 +162,7 @@ impl Tree {
     }
 
     /// Marks an input of a node as tried; returns whether it was not before.
-    pub fn take(&mut self, node: NodeId, input: usize) -> bool {
+    pub fn mark_tried(&mut self, node: NodeId, input: usize) -> bool {
         let n = &mut self.nodes[node.index()];
         let word = &mut self.tried[n.tried as usize + input / 64];
         let is_new = *word >> (input % 64) & 1 == 0;
@@ -174,7 +174,7 @@ impl Tree {
         is_new
     }
 
-    /// The inputs from its root to a node. `inputs` gives those of a control set.
+    /// The inputs from its root to a node. `inputs` returns those of a control set.
     pub fn script<'i>(&self, node: NodeId, inputs: impl Fn(u16) -> &'i [Input]) -> Script {
         let mut backwards = Vec::new();
         let mut at = node;
@@ -206,10 +206,10 @@ mod tests {
     #[test]
     fn every_input_is_taken_once() {
         let mut tree = Tree::new(8);
-        let node = tree.plant(&[0; 8], 0, 0, 130);
+        let node = tree.add_root(&[0; 8], 0, 0, 130);
         let mut seen = vec![false; 130];
-        assert!(tree.take(node, 77));
-        assert!(!tree.take(node, 77));
+        assert!(tree.mark_tried(node, 77));
+        assert!(!tree.mark_tried(node, 77));
         seen[77] = true;
         let mut nth = 7;
         while tree.untried(node) > 0 {
@@ -228,7 +228,7 @@ mod tests {
             let mut tree = Tree::new(stride);
             for round in 0..2u8 {
                 for i in 0..20u8 {
-                    tree.plant(&vec![i + round; stride], 0, 0, 1);
+                    tree.add_root(&vec![i + round; stride], 0, 0, 1);
                 }
                 for i in 0..20u8 {
                     assert_eq!(tree.state(NodeId(u32::from(i))), vec![i + round; stride]);

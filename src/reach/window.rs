@@ -1,7 +1,7 @@
 //! The search window: how far a search follows players in a space whose author wrote no `bounds`.
 //!
-//! Such a run ends at no border, so a search has to stop somewhere: beyond all that the space holds and all positions that
-//! the program compares with. What lies beyond is not searched, and a search that stops there proves nothing.
+//! Such a run has no border, so a search stops beyond everything that the space contains and all positions that the
+//! program compares with. States beyond are not searched, and a search that stops there proves nothing.
 
 use std::collections::BTreeSet;
 
@@ -11,26 +11,26 @@ use crate::ir::{
 };
 
 use super::coverage::PLACE;
+use super::goal_positions::extent;
 use super::problem::{Problem, Start};
-use super::whereabouts::extent;
 
-/// The margin of a window, in bodies of the largest player.
+/// The margin of a window, in sizes of the largest player.
 const BODIES: f64 = 2.0;
 
 /// The windows of the spaces of a world.
 #[derive(Debug)]
 pub(super) struct Windows {
-    /// Of each space; none where `bounds` end a run, and where there is nothing to measure it by.
+    /// For each space; `None` if it has `bounds` or no contents.
     of: Vec<Option<Bounds>>,
-    /// A rectangle around all spaces that have bounds or a map; without margins.
+    /// The hull of all spaces that have bounds or a map; without margins.
     pub extent: Option<Bounds>,
 }
 
 impl Windows {
-    /// For a question that is asked from some starts.
+    /// The windows for a question with some starts.
     pub fn new(problem: &Problem<'_>, starts: &[Start]) -> Self {
         let world = problem.sim.world();
-        let things = Things::new(problem, starts);
+        let contents = WorldContents::new(problem, starts);
         let margin = margin(problem);
         let window = |(id, contents): (SpaceId, &Contents)| {
             let hull = contents.hull().filter(|_| world.spaces[id].bounds.is_none())?;
@@ -45,8 +45,8 @@ impl Windows {
             space.bounds.or_else(|| contents.hull().filter(|_| space.map.is_some()))
         };
         Windows {
-            of: world.spaces.ids().zip(&things.spaces).map(window).collect(),
-            extent: world.spaces.iter().zip(&things.spaces).filter_map(extent).reduce(Bounds::join),
+            of: world.spaces.ids().zip(&contents.spaces).map(window).collect(),
+            extent: world.spaces.iter().zip(&contents.spaces).filter_map(extent).reduce(Bounds::join),
         }
     }
 
@@ -55,7 +55,7 @@ impl Windows {
         self.of[space.index()].as_ref()
     }
 
-    /// The space whose window a player is out of.
+    /// The space whose window a player has left, if any.
     pub fn left(&self, problem: &Problem<'_>, state: &[u8]) -> Option<SpaceId> {
         let sim = problem.sim;
         problem.players().iter().find_map(|&slot| {
@@ -67,7 +67,7 @@ impl Windows {
     }
 }
 
-/// How far around all that is known a window reaches, px.
+/// The margin of a window, px.
 fn margin(problem: &Problem<'_>) -> f64 {
     let (program, world) = (problem.sim.program(), problem.sim.world());
     let bodies = problem.players().iter().flat_map(|&player| {
@@ -79,27 +79,27 @@ fn margin(problem: &Problem<'_>) -> f64 {
     tiles.fold(PLACE, f64::max).max(BODIES * largest)
 }
 
-/// What there is in the spaces of a world.
-struct Things<'a> {
+/// The contents of all spaces of a world.
+struct WorldContents<'a> {
     problem: &'a Problem<'a>,
     spaces: Vec<Contents>,
 }
 
-/// What there is in a space.
+/// The contents of a space.
 #[derive(Debug, Clone, Default)]
 struct Contents {
-    /// A rectangle around what it holds; none if it holds nothing.
+    /// The hull of its geometry and instances, if any.
     held: Option<Bounds>,
-    /// The positions along both axes that the program compares with, or puts something at.
+    /// Positions per axis that the program compares with or assigns.
     numbers: [Vec<f64>; 2],
-    /// Where players begin.
-    begin: Option<Bounds>,
+    /// The starts of players.
+    start: Option<Bounds>,
 }
 
 impl Contents {
-    /// The rectangle around all of it; none if it holds nothing.
+    /// The hull of all contents, if any.
     fn hull(&self) -> Option<Bounds> {
-        let hull = joined(self.begin, self.held?)?;
+        let hull = joined(self.start, self.held?)?;
         let least = |axis: usize, than: f64| self.numbers[axis].iter().copied().fold(than, f64::min);
         let greatest = |axis: usize, than: f64| self.numbers[axis].iter().copied().fold(than, f64::max);
         Some(Bounds {
@@ -111,20 +111,20 @@ impl Contents {
     }
 }
 
-impl<'a> Things<'a> {
+impl<'a> WorldContents<'a> {
     fn new(problem: &'a Problem<'a>, starts: &[Start]) -> Self {
         let spaces = vec![Contents::default(); problem.sim.world().spaces.len()];
-        let mut things = Things { problem, spaces };
-        things.add_geometry();
-        things.add_instances();
-        things.add_code();
-        things.add_questions();
+        let mut contents = WorldContents { problem, spaces };
+        contents.add_geometry();
+        contents.add_instances();
+        contents.add_code();
+        contents.add_questions();
         for (start, &player) in starts.iter().flat_map(|s| problem.players().iter().map(move |p| (s, p))) {
             let (x, y) = problem.sim.position(&start.state, player);
-            let begin = &mut things.spaces[problem.sim.space(&start.state, player).index()].begin;
-            *begin = joined(*begin, Bounds::new([x, y, 0.0, 0.0]));
+            let start = &mut contents.spaces[problem.sim.space(&start.state, player).index()].start;
+            *start = joined(*start, Bounds::new([x, y, 0.0, 0.0]));
         }
-        things
+        contents
     }
 
     fn add_geometry(&mut self) {
@@ -132,15 +132,15 @@ impl<'a> Things<'a> {
             let solids = space.solids.iter().map(|solid| solid.bounds);
             let links = space.links.iter().map(|link| link.from);
             for thing in space.map_rectangle().into_iter().chain(solids).chain(links) {
-                self.hold(id, thing);
+                self.include(id, thing);
             }
             for link in &space.links {
-                self.hold(link.space, link.to);
+                self.include(link.space, link.to);
             }
         }
     }
 
-    /// Placed instances, players apart: those say nothing about where a space ends.
+    /// Placed instances except players, which say nothing about the extent of a space.
     fn add_instances(&mut self) {
         let problem = self.problem;
         let world = problem.sim.world();
@@ -151,12 +151,12 @@ impl<'a> Things<'a> {
             for body in colliders.filter_map(|collider| extent(problem, id, collider)) {
                 let Bounds { left, right, bottom, top } = body;
                 let body = Bounds { left: x + left, right: x + right, bottom: y + bottom, top: y + top };
-                self.hold(slot.space, body);
+                self.include(slot.space, body);
             }
         }
     }
 
-    /// The positions that the code of entities knows.
+    /// Positions in the code of entities.
     fn add_code(&mut self) {
         let (program, world) = (self.problem.sim.program(), self.problem.sim.world());
         let used: BTreeSet<EntityId> = world.slots.iter().map(|slot| slot.entity).collect();
@@ -167,14 +167,14 @@ impl<'a> Things<'a> {
                 code.iter().for_each(|&id| self.add_comparison(id, Some(slot)));
                 for &(var, value) in &put {
                     if let Some(value) = self.constant(value, Some(slot)) {
-                        self.note(Some(slot), var, value);
+                        self.add_number(Some(slot), var, value);
                     }
                 }
             }
         }
     }
 
-    /// The positions that is asked about, and those on which links depend.
+    /// Positions in the question, in `never`s and in the guards of links.
     fn add_questions(&mut self) {
         let problem = self.problem;
         let world = problem.sim.world();
@@ -191,13 +191,13 @@ impl<'a> Things<'a> {
         }
     }
 
-    /// What an expression compares a position with, if it is a comparison in the code of a slot, or in that of the world.
+    /// Adds the positions in a comparison of a slot's code, or of the world's.
     fn add_comparison(&mut self, id: ExprId, me: Option<SlotId>) {
         match self.problem.sim.program().exprs[id] {
             Expr::Compare(_, a, b) => {
                 for (side, other) in [(a, b), (b, a)] {
                     if let (Some((of, var, shift)), Some(value)) = (self.position(side, me), self.constant(other, me)) {
-                        self.note(of, var, value - shift);
+                        self.add_number(of, var, value - shift);
                     }
                 }
             }
@@ -206,7 +206,7 @@ impl<'a> Things<'a> {
                 for (var, middle) in [(VarId::X, x), (VarId::Y, y)] {
                     let Some(middle) = self.constant(middle, me) else { continue };
                     for value in [middle - radius, middle + radius] {
-                        self.note(slot_of(of, me), var, value);
+                        self.add_number(slot_of(of, me), var, value);
                     }
                 }
             }
@@ -214,7 +214,7 @@ impl<'a> Things<'a> {
         }
     }
 
-    /// Whose position along which axis an expression is, up to a constant that is added to it.
+    /// If an expression is a position plus a constant: the slot, the axis and the constant.
     fn position(&self, id: ExprId, me: Option<SlotId>) -> Option<(Option<SlotId>, VarId, f64)> {
         match self.problem.sim.program().exprs[id] {
             Expr::Var(of, var, 0) if var.is_position() => Some((slot_of(of, me), var, 0.0)),
@@ -230,17 +230,17 @@ impl<'a> Things<'a> {
         }
     }
 
-    /// The value of an expression that is always the same in a slot, or in the world.
+    /// The constant value of an expression in a slot or in the world, if it has one.
     fn constant(&self, id: ExprId, me: Option<SlotId>) -> Option<f64> {
         let world = self.problem.sim.world();
-        // A slot that can be used again has no parameters that are known now.
+        // The parameters of a reusable slot are not known.
         let none = IdVec::new();
         let params = me.map(|slot| &world.slots[slot]).filter(|slot| slot.is_fixed).map_or(&none, |slot| &slot.params);
         self.problem.sim.program().constant(id, params, world.step)
     }
 
-    /// Notes a position along an axis, in each space in which a slot can be; all of them for one that is not known.
-    fn note(&mut self, slot: Option<SlotId>, var: VarId, value: f64) {
+    /// Adds a position along an axis in each space in which a slot can be; in all spaces if the slot is unknown.
+    fn add_number(&mut self, slot: Option<SlotId>, var: VarId, value: f64) {
         let (program, world) = (self.problem.sim.program(), self.problem.sim.world());
         let stays = slot
             .map(|id| &world.slots[id])
@@ -250,13 +250,13 @@ impl<'a> Things<'a> {
         }
     }
 
-    fn hold(&mut self, space: SpaceId, thing: Bounds) {
+    fn include(&mut self, space: SpaceId, thing: Bounds) {
         let held = &mut self.spaces[space.index()].held;
         *held = joined(*held, thing);
     }
 }
 
-/// The positions along both axes that an entity gives to something, or keeps itself within.
+/// The positions that an entity assigns or clamps to.
 fn positions_put(entity: &Entity) -> Vec<(VarId, ExprId)> {
     let actions = entity.edges.iter().map(|edge| &edge.actions).chain(entity.modes.iter().map(|mode| &mode.entry));
     let actions = actions.chain(entity.follows.iter().map(|follow| &follow.actions));
@@ -275,7 +275,7 @@ fn positions_put(entity: &Entity) -> Vec<(VarId, ExprId)> {
     updated.chain(driven).chain(clamped).filter(|(var, _)| var.is_position()).collect()
 }
 
-/// The slot that a subject of some slot's code, or of the world's, stands for; none if it can be several.
+/// The slot of a subject in a slot's code or the world's; `None` if it can be several.
 fn slot_of(subject: Subject, me: Option<SlotId>) -> Option<SlotId> {
     match subject {
         Subject::Me => me,

@@ -1,4 +1,4 @@
-//! Dimensions that authors write down: `px/s^2`. Those that are inferred are the work of `dimension`.
+//! Annotated dimensions such as `px/s^2`. Dimensions are inferred in `dimension`.
 
 use crate::source::Span;
 use crate::syntax::ast::{Dimension, Name};

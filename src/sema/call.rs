@@ -10,7 +10,7 @@ use crate::syntax::occurrence::NameKind;
 
 use super::Checker;
 use super::checked::{BoundTouch, Term, TermKind, Touching, Type};
-use super::expression::{Reads, Scope};
+use super::expression::{ReadLimit, Scope};
 use super::names::unknown;
 
 impl Checker<'_> {
@@ -81,7 +81,7 @@ impl Checker<'_> {
                     wrong(self, "a mode of another group, such as `entering(hurt.yes)`");
                     return None;
                 };
-                let entity = self.allow(scope.entity, span, scope, Reads::All, "a joint transition")?;
+                let entity = self.allow(scope.entity, span, scope, ReadLimit::All, "a joint transition")?;
                 let mode = self.mode_named(&scope.names?.modes, &path, None)?;
                 let group = entity.modes[mode].group;
                 if scope.mode.is_some_and(|m| entity.modes[m].group == group) {
@@ -97,7 +97,7 @@ impl Checker<'_> {
                     wrong(self, "a reference, such as `lost(target)`");
                     return None;
                 };
-                self.allow(scope.entity, span, scope, Reads::State, "`lost`")?;
+                self.allow(scope.entity, span, scope, ReadLimit::State, "`lost`")?;
                 let (subject, _) = self.reference(reference, scope)?;
                 return make(TermKind::IsNone(subject), Type::Bool);
             }
@@ -110,7 +110,7 @@ impl Checker<'_> {
                     wrong(self, "`timer(mode)`");
                     return None;
                 };
-                let entity = self.allow(scope.entity, span, scope, Reads::State, "`timer`")?;
+                let entity = self.allow(scope.entity, span, scope, ReadLimit::State, "`timer`")?;
                 let group = scope.mode.map(|m| entity.modes[m].group);
                 let mode = self.mode_named(&scope.names?.modes, &path, group)?;
                 return make(TermKind::Timer(mode), Type::Real);
@@ -125,14 +125,14 @@ impl Checker<'_> {
                     wrong(self, "`inside(instance, space)`");
                     return None;
                 };
-                let world = self.allow(scope.world, span, scope, Reads::All, "`inside`")?;
+                let world = self.allow(scope.world, span, scope, ReadLimit::All, "`inside`")?;
                 let Some(name) = path.name() else {
                     wrong(self, "`inside(instance, space)`");
                     return None;
                 };
                 let known = world.spaces.iter().find(|(n, _)| n.text == name.text);
                 if let Some((declared, _)) = known {
-                    self.seen(NameKind::Space, name.span, declared.span);
+                    self.record_use(NameKind::Space, name.span, declared.span);
                 }
                 let Some(space) = world.spaces.iter().position(|(n, _)| n.text == name.text) else {
                     let known = world.spaces.iter().map(|(n, _)| n);
@@ -187,7 +187,7 @@ impl Checker<'_> {
             self.diagnostics.report(WrongArguments { function: function.text.to_string(), at: span, usage });
             return None;
         };
-        let names = self.allow(scope.names, span, scope, Reads::All, "a button")?;
+        let names = self.allow(scope.names, span, scope, ReadLimit::All, "a button")?;
         let name = path.segments.first()?;
         let press = match &*function.text {
             "pressed" => Press::Pressed,
@@ -195,7 +195,7 @@ impl Checker<'_> {
             _ => Press::Released,
         };
         if let Some((declared, &button)) = names.buttons.entry(&name.text).filter(|_| path.segments.len() == 1) {
-            self.seen(NameKind::Button, name.span, declared.span);
+            self.record_use(NameKind::Button, name.span, declared.span);
             return Some(Term { kind: TermKind::Button(press, button), ty: Type::Bool, span });
         }
         let written = path.segments.iter().map(|s| &*s.text).collect::<Vec<_>>().join(".");
@@ -214,7 +214,7 @@ impl Checker<'_> {
     ) -> Option<Term> {
         const USAGE: &str =
             "`touching(tag)`, `touching(tag, side)`, `touching(own tag, tag)` or `touching(own tag, tag, side)`";
-        self.allow(scope.entity, span, scope, Reads::All, "`touching`")?;
+        self.allow(scope.entity, span, scope, ReadLimit::All, "`touching`")?;
         let mut words: Vec<Name> = Vec::new();
         for argument in arguments {
             let text = match &argument.kind {
@@ -253,15 +253,15 @@ impl Checker<'_> {
         let mine = mine.map(|tag| self.tag(tag));
         let other = self.tag(other);
         if let Some(name) = binding {
-            self.declared(NameKind::Touched, name);
+            self.record_declaration(NameKind::Touched, name);
         }
         let bound = binding.map(|name| self.facts.name(name, BoundTouch { mine, other, side: on, span }));
-        let asked = Touching { of: Subject::Me, mine, other, side: on, bound };
-        Some(Term { kind: TermKind::Touching(Box::new(asked)), ty: Type::Bool, span })
+        let touching = Touching { of: Subject::Me, mine, other, side: on, bound };
+        Some(Term { kind: TermKind::Touching(Box::new(touching)), ty: Type::Bool, span })
     }
 }
 
-/// The path that is the only argument.
+/// The single argument, if it is a path.
 fn only(arguments: &[Expr]) -> Option<PathRef<'_>> {
     match arguments {
         [path] => path.path(),

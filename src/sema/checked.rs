@@ -1,5 +1,5 @@
-//! The checked program: what `sema` makes of the syntax tree. Every name is an id, every expression has a type,
-//! the hierarchy of modes is kept; flattening it is the work of `ir`.
+//! The checked program, the output of `sema`: every name is an id, every expression has a type, the hierarchy of modes
+//! is kept; `ir` flattens it.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -27,19 +27,19 @@ pub struct Checked {
     pub entities: IdVec<EntityId, Arc<Entity>>,
     /// All worlds, those of the root file first.
     pub worlds: IdVec<WorldId, World>,
-    /// Tags that tiles could carry which no map of the program has.
+    /// Tags of tiles that no map of the program uses.
     pub other_tags: BTreeSet<String>,
-    /// Whether a world leaves its map to the command line.
+    /// Whether a world takes its map from the command line.
     pub has_open_map: bool,
     /// Tags that levels and legends name.
     pub level_tags: BTreeSet<String>,
     /// Where names occur.
     pub occurrences: Occurrences,
-    /// What was found of dimensions.
+    /// The inferred dimensions.
     pub dimensions: Dimensions,
 }
 
-/// A list of names that discrete variables range over.
+/// A set of names over which discrete variables range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SetId(pub u32);
 
@@ -71,7 +71,7 @@ pub enum Type {
 }
 
 impl Type {
-    /// That of a reference to an entity, or to any.
+    /// The type of a reference to an entity, or to any.
     pub fn reference(entity: Option<EntityId>) -> Self {
         entity.map_or(Type::AnyRef, Type::Ref)
     }
@@ -80,7 +80,7 @@ impl Type {
 /// An expression with its type.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Term {
-    /// What it computes.
+    /// Its operation.
     pub kind: TermKind,
     /// The type of its value.
     pub ty: Type,
@@ -88,11 +88,11 @@ pub struct Term {
     pub span: Span,
 }
 
-// A large program has as many of them as its text has bytes.
+// There are about as many terms as bytes of source text.
 const _: () = assert!(size_of::<Term>() <= 32);
 
 impl Term {
-    /// The terms directly inside of it.
+    /// Its direct operands.
     pub fn operands(&self) -> &[Term] {
         match &self.kind {
             TermKind::Negate(a) | TermKind::Not(a) => std::slice::from_ref(a),
@@ -106,18 +106,18 @@ impl Term {
         }
     }
 
-    /// The term, and nothing in its place.
+    /// Takes the term, leaving a placeholder.
     pub fn take(&mut self) -> Term {
         Term { kind: std::mem::replace(&mut self.kind, TermKind::NoneRef), ty: self.ty, span: self.span }
     }
 }
 
-/// What an expression computes. A large text has many of them, so what is seldom or large is in boxes.
+/// The operation of a term. There are many of them, so rare or large parts are boxed.
 #[derive(Debug, Clone, PartialEq)]
 pub enum TermKind {
     /// A number, or the index of a set's value.
     Number(f64),
-    /// A number with a dimension of its own: the exponents of px and of s.
+    /// A number with a dimension: the exponents of px and of s.
     Quantity(Box<(f64, i32, i32)>),
     /// A number of steps of the world, in seconds.
     Frames(f64),
@@ -141,9 +141,9 @@ pub enum TermKind {
     Call(Box<(Function, Box<[Term]>)>),
     /// A comparison.
     Compare(CompareOp, Box<[Term; 2]>),
-    /// Both; the second is not looked at if the first is false.
+    /// Conjunction; the second operand is not evaluated if the first is false.
     And(Box<[Term; 2]>),
-    /// One of both; the second is not looked at if the first is true.
+    /// Disjunction; the second operand is not evaluated if the first is true.
     Or(Box<[Term; 2]>),
     /// Not.
     Not(Box<Term>),
@@ -151,7 +151,7 @@ pub enum TermKind {
     Button(Press, ButtonId),
     /// A contact.
     Touching(Box<Touching>),
-    /// A mode of another group is entered (or left) in this very step.
+    /// A mode of another group is entered (or exited) in this step.
     Joint {
         /// The mode.
         mode: ModeId,
@@ -181,13 +181,13 @@ pub enum TermKind {
 pub struct Touching {
     /// Whose collider.
     pub of: Subject,
-    /// The tag of one's own collider.
+    /// The tag of the instance's own collider.
     pub mine: Option<TagId>,
-    /// The tag of what is touched.
+    /// The tag of the touched object.
     pub other: TagId,
-    /// The side of one's own collider.
+    /// The side of the instance's own collider.
     pub side: Option<Side>,
-    /// The question whose answer is named (`as`); it asks for instances only.
+    /// The bound query (`as`); it matches only instances.
     pub bound: Option<TouchId>,
 }
 
@@ -206,7 +206,7 @@ pub struct Entity {
     pub discretes: RareVec<DiscreteId, Discrete>,
     /// References.
     pub refs: RareVec<RefId, Reference>,
-    /// Contact questions whose answers are named.
+    /// Bound contact queries (`as`).
     pub bound: RareVec<TouchId, BoundTouch>,
     /// Buttons that it reads.
     pub buttons: RareVec<ButtonId, Name>,
@@ -226,9 +226,9 @@ pub struct Entity {
     pub drives: Vec<Drive>,
     /// Soft bounds of variables.
     pub clamps: Vec<Clamp>,
-    /// What must always hold.
+    /// Predicates that must always hold.
     pub invariants: Vec<Term>,
-    /// The groups in the order in which they are decided: what a guard waits for comes before it.
+    /// The groups in the order of decision: a group comes after those that its guards depend on.
     pub order: Vec<GroupId>,
 }
 
@@ -237,24 +237,24 @@ pub struct Entity {
 pub struct Reference {
     /// Its name.
     pub name: Name,
-    /// What it may refer to; any entity if none.
+    /// The entity of its targets; `None` for any.
     pub entity: Option<EntityId>,
 }
 
-/// A contact question whose answer is named by `as`.
+/// A contact query bound by `as`.
 #[derive(Debug, Clone)]
 pub struct BoundTouch {
-    /// The tag of one's own collider.
+    /// The tag of the instance's own collider.
     pub mine: Option<TagId>,
-    /// The tag of what is touched.
+    /// The tag of the touched object.
     pub other: TagId,
-    /// The side of one's own collider.
+    /// The side of the instance's own collider.
     pub side: Option<Side>,
     /// Its place.
     pub span: Span,
 }
 
-/// A soft bound: what is outside is clipped in the continuous phase.
+/// A soft bound: values outside are clamped in the continuous phase.
 #[derive(Debug, Clone)]
 pub struct Clamp {
     /// The variable.
@@ -285,7 +285,7 @@ pub struct Param {
 pub struct Var {
     /// Its name.
     pub name: Name,
-    /// Its first value; none for `x` and `y`, which are placed.
+    /// Its initial value; `None` for `x` and `y`, which are placed.
     pub initial: Option<Term>,
     /// Its annotated dimension.
     pub dimension: Option<Annotation>,
@@ -298,9 +298,9 @@ pub struct Discrete {
     pub name: Name,
     /// Its type.
     pub ty: Type,
-    /// The names of its values, if it is of a set; all of the same set share them.
+    /// The names of its values, if it ranges over a set; shared by all variables of that set.
     pub values: Arc<Vec<String>>,
-    /// The least and the greatest value that it may take.
+    /// The minimum and maximum value.
     pub range: (i32, i32),
     /// Its first value.
     pub initial: Term,
@@ -309,13 +309,13 @@ pub struct Discrete {
 /// A collider: a rectangle relative to the position.
 #[derive(Debug, Clone)]
 pub struct Collider {
-    /// What it counts as.
+    /// Its tags.
     pub tags: Vec<TagId>,
     /// Whether it is never pushed.
     pub kinematic: bool,
     /// Its shape.
     pub shape: Shape,
-    /// While this holds it is there.
+    /// It is active while this holds.
     pub guard: Option<Term>,
     /// The whole.
     pub span: Span,
@@ -339,7 +339,7 @@ impl Shape {
         }
     }
 
-    /// The numbers that must be more than 0, with what they are called.
+    /// The numbers that must be positive, with their names.
     pub fn sizes(&self) -> Vec<(&Term, &'static str)> {
         match self {
             Shape::Rect([_, _, width, height]) => vec![(width, "width"), (height, "height")],
@@ -351,7 +351,7 @@ impl Shape {
 /// A group.
 #[derive(Debug, Clone)]
 pub struct Group {
-    /// Its name; none for the anonymous one.
+    /// Its name; `None` for the anonymous group.
     pub name: Option<Name>,
     /// Its outermost modes.
     pub modes: Vec<ModeId>,
@@ -368,9 +368,9 @@ pub struct Mode {
     pub path: Vec<String>,
     /// The group it belongs to.
     pub group: GroupId,
-    /// The mode around it.
+    /// Its parent mode.
     pub parent: Option<ModeId>,
-    /// The modes directly inside.
+    /// Its child modes.
     pub children: Vec<ModeId>,
     /// Marked `initial` without a guard.
     pub marked_initial: bool,
@@ -378,7 +378,7 @@ pub struct Mode {
     pub initial_when: Option<Term>,
     /// Flows and envelopes.
     pub drives: Vec<Drive>,
-    /// What happens when an edge enters it.
+    /// The entry actions.
     pub entry: Vec<Action>,
     /// Edges in source order.
     pub edges: Vec<EdgeId>,
@@ -397,7 +397,7 @@ pub struct Drive {
     pub degree: u8,
     /// By what.
     pub by: DriveBy,
-    /// Where it says so.
+    /// The span of the statement.
     pub span: Span,
 }
 
@@ -415,15 +415,15 @@ pub enum DriveBy {
 pub struct Edge {
     /// The mode that holds it.
     pub source: ModeId,
-    /// Where it leads; none if it stays.
+    /// Its target; `None` for an internal edge.
     pub target: Option<ModeId>,
     /// When it is taken.
     pub guard: Term,
-    /// What it changes.
+    /// Its actions.
     pub actions: Vec<Action>,
-    /// The reference that its whole guard says is lost: such edges are tried first.
+    /// The reference, if its whole guard is `lost(…)`: such edges are tried first.
     pub lost: Option<RefId>,
-    /// References that it reads and nothing but an edge on `lost` covers.
+    /// References that it reads and that only an edge on `lost` covers.
     pub needs: Vec<RefId>,
     /// The whole.
     pub span: Span,
@@ -432,24 +432,24 @@ pub struct Edge {
 /// `follow links when guard { … }`
 #[derive(Debug, Clone)]
 pub struct Follow {
-    /// When; always if none.
+    /// The guard; `None` means always.
     pub guard: Option<Term>,
-    /// What it changes when a link is followed.
+    /// The actions when a link is followed.
     pub actions: Vec<Action>,
-    /// References that it reads and nothing but an edge on `lost` covers.
+    /// References that it reads and that only an edge on `lost` covers.
     pub needs: Vec<RefId>,
     /// The whole.
     pub span: Span,
 }
 
-/// What happens on an edge, or when a mode is entered.
+/// An action on an edge or on entry of a mode.
 #[derive(Debug, Clone)]
 pub enum Action {
-    /// A variable or a reference changes.
+    /// Updates a variable or a reference.
     Update(Update),
-    /// An instance comes to be.
+    /// Spawns an instance.
     Spawn(Spawn),
-    /// An instance ceases to be.
+    /// Destroys an instance.
     Destroy(Term),
 }
 
@@ -460,7 +460,7 @@ pub struct Spawn {
     pub into: Option<RefId>,
     /// The entity.
     pub entity: EntityId,
-    /// Its own parameters and first values; the terms are the spawner's.
+    /// Given parameters and initial values; the terms belong to the spawner.
     pub given: Vec<(Given, Term)>,
     /// The whole.
     pub span: Span,
@@ -469,7 +469,7 @@ pub struct Spawn {
 /// An update of a variable.
 #[derive(Debug, Clone)]
 pub struct Update {
-    /// What is updated.
+    /// The target.
     pub place: Place,
     /// Its new value.
     pub value: Term,
@@ -480,7 +480,7 @@ pub struct Update {
 /// An envelope: attack, decay, sustain, release.
 #[derive(Debug, Clone)]
 pub struct Envelope {
-    /// What it drives: one variable, or the components of a vector.
+    /// The driven variables: one, or the components of a vector.
     pub vars: Vec<VarId>,
     /// Of which degree.
     pub degree: u8,
@@ -492,9 +492,9 @@ pub struct Envelope {
     pub peak: Option<Term>,
     /// How it goes from the peak to the sustained level.
     pub decay: Rate,
-    /// The level it holds while it is driven; of a `fixed` one the peak.
+    /// The level while it is driven; the peak of a `fixed` envelope.
     pub sustain: Term,
-    /// How long a `fixed` one holds its peak; 0 if none.
+    /// How long a `fixed` envelope holds its peak; `None` is 0.
     pub sustain_for: Option<Term>,
     /// How it falls.
     pub release: Release,
@@ -522,9 +522,9 @@ pub enum By {
 pub enum Rate {
     /// At once.
     Instant,
-    /// By so much a second.
+    /// By an amount per second.
     Accel(Term),
-    /// The whole way takes this time, s.
+    /// The complete ramp takes this time, s.
     Over(Term),
 }
 
@@ -533,6 +533,6 @@ pub enum Rate {
 pub enum Release {
     /// It stays where it is.
     Hold,
-    /// It goes to a level (0 if none).
+    /// It goes to a level (`None` is 0).
     To(Rate, Option<Term>),
 }

@@ -1,4 +1,4 @@
-//! The checked program's worlds: spaces, instances with their first values, who meets whom, what is asked.
+//! The checked program's worlds: spaces, instances with their initial values, contact rules, predicates.
 
 use crate::ir::{
     DiscreteId, EntityId, GoalId, IdVec, NeverId, Origin, ParamId, PlayerId, RefId, Response, SlotId, SpaceId, TagId,
@@ -17,7 +17,7 @@ pub struct World {
     pub name: Name,
     /// The length of a step as a fraction of seconds.
     pub step: (u64, u64),
-    /// What must be lengths: the sides of tiles.
+    /// Terms that must be lengths: the sides of tiles.
     pub lengths: Vec<Term>,
     /// `collide` lines in source order.
     pub collide: Vec<CollideRule>,
@@ -31,7 +31,7 @@ pub struct World {
     pub goals: IdVec<GoalId, Question>,
     /// What must not happen.
     pub nevers: IdVec<NeverId, Question>,
-    /// The space whose map the command line was to give, and did not.
+    /// The space whose map the command line must provide.
     pub open: Option<SpaceId>,
     /// The whole.
     pub span: Span,
@@ -59,20 +59,20 @@ pub struct Space {
     pub map: Option<TileMap<TagId>>,
     /// Free-standing static geometry.
     pub solids: Vec<Solid>,
-    /// Where a player may be: x and y of the lower-left corner, width, height; px.
+    /// The bounds of players: x and y of the lower-left corner, width, height; px.
     pub bounds: Option<[f64; 4]>,
-    /// Ways into other spaces, in source order.
+    /// Links to other spaces, in source order.
     pub links: Vec<Link>,
 }
 
-/// A way into another space.
+/// A link to another space.
 #[derive(Debug, Clone)]
 pub struct Link {
-    /// Where it begins: x and y of the lower-left corner, width, height; px.
+    /// The source rectangle: x and y of the lower-left corner, width, height; px.
     pub from: [f64; 4],
-    /// The space it leads to.
+    /// The target space.
     pub space: SpaceId,
-    /// Where it leads to.
+    /// The target rectangle.
     pub to: [f64; 4],
     /// When it is open.
     pub guard: Option<Term>,
@@ -83,7 +83,7 @@ pub struct Link {
 /// Free-standing static geometry.
 #[derive(Debug, Clone)]
 pub struct Solid {
-    /// What it counts as.
+    /// Its tags.
     pub tags: Vec<TagId>,
     /// x and y of the lower-left corner, width, height; px.
     pub rect: [f64; 4],
@@ -91,12 +91,12 @@ pub struct Solid {
     pub span: Span,
 }
 
-/// A place for an instance: placed, made by a tile, or left free for a spawn.
+/// A slot: a placed instance, one made by a tile, or free for a spawn.
 #[derive(Debug, Clone)]
 pub struct Instance {
     /// Its name.
     pub name: Name,
-    /// How it comes to be.
+    /// The origin of its instance.
     pub origin: Origin,
     /// Its entity.
     pub entity: EntityId,
@@ -108,9 +108,9 @@ pub struct Instance {
     pub vars: IdVec<VarId, [f64; 3]>,
     /// The values of its discrete variables.
     pub discretes: IdVec<DiscreteId, i32>,
-    /// What its references refer to.
+    /// The targets of its references.
     pub refs: IdVec<RefId, Option<SlotId>>,
-    /// What its place sets, as written.
+    /// The values set at its placement, as written.
     pub given: Vec<(Given, Term)>,
     /// Where it is placed.
     pub span: Span,

@@ -1,4 +1,4 @@
-//! Variables that two flows or envelopes drive at once.
+//! Reports variables that two flows or envelopes drive at once.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use super::Checker;
 use super::checked::{Drive, Entity};
 
 impl Checker<'_> {
-    /// Two drives of one variable in one mode, or in modes of two groups.
+    /// Reports two drives of one variable in one mode, or in modes of two groups.
     pub(super) fn flow_conflicts(&mut self, entity: &Entity) {
         self.within(entity, &entity.drives);
         let mut owners: IdVec<VarId, Option<(GroupId, &Drive)>> = entity.vars.iter().map(|_| None).collect();

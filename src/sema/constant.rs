@@ -1,4 +1,4 @@
-//! Values that are known before a world runs: constants, parameters of an instance, first values.
+//! Constant evaluation: constants, parameters of an instance, initial values.
 
 use crate::ir::{Function, IdVec, ParamId, Subject, arithmetic, call, compare};
 use crate::source::Span;
@@ -8,40 +8,39 @@ use super::checked::{Term, TermKind};
 /// What a constant term may read.
 #[derive(Debug, Clone, Copy)]
 pub struct ConstantContext<'a> {
-    /// The parameters that are known so far; none where parameters may not be read.
+    /// The parameters that are known so far; `None` where parameters may not be read.
     pub params: Option<&'a IdVec<ParamId, f64>>,
-    /// The length of the world's step as a fraction of seconds; none outside of a world.
+    /// The length of the world's step as a fraction of seconds; `None` outside a world.
     pub step: Option<(u64, u64)>,
 }
 
 impl ConstantContext<'_> {
-    /// Nothing but literals and constants.
+    /// Only literals and constants.
     pub const LITERALS: ConstantContext<'static> = ConstantContext { params: None, step: None };
 }
 
 /// Why a term has no constant value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Broken {
-    /// It reads something that changes, here.
+pub enum ConstantError {
+    /// It reads something that is not constant, here.
     NotConstant(Span),
-    /// It divides by zero or leaves the finite numbers, here.
+    /// It divides by zero or overflows, here.
     NotFinite(Span),
 }
 
 /// The value of a term; truth values are 0 and 1.
 ///
-/// # Errors
-/// [`Broken`] if it reads what is not known yet, or has no finite value.
-pub fn evaluate(term: &Term, context: ConstantContext<'_>) -> Result<f64, Broken> {
+/// [`ConstantError`] if it reads something unknown, or has no finite value.
+pub fn evaluate(term: &Term, context: ConstantContext<'_>) -> Result<f64, ConstantError> {
     let value = |t: &Term| evaluate(t, context);
     let truth = |b: bool| f64::from(u8::from(b));
-    let unknown = Broken::NotConstant(term.span);
+    let unknown = ConstantError::NotConstant(term.span);
     let result = match &term.kind {
         TermKind::Number(n) => *n,
         TermKind::Quantity(quantity) => quantity.0,
         TermKind::Frames(n) => {
             let (numerator, denominator) = context.step.ok_or(unknown)?;
-            // As timers count, rounded once.
+            // Rounded once, like timers.
             n * numerator as f64 / denominator as f64
         }
         TermKind::Bool(b) => truth(*b),
@@ -92,5 +91,5 @@ pub fn evaluate(term: &Term, context: ConstantContext<'_>) -> Result<f64, Broken
         | TermKind::InSpace(..)
         | TermKind::Near(_) => return Err(unknown),
     };
-    if result.is_finite() { Ok(result) } else { Err(Broken::NotFinite(term.span)) }
+    if result.is_finite() { Ok(result) } else { Err(ConstantError::NotFinite(term.span)) }
 }

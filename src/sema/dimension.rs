@@ -1,8 +1,8 @@
-//! Dimensions: every number is `px^i · s^j`, inferred from all its uses, never required.
+//! Dimension inference: every number has a dimension `px^i · s^j`, inferred from its uses; annotations are optional.
 //!
-//! Exponents are unknowns of linear equations, solved one by one as uses are met (unification in an Abelian group;
-//! Kennedy, *Programming Languages and Dimensions*, 1996). A literal takes the dimension that its place needs; as a
-//! factor beside anything else it is a pure number.
+//! Exponents are unknowns of linear equations, solved one by one as uses are found (unification in an Abelian group;
+//! Kennedy, *Programming Languages and Dimensions*, 1996). A literal takes the dimension that its context needs; as a
+//! factor beside another term it is dimensionless.
 
 mod report;
 
@@ -31,16 +31,16 @@ impl Ratio {
         let g = (a.max(1) as i64) * d.signum();
         Ratio(n / g, d / g)
     }
-    /// None if it cannot be told exactly.
+    /// `None` if it cannot be represented exactly.
     fn plus(self, o: Ratio) -> Option<Ratio> {
         let sum = self.0.checked_mul(o.1)?.checked_add(o.0.checked_mul(self.1)?)?;
         Ratio::checked(sum, self.1.checked_mul(o.1)?)
     }
-    /// None if it cannot be told exactly.
+    /// `None` if it cannot be represented exactly.
     fn times(self, o: Ratio) -> Option<Ratio> {
         Ratio::checked(self.0.checked_mul(o.0)?, self.1.checked_mul(o.1)?)
     }
-    /// Every number of a ratio has its negative.
+    /// Both numbers of a ratio can be negated without overflow.
     fn checked(n: i64, d: i64) -> Option<Ratio> {
         (n != i64::MIN && d != i64::MIN).then(|| Ratio::new(n, d))
     }
@@ -54,13 +54,13 @@ struct Dim {
     px: Ratio,
     s: Ratio,
     unknowns: BTreeMap<Unknown, Ratio>,
-    /// Whether an exponent grew beyond what can be told exactly: then nothing is known of it.
-    is_lost: bool,
+    /// Whether an exponent overflowed, so that the dimension is unknown.
+    is_unknown: bool,
 }
 
 impl Dim {
     fn known(px: i64, s: i64) -> Dim {
-        Dim { px: Ratio(px, 1), s: Ratio(s, 1), unknowns: BTreeMap::new(), is_lost: false }
+        Dim { px: Ratio(px, 1), s: Ratio(s, 1), unknowns: BTreeMap::new(), is_unknown: false }
     }
     fn unknown(u: Unknown) -> Dim {
         Dim { unknowns: BTreeMap::from([(u, Ratio::ONE)]), ..Dim::known(0, 0) }
@@ -71,12 +71,12 @@ impl Dim {
     }
     fn add(&mut self, other: &Dim, factor: Ratio) {
         if self.try_add(other, factor).is_none() {
-            *self = Dim { is_lost: true, ..Dim::known(0, 0) };
+            *self = Dim { is_unknown: true, ..Dim::known(0, 0) };
         }
     }
-    /// None if an exponent cannot be told exactly; then what is there is no sum.
+    /// `None` if an exponent cannot be represented exactly; `self` is then invalid.
     fn try_add(&mut self, other: &Dim, factor: Ratio) -> Option<()> {
-        if self.is_lost || other.is_lost {
+        if self.is_unknown || other.is_unknown {
             return None;
         }
         self.px = self.px.plus(other.px.times(factor)?)?;
@@ -115,8 +115,8 @@ impl Dim {
 const TIME: (i64, i64) = (0, 1);
 const LENGTH: (i64, i64) = (1, 0);
 
-/// Checks all entities and worlds of a program that is otherwise right.
-/// Returns what it found of parameters and variables.
+/// Checks all entities and worlds of a program without other errors. Returns the dimensions of parameters and
+/// variables.
 pub(super) fn check(program: &Checked, sources: &SourceMap, diagnostics: &mut Diagnostics) -> Dimensions {
     let mut solver = Solver {
         program,
@@ -133,11 +133,11 @@ pub(super) fn check(program: &Checked, sources: &SourceMap, diagnostics: &mut Di
         solver.world(world);
         for question in world.goals.iter().chain(world.nevers.iter()) {
             let entity_of = |slot: SlotId| world.instances[slot].entity;
-            solver.dimension(&question.predicate, &Here { me: None, entity_of: &entity_of });
+            solver.dimension(&question.predicate, &TermContext { me: None, entity_of: &entity_of });
         }
         for guard in world.spaces.iter().flat_map(|s| &s.links).filter_map(|l| l.guard.as_ref()) {
             let entity_of = |slot: SlotId| world.instances[slot].entity;
-            solver.dimension(guard, &Here { me: None, entity_of: &entity_of });
+            solver.dimension(guard, &TermContext { me: None, entity_of: &entity_of });
         }
     }
     let found = solver.found();
@@ -145,17 +145,17 @@ pub(super) fn check(program: &Checked, sources: &SourceMap, diagnostics: &mut Di
     found
 }
 
-/// The dimensions of parameters and variables, as one writes them: `px/s^2`.
+/// The dimensions of parameters and variables, in source syntax: `px/s^2`.
 #[derive(Debug, Clone, Default)]
 pub struct Dimensions {
-    /// Those of parameters that follow from how they are used.
+    /// Dimensions of parameters that follow from their uses.
     pub params: BTreeMap<(EntityId, ParamId), String>,
-    /// Those of continuous variables.
+    /// Dimensions of continuous variables.
     pub vars: BTreeMap<(EntityId, VarId), String>,
 }
 
-/// Whose variables a term reads.
-struct Here<'a> {
+/// The context of a term: how its subjects resolve.
+struct TermContext<'a> {
     me: Option<EntityId>,
     entity_of: &'a dyn Fn(SlotId) -> EntityId,
 }
@@ -167,20 +167,20 @@ enum Named {
     Var(EntityId, VarId),
 }
 
-/// Where a term is whose dimension does not fit.
+/// The site of a term whose dimension does not fit.
 #[derive(Debug, Clone)]
-enum Beside {
-    /// In a place that asks for a dimension.
+enum ConflictSite {
+    /// A context with a required dimension.
     Place,
-    /// Beside another term: what is done with both.
-    Term(Term, Joint),
-    /// It is driven by the envelope that drives the first of its variables.
+    /// Beside another term, related by an operation.
+    Term(Term, Relation),
+    /// It is driven by an envelope together with the first variable.
     Driven { first: VarId, other: VarId, degree: u8 },
 }
 
-/// What asks for one dimension of two terms.
+/// An operation that requires equal dimensions.
 #[derive(Debug, Clone, Copy)]
-enum Joint {
+enum Relation {
     Added,
     Subtracted,
     Compared,
@@ -192,30 +192,30 @@ struct Conflict {
     term: Term,
     needed: Dim,
     found: Dim,
-    beside: Beside,
-    /// The envelope that holds the place.
+    beside: ConflictSite,
+    /// The enclosing envelope.
     envelope: Option<Span>,
 }
 
 struct Solver<'p> {
     program: &'p Checked,
-    /// Of each unknown: its solution, and the use that gave it.
+    /// For each unknown: its solution, and the use that determined it.
     solved: Vec<Option<(Dim, Span)>>,
     named: BTreeMap<Named, Unknown>,
     conflicts: Vec<Conflict>,
-    /// The envelope whose terms are examined.
+    /// The envelope whose terms are being checked.
     envelope: Option<Span>,
-    /// Of each square root: its dimension and what it is taken of.
+    /// For each square root: its dimension and its argument.
     roots: Vec<(Dim, Term)>,
 }
 
 impl Solver<'_> {
-    /// What is known in the end.
+    /// The inferred dimensions.
     fn found(&mut self) -> Dimensions {
         let mut out = Dimensions::default();
         for (name, unknown) in self.named.clone() {
             let dim = self.reduce(&Dim::unknown(unknown));
-            if dim.is_lost || !dim.unknowns.is_empty() {
+            if dim.is_unknown || !dim.unknowns.is_empty() {
                 continue;
             }
             match name {
@@ -226,7 +226,7 @@ impl Solver<'_> {
         out
     }
 
-    fn fresh(&mut self) -> Unknown {
+    fn new_unknown(&mut self) -> Unknown {
         self.solved.push(None);
         self.solved.len() - 1
     }
@@ -240,7 +240,7 @@ impl Solver<'_> {
         if let Some(&u) = self.named.get(&name) {
             return Dim::unknown(u);
         }
-        let u = self.fresh();
+        let u = self.new_unknown();
         self.named.insert(name, u);
         let annotation = match name {
             Named::Param(e, p) => self.program.entities[e].params[p].dimension,
@@ -252,14 +252,14 @@ impl Solver<'_> {
         Dim::unknown(u)
     }
 
-    /// A dimension without the unknowns that are solved.
+    /// Replaces all solved unknowns in a dimension.
     fn reduce(&mut self, dim: &Dim) -> Dim {
-        self.settle(dim);
-        self.put_in(dim)
+        self.reduce_solutions(dim);
+        self.substitute(dim)
     }
 
-    /// Puts in what is known of the unknowns of a dimension, itself not to be reduced any further.
-    fn put_in(&self, dim: &Dim) -> Dim {
+    /// Replaces solved unknowns in a dimension once, not recursively.
+    fn substitute(&self, dim: &Dim) -> Dim {
         let mut out = Dim { unknowns: BTreeMap::new(), ..dim.clone() };
         for (u, r) in &dim.unknowns {
             match &self.solved[*u] {
@@ -270,8 +270,8 @@ impl Solver<'_> {
         out
     }
 
-    /// Reduces the solutions that a dimension needs, innermost first and each once: a chain of them may be long.
-    fn settle(&mut self, dim: &Dim) {
+    /// Reduces the solutions that a dimension needs, innermost first, without recursion: chains may be long.
+    fn reduce_solutions(&mut self, dim: &Dim) {
         let mut open: Vec<(Unknown, bool)> = dim.unknowns.keys().map(|u| (*u, false)).collect();
         while let Some((u, inner_done)) = open.pop() {
             let Some((solution, at)) = &self.solved[u] else { continue };
@@ -279,7 +279,7 @@ impl Solver<'_> {
                 continue;
             }
             if inner_done {
-                self.solved[u] = Some((self.put_in(solution), *at));
+                self.solved[u] = Some((self.substitute(solution), *at));
             } else {
                 open.push((u, true));
                 open.extend(solution.unknowns.keys().map(|v| (*v, false)));
@@ -287,24 +287,24 @@ impl Solver<'_> {
         }
     }
 
-    /// Makes `found`, the dimension of `term`, equal to what its place needs.
-    fn need(&mut self, term: &Term, found: &Dim, needed: &Dim, beside: Beside, here: &Here<'_>) {
+    /// Unifies `found`, the dimension of `term`, with the dimension that its context needs.
+    fn unify(&mut self, term: &Term, found: &Dim, needed: &Dim, beside: ConflictSite, context: &TermContext<'_>) {
         let difference = self.reduce(found).plus(&self.reduce(needed), Ratio(-1, 1));
-        // The unknown that is alone is the one that this use determines.
+        // A single unknown is determined by this use.
         let pick =
             difference.unknowns.iter().max_by_key(|(u, _)| found.unknowns.contains_key(*u)).map(|(u, r)| (*u, *r));
         match pick {
             Some((u, r)) => {
                 let rest = difference.plus(&Dim::unknown(u), Ratio(-r.0, r.1));
                 let solution = Dim::known(0, 0).plus(&rest, Ratio::new(-r.1, r.0));
-                if !solution.is_lost {
+                if !solution.is_unknown {
                     self.solved[u] = Some((solution, term.span));
                 }
             }
             None if difference.px != Ratio::ZERO || difference.s != Ratio::ZERO => {
                 let (needed, found) = (self.reduce(needed), self.reduce(found));
                 self.conflicts.push(Conflict {
-                    entity: here.me,
+                    entity: context.me,
                     term: term.clone(),
                     needed,
                     found,
@@ -316,36 +316,36 @@ impl Solver<'_> {
         }
     }
 
-    /// The default of a parameter: what it is given is the first that is known of it. Of several unknowns none is solved
-    /// by it: products of products would grow.
-    fn is_given(&mut self, term: &Term, found: &Dim, needed: &Dim, here: &Here<'_>) {
+    /// The default of a parameter, the first information about its dimension. It solves at most one unknown: otherwise
+    /// products of products would grow.
+    fn is_given(&mut self, term: &Term, found: &Dim, needed: &Dim, context: &TermContext<'_>) {
         let own = needed.unknowns.keys().next().copied().filter(|u| self.solved[*u].is_none());
         let found = self.reduce(found);
         match own {
             Some(own) if found.unknowns.len() > 1 && !found.unknowns.contains_key(&own) => {
                 self.solved[own] = Some((found, term.span))
             }
-            _ => self.need(term, &found, needed, Beside::Place, here),
+            _ => self.unify(term, &found, needed, ConflictSite::Place, context),
         }
     }
 
-    /// A term in a place of known dimension.
-    fn place(&mut self, term: &Term, needed: &Dim, here: &Here<'_>) {
-        if let Some(found) = self.dimension(term, here) {
-            self.need(term, &found, needed, Beside::Place, here);
+    /// A term in a context with a known dimension.
+    fn place(&mut self, term: &Term, needed: &Dim, context: &TermContext<'_>) {
+        if let Some(found) = self.dimension(term, context) {
+            self.unify(term, &found, needed, ConflictSite::Place, context);
         }
     }
 
-    /// Terms that must agree; returns their common dimension, none if all are literals.
-    fn agree(&mut self, terms: &[&Term], joint: Joint, here: &Here<'_>) -> Option<Dim> {
+    /// Terms that must agree; returns their common dimension, `None` if all are literals.
+    fn agree(&mut self, terms: &[&Term], joint: Relation, context: &TermContext<'_>) -> Option<Dim> {
         let mut common: Option<(Dim, &Term)> = None;
         for term in terms {
-            let Some(found) = self.dimension(term, here) else {
+            let Some(found) = self.dimension(term, context) else {
                 continue;
             };
             match &common {
                 Some((needed, first)) => {
-                    self.need(term, &found, needed, Beside::Term((*first).clone(), joint), here);
+                    self.unify(term, &found, needed, ConflictSite::Term((*first).clone(), joint), context);
                 }
                 None => common = Some((found, term)),
             }
@@ -353,12 +353,12 @@ impl Solver<'_> {
         common.map(|(dim, _)| dim)
     }
 
-    /// The dimension of a term; none for literals, which fit everywhere.
-    fn dimension(&mut self, term: &Term, here: &Here<'_>) -> Option<Dim> {
+    /// The dimension of a term; `None` for literals, which fit everywhere.
+    fn dimension(&mut self, term: &Term, context: &TermContext<'_>) -> Option<Dim> {
         let entity = |of: Subject| match of {
-            Subject::Me => here.me,
-            Subject::Slot(slot) => Some((here.entity_of)(slot)),
-            Subject::Ref(id) => here.me.and_then(|me| self.program.entities[me].refs[id].entity),
+            Subject::Me => context.me,
+            Subject::Slot(slot) => Some((context.entity_of)(slot)),
+            Subject::Ref(id) => context.me.and_then(|me| self.program.entities[me].refs[id].entity),
             Subject::Touched(_) => None,
         };
         match &term.kind {
@@ -375,19 +375,19 @@ impl Solver<'_> {
                 Some(base.plus(&Dim::known(0, -i64::from(*degree)), Ratio::ONE))
             }
             TermKind::Discrete(..) | TermKind::Axis(_) => Some(Dim::known(0, 0)),
-            TermKind::Negate(a) => self.dimension(a, here),
+            TermKind::Negate(a) => self.dimension(a, context),
             TermKind::Arithmetic(Arithmetic::Add, sides) => {
                 let [a, b] = sides.as_ref();
-                self.agree(&[a, b], Joint::Added, here)
+                self.agree(&[a, b], Relation::Added, context)
             }
             TermKind::Arithmetic(Arithmetic::Subtract, sides) => {
                 let [a, b] = sides.as_ref();
-                self.agree(&[a, b], Joint::Subtracted, here)
+                self.agree(&[a, b], Relation::Subtracted, context)
             }
             TermKind::Arithmetic(op, sides) => {
                 let [a, b] = sides.as_ref();
                 let sign = if *op == Arithmetic::Divide { Ratio(-1, 1) } else { Ratio::ONE };
-                let (a, b) = (self.dimension(a, here), self.dimension(b, here));
+                let (a, b) = (self.dimension(a, context), self.dimension(b, context));
                 if a.is_none() && b.is_none() {
                     return None;
                 }
@@ -399,46 +399,46 @@ impl Solver<'_> {
                 let args: Vec<&Term> = args.iter().collect();
                 match (function, args.as_slice()) {
                     (Function::If, [condition, values @ ..]) => {
-                        self.dimension(condition, here);
-                        self.agree(values, Joint::Given(*function), here)
+                        self.dimension(condition, context);
+                        self.agree(values, Relation::Given(*function), context)
                     }
                     (Function::Sign | Function::Atan2, _) => {
-                        self.agree(&args, Joint::Given(*function), here);
+                        self.agree(&args, Relation::Given(*function), context);
                         Some(Dim::known(0, 0))
                     }
                     (Function::Sin | Function::Cos, [angle]) => {
-                        self.place(angle, &Dim::known(0, 0), here);
+                        self.place(angle, &Dim::known(0, 0), context);
                         Some(Dim::known(0, 0))
                     }
                     (Function::Sqrt, [a]) => {
-                        let square = self.dimension(a, here)?;
-                        let root = Dim::unknown(self.fresh());
+                        let square = self.dimension(a, context)?;
+                        let root = Dim::unknown(self.new_unknown());
                         let twice = Dim::known(0, 0).plus(&root, Ratio(2, 1));
-                        self.need(a, &twice, &square, Beside::Place, here);
+                        self.unify(a, &twice, &square, ConflictSite::Place, context);
                         self.roots.push((root.clone(), (*a).clone()));
                         Some(root)
                     }
-                    _ => self.agree(&args, Joint::Given(*function), here),
+                    _ => self.agree(&args, Relation::Given(*function), context),
                 }
             }
             TermKind::Compare(_, sides) => {
                 let [a, b] = sides.as_ref();
-                self.agree(&[a, b], Joint::Compared, here);
+                self.agree(&[a, b], Relation::Compared, context);
                 None
             }
             TermKind::And(sides) | TermKind::Or(sides) => {
                 for side in sides.iter() {
-                    self.dimension(side, here);
+                    self.dimension(side, context);
                 }
                 None
             }
             TermKind::Not(a) => {
-                self.dimension(a, here);
+                self.dimension(a, context);
                 None
             }
             TermKind::Near(asked) => {
                 for term in &asked.1 {
-                    self.place(term, &Dim::known(LENGTH.0, LENGTH.1), here);
+                    self.place(term, &Dim::known(LENGTH.0, LENGTH.1), context);
                 }
                 None
             }
@@ -457,19 +457,19 @@ impl Solver<'_> {
 
     fn world(&mut self, world: &World) {
         let length = Dim::known(LENGTH.0, LENGTH.1);
-        let nobody = Here { me: None, entity_of: &|_| EntityId(0) };
+        let nobody = TermContext { me: None, entity_of: &|_| EntityId(0) };
         for side in &world.lengths {
             self.place(side, &length, &nobody);
         }
         for instance in world.instances.iter() {
             let id = instance.entity;
-            let here = Here { me: Some(id), entity_of: &|_| id };
-            self.given(id, &instance.given, &here);
+            let context = TermContext { me: Some(id), entity_of: &|_| id };
+            self.given(id, &instance.given, &context);
         }
     }
 
-    /// What is given to an instance of an entity; the terms are those of `here`.
-    fn given(&mut self, id: EntityId, given: &[(Given, Term)], here: &Here<'_>) {
+    /// Checks the values given to an instance of an entity; the terms belong to `context`.
+    fn given(&mut self, id: EntityId, given: &[(Given, Term)], context: &TermContext<'_>) {
         for (what, term) in given {
             let needed = match *what {
                 Given::Param(param) => self.name(Named::Param(id, param)),
@@ -477,7 +477,7 @@ impl Solver<'_> {
                 Given::Discrete(_) => Dim::known(0, 0),
                 Given::Ref(_) => continue,
             };
-            self.place(term, &needed, here);
+            self.place(term, &needed, context);
         }
     }
 
@@ -487,7 +487,7 @@ impl Solver<'_> {
     }
 
     fn entity(&mut self, id: EntityId, entity: &Entity) {
-        let here = Here { me: Some(id), entity_of: &|_| id };
+        let context = TermContext { me: Some(id), entity_of: &|_| id };
         let of_var = |this: &mut Self, var: VarId, degree: u8| this.derivative(id, var, degree);
         let length = Dim::known(LENGTH.0, LENGTH.1);
         let time = Dim::known(TIME.0, TIME.1);
@@ -497,104 +497,104 @@ impl Solver<'_> {
                     Action::Update(update) => match update.place {
                         Place::Var(var, degree) => {
                             let needed = of_var(this, var, degree);
-                            this.place(&update.value, &needed, &here);
+                            this.place(&update.value, &needed, &context);
                         }
-                        Place::Discrete(_) => this.place(&update.value, &Dim::known(0, 0), &here),
+                        Place::Discrete(_) => this.place(&update.value, &Dim::known(0, 0), &context),
                         Place::Ref(_) => {}
                     },
-                    Action::Spawn(spawn) => this.given(spawn.entity, &spawn.given, &here),
+                    Action::Spawn(spawn) => this.given(spawn.entity, &spawn.given, &context),
                     Action::Destroy(_) => {}
                 }
             }
         };
-        // What a parameter is given is the first that is known of it.
+        // The given value is the first information about a parameter.
         for (param, declared) in entity.params.pairs() {
-            if let Some(found) = self.dimension(&declared.default, &here) {
+            if let Some(found) = self.dimension(&declared.default, &context) {
                 let needed = self.name(Named::Param(id, param));
-                self.is_given(&declared.default, &found, &needed, &here);
+                self.is_given(&declared.default, &found, &needed, &context);
             }
         }
         for drive in entity.drives.iter().chain(entity.modes.iter().flat_map(|m| &m.drives)) {
             if let DriveBy::Flow(value) = &drive.by {
                 let needed = of_var(self, drive.var, drive.degree);
-                self.place(value, &needed, &here);
+                self.place(value, &needed, &context);
             }
         }
         for envelope in entity.envelopes.iter() {
             let Some(&var) = envelope.vars.first() else { continue };
-            // Its first word stands for it.
+            // Its keyword is its span.
             let (start, end) = (envelope.span.start(), envelope.span.end());
             self.envelope = Some(envelope.span.ending(end.min(start + "envelope".len() as u32)));
             let level = of_var(self, var, envelope.degree);
             let rate_of = of_var(self, var, envelope.degree + 1);
-            // The components of a vector are of one dimension.
+            // All components of a vector have one dimension.
             for &other in envelope.vars.iter().skip(1) {
                 let found = of_var(self, other, envelope.degree);
                 let (first, degree) = (var, envelope.degree);
-                self.need(&envelope.sustain, &found, &level, Beside::Driven { first, other, degree }, &here);
+                self.unify(&envelope.sustain, &found, &level, ConflictSite::Driven { first, other, degree }, &context);
             }
             let rate = |this: &mut Self, rate: &Rate| match rate {
                 Rate::Instant => {}
-                Rate::Accel(a) => this.place(a, &rate_of, &here),
-                Rate::Over(t) => this.place(t, &time, &here),
+                Rate::Accel(a) => this.place(a, &rate_of, &context),
+                Rate::Over(t) => this.place(t, &time, &context),
             };
             rate(self, &envelope.attack);
-            self.place(&envelope.sustain, &level, &here);
+            self.place(&envelope.sustain, &level, &context);
             if let Some(peak) = &envelope.peak {
-                self.place(peak, &level, &here);
+                self.place(peak, &level, &context);
                 rate(self, &envelope.decay);
             }
             if let (By::Clock(_), Some(held)) = (&envelope.by, &envelope.sustain_for) {
-                self.place(held, &time, &here);
+                self.place(held, &time, &context);
             }
             if let Release::To(release, to) = &envelope.release {
                 rate(self, release);
                 if let Some(to) = to {
-                    self.place(to, &level, &here);
+                    self.place(to, &level, &context);
                 }
             }
             if let Some(guard) = &envelope.driven_while {
-                self.dimension(guard, &here);
+                self.dimension(guard, &context);
             }
         }
         self.envelope = None;
         for mode in entity.modes.iter() {
             updates(self, &mode.entry);
             if let Some(guard) = &mode.initial_when {
-                self.dimension(guard, &here);
+                self.dimension(guard, &context);
             }
             for follow in &mode.follows {
                 updates(self, &follow.actions);
                 if let Some(guard) = &follow.guard {
-                    self.dimension(guard, &here);
+                    self.dimension(guard, &context);
                 }
             }
         }
         for edge in entity.edges.iter() {
-            self.dimension(&edge.guard, &here);
+            self.dimension(&edge.guard, &context);
             updates(self, &edge.actions);
         }
         for collider in entity.colliders.iter() {
             for side in collider.shape.numbers() {
-                self.place(side, &length, &here);
+                self.place(side, &length, &context);
             }
             if let Some(guard) = &collider.guard {
-                self.dimension(guard, &here);
+                self.dimension(guard, &context);
             }
         }
         for clamp in &entity.clamps {
             let needed = of_var(self, clamp.var, clamp.degree);
             for bound in clamp.low.iter().chain(&clamp.high) {
-                self.place(bound, &needed, &here);
+                self.place(bound, &needed, &context);
             }
         }
         for invariant in &entity.invariants {
-            self.dimension(invariant, &here);
+            self.dimension(invariant, &context);
         }
         for (var, declared) in entity.vars.pairs() {
             if let Some(initial) = &declared.initial {
                 let needed = of_var(self, var, 0);
-                self.place(initial, &needed, &here);
+                self.place(initial, &needed, &context);
             }
         }
     }

@@ -1,5 +1,5 @@
-//! Maps from files of level editors: what the names in a level stand for, its rectangles as `rect`s, its things as
-//! instances, as if the program placed them.
+//! Maps from level editors: resolves the names in a level, its rectangles as `rect`s and its objects as instances, as
+//! if the program had placed them.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,13 +15,13 @@ use super::checked::{Given, Instance, Solid, World};
 use super::names::{Table, unknown};
 use super::population::Population;
 
-/// What a map's block says of names, by name.
+/// The kinds in a map's block, by name.
 type Kinds<'k> = BTreeMap<&'k str, &'k ast::Kind>;
 
 impl Checker<'_> {
     /// Reads a level into its space, and makes its instances. Without a file only the block is checked; its named
-    /// instances are made once if the map is still to be given.
-    pub(super) fn drawn_map(
+    /// instances are made once if the map is still missing.
+    pub(super) fn editor_map(
         &mut self,
         file: Option<(Format, FileId, Option<&str>)>,
         block: &[ast::Kind],
@@ -44,7 +44,7 @@ impl Checker<'_> {
         });
         let Some(level) = level else {
             if file.is_some() || world.open != Some(id) {
-                // Whatever is in it is not known, and that is explained already.
+                // Its contents are unknown, which is already reported.
                 self.poisoned_names.insert("*".into());
             }
             let named = kinds.values().filter_map(|kind| kind.spawn.as_ref()?.name.as_ref().map(|name| (*kind, name)));
@@ -72,7 +72,7 @@ impl Checker<'_> {
         self.diagnostics.strip_fixes(|file| read.contains(&file));
     }
 
-    /// Whether a name stands for tags, or for an entity that the program has; says that it has not.
+    /// Whether a kind names an entity of the program; reports an unknown one.
     fn is_entity(&mut self, kind: &ast::Kind) -> bool {
         let Some(spawn) = &kind.spawn else { return true };
         self.tile_spawn(Some(spawn));
@@ -140,7 +140,7 @@ impl Checker<'_> {
                 self.poisoned_names.insert(spawned.text.to_string());
             }
         }
-        // What a thing is called must be known before another one refers to it.
+        // All names must be known before references are resolved.
         let mut made: Vec<(EntityId, Name, Origin)> = Vec::new();
         let mut ids: BTreeMap<&str, String> = BTreeMap::new();
         let known = || things.iter().filter(|thing| self.entity_of(kinds, &thing.class).is_some());
@@ -212,7 +212,7 @@ impl Checker<'_> {
     }
 }
 
-/// What a name of the level stands for.
+/// The meaning of a name in the level.
 fn meaning(kinds: &Kinds<'_>, entities: &Table<EntityId>, name: &str) -> Meaning {
     match kinds.get(name) {
         Some(kind) if kind.spawn.is_some() => Meaning::Entity,
@@ -224,7 +224,7 @@ fn meaning(kinds: &Kinds<'_>, entities: &Table<EntityId>, name: &str) -> Meaning
     }
 }
 
-/// A property's value as an expression; none if it sets nothing, an error if no entity can have such a value.
+/// A property's value as an expression; `None` if it sets nothing, an error if no entity can have such a value.
 fn value(value: &Value, is_reference: bool, ids: &BTreeMap<&str, String>) -> Result<Option<ExprKind>, &'static str> {
     let path = |text: &str| ExprKind::Name(text.into(), 0);
     match value {

@@ -1,4 +1,5 @@
-//! Entities: declarations first (the skeleton, which other entities and worlds may refer to), bodies second.
+//! Entities in two passes: declarations first (the skeleton, to which other entities and worlds may refer), then
+//! bodies.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -17,11 +18,11 @@ use crate::syntax::occurrence::NameKind;
 
 use super::checked::SetId;
 use super::checked::{Annotation, Discrete, Entity, Group, Param, Reference, Term, TermKind, Type, Var};
-use super::constant::{Broken, ConstantContext, evaluate};
-use super::expression::{Reads, Scope};
+use super::constant::{ConstantContext, ConstantError, evaluate};
+use super::expression::{ReadLimit, Scope};
 use super::facts::Facts;
 use super::mode::ModeNames;
-use super::names::{Known, Table, unknown};
+use super::names::{Candidate, Table, unknown};
 use super::reference::lost_by;
 use super::{Boxes, Checker, Set};
 
@@ -35,22 +36,22 @@ pub(super) struct Skeleton {
     pub buttons: Table<ButtonId>,
     pub axes: Table<AxisId>,
     pub modes: ModeNames,
-    /// Of each mode: the references of which it has an edge on `lost`.
+    /// For each mode: the references for which it has an edge on `lost`.
     pub lost: Vec<Vec<Word>>,
 }
 
-/// What is still to be checked of an entity whose names are known. Each part of it goes as it is checked: of a large
-/// program the syntax and what is made of it are large.
+/// The unchecked part of an entity whose names are known. Each part is dropped once it is checked, as both
+/// representations are large for a large program.
 #[derive(Debug)]
-pub(super) struct Body {
-    /// What is outside of its modes.
+pub(super) struct PendingBody {
+    /// The members outside of modes.
     members: Vec<Member>,
-    /// Modes in preorder, as their ids number them, without the modes inside.
+    /// Modes in preorder of their ids, without their child modes.
     modes: Boxes<ast::Mode>,
 }
 
 impl Skeleton {
-    /// The names of an entity that has all of them.
+    /// The names of a completely declared entity.
     fn of(entity: &Entity, modes: &[Box<ast::Mode>]) -> Self {
         let lost = |mode: &ast::Mode| {
             let edges = mode.members.iter().filter_map(|m| match m {
@@ -74,8 +75,8 @@ impl Skeleton {
 }
 
 impl Checker<'_> {
-    /// Names, types and modes of an entity, and what is still to be checked of it.
-    pub(super) fn skeleton(&mut self, syntax: ast::Entity) -> (Entity, Body) {
+    /// Declares the names, types and modes of an entity; returns the rest for later.
+    pub(super) fn skeleton(&mut self, syntax: ast::Entity) -> (Entity, PendingBody) {
         let mut entity = Entity {
             name: syntax.name,
             doc: syntax.doc,
@@ -96,12 +97,12 @@ impl Checker<'_> {
             invariants: Vec::new(),
             order: Vec::new(),
         };
-        let mut body = Body { members: Vec::new(), modes: Boxes::new() };
+        let mut body = PendingBody { members: Vec::new(), modes: Boxes::new() };
         for text in ["x", "y"] {
             let name = Name { text: text.into(), span: entity.name.span };
             entity.vars.push(Var { name, initial: None, dimension: None });
         }
-        // What a default of a parameter may read.
+        // The scope of parameter defaults.
         let mut names = Skeleton::of(&entity, &[]);
         let mut modes: Vec<Member> = Vec::new();
         // Parameters and variables share one name space; buttons and axes another.
@@ -111,7 +112,7 @@ impl Checker<'_> {
             match member {
                 Member::Parameter(p) => self.parameter(&p, &mut entity, &mut names, &mut values),
                 Member::Continuous(c) => {
-                    self.declared(NameKind::Variable, &c.name);
+                    self.record_declaration(NameKind::Variable, &c.name);
                     if self.is_new_value(&c.name, &mut values) {
                         let dimension = c.dimension.as_ref().and_then(|d| self.annotation(d));
                         let id = entity.vars.push(Var { name: c.name.clone(), initial: None, dimension });
@@ -122,7 +123,7 @@ impl Checker<'_> {
                     }
                 }
                 Member::Discrete(d) => {
-                    self.declared(NameKind::Discrete, &d.name);
+                    self.record_declaration(NameKind::Discrete, &d.name);
                     if !self.is_new_value(&d.name, &mut values) {
                         continue;
                     }
@@ -137,7 +138,7 @@ impl Checker<'_> {
                     body.members.push(Member::Discrete(d));
                 }
                 Member::Reference(r) => {
-                    self.declared(NameKind::Reference, &r.name);
+                    self.record_declaration(NameKind::Reference, &r.name);
                     if !self.is_new_value(&r.name, &mut values) {
                         continue;
                     }
@@ -145,7 +146,7 @@ impl Checker<'_> {
                         Some(id) => Some(id),
                         None if r.entity.text == "any" => None,
                         None => {
-                            let known = self.entities.names().chain([Known::from("any")]);
+                            let known = self.entities.names().chain([Candidate::from("any")]);
                             let fact = unknown("entity", &r.entity.text, r.entity.span, known);
                             self.report_unknown(fact);
                             self.poisoned_names.insert(r.name.text.to_string());
@@ -157,7 +158,7 @@ impl Checker<'_> {
                 }
                 Member::Buttons(list) => {
                     for name in &list.0 {
-                        self.declared(NameKind::Button, name);
+                        self.record_declaration(NameKind::Button, name);
                         if !inputs.declare(name, (), &mut self.diagnostics) {
                             continue;
                         }
@@ -171,7 +172,7 @@ impl Checker<'_> {
                 }
                 Member::Axes(list) => {
                     for name in &list.0 {
-                        self.declared(NameKind::Axis, name);
+                        self.record_declaration(NameKind::Axis, name);
                         if !inputs.declare(name, (), &mut self.diagnostics) {
                             continue;
                         }
@@ -210,14 +211,14 @@ impl Checker<'_> {
     }
 
     fn parameter(&mut self, p: &ast::Constant, entity: &mut Entity, names: &mut Skeleton, values: &mut Table<()>) {
-        self.declared(NameKind::Parameter, &p.name);
+        self.record_declaration(NameKind::Parameter, &p.name);
         if !self.is_new_value(&p.name, values) {
             return;
         }
-        let scope = Scope { entity: Some(entity), names: Some(names), ..Scope::constant() }.reading(Reads::Params);
+        let scope = Scope { entity: Some(entity), names: Some(names), ..Scope::constant() }.reading(ReadLimit::Params);
         let default = self.value(&p.value, &scope);
         let dimension = p.dimension.as_ref().and_then(|d| self.annotation(d));
-        // A parameter without a readable default is still a name.
+        // A parameter with an invalid default still declares its name.
         let default = default.unwrap_or(Term { kind: TermKind::Number(0.0), ty: Type::Int, span: p.value.span });
         let id = entity.params.push(Param { name: p.name.clone(), default, dimension });
         names.params.declare(&p.name, id, &mut self.diagnostics);
@@ -234,7 +235,7 @@ impl Checker<'_> {
         }
     }
 
-    /// The id of a list of names, made when it is first seen.
+    /// The id of a set of names, created on first use.
     fn set(&mut self, names: Vec<String>) -> SetId {
         if let Some(&id) = self.set_ids.get(&names) {
             return id;
@@ -250,7 +251,7 @@ impl Checker<'_> {
             Domain::Bool => (Type::Bool, (0, 1)),
             Domain::Set(names) => {
                 let mut table: Table<()> = Table::new("value");
-                names.iter().for_each(|n| self.declared(NameKind::Value, n));
+                names.iter().for_each(|n| self.record_declaration(NameKind::Value, n));
                 let fresh: Vec<String> = names
                     .iter()
                     .filter(|n| table.declare(n, (), &mut self.diagnostics))
@@ -278,7 +279,7 @@ impl Checker<'_> {
         }
     }
 
-    /// A whole number that is known now.
+    /// A constant whole number.
     fn whole(&mut self, e: &Expr) -> Option<i32> {
         let term = self.typed(e, &Scope::constant(), &Type::Int)?;
         let value = self.evaluated(&term, ConstantContext::LITERALS)?;
@@ -293,11 +294,11 @@ impl Checker<'_> {
         None
     }
 
-    /// The value of a term that must be known now.
+    /// The value of a term that must be constant.
     pub(super) fn evaluated(&mut self, term: &Term, context: ConstantContext<'_>) -> Option<f64> {
         match evaluate(term, context) {
             Ok(value) => Some(value),
-            Err(Broken::NotConstant(at)) => {
+            Err(ConstantError::NotConstant(at)) => {
                 self.diagnostics.report(NotConstant {
                     at,
                     what: "this value",
@@ -305,7 +306,7 @@ impl Checker<'_> {
                 });
                 None
             }
-            Err(Broken::NotFinite(at)) => {
+            Err(ConstantError::NotFinite(at)) => {
                 self.diagnostics.report(OutOfRange {
                     at,
                     what: "this value".into(),
@@ -327,7 +328,7 @@ impl Checker<'_> {
         for member in members {
             match member {
                 Member::Group(group) => {
-                    self.declared(NameKind::Group, &group.name);
+                    self.record_declaration(NameKind::Group, &group.name);
                     group_names.declare(&group.name, (), &mut self.diagnostics);
                     let mut modes = Vec::new();
                     for inner in group.members {
@@ -393,13 +394,13 @@ impl Checker<'_> {
         self.diagnostics.report(Misplaced { at, what, inside, belongs });
     }
 
-    /// The body of an entity whose names are known.
-    pub(super) fn entity(&mut self, body: Body, id: EntityId) -> Entity {
+    /// Checks the body of an entity whose names are known.
+    pub(super) fn entity(&mut self, body: PendingBody, id: EntityId) -> Entity {
         let frozen = self.checked.entities[id].clone();
         let mut entity = (*frozen).clone();
         let names = &Skeleton::of(&frozen, &body.modes);
         let scope = Scope { entity: Some(&*frozen), names: Some(names), me: Some(id), ..Scope::constant() };
-        let scope = scope.reading(Reads::All);
+        let scope = scope.reading(ReadLimit::All);
         self.facts = Facts::default();
         self.initial_values(&body.members, names, &mut entity, &scope);
         for member in body.members {
@@ -417,7 +418,7 @@ impl Checker<'_> {
                 Member::Envelope(envelope) => self.envelope(&envelope, &scope, &mut entity, None),
                 Member::Clamp(clamp) => entity.clamps.extend(self.clamp(&clamp, &scope)),
                 Member::Invariant(invariant) => {
-                    let scope = scope.reading(Reads::State);
+                    let scope = scope.reading(ReadLimit::State);
                     entity.invariants.extend(self.guard(&invariant.predicate, &scope));
                 }
                 Member::Entry(_) | Member::Edge(_) | Member::Follow(_) => {
@@ -442,8 +443,8 @@ impl Checker<'_> {
     }
 
     fn initial_values(&mut self, members: &[Member], names: &Skeleton, entity: &mut Entity, scope: &Scope<'_>) {
-        let scope = scope.reading(Reads::Params);
-        let mut seen = BTreeSet::new();
+        let scope = scope.reading(ReadLimit::Params);
+        let mut record_use = BTreeSet::new();
         for member in members {
             let Member::Continuous(c) = member else {
                 continue;
@@ -451,7 +452,7 @@ impl Checker<'_> {
             let (Some(&var), Some(initial)) = (names.vars.get(&c.name.text), &c.initial) else {
                 continue;
             };
-            if seen.insert(var) && !var.is_position() {
+            if record_use.insert(var) && !var.is_position() {
                 entity.vars[var].initial = self.number(initial, &scope);
             }
         }
@@ -466,7 +467,7 @@ impl Checker<'_> {
         }
     }
 
-    /// Reports a value that is known now and lies outside of a discrete variable's range.
+    /// Reports a constant value outside of a discrete variable's range.
     pub(super) fn certainly_in_range(&mut self, value: &Term, discrete: &Discrete) {
         let (low, high) = discrete.range;
         if let Ok(known) = evaluate(value, ConstantContext::LITERALS)

@@ -12,10 +12,10 @@ use super::checked::{By, Drive, DriveBy, Entity, Envelope, Rate, Release, Term, 
 use super::expression::Scope;
 use super::names::unknown;
 
-/// The most ways a direction is cut into.
-const MAX_WAYS: u32 = 64;
+/// Maximum number of directions.
+const MAX_DIRECTIONS: u32 = 64;
 
-/// The parts of an envelope as they are read.
+/// The parts of an envelope found so far.
 #[derive(Default)]
 struct Parts {
     attack: Option<Rate>,
@@ -183,7 +183,7 @@ impl Checker<'_> {
             Some(word) if word.text == "any" => None,
             Some(word) => match word.text.parse::<u32>() {
                 Ok(2) if count == 1 => return found.first().map(|a| By::Axis(*a)),
-                Ok(ways) if (2..=MAX_WAYS).contains(&ways) && count > 1 => Some(ways),
+                Ok(ways) if (2..=MAX_DIRECTIONS).contains(&ways) && count > 1 => Some(ways),
                 _ => {
                     self.bad(word.span, "directions are 4, 8, another number from 2 to 64, or `any`", None);
                     return None;
@@ -204,7 +204,7 @@ impl Checker<'_> {
     /// The ramps, each at most once.
     fn ramps(&mut self, e: &ast::Envelope, scope: &Scope<'_>) -> Option<Parts> {
         let mut parts = Parts::default();
-        let mut seen: Vec<(&'static str, Span)> = Vec::new();
+        let mut record_use: Vec<(&'static str, Span)> = Vec::new();
         let mut complete = e.complete;
         for ramp in &e.ramps {
             let name = match &ramp.kind {
@@ -214,7 +214,7 @@ impl Checker<'_> {
                 RampKind::Release(..) | RampKind::ReleaseHold => "release",
                 RampKind::While(_) => "while",
             };
-            if let Some((_, first)) = seen.iter().find(|(n, _)| *n == name) {
+            if let Some((_, first)) = record_use.iter().find(|(n, _)| *n == name) {
                 self.diagnostics.report(BadEnvelope {
                     at: ramp.span,
                     why: format!("an envelope has two `{name}` parts"),
@@ -223,7 +223,7 @@ impl Checker<'_> {
                 });
                 continue;
             }
-            seen.push((name, ramp.span));
+            record_use.push((name, ramp.span));
             complete &= self.ramp(ramp, scope, &mut parts).is_some();
         }
         complete.then_some(parts)
@@ -272,7 +272,7 @@ impl Checker<'_> {
         let fact: UnknownName = match &by.name() {
             Some(name) => {
                 if let Some((declared, &axis)) = names.axes.entry(&name.text) {
-                    self.seen(NameKind::Axis, name.span, declared.span);
+                    self.record_use(NameKind::Axis, name.span, declared.span);
                     return Some(axis);
                 }
                 unknown("axis", &name.text, name.span, names.axes.names())

@@ -15,46 +15,48 @@ use super::Checker;
 use super::checked::{Entity, Given, Term, TermKind, Touching, Type};
 use super::entity::Skeleton;
 use super::mode::ModeNames;
-use super::names::{Known, unknown};
+use super::names::{Candidate, unknown};
 
-/// Where an expression is, and so what it may read.
+/// The scope of an expression: it determines what it may read.
 #[derive(Clone, Copy)]
 pub(super) struct Scope<'s> {
-    /// The entity around it.
+    /// The enclosing entity.
     pub entity: Option<&'s Entity>,
     /// Its names.
     pub names: Option<&'s Skeleton>,
     /// The entity's id.
     pub me: Option<EntityId>,
-    /// The mode around it.
+    /// The enclosing mode.
     pub mode: Option<ModeId>,
-    /// Whether an edge on `lost` of a mode around it keeps it from reading what is none.
+    /// Whether an edge on `lost` of an enclosing mode covers reads of a reference that may be none.
     pub covered: bool,
-    /// The world around it.
+    /// The enclosing world.
     pub world: Option<&'s WorldNames>,
-    /// What its value must not depend on.
-    pub reads: Reads,
+    /// The limit on its reads.
+    pub reads: ReadLimit,
 }
 
-/// How much an expression may read.
+/// The values that an expression may read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Reads {
+pub(super) enum ReadLimit {
     /// Literals and constants.
     Constants,
     /// Parameters, too.
     Params,
-    /// All but inputs and contacts.
+    /// Everything except inputs and contacts.
     State,
     /// Everything.
     All,
 }
 
-impl Reads {
+impl ReadLimit {
     fn words(self) -> (&'static str, &'static str) {
         match self {
-            Reads::Constants => ("this value", "literals and constants"),
-            Reads::Params => ("this value", "literals, constants and parameters"),
-            Reads::State | Reads::All => ("a collider's shape and guard", "variables, parameters, modes and timers"),
+            ReadLimit::Constants => ("this value", "literals and constants"),
+            ReadLimit::Params => ("this value", "literals, constants and parameters"),
+            ReadLimit::State | ReadLimit::All => {
+                ("a collider's shape and guard", "variables, parameters, modes and timers")
+            }
         }
     }
 }
@@ -64,7 +66,7 @@ impl Reads {
 pub(super) struct WorldNames {
     pub instances: Vec<(Name, EntityId)>,
     pub spaces: Vec<(Name, Option<(f64, f64)>)>,
-    /// Which instance has a name.
+    /// The index of each instance by name.
     index: BTreeMap<String, usize>,
 }
 
@@ -82,23 +84,31 @@ impl WorldNames {
     }
 
     /// The names of all instances.
-    pub fn instance_names(&self) -> impl Iterator<Item = Known<'_>> {
-        self.instances.iter().map(|(n, _)| Known::from(n))
+    pub fn instance_names(&self) -> impl Iterator<Item = Candidate<'_>> {
+        self.instances.iter().map(|(n, _)| Candidate::from(n))
     }
 }
 
 impl<'s> Scope<'s> {
     /// Literals and constants only.
     pub fn constant() -> Self {
-        Scope { entity: None, names: None, me: None, mode: None, covered: false, world: None, reads: Reads::Constants }
+        Scope {
+            entity: None,
+            names: None,
+            me: None,
+            mode: None,
+            covered: false,
+            world: None,
+            reads: ReadLimit::Constants,
+        }
     }
 
     /// Predicates of a world.
     pub fn predicate(world: &'s WorldNames) -> Self {
-        Scope { world: Some(world), reads: Reads::All, ..Scope::constant() }
+        Scope { world: Some(world), reads: ReadLimit::All, ..Scope::constant() }
     }
 
-    pub fn reading(self, reads: Reads) -> Self {
+    pub fn reading(self, reads: ReadLimit) -> Self {
         Scope { reads, ..self }
     }
 }
@@ -117,7 +127,7 @@ impl From<CompareOp> for ir::CompareOp {
 }
 
 impl Checker<'_> {
-    /// What a value of a type is called.
+    /// Describes a value of a type.
     fn described(&self, ty: Type) -> String {
         match ty {
             Type::Ref(_) | Type::AnyRef => "a reference".into(),
@@ -129,8 +139,9 @@ impl Checker<'_> {
     }
 }
 
-/// What a name that is no value is in an entity, and how it is asked; and how rates are written that others call `vx`.
-fn rather(name: &str, scope: &Scope<'_>) -> Option<String> {
+/// A suggestion for a name that is not a value: how to use what it names, or how to write a velocity called `vx`
+/// elsewhere.
+fn suggestion(name: &str, scope: &Scope<'_>) -> Option<String> {
     let names = scope.names?;
     let is_mode = || scope.entity.is_some_and(|entity| entity.modes.iter().any(|mode| mode.name.text == name));
     if names.buttons.get(name).is_some() {
@@ -142,7 +153,7 @@ fn rather(name: &str, scope: &Scope<'_>) -> Option<String> {
     rate(name)
 }
 
-/// How the language writes a velocity that other languages call so.
+/// How the language writes a velocity with a conventional name.
 pub(super) fn rate(name: &str) -> Option<String> {
     let of = match name {
         "vx" | "dx" | "velx" | "xvel" | "speed_x" | "velocity_x" | "x_velocity" => "x",
@@ -176,7 +187,7 @@ impl Checker<'_> {
         self.expect(term, ty)
     }
 
-    /// The term if its value may be where `ty` is needed: an int may be where a real may.
+    /// The term if its type fits `ty`: an int fits a real.
     pub(super) fn expect(&mut self, term: Term, ty: &Type) -> Option<Term> {
         let fits = match (&term.ty, ty) {
             (Type::Int, Type::Real) | (Type::Ref(_), Type::AnyRef) => true,
@@ -231,7 +242,7 @@ impl Checker<'_> {
     }
 
     pub(super) fn term(&mut self, e: &Expr, scope: &Scope<'_>, wanted: Option<&Type>) -> Option<Term> {
-        // Only what must hold for the guard to hold can name something.
+        // Only conditions that the guard implies can bind a name.
         let bindable = self.facts.bindable;
         let conjunct = matches!(&e.kind, ExprKind::Paren(_) | ExprKind::Binary(BinaryOp::And, ..) | ExprKind::Call(..));
         self.facts.bindable &= conjunct;
@@ -249,13 +260,13 @@ impl Checker<'_> {
                     make(TermKind::Number(*value), ty)
                 }
                 Some(Unit::Seconds) => make(TermKind::Quantity(Box::new((*value, 0, 1))), Type::Real),
-                // Divided, not multiplied by 0.001, so that 250ms is the same number as 0.25s.
+                // Divided, not multiplied by 0.001, so that 250ms equals 0.25s exactly.
                 Some(Unit::Milliseconds) => make(TermKind::Quantity(Box::new((value / 1000.0, 0, 1))), Type::Real),
                 Some(Unit::Frames) => make(TermKind::Frames(*value), Type::Real),
             },
             ExprKind::Bool(b) => make(TermKind::Bool(*b), Type::Bool),
             ExprKind::Timer => {
-                let mode = self.allow(scope.mode, e.span, scope, Reads::State, "`timer`")?;
+                let mode = self.allow(scope.mode, e.span, scope, ReadLimit::State, "`timer`")?;
                 make(TermKind::Timer(mode), Type::Real)
             }
             ExprKind::Paren(inner) => {
@@ -267,7 +278,7 @@ impl Checker<'_> {
                 self.call(&call.function, &call.arguments, call.binding.as_deref(), e.span, scope, wanted)
             }
             ExprKind::InMode(path) => {
-                let entity = self.allow(scope.entity, e.span, scope, Reads::State, "`in`")?;
+                let entity = self.allow(scope.entity, e.span, scope, ReadLimit::State, "`in`")?;
                 let names = scope.names?;
                 let group = scope.mode.map(|m| entity.modes[m].group);
                 let mode = self.mode_named(&names.modes, &path.view(), group)?;
@@ -291,8 +302,8 @@ impl Checker<'_> {
                 self.compare(*op, a, b, scope)
             }
             ExprKind::Chain(chain) => self.comparison(&chain.0, &chain.1, e.span, scope),
-            ExprKind::In(asked) if scope.entity.is_some() => {
-                let (subject, path) = &**asked;
+            ExprKind::In(operands) if scope.entity.is_some() => {
+                let (subject, path) = &**operands;
                 let (of, entity) = self.reference(subject, scope)?;
                 let Some(entity) = entity else {
                     self.of_any(subject.span, "whose modes could be asked");
@@ -302,8 +313,8 @@ impl Checker<'_> {
                 let mode = self.mode_named(&names, &path.view(), None)?;
                 make(TermKind::InMode(of, mode), Type::Bool)
             }
-            ExprKind::Is(asked) if scope.entity.is_some() => {
-                let (subject, entity) = &**asked;
+            ExprKind::Is(operands) if scope.entity.is_some() => {
+                let (subject, entity) = &**operands;
                 let (of, known) = self.reference(subject, scope)?;
                 let Some(name) = entity else {
                     return make(TermKind::IsNone(of), Type::Bool);
@@ -315,18 +326,18 @@ impl Checker<'_> {
                 };
                 if let Some(known) = known.filter(|known| *known != entity) {
                     self.never_is(of, subject, name, known, scope);
-                    // What follows may read what the reference really has.
+                    // Treated as a test for the known entity, to avoid follow-up errors.
                     return make(TermKind::Is(of, known), Type::Bool);
                 }
                 make(TermKind::Is(of, entity), Type::Bool)
             }
-            ExprKind::In(asked) => self.relation(&asked.0, e.span, scope, |this, slot, entity| {
+            ExprKind::In(operands) => self.relation(&operands.0, e.span, scope, |this, slot, entity| {
                 let names = this.mode_names(entity);
-                let mode = this.mode_named(&names, &asked.1.view(), None)?;
+                let mode = this.mode_named(&names, &operands.1.view(), None)?;
                 Some(TermKind::InMode(Subject::Slot(slot), mode))
             }),
-            ExprKind::Touching(asked) => {
-                let (subject, tag) = &**asked;
+            ExprKind::Touching(operands) => {
+                let (subject, tag) = &**operands;
                 let other = self.tag(tag);
                 self.relation(subject, e.span, scope, |_, slot, _| {
                     let of = Subject::Slot(slot);
@@ -357,13 +368,13 @@ impl Checker<'_> {
         }
     }
 
-    /// `item` if the scope has it and may read that much.
+    /// `item` if the scope has it and is allowed to read it.
     pub(super) fn allow<T>(
         &mut self,
         item: Option<T>,
         at: Span,
         scope: &Scope<'_>,
-        needs: Reads,
+        needs: ReadLimit,
         what: &'static str,
     ) -> Option<T> {
         if item.is_some() && scope.reads >= needs {
@@ -376,8 +387,8 @@ impl Checker<'_> {
                 inside: "a world's predicate",
                 belongs: "in an entity; a predicate reads instances, such as `hero.x` or `hero in dead`",
             });
-        } else if scope.reads == Reads::All {
-            let (inside, belongs) = if scope.entity.is_some() && scope.mode.is_none() && needs == Reads::State {
+        } else if scope.reads == ReadLimit::All {
+            let (inside, belongs) = if scope.entity.is_some() && scope.mode.is_none() && needs == ReadLimit::State {
                 ("an entity outside of its modes", "inside a mode, or names one: `timer(MODE)`")
             } else {
                 ("an entity", "in a `goal` or `never` of a world")
@@ -401,43 +412,43 @@ impl Checker<'_> {
         if let (Some(&Type::Set(set)), 0) = (wanted, path.primes)
             && let Some(index) = self.sets[set].names.iter().position(|v| *v == name.text)
         {
-            self.seen_choice(set, name);
+            self.record_set_value_use(set, name);
             return make(TermKind::Number(index as f64), Type::Set(set));
         }
         if let (Some(entity), Some(names)) = (scope.entity, scope.names) {
             if let Some(&id) = names.params.get(&name.text) {
-                self.seen_value(entity, Given::Param(id), name.span, Role::Read);
+                self.record_value_use(entity, Given::Param(id), name.span, Role::Read);
                 self.unprimed(path)?;
-                self.allow(Some(()), span, scope, Reads::Params, "a parameter")?;
+                self.allow(Some(()), span, scope, ReadLimit::Params, "a parameter")?;
                 return make(TermKind::Param(Subject::Me, id), entity.params[id].default.ty);
             }
             if let Some(&id) = names.vars.get(&name.text) {
-                self.seen_value(entity, Given::Var(id, 0), name.span, Role::Read);
+                self.record_value_use(entity, Given::Var(id, 0), name.span, Role::Read);
                 let degree = self.degree(path)?;
-                self.allow(Some(()), span, scope, Reads::State, "a variable")?;
+                self.allow(Some(()), span, scope, ReadLimit::State, "a variable")?;
                 return make(TermKind::Var(Subject::Me, id, degree), Type::Real);
             }
             if let Some(&id) = names.discretes.get(&name.text) {
-                self.seen_value(entity, Given::Discrete(id), name.span, Role::Read);
+                self.record_value_use(entity, Given::Discrete(id), name.span, Role::Read);
                 self.unprimed(path)?;
-                self.allow(Some(()), span, scope, Reads::State, "a variable")?;
+                self.allow(Some(()), span, scope, ReadLimit::State, "a variable")?;
                 return make(TermKind::Discrete(Subject::Me, id), entity.discretes[id].ty);
             }
             if let Some(&id) = names.axes.get(&name.text).filter(|_| path.primes == 0) {
-                self.seen(NameKind::Axis, name.span, entity.axes[id].span);
-                self.allow(Some(()), span, scope, Reads::All, "an axis")?;
+                self.record_use(NameKind::Axis, name.span, entity.axes[id].span);
+                self.allow(Some(()), span, scope, ReadLimit::All, "an axis")?;
                 return make(TermKind::Axis(id), Type::Real);
             }
         }
         if let Some((subject, entity)) = self.referred(&name.text, scope) {
-            self.seen_subject(subject, name, scope);
+            self.record_subject_use(subject, name, scope);
             self.unprimed(path)?;
-            self.allow(Some(()), span, scope, Reads::State, "a reference")?;
+            self.allow(Some(()), span, scope, ReadLimit::State, "a reference")?;
             return make(TermKind::Instance(subject), Type::reference(entity));
         }
         if let Some((declared, constant)) = self.constants.entry(&name.text).filter(|_| path.primes == 0) {
             let (declared, term) = (declared.span, Term { span, ..constant.clone() });
-            self.seen(NameKind::Constant, name.span, declared);
+            self.record_use(NameKind::Constant, name.span, declared);
             return Some(term);
         }
         if scope.world.is_some_and(|w| w.instance(&name.text).is_some()) {
@@ -455,15 +466,15 @@ impl Checker<'_> {
             names.vars.names().chain(plain)
         });
         let set = wanted.and_then(|ty| if let Type::Set(set) = ty { Some(*set) } else { None });
-        let values = set.into_iter().flat_map(|set| self.sets[set].names.iter().map(|v| Known::from(v.as_str())));
+        let values = set.into_iter().flat_map(|set| self.sets[set].names.iter().map(|v| Candidate::from(v.as_str())));
         let known = of_entity.chain(values).chain(self.constants.names());
         let kind = if path.primes > 0 { "continuous variable" } else { "variable, parameter or constant" };
-        let fact = unknown(kind, &name.text, name.span, known).rather(rather(&name.text, scope));
+        let fact = unknown(kind, &name.text, name.span, known).suggestion(suggestion(&name.text, scope));
         self.report_unknown(fact);
         None
     }
 
-    /// Reports primes on what has no derivative.
+    /// Reports primes on something without a derivative.
     pub(super) fn unprimed(&mut self, path: &PathRef<'_>) -> Option<()> {
         if path.primes == 0 {
             return Some(());
@@ -494,7 +505,7 @@ impl Checker<'_> {
     fn binary(&mut self, op: BinaryOp, a: &Expr, b: &Expr, span: Span, scope: &Scope<'_>) -> Option<Term> {
         let arithmetic = match op {
             BinaryOp::And | BinaryOp::Or => {
-                // Both sides are examined, so that both can be wrong in one run.
+                // Both sides are checked, so that errors in both are reported.
                 let a = self.guard(a, scope);
                 let mark = self.facts.mark();
                 if let Some(a) = &a {
@@ -544,7 +555,7 @@ impl Checker<'_> {
     fn compare(&mut self, op: CompareOp, left: &Expr, right: &Expr, scope: &Scope<'_>) -> Option<Term> {
         let span = left.span.to(right.span);
         let equality = matches!(op, CompareOp::Equal | CompareOp::Unequal);
-        // The type of one side helps to read the other: `facing == left`, `left == facing`.
+        // The type of one side helps to resolve the other: `facing == left`, `left == facing`.
         let hint = self.set_type(left, scope).or_else(|| self.set_type(right, scope));
         let (a, b) = match (&hint, equality) {
             (Some(ty), true) => {
@@ -566,7 +577,7 @@ impl Checker<'_> {
         Some(if scope.world.is_some() { super::predicate::while_alive(compared) } else { compared })
     }
 
-    /// Reports that a reference may be to any entity where one must be known.
+    /// Reports a reference to any entity where a specific one is needed.
     pub(super) fn of_any(&mut self, at: Span, what: &str) {
         self.diagnostics.report(TypeMismatch {
             at,

@@ -1,5 +1,5 @@
-//! What is known where an expression is: references that were tested, instances that a guard named. A guard tells
-//! what follows it in the same `and`, the updates of its edge, and the branches of an `if`.
+//! Flow-sensitive facts: references that were tested, instances that a guard bound. A guard provides facts to the rest
+//! of the same `and`, the updates of its edge, and the branches of an `if`.
 
 use crate::ir::{EntityId, IdVec, ModeId, RefId, Subject, TouchId};
 
@@ -7,26 +7,26 @@ use crate::source::Span;
 use crate::syntax::ast::Name;
 
 use super::checked::{BoundTouch, Term, TermKind};
-use super::names::Known;
+use super::names::Candidate;
 
-/// What is known at the place that is being checked, and what was met on the way there.
+/// The facts at the current expression, and data collected on the way.
 #[derive(Debug, Default)]
 pub(super) struct Facts {
-    /// References that are not none here, with their entity where that is known.
+    /// References that are not none here, with their entity if known.
     known: Vec<(Subject, Option<EntityId>)>,
-    /// Names that `as` gave, in scope here.
+    /// Names bound by `as`, in scope here.
     names: Vec<(Name, TouchId)>,
-    /// Whether `as` may name something here.
+    /// Whether `as` may bind a name here.
     pub bindable: bool,
-    /// The contact questions of the entity whose answers are named.
+    /// The bound contact queries of the entity.
     pub bound: IdVec<TouchId, BoundTouch>,
-    /// References read here that nothing but an edge on `lost` covers.
+    /// References read here that only an edge on `lost` covers.
     pub needs: Vec<RefId>,
-    /// All such reads of the entity: the mode with the edge, the reference, the place.
+    /// All such reads of the entity: the mode with the edge, the reference, the span.
     pub covered: Vec<(ModeId, RefId, Span)>,
 }
 
-/// A point to go back to.
+/// A restore point.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Mark {
     known: usize,
@@ -38,13 +38,13 @@ impl Facts {
         Mark { known: self.known.len(), names: self.names.len() }
     }
 
-    /// Forgets what was learnt since the mark.
+    /// Drops all facts learned since the mark.
     pub fn forget(&mut self, mark: Mark) {
         self.known.truncate(mark.known);
         self.names.truncate(mark.names);
     }
 
-    /// Learns what a guard says if it has this outcome.
+    /// Adds the facts that a guard implies if it has this outcome.
     pub fn learn(&mut self, guard: &Term, outcome: bool) {
         match (&guard.kind, outcome) {
             (TermKind::And(sides), true) | (TermKind::Or(sides), false) => {
@@ -70,12 +70,12 @@ impl Facts {
         self.known.iter().filter_map(|(s, _)| if let Subject::Ref(id) = s { Some(*id) } else { None }).collect()
     }
 
-    /// The entity that a reference is known to be of.
+    /// The known entity of a reference.
     pub fn entity(&self, subject: Subject) -> Option<EntityId> {
         self.known.iter().rev().filter(|(s, _)| *s == subject).find_map(|(_, e)| *e)
     }
 
-    /// Returns a name to the answer of a contact question.
+    /// Binds a name to a contact query.
     pub fn name(&mut self, name: &Name, question: BoundTouch) -> TouchId {
         let same = |b: &BoundTouch| (b.mine, b.other, b.side) == (question.mine, question.other, question.side);
         let id = self.bound.find(same).unwrap_or_else(|| self.bound.push(question));
@@ -83,18 +83,18 @@ impl Facts {
         id
     }
 
-    /// What a name was given to.
+    /// The contact query of a name.
     pub fn named(&self, name: &str) -> Option<TouchId> {
         self.names.iter().rev().find(|(n, _)| n.text == name).map(|(_, id)| *id)
     }
 
-    /// Where a name was given.
+    /// The span where a name was bound.
     pub fn named_at(&self, name: &str) -> Option<Span> {
         self.names.iter().rev().find(|(n, _)| n.text == name).map(|(n, _)| n.span)
     }
 
     /// All names in scope.
-    pub fn names(&self) -> impl Iterator<Item = Known<'_>> {
-        self.names.iter().map(|(n, _)| Known::from(n))
+    pub fn names(&self) -> impl Iterator<Item = Candidate<'_>> {
+        self.names.iter().map(|(n, _)| Candidate::from(n))
     }
 }

@@ -1,4 +1,4 @@
-//! Joint transitions: a group whose guards ask what another group does in the same step is decided after it.
+//! Joint transitions: a group whose guards depend on transitions of another group in the same step is decided after it.
 
 use crate::diagnostic::catalogue::structure::JointCycle;
 use crate::ir::{GroupId, Id, IdVec};
@@ -8,7 +8,7 @@ use super::Checker;
 use super::checked::{Entity, Term, TermKind};
 
 impl Checker<'_> {
-    /// The groups in the order in which they are decided; reports groups that wait for each other.
+    /// The groups in the order of decision; reports cyclic dependencies.
     pub(super) fn group_order(&mut self, entity: &Entity) -> Vec<GroupId> {
         let mut waits: IdVec<GroupId, Vec<(GroupId, Span)>> = entity.groups.iter().map(|_| Vec::new()).collect();
         for edge in entity.edges.iter().filter(|e| e.target.is_some()) {
@@ -33,7 +33,7 @@ impl Checker<'_> {
         order
     }
 
-    /// Follows one who waits until somebody comes twice.
+    /// Follows dependencies until a group repeats.
     fn report_cycle(&mut self, entity: &Entity, waits: &IdVec<GroupId, Vec<(GroupId, Span)>>, done: &[bool]) {
         let mut chain: Vec<(GroupId, Span)> = Vec::new();
         let Some(mut at) = entity.groups.ids().find(|g| !done[g.index()]) else { return };
@@ -55,7 +55,7 @@ impl Checker<'_> {
     }
 }
 
-/// The groups whose decisions a guard asks for, with the place of each question.
+/// The groups on whose transitions a guard depends, with the spans.
 fn collect(entity: &Entity, term: &Term, out: &mut Vec<(GroupId, Span)>) {
     match &term.kind {
         TermKind::Joint { mode, .. } => out.push((entity.modes[*mode].group, term.span)),

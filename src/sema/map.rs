@@ -1,5 +1,5 @@
 //! Maps of spaces: inline, from text files, from levels of the Video Game Level Corpus, or given on the command line.
-//! Those of level editors go on in `drawn`.
+//! Maps of level editors continue in `drawn`.
 
 use std::collections::BTreeSet;
 
@@ -17,25 +17,25 @@ use super::population::Population;
 use super::world::TileSet;
 use super::{Checker, MAX_TILE_KINDS};
 
-/// The rows of a map, top row first; none where they are not known.
+/// The rows of a map, top row first; `None` if unknown.
 type Rows<'r> = Option<Vec<(&'r str, Span)>>;
 
-/// What a program says itself of a map's characters.
-enum Own<'s, 't> {
+/// The program's own definition of a map's characters.
+enum ProgramTiles<'s, 't> {
     /// A tile set.
     Set(&'s TileSet<'t>),
-    /// A block of the map's own.
+    /// A block of the map.
     Block(&'t [ast::Tile]),
 }
 
-/// What the characters of a map stand for.
-struct Reading<'s, 't> {
-    own: Own<'s, 't>,
-    /// A legend for all others, as the program names it, and the file if it could be read.
+/// The meaning of a map's characters.
+struct MapContext<'s, 't> {
+    own: ProgramTiles<'s, 't>,
+    /// A legend for all other characters, as named in the program, and its file if it could be read.
     legend: Option<(Name, Option<FileId>)>,
-    /// Width and height of a tile, px; none if they are wrong or not known.
+    /// Width and height of a tile, px; `None` if they are wrong or unknown.
     tile: Option<(f64, f64)>,
-    /// What findings of the whole map point at.
+    /// The span for findings about the whole map.
     at: Span,
 }
 
@@ -82,19 +82,20 @@ impl<'a> Checker<'a> {
             MapSource::Tiled(path, kinds) => {
                 let file = self.text(path).map(|file| (Format::Tiled, file, None));
                 self.no_characters(kinds);
-                self.drawn_map(file, &kinds.kinds, path.span, (id, world), population);
+                self.editor_map(file, &kinds.kinds, path.span, (id, world), population);
             }
             MapSource::Ldtk(path, part, kinds) => {
                 let part = part.as_ref().map(|part| &*part.text);
                 let file = self.text(path).map(|file| (Format::Ldtk, file, part));
                 self.no_characters(kinds);
-                self.drawn_map(file, &kinds.kinds, path.span, (id, world), population);
+                self.editor_map(file, &kinds.kinds, path.span, (id, world), population);
             }
             MapSource::OpenAll(kinds) => {
-                let reading = Reading { own: Own::Block(&kinds.tiles), legend: None, tile: None, at: map.span };
+                let reading =
+                    MapContext { own: ProgramTiles::Block(&kinds.tiles), legend: None, tile: None, at: map.span };
                 self.open(Some(reading), &kinds.kinds, (id, world), population);
                 if self.level.map.is_none() {
-                    self.drawn_map(None, &kinds.kinds, map.span, (id, world), population);
+                    self.editor_map(None, &kinds.kinds, map.span, (id, world), population);
                 }
             }
         }
@@ -105,45 +106,45 @@ impl<'a> Checker<'a> {
         self.texts.get(&path.span).copied()
     }
 
-    /// The rows of a level, if that is what the file holds.
+    /// The rows of a level, if the file contains them.
     fn rows(&mut self, file: FileId) -> Rows<'a> {
         let sources = self.sources;
         text_rows(sources.file(file).text(), file, &mut self.diagnostics)
     }
 
-    /// Reports characters where tiles have names.
+    /// Reports characters in a map whose tiles have names.
     fn no_characters(&mut self, kinds: &ast::Kinds) {
         for tile in &kinds.tiles {
             self.diagnostics.report(NoCharacters { at: tile.symbol_span });
         }
     }
 
-    /// As a tile set of the program says, if there is one of this name.
-    fn own_set<'s, 't>(&mut self, name: &Name, sets: &'s Table<TileSet<'t>>, at: Span) -> Option<Reading<'s, 't>> {
+    /// Uses a tile set of the program, if there is one of this name.
+    fn own_set<'s, 't>(&mut self, name: &Name, sets: &'s Table<TileSet<'t>>, at: Span) -> Option<MapContext<'s, 't>> {
         if let Some((declared, _)) = sets.entry(&name.text) {
-            self.seen(NameKind::TileSet, name.span, declared.span);
+            self.record_use(NameKind::TileSet, name.span, declared.span);
         }
         let Some(set) = sets.get(&name.text) else {
             let fact = unknown("tile set", &name.text, name.span, sets.names());
             self.report_unknown(fact);
             return None;
         };
-        Some(Reading { own: Own::Set(set), legend: None, tile: Some(set.tile), at })
+        Some(MapContext { own: ProgramTiles::Set(set), legend: None, tile: Some(set.tile), at })
     }
 
-    /// As a legend says, but for the tiles that the program gives itself.
-    fn with_legend<'s, 't>(&mut self, syntax: &'t ast::Legend, at: Span, world: &mut World) -> Reading<'s, 't> {
+    /// Uses a legend, except for tiles that the program defines.
+    fn with_legend<'s, 't>(&mut self, syntax: &'t ast::Legend, at: Span, world: &mut World) -> MapContext<'s, 't> {
         let lengths = &mut world.lengths;
         let (width, height) = (self.tile_side(&syntax.width, lengths), self.tile_side(&syntax.height, lengths));
         let legend = Some((syntax.path.clone(), self.text(&syntax.path)));
-        Reading { own: Own::Block(&syntax.tiles), legend, tile: width.zip(height), at }
+        MapContext { own: ProgramTiles::Block(&syntax.tiles), legend, tile: width.zip(height), at }
     }
 
-    /// A map that the command line gives, or is still to give. What it says of legend and tiles goes before what the
-    /// world says.
+    /// A map from the command line, present or missing. Its legend and tile size take precedence over those of the
+    /// world.
     fn open(
         &mut self,
-        reading: Option<Reading<'_, '_>>,
+        reading: Option<MapContext<'_, '_>>,
         kinds: &[ast::Kind],
         (id, world): (SpaceId, &mut World),
         to: &mut Population,
@@ -160,14 +161,14 @@ impl<'a> Checker<'a> {
                 let path = self.sources.file(file).path.display().to_string();
                 self.diagnostics.report(KnownReading { at: reading.at, option, path });
             }
-            return self.drawn_map(Some((format, file, part.as_deref())), kinds, reading.at, (id, world), to);
+            return self.editor_map(Some((format, file, part.as_deref())), kinds, reading.at, (id, world), to);
         }
         if let Some(file) = self.level.legend {
             let text = self.sources.file(file).path.display().to_string();
             reading.legend = Some((Name { text: text.into(), span: Span::new(file, 0, 0) }, Some(file)));
         }
         reading.tile = self.level.tile.or(reading.tile);
-        let empty = matches!(reading.own, Own::Block([]));
+        let empty = matches!(reading.own, ProgramTiles::Block([]));
         let missing = (empty && reading.legend.is_none(), reading.tile.is_none());
         if let (Some(file), true) = (self.level.map, missing.0 || missing.1) {
             let path = self.sources.file(file).path.display().to_string();
@@ -178,19 +179,19 @@ impl<'a> Checker<'a> {
         self.text_map(rows, Some(reading), (id, world), to);
     }
 
-    /// A map from rows of characters. Without rows, or with what cannot be read, only what the program says itself is
-    /// checked, and the legend.
+    /// A map from rows of characters. Without readable rows, only the program's own definitions and the legend are
+    /// checked.
     fn text_map(
         &mut self,
         mut rows: Rows<'_>,
-        reading: Option<Reading<'_, '_>>,
+        reading: Option<MapContext<'_, '_>>,
         (id, world): (SpaceId, &mut World),
         population: &mut Population,
     ) {
-        let Some(Reading { own, legend, tile, at }) = reading else { return };
+        let Some(MapContext { own, legend, tile, at }) = reading else { return };
         let called = match &own {
-            Own::Set(set) => Name { text: format!("tiles {}", set.name.text).into(), span: set.name.span },
-            Own::Block(_) => {
+            ProgramTiles::Set(set) => Name { text: format!("tiles {}", set.name.text).into(), span: set.name.span },
+            ProgramTiles::Block(_) => {
                 legend.as_ref().map_or(Name { text: "map level".into(), span: at }, |(name, _)| name.clone())
             }
         };
@@ -205,13 +206,13 @@ impl<'a> Checker<'a> {
             self.legend_tiles(&name, file, &own, &mut rows, &mut set);
         }
         match own {
-            Own::Set(own) => {
+            ProgramTiles::Set(own) => {
                 set.tiles.extend(own.tiles.iter().map(|t| InlineTile { symbol: t.symbol, tags: t.tags.clone() }));
                 set.spawns.extend(own.spawns.iter().copied());
             }
-            Own::Block(tiles) => self.tile_kinds(tiles, &mut set),
+            ProgramTiles::Block(tiles) => self.tile_kinds(tiles, &mut set),
         }
-        // What is wrong with a side is reported already.
+        // A wrong side is already reported.
         let rows = rows.filter(|_| tile.is_some());
         let declared = (&*called.text, called.span);
         world.spaces[id].map = rows.and_then(|rows| {
@@ -226,13 +227,13 @@ impl<'a> Checker<'a> {
         self.tile_instances(world, id, &set, at, population);
     }
 
-    /// Adds the tiles of a legend that the level has and the program does not describe itself; takes the rows away if
-    /// the legend cannot be read.
+    /// Adds the tiles of a legend that the level uses and the program does not define; drops the rows if the legend
+    /// cannot be read.
     fn legend_tiles(
         &mut self,
         name: &Name,
         file: Option<FileId>,
-        own: &Own<'_, '_>,
+        own: &ProgramTiles<'_, '_>,
         rows: &mut Rows<'_>,
         set: &mut TileSet<'_>,
     ) {
@@ -242,10 +243,10 @@ impl<'a> Checker<'a> {
             return;
         };
         let owned: BTreeSet<char> = match own {
-            Own::Set(set) => set.tiles.iter().map(|t| t.symbol).collect(),
-            Own::Block(tiles) => tiles.iter().map(|t| t.symbol).collect(),
+            ProgramTiles::Set(set) => set.tiles.iter().map(|t| t.symbol).collect(),
+            ProgramTiles::Block(tiles) => tiles.iter().map(|t| t.symbol).collect(),
         };
-        if let Own::Set(own) = own
+        if let ProgramTiles::Set(own) = own
             && known.iter().all(|(symbol, _)| owned.contains(symbol))
         {
             self.diagnostics.report(RedundantLegend {
@@ -254,7 +255,7 @@ impl<'a> Checker<'a> {
                 at: own.name.span,
             });
         }
-        // Tiles that the level does not have would only use up the numbers of tags and kinds.
+        // Unused tiles would only take up tags and kinds.
         let cells = rows.iter().flatten().flat_map(|(row, _)| row.chars());
         let needed: BTreeSet<char> = cells.filter(|symbol| !owned.contains(symbol)).collect();
         for (symbol, tags) in known {

@@ -1,4 +1,4 @@
-//! What is at an entity's own level, or in a mode as well: colliders, clamps, flows.
+//! Members of entities and modes: colliders, clamps, flows.
 
 use crate::diagnostic::catalogue::structure::BadCollider;
 use crate::diagnostic::catalogue::types::{TypeMismatch, WrongArguments};
@@ -9,12 +9,12 @@ use crate::syntax::occurrence::Role;
 use super::Checker;
 use super::checked::{Clamp, Collider, Drive, DriveBy, Given, Shape, Term};
 use super::constant::{ConstantContext, evaluate};
-use super::expression::{Reads, Scope, rate};
+use super::expression::{ReadLimit, Scope, rate};
 use super::names::unknown;
 
 impl Checker<'_> {
     pub(super) fn collider(&mut self, c: &ast::Collider, scope: &Scope<'_>) -> Option<Collider> {
-        let scope = scope.reading(Reads::State);
+        let scope = scope.reading(ReadLimit::State);
         let tags = c.tags.iter().map(|t| self.carried(t)).collect();
         let guard = c.guard.as_ref().map(|guard| self.guard(guard, &scope));
         let (count, usage) = match &*c.shape.text {
@@ -30,7 +30,7 @@ impl Checker<'_> {
             self.diagnostics.report(WrongArguments { function: c.shape.text.to_string(), at: c.shape.span, usage });
             return None;
         }
-        // A guard that tests a reference lets the sizes read it.
+        // If the guard tests a reference, the sizes may read it.
         let mark = self.facts.mark();
         if let Some(Some(guard)) = &guard {
             self.facts.learn(guard, true);
@@ -60,7 +60,7 @@ impl Checker<'_> {
 
     /// `clamp y' in -200..200`
     pub(super) fn clamp(&mut self, c: &ast::Clamp, scope: &Scope<'_>) -> Option<Clamp> {
-        let scope = scope.reading(Reads::State);
+        let scope = scope.reading(ReadLimit::State);
         let target = self.controlled(&c.variable, &scope);
         let mut bound = |e: &Option<ast::Expr>| e.as_ref().map(|e| self.number(e, &scope));
         let (low, high) = (bound(&c.low), bound(&c.high));
@@ -95,7 +95,7 @@ impl Checker<'_> {
         let name = &variable.name();
         if let Some(&var) = names.vars.get(&name.text) {
             if let Some(entity) = scope.entity {
-                self.seen_value(entity, Given::Var(var, 0), name.span, Role::Written);
+                self.record_value_use(entity, Given::Var(var, 0), name.span, Role::Written);
             }
             return Some((var, self.primes(variable)?));
         }
@@ -109,10 +109,11 @@ impl Checker<'_> {
             });
             return None;
         }
-        let fact = unknown("continuous variable", &name.text, name.span, names.vars.names()).rather(rate(&name.text));
+        let fact =
+            unknown("continuous variable", &name.text, name.span, names.vars.names()).suggestion(rate(&name.text));
         self.report_unknown(fact);
         if variable.primes == 0 {
-            // `speed = 3`, its `param` forgotten: once is enough.
+            // `speed = 3` without `param`: one report is enough.
             self.poisoned_names.insert(name.text.to_string());
         }
         None

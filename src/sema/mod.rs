@@ -1,7 +1,7 @@
-//! From syntax trees to a checked program: names become ids, expressions get types, structure is judged.
+//! Semantic analysis, from syntax trees to a checked program: resolves names, types expressions, checks structure.
 //!
-//! Every independent mistake of a program is reported in one run. What could not be read (syntax errors) is known
-//! to this stage by name, so that it does not complain of what an earlier error explains.
+//! All independent errors of a program are reported in one run. Names in unreadable parts (syntax errors) are known to
+//! this stage, so that it reports no consequences of earlier errors.
 
 mod annotation;
 mod call;
@@ -42,33 +42,34 @@ use crate::syntax::{MAX_OPERATORS, ast};
 
 use checked::Checked;
 use checked::SetId;
-pub use constant::{Broken, ConstantContext, evaluate};
+pub use constant::{ConstantContext, ConstantError, evaluate};
 use names::Table;
 pub use unused::names_of_unused;
 
-/// The most entities of a program, imported ones included: each is a table of its own, and more are not written by hand.
+/// Maximum number of entities of a program, including imported ones: each has its own tables, and nobody writes more by
+/// hand.
 pub const MAX_ENTITIES: usize = 10_000;
-/// The most worlds of a program, imported ones included.
+/// Maximum number of worlds of a program, including imported ones.
 pub const MAX_WORLDS: usize = 10_000;
-/// The most kinds of tiles one set may have.
+/// Maximum number of kinds of tiles of a set.
 pub const MAX_TILE_KINDS: usize = 4_096;
 
-/// The map of worlds that leave theirs open, as far as it is given.
+/// The map of worlds with an open map, as far as it is given.
 #[derive(Debug, Clone, Default)]
 pub struct Level {
     /// The file.
     pub map: Option<FileId>,
     /// The level of a project of LDtk.
     pub part: Option<String>,
-    /// A legend for what the program does not say itself.
+    /// A legend for characters that the program does not define.
     pub legend: Option<FileId>,
-    /// Width and height of a tile, px, instead of what the program says.
+    /// Width and height of a tile, px; overrides the program.
     pub tile: Option<(f64, f64)>,
 }
 
-/// Checks a program: the root file first, then what it imports. `level` is the map of worlds that leave theirs open.
-/// Where names occur is added to what is known of it. The result is complete only if the diagnostics hold no error. What is
-/// checked goes at once: of a large program both are large.
+/// Checks a program: the root file first, then its imports. `level` is the map of worlds with an open map. Adds to the
+/// occurrences of names. The result is complete only if the diagnostics contain no error. Checked parts of the trees
+/// are dropped at once, as both are large for a large program.
 pub fn check(
     files: Vec<ast::File>,
     sources: &SourceMap,
@@ -78,7 +79,7 @@ pub fn check(
     let mut checker = Checker::new(&files, sources, level);
     checker.checked.occurrences = occurrences;
     let Items { constants, entities, worlds } = Items::of(files);
-    // Imported files come last in the list, and their constants must be known to the importing ones.
+    // Imported files come last in the list, but their constants must be known to their importers.
     constants.into_iter().rev().flatten().for_each(|constant| checker.constant(&constant));
     for (index, body) in checker.declare(entities).into_iter().enumerate() {
         let checked = checker.entity(body, EntityId(index as u32));
@@ -96,13 +97,13 @@ pub fn check(
     (checked, diagnostics)
 }
 
-/// Parts of a syntax tree as it holds them.
+/// Boxed parts of a syntax tree.
 type Boxes<T> = Vec<Box<T>>;
 
-/// What files hold, by what it is.
+/// The items of files, by kind.
 #[derive(Default)]
 struct Items {
-    /// Of each file.
+    /// Per file.
     constants: Vec<Boxes<ast::Constant>>,
     entities: Boxes<ast::Entity>,
     worlds: Boxes<ast::World>,
@@ -127,19 +128,19 @@ impl Items {
     }
 }
 
-/// What discrete variables range over.
+/// A set over which discrete variables range.
 struct Set {
     names: Arc<Vec<String>>,
     /// Where they are declared.
     places: Vec<ast::Name>,
 }
 
-/// What the parts of this stage share.
+/// The shared state of this stage.
 struct Checker<'a> {
     sources: &'a SourceMap,
-    /// The map of worlds that leave theirs open.
+    /// The map of worlds with an open map.
     level: Level,
-    /// The files that maps name, by where they are named.
+    /// The files of maps, by the span of their names.
     texts: std::collections::BTreeMap<Span, FileId>,
     checked: Checked,
     diagnostics: Diagnostics,
@@ -147,17 +148,17 @@ struct Checker<'a> {
     entities: Table<EntityId>,
     worlds: Table<()>,
     tags: std::collections::BTreeMap<ast::Word, TagId>,
-    /// Names that broken slices would have declared.
+    /// Names that unreadable parts may have declared.
     poisoned_names: BTreeSet<String>,
-    /// What is known at the place that is being checked.
+    /// The facts at the current expression.
     facts: facts::Facts,
-    /// The names of the modes of entities that others ask.
+    /// The mode names of entities that others read.
     mode_names: std::collections::BTreeMap<EntityId, std::rc::Rc<mode::ModeNames>>,
-    /// The lists of names that discrete variables range over: equal ones are one type.
+    /// The sets of discrete variables: equal ones are one type.
     sets: IdVec<SetId, Set>,
-    /// The set of each list.
+    /// The id of each set.
     set_ids: std::collections::BTreeMap<Arc<Vec<String>>, SetId>,
-    /// What the names of values mean in entities that others read or set.
+    /// The value names of entities that others read or set.
     values: std::collections::BTreeMap<EntityId, std::rc::Rc<std::collections::BTreeMap<String, checked::Given>>>,
 }
 
@@ -182,16 +183,16 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// Collects entities and their declarations, so that bodies may refer to any of them; gives the bodies.
-    fn declare(&mut self, mut entities: Boxes<ast::Entity>) -> Vec<entity::Body> {
+    /// Declares all entities, so that bodies may refer to any of them; returns the bodies.
+    fn declare(&mut self, mut entities: Boxes<ast::Entity>) -> Vec<entity::PendingBody> {
         // References name entities, so all names are known before any skeleton.
         for (index, entity) in entities.iter().take(MAX_ENTITIES).enumerate() {
-            self.declared(NameKind::Entity, &entity.name);
+            self.record_declaration(NameKind::Entity, &entity.name);
             self.entities.declare(&entity.name, EntityId(index as u32), &mut self.diagnostics);
         }
         if let Some(first) = entities.get(MAX_ENTITIES) {
             self.too_many("entities", MAX_ENTITIES, first.name.span);
-            // Their users are not reported.
+            // Uses of them are not reported.
             let others = entities.drain(MAX_ENTITIES..);
             self.poisoned_names.extend(others.map(|entity| entity.name.text.to_string()));
         }
@@ -213,14 +214,14 @@ impl<'a> Checker<'a> {
     }
 
     fn constant(&mut self, constant: &ast::Constant) {
-        self.declared(NameKind::Constant, &constant.name);
+        self.record_declaration(NameKind::Constant, &constant.name);
         let scope = expression::Scope::constant();
         let mut term = self.value(&constant.value, &scope);
         if let Some(annotation) = constant.dimension.as_ref().and_then(|d| self.annotation(d)) {
             term = term.and_then(|term| self.pinned(term, annotation));
         }
         if let Some(at) = term.as_ref().filter(|t| operators(t) > MAX_OPERATORS).map(|t| t.span) {
-            // Each use of a constant is a copy: those that hold each other twice would grow without end.
+            // Each use of a constant is a copy: constants that use each other twice grow exponentially.
             self.diagnostics.report(ExpressionTooLong { at, limit: MAX_OPERATORS, unread: false });
             term = None;
         }
@@ -231,7 +232,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// A constant with the dimension that its annotation gives it.
+    /// Applies the annotated dimension to a constant.
     fn pinned(&mut self, term: checked::Term, to: checked::Annotation) -> Option<checked::Term> {
         let value = self.evaluated(&term, ConstantContext::LITERALS)?;
         if let checked::TermKind::Quantity(quantity) = &term.kind
@@ -248,9 +249,9 @@ impl<'a> Checker<'a> {
         Some(checked::Term { kind: checked::TermKind::Quantity(Box::new((value, to.px, to.s))), ..term })
     }
 
-    /// The id of a tag, made when it is first seen.
+    /// The id of a tag, created on first use.
     fn tag(&mut self, name: &ast::Name) -> TagId {
-        self.note_tag(name, false);
+        self.record_tag(name, false);
         self.tag_id(name)
     }
 
@@ -264,7 +265,7 @@ impl<'a> Checker<'a> {
     }
 }
 
-/// How many operators and calls a constant holds, those of the constants in it included.
+/// Number of operators and calls of a constant, including those of constants in it.
 fn operators(term: &checked::Term) -> usize {
     let operands = term.operands();
     usize::from(!operands.is_empty()) + operands.iter().map(operators).sum::<usize>()

@@ -13,22 +13,22 @@ use crate::syntax::ast::{self, Initial, Member, PathRef, Word};
 use crate::syntax::occurrence::{NameKind, Role};
 
 use super::checked::{Action, Edge, Entity, Follow, Given, Mode, Term, Type, Update};
-use super::expression::{Reads, Scope};
-use super::names::{Known, unknown};
+use super::expression::{ReadLimit, Scope};
+use super::names::{Candidate, unknown};
 use super::reference::lost_by;
 use super::{Boxes, Checker};
 
-/// What a look-up by path needs to know of an entity's modes.
+/// The mode names of an entity, for look-up by path.
 #[derive(Debug, Clone, Default)]
 pub(super) struct ModeNames {
     pub modes: Vec<(Vec<String>, GroupId, Span)>,
     /// The groups that have names.
     pub groups: Vec<(String, Span)>,
-    /// Which modes have a name.
+    /// The modes with each last name.
     named: BTreeMap<String, Vec<usize>>,
-    /// All names once, in order, each with the first place; made when first needed.
+    /// All names once, in order, each with its first span; computed on demand.
     last: OnceCell<BTreeMap<String, Span>>,
-    /// The same for whole paths.
+    /// The same for full paths.
     whole: OnceCell<BTreeMap<String, Span>>,
 }
 
@@ -43,8 +43,8 @@ impl ModeNames {
         names
     }
 
-    /// The names, or whole paths, that may have been meant.
-    fn known(&self, whole: bool) -> impl Iterator<Item = Known<'_>> {
+    /// The names, or full paths, as candidates for a suggestion.
+    fn known(&self, whole: bool) -> impl Iterator<Item = Candidate<'_>> {
         let made = if whole { &self.whole } else { &self.last };
         let known = made.get_or_init(|| {
             let mut known = BTreeMap::new();
@@ -54,12 +54,13 @@ impl ModeNames {
             }
             known
         });
-        known.iter().map(|(text, at)| Known { text, at: Some(*at) })
+        known.iter().map(|(text, at)| Candidate { text, at: Some(*at) })
     }
 }
 
 impl Checker<'_> {
-    /// Adds modes and what they hold to the entity, and their syntax to its body, in preorder; returns the ids of the outermost.
+    /// Adds modes and their contents to the entity, and their syntax to its body, in preorder; returns the ids of the
+    /// outermost modes.
     pub(super) fn mode_skeletons(
         &mut self,
         modes: Boxes<ast::Mode>,
@@ -76,7 +77,7 @@ impl Checker<'_> {
                 self.too_many("modes", MAX_MODES, mode.name.span);
                 return ids;
             }
-            self.declared(NameKind::Mode, &mode.name);
+            self.record_declaration(NameKind::Mode, &mode.name);
             let first = *named.entry(mode.name.text.clone()).or_insert(mode.name.span);
             if first != mode.name.span {
                 let (name, second) = (mode.name.text.to_string(), mode.name.span);
@@ -110,7 +111,7 @@ impl Checker<'_> {
         ids
     }
 
-    /// The mode that a path names: the whole path, or a suffix that fits only one mode, those of `group` first.
+    /// The mode of a path: a full path, or a suffix that fits only one mode, preferring those of `group`.
     pub(super) fn mode_named(
         &mut self,
         names: &ModeNames,
@@ -126,12 +127,12 @@ impl Checker<'_> {
         let all: Vec<usize> = named.into_iter().flatten().copied().filter(|&i| fits(&names.modes[i].0)).collect();
         let own: Vec<usize> = all.iter().copied().filter(|&i| Some(names.modes[i].1) == group).collect();
         let whole: Vec<usize> = all.iter().copied().filter(|&i| names.modes[i].0.len() == segments.len()).collect();
-        // What a behaviour says of its own modes means those of the same `use`.
+        // Names in a behaviour refer to modes of the same `use`.
         let same_use = |i: &usize| path.span.is_copy() && names.modes[*i].2.file() == path.span.file();
         let used: Vec<usize> = all.iter().copied().filter(same_use).collect();
         for candidates in [&used, &whole, &own, &all] {
             if let [only] = candidates.as_slice() {
-                self.seen_mode(names, *only, path);
+                self.record_mode_use(names, *only, path);
                 return Some(ModeId::from_index(*only));
             }
         }
@@ -148,7 +149,7 @@ impl Checker<'_> {
         None
     }
 
-    /// The body of a mode. `tested` gets, for each edge of the entity, the references that its guard tests.
+    /// Checks the body of a mode. Adds to `tested`, for each edge of the entity, the references that its guard tests.
     pub(super) fn mode(
         &mut self,
         syntax: ast::Mode,
@@ -158,7 +159,7 @@ impl Checker<'_> {
         tested: &mut Vec<Vec<RefId>>,
     ) {
         if let Initial::When(guard) = &syntax.initial {
-            entity.modes[id].initial_when = self.guard(guard, &scope.reading(Reads::Params));
+            entity.modes[id].initial_when = self.guard(guard, &scope.reading(ReadLimit::Params));
         }
         for member in syntax.members {
             match member {
@@ -169,7 +170,7 @@ impl Checker<'_> {
                 }
                 Member::Envelope(envelope) => self.envelope(&envelope, scope, entity, Some(id)),
                 Member::Entry(update) => {
-                    // An entry reads the state before the edge, when the mode was not active.
+                    // Entry actions read the state before the edge, when the mode was not active.
                     let scope = Scope { covered: false, ..*scope };
                     self.action(&update, &scope, &mut entity.modes[id].entry);
                 }
@@ -235,7 +236,7 @@ impl Checker<'_> {
             Some(target) => Some(target?),
             None => None,
         };
-        // What a mode around the source loses, it does not read when this edge is taken.
+        // References covered by an edge on `lost` of an enclosing mode are not none when this edge is taken.
         let mut tests: Vec<RefId> = tests;
         let mut around = Some(source);
         while let Some(at) = around {
@@ -246,7 +247,7 @@ impl Checker<'_> {
             tests.retain(|r| *r != lost);
         }
         if actions.len() < written {
-            // What could not be read may have set any of them.
+            // Unreadable updates may set any of them.
             tests.extend(entity.refs.ids());
         }
         Some((Edge { source, target, guard: guard?, actions, lost, needs, span: edge.span }, tests))
@@ -278,7 +279,7 @@ impl Checker<'_> {
         Some(Follow { guard, actions, needs, span: follow.span })
     }
 
-    /// Adds an update, a `spawn` or a `destroy` to those of one edge or entry.
+    /// Adds an update, a `spawn` or a `destroy` to the actions of an edge or entry.
     fn action(&mut self, update: &ast::Update, scope: &Scope<'_>, before: &mut Vec<Action>) {
         let action = match update {
             ast::Update::Assign(assignment) => self.update(assignment, scope).map(Action::Update),
@@ -294,7 +295,7 @@ impl Checker<'_> {
         let name = &update.variable.name();
         if let Some(&id) = names.discretes.get(&name.text) {
             if let Some(entity) = scope.entity {
-                self.seen_value(entity, Given::Discrete(id), name.span, Role::Written);
+                self.record_value_use(entity, Given::Discrete(id), name.span, Role::Written);
             }
             self.unprimed(&update.variable.path())?;
             let discrete = scope.entity?.discretes[id].clone();
@@ -310,7 +311,7 @@ impl Checker<'_> {
         }
         if let Some(&var) = names.vars.get(&name.text) {
             if let Some(entity) = scope.entity {
-                self.seen_value(entity, Given::Var(var, 0), name.span, Role::Written);
+                self.record_value_use(entity, Given::Var(var, 0), name.span, Role::Written);
             }
             let degree = self.primes(&update.variable);
             let value = self.number(&update.value, scope)?;
@@ -358,7 +359,7 @@ impl Checker<'_> {
     }
 }
 
-/// What an action writes, and where it is.
+/// The target and the span of an action.
 fn written(action: &Action) -> Option<(Place, Span)> {
     match action {
         Action::Update(update) => Some((update.place, update.span)),

@@ -1,4 +1,4 @@
-//! Tables of names: declaration with a look at duplicates, look-up with "did you mean".
+//! Tables of names: declaration with a check for duplicates, look-up with "did you mean".
 
 use std::collections::BTreeMap;
 
@@ -13,16 +13,16 @@ use crate::syntax::ast::{Name, Word};
 pub(super) struct Table<T> {
     kind: &'static str,
     entries: Vec<(Name, T)>,
-    /// Where they are, if there are many.
+    /// An index, if there are many names.
     #[expect(clippy::box_collection, reason = "most tables are small, and a program has many of them")]
     index: Option<Box<BTreeMap<Word, u32>>>,
 }
 
-/// Fewer names than this are found without an index.
+/// Number of names above which an index is used.
 const FEW: usize = 8;
 
 impl<I: Id> Table<I> {
-    /// The names of a table's entries, all of them different, with their ids.
+    /// The names of a table's entries, all distinct, with their ids.
     pub fn of<'a>(kind: &'static str, names: impl ExactSizeIterator<Item = &'a Name>) -> Self {
         let mut table = Table::new(kind);
         table.entries.reserve_exact(names.len());
@@ -36,7 +36,7 @@ impl<T> Table<T> {
         Table { kind, entries: Vec::new(), index: None }
     }
 
-    /// Adds a name; the first of two equal ones stays.
+    /// Adds a name; the first of two equal names wins.
     pub fn declare(&mut self, name: &Name, value: T, diagnostics: &mut Diagnostics) -> bool {
         if let Some(first) = self.find(&name.text) {
             diagnostics.report(DuplicateName {
@@ -75,42 +75,42 @@ impl<T> Table<T> {
         self.find(name).map(|i| &self.entries[i].1)
     }
 
-    /// The declared name, and what it stands for.
+    /// The declared name, and its value.
     pub fn entry(&self, name: &str) -> Option<(&Name, &T)> {
         self.find(name).map(|i| (&self.entries[i].0, &self.entries[i].1))
     }
 
-    pub fn names(&self) -> impl Iterator<Item = Known<'_>> {
-        self.entries.iter().map(|(name, _)| Known::from(name))
+    pub fn names(&self) -> impl Iterator<Item = Candidate<'_>> {
+        self.entries.iter().map(|(name, _)| Candidate::from(name))
     }
 }
 
-/// A name that may have been meant.
+/// A candidate for "did you mean".
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Known<'a> {
+pub(super) struct Candidate<'a> {
     pub text: &'a str,
-    /// Where it is declared; none if the language itself has it.
+    /// Where it is declared; `None` for names of the language.
     pub at: Option<Span>,
 }
 
-impl<'a> From<&'a Name> for Known<'a> {
+impl<'a> From<&'a Name> for Candidate<'a> {
     fn from(name: &'a Name) -> Self {
-        Known { text: &name.text, at: Some(name.span) }
+        Candidate { text: &name.text, at: Some(name.span) }
     }
 }
 
-impl<'a> From<&'a str> for Known<'a> {
+impl<'a> From<&'a str> for Candidate<'a> {
     fn from(text: &'a str) -> Self {
-        Known { text, at: None }
+        Candidate { text, at: None }
     }
 }
 
-/// The fact that a name of some kind is not known, with the nearest of the known ones.
+/// An unknown name of some kind, with the nearest known one.
 pub(super) fn unknown<'a>(
     kind: &'static str,
     name: &str,
     at: Span,
-    known: impl IntoIterator<Item = impl Into<Known<'a>>>,
+    known: impl IntoIterator<Item = impl Into<Candidate<'a>>>,
 ) -> UnknownName {
-    UnknownName::new(kind, name, at, known.into_iter().map(Into::into).map(|k: Known<'a>| (k.text, k.at)))
+    UnknownName::new(kind, name, at, known.into_iter().map(Into::into).map(|k: Candidate<'a>| (k.text, k.at)))
 }

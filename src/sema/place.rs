@@ -1,4 +1,4 @@
-//! Instances with the values of their parameters and variables before the first step.
+//! Instances with the values of their parameters and variables in the initial state.
 
 use crate::diagnostic::catalogue::structure::BadCollider;
 use crate::diagnostic::catalogue::types::{OutOfRange, TypeMismatch};
@@ -12,7 +12,7 @@ use super::constant::{ConstantContext, evaluate};
 use super::expression::Scope;
 use super::names::{Table, unknown};
 
-/// What is set of an instance; the rest follows from the entity.
+/// The explicitly set values of an instance; the rest follows from the entity.
 pub(super) struct Values {
     pub params: IdVec<ParamId, Option<f64>>,
     pub vars: IdVec<VarId, [Option<f64>; 3]>,
@@ -31,7 +31,7 @@ impl Values {
 }
 
 impl Checker<'_> {
-    /// A placed instance. What its references refer to is noted by name: not all instances are known yet.
+    /// A placed instance. Targets of references are stored by name, as not all instances are known yet.
     pub(super) fn place(
         &mut self,
         place: &ast::Place,
@@ -93,7 +93,7 @@ impl Checker<'_> {
         Some(Instance { given, ..made })
     }
 
-    /// The name that a reference of a placed instance is set to; none for `none`.
+    /// The instance name that a reference of a placed instance is set to; `None` for `none`.
     fn instance_name(&mut self, e: &ast::Expr) -> Option<Name> {
         match (&e.kind, e.name()) {
             (ExprKind::NoneRef, _) => None,
@@ -110,7 +110,7 @@ impl Checker<'_> {
         }
     }
 
-    /// An instance with what is set; the rest are defaults.
+    /// An instance with the set values, and defaults for the rest.
     #[allow(clippy::too_many_arguments, reason = "an instance is all of these")]
     pub(super) fn instance_of(
         &mut self,
@@ -132,7 +132,7 @@ impl Checker<'_> {
                     self.evaluated(&param.default, context)?
                 }
             };
-            // There is one zero.
+            // Normalises -0.
             params.push(value + 0.0);
         }
         let context = ConstantContext { params: Some(&params), step: Some(step) };
@@ -171,7 +171,7 @@ impl Checker<'_> {
         Some(Instance { name, origin, entity: id, space, params, vars, discretes, refs, given: Vec::new(), span })
     }
 
-    /// Sizes that depend on parameters are known only now.
+    /// Checks sizes that depend on parameters, which are known only now.
     fn collider_sizes(&mut self, entity: &Entity, name: &Name, span: Span, context: ConstantContext<'_>) {
         for collider in entity.colliders.iter() {
             for (term, what) in collider.shape.sizes() {

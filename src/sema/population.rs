@@ -1,4 +1,4 @@
-//! Who lives in a world: placed instances, instances that tiles make, and the slots that a `limit` leaves free.
+//! The slots of a world: placed instances, instances made by tiles, and free slots of a `limit`.
 
 use crate::ir::{EntityId, Id, IdVec, MAX_INSTANCES, Origin, RefId, SlotId, SpaceId, VarId};
 
@@ -18,16 +18,16 @@ use super::expression::Scope;
 use super::names::{Table, unknown};
 use super::world::TileSet;
 
-/// The instances of a world while they are counted.
+/// The instances of a world under construction.
 pub(super) struct Population {
     /// All slots.
     pub instances: IdVec<SlotId, Instance>,
     /// The world's step as a fraction of seconds.
     pub step: (u64, u64),
     pub names: Table<()>,
-    /// What references of placed instances refer to, by name.
+    /// Targets of references of placed instances, by name.
     pub references: Vec<(SlotId, RefId, Name)>,
-    /// Of each entity, how many unnamed slots it has.
+    /// Number of unnamed slots of each entity.
     unnamed: BTreeMap<EntityId, usize>,
     full: bool,
 }
@@ -65,22 +65,22 @@ impl Checker<'_> {
 
     /// `place name: Entity at (x, y) { … }`
     pub(super) fn placed(&mut self, place: &ast::Place, space: SpaceId, population: &mut Population) {
-        self.declared(NameKind::Instance, &place.name);
+        self.record_declaration(NameKind::Instance, &place.name);
         population.names.declare(&place.name, (), &mut self.diagnostics);
         let slot = SlotId::from_index(population.instances.len());
         match self.place(place, space, population.step, slot, &mut population.references) {
             Some(instance) => {
                 self.populate(population, instance);
             }
-            // Goals may still name it.
+            // Goals may still refer to it.
             None => {
                 self.poisoned_names.insert(place.name.text.to_string());
             }
         }
     }
 
-    /// The instances that the tiles of a map make, row by row from the top. Where the map is still to be given, those
-    /// that have names are made once, so that the rest of the world can be checked.
+    /// Makes the instances of the tiles of a map, row by row from the top. If the map is still missing, named instances
+    /// are made once, so that the rest of the world can be checked.
     pub(super) fn tile_instances(
         &mut self,
         world: &World,
@@ -162,7 +162,7 @@ impl Checker<'_> {
         }
     }
 
-    /// The slots that `limit` lines leave free; every entity that lives and is spawned must have one.
+    /// Makes the free slots of `limit` lines; every entity that is spawned must have one.
     pub(super) fn limits(&mut self, syntax: &ast::World, population: &mut Population) {
         let mut limits: BTreeMap<EntityId, Span> = BTreeMap::new();
         for item in &syntax.items {
@@ -198,7 +198,7 @@ impl Checker<'_> {
                 self.diagnostics.report(OverLimit { at: limit.span, name, living, limit: count as usize, one: last });
                 continue;
             }
-            // Without a space there is nothing that spawns, and nowhere to be.
+            // Without a space nothing can spawn or exist.
             let has_space = syntax.items.iter().any(|item| matches!(item, WorldItem::Space(_)));
             for _ in (living..count as usize).filter(|_| has_space) {
                 let name = self.unnamed(population, entity, limit.span);
@@ -209,7 +209,7 @@ impl Checker<'_> {
         self.spawned_entities(syntax, &limits, population);
     }
 
-    /// Every entity that can be spawned in the world has a limit.
+    /// Checks that every entity that can be spawned in the world has a limit.
     fn spawned_entities(&mut self, syntax: &ast::World, limits: &BTreeMap<EntityId, Span>, population: &Population) {
         let mut living: Vec<EntityId> = Vec::new();
         let mut missing: Vec<(EntityId, Span)> = Vec::new();
@@ -237,7 +237,7 @@ impl Checker<'_> {
         }
     }
 
-    /// What the references of placed instances refer to; all instances must be known.
+    /// Resolves the references of placed instances; all instances must be known.
     pub(super) fn placed_references(&mut self, population: &mut Population) {
         let named = population.instances.pairs().filter(|(_, i)| i.origin == Origin::Named);
         let named: BTreeMap<Word, SlotId> = named.rev().map(|(slot, i)| (i.name.text.clone(), slot)).collect();
@@ -248,7 +248,7 @@ impl Checker<'_> {
                 self.report_unknown(fact);
                 continue;
             };
-            self.seen(NameKind::Instance, name.span, population.instances[target].name.span);
+            self.record_use(NameKind::Instance, name.span, population.instances[target].name.span);
             let Some(own) = population.instances.get(slot).map(|i| i.entity) else { continue };
             let wanted = self.checked.entities[own].refs[reference].entity;
             let found = population.instances[target].entity;
@@ -262,7 +262,7 @@ impl Checker<'_> {
         }
     }
 
-    /// A slot where nothing is at first.
+    /// A slot that is empty at the start.
     fn free_instance(&self, entity: EntityId, name: Name, span: Span) -> Instance {
         let e = &self.checked.entities[entity];
         Instance {
@@ -279,7 +279,7 @@ impl Checker<'_> {
         }
     }
 
-    /// An instance with nothing set but its position.
+    /// An instance with default values, except its position.
     #[allow(clippy::too_many_arguments, reason = "an instance is all of these")]
     pub(super) fn default_instance(
         &mut self,

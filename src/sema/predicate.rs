@@ -1,4 +1,4 @@
-//! What predicates of a world say of its instances: `hero.x`, `hero in dead`, `near(hero, …)`, `any Goomba`.
+//! Expressions about instances in predicates of a world: `hero.x`, `hero in dead`, `near(hero, …)`, `any Goomba`.
 
 use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::TypeMismatch;
@@ -9,8 +9,8 @@ use crate::syntax::occurrence::{NameKind, Role};
 
 use super::Checker;
 use super::checked::{Given, Term, TermKind, Type};
-use super::expression::{Reads, Scope};
-use super::names::{Known, unknown};
+use super::expression::{ReadLimit, Scope};
+use super::names::{Candidate, unknown};
 
 impl Checker<'_> {
     /// `hero.x'`, `hero.keys`, `main.width`.
@@ -39,14 +39,14 @@ impl Checker<'_> {
         if scope.entity.is_some() {
             return self.referred_member(path, first, second, span, scope);
         }
-        let world = self.allow(scope.world, span, scope, Reads::All, "another instance's variable")?;
+        let world = self.allow(scope.world, span, scope, ReadLimit::All, "another instance's variable")?;
         if let Some((slot, entity)) = world.instance(&first.text) {
-            self.seen_instance(world, first);
+            self.record_instance_use(world, first);
             return self.value_of(Subject::Slot(slot), entity, path, second, span);
         }
         self.unprimed(path)?;
         if let Some((declared, size)) = world.spaces.iter().find(|(n, _)| n.text == first.text) {
-            self.seen(NameKind::Space, first.span, declared.span);
+            self.record_use(NameKind::Space, first.span, declared.span);
             let Some(size) = size else {
                 self.diagnostics.report(TypeMismatch {
                     at: span,
@@ -67,7 +67,7 @@ impl Checker<'_> {
             };
             return Some(Term { kind: TermKind::Number(value), ty: Type::Real, span });
         }
-        let known = world.instance_names().chain(world.spaces.iter().map(|(n, _)| Known::from(n)));
+        let known = world.instance_names().chain(world.spaces.iter().map(|(n, _)| Candidate::from(n)));
         let fact = unknown("instance or space", &first.text, first.span, known);
         self.report_unknown(fact);
         None
@@ -88,8 +88,8 @@ impl Checker<'_> {
             self.report_unknown(fact);
             return None;
         };
-        self.seen_subject(subject, first, scope);
-        self.allow(Some(()), span, scope, Reads::State, "another instance's variable")?;
+        self.record_subject_use(subject, first, scope);
+        self.allow(Some(()), span, scope, ReadLimit::State, "another instance's variable")?;
         self.readable(subject, first, span, scope);
         let Some(entity) = entity else {
             // Every instance has a position.
@@ -113,7 +113,7 @@ impl Checker<'_> {
             let entity = self.checked.entities[id].clone();
             let named = self.value_named(id, &second.text);
             if let Some(what) = named {
-                self.seen_value(&entity, what, second.span, Role::Read);
+                self.record_value_use(&entity, what, second.span, Role::Read);
             }
             if let Some(Given::Var(var, _)) = named {
                 let degree = self.degree(path)?;
@@ -148,7 +148,7 @@ impl Checker<'_> {
             wrong(self, "`near(instance, (x, y), radius)` or `near(instance, instance, radius)`");
             return None;
         };
-        self.allow(scope.world, span, scope, Reads::All, "`near`")?;
+        self.allow(scope.world, span, scope, ReadLimit::All, "`near`")?;
         let (x, y) = if let ExprKind::Point(point) = &place.kind {
             let [x, y] = &**point;
             let (x, y) = (self.number(x, scope), self.number(y, scope));
@@ -167,7 +167,7 @@ impl Checker<'_> {
 
     /// A named instance of the world.
     pub(super) fn instance(&mut self, e: &Expr, scope: &Scope<'_>) -> Option<(SlotId, EntityId)> {
-        let world = self.allow(scope.world, e.span, scope, Reads::All, "an instance")?;
+        let world = self.allow(scope.world, e.span, scope, ReadLimit::All, "an instance")?;
         let Some(name) = &e.name() else {
             self.diagnostics.report(TypeMismatch {
                 at: e.span,
@@ -178,7 +178,7 @@ impl Checker<'_> {
             return None;
         };
         if let Some(found) = world.instance(&name.text) {
-            self.seen_instance(world, name);
+            self.record_instance_use(world, name);
             return Some(found);
         }
         let fact = unknown("instance", &name.text, name.span, world.instance_names());
@@ -186,7 +186,7 @@ impl Checker<'_> {
         None
     }
 
-    /// What `make` says of the instance, or of any instance of an entity, that is left of `in` or `touching`.
+    /// Applies `make` to the instance left of `in` or `touching`, or to any instance of an entity.
     pub(super) fn relation(
         &mut self,
         subject: &Expr,
@@ -210,7 +210,7 @@ impl Checker<'_> {
         Some(while_alive(Term { kind: make(self, slot, entity)?, ty: Type::Bool, span }))
     }
 
-    /// Whether `make` holds for some instance of an entity.
+    /// A disjunction of `make` over all instances of an entity.
     pub(super) fn any(
         &mut self,
         name: &Name,
@@ -218,7 +218,7 @@ impl Checker<'_> {
         scope: &Scope<'_>,
         make: impl Fn(&mut Self, SlotId, EntityId) -> Option<TermKind>,
     ) -> Option<Term> {
-        let world = self.allow(scope.world, span, scope, Reads::All, "`any`")?;
+        let world = self.allow(scope.world, span, scope, ReadLimit::All, "`any`")?;
         let Some(entity) = self.entity_named(name) else {
             let fact = unknown("entity", &name.text, name.span, self.entities.names());
             self.report_unknown(fact);
@@ -236,7 +236,7 @@ impl Checker<'_> {
                 });
             }
         }
-        // A balanced tree: thousands of instances must not become thousands of levels.
+        // A balanced tree: thousands of instances must not nest thousands of levels deep.
         while some.len() > 1 {
             let mut halves = Vec::with_capacity(some.len().div_ceil(2));
             let mut rest = some.into_iter();
@@ -252,7 +252,7 @@ impl Checker<'_> {
     }
 }
 
-/// A question about instances that is false where one of them is destroyed.
+/// A predicate about instances that is false if one of them is destroyed.
 pub(super) fn while_alive(question: Term) -> Term {
     let mut slots = Vec::new();
     read_slots(&question, &mut slots);
@@ -263,7 +263,7 @@ pub(super) fn while_alive(question: Term) -> Term {
     })
 }
 
-/// The instances that a term reads, each once.
+/// The distinct instances that a term reads.
 fn read_slots(term: &Term, out: &mut Vec<SlotId>) {
     let mut add = |of: &Subject| {
         if let Subject::Slot(slot) = of

@@ -1,4 +1,4 @@
-//! References: what they may refer to, where they may be read, `spawn` and `destroy`.
+//! References: their targets, where they may be read, `spawn` and `destroy`.
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -19,7 +19,7 @@ use super::entity::Skeleton;
 use super::expression::Scope;
 use super::names::{Table, unknown};
 
-/// The reference that a guard says is lost, if that is all it says.
+/// The reference, if the whole guard is `lost(…)`.
 pub(super) fn lost_by(guard: &Expr) -> Option<Name> {
     match &guard.kind {
         ExprKind::Paren(inner) => lost_by(inner),
@@ -32,7 +32,7 @@ pub(super) fn lost_by(guard: &Expr) -> Option<Name> {
 }
 
 impl Checker<'_> {
-    /// A reference of one's own, or an instance that a guard named, with its entity where that is known.
+    /// A reference of the entity, or an instance bound by a guard, with its entity if known.
     pub(super) fn referred(&self, name: &str, scope: &Scope<'_>) -> Option<(Subject, Option<EntityId>)> {
         if let Some(touch) = self.facts.named(name) {
             let subject = Subject::Touched(touch);
@@ -48,7 +48,7 @@ impl Checker<'_> {
     pub(super) fn reference(&mut self, e: &Expr, scope: &Scope<'_>) -> Option<(Subject, Option<EntityId>)> {
         if let Some(name) = &e.name() {
             if let Some(found) = self.referred(&name.text, scope) {
-                self.seen_subject(found.0, name, scope);
+                self.record_subject_use(found.0, name, scope);
                 return Some(found);
             }
             let known = scope.names.into_iter().flat_map(|n| n.refs.names()).chain(self.facts.names());
@@ -65,7 +65,7 @@ impl Checker<'_> {
         None
     }
 
-    /// Reports a test for an entity that a reference never has.
+    /// Reports an `is` that never holds.
     pub(super) fn never_is(&mut self, of: Subject, subject: &Expr, name: &Name, known: EntityId, scope: &Scope<'_>) {
         let subject = subject.name().map(|name| name.text.to_string()).unwrap_or_default();
         let known = &self.checked.entities[known].name.text;
@@ -87,7 +87,7 @@ impl Checker<'_> {
         });
     }
 
-    /// Reports the read of a reference that may be none here.
+    /// Reports a read of a reference that may be none here.
     pub(super) fn readable(&mut self, subject: Subject, name: &Name, span: Span, scope: &Scope<'_>) {
         if self.facts.is_set(subject) {
             return;
@@ -110,13 +110,13 @@ impl Checker<'_> {
         self.diagnostics.report(LostRead { at: span, name: name.text.to_string(), in_mode: covered });
     }
 
-    /// Edges into a mode that reads a reference must make sure of it.
+    /// Edges into a mode that reads a reference must ensure that it is not none.
     pub(super) fn lost_entries(&mut self, entity: &Entity, guards: &[Vec<RefId>]) {
-        let mut asked: BTreeMap<(ModeId, RefId), Span> = BTreeMap::new();
+        let mut requested: BTreeMap<(ModeId, RefId), Span> = BTreeMap::new();
         for &(mode, reference, at) in &self.facts.covered {
-            asked.entry((mode, reference)).or_insert(at);
+            requested.entry((mode, reference)).or_insert(at);
         }
-        for ((mode, reference), read) in asked {
+        for ((mode, reference), read) in requested {
             for (index, edge) in entity.edges.iter().enumerate() {
                 if !may_enter(entity, edge, mode) || guards[index].contains(&reference) || sets(edge, reference) {
                     continue;
@@ -171,7 +171,7 @@ impl Checker<'_> {
         fits.then_some(Spawn { into, entity, given, span: spawn.span })
     }
 
-    /// What a name of a value means in an entity.
+    /// The meaning of a value name in an entity.
     pub(super) fn value_named(&mut self, id: EntityId, name: &str) -> Option<Given> {
         let entity = &self.checked.entities[id];
         let values = self.values.entry(id).or_insert_with(|| {
@@ -179,20 +179,20 @@ impl Checker<'_> {
             let refs = entity.refs.pairs().map(|(id, r)| (&r.name, Given::Ref(id)));
             let discretes = entity.discretes.pairs().map(|(id, d)| (&d.name, Given::Discrete(id)));
             let params = entity.params.pairs().map(|(id, p)| (&p.name, Given::Param(id)));
-            // They share one name space, which holds the first of two equal names.
+            // They share one name space, in which the first of two equal names wins.
             let all = vars.chain(refs).chain(discretes).chain(params);
             Rc::new(all.map(|(name, what)| (name.text.to_string(), what)).collect())
         });
         values.get(name).copied()
     }
 
-    /// What a name in a `place` or a `spawn` sets, and the type of its value.
+    /// The target of a setting in a `place` or a `spawn`, and the type of its value.
     pub(super) fn setting(&mut self, id: EntityId, variable: &ast::Variable) -> Option<(Given, Type)> {
         let name = &variable.name();
         let of = Arc::clone(&self.checked.entities[id]);
         let named = self.value_named(id, &name.text);
         if let Some(what) = named {
-            self.seen_value(&of, what, name.span, Role::Written);
+            self.record_value_use(&of, what, name.span, Role::Written);
         }
         match named.filter(|what| variable.primes == 0 || matches!(what, Given::Var(..))) {
             Some(Given::Param(id)) => {
@@ -241,7 +241,7 @@ impl Checker<'_> {
             && let Some(&id) = names.refs.get(&name.text)
         {
             if let Some(entity) = scope.entity {
-                self.seen_value(entity, Given::Ref(id), name.span, Role::Written);
+                self.record_value_use(entity, Given::Ref(id), name.span, Role::Written);
             }
             return Some(id);
         }
@@ -259,7 +259,7 @@ impl Checker<'_> {
         None
     }
 
-    /// `none`, `self`, a reference, or an instance that the guard named.
+    /// `none`, `self`, a reference, or an instance bound by the guard.
     pub(super) fn reference_value(&mut self, e: &Expr, scope: &Scope<'_>) -> Option<Term> {
         match &e.kind {
             ExprKind::NoneRef => Some(Term { kind: TermKind::NoneRef, ty: Type::AnyRef, span: e.span }),
@@ -309,7 +309,7 @@ fn may_enter(entity: &Entity, edge: &Edge, mode: ModeId) -> bool {
         false
     };
     if inside(target, mode) {
-        // A proper ancestor of the target that is active stays active.
+        // An active proper ancestor of the target stays active.
         return target == mode || !inside(edge.source, mode);
     }
     inside(mode, target) && {

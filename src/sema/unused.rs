@@ -1,5 +1,5 @@
-//! Names in behaviours that nothing uses: what a behaviour says means something only where it is put in place, so each of
-//! them is put into an entity of its own, which is checked for its names alone.
+//! Names in unused behaviours: a behaviour has a meaning only where it is used, so each unused one is put into a
+//! separate entity, which is checked only for its names.
 
 use crate::source::{SourceMap, Span};
 use crate::syntax::ast::{Behavior, Entity, File, Initial, Item, Member, Mode, Name};
@@ -8,8 +8,8 @@ use crate::syntax::occurrence::{NameKind, Occurrence, Occurrences, Role};
 
 use super::{Level, check};
 
-/// Where names occur in behaviours of which `known`, the names of the checked program in order, tells nothing. `files` are
-/// the program's trees. `x` and `y` are declared by the name of their behaviour.
+/// Occurrences of names in behaviours that `known`, the sorted occurrences of the checked program, does not cover.
+/// `files` are the program's trees. `x` and `y` are declared by the name of their behaviour.
 pub fn names_of_unused(files: Vec<File>, sources: &mut SourceMap, known: &[Occurrence]) -> Vec<Occurrence> {
     let mut unused: Vec<(Span, Span)> = Vec::new();
     let mut trees: Vec<File> = Vec::new();
@@ -17,10 +17,10 @@ pub fn names_of_unused(files: Vec<File>, sources: &mut SourceMap, known: &[Occur
         let mut items: Vec<Item> = Vec::new();
         for item in file.items.into_iter().filter(|item| !matches!(item, Item::World(_) | Item::Import(_))) {
             if let Item::Behavior(behavior) = &item
-                && !is_told(behavior.span, known)
+                && !is_resolved(behavior.span, known)
             {
                 unused.push((behavior.span, behavior.name.span));
-                items.push(Item::Entity(alone(behavior).into()));
+                items.push(Item::Entity(standalone_entity(behavior).into()));
             }
             items.push(item);
         }
@@ -40,15 +40,15 @@ pub fn names_of_unused(files: Vec<File>, sources: &mut SourceMap, known: &[Occur
     noted.sorted(sources).into_iter().filter(is_news).collect()
 }
 
-/// Whether some name in a behaviour is known to mean something; its parameters always do.
-fn is_told(whole: Span, known: &[Occurrence]) -> bool {
+/// Whether some name in a behaviour is resolved; its parameters always are.
+fn is_resolved(whole: Span, known: &[Occurrence]) -> bool {
     let from = known.partition_point(|o| (o.at.file(), o.at.start()) < (whole.file(), whole.start()));
     let inside = known.iter().skip(from).take_while(|o| whole.contains(o.at));
     inside.into_iter().any(|o| o.role != Role::Declared && o.kind != NameKind::Argument)
 }
 
-/// An entity that holds what a behaviour holds: in a mode, if something of it can only be in one.
-fn alone(behavior: &Behavior) -> Entity {
+/// An entity with the members of a behaviour: inside a mode, if some of them require one.
+fn standalone_entity(behavior: &Behavior) -> Entity {
     let mut members = behavior.members.clone();
     let has_groups = members.iter().any(|m| matches!(m, Member::Group(_)));
     let is_of_a_mode = |m: &Member| matches!(m, Member::Edge(_) | Member::Entry(_) | Member::Follow(_));
@@ -61,7 +61,7 @@ fn alone(behavior: &Behavior) -> Entity {
         let (initial, doc, span) = (Initial::No, None, behavior.span);
         members.push(Member::Mode(Mode { initial, name, members: inner, doc, span }.into()));
     }
-    // No entity can be called so.
+    // Not a valid entity name.
     let name = Name { text: format!("behavior {}", behavior.name.text).into(), span: behavior.name.span };
     Entity { name, members, doc: None, span: behavior.span }
 }

@@ -1,4 +1,4 @@
-//! Worlds: the step, collision lines, tiles and maps, placed instances with their first values, players, goals.
+//! Worlds: the step, collision rules, tiles and maps, placed instances with their initial values, players, goals.
 
 use crate::ir::{Arithmetic, IdVec, Origin, Push, Response, SpaceId, TagId};
 
@@ -17,21 +17,21 @@ use super::names::{Table, unknown};
 use super::population::Population;
 use super::{Checker, MAX_TILE_KINDS};
 
-/// A tile set: its size, its tiles, and what is on them at first.
+/// A tile set: its size, its tiles, and their spawns.
 pub(super) struct TileSet<'a> {
     pub name: Name,
     pub tile: (f64, f64),
     pub tiles: Vec<InlineTile<TagId>>,
-    /// Of each tile.
+    /// Per tile.
     pub spawns: Vec<Option<&'a ast::TileSpawn>>,
-    /// Characters of a legend that the level does not have.
+    /// Characters of a legend that the level does not use.
     pub others: Vec<char>,
 }
 
 impl Checker<'_> {
     /// Checks a world and adds it to the program.
     pub(super) fn world(&mut self, syntax: &ast::World) {
-        self.declared(NameKind::World, &syntax.name);
+        self.record_declaration(NameKind::World, &syntax.name);
         self.worlds.declare(&syntax.name, (), &mut self.diagnostics);
         let mut world = World {
             name: syntax.name.clone(),
@@ -77,7 +77,7 @@ impl Checker<'_> {
                 bounds: None,
                 links: Vec::new(),
             });
-            self.declared(NameKind::Space, &space.name);
+            self.record_declaration(NameKind::Space, &space.name);
             spaces.declare(&space.name, id, &mut self.diagnostics);
             let mut map_at = None;
             let mut bounds: Table<()> = Table::new("the bounds of");
@@ -103,7 +103,7 @@ impl Checker<'_> {
                     SpaceItem::Place(place) => self.placed(place, id, &mut population),
                 }
             }
-            // A world whose map is not given yet, or is wrong, is checked, but not run: its size does not matter.
+            // A world with a missing or wrong map is checked, but not run: its size does not matter.
             let known = world.spaces[id].map.as_ref().map(crate::ir::TileMap::size);
             sizes.push((space.name.clone(), known.or(map_at.map(|_| (0.0, 0.0)))));
         }
@@ -123,7 +123,7 @@ impl Checker<'_> {
                 _ => continue,
             };
             let is_goal = matches!(item, WorldItem::Goal(_));
-            self.declared(if is_goal { NameKind::Goal } else { NameKind::Never }, &question.name);
+            self.record_declaration(if is_goal { NameKind::Goal } else { NameKind::Never }, &question.name);
             let fresh = table.declare(&question.name, (), &mut self.diagnostics);
             if let Some(predicate) = self.guard(&question.predicate, &scope).filter(|_| fresh) {
                 let checked = Question { name: question.name.clone(), predicate };
@@ -194,7 +194,7 @@ impl Checker<'_> {
     }
 
     fn tiles<'t>(&mut self, tiles: &'t ast::Tiles, sets: &mut Table<TileSet<'t>>, lengths: &mut Vec<Term>) {
-        self.declared(NameKind::TileSet, &tiles.name);
+        self.record_declaration(NameKind::TileSet, &tiles.name);
         let (width, height) = (self.tile_side(&tiles.width, lengths), self.tile_side(&tiles.height, lengths));
         let mut set = TileSet {
             name: tiles.name.clone(),
@@ -215,7 +215,7 @@ impl Checker<'_> {
         }
     }
 
-    /// Adds tiles to a set; what a legend said of a character before is replaced.
+    /// Adds tiles to a set; replaces definitions of a legend.
     pub(super) fn tile_kinds<'t>(&mut self, tiles: &'t [ast::Tile], set: &mut TileSet<'t>) {
         let mut symbols: Table<()> = Table::new("tile");
         for tile in tiles {
@@ -247,16 +247,16 @@ impl Checker<'_> {
         }
     }
 
-    /// Notes what a tile names beside its tags.
+    /// Records the names in a tile besides its tags.
     pub(super) fn tile_spawn(&mut self, spawn: Option<&ast::TileSpawn>) {
         let Some(spawn) = spawn else { return };
         self.entity_named(&spawn.entity);
         if let Some(name) = &spawn.name {
-            self.declared(NameKind::Instance, name);
+            self.record_declaration(NameKind::Instance, name);
         }
     }
 
-    /// A rectangle of known sides, px.
+    /// A rectangle with constant sides, px.
     fn rectangle(&mut self, r: &ast::Rectangle, lengths: &mut Vec<Term>) -> Option<[f64; 4]> {
         let mut known = [None; 4];
         for (index, (slot, e)) in known.iter_mut().zip(r.sides.iter()).enumerate() {
@@ -289,7 +289,7 @@ impl Checker<'_> {
         None
     }
 
-    /// Ways into other spaces.
+    /// Links to other spaces.
     fn links(&mut self, syntax: &ast::World, names: &WorldNames, spaces: &Table<SpaceId>, world: &mut World) {
         let scope = Scope::predicate(names);
         let syntax = syntax.items.iter().filter_map(|i| if let WorldItem::Space(s) = i { Some(s) } else { None });
@@ -301,7 +301,7 @@ impl Checker<'_> {
                 let to = self.rectangle(&link.to, &mut world.lengths);
                 let guard = link.guard.as_ref().map(|g| self.guard(g, &scope));
                 if let Some((declared, _)) = spaces.entry(&link.space.text) {
-                    self.seen(NameKind::Space, link.space.span, declared.span);
+                    self.record_use(NameKind::Space, link.space.span, declared.span);
                 }
                 let Some(&target) = spaces.get(&link.space.text) else {
                     let fact = unknown("space", &link.space.text, link.space.span, spaces.names());
@@ -335,18 +335,19 @@ impl Checker<'_> {
             let Some(slot) = world.instances.find(|i| named(&i) && i.name.text == player.instance.text) else {
                 let known = world.instances.iter().filter(named).map(|i| &i.name);
                 let is_entity = self.checked.entities.iter().any(|e| e.name.text == player.instance.text);
-                let rather = is_entity.then(|| {
+                let suggestion = is_entity.then(|| {
                     let name = &player.instance.text;
                     format!(
                         "`{name}` is an entity; name an instance of it, `place hero: {name} at (0, 0)` in a space or \
                          `'@': spawn {name} as hero` in tiles, and write `player 1: hero`"
                     )
                 });
-                let fact = unknown("instance", &player.instance.text, player.instance.span, known).rather(rather);
+                let fact =
+                    unknown("instance", &player.instance.text, player.instance.span, known).suggestion(suggestion);
                 self.report_unknown(fact);
                 continue;
             };
-            self.seen(NameKind::Instance, player.instance.span, world.instances[slot].name.span);
+            self.record_use(NameKind::Instance, player.instance.span, world.instances[slot].name.span);
             let clash = world.players.iter().find(|p| p.number == number || p.slot == slot);
             if let Some(other) = clash {
                 let why = if other.number == number {
@@ -362,7 +363,7 @@ impl Checker<'_> {
     }
 }
 
-/// A number as a fraction of whole numbers, if it has at most nine decimals.
+/// A number as an exact fraction, if it has at most nine decimals.
 fn exact(value: f64) -> Option<(u64, u64)> {
     (0..=9).map(|k| 10u64.pow(k)).find_map(|scale| {
         let scaled = (value * scale as f64).round();

@@ -1,4 +1,4 @@
-//! What every step looks up of a slot, at hand: its entity, its place in a state, its code with its parameters put in.
+//! Per-slot data prepared for the step: entity, state layout, and code with constant parameters folded in.
 
 use std::collections::BTreeMap;
 use std::ops;
@@ -9,47 +9,47 @@ use crate::ir::{
     Subject, TimerId, World,
 };
 
-/// What drives a variable in a step: the degree and the value.
+/// The flow of a variable in a step: degree and value.
 pub(super) type Flow = (u8, f64);
 
-/// From the least to the greatest value.
+/// A closed range of values.
 pub(super) type Range = (f64, f64);
 
-/// The flow that stands for "no flow".
+/// The flow for "no flow".
 pub(super) const COAST: Flow = (3, 0.0);
 
-/// An entity's code with what its parameters alone decide worked out.
+/// An entity's code, specialised to its constant parameters.
 #[derive(Debug)]
 pub(super) struct Code {
     pub exprs: Box<[Expr]>,
-    /// What a step does while a leaf is active.
+    /// The actions of a step while a leaf is active.
     pub plans: IdVec<LeafId, Plan>,
-    /// Of each variable, the flow if it never changes.
+    /// For each variable, its flow if it is constant.
     pub steady: Vec<Flow>,
-    /// The other drives that no group has.
+    /// The other drives outside of groups.
     pub free: Vec<Drive>,
-    /// Of each variable, the bounds of its value and of its velocity, if there are clamps and none of them ever changes.
+    /// For each variable, the bounds of its value and velocity, if there are clamps and all of them are constant.
     pub limits: Option<Vec<[Range; 2]>>,
-    /// Whether a group asks what another does in the same step.
+    /// Whether a group reads transitions of another group in the same step.
     pub is_joint: bool,
-    /// Whether there is one group, which alone drives what changes.
+    /// Whether there is a single group, which drives everything that changes.
     pub is_single: bool,
 }
 
-/// What a step does while a leaf is active.
+/// The actions of a step while a leaf is active.
 #[derive(Debug)]
 pub(super) struct Plan {
     /// Edges with a target, by their guards.
     pub edges: Vec<(ExprId, EdgeId)>,
-    /// Whether there is anything else to be run in the discrete phase.
+    /// Whether there is anything else to run in the discrete phase.
     pub is_busy: bool,
-    /// Flows that do not change while the leaf is active, each with the number of its variable.
+    /// Flows that are constant while the leaf is active, each with the index of its variable.
     pub steady: Vec<(usize, Flow)>,
     /// The other drives.
     pub drives: Vec<Drive>,
-    /// The flows of all variables while the leaf is active, as far as they do not change.
+    /// The flows of all variables while the leaf is active, as far as they are constant.
     pub row: Vec<Flow>,
-    /// Whether they are all that drives the entity.
+    /// Whether these are all drives of the entity.
     pub is_steady: bool,
     /// The timers that run.
     pub timers: Vec<TimerId>,
@@ -103,7 +103,7 @@ impl Code {
     }
 }
 
-/// The bounds that clamps give each variable and its velocity; none if one of them is no number.
+/// The bounds that clamps give each variable and its velocity; `None` if one of them is not constant.
 fn limits(entity: &Entity, number: impl Fn(ExprId) -> Option<f64>) -> Option<Vec<[Range; 2]>> {
     let unbounded = (f64::NEG_INFINITY, f64::INFINITY);
     let mut limits = vec![[unbounded; 2]; entity.vars.len()];
@@ -111,35 +111,35 @@ fn limits(entity: &Entity, number: impl Fn(ExprId) -> Option<f64>) -> Option<Vec
         let low = clamp.low.map_or(Some(unbounded.0), &number)?;
         let high = clamp.high.map_or(Some(unbounded.1), &number)?;
         let limit = limits[clamp.var.index()].get_mut(usize::from(clamp.degree))?;
-        // What several clamps do one after the other, one does.
+        // Several clamps in sequence equal one.
         *limit = (limit.0.max(low).min(high), limit.1.max(low).min(high));
     }
     Some(limits)
 }
 
-/// A slot with what belongs to it.
+/// The prepared data of a slot.
 #[derive(Debug)]
 pub(super) struct Actor {
     pub id: SlotId,
     pub entity: Arc<Entity>,
-    /// Of each timer, the count above which it no longer matters.
+    /// For each timer, the count above which it no longer matters.
     pub timer_limits: IdVec<TimerId, u32>,
     pub layout: SlotLayout,
-    /// The number of its contact questions, and of those that are bound.
+    /// Numbers of its contact queries, and of those that are bound.
     pub touches: usize,
     pub bound: usize,
-    /// What the entity does.
+    /// The code of the entity.
     pub code: Arc<Code>,
-    /// The number of the first expression in it.
+    /// The id of its first expression.
     pub base: u32,
-    /// The range of its groups among those of all slots; and so on.
+    /// The range of its groups among the groups of all slots; and so on.
     pub groups: ops::Range<usize>,
     pub vars: ops::Range<usize>,
     pub clamps: ops::Range<usize>,
     pub envelopes: ops::Range<usize>,
-    /// The number of the player who controls it.
+    /// The index of the controlling player.
     pub player: Option<usize>,
-    /// Whether it has clamps whose bounds may change, or envelopes that keep whether their peak was reached.
+    /// Whether it has clamps with variable bounds, or envelopes that record their peak.
     pub is_bounded: bool,
 }
 
@@ -189,7 +189,7 @@ pub(super) fn actors(program: &Program, world: &World) -> Vec<Actor> {
     out
 }
 
-/// An expression, or the value that it always has.
+/// An expression, or its value if it is constant.
 fn folded(program: &Program, id: ExprId, params: &IdVec<crate::ir::ParamId, f64>, step: Step) -> Expr {
     let expr = program.exprs[id];
     match (program.constant(id, params, step), expr) {
@@ -201,8 +201,8 @@ fn folded(program: &Program, id: ExprId, params: &IdVec<crate::ir::ParamId, f64>
     }
 }
 
-/// Whether no instance reads another one while it moves.
-pub(super) fn is_private(actors: &[Actor]) -> bool {
+/// Whether no instance reads another one in the continuous phase.
+pub(super) fn moves_independently(actors: &[Actor]) -> bool {
     let other = |of: Subject| of != Subject::Me;
     actors.iter().all(|actor| {
         !actor.code.exprs.iter().any(|e| match *e {
@@ -214,7 +214,7 @@ pub(super) fn is_private(actors: &[Actor]) -> bool {
 }
 
 impl Actor {
-    /// Its number.
+    /// Its index.
     pub fn index(&self) -> usize {
         self.id.index()
     }

@@ -1,7 +1,7 @@
 //! The collision phase: carrying, boxes, contacts, contact bits, pushes.
 //!
-//! A contact exists between two active colliders of one space that a `collide` line pairs, when they overlap or
-//! touch along an edge. All contacts are found before anything is pushed.
+//! A contact exists between two active colliders of one space that a `collide` rule pairs, if they overlap or touch
+//! along an edge. All contacts are detected before anything is pushed.
 
 use std::cell::Cell;
 use std::collections::BTreeMap;
@@ -15,28 +15,28 @@ use crate::ir::{
 use crate::watch::Meter;
 
 use super::actor::Actor;
-use super::broad::{Broad, Sweep, each, is_few};
+use super::broad_phase::{BroadPhase, Sweep, each, is_few};
 use super::contact::{Contact, Displacement, Rect, meet, opposite};
+use super::covered_faces::Adjacency;
 use super::fault::Fault;
-use super::seam::Seams;
 use super::simulator::{Scratch as StepScratch, Simulator};
-use super::state::{Whereabouts, leaf_at, set_triple, triple};
+use super::state::{PositionLayout, leaf_at, set_triple, triple};
 
-/// What is known of a world's colliders before it runs.
+/// Data about a world's colliders, prepared once.
 #[derive(Debug)]
 pub(super) struct Collision {
     bodies: Vec<Body>,
     /// Their kinds.
     pub kinds: Vec<Kind>,
-    broad: Broad,
-    /// Whether anything carries.
+    broad_phase: BroadPhase,
+    /// Whether any rule carries.
     carries: bool,
-    /// The slots that ask about contacts.
-    askers: Vec<usize>,
+    /// The slots with contact queries.
+    contact_readers: Vec<usize>,
     /// The slots that can be pushed.
     movable: Vec<usize>,
-    /// For each space, what touches in it.
-    pub seams: Vec<Seams>,
+    /// For each space, which static obstacles are adjacent.
+    pub adjacency: Vec<Adjacency>,
 }
 
 /// A collider of a slot.
@@ -44,49 +44,50 @@ pub(super) struct Collision {
 pub(super) struct Body {
     slot: SlotId,
     pub kind: usize,
-    /// The number of its set of tags.
+    /// The index of its set of tags.
     set: usize,
     pub kinematic: bool,
-    /// Where its instance's position, space and life are in a state.
-    layout: Whereabouts,
-    /// Whether there is anything that never moves and that it can meet.
+    /// The offsets of its instance's position, space and life in a state.
+    layout: PositionLayout,
+    /// Whether it can touch any static obstacle.
     meets: bool,
-    /// The box, where it never changes: x and y of the lower-left corner, width, height.
+    /// The box, if it is constant: x and y of the lower-left corner, width, height.
     fixed: Option<[f64; 4]>,
-    /// Whether it is a rectangle that never changes, is never empty and has nothing to read for it to be there.
+    /// Whether it is a constant, non-empty rectangle whose presence needs no evaluation.
     is_plain: bool,
-    /// Where a leaf is in a state on which alone it depends whether it is there, and while which leaves it is.
+    /// If its presence depends on one leaf: the offset of the leaf in a state, and the leaves in which it is active.
     by_leaf: Option<(usize, Arc<[bool]>)>,
     /// Its shape, and what must hold for it to be there, for a body that is not plain.
     shape: Shape,
     guard: Option<ExprId>,
 }
 
-/// What the bodies of one collider of one entity have in common.
+/// Data shared by the bodies of one collider of one entity.
 #[derive(Debug)]
 pub(super) struct Kind {
     tags: TagSet,
-    /// With the bodies of each set of tags: how they meet, and which contact bits of this one a contact sets.
+    /// For each set of tags: the rule of a contact, and the contact bits that it sets.
     sets: Vec<Option<Encounter>>,
     /// For each space, for each kind of tile.
     pub tiles: Vec<Vec<Option<Encounter>>>,
     /// For each space, for each free-standing rectangle.
     pub solids: Vec<Vec<Option<Encounter>>>,
-    /// For each space, whether any kind of tile can be met.
+    /// For each space, whether it can touch any kind of tile.
     pub meets_tiles: Vec<bool>,
-    /// For each space, whether any free-standing rectangle can be met.
+    /// For each space, whether it can touch any free-standing rectangle.
     meets_solids: Vec<bool>,
 }
 
-/// How a body meets something.
+/// The contact rule between a body and something else.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Encounter {
     pub meeting: Meeting,
     /// The tags of the other.
     tags: TagSet,
-    /// The contact bits that a contact sets, for each side of the body: the first 64 of them, those that are not bound.
+    /// The contact bits that a contact sets, for each side of the body: those of the first 64 queries that are not
+    /// bound.
     bits: [u64; 4],
-    /// Whether there are others to be set.
+    /// Whether there are further bits to set.
     more: bool,
 }
 
@@ -112,14 +113,14 @@ impl Encounter {
         Some(Encounter { meeting, tags, bits, more })
     }
 
-    /// Whether a contact does nothing to the body.
+    /// Whether a contact has no effect on the body.
     fn is_idle(&self) -> bool {
         let response = self.meeting.response;
         response.push == Push::Sense && !response.carry && !self.more && self.bits == [0; 4]
     }
 }
 
-/// What moving an instance or a box costs, in units of work.
+/// Cost of moving an instance or a box, in units of work.
 const MOVED: u64 = 4;
 
 /// Working memory.
@@ -127,11 +128,11 @@ const MOVED: u64 = 4;
 pub(super) struct Scratch {
     boxes: Vec<Rect>,
     sweep: Sweep,
-    /// Of each set of tags, the bodies that are there.
+    /// For each set of tags, the active bodies.
     active: Vec<Vec<u32>>,
-    /// For each slot: where it is pushed.
+    /// For each slot, its displacement by contacts.
     displacements: Vec<Displacement>,
-    /// How much was compared so far.
+    /// Amount of work so far.
     pub work: u64,
 }
 
@@ -145,7 +146,7 @@ impl Collision {
             .collect();
         let mut of_kinds: Vec<(EntityId, ColliderId)> = Vec::new();
         let mut first_kind: BTreeMap<EntityId, usize> = BTreeMap::new();
-        // Bodies that count as the same are met in the same way: there are far fewer sets of tags than kinds.
+        // Bodies with the same tags touch in the same way, and there are far fewer sets of tags than kinds.
         let (mut of_sets, mut sets): (Vec<TagSet>, BTreeMap<u64, usize>) = Default::default();
         let mut bodies = Vec::new();
         for (slot, s) in world.slots.pairs() {
@@ -164,7 +165,7 @@ impl Collision {
                 let is_plain = (c.guard.is_none() || by_leaf.is_some()) && !c.shape.is_round();
                 let is_there = fixed.is_some_and(|[.., width, height]| width > 0.0 && height > 0.0);
                 let is_plain = is_plain && is_there;
-                let layout = Whereabouts::of(&world.layout.slots[slot]);
+                let layout = PositionLayout::of(&world.layout.slots[slot]);
                 let set = *sets.entry(c.tags.0).or_insert_with(|| {
                     of_sets.push(c.tags);
                     of_sets.len() - 1
@@ -205,7 +206,7 @@ impl Collision {
             let Kind { meets_tiles, meets_solids, .. } = &kinds[body.kind];
             body.meets = meets_tiles.iter().chain(meets_solids).any(|&meets| meets);
         }
-        // A contact that does nothing to either of the two need not be found.
+        // Contacts without an effect need not be found.
         let count = of_sets.len();
         let mut meet = vec![false; count * count];
         for kind in &kinds {
@@ -217,31 +218,35 @@ impl Collision {
             }
         }
         let ids: Vec<(usize, SlotId)> = bodies.iter().map(|b: &Body| (b.set, b.slot)).collect();
-        let broad = Broad::new(&ids, count, |a, b| meet[a * count + b]);
+        let broad_phase = BroadPhase::new(&ids, count, |a, b| meet[a * count + b]);
         let carries = world.collide.iter().any(|c| c.response.carry);
         let of = |slot: SlotId| &program.entities[world.slots[slot].entity];
         let slots_with = |has: &dyn Fn(&Entity) -> bool| {
             world.slots.ids().filter(|&s| has(of(s))).map(Id::index).collect::<Vec<usize>>()
         };
-        let askers = slots_with(&|e| !e.touches.is_empty());
+        let contact_readers = slots_with(&|e| !e.touches.is_empty());
         let movable = slots_with(&|e| e.colliders.iter().any(|c| !c.kinematic));
-        let seams = world.spaces.iter().map(Seams::new).collect();
-        Collision { bodies, kinds, broad, carries, askers, movable, seams }
+        let adjacency = world.spaces.iter().map(Adjacency::new).collect();
+        Collision { bodies, kinds, broad_phase, carries, contact_readers, movable, adjacency }
     }
 
     /// Working memory for this world.
     pub fn scratch(&self, world: &World) -> Scratch {
         Scratch {
             boxes: vec![Rect::default(); self.bodies.len()],
-            sweep: Sweep::with_room(if matches!(self.broad, Broad::Kinds(_)) { self.bodies.len() } else { 0 }),
-            active: self.broad.room(),
+            sweep: Sweep::with_capacity(if matches!(self.broad_phase, BroadPhase::Kinds(_)) {
+                self.bodies.len()
+            } else {
+                0
+            }),
+            active: self.broad_phase.buffers(),
             displacements: vec![Displacement::default(); world.slots.len()],
             work: 0,
         }
     }
 }
 
-/// The box of a collider whose numbers read nothing but parameters that never change.
+/// The box of a collider, if it is constant.
 fn fixed_box(program: &Program, world: &World, slot: SlotId, shape: &Shape) -> Option<[f64; 4]> {
     let slot = &world.slots[slot];
     let none = IdVec::new();
@@ -249,7 +254,7 @@ fn fixed_box(program: &Program, world: &World, slot: SlotId, shape: &Shape) -> O
     shape.sides(|id| program.constant(id, params, world.step))
 }
 
-/// The leaves while which a guard holds, if it asks for nothing but modes of one group of the entity's own.
+/// The leaves in which a guard holds, if it depends only on modes of one group of the entity itself.
 fn leaves(program: &Program, entity: &Entity, guard: ExprId) -> Option<(GroupId, Vec<bool>)> {
     let both = |a: ExprId, b: ExprId, join: &dyn Fn(bool, bool) -> bool| {
         let ((group, a), (other, b)) = (leaves(program, entity, a)?, leaves(program, entity, b)?);
@@ -270,7 +275,7 @@ fn leaves(program: &Program, entity: &Entity, guard: ExprId) -> Option<(GroupId,
 }
 
 impl Simulator {
-    /// Finds all contacts and, with `push`, resolves the blocking ones; leaves when the meter stops it.
+    /// Detects all contacts and, with `push`, resolves the blocking ones; returns early if the meter stops it.
     pub(super) fn collide(
         &self,
         state: &mut [u8],
@@ -284,7 +289,7 @@ impl Simulator {
         self.place_boxes(state, scratch)?;
         let Scratch { boxes, sweep, active, displacements, work } = &mut scratch.collision;
         *work = work.wrapping_add(MOVED * (self.actors.len() + boxes.len()) as u64);
-        for &slot in &self.collision.askers {
+        for &slot in &self.collision.contact_readers {
             let Actor { layout, touches, bound, .. } = &self.actors[slot];
             layout.clear_touches(state, *touches, *bound);
         }
@@ -292,8 +297,8 @@ impl Simulator {
             displacements[slot] = Displacement::default();
         }
         let bodies = &self.collision.bodies;
-        match &self.collision.broad {
-            Broad::Listed(pairs) => {
+        match &self.collision.broad_phase {
+            BroadPhase::Listed(pairs) => {
                 *work = work.wrapping_add(pairs.len() as u64);
                 for &(i, j) in pairs {
                     let (i, j) = (i as usize, j as usize);
@@ -302,7 +307,7 @@ impl Simulator {
                     }
                 }
             }
-            Broad::Kinds(pairs) => {
+            BroadPhase::Kinds(pairs) => {
                 active.iter_mut().for_each(Vec::clear);
                 for (body, at) in bodies.iter().zip(0..).filter(|(_, at)| boxes[*at as usize].active) {
                     active[body.set].push(at);
@@ -352,8 +357,8 @@ impl Simulator {
         Ok(())
     }
 
-    /// Moves what is on a carrier along with it, and forgets who is where. Who is on what is carried itself
-    /// goes after that; of those that are on each other in a circle, the lowest slot goes first.
+    /// Moves riders along with their carriers, and clears the carriers. A rider on something carried moves after it; in
+    /// a cycle, the lowest slot moves first.
     fn carry(&self, state: &mut [u8], start: &[(f64, f64)]) {
         let rides = |state: &[u8], slot: SlotId| {
             let layout = self.layout(slot);
@@ -391,7 +396,7 @@ impl Simulator {
         layout.set_carrier(state, None);
     }
 
-    /// Moves all boxes to where their instances are.
+    /// Moves all boxes to the positions of their instances.
     fn place_boxes(&self, state: &[u8], scratch: &mut StepScratch) -> Result<(), Fault> {
         let StepScratch { frames, collision, start, .. } = scratch;
         let fault = Cell::new(None);
@@ -425,13 +430,13 @@ impl Simulator {
             rect.top = rect.bottom + height;
             rect.back = (from_x - px, from_y - py);
             rect.space = layout.space(state).0;
-            // A collider that shrank to nothing touches nothing.
+            // An empty collider touches nothing.
             rect.active = body.is_plain || (width > 0.0 && height > 0.0);
         }
-        Self::settle(&fault)
+        Self::check_fault(&fault)
     }
 
-    /// Two bodies of one space.
+    /// Handles two bodies of one space.
     fn pair(&self, state: &mut [u8], (i, j): (usize, usize), boxes: &[Rect], displacements: &mut [Displacement]) {
         let (a, b) = (&self.collision.bodies[i], &self.collision.bodies[j]);
         let kinds = &self.collision.kinds;
@@ -443,15 +448,15 @@ impl Simulator {
         self.touch(state, a, of_a, Some(b.slot), side);
         self.touch(state, b, of_b, Some(a.slot), opposite(side));
         if meeting.response.carry {
-            let stands = |state: &mut [u8], rider: &Body, on: &Body| {
+            let board = |state: &mut [u8], rider: &Body, on: &Body| {
                 let layout = self.layout(rider.slot);
                 if !rider.kinematic && layout.carrier(state).is_none_or(|c| on.slot < c) {
                     layout.set_carrier(state, Some(on.slot));
                 }
             };
             match side {
-                Side::Below if meeting.first_on_second => stands(state, a, b),
-                Side::Above if meeting.second_on_first => stands(state, b, a),
+                Side::Below if meeting.first_on_second => board(state, a, b),
+                Side::Above if meeting.second_on_first => board(state, b, a),
                 _ => {}
             }
         }
@@ -477,7 +482,7 @@ impl Simulator {
         }
     }
 
-    /// Sets the contact bits that are bound, and those beyond the first 64.
+    /// Sets bound contact bits, and those beyond the first 64.
     #[cold]
     fn touch_more(
         &self,
@@ -504,9 +509,9 @@ impl Simulator {
         }
     }
 
-    /// A contact with something that never moves: the body alone is pushed.
+    /// Handles a contact with a static obstacle: only the body is pushed.
     #[inline]
-    pub(super) fn hit(
+    pub(super) fn static_contact(
         &self,
         state: &mut [u8],
         body: &Body,
@@ -530,24 +535,24 @@ impl Simulator {
             let other = Rect { left, right, bottom, top, active: true, ..Rect::default() };
             let mut corner = None;
             let contact = meet(rect, &other, rect.back, with.meeting, |overlap| {
-                if !self.has_seam((kind, space), index) {
+                if !self.can_be_covered((kind, space), index) {
                     return (false, false);
                 }
                 let covered = self.covered((kind, space), (rect, &other), overlap, (false, false));
-                if covered == (true, true) && overlap.came_around(rect.back) {
+                if covered == (true, true) && overlap.came_diagonally(rect.back) {
                     corner = Some([overlap.horizontal(), overlap.vertical()]);
                 }
                 covered
             });
             let Some(contact) = contact else { continue };
-            self.hit(state, body, with, contact, displacement);
-            self.hit_corner(body, with, corner, displacement);
+            self.static_contact(state, body, with, contact, displacement);
+            self.corner_contact(body, with, corner, displacement);
         }
     }
 
-    /// What went into a corner is pushed out as what lies beside the corner would, had it touched that.
+    /// A body that entered a corner is pushed out as if it had touched both of its neighbours.
     #[inline]
-    pub(super) fn hit_corner(
+    pub(super) fn corner_contact(
         &self,
         body: &Body,
         with: &Encounter,
@@ -561,11 +566,11 @@ impl Simulator {
     }
 }
 
-/// Moves an instance out of what blocks it.
+/// Moves an instance out of obstacles.
 fn push_out(state: &mut [u8], layout: &SlotLayout, Displacement { push, stops }: Displacement) {
     let axes = [(stops.left, stops.right, push[0]), (stops.below, stops.above, push[1])];
     for ((low, high, push), values) in axes.into_iter().zip(layout.triples_mut(state, 2)) {
-        // What stops a velocity pushes as well.
+        // A contact that stops a velocity also pushes.
         if push == 0.0 {
             continue;
         }

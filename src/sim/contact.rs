@@ -1,8 +1,8 @@
-//! Boxes, how they overlap, and what a blocking contact does to what can move.
+//! Boxes, their overlaps, and the effect of a blocking contact on a movable body.
 
 use crate::ir::{Meeting, Push, Side};
 
-/// How far inside something may have been that counts as outside of it, px.
+/// Penetration that still counts as outside, px.
 pub(super) const TOLERANCE: f64 = 0.001;
 
 /// A box in a space.
@@ -13,11 +13,11 @@ pub(super) struct Rect {
     pub bottom: f64,
     pub top: f64,
     pub active: bool,
-    /// The number of the space it is in.
+    /// The index of its space.
     pub space: u32,
-    /// From where it is to where it was as the continuous phase began.
+    /// The offset from its position to its position at the start of the continuous phase.
     pub back: (f64, f64),
-    /// A disc inside of its box; only sensing sees the difference.
+    /// A disc inside its box; only sensors treat it differently.
     pub round: bool,
 }
 
@@ -42,17 +42,17 @@ pub(super) struct Stops {
     pub below: bool,
 }
 
-/// What the blocking contacts of an instance do to it.
+/// The combined effect of the blocking contacts of an instance.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Displacement {
-    /// How far it is pushed, x and y, px.
+    /// The push along x and y, px.
     pub push: [f64; 2],
     /// The directions in which its velocity is stopped.
     pub stops: Stops,
 }
 
 impl Displacement {
-    /// Adds a contact: per axis the deepest counts. Touching alone does nothing.
+    /// Adds a contact: per axis the deepest wins. Touching without overlap has no effect.
     pub fn add(&mut self, contact: Contact, stop: bool) {
         if contact.depth <= 0.0 {
             return;
@@ -65,7 +65,7 @@ impl Displacement {
             Side::Above => (1, -1.0, &mut stops.above),
         };
         let deepest = push[axis].abs();
-        // Of two of the same depth the one towards larger coordinates counts, whichever is met first.
+        // Of two equally deep pushes the one towards larger coordinates wins, independent of the order.
         if contact.depth > deepest || (contact.depth == deepest && sign > 0.0) {
             push[axis] = sign * contact.depth;
         }
@@ -73,14 +73,14 @@ impl Displacement {
     }
 }
 
-/// How two boxes touch: the side of the first, and how deep, px.
+/// A contact of two boxes: the side of the first, and the depth, px.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Contact {
     pub side: Side,
     pub depth: f64,
 }
 
-/// Overlaps of two boxes along both axes, each with the side of the first that it is on.
+/// The overlaps of two boxes per axis, each with the side of the first.
 pub(super) struct Overlap {
     x: f64,
     pub x_side: Side,
@@ -89,9 +89,9 @@ pub(super) struct Overlap {
 }
 
 impl Overlap {
-    /// None if the boxes are apart or touch in a corner only. `back` leads from where the first is to where it was
-    /// relative to the second before both moved: the sides are those from which it came, so that what moves less than
-    /// the other's size in a step is never pushed out on the far side.
+    /// `None` if the boxes are apart or touch only in a corner. `back` is the offset to the previous position of the
+    /// first, relative to the second: the sides are those from which it came, so that a body that moves less than the
+    /// other's size in a step is never pushed out on the far side.
     #[inline]
     pub fn of(a: &Rect, b: &Rect, back: (f64, f64)) -> Option<Overlap> {
         let (right, left) = (a.right - b.left, b.right - a.left);
@@ -107,8 +107,8 @@ impl Overlap {
         Some(Overlap { x, x_side, y, y_side })
     }
 
-    /// Whether the first was apart from the second along both axes: it came diagonally.
-    pub fn came_around(&self, back: (f64, f64)) -> bool {
+    /// Whether the first was separate along both axes before: it came diagonally.
+    pub fn came_diagonally(&self, back: (f64, f64)) -> bool {
         let x = if self.x_side == Side::Right { back.0 } else { -back.0 };
         let y = if self.y_side == Side::Above { back.1 } else { -back.1 };
         self.x + x <= TOLERANCE && self.y + y <= TOLERANCE
@@ -122,14 +122,14 @@ impl Overlap {
         Contact { side: self.y_side, depth: self.y }
     }
 
-    /// Along the axis of least penetration, ties vertical.
+    /// The contact along the axis of least penetration; ties are vertical.
     pub fn least(&self) -> Contact {
         if self.x < self.y { self.horizontal() } else { self.vertical() }
     }
 }
 
-/// How two colliders touch, if they do. `covered` tells of each face turned to the first, the vertical one (left or
-/// right) and the horizontal one, whether a neighbour covers it.
+/// The contact of two colliders, if they touch. `covered` tells whether a neighbour covers the left or right face
+/// turned to the first, and the same for the upper or lower face.
 #[inline]
 pub(super) fn meet(
     a: &Rect,
@@ -141,7 +141,7 @@ pub(super) fn meet(
     let overlap = Overlap::of(a, b, back)?;
     match meeting.response.push {
         Push::FromAbove => {
-            // Where the first was, relative to the second.
+            // The previous position of the first, relative to the second.
             let below = (b.top - (a.bottom + back.1), Side::Below, b.top - a.bottom);
             let above = ((a.top + back.1) - b.bottom, Side::Above, a.top - b.bottom);
             let sides = [(meeting.first_on_second, below), (meeting.second_on_first, above)];
@@ -157,7 +157,7 @@ pub(super) fn meet(
     }
 }
 
-/// Whether two shapes meet of which at least one is a disc; touching in the corner of a box alone is none.
+/// Whether two shapes touch of which at least one is a disc; touching only the corner of a box does not count.
 fn discs_meet(a: &Rect, b: &Rect) -> bool {
     let (disc, other) = if a.round { (a, b) } else { (b, a) };
     let centre = |r: &Rect| ((r.left + r.right) / 2.0, (r.bottom + r.top) / 2.0);

@@ -1,14 +1,14 @@
 //! The continuous phase: flows, envelopes, semi-implicit Euler, clamps, timers.
 //!
-//! All right sides are read before anything moves. Degree 2: `a = f; v += a·dt; p += v·dt`; degree 1: `a = 0;
-//! v = f; p += v·dt`; degree 0: `p = f; v = a = 0`; no flow: the last acceleration stays in force.
+//! All right-hand sides are evaluated before anything moves. Degree 2: `a = f; v += a·dt; p += v·dt`; degree 1: `a = 0;
+//! v = f; p += v·dt`; degree 0: `p = f; v = a = 0`; no flow: the last acceleration is kept.
 
 use std::cell::Cell;
 
 use crate::ir::{Clamp, Drive, Entity, GroupId, Id, VarId};
 
 use super::actor::{Actor, COAST, Flow, Plan};
-use super::discrete::Taken;
+use super::discrete::TakenEdge;
 use super::envelope::{envelope_value, next_peak};
 use super::evaluate::Reader;
 use super::fault::{Fault, FaultKind};
@@ -32,13 +32,13 @@ impl Simulator {
             if actor.is_bounded {
                 self.read_bounds(state, actor, frames, clamps, peaks, &fault);
             }
-            // Where no instance reads another, each can move at once.
-            if self.is_private {
+            // If no instance reads another, each can move at once.
+            if self.moves_independently {
                 self.move_by(state, actor, flows_of(actor, plan, flows), clamps, peaks, start)?;
             }
         }
-        Self::settle(&fault)?;
-        if !self.is_private {
+        Self::check_fault(&fault)?;
+        if !self.moves_independently {
             for actor in &self.actors {
                 if actor.layout.acts(state) {
                     let flows = flows_of(actor, only_plan(state, actor), flows);
@@ -49,14 +49,14 @@ impl Simulator {
         Ok(())
     }
 
-    /// Reads what drives each variable.
+    /// Evaluates the drives of all variables.
     #[inline(always)]
     fn read_flows(
         &self,
         state: &[u8],
         actor: &Actor,
         frames: &[Frame],
-        taken: &[Option<Taken>],
+        taken: &[Option<TakenEdge>],
         own: &mut [Flow],
         fault: &Cell<Option<Fault>>,
     ) {
@@ -76,7 +76,7 @@ impl Simulator {
         }
     }
 
-    /// Reads the bounds of clamps, and which envelopes reach their peak.
+    /// Evaluates the bounds of clamps, and which envelopes reach their peak.
     fn read_bounds(
         &self,
         state: &[u8],
@@ -100,7 +100,7 @@ impl Simulator {
         }
     }
 
-    /// Moves an instance by what was read.
+    /// Integrates an instance with the evaluated values.
     #[inline(always)]
     fn move_by(
         &self,
@@ -139,7 +139,7 @@ impl Simulator {
                 set_triple(values, moved);
             }
         }
-        // Whatever is not finite makes a sum that is not; so may a sum of numbers that all are.
+        // A value that is not finite makes the sum not finite; a sum of finite numbers may overflow, too.
         if !f64::is_finite(sum) {
             diverged(actor, values)?;
         }
@@ -157,13 +157,13 @@ impl Simulator {
     }
 }
 
-/// What alone drives an instance of one group.
+/// The only plan of an instance with a single group.
 #[inline]
 fn only_plan<'a>(state: &[u8], actor: &'a Actor) -> Option<&'a Plan> {
     actor.code.is_single.then(|| &actor.code.plans[actor.layout.leaf(state, GroupId(0))])
 }
 
-/// What drives each variable: what was read, unless it is known beforehand.
+/// The flows of an instance: constant ones, or those evaluated in this step.
 #[inline]
 fn flows_of<'a>(actor: &Actor, plan: Option<&'a Plan>, read: &'a [Flow]) -> &'a [Flow] {
     match plan {
@@ -172,7 +172,7 @@ fn flows_of<'a>(actor: &Actor, plan: Option<&'a Plan>, read: &'a [Flow]) -> &'a 
     }
 }
 
-/// A variable after a step; `clip` cuts a value of a degree to its bounds.
+/// A variable after a step; `clip` clamps a value of a degree.
 #[inline(always)]
 fn moved(
     [position, velocity, acceleration]: [f64; 3],
@@ -190,13 +190,13 @@ fn moved(
     [clip(position + velocity * dt, 0), velocity, acceleration]
 }
 
-/// A variable and its derivatives in one number, which is finite only if all of them are.
+/// The sum of a variable and its derivatives, which is finite only if all of them are.
 #[inline(always)]
 fn total([position, velocity, acceleration]: [f64; 3]) -> f64 {
     position + velocity + acceleration
 }
 
-/// Fails if a variable or a derivative is not finite: with the first one.
+/// Fails with the first variable or derivative that is not finite, if any.
 #[cold]
 fn diverged(actor: &Actor, values: &[[u8; 24]]) -> Result<(), Fault> {
     for (var, values) in (0..).map(VarId).zip(values) {
@@ -213,7 +213,7 @@ fn clip(clamps: &[Clamp], bounds: &[(f64, f64)], var: VarId, degree: u8, value: 
     own.fold(value, |value, (_, &(low, high))| value.max(low).min(high))
 }
 
-/// Notes the value of a drive where its variable will find it.
+/// Stores the value of a drive for its variable.
 #[inline(always)]
 fn read_drive(reader: &Reader<'_>, entity: &Entity, drive: Drive, own: &mut [Flow]) {
     match drive {

@@ -1,6 +1,6 @@
-//! The discrete phase: edges, updates, entering and leaving modes. Everything is read from the state as the step
-//! began and written to the new one, so that the order of instances does not matter. Who is destroyed, spawned or
-//! goes through a link is noted, and done once all have decided.
+//! The discrete phase: edges, updates, entering and leaving modes. Everything is read from the state at the start of
+//! the step and written to the new one, so the order of instances does not matter. Destroyed and spawned instances and
+//! moves through links are recorded, and applied after all edges.
 
 use std::cell::Cell;
 
@@ -15,17 +15,17 @@ use super::simulator::{Scratch, Simulator};
 
 /// An edge that a group takes in this step.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Taken {
+pub(super) struct TakenEdge {
     pub edge: EdgeId,
     pub transition: Transition,
 }
 
-/// A group that does something in this step.
+/// A group with an action in this step.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Acting {
+pub(super) struct ActingGroup {
     slot: SlotId,
     group: GroupId,
-    choice: Option<Taken>,
+    choice: Option<TakenEdge>,
 }
 
 impl Simulator {
@@ -36,46 +36,46 @@ impl Simulator {
         changes.clear();
         acting.clear();
         self.decide(state, frames, taken, acting, &fault);
-        Self::settle(&fault)?;
-        // In most steps no edge is taken, and the state need not be kept.
+        Self::check_fault(&fault)?;
+        // In most steps no edge is taken, and no copy of the state is needed.
         if acting.is_empty() {
             return Ok(());
         }
         before.copy_from_slice(state);
-        for &Acting { slot, group, choice } in acting.iter() {
+        for &ActingGroup { slot, group, choice } in acting.iter() {
             let actor = &self.actors[slot.index()];
             let reader = self.reader(actor, before, frames, &taken[actor.groups.clone()], &fault);
             self.run(state, &reader, &actor.entity, group, choice, changes);
         }
-        Self::settle(&fault)?;
-        if changes.is_none() { Ok(()) } else { self.change(state, scratch) }
+        Self::check_fault(&fault)?;
+        if changes.is_none() { Ok(()) } else { self.apply_changes(state, scratch) }
     }
 
-    /// Notes which groups do something in this step: those that take an edge, and those with more to run.
+    /// Determines the groups with an action in this step: those that take an edge, and those with other actions.
     fn decide(
         &self,
         state: &[u8],
         frames: &[Frame],
-        taken: &mut [Option<Taken>],
-        acting: &mut Vec<Acting>,
+        taken: &mut [Option<TakenEdge>],
+        acting: &mut Vec<ActingGroup>,
         fault: &Cell<Option<Fault>>,
     ) {
-        let mut alone = Reader { frames, ..self.onlooker(state, fault) };
+        let mut alone = Reader { frames, ..self.world_reader(state, fault) };
         for actor in &self.actors {
             if !actor.layout.acts(state) {
                 continue;
             }
             let (entity, slot) = (&*actor.entity, actor.id);
             if !actor.code.is_joint {
-                // No group waits for another.
-                alone.turn_to(actor);
+                // No group depends on another.
+                alone.set_actor(actor);
                 for group in actor.group_ids() {
                     let from = actor.layout.leaf(state, group);
                     let plan = &actor.code.plans[from];
                     let edge = first_edge(&alone, plan);
                     if edge.is_some() || plan.is_busy {
-                        let choice = edge.and_then(|edge| taking(&alone, entity, group, from, edge));
-                        acting.push(Acting { slot, group, choice });
+                        let choice = edge.and_then(|edge| taken_edge(&alone, entity, group, from, edge));
+                        acting.push(ActingGroup { slot, group, choice });
                     }
                 }
                 continue;
@@ -86,18 +86,18 @@ impl Simulator {
                 let reader = self.reader(actor, state, frames, &taken[own.clone()], fault);
                 let from = actor.layout.leaf(state, group);
                 let edge = first_edge(&reader, &actor.code.plans[from]);
-                let choice = edge.and_then(|edge| taking(&reader, entity, group, from, edge));
+                let choice = edge.and_then(|edge| taken_edge(&reader, entity, group, from, edge));
                 taken[own.start + group.index()] = choice;
             }
             for (group, &choice) in actor.group_ids().zip(&taken[own]) {
                 if choice.is_some() || actor.code.plans[actor.layout.leaf(state, group)].is_busy {
-                    acting.push(Acting { slot, group, choice });
+                    acting.push(ActingGroup { slot, group, choice });
                 }
             }
         }
     }
 
-    /// Runs what a group does: edges without a target, the edge that is taken, links.
+    /// Runs the actions of a group: internal edges, the edge taken, links.
     #[inline(never)]
     fn run(
         &self,
@@ -105,7 +105,7 @@ impl Simulator {
         reader: &Reader<'_>,
         entity: &Entity,
         group: GroupId,
-        taken: Option<Taken>,
+        taken: Option<TakenEdge>,
         changes: &mut Changes,
     ) {
         let from = self.layout(reader.me).leaf(reader.state, group);
@@ -116,12 +116,12 @@ impl Simulator {
         for &id in &leaf.internal {
             let edge = &entity.edges[id];
             if set(&edge.needs) && reader.truth(edge.guard) {
-                changes.takes(reader.me, id);
+                changes.record_edge(reader.me, id);
                 self.act(state, reader, &edge.actions, changes);
             }
         }
         if let Some(taken) = taken {
-            changes.takes(reader.me, taken.edge);
+            changes.record_edge(reader.me, taken.edge);
             self.take(state, reader, entity, taken, changes);
         }
         for &follow in &leaf.follows {
@@ -130,15 +130,15 @@ impl Simulator {
                 continue;
             }
             if let Some(link) = self.link_at(reader) {
-                changes.go(reader.me, link);
+                changes.move_through(reader.me, link);
                 self.act(state, reader, &follow.actions, changes);
             }
         }
     }
 
-    /// Leaves and enters modes and runs the updates: entries from the outermost in, then the edge's own.
-    fn take(&self, state: &mut [u8], reader: &Reader<'_>, entity: &Entity, taken: Taken, changes: &mut Changes) {
-        let Taken { edge, transition } = taken;
+    /// Takes a transition: runs the entry actions from the outermost mode inwards, then the actions of the edge.
+    fn take(&self, state: &mut [u8], reader: &Reader<'_>, entity: &Entity, taken: TakenEdge, changes: &mut Changes) {
+        let TakenEdge { edge, transition } = taken;
         let layout = self.layout(reader.me);
         layout.set_leaf(state, transition.group, transition.to);
         for timer in transition.resets(entity) {
@@ -155,14 +155,14 @@ impl Simulator {
             self.update(state, reader.me, reader, update);
         }
         for update in &actions.refs {
-            changes.assigns(reader.me, update.reference);
+            changes.clear_spawn_target(reader.me, update.reference);
             let target = reader.reference(update.value);
             self.layout(reader.me).set_reference(state, update.reference, target);
         }
         for &spawn in &actions.spawns {
             let into = self.entity(reader.me).spawns[spawn].into;
             if let Some(into) = into {
-                changes.assigns(reader.me, into);
+                changes.clear_spawn_target(reader.me, into);
             }
             changes.spawn(reader.me, spawn, into);
         }
@@ -173,7 +173,7 @@ impl Simulator {
         }
     }
 
-    /// Writes a variable of a slot; the value is what `reader` reads.
+    /// Writes a variable of a slot; `reader` evaluates the value.
     pub(super) fn update(&self, state: &mut [u8], slot: SlotId, reader: &Reader<'_>, update: &Update) {
         let value = reader.number(update.value);
         match update.place {
@@ -192,7 +192,7 @@ impl Simulator {
         }
     }
 
-    /// The new state's slot is where timers of active modes are counted.
+    /// Advances the timers of active modes in the new state.
     #[inline(always)]
     pub(super) fn count_timers(&self, state: &mut [u8], actor: &Actor) {
         let Actor { layout, timer_limits, code, .. } = actor;
@@ -219,8 +219,8 @@ fn first_edge(reader: &Reader<'_>, plan: &Plan) -> Option<EdgeId> {
     None
 }
 
-/// Where an edge leads.
-fn taking(reader: &Reader<'_>, entity: &Entity, group: GroupId, from: LeafId, edge: EdgeId) -> Option<Taken> {
+/// The transition of an edge, if it has a target.
+fn taken_edge(reader: &Reader<'_>, entity: &Entity, group: GroupId, from: LeafId, edge: EdgeId) -> Option<TakenEdge> {
     let target = entity.edges[edge].target?;
-    Some(Taken { edge, transition: Transition { group, from, target, to: reader.entered(target) } })
+    Some(TakenEdge { edge, transition: Transition { group, from, target, to: reader.entered(target) } })
 }

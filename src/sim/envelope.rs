@@ -1,14 +1,15 @@
-//! Envelopes: where attack, decay, sustain and release take a variable in one step (after Swink, *Game Feel*, 2009).
+//! Envelopes: the effect of attack, decay, sustain and release on a variable in one step (after Swink, *Game Feel*,
+//! 2009).
 //!
-//! A vector moves in a straight line. A peak that was reached is kept by the number of its direction, so that a change
-//! of direction is a new attack.
+//! A vector moves in a straight line. A reached peak is stored as the number of its direction, so that a change of
+//! direction starts a new attack.
 
 use crate::ir::{By, Entity, Envelope, EnvelopeId, ExprId, Press, Release};
 
 use super::evaluate::Reader;
 
-/// The resolution of directions that are not rounded: parts of a whole turn.
-const FINE_WAYS: f64 = 65_534.0;
+/// The resolution of unquantised directions: fractions of a full turn.
+const FINE_DIRECTIONS: f64 = 65_534.0;
 
 /// A driven envelope's direction: a vector of length 1, and its number.
 #[derive(Debug, Clone, Copy)]
@@ -27,7 +28,7 @@ impl Direction {
 /// The value of a component after this step.
 pub(super) fn envelope_value(reader: &Reader<'_>, id: EnvelopeId, envelope: &Envelope, component: usize) -> f64 {
     if let By::Clock { timer, rise, hold, fall, .. } = envelope.by {
-        let layout = reader.mine();
+        let layout = reader.own_layout();
         let t = reader.sim.world().step.times(layout.timer(reader.state, timer).saturating_add(1));
         return at_time(
             t,
@@ -37,18 +38,18 @@ pub(super) fn envelope_value(reader: &Reader<'_>, id: EnvelopeId, envelope: &Env
         );
     }
     match envelope.vars[..] {
-        [_] => steered::<1>(reader, id, envelope)[0],
-        _ => steered::<2>(reader, id, envelope)[component],
+        [_] => driven_values::<1>(reader, id, envelope)[0],
+        _ => driven_values::<2>(reader, id, envelope)[component],
     }
 }
 
 /// The values after this step of an envelope that is driven by input.
 #[inline(always)]
-fn steered<const N: usize>(reader: &Reader<'_>, id: EnvelopeId, envelope: &Envelope) -> [f64; N] {
+fn driven_values<const N: usize>(reader: &Reader<'_>, id: EnvelopeId, envelope: &Envelope) -> [f64; N] {
     let current = current(reader, envelope);
     let (target, rate) = match driven(reader, envelope) {
         Some(direction) => {
-            let (level, rate) = aim(reader, id, envelope, direction);
+            let (level, rate) = driven_target(reader, id, envelope, direction);
             (direction.scaled(level), rate)
         }
         None => match &envelope.release {
@@ -62,9 +63,9 @@ fn steered<const N: usize>(reader: &Reader<'_>, id: EnvelopeId, envelope: &Envel
     approach(reader, current, target, rate)
 }
 
-/// 0, or 1 plus the number of the direction in which the peak was reached by the end of this step.
+/// 0, or 1 plus the number of the direction whose peak is reached by the end of this step.
 pub(super) fn next_peak(reader: &Reader<'_>, entity: &Entity, envelope: &Envelope) -> u16 {
-    let layout = reader.mine();
+    let layout = reader.own_layout();
     let is_active = envelope.mode.is_none_or(|mode| {
         let inside = entity.modes[mode].leaves;
         let leaf = layout.leaf(reader.state, entity.modes[mode].group);
@@ -82,11 +83,16 @@ pub(super) fn next_peak(reader: &Reader<'_>, entity: &Entity, envelope: &Envelop
     if next == target { reached } else { 0 }
 }
 
-/// The level that a driven envelope goes to, and how fast.
+/// The target level and the rate of a driven envelope.
 #[inline(always)]
-fn aim(reader: &Reader<'_>, id: EnvelopeId, envelope: &Envelope, direction: Direction) -> (f64, Option<ExprId>) {
+fn driven_target(
+    reader: &Reader<'_>,
+    id: EnvelopeId,
+    envelope: &Envelope,
+    direction: Direction,
+) -> (f64, Option<ExprId>) {
     match envelope.peak {
-        Some(_) if reader.mine().peak(reader.state, id) == direction.number + 1 => {
+        Some(_) if reader.own_layout().peak(reader.state, id) == direction.number + 1 => {
             (reader.number(envelope.sustain), envelope.decay)
         }
         Some(peak) => (reader.number(peak), envelope.attack),
@@ -94,7 +100,7 @@ fn aim(reader: &Reader<'_>, id: EnvelopeId, envelope: &Envelope, direction: Dire
     }
 }
 
-/// The direction in which an envelope is driven, if it is.
+/// The direction of the input, if the envelope is driven.
 #[inline(always)]
 fn driven(reader: &Reader<'_>, envelope: &Envelope) -> Option<Direction> {
     let direction = match &envelope.by {
@@ -105,9 +111,9 @@ fn driven(reader: &Reader<'_>, envelope: &Envelope) -> Option<Direction> {
             let axis = reader.axis(*axis);
             (axis != 0.0).then(|| Direction { vector: [axis.signum(), 0.0], number: u16::from(axis < 0.0) })
         }
-        By::Axes([x, y], ways) => {
+        By::Axes([x, y], directions) => {
             let input = [reader.axis(*x), reader.axis(*y)];
-            (input != [0.0, 0.0]).then(|| nearest(input, ways))
+            (input != [0.0, 0.0]).then(|| nearest(input, directions))
         }
         By::Clock { .. } => None,
     }?;
@@ -117,22 +123,23 @@ fn driven(reader: &Reader<'_>, envelope: &Envelope) -> Option<Direction> {
     }
 }
 
-/// The nearest of some unit vectors, ties to the horizontal; the direction itself if there are none.
-fn nearest(input: [f64; 2], ways: &[[f64; 2]]) -> Direction {
+/// The nearest of some unit vectors, ties to the horizontal; the normalised input if there are none.
+fn nearest(input: [f64; 2], directions: &[[f64; 2]]) -> Direction {
     let mut best: Option<(f64, usize)> = None;
-    for (index, way) in ways.iter().enumerate() {
-        let dot = input[0] * way[0] + input[1] * way[1];
-        let better =
-            best.is_none_or(|(score, other)| dot > score || (dot == score && way[0].abs() > ways[other][0].abs()));
+    for (index, direction) in directions.iter().enumerate() {
+        let dot = input[0] * direction[0] + input[1] * direction[1];
+        let better = best.is_none_or(|(score, other)| {
+            dot > score || (dot == score && direction[0].abs() > directions[other][0].abs())
+        });
         if better {
             best = Some((dot, index));
         }
     }
     match best {
-        Some((_, index)) => Direction { vector: ways[index], number: index as u16 },
+        Some((_, index)) => Direction { vector: directions[index], number: index as u16 },
         None => {
             let turn = libm::atan2(input[1], input[0]) / std::f64::consts::TAU;
-            let number = (turn.rem_euclid(1.0) * FINE_WAYS) as u16;
+            let number = (turn.rem_euclid(1.0) * FINE_DIRECTIONS) as u16;
             Direction { vector: unit(input), number }
         }
     }
@@ -158,12 +165,12 @@ fn unit<const N: usize>(v: [f64; N]) -> [f64; N] {
 /// The controlled values before this step.
 #[inline]
 fn current<const N: usize>(reader: &Reader<'_>, envelope: &Envelope) -> [f64; N] {
-    let layout = reader.mine();
+    let layout = reader.own_layout();
     let value = |i: usize| envelope.vars.get(i).map_or(0.0, |&v| layout.var(reader.state, v, envelope.degree));
     std::array::from_fn(value)
 }
 
-/// From `current` towards `target`, never past it, by at most what the rate covers in a step.
+/// Moves from `current` towards `target` by at most the rate of a step, never past it.
 #[inline]
 fn approach<const N: usize>(
     reader: &Reader<'_>,
@@ -173,12 +180,12 @@ fn approach<const N: usize>(
 ) -> [f64; N] {
     let Some(rate) = rate else { return target };
     let reach = reader.number(rate) * reader.sim.step;
-    let way: [f64; N] = std::array::from_fn(|i| target[i] - current[i]);
-    if length(way) <= reach {
+    let offset: [f64; N] = std::array::from_fn(|i| target[i] - current[i]);
+    if length(offset) <= reach {
         return target;
     }
-    let way = unit(way);
-    std::array::from_fn(|i| current[i] + way[i] * reach)
+    let offset = unit(offset);
+    std::array::from_fn(|i| current[i] + offset[i] * reach)
 }
 
 fn level(reader: &Reader<'_>, envelope: &Envelope) -> f64 {
@@ -188,10 +195,10 @@ fn level(reader: &Reader<'_>, envelope: &Envelope) -> f64 {
     }
 }
 
-/// Times that differ by less are the same, s: a sum of times is rounded.
+/// Tolerance for comparing times, s: sums of times are rounded.
 const ROUNDING: f64 = 1e-9;
 
-/// An envelope by the clock: linear to the peak, constant, linear back, constant.
+/// An envelope by time: linear rise, hold, linear fall, constant level.
 fn at_time(t: f64, [rise, hold, fall]: [f64; 3], level: f64, peak: f64) -> f64 {
     if t < rise - ROUNDING {
         return level + (peak - level) * (t / rise);

@@ -1,5 +1,4 @@
-//! Expressions of the arena against a state. A fault is noted on the side and the first one counts, so that the
-//! common case is a plain number.
+//! Evaluates expressions on a state. The first fault is stored separately, so that the common case is a plain number.
 
 use std::cell::Cell;
 
@@ -9,52 +8,52 @@ use crate::ir::{
 };
 
 use super::actor::Actor;
-use super::discrete::Taken;
+use super::discrete::TakenEdge;
 use super::fault::{Fault, FaultKind};
 use super::input::Frame;
 use super::simulator::Simulator;
 
-/// What an expression is read against.
+/// The context of evaluation.
 #[derive(Clone, Copy)]
 pub(super) struct Reader<'a> {
     pub sim: &'a Simulator,
     pub state: &'a [u8],
     pub frames: &'a [Frame],
-    /// What the groups of the instance do in this step, as far as it is decided.
-    pub taken: &'a [Option<Taken>],
+    /// The transitions of the instance's groups in this step, as far as they are decided.
+    pub taken: &'a [Option<TakenEdge>],
     pub fault: &'a Cell<Option<Fault>>,
-    /// The instance that `Subject::Me` stands for; none in a world's predicate.
+    /// The instance of `Subject::Me`; `None` for a predicate of the world.
     pub actor: Option<&'a Actor>,
     /// Its slot.
     pub me: SlotId,
-    /// The expressions, from the one with the number `base` on.
+    /// The expressions; the first has the id `base`.
     pub code: &'a [Expr],
     pub base: u32,
 }
 
 impl<'a> Reader<'a> {
-    /// Makes `Subject::Me` stand for another instance, and reads its code.
+    /// Switches to another instance and its code.
     #[inline]
-    pub fn turn_to(&mut self, actor: &'a Actor) {
+    pub fn set_actor(&mut self, actor: &'a Actor) {
         self.actor = Some(actor);
         self.me = actor.id;
         self.code = &actor.code.exprs;
         self.base = actor.base;
     }
 
-    /// The instance that a subject stands for, if there is one.
+    /// The instance of a subject, if there is one.
     pub fn instance(&self, of: Subject) -> Option<SlotId> {
         match of {
             Subject::Me => Some(self.me),
             Subject::Slot(slot) => Some(slot),
-            Subject::Ref(id) => self.mine().reference(self.state, id),
-            Subject::Touched(id) => self.mine().touched(self.state, id),
+            Subject::Ref(id) => self.own_layout().reference(self.state, id),
+            Subject::Touched(id) => self.own_layout().touched(self.state, id),
         }
     }
 
-    /// Where the reader's own instance is in the state.
+    /// The layout of the reader's own instance.
     #[inline(always)]
-    pub fn mine(&self) -> &'a SlotLayout {
+    pub fn own_layout(&self) -> &'a SlotLayout {
         match self.actor {
             Some(actor) => &actor.layout,
             None => self.sim.layout(self.me),
@@ -66,10 +65,10 @@ impl<'a> Reader<'a> {
         &self.code[(id.0 - self.base) as usize]
     }
 
-    /// Where the instance of a subject is in the state; notes a fault where there is none.
+    /// The layout of a subject's instance; records a fault if there is none.
     fn layout(&self, of: Subject, at: ExprId) -> Option<&'a SlotLayout> {
         if of == Subject::Me {
-            return Some(self.mine());
+            return Some(self.own_layout());
         }
         match self.instance(of) {
             Some(slot) => Some(self.sim.layout(slot)),
@@ -88,12 +87,12 @@ impl<'a> Reader<'a> {
         self.sim.param(self.state, slot, id)
     }
 
-    // Seldom asked: inlined, it makes every guard larger.
+    // Not inlined: it is rare, and would enlarge every guard.
     #[inline(never)]
     fn joint(&self, mode: ModeId, entering: bool) -> bool {
         let entity = self.sim.entity(self.me);
         let taken = self.taken.get(entity.modes[mode].group.index());
-        let Some(Some(Taken { transition, .. })) = taken.copied() else { return false };
+        let Some(Some(TakenEdge { transition, .. })) = taken.copied() else { return false };
         if entering { transition.enters(entity, mode) } else { transition.leaves(entity, mode) }
     }
 
@@ -109,7 +108,7 @@ impl<'a> Reader<'a> {
         0.0
     }
 
-    /// Notes a fault unless there is one already.
+    /// Records a fault unless there is one already.
     #[cold]
     pub fn note(&self, kind: FaultKind) {
         if self.fault.get().is_none() {
@@ -117,17 +116,17 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The value of an axis, 0 where no player controls the instance.
+    /// The value of an axis; 0 if no player controls the instance.
     pub fn axis(&self, axis: AxisId) -> f64 {
         self.frame().and_then(|f| f.axes.get(axis.index()).copied()).unwrap_or(0.0)
     }
 
-    /// The first mode of some whose guard holds, or `otherwise`.
+    /// The mode of the first choice whose guard holds, or `otherwise`.
     pub fn chosen(&self, choices: &[Choice], otherwise: ModeId) -> ModeId {
         choices.iter().find(|c| self.truth(c.guard)).map_or(otherwise, |c| c.mode)
     }
 
-    /// The leaf that becomes active when a mode of one's own is entered.
+    /// The leaf that becomes active when a mode of the instance is entered.
     pub fn entered(&self, mode: ModeId) -> LeafId {
         let modes = &self.sim.entity(self.me).modes;
         let mut at = &modes[mode];
@@ -149,7 +148,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// The instance that a value stands for.
+    /// The instance of a reference value.
     pub fn reference(&self, value: RefValue) -> Option<SlotId> {
         match value {
             RefValue::None => None,
@@ -162,12 +161,12 @@ impl<'a> Reader<'a> {
     pub fn number(&self, id: ExprId) -> f64 {
         match *self.at(id) {
             Expr::Number(n) => n,
-            Expr::Var(Subject::Me, var, degree) => self.mine().var(self.state, var, degree),
+            Expr::Var(Subject::Me, var, degree) => self.own_layout().var(self.state, var, degree),
             _ => self.compute(id),
         }
     }
 
-    /// As [`Reader::number`], for what is not at hand.
+    /// The slow path of [`Reader::number`].
     #[inline(never)]
     fn compute(&self, id: ExprId) -> f64 {
         match *self.at(id) {
@@ -178,7 +177,7 @@ impl<'a> Reader<'a> {
                 self.layout(of, id).map_or(0.0, |l| f64::from(l.discrete(self.state, discrete)))
             }
             Expr::Axis(axis) => self.axis(axis),
-            Expr::Timer(timer) => self.sim.world().step.times(self.mine().timer(self.state, timer)),
+            Expr::Timer(timer) => self.sim.world().step.times(self.own_layout().timer(self.state, timer)),
             Expr::Frames(n) => self.sim.world().step.frames(n),
             Expr::Negate(a) => -self.number(a),
             Expr::Arithmetic(op, a, b) => {
@@ -216,17 +215,17 @@ impl<'a> Reader<'a> {
     pub fn truth(&self, id: ExprId) -> bool {
         match *self.at(id) {
             Expr::Compare(op, a, b) => compare(op, self.number(a), self.number(b)),
-            Expr::Touching(Subject::Me, touch) => self.mine().touch(self.state, touch),
+            Expr::Touching(Subject::Me, touch) => self.own_layout().touch(self.state, touch),
             Expr::Button(press, button) => self.button(press, button),
             Expr::Not(a) => match *self.at(a) {
-                Expr::Touching(Subject::Me, touch) => !self.mine().touch(self.state, touch),
+                Expr::Touching(Subject::Me, touch) => !self.own_layout().touch(self.state, touch),
                 _ => !self.decide(a),
             },
             _ => self.decide(id),
         }
     }
 
-    /// As [`Reader::truth`], for what is not at hand.
+    /// The slow path of [`Reader::truth`].
     #[inline(never)]
     fn decide(&self, id: ExprId) -> bool {
         match *self.at(id) {

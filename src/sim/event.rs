@@ -1,25 +1,25 @@
-//! What happened in a step, for those who draw and play sounds. It is read off the states before and after and off the
-//! working memory of the step; who does not ask pays nothing.
+//! The events of a step, for drawing and sound. They are derived from the states before and after and from the working
+//! memory of the step; unused, they cost nothing.
 
 use crate::ir::{EdgeId, GoalId, NeverId, SlotId, SpaceId, TouchId};
 
 use super::fault::Fault;
 use super::simulator::{Scratch, Simulator};
 
-/// Something that happened in a step.
+/// An event of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Event {
-    /// An instance took an edge of its entity, which may stay in its mode.
+    /// An instance took an edge of its entity, possibly without leaving its mode.
     Edge(SlotId, EdgeId),
-    /// An instance came to be.
+    /// An instance was spawned.
     Spawned(SlotId),
-    /// An instance ceased to be.
+    /// An instance was destroyed.
     Destroyed(SlotId),
-    /// An instance went into another space.
+    /// An instance entered another space.
     Entered(SlotId, SpaceId),
-    /// A contact question of an instance's entity holds, and did not before.
+    /// A contact query of an instance's entity holds, and did not before.
     Touched(SlotId, TouchId),
-    /// A contact question of an instance's entity no longer holds.
+    /// A contact query of an instance's entity no longer holds.
     Parted(SlotId, TouchId),
     /// A goal holds, and did not before.
     Goal(GoalId),
@@ -28,8 +28,8 @@ pub enum Event {
 }
 
 impl Simulator {
-    /// Tells what happened in the last step that was made with `scratch`, which led from one state to another: edges in the
-    /// order in which they were taken, then instances, contacts and predicates by their ids.
+    /// Calls `on_event` for each event of the last step made with `scratch`, which led from one state to another: edges
+    /// in the order in which they were taken, then instances, contacts and predicates by id.
     ///
     /// # Errors
     /// A [`Fault`] if a goal or a `never` breaks a rule.
@@ -38,30 +38,30 @@ impl Simulator {
         before: &[u8],
         after: &[u8],
         scratch: &Scratch,
-        listen: &mut dyn FnMut(Event),
+        on_event: &mut dyn FnMut(Event),
     ) -> Result<(), Fault> {
         let world = self.world();
         for &(slot, edge) in scratch.changes.edges() {
-            listen(Event::Edge(slot, edge));
+            on_event(Event::Edge(slot, edge));
         }
         for slot in world.slots.ids() {
             let layout = self.layout(slot);
             match (layout.alive(before), layout.alive(after)) {
-                (false, true) => listen(Event::Spawned(slot)),
-                (true, false) => listen(Event::Destroyed(slot)),
+                (false, true) => on_event(Event::Spawned(slot)),
+                (true, false) => on_event(Event::Destroyed(slot)),
                 (true, true) if layout.space(before) != layout.space(after) => {
-                    listen(Event::Entered(slot, layout.space(after)));
+                    on_event(Event::Entered(slot, layout.space(after)));
                 }
                 _ => {}
             }
         }
         for slot in world.slots.ids().filter(|slot| self.layout(*slot).alive(after)) {
             for touch in self.entity(slot).touches.ids() {
-                // Of an instance that came to be, nothing held before.
+                // A new instance had no contacts before.
                 let of = |state| self.layout(slot).alive(state) && self.layout(slot).touch(state, touch);
                 match (of(before), of(after)) {
-                    (false, true) => listen(Event::Touched(slot, touch)),
-                    (true, false) => listen(Event::Parted(slot, touch)),
+                    (false, true) => on_event(Event::Touched(slot, touch)),
+                    (true, false) => on_event(Event::Parted(slot, touch)),
                     _ => {}
                 }
             }
@@ -69,12 +69,12 @@ impl Simulator {
         let begins = |predicate| Ok(self.holds(after, predicate)? && !self.holds(before, predicate)?);
         for (id, goal) in world.goals.pairs() {
             if begins(goal.holds)? {
-                listen(Event::Goal(id));
+                on_event(Event::Goal(id));
             }
         }
         for (id, never) in world.nevers.pairs() {
             if begins(never.holds)? {
-                listen(Event::Never(id));
+                on_event(Event::Never(id));
             }
         }
         Ok(())

@@ -1,24 +1,24 @@
-//! Run-time errors: a rule of the language broken by a running world. The step stops; the state is not to be used.
+//! Run-time errors: a running world broke a rule of the language. The step stops; the state must not be used.
 
 use crate::diagnostic::catalogue::run::RunFault;
 use crate::ir::{DiscreteId, EntityId, ExprId, Program, SlotId, VarId, WorldId};
 
-/// Which rule was broken.
+/// The broken rule.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FaultKind {
-    /// An expression has no finite value; the numbers are its operands.
+    /// An expression has no finite value; with its operands.
     NotFinite(ExprId, [f64; 2]),
-    /// A division by zero; the number is the dividend.
+    /// A division by zero; with the dividend.
     DivisionByZero(ExprId, f64),
-    /// A variable, or its derivative of a degree, left the finite numbers while it was integrated.
+    /// A variable, or a derivative, became infinite or NaN during integration.
     Diverged(VarId, u8),
-    /// An update gave a discrete variable a value outside of its range, or one that is not whole.
+    /// An update gave a discrete variable a value out of its range, or one that is not whole.
     OutOfRange(ExprId, EntityId, DiscreteId, f64),
-    /// An expression reads an instance that is not there.
+    /// An expression reads an instance that does not exist.
     ReadNone(ExprId),
 }
 
-/// A broken rule and whose code broke it.
+/// A broken rule and the instance whose code broke it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fault {
     /// The instance.
@@ -28,7 +28,7 @@ pub struct Fault {
 }
 
 impl Fault {
-    /// The fact to be reported; `step` counts from 1.
+    /// The fact for a diagnostic; `step` counts from 1.
     pub fn fact(&self, program: &Program, world: WorldId, step: u64) -> RunFault {
         let slot = &program.worlds[world].slots[self.slot];
         let entity = &program.entities[slot.entity];

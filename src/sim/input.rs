@@ -1,30 +1,30 @@
-//! The inputs of one step: for each player the buttons that are down and the axes.
+//! The inputs of one step: for each player, the pressed buttons and the axes.
 
 use crate::ir::MAX_AXES;
 use crate::ir::{AxisId, ButtonId, Id, PlayerId};
 
 use super::simulator::Simulator;
 
-/// What one player gives at one step.
+/// The input of one player in one step.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct PlayerInput {
-    /// One bit for each button of the controlled entity that is down.
+    /// One bit per pressed button of the controlled entity.
     pub buttons: u64,
     /// The axes of the controlled entity, -1..1.
     pub axes: [f64; MAX_AXES],
 }
 
-/// What all players give at one step, in the order of the world's players; missing ones give nothing.
+/// The inputs of all players in one step, in the order of the world's players; missing entries are empty.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Input(pub Vec<PlayerInput>);
 
 impl Input {
-    /// What a player gives.
+    /// The input of a player.
     pub fn of(&self, player: PlayerId) -> PlayerInput {
         self.0.get(player.index()).copied().unwrap_or_default()
     }
 
-    /// No input, from each of a number of players.
+    /// Empty input for a number of players.
     pub fn nothing(players: usize) -> Input {
         Input(vec![PlayerInput::default(); players])
     }
@@ -40,7 +40,7 @@ pub enum Control {
 }
 
 impl Simulator {
-    /// The button or axis with a name of the player with a number.
+    /// Finds a button or axis by name, for a player by number.
     pub fn control(&self, player: u32, name: &str) -> Option<Control> {
         let id = self.world().players.find(|p| p.number == player)?;
         let entity = self.entity(self.world().players[id].slot);
@@ -50,21 +50,21 @@ impl Simulator {
 }
 
 impl Input {
-    /// Sets an axis, from -1 to 1, or a button, which is down unless the value is 0.
+    /// Sets an axis, from -1 to 1, or a button, which is pressed unless the value is 0.
     pub fn set(&mut self, control: Control, value: f64) {
         let (Control::Button(player, _) | Control::Axis(player, _)) = control;
         let Some(input) = self.0.get_mut(player.index()) else { return };
         match control {
             Control::Button(_, button) if value != 0.0 => input.buttons |= 1 << button.index(),
             Control::Button(_, button) => input.buttons &= !(1 << button.index()),
-            // What is not a number is no direction.
+            // NaN is no direction.
             Control::Axis(_, axis) if value.is_nan() => input.axes[axis.index()] = 0.0,
             Control::Axis(_, axis) => input.axes[axis.index()] = value.clamp(-1.0, 1.0),
         }
     }
 }
 
-/// A player's input as guards see it: with what changed since the last step.
+/// A player's input for guards, including changes since the last step.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Frame {
     pub held: u64,

@@ -1,10 +1,10 @@
-//! What an instance is in a state: its values, modes and contacts, by id or by name.
+//! Read access to an instance in a state: its values, modes and contacts, by id or by name.
 
 use crate::ir::{DiscreteId, Domain, Entity, GroupId, LeafId, ModeId, ParamId, RefId, SlotId, SpaceId, TouchId, VarId};
 
 use super::simulator::Simulator;
 
-/// An instance in a state. Where there is none in its slot, all values are 0 and no mode is active.
+/// An instance in a state. If its slot is empty, all values are 0 and no mode is active.
 #[derive(Clone, Copy)]
 pub struct Instance<'a> {
     sim: &'a Simulator,
@@ -40,7 +40,7 @@ impl<'a> Instance<'a> {
         self.sim.entity(self.slot)
     }
 
-    /// Whether there is an instance in the slot.
+    /// Whether the slot holds an instance.
     pub fn is_alive(self) -> bool {
         self.sim.layout(self.slot).alive(self.state)
     }
@@ -65,7 +65,7 @@ impl<'a> Instance<'a> {
         self.sim.layout(self.slot).discrete(self.state, discrete)
     }
 
-    /// The name that a discrete variable is at, if its values have names.
+    /// The named value of a discrete variable, if its values have names.
     pub fn discrete_name(self, discrete: DiscreteId) -> Option<&'a str> {
         match &self.entity().discretes[discrete].domain {
             Domain::Set(names) => names.get(usize::try_from(self.discrete(discrete)).ok()?).map(String::as_str),
@@ -90,7 +90,7 @@ impl<'a> Instance<'a> {
         discrete.or_else(|| entity.param_named(name).map(|id| self.param(id)))
     }
 
-    /// What a reference refers to.
+    /// The target of a reference.
     pub fn reference(self, reference: RefId) -> Option<Instance<'a>> {
         let target = self.sim.layout(self.slot).reference(self.state, reference)?;
         Some(Instance { slot: target, ..self })
@@ -113,18 +113,18 @@ impl<'a> Instance<'a> {
         self.is_alive() && entity.is_active_in(mode, self.leaf(entity.modes[mode].group))
     }
 
-    /// For how long a mode has been active, s; none if nothing reads it, so that it is not counted.
+    /// The time for which a mode has been active, s; `None` if nothing reads it, so that it is not counted.
     pub fn time_in(self, mode: ModeId) -> Option<f64> {
         let timer = self.entity().timers.find(|timer| timer.mode == mode)?;
         Some(self.sim.world().step.times(self.sim.layout(self.slot).timer(self.state, timer)))
     }
 
-    /// The contact questions of its entity that hold.
+    /// The contact queries of its entity that hold.
     pub fn contacts(self) -> impl Iterator<Item = TouchId> + 'a {
         self.entity().touches.ids().filter(move |touch| self.touches(*touch))
     }
 
-    /// Whether a contact question of its entity holds.
+    /// Whether a contact query of its entity holds.
     pub fn touches(self, touch: TouchId) -> bool {
         self.sim.layout(self.slot).touch(self.state, touch)
     }

@@ -1,7 +1,7 @@
-//! Who is destroyed, who is spawned, who goes through a link: done after all edges are taken, in slot order.
+//! Destroyed instances, spawned instances and moves through links: applied after all edges are taken, in slot order.
 //!
-//! What is destroyed stays readable until the step ends; then every reference to it becomes none and its slot is
-//! free. What is spawned is readable at once, but moves, collides and takes edges from the next step on.
+//! A destroyed instance stays readable until the step ends; then every reference to it becomes none and its slot is
+//! free. A spawned instance is readable at once, but moves, collides and takes edges from the next step on.
 
 use std::cell::Cell;
 
@@ -12,25 +12,25 @@ use super::fault::{Fault, FaultKind};
 use super::simulator::{Scratch, Simulator};
 use super::state::Life;
 
-/// What the edges of a step have asked for.
+/// The pending changes of a step.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Changes {
     destroys: Vec<SlotId>,
-    /// Who spawns what, and which reference is set to it.
+    /// The spawner, the spawn, and the reference that is set to the new instance.
     spawns: Vec<(SlotId, SpawnId, Option<RefId>)>,
-    /// Who goes through which link of its space.
+    /// Instances with the index of the link that they move through.
     moves: Vec<(SlotId, usize)>,
-    /// Who took which edge.
+    /// Instances with the edges that they took.
     edges: Vec<(SlotId, EdgeId)>,
-    /// Whether any slot began or ended in this step.
-    lives: bool,
+    /// Whether any instance was spawned or destroyed in this step.
+    lives_changed: bool,
     /// The first spawn of the step that found no free slot.
     refused: Option<(SlotId, SpawnId)>,
 }
 
 impl Changes {
-    /// With room for all that one step can ask for.
-    pub fn with_room(destroys: usize, spawns: usize, slots: usize, edges: usize) -> Self {
+    /// With capacity for all changes of one step.
+    pub fn with_capacity(destroys: usize, spawns: usize, slots: usize, edges: usize) -> Self {
         Changes {
             destroys: Vec::with_capacity(destroys),
             spawns: Vec::with_capacity(spawns),
@@ -45,11 +45,11 @@ impl Changes {
         self.spawns.clear();
         self.moves.clear();
         self.edges.clear();
-        self.lives = false;
+        self.lives_changed = false;
         self.refused = None;
     }
 
-    /// Whether nothing was asked for.
+    /// Whether there are no pending changes.
     pub fn is_none(&self) -> bool {
         self.destroys.is_empty() && self.spawns.is_empty() && self.moves.is_empty()
     }
@@ -62,8 +62,8 @@ impl Changes {
         self.spawns.push((me, spawn, into));
     }
 
-    /// A later update of a reference wins over what an earlier spawn would set it to.
-    pub fn assigns(&mut self, me: SlotId, reference: RefId) {
+    /// A later update of a reference takes precedence over an earlier spawn.
+    pub fn clear_spawn_target(&mut self, me: SlotId, reference: RefId) {
         for (slot, _, into) in &mut self.spawns {
             if *slot == me && *into == Some(reference) {
                 *into = None;
@@ -71,15 +71,15 @@ impl Changes {
         }
     }
 
-    pub fn go(&mut self, me: SlotId, link: usize) {
+    pub fn move_through(&mut self, me: SlotId, link: usize) {
         self.moves.push((me, link));
     }
 
-    pub fn takes(&mut self, me: SlotId, edge: EdgeId) {
+    pub fn record_edge(&mut self, me: SlotId, edge: EdgeId) {
         self.edges.push((me, edge));
     }
 
-    /// Who took which edge, in order.
+    /// The taken edges in order.
     pub fn edges(&self) -> &[(SlotId, EdgeId)] {
         &self.edges
     }
@@ -94,25 +94,25 @@ impl Changes {
 }
 
 impl Simulator {
-    /// The first link of the instance's space that is open and in whose rectangle the instance is.
+    /// The first open link of the instance's space whose rectangle contains the instance.
     pub(super) fn link_at(&self, reader: &Reader<'_>) -> Option<usize> {
         let (x, y) = self.position(reader.state, reader.me);
         let links = &self.world().spaces[self.space(reader.state, reader.me)].links;
         links.iter().position(|link| {
             let inside =
                 (link.from.left..=link.from.right).contains(&x) && (link.from.bottom..=link.from.top).contains(&y);
-            inside && link.guard.is_none_or(|g| self.onlooker(reader.state, reader.fault).truth(g))
+            inside && link.guard.is_none_or(|g| self.world_reader(reader.state, reader.fault).truth(g))
         })
     }
 
-    /// Does what the edges have asked for.
+    /// Applies the pending changes.
     #[cold]
-    pub(super) fn change(&self, state: &mut [u8], scratch: &mut Scratch) -> Result<(), Fault> {
+    pub(super) fn apply_changes(&self, state: &mut [u8], scratch: &mut Scratch) -> Result<(), Fault> {
         let Scratch { before, frames, taken, changes, .. } = scratch;
         for &slot in &changes.destroys {
             if self.layout(slot).acts(state) {
                 self.layout(slot).set_life(state, Life::Dying);
-                changes.lives = true;
+                changes.lives_changed = true;
             }
         }
         for &(me, spawn, into) in &changes.spawns {
@@ -124,8 +124,8 @@ impl Simulator {
                     let fault = Cell::new(None);
                     let spawner = self.reader(actor, before, frames, &taken[actor.groups.clone()], &fault);
                     self.initialize_spawned(state, slot, spawn, &spawner);
-                    Self::settle(&fault)?;
-                    changes.lives = true;
+                    Self::check_fault(&fault)?;
+                    changes.lives_changed = true;
                 }
                 None => {
                     changes.refused.get_or_insert((me, spawn));
@@ -160,7 +160,7 @@ impl Simulator {
         Ok(())
     }
 
-    /// Fills a free slot with what a spawn gives it.
+    /// Initialises a free slot by a spawn.
     fn initialize_spawned(&self, state: &mut [u8], slot: SlotId, spawn: SpawnId, spawner: &Reader<'_>) {
         let spawn = &self.entity(spawner.me).spawns[spawn];
         let layout = self.layout(slot);
@@ -216,9 +216,9 @@ impl Simulator {
         }
     }
 
-    /// Ends a step: what was destroyed is gone, and nothing refers to it.
+    /// Removes destroyed instances and all references to them at the end of a step.
     pub(super) fn remove_destroyed(&self, state: &mut [u8], scratch: &Scratch) {
-        if !scratch.changes.lives {
+        if !scratch.changes.lives_changed {
             return;
         }
         for me in self.world().slots.ids() {

@@ -1,14 +1,15 @@
 //! The simulator: one step of time over the flat IR, in five phases (input, discrete, continuous, collision,
 //! observation), and what goes in and out of it: input scripts and traces.
 //!
-//! A state is a block of bytes whose layout the IR gives; a step reads the state, the inputs and nothing else, and
+//! A state is a block of bytes with a layout defined by the IR; a step reads only the state and the inputs, and
 //! allocates nothing. The same state and inputs always give the same bits.
 
 mod actor;
-mod broad;
+mod broad_phase;
 mod collision;
 mod contact;
 mod continuous;
+mod covered_faces;
 mod discrete;
 mod envelope;
 mod evaluate;
@@ -20,7 +21,6 @@ mod life;
 mod run;
 mod saved;
 mod script;
-mod seam;
 mod simulator;
 pub mod state;
 mod tiles;

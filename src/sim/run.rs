@@ -1,4 +1,4 @@
-//! A world in somebody's game loop: its state, and what a step needs.
+//! A running world for a game loop: its state, and the working memory of a step.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use super::instance::Instance;
 use super::saved::State;
 use super::simulator::{Scratch, Simulator};
 
-/// A world that runs.
+/// A running world.
 ///
 /// ```
 /// use std::path::Path;
@@ -63,12 +63,12 @@ pub struct Run {
     sim: Arc<Simulator>,
     state: State,
     scratch: Scratch,
-    /// The state as the last step began: where a step that fails goes back to, and what events are read off.
+    /// The state at the start of the last step: restored if a step fails, and compared to derive events.
     before: State,
 }
 
 impl Run {
-    /// Begins a run of a world.
+    /// Starts a run of a world.
     ///
     /// # Errors
     /// A [`Fault`] if the initial state breaks a rule of the language.
@@ -76,7 +76,7 @@ impl Run {
         Run::of(Arc::new(Simulator::new(program, world)))
     }
 
-    /// Begins a run in a simulator that several runs share.
+    /// Starts a run with a simulator that several runs share.
     ///
     /// # Errors
     /// As [`Run::new`].
@@ -88,8 +88,7 @@ impl Run {
 
     /// One step of time.
     ///
-    /// # Errors
-    /// A [`Fault`] if the program breaks a rule of the language; the run goes on from the state before the step.
+    /// A [`Fault`] if the program breaks a rule of the language; the state is then unchanged.
     pub fn step(&mut self, input: &Input) -> Result<(), Fault> {
         self.before.clone_from(&self.state);
         let stepped = self.sim.step(&mut self.state, input, &mut self.scratch);
@@ -99,13 +98,13 @@ impl Run {
         stepped
     }
 
-    /// One step of time; tells what happens in it.
+    /// One step of time; reports its events.
     ///
     /// # Errors
     /// As [`Run::step`].
-    pub fn step_and_tell(&mut self, input: &Input, listen: &mut dyn FnMut(Event)) -> Result<(), Fault> {
+    pub fn step_and_tell(&mut self, input: &Input, on_event: &mut dyn FnMut(Event)) -> Result<(), Fault> {
         self.step(input)?;
-        self.sim.events(&self.before, &self.state, &self.scratch, listen)
+        self.sim.events(&self.before, &self.state, &self.scratch, on_event)
     }
 
     /// The state.
@@ -113,7 +112,7 @@ impl Run {
         &self.state
     }
 
-    /// Goes on from another state of the same world: one of this run, or one that was [read back](Simulator::load).
+    /// Continues from another state of the same world: one of this run, or one that was [loaded](Simulator::load).
     pub fn set_state(&mut self, state: &State) {
         self.state.clone_from(state);
     }

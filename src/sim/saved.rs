@@ -1,5 +1,5 @@
-//! A state as a value: cloned, compared, hashed, saved and read back. What is read back is verified as a whole, so that
-//! nothing that a file holds can make a step go wrong.
+//! A state as a value: cloned, compared, hashed, saved and loaded. A loaded state is verified completely, so that a
+//! file cannot cause invalid steps.
 
 use std::fmt;
 use std::ops::{Deref, DerefMut};
@@ -9,7 +9,7 @@ use crate::ir::{Id, SlotId};
 use super::simulator::Simulator;
 use super::state::{Life, buttons};
 
-/// A state of a world. Between two steps equal states have equal bytes, and what follows from them is the same.
+/// A state of a world. Between two steps equal states have equal bytes, and equal futures.
 #[derive(PartialEq, Eq, Hash)]
 pub struct State(Vec<u8>);
 
@@ -25,13 +25,13 @@ impl Clone for State {
         State(self.0.clone())
     }
 
-    /// Into the memory that is there: nothing is allocated between states of one world.
+    /// Reuses the memory: nothing is allocated between states of one world.
     fn clone_from(&mut self, other: &State) {
         self.0.clone_from(&other.0);
     }
 }
 
-/// The bytes, to be read by the layout of the world.
+/// The bytes, for reading with the layout of the world.
 impl Deref for State {
     type Target = [u8];
 
@@ -40,7 +40,7 @@ impl Deref for State {
     }
 }
 
-/// The bytes, to be written by the layout of the world: the simulator relies on what is there.
+/// The bytes, for writing with the layout of the world: the simulator relies on valid contents.
 impl DerefMut for State {
     fn deref_mut(&mut self) -> &mut [u8] {
         &mut self.0
@@ -53,7 +53,7 @@ impl fmt::Debug for State {
     }
 }
 
-/// What a saved state begins with.
+/// The magic number of a saved state.
 const MAGIC: [u8; 8] = *b"hypedst1";
 
 /// Why bytes are not a state of a world.
@@ -61,11 +61,11 @@ const MAGIC: [u8; 8] = *b"hypedst1";
 pub enum NotAState {
     /// They were not saved as a state.
     Header,
-    /// They were saved in a world of other instances, or of other variables, modes or contacts.
+    /// They were saved in a world with other instances, variables, modes or contacts.
     OfAnotherWorld,
-    /// A value of an instance is none that it can have.
+    /// An instance has an invalid value.
     Damaged {
-        /// The instance, or none for the buttons of the players.
+        /// The instance; `None` for the buttons of the players.
         instance: Option<String>,
         /// What is wrong.
         what: &'static str,
@@ -88,15 +88,14 @@ impl fmt::Display for NotAState {
 impl std::error::Error for NotAState {}
 
 impl Simulator {
-    /// A state as bytes that [`Simulator::load`] reads back, also after numbers of the program have changed.
+    /// A state as bytes that [`Simulator::load`] reads, even after numbers in the program have changed.
     pub fn save(&self, state: &State) -> Vec<u8> {
         [&MAGIC[..], &self.fingerprint().to_le_bytes(), state].concat()
     }
 
-    /// Reads a state that was saved.
+    /// Loads a saved state.
     ///
-    /// # Errors
-    /// [`NotAState`] if it is of another world, or holds what no state does.
+    /// [`NotAState`] if it belongs to another world, or has invalid contents.
     pub fn load(&self, bytes: &[u8]) -> Result<State, NotAState> {
         let rest = bytes.strip_prefix(&MAGIC).ok_or(NotAState::Header)?;
         let (fingerprint, state) = rest.split_first_chunk().ok_or(NotAState::Header)?;
@@ -117,7 +116,7 @@ impl Simulator {
         Ok(State(state.to_vec()))
     }
 
-    /// What is wrong with a slot of a state.
+    /// Checks a slot of a state.
     fn check(&self, state: &[u8], slot: SlotId) -> Result<(), &'static str> {
         let (layout, entity, world) = (self.layout(slot), self.entity(slot), self.world());
         let must = |holds: bool, what| if holds { Ok(()) } else { Err(what) };
@@ -158,8 +157,8 @@ impl Simulator {
         must(others.all(is_slot), "what it touches or is on is nothing")
     }
 
-    /// A number that tells worlds apart whose states mean different things: FNV-1a (Fowler, Noll, Vo) over all that the bytes
-    /// of a state stand for. Numbers of the program, guards and edges are not part of it.
+    /// A fingerprint of the meaning of a state's bytes: FNV-1a (Fowler, Noll, Vo) over the names and structure of the
+    /// world. Numbers, guards and edges of the program are not part of it.
     fn fingerprint(&self) -> u64 {
         let mut hash = 0xcbf2_9ce4_8422_2325_u64;
         let mut add = |text: &str| {

@@ -11,15 +11,15 @@ use crate::source::{FileId, Span};
 
 use super::input::{Input, PlayerInput};
 
-/// The most steps one script may ask for.
+/// Maximum number of steps of a script.
 pub const MAX_STEPS: u64 = 100_000_000;
 
 /// A number of steps with the same input.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScriptStep {
-    /// What all players give.
+    /// The input of all players.
     pub input: Input,
-    /// For how many steps.
+    /// Number of steps.
     pub count: u32,
 }
 
@@ -31,12 +31,12 @@ pub struct Script {
 }
 
 impl Script {
-    /// The number of steps of the world that it lasts.
+    /// Number of steps of the world.
     pub fn len(&self) -> u64 {
         self.steps.iter().map(|s| u64::from(s.count)).sum()
     }
 
-    /// Whether it lasts no step.
+    /// Whether it has no steps.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -50,7 +50,7 @@ impl Script {
         }
     }
 
-    /// Its first steps, at most `steps` of them.
+    /// The script cut to its first `steps` steps.
     #[must_use]
     pub fn first(&self, steps: u64) -> Script {
         let mut first = Script::default();
@@ -68,7 +68,7 @@ impl Script {
         self.steps.iter().flat_map(|s| std::iter::repeat_n(&s.input, s.count as usize))
     }
 
-    /// The script as text that [`parse_script`] reads back.
+    /// The script as text for [`parse_script`].
     pub fn text(&self, program: &Program, world: WorldId) -> String {
         let mut out = String::new();
         for step in &self.steps {
@@ -87,7 +87,7 @@ impl Script {
     }
 }
 
-/// What the inputs of one step are called, as a script would write them.
+/// The names of the inputs of one step, as written in scripts.
 pub(super) fn names(program: &Program, world: WorldId, input: &Input) -> Vec<String> {
     let world = &program.worlds[world];
     let first = world.players.iter().map(|p| p.number).min();
@@ -121,7 +121,7 @@ pub(super) fn names(program: &Program, world: WorldId, input: &Input) -> Vec<Str
 const DIRECTIONS: [(&str, &str, f64); 4] =
     [("left", "horizontal", -1.0), ("right", "horizontal", 1.0), ("down", "vertical", -1.0), ("up", "vertical", 1.0)];
 
-/// Reads a script for the players of a world. `file` is where `text` is, for the diagnostics.
+/// Parses a script for the players of a world. `file` is the location of `text` for diagnostics.
 pub fn parse_script(program: &Program, world: WorldId, file: FileId, text: &str) -> (Script, Diagnostics) {
     let mut parser = Parser { program, world, file, text, diagnostics: Diagnostics::new() };
     let mut script = Script::default();
@@ -153,7 +153,7 @@ struct Parser<'a> {
     diagnostics: Diagnostics,
 }
 
-/// What a name in a script sets.
+/// The input that a name in a script sets.
 enum Target {
     Button(ButtonId),
     Axis(AxisId, Option<f64>),
@@ -188,7 +188,7 @@ impl Parser<'_> {
             fits &= self.part(part, at, &mut input).is_some();
             at += part.len() + 1;
         }
-        // Opposite directions held together cancel: they were added up.
+        // Opposite directions cancel: they were added up.
         for player in &mut input.0 {
             for axis in &mut player.axes {
                 *axis = axis.clamp(-1.0, 1.0);

@@ -1,4 +1,4 @@
-//! The simulator of one world: what is prepared once, and the order of the phases.
+//! The simulator of one world: prepared data, and the order of the phases.
 
 use std::cell::Cell;
 use std::sync::Arc;
@@ -10,9 +10,9 @@ use crate::ir::{
 
 use crate::watch::{Meter, Unwatched};
 
-use super::actor::{Actor, Flow, actors, is_private};
+use super::actor::{Actor, Flow, actors, moves_independently};
 use super::collision::Collision;
-use super::discrete::{Acting, Taken};
+use super::discrete::{ActingGroup, TakenEdge};
 use super::evaluate::Reader;
 use super::fault::Fault;
 use super::input::{Frame, Input};
@@ -25,50 +25,50 @@ pub struct Simulator {
     program: Arc<Program>,
     world: Arc<World>,
     id: WorldId,
-    /// A copy of all expressions, if those of the program are in several blocks.
+    /// A copy of all expressions, if the program stores them in several blocks.
     code: Option<Box<[Expr]>>,
     pub(super) step: f64,
     pub(super) collision: Collision,
-    /// Of each entity, the slots that a spawn may take.
+    /// For each entity, the slots that a spawn may take.
     pub(super) pools: Vec<Vec<SlotId>>,
-    /// What every step looks up of each slot.
+    /// Prepared data of each slot.
     pub(super) actors: Vec<Actor>,
-    /// Whether no instance reads another one while it moves.
-    pub(super) is_private: bool,
+    /// Whether no instance reads another one in the continuous phase.
+    pub(super) moves_independently: bool,
     /// Whether anything can be destroyed or spawned.
     lives_change: bool,
-    /// The buttons that a state remembers: no guard asks when the others went down or up.
+    /// The buttons stored in a state: only for these, a guard reads presses or releases.
     pub(super) remembered: u64,
-    /// What evaluating all code once costs, in units of work.
+    /// Cost of evaluating all code once, in units of work.
     cost: u64,
 }
 
-/// The working memory of a step; made once, reused by every step.
+/// The working memory of a step; allocated once and reused.
 #[derive(Debug, Clone)]
 pub struct Scratch {
-    /// The state as the step began, where anybody takes an edge.
+    /// The state at the start of the step, if any edge is taken.
     pub(super) before: Vec<u8>,
-    /// Each player's input with what changed.
+    /// Each player's input with its changes.
     pub(super) frames: Vec<Frame>,
-    /// What each group of each slot does in this step.
-    pub(super) taken: Vec<Option<Taken>>,
-    /// The groups that do something in this step.
-    pub(super) acting: Vec<Acting>,
-    /// What the edges of this step have asked for.
+    /// The edge that each group of each slot takes in this step.
+    pub(super) taken: Vec<Option<TakenEdge>>,
+    /// The groups with an action in this step.
+    pub(super) acting: Vec<ActingGroup>,
+    /// The pending changes of this step.
     pub(super) changes: Changes,
-    /// What drives each variable of each slot; what never changes stays.
+    /// The flow of each variable of each slot; constant ones are kept.
     pub(super) flows: Vec<Flow>,
     /// The bounds of each clamp of each slot.
     pub(super) clamps: Vec<(f64, f64)>,
     /// The direction in which each envelope of each slot reached its peak.
     pub(super) peaks: Vec<u16>,
-    /// Where each slot is as the continuous phase begins, px.
+    /// The position of each slot at the start of the continuous phase, px.
     pub(super) start: Vec<(f64, f64)>,
-    /// What the collision phase needs.
+    /// The working memory of the collision phase.
     pub(super) collision: super::collision::Scratch,
 }
 
-/// The buttons whose going down or up is read anywhere.
+/// The buttons whose presses or releases are read anywhere.
 fn remembered(program: &Program) -> u64 {
     let bit = |expr: &Expr| match expr {
         Expr::Button(Press::Pressed | Press::Released, button) => 1 << button.index(),
@@ -78,8 +78,8 @@ fn remembered(program: &Program) -> u64 {
 }
 
 impl Scratch {
-    /// How much work was done with it so far: a number that grows by about one for each pair of boxes that was compared,
-    /// each tile that was looked at and each part of an instance that was moved; it may wrap around.
+    /// Amount of work done with it so far: about one for each compared pair of boxes, examined tile and moved part of
+    /// an instance; it may wrap around.
     pub fn work(&self) -> u64 {
         self.collision.work
     }
@@ -106,7 +106,7 @@ impl Simulator {
             world: Arc::clone(world),
             id,
             code: program.exprs.in_one_piece().is_none().then(|| program.exprs.iter().copied().collect()),
-            is_private: is_private(&actors),
+            moves_independently: moves_independently(&actors),
             step: world.step.seconds(),
             collision,
             pools: program.entities.ids().map(pool).collect(),
@@ -140,21 +140,21 @@ impl Simulator {
         &self.actors[slot.index()].layout
     }
 
-    /// Reads expressions of an instance's own code.
+    /// A reader for an instance's own code.
     pub(super) fn reader<'a>(
         &'a self,
         actor: &'a Actor,
         state: &'a [u8],
         frames: &'a [Frame],
-        taken: &'a [Option<Taken>],
+        taken: &'a [Option<TakenEdge>],
         fault: &'a Cell<Option<Fault>>,
     ) -> Reader<'a> {
         let (code, base) = (&*actor.code.exprs, actor.base);
         Reader { sim: self, state, frames, taken, fault, actor: Some(actor), me: actor.id, code, base }
     }
 
-    /// Reads expressions of the world.
-    pub(super) fn onlooker<'a>(&'a self, state: &'a [u8], fault: &'a Cell<Option<Fault>>) -> Reader<'a> {
+    /// A reader for expressions of the world.
+    pub(super) fn world_reader<'a>(&'a self, state: &'a [u8], fault: &'a Cell<Option<Fault>>) -> Reader<'a> {
         let code = self.code.as_deref().or(self.program.exprs.in_one_piece()).unwrap_or_default();
         Reader { sim: self, state, frames: &[], taken: &[], fault, actor: None, me: SlotId(0), code, base: 0 }
     }
@@ -169,7 +169,7 @@ impl Simulator {
         Scratch {
             taken: vec![None; sum(&|e| e.groups.len())],
             acting: Vec::with_capacity(sum(&|e| e.groups.len())),
-            changes: Changes::with_room(destroys, sum(&|e| e.spawns.len()), slots, sum(&|e| e.edges.len())),
+            changes: Changes::with_capacity(destroys, sum(&|e| e.spawns.len()), slots, sum(&|e| e.edges.len())),
             clamps: vec![(0.0, 0.0); sum(&|e| e.clamps.len())],
             peaks: vec![0; sum(&|e| e.envelopes.len())],
             start: vec![(0.0, 0.0); slots],
@@ -188,7 +188,7 @@ impl Simulator {
         self.metered_initial(scratch, &Meter::new(&Unwatched))
     }
 
-    /// As [`Simulator::initial`]; if the meter stops it, what is given is not to be used.
+    /// As [`Simulator::initial`]; if the meter stops it, the result must not be used.
     ///
     /// # Errors
     /// As there.
@@ -216,7 +216,7 @@ impl Simulator {
                 let leaf = reader.entered(reader.chosen(&g.choices, g.first));
                 layout.set_leaf(&mut state, group, leaf);
             }
-            Self::settle(&fault)?;
+            Self::check_fault(&fault)?;
             layout.set_space(&mut state, slot.space);
             layout.set_life(&mut state, Life::Alive);
         }
@@ -229,13 +229,13 @@ impl Simulator {
 
     /// One step of time: `state` becomes the next state.
     ///
-    /// # Errors
-    /// A [`Fault`] if the program breaks a rule; `state` is then not to be used.
+    /// A [`Fault`] if the program breaks a rule; `state` must then not be used.
     pub fn step(&self, state: &mut [u8], input: &Input, scratch: &mut Scratch) -> Result<(), Fault> {
         self.metered_step(state, input, scratch, &Meter::new(&Unwatched))
     }
 
-    /// As [`Simulator::step`], which can take long in a crowd; if the meter stops it, `state` is not to be used.
+    /// As [`Simulator::step`], which can take long with many neighbours; if the meter stops it, `state` must not be
+    /// used.
     ///
     /// # Errors
     /// As there.
@@ -262,19 +262,19 @@ impl Simulator {
         Ok(())
     }
 
-    /// Notes where everything is before it moves.
+    /// Stores the positions before anything moves.
     fn note_start(&self, state: &[u8], scratch: &mut Scratch) {
         for (start, slot) in scratch.start.iter_mut().zip(self.world.slots.ids()) {
             *start = self.position(state, slot);
         }
     }
 
-    /// The first spawn of the last step that found no free slot: who asked, and for what.
+    /// The first spawn of the last step without a free slot, with its spawner.
     pub fn refused(&self, scratch: &Scratch) -> Option<(SlotId, SpawnId)> {
         scratch.changes.refused()
     }
 
-    /// The first invariant that does not hold in a state: whose, and its number in its entity.
+    /// The first invariant that does not hold in a state: the slot, and its index in the entity.
     ///
     /// # Errors
     /// A [`Fault`] if the invariant breaks a rule.
@@ -283,7 +283,7 @@ impl Simulator {
             for (index, &invariant) in self.entity(slot).invariants.iter().enumerate() {
                 let fault = Cell::new(None);
                 let holds = self.reader(&self.actors[slot.index()], state, &[], &[], &fault).truth(invariant);
-                Self::settle(&fault)?;
+                Self::check_fault(&fault)?;
                 if !holds {
                     return Ok(Some((slot, index)));
                 }
@@ -298,7 +298,7 @@ impl Simulator {
     /// A [`Fault`] if the predicate breaks a rule.
     pub fn holds(&self, state: &[u8], predicate: ExprId) -> Result<bool, Fault> {
         let fault = Cell::new(None);
-        let reader = self.onlooker(state, &fault);
+        let reader = self.world_reader(state, &fault);
         let holds = reader.truth(predicate);
         match fault.get() {
             Some(fault) => Err(fault),
@@ -344,7 +344,8 @@ impl Simulator {
         (layout.var(state, VarId::X, 0), layout.var(state, VarId::Y, 0))
     }
 
-    /// A parameter of a slot's instance: part of the state where instances of the slot can differ, else of the world.
+    /// A parameter of a slot's instance: from the state if it can differ between lives of the slot, else from the
+    /// world.
     pub(super) fn param(&self, state: &[u8], slot: SlotId, param: ParamId) -> f64 {
         match self.layout(slot).param(state, param) {
             Some(value) => value,
@@ -357,8 +358,8 @@ impl Simulator {
         self.layout(slot).space(state)
     }
 
-    /// Fails with a fault that was noted on the side.
-    pub(super) fn settle(fault: &Cell<Option<Fault>>) -> Result<(), Fault> {
+    /// Fails with the recorded fault, if any.
+    pub(super) fn check_fault(fault: &Cell<Option<Fault>>) -> Result<(), Fault> {
         match fault.get() {
             Some(fault) => Err(fault),
             None => Ok(()),

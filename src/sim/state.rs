@@ -1,11 +1,11 @@
-//! Reading and writing a state: plain functions over a block of bytes and the offsets of the layout. Numbers are
-//! little-endian, so that a state can be saved on one machine and read back on another.
+//! Access to a state: plain functions over a block of bytes and the offsets of the layout. Numbers are little-endian,
+//! so a state can be moved between machines.
 
 use crate::ir::{
     DiscreteId, EnvelopeId, GroupId, Id, LeafId, ParamId, RefId, SlotId, SlotLayout, SpaceId, TimerId, TouchId, VarId,
 };
 
-/// How it is with a slot.
+/// The life cycle of a slot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Life {
     /// There is no instance.
@@ -14,7 +14,7 @@ pub enum Life {
     Alive,
     /// It is destroyed in this step; its values stay readable until the step ends.
     Dying,
-    /// It comes to be in this step; it moves, collides and takes edges from the next step on.
+    /// It is spawned in this step; it moves, collides and takes edges from the next step on.
     Born,
 }
 
@@ -82,17 +82,17 @@ pub fn set_buttons(state: &mut [u8], at: usize, buttons: u64) {
     store(state, at, buttons.to_le_bytes());
 }
 
-/// Where an instance's position, space and life are in a state.
+/// The offsets of an instance's position, space and life.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Whereabouts {
+pub(super) struct PositionLayout {
     vars: usize,
     space: usize,
     alive: usize,
 }
 
-impl Whereabouts {
+impl PositionLayout {
     pub fn of(layout: &SlotLayout) -> Self {
-        Whereabouts { vars: layout.vars, space: layout.space, alive: layout.alive }
+        PositionLayout { vars: layout.vars, space: layout.space, alive: layout.alive }
     }
 
     /// As [`SlotLayout::acts`].
@@ -112,7 +112,7 @@ impl Whereabouts {
     }
 }
 
-/// A leaf, by where it is.
+/// A leaf, by its offset.
 #[inline]
 pub(super) fn leaf_at(state: &[u8], at: usize) -> LeafId {
     LeafId(u32::from(short(state, at)))
@@ -165,7 +165,7 @@ impl SlotLayout {
         leaf_at(state, self.leaf_offset(group))
     }
 
-    /// Where a group's leaf is.
+    /// The offset of a group's leaf.
     pub(super) fn leaf_offset(&self, group: GroupId) -> usize {
         self.leaves + 2 * group.index()
     }
@@ -186,12 +186,12 @@ impl SlotLayout {
         store(state, self.space, (space.0 as u16).to_le_bytes());
     }
 
-    /// Whether there is an instance. Between two steps it is alive.
+    /// Whether there is an instance, alive or otherwise.
     pub fn alive(&self, state: &[u8]) -> bool {
         state[self.alive] != 0
     }
 
-    /// How it is with the slot.
+    /// The life cycle of the slot.
     pub fn life(&self, state: &[u8]) -> Life {
         match state[self.alive] {
             0 => Life::None,
@@ -201,12 +201,12 @@ impl SlotLayout {
         }
     }
 
-    /// Whether there is an instance that takes part in this step.
+    /// Whether there is an instance that acts in this step.
     pub(super) fn acts(&self, state: &[u8]) -> bool {
         state[self.alive] == 1
     }
 
-    /// Sets how it is with the slot.
+    /// Sets the life cycle of the slot.
     pub fn set_life(&self, state: &mut [u8], life: Life) {
         state[self.alive] = life as u8;
     }
@@ -216,7 +216,7 @@ impl SlotLayout {
         state[self.block.0..self.block.1].fill(0);
     }
 
-    /// A parameter of a slot that can be used again.
+    /// A parameter of a reusable slot.
     pub(super) fn param(&self, state: &[u8], id: ParamId) -> Option<f64> {
         self.params.map(|at| real(state, at + 8 * id.index()))
     }
@@ -227,7 +227,7 @@ impl SlotLayout {
         }
     }
 
-    /// What a reference refers to.
+    /// The target of a reference.
     pub fn reference(&self, state: &[u8], id: RefId) -> Option<SlotId> {
         slot(state, self.refs + 2 * id.index())
     }
@@ -237,22 +237,22 @@ impl SlotLayout {
         set_slot(state, self.refs + 2 * id.index(), target);
     }
 
-    /// The lowest instance that a bound contact question found in the last collision phase.
+    /// The lowest instance that a bound contact query found in the last collision phase.
     pub fn touched(&self, state: &[u8], id: TouchId) -> Option<SlotId> {
         slot(state, self.bound + 2 * id.index())
     }
 
-    /// Notes the instance that a bound contact question found.
+    /// Stores the instance that a bound contact query found.
     pub fn set_touched(&self, state: &mut [u8], id: TouchId, target: Option<SlotId>) {
         set_slot(state, self.bound + 2 * id.index(), target);
     }
 
-    /// What carries the instance.
+    /// The carrier of the instance.
     pub fn carrier(&self, state: &[u8]) -> Option<SlotId> {
         slot(state, self.carrier)
     }
 
-    /// Notes what carries the instance.
+    /// Sets the carrier of the instance.
     pub fn set_carrier(&self, state: &mut [u8], carrier: Option<SlotId>) {
         set_slot(state, self.carrier, carrier);
     }
@@ -262,22 +262,22 @@ impl SlotLayout {
         short(state, self.peaks + 2 * id.index())
     }
 
-    /// Notes the direction in which an envelope reached its peak.
+    /// Stores the direction in which an envelope reached its peak.
     pub fn set_peak(&self, state: &mut [u8], id: EnvelopeId, peak: u16) {
         store(state, self.peaks + 2 * id.index(), peak.to_le_bytes());
     }
 
-    /// Whether a contact question held in the last collision phase.
+    /// Whether a contact query held in the last collision phase.
     pub fn touch(&self, state: &[u8], touch: TouchId) -> bool {
         state[self.touches + touch.index() / 8] >> (touch.index() % 8) & 1 == 1
     }
 
-    /// Notes that a contact question holds.
+    /// Sets the bit of a contact query.
     pub fn set_touch(&self, state: &mut [u8], touch: TouchId) {
         state[self.touches + touch.index() / 8] |= 1 << (touch.index() % 8);
     }
 
-    /// Notes that some of the first 64 contact questions hold.
+    /// Sets the bits of some of the first 64 contact queries.
     #[inline]
     pub(super) fn set_touches(&self, state: &mut [u8], mut bits: u64) {
         let mut at = self.touches;
@@ -288,8 +288,8 @@ impl SlotLayout {
         }
     }
 
-    /// Forgets all contacts of the instance; `count` is the number of its contact questions, `bound` that of those that
-    /// keep what is touched.
+    /// Clears all contacts of the instance; `count` is the number of its contact queries, `bound` the number of those
+    /// that store what is touched.
     pub fn clear_touches(&self, state: &mut [u8], count: usize, bound: usize) {
         match count {
             0 => return,

@@ -1,4 +1,4 @@
-//! Bodies and the tiles of a map: which can be met where a body is, and how one of them is.
+//! Contacts between bodies and the tiles of a map.
 
 use crate::ir::{Push, Side, SpaceId, TagId, TileMap};
 
@@ -6,7 +6,7 @@ use super::collision::{Body, Encounter};
 use super::contact::{Displacement, Rect, meet};
 use super::simulator::Simulator;
 
-/// A map as bodies of one kind meet it.
+/// A map with the contact rules of one kind of body.
 #[derive(Clone, Copy)]
 struct Tiles<'a> {
     map: &'a TileMap<TagId>,
@@ -15,7 +15,7 @@ struct Tiles<'a> {
 }
 
 impl Tiles<'_> {
-    /// Whether the tile of a cell, by its number, blocks.
+    /// Whether the tile of a cell, by its index, blocks.
     fn blocks(self, at: usize) -> bool {
         let met = self.map.cells.get(at).and_then(|&kind| self.encounters[usize::from(kind)].as_ref());
         met.is_some_and(|w| w.meeting.response.push == Push::Block)
@@ -23,7 +23,7 @@ impl Tiles<'_> {
 }
 
 impl Simulator {
-    /// A body and the tiles that it may touch; returns how many were looked at.
+    /// Handles the tiles near a body; returns the number of examined tiles.
     pub(super) fn collide_tiles(
         &self,
         state: &mut [u8],
@@ -50,7 +50,7 @@ impl Simulator {
         (high - low.min(high)) * (after - first.min(after))
     }
 
-    /// A body and the tile of a cell.
+    /// Handles a body and the tile of a cell.
     #[inline(never)]
     fn collide_tile(
         &self,
@@ -68,10 +68,10 @@ impl Simulator {
         let (left, bottom) = (column as i64 as f64 * width, row as i64 as f64 * height);
         let (right, top) = (left + width, bottom + height);
         let tile = Rect { left, right, bottom, top, active: true, ..Rect::default() };
-        // The faces turned to the body; one that a neighbour covers never gives the side.
+        // The faces turned to the body; a covered one never gives the side.
         let mut corner = None;
         let contact = meet(rect, &tile, rect.back, with.meeting, |overlap| {
-            // Outside of the map there is nothing.
+            // There are no obstacles outside the map.
             let beside = match overlap.x_side {
                 Side::Right => column > 0 && tiles.blocks(at - 1),
                 _ => column + 1 < map.columns && tiles.blocks(at + 1),
@@ -85,21 +85,21 @@ impl Simulator {
                 let kind = &self.collision.kinds[body.kind];
                 covered = self.covered((kind, rect.space as usize), (rect, &tile), overlap, covered);
             }
-            if covered == (true, true) && overlap.came_around(rect.back) {
+            if covered == (true, true) && overlap.came_diagonally(rect.back) {
                 corner = Some([overlap.horizontal(), overlap.vertical()]);
             }
             covered
         });
         let Some(contact) = contact else { return };
-        self.hit(state, body, with, contact, displacement);
-        self.hit_corner(body, with, corner, displacement);
+        self.static_contact(state, body, with, contact, displacement);
+        self.corner_contact(body, with, corner, displacement);
     }
 }
 
-/// The tiles whose closed extent meets `low..=high`, cut to those of the map: from the first to before the second.
+/// The half-open range of tiles of the map whose closed extent overlaps `low..=high`.
 fn range(low: f64, high: f64, size: f64, count: usize) -> (usize, usize) {
     let (low, high) = (low / size, high / size);
-    // A cast cuts towards zero, which is the floor of what is not negative, and stops at the ends of its type.
+    // The cast truncates, which is the floor of a non-negative number, and saturates.
     let whole = low as i64;
     let first = match low {
         ..=1.0 => 0,

@@ -1,5 +1,5 @@
-//! Traces: a header that holds all that the run depends on, then a line for each step; step 0 is the initial state. As JSON
-//! lines, or as CSV (RFC 4180) with the header as a comment above the columns.
+//! Traces: a header with everything that the run depends on, then a line per step; step 0 is the initial state. The
+//! format is JSON lines, or CSV (RFC 4180) with the header as a comment above the columns.
 
 use std::io::{self, Write};
 
@@ -16,10 +16,10 @@ use super::simulator::Simulator;
 /// The version of the trace format.
 pub const TRACE_VERSION: u32 = 2;
 
-/// What is before the header in CSV.
+/// The prefix of the header in CSV.
 const COMMENT: &str = "# ";
 
-/// How the states of a run are written.
+/// The format of a trace.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TraceFormat {
     /// A JSON object a line.
@@ -59,7 +59,7 @@ pub struct TraceHeader {
 }
 
 impl TraceHeader {
-    /// Reads the first line of a trace; tells how the others are written.
+    /// Reads the first line of a trace; also returns the format.
     ///
     /// # Errors
     /// Why it is no header.
@@ -78,7 +78,7 @@ impl TraceHeader {
     }
 }
 
-/// Makes the lines of a trace.
+/// Formats the lines of a trace.
 pub struct TraceLines<'s> {
     sim: &'s Simulator,
     format: TraceFormat,
@@ -146,15 +146,14 @@ pub(crate) fn trace_schemas() -> [schemars::Schema; 2] {
 }
 
 impl<'s> TraceLines<'s> {
-    /// For the runs of a world.
+    /// Formats the runs of a world.
     pub fn new(sim: &'s Simulator, format: TraceFormat) -> Self {
         TraceLines { sim, format }
     }
 
-    /// The lines above all states, each with its end: the header, and in CSV the names of the columns.
+    /// The lines before all states, each with its line end: the header, and in CSV the names of the columns.
     ///
-    /// # Errors
-    /// None that can happen: it writes to memory.
+    /// Infallible: writes to memory.
     pub fn header(&self, header: &TraceHeader) -> io::Result<String> {
         let json = serde_json::to_string(header)?;
         Ok(match self.format {
@@ -163,10 +162,9 @@ impl<'s> TraceLines<'s> {
         })
     }
 
-    /// The line of a state, with its end.
+    /// The line of a state, with its line end.
     ///
-    /// # Errors
-    /// None that can happen: it writes to memory.
+    /// Infallible: writes to memory.
     pub fn state(&self, step: u64, input: &Input, state: &[u8]) -> io::Result<String> {
         let inputs = names(self.sim.program(), self.sim.world_id(), input);
         if self.format == TraceFormat::Csv {
@@ -185,8 +183,7 @@ impl<'s> TraceLines<'s> {
         Ok(format!("{}\n", serde_json::to_string(&line)?))
     }
 
-    /// The names of the columns: of the step and its inputs, of all instances that there can be, of goals and of what may
-    /// never hold.
+    /// The names of the columns: the step and its inputs, all possible instances, goals and `never`s.
     pub fn columns(&self) -> Vec<String> {
         let world = self.sim.world();
         let mut columns = vec!["step".to_string(), "inputs".to_string()];
@@ -209,7 +206,7 @@ impl<'s> TraceLines<'s> {
         columns
     }
 
-    /// The cells of a state under [`TraceLines::columns`]; those of an instance that is not there are empty.
+    /// The cells of a state for [`TraceLines::columns`]; empty for an absent instance.
     fn cells(&self, step: u64, inputs: &[String], state: &[u8]) -> Vec<String> {
         let world = self.sim.world();
         let mut cells = vec![step.to_string(), inputs.join("+")];
@@ -258,8 +255,7 @@ pub struct TraceWriter<'s, W> {
 impl<'s, W: Write> TraceWriter<'s, W> {
     /// Starts a trace with its header.
     ///
-    /// # Errors
-    /// What the writer says.
+    /// The error of the writer.
     pub fn new(lines: TraceLines<'s>, mut out: W, header: &TraceHeader) -> io::Result<Self> {
         out.write_all(lines.header(header)?.as_bytes())?;
         Ok(TraceWriter { lines, out })
@@ -267,22 +263,20 @@ impl<'s, W: Write> TraceWriter<'s, W> {
 
     /// Writes one state.
     ///
-    /// # Errors
-    /// What the writer says.
+    /// The error of the writer.
     pub fn state(&mut self, step: u64, input: &Input, state: &[u8]) -> io::Result<()> {
         self.out.write_all(self.lines.state(step, input, state)?.as_bytes())
     }
 
     /// Flushes the trace.
     ///
-    /// # Errors
-    /// What the writer says.
+    /// The error of the writer.
     pub fn finish(mut self) -> io::Result<()> {
         self.out.flush()
     }
 }
 
-/// Where two lines of traces differ first, and what is there in each: the line itself if they are of no common form.
+/// The first difference between two lines of traces, with both values; the whole lines if they have no common form.
 pub fn first_difference(format: TraceFormat, columns: &[String], old: &str, new: &str) -> (String, String, String) {
     let parsed = |text: &str| serde_json::from_str::<serde_json::Value>(text);
     match (format, parsed(old), parsed(new)) {
@@ -302,7 +296,7 @@ pub fn first_difference(format: TraceFormat, columns: &[String], old: &str, new:
     }
 }
 
-/// Where two values differ first.
+/// The first difference between two values.
 fn difference(path: String, old: &serde_json::Value, new: &serde_json::Value) -> (String, String, String) {
     use serde_json::Value::{Array, Object};
     let nothing = serde_json::Value::Null;

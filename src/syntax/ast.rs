@@ -1,5 +1,5 @@
-//! The abstract syntax tree: what the author wrote, with the span of every part. Made by [`super::parse`],
-//! read by `sema` and the formatter. Names are not resolved here, and nothing is checked but shape.
+//! The abstract syntax tree: the source with the span of every part. Built by [`super::parse`], read by `sema` and the
+//! formatter. Names are not resolved, and only the form is checked.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -15,21 +15,20 @@ pub use super::word::Word;
 pub struct File {
     /// Which file.
     pub id: FileId,
-    /// Its items, in source order, those that could be read.
+    /// Its readable items, in source order.
     pub items: Vec<Item>,
-    /// Whether some slice of it fit no rule, or some import could not be read.
+    /// Whether some part matched no rule, or some import could not be read.
     pub is_broken: bool,
-    /// The names that such a slice was probably about to declare, `*` if they can be any: later stages keep quiet about
-    /// them.
+    /// The names that unreadable parts may have declared, `*` for any: later stages do not report them.
     pub poisoned_names: BTreeSet<String>,
-    /// The files that its maps name, where they are named.
+    /// The files of its maps, with the spans of their names.
     pub texts: Vec<(Span, FileId)>,
 }
 
-/// A name and where it is.
+/// A name with its span.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Name {
-    /// The word; all that are equal in a file share it.
+    /// The word; equal words of a file share it.
     pub text: Word,
     /// Its place.
     pub span: Span,
@@ -84,7 +83,7 @@ pub struct Dimension {
 pub struct Entity {
     /// Its name.
     pub name: Name,
-    /// What it holds.
+    /// Its contents.
     pub members: Vec<Member>,
     /// The text of the `///` lines above it.
     pub doc: Option<String>,
@@ -92,14 +91,14 @@ pub struct Entity {
     pub span: Span,
 }
 
-/// `behavior Name(parameters) { … }`: what it holds is put in place wherever it is used.
+/// `behavior Name(parameters) { … }`: its members are copied wherever it is used.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Behavior {
     /// Its name.
     pub name: Name,
     /// Names that stand for expressions inside.
     pub parameters: Vec<Name>,
-    /// What it holds.
+    /// Its contents.
     pub members: Vec<Member>,
     /// The text of the `///` lines above it.
     pub doc: Option<String>,
@@ -118,8 +117,8 @@ pub struct Use {
     pub span: Span,
 }
 
-/// What an entity, a group or a mode may hold; where which is allowed is checked by `sema`. A large text has many of them,
-/// so each has a box of its own size.
+/// A member of an entity, a group or a mode; `sema` checks which is allowed where. There are many of them, so each has
+/// a box of its size.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Member {
     /// `param name = value`
@@ -163,7 +162,7 @@ pub enum Member {
 pub struct Reference {
     /// Its name.
     pub name: Name,
-    /// What it refers to.
+    /// The entity of its targets.
     pub entity: Name,
 }
 
@@ -194,7 +193,7 @@ pub struct Invariant {
 pub struct Follow {
     /// When.
     pub guard: Option<Expr>,
-    /// What it changes.
+    /// Its updates.
     pub updates: Vec<Update>,
     /// The whole.
     pub span: Span,
@@ -238,13 +237,13 @@ pub enum Domain {
 pub struct Collider {
     /// Whether it is never pushed.
     pub kinematic: bool,
-    /// What it counts as.
+    /// Its tags.
     pub tags: Vec<Name>,
     /// The name of the shape: `rect`.
     pub shape: Name,
     /// The shape's numbers.
     pub arguments: Vec<Expr>,
-    /// While this holds it is there.
+    /// It is active while this holds.
     pub guard: Option<Expr>,
     /// The whole.
     pub span: Span,
@@ -255,7 +254,7 @@ pub struct Collider {
 pub struct Group {
     /// Its name.
     pub name: Name,
-    /// Its modes, and what else is there by mistake.
+    /// Its modes, and misplaced members.
     pub members: Vec<Member>,
     /// The whole.
     pub span: Span,
@@ -279,7 +278,7 @@ pub struct Mode {
     pub initial: Initial,
     /// Its name.
     pub name: Name,
-    /// What it holds.
+    /// Its contents.
     pub members: Vec<Member>,
     /// The text of the `///` lines above it.
     pub doc: Option<Box<str>>,
@@ -294,12 +293,12 @@ pub struct Assignment {
     pub variable: Variable,
     /// The right side.
     pub value: Expr,
-    /// Where it ends; it begins with the variable.
+    /// Its end; it starts with the variable.
     end: u32,
 }
 
 impl Assignment {
-    /// An assignment that begins with its variable and ends where `span` does.
+    /// An assignment from its variable to the end of `span`.
     pub fn new(variable: Variable, value: Expr, span: Span) -> Self {
         Assignment { variable, value, end: span.end() }
     }
@@ -317,7 +316,7 @@ impl fmt::Debug for Assignment {
     }
 }
 
-/// What happens on an edge, or when a mode is entered.
+/// An action on an edge or on entry of a mode.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Update {
     /// `variable := value`
@@ -344,7 +343,7 @@ pub struct Spawn {
 /// `destroy self`, `destroy reference`
 #[derive(Debug, Clone, PartialEq)]
 pub struct Destroy {
-    /// What is destroyed.
+    /// The destroyed instance.
     pub what: Expr,
     /// The whole.
     pub span: Span,
@@ -355,9 +354,9 @@ pub struct Destroy {
 pub struct Edge {
     /// When it is taken.
     pub guard: Expr,
-    /// The mode it leads to; none for an edge that stays.
+    /// The target mode; `None` for an internal edge.
     pub target: Option<Path>,
-    /// What it changes, as far as it could be read.
+    /// Its readable updates.
     pub updates: Box<[Update]>,
     /// Whether it has no updates, readable or not.
     pub is_empty: bool,
@@ -368,9 +367,9 @@ pub struct Edge {
 /// `envelope x' by axis { … }`
 #[derive(Debug, Clone, PartialEq)]
 pub struct Envelope {
-    /// What it drives.
+    /// The driven variables.
     pub controlled: Vec<Variable>,
-    /// What drives it: an axis, several axes, or `held(button)`; none for `fixed`.
+    /// The driver: an axis, several axes, or `held(button)`; `None` for `fixed`.
     pub by: Option<Expr>,
     /// `directions 4`, if given.
     pub directions: Option<Name>,
@@ -421,7 +420,7 @@ pub enum Rate {
     Over(Expr),
 }
 
-/// An expression and where it is.
+/// An expression with its span.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Expr {
     /// What it is.
@@ -430,7 +429,7 @@ pub struct Expr {
     pub span: Span,
 }
 
-// A large text has as many of them as bytes.
+// There are about as many expressions as bytes of source text.
 const _: () = assert!(size_of::<Expr>() <= 24);
 
 /// A unit after a number.
@@ -485,11 +484,11 @@ pub struct Call {
     pub function: Name,
     /// With what.
     pub arguments: Box<[Expr]>,
-    /// What the answer is called.
+    /// The bound name.
     pub binding: Option<Box<Name>>,
 }
 
-/// What an expression is. A large text has many of them, so what is seldom or large is in boxes.
+/// The kind of an expression. There are many of them, so rare or large parts are boxed.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ExprKind {
     /// `12`, `0.5s`
@@ -504,7 +503,8 @@ pub enum ExprKind {
     Timer,
     /// `"text"`
     Text(Box<Word>),
-    /// `a`, `x'`: the expression's span is that of the name and its primes; read by [`Expr::path`] as the next is.
+    /// `a`, `x'`: the expression's span is that of the name and its primes; read through [`Expr::path`], like the next
+    /// variant.
     Name(Word, u8),
     /// `a.b`, `a.b'`
     Path(Box<Dotted>),

@@ -1,5 +1,5 @@
-//! The part of the syntax tree that names are made of. A large text is names above all, so a single one is kept without
-//! memory of its own: where it is follows from where the whole is.
+//! Names in the syntax tree. Most of a large text consists of names, so a single name takes no extra memory: its span
+//! follows from the whole.
 
 use std::ops::Deref;
 
@@ -12,7 +12,7 @@ use super::ast::{Expr, ExprKind, Name, Word};
 pub struct Variable {
     /// The variable.
     pub text: Word,
-    /// How many primes follow it.
+    /// Number of primes after it.
     pub primes: u32,
     /// With the primes.
     pub span: Span,
@@ -22,7 +22,7 @@ impl Variable {
     /// The variable without its primes.
     pub fn name(&self) -> Name {
         let mut span = self.span;
-        // A level editor may write primes in a longer way; then the whole is all that is known.
+        // In a level editor, primes may be escaped; then only the whole span is known.
         if span.range().len() == self.text.len() + self.primes as usize {
             span = span.ending(span.end() - self.primes);
         }
@@ -35,7 +35,7 @@ impl Variable {
     }
 }
 
-/// A name with dots, primes or places that are not those of the whole: those that `use` put in place.
+/// A name with dots, primes, or spans that differ from the whole because of `use`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dotted {
     /// The names between the dots.
@@ -74,7 +74,7 @@ impl Path {
         }
     }
 
-    /// To be read.
+    /// A view of the path.
     pub fn view(&self) -> PathRef<'_> {
         match self {
             Path::Name(text, primes, span) => PathRef::single(text, *primes, *span),
@@ -93,7 +93,7 @@ impl From<Path> for ExprKind {
 }
 
 impl Expr {
-    /// The path that it is, if it is one.
+    /// The path, if it is one.
     pub fn path(&self) -> Option<PathRef<'_>> {
         match &self.kind {
             ExprKind::Name(text, primes) => Some(PathRef::single(text, *primes, self.span)),
@@ -102,13 +102,13 @@ impl Expr {
         }
     }
 
-    /// The name that it is, if it is one without dots and primes.
+    /// The name, if it is one without dots and primes.
     pub fn name(&self) -> Option<Name> {
         self.path()?.name()
     }
 }
 
-/// A path while it is read, whichever way it is kept.
+/// A uniform view of a path.
 #[derive(Debug)]
 pub struct PathRef<'a> {
     /// The names between the dots.
@@ -141,9 +141,9 @@ impl<'a> PathRef<'a> {
 /// The names of a path.
 #[derive(Debug)]
 pub enum Segments<'a> {
-    /// One, made to be read.
+    /// One name, created for the view.
     One([Name; 1]),
-    /// Those of the tree.
+    /// The names in the tree.
     Many(&'a [Name]),
 }
 
@@ -157,7 +157,7 @@ impl Deref for Segments<'_> {
     }
 }
 
-/// The span of a name that primes follow up to the end of another span.
+/// The span of a name without the primes at its end.
 fn without(span: Span, primes: u8) -> Span {
     span.ending(span.end().saturating_sub(primes.into()))
 }

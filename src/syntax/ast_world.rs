@@ -1,4 +1,4 @@
-//! The part of the syntax tree that worlds are made of.
+//! Worlds in the syntax tree.
 
 use crate::source::Span;
 
@@ -9,7 +9,7 @@ use super::ast::{Assignment, Expr, File, Item, Name};
 pub struct World {
     /// Its name.
     pub name: Name,
-    /// What it holds.
+    /// Its contents.
     pub items: Vec<WorldItem>,
     /// The text of the `///` lines above it.
     pub doc: Option<String>,
@@ -17,7 +17,7 @@ pub struct World {
     pub span: Span,
 }
 
-/// What a world may hold.
+/// An item of a world.
 #[derive(Debug, Clone, PartialEq)]
 pub enum WorldItem {
     /// `step 1/60`
@@ -72,7 +72,7 @@ pub struct Collide {
     pub span: Span,
 }
 
-/// What a contact does, as written.
+/// The response of a contact, as written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Response {
     /// `block`, not `sense`.
@@ -131,7 +131,7 @@ pub struct TileSpawn {
 pub struct Limit {
     /// The entity.
     pub entity: Name,
-    /// How many may live.
+    /// Maximum number of instances.
     pub count: Expr,
     /// The whole.
     pub span: Span,
@@ -142,18 +142,18 @@ pub struct Limit {
 pub struct Space {
     /// Its name.
     pub name: Name,
-    /// What it holds.
+    /// Its contents.
     pub items: Vec<SpaceItem>,
     /// The whole.
     pub span: Span,
 }
 
-/// What a space may hold.
+/// An item of a space.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SpaceItem {
     /// A map.
     Map(Box<Map>),
-    /// A way into another space.
+    /// A link to another space.
     Link(Box<Link>),
     /// An instance.
     Place(Box<Place>),
@@ -199,13 +199,13 @@ pub struct Link {
 /// `map …`
 #[derive(Debug, Clone, PartialEq)]
 pub struct Map {
-    /// Where its rows and tiles come from.
+    /// The source of its rows and tiles.
     pub source: MapSource,
     /// The whole.
     pub span: Span,
 }
 
-/// Where a map's rows and tiles come from.
+/// The source of a map's rows and tiles.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MapSource {
     /// `map tiles " … "`: the rows from top to bottom, trimmed.
@@ -226,7 +226,7 @@ pub enum MapSource {
     OpenAll(Kinds),
 }
 
-/// What characters of a level, or names of a level editor, stand for.
+/// The meaning of characters of a level, or of names in a level editor.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Kinds {
     /// `'c': tags`

@@ -1,4 +1,4 @@
-//! The syntax tree from pest's pairs: files, entities, modes, edges, envelopes. Worlds are in `build_world`,
+//! Builds the syntax tree from pest's pairs: files, entities, modes, edges, envelopes. Worlds are in `build_world`,
 //! expressions in `expression`.
 
 use std::cell::RefCell;
@@ -22,23 +22,23 @@ use super::part::{ITEMS, MEMBERS, Part, Parts, UPDATES, WORLD_ITEMS, each, note_
 use super::scan::Scan;
 use super::{Grammar, Rule, message};
 
-/// How many syntax errors of one file are shown.
+/// Maximum number of reported syntax errors per file.
 const MAX_SYNTAX_ERRORS: usize = 100;
 
-/// What the builders share.
+/// The shared state of the builders.
 pub(super) struct Builder<'a> {
     file: FileId,
     source: &'a str,
     scan: &'a Scan,
     text: &'a str,
-    /// Where in the text the pairs are that are being built from: a text is parsed part by part.
+    /// The offset of the current pairs in the text: a text is parsed part by part.
     base: usize,
-    /// The furthest place to which the last part could be read that fit no rule at all.
+    /// The furthest position reached in the last part that matched no rule at all.
     stuck: usize,
-    /// How many slices fit no rule.
+    /// Number of parts that matched no rule.
     broken: usize,
     poisoned_names: BTreeSet<String>,
-    /// The words that were met.
+    /// The interned words.
     words: RefCell<HashSet<Word>>,
     errors: usize,
     diagnostics: &'a mut Diagnostics,
@@ -48,7 +48,7 @@ pub(super) struct Builder<'a> {
 pub(super) fn file(id: FileId, source: &str, mut scan: Scan, diagnostics: &mut Diagnostics) -> File {
     let mut out = File { id, items: Vec::new(), is_broken: false, poisoned_names: BTreeSet::new(), texts: Vec::new() };
     let Some(text) = scan.text.take() else {
-        // Nothing of the file was read: later stages must not complain of what it would have declared.
+        // Nothing of the file was read: later stages must not report uses of its declarations.
         out.is_broken = true;
         out.poisoned_names.insert("*".into());
         return out;
@@ -69,7 +69,7 @@ pub(super) fn file(id: FileId, source: &str, mut scan: Scan, diagnostics: &mut D
     out
 }
 
-/// Parses a scanned text that is a predicate and nothing else.
+/// Parses a scanned text that is a single predicate.
 pub(super) fn predicate(id: FileId, source: &str, mut scan: Scan, diagnostics: &mut Diagnostics) -> Option<Expr> {
     let text = scan.text.take()?;
     let b = Builder::new(id, source, &scan, &text, diagnostics);
@@ -100,9 +100,9 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// The next part by a rule, from a byte of the mended text on: what it is and where it ends.
+    /// Parses the next part by a rule, from a byte of the repaired text; returns its pair and its end.
     fn next(&mut self, rule: Rule, at: usize) -> Option<(Pair<'a, Rule>, usize)> {
-        // What separates parts is passed over here: the parser notes every end of a line in what it is given.
+        // Separators are skipped here: the parser records every line end in its input.
         let rest = self.text.get(at..)?;
         let at = at + (rest.len() - rest.trim_start_matches([' ', '\t', '\r', '\n', ';']).len());
         match Grammar::parse(rule, self.text.get(at..)?) {
@@ -120,8 +120,8 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// The parts of a block from a byte on, and where the block ends. Nothing if it does not end; then nothing in it counts
-    /// as broken, either.
+    /// The parts of a block from a byte on, and the end of the block. `None` if it does not end; then no part counts as
+    /// broken.
     pub fn block<T>(&mut self, parts: &Parts<T>, mut at: usize) -> Option<(Vec<T>, usize)> {
         let (known, errors) = (self.diagnostics.iter().len(), self.errors);
         let mut built = Vec::new();
@@ -150,12 +150,12 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Where a pair begins in the mended text.
+    /// The start of a pair in the repaired text.
     pub fn start_of(&self, pair: &Pair<'_, Rule>) -> usize {
         self.base + pair.as_span().start()
     }
 
-    /// A source span from bytes of the mended text.
+    /// The source span of bytes of the repaired text.
     pub fn span(&self, start: usize, end: usize) -> Span {
         Span::new(self.file, self.scan.position(start), self.scan.position(end))
     }
@@ -166,7 +166,7 @@ impl<'a> Builder<'a> {
         self.span(start, start + text.trim_end().len())
     }
 
-    /// A word of the text; equal ones are one.
+    /// Interns a word of the text.
     fn word(&self, text: &str) -> Word {
         let mut words = self.words.borrow_mut();
         if let Some(word) = words.get(text) {
@@ -179,7 +179,7 @@ impl<'a> Builder<'a> {
 
     pub fn name(&self, pair: &Pair<'_, Rule>) -> Name {
         let text = match pair.as_rule() {
-            // A text's name is what is between the quotes.
+            // The name of a string is its contents.
             Rule::text => pair.as_str().trim_matches('"'),
             Rule::tag => match pair.clone().into_inner().next() {
                 Some(inner) => return self.name(&inner),
@@ -200,7 +200,7 @@ impl<'a> Builder<'a> {
         self.scan.is_explained(span)
     }
 
-    /// Reports a slice that fit no rule. `rule` is what should have been there.
+    /// Reports a part that matched no rule. `rule` is the expected rule.
     pub fn bad(&mut self, rule: Rule, pair: &Pair<'_, Rule>) {
         let (from, to) = (self.start_of(pair), self.base + pair.as_span().end());
         let span = self.span_of(pair);

@@ -1,4 +1,4 @@
-//! The syntax tree from pest's pairs: worlds, tiles, spaces, goals.
+//! Builds the syntax tree from pest's pairs: worlds, tiles, spaces, goals.
 
 use pest::iterators::Pair;
 
@@ -10,13 +10,13 @@ use super::ast::{
 use super::build::Builder;
 use super::part::{Part, Parts, parts};
 
-/// How what is in spaces is read.
+/// The rules of the parts of spaces.
 const SPACE_ITEMS: Parts<SpaceItem> = Parts {
     next: Rule::next_space_item,
     plain: Rule::next_space_item,
     build: |b, pair, end| Some((b.space_item(pair), end)),
 };
-/// How the tiles of a set are read.
+/// The rules of the tiles of a set.
 const TILES: Parts<Tile> = Parts {
     next: Rule::next_tile,
     plain: Rule::next_tile,
@@ -132,7 +132,7 @@ impl<'a> Builder<'a> {
         Some(Tile { symbol: character, symbol_span: self.span_of(symbol), tags, spawn })
     }
 
-    /// What a tile stands for: tags, or what stands there.
+    /// The meaning of a tile: tags, or a spawn.
     fn meaning(&self, what: &Pair<'_, Rule>) -> Option<(Vec<Name>, Option<TileSpawn>)> {
         let mut names = self.names(what);
         if what.as_rule() != Rule::tile_spawn {

@@ -1,7 +1,8 @@
-//! Behaviours: every `use` is replaced by a copy of what the behaviour holds, its parameters by the arguments.
+//! Expands behaviours: every `use` is replaced by a copy of the behaviour's members, with arguments in place of
+//! parameters.
 //!
-//! The copy lives in a file of its own in the source map, which shows the behaviour's text and remembers the `use`, so
-//! that findings point at both. Names inside mean what they mean where the behaviour is used.
+//! Each copy has a separate file in the source map, which shows the behaviour's text and records the `use`, so that
+//! findings point at both. Names inside are resolved where the behaviour is used.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -18,12 +19,12 @@ use super::occurrence::{NameKind, Occurrences};
 use super::scan::{MAX_NESTING, MAX_OPERATORS};
 use super::substitute::Substitution;
 
-/// The most members that behaviours may put in place in one program.
-pub const MAX_PUT: usize = 200_000;
-/// How deep modes, groups and behaviours may be inside of each other once all are in place.
+/// Maximum number of expanded members of a program.
+pub const MAX_EXPANDED_MEMBERS: usize = 200_000;
+/// Maximum nesting depth of modes, groups and behaviours after expansion.
 const MAX_DEPTH: usize = 2 * MAX_NESTING;
 
-/// Puts all behaviours in place, and notes where they and their parameters are named.
+/// Expands all behaviours, and records occurrences of their names and parameters.
 pub fn expand(files: &mut [File], sources: &mut SourceMap, occurrences: &mut Occurrences) -> Diagnostics {
     let mut behaviors: BTreeMap<Word, Behavior> = BTreeMap::new();
     let mut diagnostics = Diagnostics::new();
@@ -62,7 +63,7 @@ pub fn expand(files: &mut [File], sources: &mut SourceMap, occurrences: &mut Occ
         diagnostics,
         occurrences,
         active: Vec::new(),
-        put: 0,
+        expanded: 0,
         depth: 0,
         is_too_deep: false,
         is_full: false,
@@ -80,27 +81,27 @@ pub fn expand(files: &mut [File], sources: &mut SourceMap, occurrences: &mut Occ
 
 struct Expander<'a> {
     behaviors: BTreeMap<Word, Behavior>,
-    /// Names that broken slices would have declared.
+    /// Names that unreadable parts may have declared.
     poisoned_names: BTreeSet<Word>,
     sources: &'a mut SourceMap,
     diagnostics: Diagnostics,
     occurrences: &'a mut Occurrences,
-    /// The behaviours that are being put in place.
+    /// The behaviours being expanded.
     active: Vec<Word>,
-    /// How many members were put in place.
-    put: usize,
-    /// How many modes, groups and behaviours are open.
+    /// Number of expanded members.
+    expanded: usize,
+    /// The current nesting depth.
     depth: usize,
-    /// Whether too many were.
+    /// Whether the maximum depth was exceeded.
     is_too_deep: bool,
-    /// Whether there are more uses than the source map takes.
+    /// Whether there are more uses than the source map can hold.
     is_full: bool,
-    /// The behaviours that were put in place at least once.
+    /// The behaviours that were expanded at least once.
     used: BTreeSet<Word>,
 }
 
 impl Expander<'_> {
-    /// Reports behaviours of the root file that nothing uses, if it has a world: a file without is for others to use.
+    /// Reports unused behaviours of the root file, if it has a world: a file without one is a library.
     fn unused(&mut self, root: Option<&File>) {
         let Some(root) = root.filter(|f| f.items.iter().any(|i| matches!(i, Item::World(_)))) else { return };
         let own = root.items.iter().filter_map(|i| if let Item::Behavior(b) = i { Some(&b.name) } else { None });
@@ -124,7 +125,7 @@ impl Expander<'_> {
         let mut done: BTreeSet<&str> = BTreeSet::new();
         let mut found = Vec::new();
         for &start in uses.keys() {
-            // A walk with its own stack: who is on the way, and which of its uses comes next.
+            // A depth-first search with an explicit stack of behaviours and their next uses.
             let mut way: Vec<(&str, usize)> = vec![(start, 0)];
             let mut on_way: BTreeSet<&str> = BTreeSet::from([start]);
             while let Some((name, next)) = way.last_mut() {
@@ -160,7 +161,7 @@ impl Expander<'_> {
         self.depth += 1;
         for member in std::mem::take(members) {
             match member {
-                Member::Use(put) => members.extend(self.put(&put)),
+                Member::Use(used) => members.extend(self.expand_use(&used)),
                 Member::Mode(mut mode) => {
                     self.members(&mut mode.members);
                     members.push(Member::Mode(mode));
@@ -175,18 +176,18 @@ impl Expander<'_> {
         self.depth -= 1;
     }
 
-    /// What a `use` stands for.
-    fn put(&mut self, put: &Use) -> Vec<Member> {
-        let name = &put.behavior.text;
+    /// The members of a `use`.
+    fn expand_use(&mut self, used: &Use) -> Vec<Member> {
+        let name = &used.behavior.text;
         let Some(behavior) = self.behaviors.get(name).cloned() else {
             if !self.poisoned_names.contains(name) && !self.poisoned_names.contains("*") {
                 let known = self.behaviors.values().map(|b| (&*b.name.text, Some(b.name.span)));
-                self.diagnostics.report(UnknownName::new("behavior", name, put.behavior.span, known));
+                self.diagnostics.report(UnknownName::new("behavior", name, used.behavior.span, known));
             }
             return Vec::new();
         };
         self.used.insert(name.clone());
-        self.occurrences.read(NameKind::Behavior, put.behavior.span, behavior.name.span);
+        self.occurrences.read(NameKind::Behavior, used.behavior.span, behavior.name.span);
         if self.active.contains(name) {
             return Vec::new(); // a cycle, which is reported
         }
@@ -194,29 +195,29 @@ impl Expander<'_> {
             if !std::mem::replace(&mut self.is_too_deep, true) {
                 let (count, limit) = (self.depth as u64, MAX_DEPTH as u64);
                 let what = "modes, groups and behaviors inside of each other".into();
-                self.diagnostics.report(TooMany { what, count, limit, at: put.span });
+                self.diagnostics.report(TooMany { what, count, limit, at: used.span });
             }
             return Vec::new();
         }
-        let before = self.put;
-        self.put += 1 + size(&behavior.members);
-        if self.put > MAX_PUT {
-            if before <= MAX_PUT {
-                let (count, limit) = (self.put as u64, MAX_PUT as u64);
-                self.diagnostics.report(TooMany { what: "members by `use`".into(), count, limit, at: put.span });
+        let before = self.expanded;
+        self.expanded += 1 + size(&behavior.members);
+        if self.expanded > MAX_EXPANDED_MEMBERS {
+            if before <= MAX_EXPANDED_MEMBERS {
+                let (count, limit) = (self.expanded as u64, MAX_EXPANDED_MEMBERS as u64);
+                self.diagnostics.report(TooMany { what: "members by `use`".into(), count, limit, at: used.span });
             }
             return Vec::new();
         }
-        let Some(arguments) = self.arguments(put, &behavior) else { return Vec::new() };
+        let Some(arguments) = self.arguments(used, &behavior) else { return Vec::new() };
         if self.sources.is_full_of_copies() {
             if !std::mem::replace(&mut self.is_full, true) {
                 let (count, limit) = (MAX_COPIES as u64 + 1, MAX_COPIES as u64);
                 let what = "behaviors put in place by `use`".into();
-                self.diagnostics.report(TooMany { what, count, limit, at: put.span });
+                self.diagnostics.report(TooMany { what, count, limit, at: used.span });
             }
             return Vec::new();
         }
-        let copy = self.sources.copy(behavior.name.span.file(), put.span);
+        let copy = self.sources.copy(behavior.name.span.file(), used.span);
         let from = behavior.name.span.file();
         let mut substitution = Substitution { from, to: copy, arguments, too_long: None, replaced: Vec::new() };
         let mut members = behavior.members;
@@ -232,12 +233,12 @@ impl Expander<'_> {
     }
 
     /// The argument of each parameter.
-    fn arguments(&mut self, put: &Use, behavior: &Behavior) -> Option<Vec<(String, Expr)>> {
+    fn arguments(&mut self, used: &Use, behavior: &Behavior) -> Option<Vec<(String, Expr)>> {
         let mut arguments: Vec<(String, Expr)> = Vec::new();
         let mut places: BTreeMap<&str, Span> = BTreeMap::new();
         let parameters: BTreeSet<&str> = behavior.parameters.iter().map(|p| &*p.text).collect();
         let mut fits = true;
-        for argument in &put.arguments {
+        for argument in &used.arguments {
             let (name, at) = (&argument.variable.text, argument.variable.span);
             let known = parameters.contains(&**name) && argument.variable.primes == 0;
             if let Some(parameter) = behavior.parameters.iter().find(|p| known && p.text == *name) {
@@ -262,13 +263,13 @@ impl Expander<'_> {
         if !missing.is_empty() && fits {
             fits = false;
             let name = behavior.name.text.to_string();
-            self.diagnostics.report(MissingArguments { at: put.span, name, missing, declared: behavior.name.span });
+            self.diagnostics.report(MissingArguments { at: used.span, name, missing, declared: behavior.name.span });
         }
         fits.then_some(arguments)
     }
 }
 
-/// Notes where a behaviour names its own parameters: where they are replaced, here by themselves.
+/// Records occurrences of a behaviour's own parameters: where they are replaced, here by themselves.
 fn note_parameters(behavior: &Behavior, occurrences: &mut Occurrences) {
     for parameter in &behavior.parameters {
         occurrences.declare(NameKind::Argument, parameter.span);
@@ -288,7 +289,7 @@ fn note_parameters(behavior: &Behavior, occurrences: &mut Occurrences) {
     }
 }
 
-/// Notes what a behaviour declares: nothing else does where nothing uses it.
+/// Records the declarations of a behaviour, which matters if it is unused.
 fn note_members(members: &[Member], occurrences: &mut Occurrences) {
     for member in members {
         match member {
@@ -320,7 +321,7 @@ fn has_use(members: &[Member]) -> bool {
     })
 }
 
-/// The number of members, those inside included.
+/// Number of members, including nested ones.
 fn size(members: &[Member]) -> usize {
     let inside = members.iter().map(|m| match m {
         Member::Mode(mode) => size(&mode.members),
@@ -330,11 +331,11 @@ fn size(members: &[Member]) -> usize {
     members.len() + inside.sum::<usize>()
 }
 
-/// The names and places of all uses among some members.
+/// The names and spans of all uses among some members.
 fn collect<'a>(members: &'a [Member], out: &mut Vec<(&'a str, Span)>) {
     for member in members {
         match member {
-            Member::Use(put) => out.push((&put.behavior.text, put.span)),
+            Member::Use(used) => out.push((&used.behavior.text, used.span)),
             Member::Mode(mode) => collect(&mode.members, out),
             Member::Group(group) => collect(&group.members, out),
             _ => {}

@@ -1,4 +1,4 @@
-//! The syntax tree from pest's pairs: expressions, with pest's Pratt parser for precedence.
+//! Builds expressions from pest's pairs, with pest's Pratt parser for precedence.
 //!
 //! From loose to tight: `or`, `and`, `not`, comparisons (which chain), `+ -`, `* /`, unary `-`.
 

@@ -1,5 +1,5 @@
-//! Reading a file and all that it imports. Paths are relative to the importing file; a file is read once, however
-//! often it is imported; a cycle is an error. The walk keeps its own stack, so a long chain cannot overflow ours.
+//! Loads a file and all its imports. Paths are relative to the importing file; a file is read once, however often it is
+//! imported; a cycle is an error. The traversal has an explicit stack, so long chains cannot overflow the call stack.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use crate::source::{FileId, Files, ReadError, SourceMap, Span};
 
 use super::ast::{File, Item, MapSource};
 
-/// The most files that one program may be made of.
+/// Maximum number of files of a program.
 pub const MAX_FILES: usize = 10_000;
 
 /// A file whose imports are being read.
@@ -21,8 +21,8 @@ struct Open {
     imports: std::vec::IntoIter<(PathBuf, Span)>,
 }
 
-/// Reads and parses `root` and what it imports, directly or not. Files come in the order in which they depend on
-/// each other: the root first, every file before those that it imports.
+/// Reads and parses `root` and its direct and indirect imports. Files come in order of dependency: the root first,
+/// every file before its imports.
 pub fn load(root: &Path, files: &dyn Files, sources: &mut SourceMap) -> (Vec<File>, Diagnostics) {
     let mut diagnostics = Diagnostics::new();
     let mut done: Vec<File> = Vec::new();
@@ -48,7 +48,7 @@ pub fn load(root: &Path, files: &dyn Files, sources: &mut SourceMap) -> (Vec<Fil
             }
             match open(&path, Some(at), files, sources, &mut known, &mut diagnostics) {
                 Some(next) => stack.push(next),
-                // Whatever it declares is not known, and that is explained already.
+                // Its declarations are unknown, which is already reported.
                 None => {
                     if let Some(top) = stack.last_mut() {
                         top.file.is_broken = true;
@@ -62,7 +62,7 @@ pub fn load(root: &Path, files: &dyn Files, sources: &mut SourceMap) -> (Vec<Fil
     (done, diagnostics)
 }
 
-/// Reads the levels and legends that the maps of a file name.
+/// Reads the levels and legends of the maps of a file.
 fn texts(
     file: &File,
     folder: &Path,

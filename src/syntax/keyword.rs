@@ -1,12 +1,12 @@
-//! The keywords, read from the text of the grammar, so that they are in one place: which there are, and with which of them
-//! a rule can begin. Rules that are called `kw_…` are words that are never names; `word_…` mean something where they are.
+//! The keywords, derived from the text of the grammar: all keywords, and those that can start a rule. Rules named
+//! `kw_…` are reserved words; `word_…` are keywords only in context.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use super::Rule;
 
-/// The grammar, as pest reads it.
+/// The grammar of pest.
 const GRAMMAR: &str = include_str!("../../grammar/hyped.pest");
 
 /// A keyword.
@@ -26,7 +26,7 @@ static BODIES: LazyLock<BTreeMap<&'static str, &'static str>> = LazyLock::new(||
     while !rest.is_empty() {
         let line = rest.lines().next().unwrap_or_default();
         let after = rest.get(line.len()..).map_or("", |rest| rest.strip_prefix('\n').unwrap_or(rest));
-        // A rule ends before the first line that begins at the margin, but for its own closing brace.
+        // A rule ends before the next unindented line, except its own closing brace.
         let more = after.split_inclusive('\n').take_while(|line| !line.starts_with(|c: char| c.is_ascii_alphabetic()));
         let more: usize = more.map(str::len).sum();
         if starts(line) {
@@ -47,12 +47,12 @@ static KEYWORDS: LazyLock<Vec<Keyword>> = LazyLock::new(|| {
     lines.filter_map(keyword).collect()
 });
 
-/// The keywords that can open what each rule describes, for the rules that are asked for.
+/// The keywords that can start each of the requested rules.
 static OPENING: LazyLock<BTreeMap<&'static str, Vec<&'static str>>> = LazyLock::new(|| {
     let mut opening = BTreeMap::new();
     for name in BODIES.keys() {
         let mut words = Vec::new();
-        First { rest: BODIES.get(name).copied().unwrap_or_default(), depth: 0 }.read(&mut words);
+        FirstWords { rest: BODIES.get(name).copied().unwrap_or_default(), depth: 0 }.read(&mut words);
         opening.insert(*name, words);
     }
     opening
@@ -63,26 +63,26 @@ pub fn keywords() -> &'static [Keyword] {
     &KEYWORDS
 }
 
-/// The keyword that a rule stands for.
+/// The keyword of a rule.
 pub(super) fn keyword(rule: Rule) -> Option<&'static str> {
     let name = format!("{rule:?}");
     let word = name.strip_prefix("kw_").or_else(|| name.strip_prefix("word_"))?;
     keywords().iter().map(|keyword| keyword.word).find(|known| *known == word)
 }
 
-/// The keywords with which what a rule describes can begin, in the order of the grammar.
+/// The keywords that can start a rule, in the order of the grammar.
 pub fn opening_keywords(rule: &str) -> &'static [&'static str] {
     OPENING.get(rule).map_or(&[], Vec::as_slice)
 }
 
-/// Reads which keywords can come first in the body of a rule.
-struct First {
+/// Computes the keywords that can come first in the body of a rule.
+struct FirstWords {
     rest: &'static str,
     depth: usize,
 }
 
-impl First {
-    /// Reads alternatives up to the end or to the bracket that closes them; returns whether one of them can be empty.
+impl FirstWords {
+    /// Reads alternatives up to the end or the closing bracket; returns whether one of them can be empty.
     fn read(&mut self, words: &mut Vec<&'static str>) -> bool {
         let (mut can_be_empty, mut is_first) = (false, true);
         while let Some(token) = self.token() {
@@ -122,9 +122,9 @@ impl First {
         can_be_empty || is_first
     }
 
-    /// The keywords with which a rule can begin. Expressions are not followed: a name can begin them.
+    /// The keywords that can start a rule. Expressions are not followed: a name can start them.
     fn rule(&self, name: &'static str, words: &mut Vec<&'static str>) {
-        /// Deeper than this the grammar goes in circles.
+        /// Maximum depth: beyond it, the grammar is recursive.
         const MAX_DEPTH: usize = 8;
         let word = name.strip_prefix("kw_").or_else(|| name.strip_prefix("word_"));
         if let Some(word) = word {
@@ -132,7 +132,7 @@ impl First {
                 words.push(word);
             }
         } else if let Some(body) = BODIES.get(name).filter(|_| self.depth < MAX_DEPTH && name != "expression") {
-            First { rest: body, depth: self.depth + 1 }.read(words);
+            FirstWords { rest: body, depth: self.depth + 1 }.read(words);
         }
     }
 

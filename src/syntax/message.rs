@@ -1,5 +1,5 @@
-//! Words for syntax errors: a slice that fit no rule is parsed again with the rule that was expected, and
-//! pest's furthest failure becomes a diagnostic.
+//! Explains syntax errors: a part that matched no rule is parsed again with the expected rule, and pest's furthest
+//! failure becomes a diagnostic.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -12,7 +12,7 @@ use crate::diagnostic::{only_similar, similar};
 use crate::source::Span;
 
 use super::keyword::{keyword, opening_keywords};
-use super::slip::{Failed, slip};
+use super::likely_fix::{Failure, likely_fix};
 use super::{Grammar, Rule};
 
 /// Explains why `text[from..to]` does not parse as `rule`; `span` maps bytes of `text` to source spans.
@@ -38,7 +38,7 @@ pub(super) fn explain(
             (at.min(trimmed.len()), expected)
         }
     };
-    // White space before the culprit is not the culprit.
+    // Skip white space before the wrong token.
     let tail = trimmed.get(offset..).unwrap_or("");
     let at = from + offset + (tail.len() - tail.trim_start().len());
     let found = if offset < trimmed.len() { token_at(text, at) } else { "" };
@@ -50,11 +50,11 @@ pub(super) fn explain(
         span(at, at + found.len())
     };
     let failed =
-        Failed { rule, slice: trimmed, at: at.saturating_sub(from).min(trimmed.len()), found, expected: &expected };
-    let slip = slip(&failed, opening_words(rule));
-    let help = slip.as_ref().map(|slip| slip.help.clone());
-    let is_first = slip.as_ref().is_some_and(|slip| slip.is_first);
-    let meant = slip.and_then(|slip| slip.instead).filter(|(range, text)| is_meant(&failed, range, text));
+        Failure { rule, slice: trimmed, at: at.saturating_sub(from).min(trimmed.len()), found, expected: &expected };
+    let fix = likely_fix(&failed, opening_words(rule));
+    let help = fix.as_ref().map(|fix| fix.help.clone());
+    let is_first = fix.as_ref().is_some_and(|fix| fix.is_first);
+    let meant = fix.and_then(|fix| fix.replacement).filter(|(range, text)| is_certain(&failed, range, text));
     let meant = meant.map(|(range, text)| (span(from + range.start, from + range.end), text));
     if is_first {
         let first = token_at(text, from);
@@ -64,15 +64,15 @@ pub(super) fn explain(
     Unexpected { at: at_span, found: (!end_of_statement).then(|| found.to_string()), expected, help, meant }
 }
 
-/// Whether a change is meant for certain: the statement can then be read, or at least read further.
-fn is_meant(failed: &Failed<'_>, range: &Range<usize>, text: &str) -> bool {
+/// Whether a fix is certain: with it the statement parses, or at least parses further.
+fn is_certain(failed: &Failure<'_>, range: &Range<usize>, text: &str) -> bool {
     let (rule, slice) = (failed.rule, failed.slice);
     let (Some(before), Some(was), Some(after)) =
         (slice.get(..range.start), slice.get(range.clone()), slice.get(range.end..))
     else {
         return false;
     };
-    // Of several words that are near it is not known which one is meant.
+    // With several similar words, the intended one is unknown.
     let words = || opening_words(rule).iter().copied();
     if range.start == 0 && similar(was, words()).is_some() && only_similar(was, words()).is_none() {
         return false;
@@ -83,14 +83,14 @@ fn is_meant(failed: &Failed<'_>, range: &Range<usize>, text: &str) -> bool {
     reads_to(rule, &format!("{before}{text}{after}")).is_none_or(|to| range.start > 0 && to > range.start + text.len())
 }
 
-/// Up to where a slice can be read as a rule; none if all of it can.
+/// The position up to which a part parses as a rule; `None` if all of it does.
 fn reads_to(rule: Rule, slice: &str) -> Option<usize> {
     Grammar::parse(rule, slice).err().map(|error| match error.location {
         InputLocation::Pos(at) | InputLocation::Span((at, _)) => at,
     })
 }
 
-/// The words that can open what a rule describes.
+/// The words that can start a rule.
 fn opening_words(rule: Rule) -> &'static [&'static str] {
     opening_keywords(match rule {
         Rule::only_item => "good_item",
@@ -114,7 +114,7 @@ fn token_at(text: &str, at: usize) -> &str {
     let length = if is_word(first) {
         rest.find(|c| !is_word(c)).unwrap_or(rest.len())
     } else {
-        // Some that only other languages have are among them: half of one is no token.
+        // Includes tokens of other languages, so that they are not split.
         ["->", ":=", "==", "!=", "<=", ">=", "''", "..", "&&", "||", "=>", "+=", "-=", "*=", "/=", "++", "--"]
             .iter()
             .find(|t| rest.starts_with(**t))
@@ -123,7 +123,7 @@ fn token_at(text: &str, at: usize) -> &str {
     rest.get(..length).unwrap_or("")
 }
 
-/// The rules that could have been at an error, in the order of importance and without repetition.
+/// Names of the rules expected at an error, by importance, without duplicates.
 fn words(rules: &[Rule]) -> Vec<String> {
     let mut words: Vec<Cow<'static, str>> = Vec::new();
     let mut add = |word: Cow<'static, str>| {
@@ -164,7 +164,7 @@ fn words(rules: &[Rule]) -> Vec<String> {
     };
     let in_list = has(Rule::comma) || has(Rule::close_paren) || (has(Rule::plus) && !starts_expression);
     for rule in rules {
-        // After a name a call is possible, but hardly what is missing.
+        // After a name a call is possible, but rarely intended.
         if in_list && *rule == Rule::open_paren {
             continue;
         }
@@ -217,7 +217,7 @@ fn starts_an_expression(rule: Rule) -> bool {
     )
 }
 
-/// What a rule is called in messages.
+/// The name of a rule in messages.
 fn word(rule: Rule) -> Option<Cow<'static, str>> {
     use Rule as R;
     let word = match rule {
@@ -252,7 +252,7 @@ fn word(rule: Rule) -> Option<Cow<'static, str>> {
     Some(word.into())
 }
 
-/// The keyword that a rule stands for, or that a statement begins with.
+/// The keyword of a rule, or the first keyword of a statement.
 fn statement_word(rule: Rule) -> Option<&'static str> {
     use Rule as R;
     let is_statement = matches!(

@@ -1,7 +1,7 @@
-//! From text to the syntax tree. The grammar is `grammar/hyped.pest`; it parses everything, errors included.
+//! Parsing: from text to the syntax tree. The grammar is `grammar/hyped.pest`; it accepts every text, including errors.
 //!
-//! [`parse`] never fails: a linear scan first keeps the limits that protect the parser's stack, collects the
-//! comments and mends unbalanced braces; then pest parses, and what fit no rule is reported and left out.
+//! [`parse`] never fails: a linear scan first enforces limits that protect the parser's stack, collects comments and
+//! repairs unbalanced braces; then pest parses, and parts that match no rule are reported and skipped.
 
 pub mod ast;
 mod ast_path;
@@ -12,12 +12,12 @@ mod expand;
 mod expression;
 mod import;
 mod keyword;
-mod mend;
+mod likely_fix;
 mod message;
 pub mod occurrence;
 mod part;
+mod repair;
 mod scan;
-mod slip;
 mod substitute;
 mod word;
 
@@ -27,7 +27,7 @@ use pest::iterators::Pairs;
 use crate::diagnostic::Diagnostics;
 use crate::source::FileId;
 
-pub use expand::{MAX_PUT, expand};
+pub use expand::{MAX_EXPANDED_MEMBERS, expand};
 use grammar::Grammar;
 pub(crate) use grammar::Rule;
 pub use import::load;
@@ -35,7 +35,7 @@ pub use keyword::{Keyword, keywords, opening_keywords};
 pub use scan::{MAX_NESTING, MAX_OPERATORS, MAX_WORD};
 pub use word::{is_name, is_reserved};
 
-/// The parser that pest derives from the grammar; its `Rule` is known to this stage and to the formatter only.
+/// The parser that pest derives from the grammar; only this stage and the formatter use its `Rule`.
 #[allow(missing_docs, reason = "derived code")]
 mod grammar {
     #[derive(pest_derive::Parser)]
@@ -43,15 +43,14 @@ mod grammar {
     pub struct Grammar;
 }
 
-/// What the grammar makes of a text: nothing if [`parse`] does not give it to the grammar as it is. Slices that fit no
-/// rule are among the pairs.
+/// The pairs of a text, including parts that match no rule; `None` if [`parse`] has to change the text first.
 pub(crate) fn pairs(file: FileId, text: &str) -> Option<Pairs<'_, Rule>> {
     let mut diagnostics = Diagnostics::new();
     scan::scan(file, text, &mut diagnostics);
     if diagnostics.has_errors() { None } else { Grammar::parse(Rule::file, text).ok() }
 }
 
-/// Parses a text that is a predicate and nothing else: what `goal` and `never` ask. None if the diagnostics hold an error.
+/// Parses a single predicate, as in `goal` and `never`. `None` if the diagnostics contain an error.
 pub fn parse_predicate(file: FileId, text: &str) -> (Option<ast::Expr>, Diagnostics) {
     let mut diagnostics = Diagnostics::new();
     let scanned = scan::scan(file, text, &mut diagnostics);
@@ -59,7 +58,7 @@ pub fn parse_predicate(file: FileId, text: &str) -> (Option<ast::Expr>, Diagnost
     (predicate.filter(|_| !diagnostics.has_errors()), diagnostics)
 }
 
-/// Parses one file. The tree holds what could be read; the diagnostics say what could not.
+/// Parses one file. The tree contains the readable parts; the diagnostics describe the others.
 pub fn parse(file: FileId, text: &str) -> (ast::File, Diagnostics) {
     let mut diagnostics = Diagnostics::new();
     let scanned = scan::scan(file, text, &mut diagnostics);

@@ -1,9 +1,9 @@
-//! Where names occur and what they mean: what an editor asks for. The stages that resolve names note each declaration and
-//! each use as they meet it, also in programs with errors; nothing is resolved twice.
+//! Occurrences of names and their meanings, for editors. The stages that resolve names record each declaration and each
+//! use, also in programs with errors, so nothing is resolved twice.
 
 use crate::source::{SourceMap, Span};
 
-/// What a name names.
+/// The kind of a named thing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum NameKind {
     /// `const`
@@ -12,7 +12,7 @@ pub enum NameKind {
     Entity,
     /// `behavior`
     Behavior,
-    /// What is in the parentheses of a `behavior`.
+    /// A parameter of a `behavior`.
     Argument,
     /// `world`
     World,
@@ -30,13 +30,13 @@ pub enum NameKind {
     Value,
     /// `ref`
     Reference,
-    /// What a guard touches, named by `as`.
+    /// An instance bound by `as`.
     Touched,
     /// `button`
     Button,
     /// `axis`
     Axis,
-    /// What colliders and tiles count as; declared wherever something carries it.
+    /// A tag of colliders and tiles; declared wherever something carries it.
     Tag,
     /// `space`
     Space,
@@ -50,7 +50,7 @@ pub enum NameKind {
     Never,
 }
 
-/// What is done with a name where it is.
+/// The role of an occurrence.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Role {
     /// It is declared.
@@ -61,34 +61,34 @@ pub enum Role {
     Read,
 }
 
-/// A name at a place.
+/// An occurrence of a name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Occurrence {
     /// The place.
     pub at: Span,
-    /// What it names.
+    /// The kind of the named thing.
     pub kind: NameKind,
-    /// The name in its declaration. `x` and `y` are declared by the name of their entity; a tag by itself, wherever it
-    /// is.
+    /// The span of the name in its declaration. `x` and `y` are declared by the name of their entity; a tag is its own
+    /// declaration.
     pub declared: Span,
-    /// What is done with it.
+    /// Its role.
     pub role: Role,
 }
 
-/// All names of a program, if anybody wants to know.
+/// All occurrences of a program, if they are requested.
 #[derive(Debug, Clone, Default)]
 pub struct Occurrences {
-    /// None if no caller does: a large text has many names.
+    /// `None` if not requested: a large text has many names.
     list: Option<Vec<Occurrence>>,
 }
 
 impl Occurrences {
-    /// To be kept, unlike by default.
+    /// Records occurrences; the default does not.
     pub fn kept() -> Self {
         Occurrences { list: Some(Vec::new()) }
     }
 
-    /// Whether anybody wants to know.
+    /// Whether occurrences are recorded.
     pub fn are_kept(&self) -> bool {
         self.list.is_some()
     }
@@ -99,22 +99,22 @@ impl Occurrences {
         }
     }
 
-    /// Notes a declaration.
+    /// Records a declaration.
     pub fn declare(&mut self, kind: NameKind, at: Span) {
         self.note(Occurrence { at, kind, declared: at, role: Role::Declared });
     }
 
-    /// Notes a use.
+    /// Records a use.
     pub fn read(&mut self, kind: NameKind, at: Span, declared: Span) {
         self.note(Occurrence { at, kind, declared, role: Role::Read });
     }
 
-    /// Notes that a value is set.
+    /// Records an assignment.
     pub fn write(&mut self, kind: NameKind, at: Span, declared: Span) {
         self.note(Occurrence { at, kind, declared, role: Role::Written });
     }
 
-    /// In order of their places, each once. What is in copies made by `use` is noted of the text itself.
+    /// Sorted by span, without duplicates. Occurrences in copies made by `use` are mapped to the original text.
     pub fn sorted(self, sources: &SourceMap) -> Vec<Occurrence> {
         let traced =
             |o: Occurrence| Occurrence { at: sources.trace(o.at).0, declared: sources.trace(o.declared).0, ..o };

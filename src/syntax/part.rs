@@ -1,5 +1,4 @@
-//! The parts that blocks are made of: by which rule each is read, what of a pair is of interest, and what a part that fits
-//! no rule would have declared.
+//! The parts of blocks: the rule of each, its relevant inner pairs, and the names that a broken part may have declared.
 
 use std::collections::BTreeSet;
 
@@ -9,27 +8,27 @@ use super::Rule;
 use super::ast::{Item, Member, Update, WorldItem};
 use super::build::Builder;
 
-/// What came of a part of a block: nothing if it opens a block that does not end, else what was built of it and where it
-/// ends.
+/// The result of a part: `None` if it opens a block that does not end, else the built value and the end.
 pub(super) type Part<T> = Option<(Option<T>, usize)>;
 
-/// How the parts of a block are read: by which rule, by which one if what a part opens does not end, and what is built.
+/// How the parts of a block are parsed: the rule, the fallback rule for a part whose block does not end, and the
+/// builder.
 pub(super) struct Parts<T> {
     pub next: Rule,
     pub plain: Rule,
     pub build: fn(&mut Builder<'_>, &Pair<'_, Rule>, usize) -> Part<T>,
 }
 
-/// How what is in a file is read.
+/// The parts of files.
 pub(super) const ITEMS: Parts<Item> =
     Parts { next: Rule::next_item, plain: Rule::plain_item, build: |b, pair, end| b.item(pair, end) };
-/// How what is in entities, behaviours, groups and modes is read.
+/// The parts of entities, behaviours, groups and modes.
 pub(super) const MEMBERS: Parts<Member> =
     Parts { next: Rule::next_member, plain: Rule::plain_member, build: |b, pair, end| b.part(pair, end) };
-/// How what is in worlds is read.
+/// The parts of worlds.
 pub(super) const WORLD_ITEMS: Parts<WorldItem> =
     Parts { next: Rule::next_world_item, plain: Rule::plain_world_item, build: |b, pair, end| b.world_part(pair, end) };
-/// How updates are read.
+/// The parts of update blocks.
 pub(super) const UPDATES: Parts<Update> = Parts {
     next: Rule::next_update,
     plain: Rule::next_update,
@@ -44,12 +43,12 @@ pub(super) const UPDATES: Parts<Update> = Parts {
     },
 };
 
-/// The inner pairs without punctuation and introducing words.
+/// The inner pairs without punctuation and keywords.
 pub(super) fn parts<'i>(pair: &Pair<'i, Rule>) -> Vec<Pair<'i, Rule>> {
     each(pair).collect()
 }
 
-/// The same one by one, for lists that may be as long as a file.
+/// The same as an iterator, for lists that may be as long as a file.
 pub(super) fn each<'i>(pair: &Pair<'i, Rule>) -> impl Iterator<Item = Pair<'i, Rule>> + use<'i> {
     pair.clone().into_inner().filter(|p| !is_punctuation(p.as_rule()))
 }
@@ -135,8 +134,8 @@ fn is_punctuation(rule: Rule) -> bool {
     )
 }
 
-/// Notes the names that a broken declaration would have introduced: the words after a declaring word, or after a first word
-/// that opens nothing and may be a slip.
+/// Collects the names that a broken declaration may have declared: the words after a declaring keyword, or after a
+/// first word that may be a misspelt keyword.
 pub(super) fn note_declared(slice: &str, names: &mut BTreeSet<String>) {
     const DECLARING: &[&str] = &[
         "param",
@@ -166,10 +165,10 @@ pub(super) fn note_declared(slice: &str, names: &mut BTreeSet<String>) {
     for token in slice.split(|c: char| !is_word(c) && c != ',').filter(|t| !t.is_empty()) {
         let list_goes_on = token.ends_with(',');
         for word in token.split(',').filter(|w| !w.is_empty()) {
-            let slip = first && !OTHER.contains(&word) && !DECLARING.contains(&word);
-            let declares = DECLARING.contains(&word) || slip;
-            // `speed 100`, its `param` forgotten, declares its first word.
-            if slip || (declaring && !declares) {
+            let may_be_typo = first && !OTHER.contains(&word) && !DECLARING.contains(&word);
+            let declares = DECLARING.contains(&word) || may_be_typo;
+            // `speed 100` without `param` declares its first word.
+            if may_be_typo || (declaring && !declares) {
                 names.insert(word.to_string());
             }
             declaring = declares || (declaring && list_goes_on);

@@ -1,8 +1,8 @@
-//! The linear scan before parsing: limits on nesting and length (pest answers deep nesting by the size of the
-//! thread's stack), comments as trivia, maps without an end, and braces that do not match.
+//! The linear scan before parsing: limits on nesting and length (pest recurses on the thread's stack), comments as
+//! trivia, unterminated maps, and unbalanced braces.
 //!
-//! Unbalanced braces are mended by indentation, so that one lost brace is one diagnostic and the rest of the file
-//! is still checked. The mended text differs from the source by inserted lines; [`Scan::position`] maps back.
+//! Unbalanced braces are repaired by indentation, so that one missing brace gives one diagnostic and the rest of the
+//! file is still checked. The repaired text has additional lines; [`Scan::position`] maps back.
 
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::syntax::{
@@ -10,15 +10,15 @@ use crate::diagnostic::catalogue::syntax::{
 };
 use crate::source::{FileId, Span};
 
-use super::mend::{Brace, Insert, LineStart, mend_braces};
+use super::repair::{Brace, Insert, LineStart, repair_braces};
 
-/// How many brackets may be open at once.
+/// Maximum number of open brackets.
 pub const MAX_NESTING: usize = 64;
-/// How many operators one expression may hold.
+/// Maximum number of operators of an expression.
 pub const MAX_OPERATORS: usize = 256;
-/// How many bytes a name or a number may have.
+/// Maximum length of a name or a number, bytes.
 pub const MAX_WORD: usize = 255;
-/// How many words, numbers and signs a file may have: what is made of each takes far more memory than its text.
+/// Maximum number of tokens of a file: each takes far more memory than its text.
 pub const MAX_TOKENS: usize = 4_000_000;
 
 /// A `///` comment: it documents what follows.
@@ -26,44 +26,44 @@ pub const MAX_TOKENS: usize = 4_000_000;
 pub(super) struct Comment {
     /// Its first byte in the source.
     pub start: u32,
-    /// One past its last byte that is no white space.
+    /// One past its last non-blank byte.
     pub end: u32,
 }
 
-/// What the scan leaves for the parser.
+/// The output of the scan.
 pub(super) struct Scan {
-    /// The text to parse; none if a limit was passed.
+    /// The text to parse; `None` if a limit was exceeded.
     pub text: Option<String>,
-    /// All comments that document what follows.
+    /// All documentation comments.
     pub docs: Vec<Comment>,
-    /// Regions whose syntax errors are already explained.
+    /// Regions whose syntax errors are already reported.
     pub explained: Vec<Span>,
-    /// Where lines were inserted (in the mended text), how many bytes, and how many with those before.
+    /// Inserted lines: the position in the repaired text, the number of bytes, and the cumulative number.
     insertions: Vec<(usize, usize, usize)>,
     length: usize,
 }
 
 impl Scan {
-    /// The byte of the source behind a byte of the mended text.
+    /// The source position of a byte of the repaired text.
     pub fn position(&self, mended: usize) -> usize {
         let before = self.insertions.partition_point(|(at, ..)| *at < mended);
         let shift = match before.checked_sub(1).and_then(|last| self.insertions.get(last)) {
-            // The byte may be within what was inserted.
+            // The byte may be inside an insertion.
             Some(&(at, length, sum)) => sum - length + length.min(mended - at),
             None => 0,
         };
         (mended - shift).min(self.length)
     }
 
-    /// Whether what is wrong with a place has been told.
+    /// Whether the error at a span is already reported.
     pub fn is_explained(&self, span: Span) -> bool {
-        // They are in order and do not overlap.
+        // The regions are sorted and disjoint.
         let before = self.explained.partition_point(|e| e.start() <= span.start());
         before.checked_sub(1).and_then(|last| self.explained.get(last)).is_some_and(|e| e.contains(span))
     }
 }
 
-/// Words whose line opens a block.
+/// Keywords of lines that open a block.
 const HEADERS: &[&str] = &["entity", "world", "behavior", "mode", "group", "space", "tiles", "envelope"];
 
 /// Scans a file.
@@ -85,12 +85,12 @@ pub(super) fn scan(file: FileId, text: &str, diagnostics: &mut Diagnostics) -> S
         let inserts = if is_balanced {
             Vec::new()
         } else {
-            // Where lines begin and braces are is of interest only now; what is wrong otherwise has been reported.
-            let mut said = Diagnostics::new();
-            let mut scanner = Scanner { is_mending: true, ..Scanner::new(file, text, &mut said) };
+            // Lines and braces are collected only now; all other errors have been reported.
+            let mut ignored = Diagnostics::new();
+            let mut scanner = Scanner { is_repairing: true, ..Scanner::new(file, text, &mut ignored) };
             scanner.run();
             let Scanner { braces, lines, .. } = scanner;
-            mend_braces(file, text.len(), &braces, &lines, &mut mended, diagnostics)
+            repair_braces(file, text.len(), &braces, &lines, &mut mended, diagnostics)
         };
         let mut out = String::with_capacity(mended.len() + 2 * inserts.len());
         let mut done = 0;
@@ -115,30 +115,30 @@ struct Scanner<'a> {
     docs: Vec<Comment>,
     braces: Vec<Brace>,
     lines: Vec<LineStart>,
-    /// Byte ranges to be replaced by blanks.
+    /// Byte ranges to replace by blanks.
     blanks: Vec<(usize, usize)>,
     explained: Vec<Span>,
     within_limits: bool,
-    /// Whether braces and lines are kept.
-    is_mending: bool,
-    /// How many braces are open.
+    /// Whether braces and lines are collected.
+    is_repairing: bool,
+    /// Number of open braces.
     depth: i64,
-    /// Whether none closed what was not open.
+    /// Whether all closing braces so far had an opener.
     is_balanced: bool,
     /// Open parentheses of each open brace, outermost first.
     parens: Vec<usize>,
     tokens: usize,
     operators: usize,
-    /// A newline came since the last token, outside parentheses.
+    /// A newline followed the last token, outside parentheses.
     newline: bool,
-    /// The last token lets a statement go on in the next line.
+    /// The last token continues the statement in the next line.
     continues: bool,
     line_start: usize,
     indent: usize,
     line_is_empty: bool,
-    /// The end of the line that was looked for last.
+    /// The end of the last searched line.
     line_end: usize,
-    /// Up to here no row closes a map that has lost its opening quote.
+    /// No row before this position closes a map without an opening quote.
     no_quote_before: usize,
 }
 
@@ -155,7 +155,7 @@ impl<'a> Scanner<'a> {
             blanks: Vec::new(),
             explained: Vec::new(),
             within_limits: true,
-            is_mending: false,
+            is_repairing: false,
             depth: 0,
             is_balanced: true,
             parens: vec![0],
@@ -198,7 +198,7 @@ impl<'a> Scanner<'a> {
         self.bytes[from..].iter().position(|&b| b == b'\n').map_or(self.bytes.len(), |n| from + n)
     }
 
-    /// The end of the line that is being scanned; a long line is searched once.
+    /// The end of the current line; a long line is searched once.
     fn this_line_end(&mut self, from: usize) -> usize {
         if self.line_end <= from {
             self.line_end = self.line_end(from);
@@ -210,13 +210,13 @@ impl<'a> Scanner<'a> {
         let end = self.this_line_end(start);
         let body = self.text.get(start..end).unwrap_or("").trim_end();
         if body.starts_with("///") && !body.starts_with("////") {
-            // Files are limited, so the casts lose nothing.
+            // File sizes are limited, so the casts are lossless.
             self.docs.push(Comment { start: start as u32, end: (start + body.len()) as u32 });
         }
         end
     }
 
-    /// Takes the token at `i` and gives the byte after it.
+    /// Consumes the token at `i` and returns the position after it.
     fn token(&mut self, i: usize) -> usize {
         self.tokens += 1;
         if self.tokens == MAX_TOKENS + 1 {
@@ -235,7 +235,7 @@ impl<'a> Scanner<'a> {
         self.continues = false;
         if self.line_is_empty {
             self.line_is_empty = false;
-            if self.is_mending && !inside && rest[0] != b'}' && rest[0] != b'{' {
+            if self.is_repairing && !inside && rest[0] != b'}' && rest[0] != b'{' {
                 let bare_header = HEADERS.iter().any(|h| is_word(h));
                 self.lines.push(LineStart {
                     line: self.line_start,
@@ -269,7 +269,7 @@ impl<'a> Scanner<'a> {
             open @ (b'{' | b'}') => {
                 self.depth += if open == b'{' { 1 } else { -1 };
                 self.is_balanced &= self.depth >= 0;
-                if self.is_mending {
+                if self.is_repairing {
                     self.braces.push(Brace {
                         at: i,
                         open: open == b'{',
@@ -381,7 +381,7 @@ impl<'a> Scanner<'a> {
         if let Some(close) = self.bytes[i + 1..end].iter().position(|&b| b == b'"') {
             return i + close + 2;
         }
-        // Only the last quote of a line comes here.
+        // Only the last quote of a line reaches this point.
         let after = self.text.get(i + 1..end).unwrap_or("x").trim();
         if !after.is_empty() && !after.starts_with("//") {
             return i + 1; // an unclosed text: the grammar reports it at its line's end
@@ -440,7 +440,7 @@ impl<'a> Scanner<'a> {
     }
 }
 
-/// Whether a line can be no row of a map: the map that runs into it has lost a quote.
+/// Whether a line cannot be a row of a map: a map that runs into it has lost a quote.
 fn is_no_row(line: &str) -> bool {
     line.contains('"') || line.contains(": ") || line == "}"
 }

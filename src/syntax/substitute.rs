@@ -1,4 +1,4 @@
-//! A copy of what a behaviour holds: spans move to the copy's file, parameters become their arguments.
+//! Copies the members of a behaviour: spans move to the copy's file, arguments replace parameters.
 
 use crate::source::{FileId, Span};
 
@@ -7,17 +7,17 @@ use super::ast::{
 };
 use super::scan::MAX_OPERATORS;
 
-/// What changes in a copy.
+/// The substitution of a copy.
 pub(super) struct Substitution {
     /// The file of the behaviour.
     pub from: FileId,
     /// The file of the copy.
     pub to: FileId,
-    /// What the parameters stand for.
+    /// The argument of each parameter.
     pub arguments: Vec<(String, Expr)>,
-    /// The first expression that became too long.
+    /// The first expression that exceeds the limit.
     pub too_long: Option<Span>,
-    /// Where parameters were, and which.
+    /// The spans and indices of replaced parameters.
     pub replaced: Vec<(Span, usize)>,
 }
 
@@ -36,7 +36,7 @@ impl Substitution {
         self.span(&mut variable.span);
     }
 
-    /// A path whose first name is a parameter that stands for a path.
+    /// A path whose first name may be a parameter for a path.
     fn path(&mut self, path: &mut Path) {
         match path {
             Path::Name(_, _, span) => self.span(span),
@@ -205,7 +205,7 @@ impl Substitution {
         }
     }
 
-    /// A whole expression; it must not become too long.
+    /// A complete expression; its length is limited.
     fn whole(&mut self, e: &mut Expr) {
         let mut operators = 0;
         self.expression(e, &mut operators);
@@ -236,7 +236,7 @@ impl Substitution {
             };
             self.replaced.push((at, index));
             *operators += count(argument);
-            // The argument is in parentheses of its own, except for names: those of buttons and tags are no values.
+            // The argument is parenthesised, except for names: those of buttons and tags are no values.
             *e = match argument.kind {
                 ExprKind::Name(..) | ExprKind::Path(_) | ExprKind::Text(_) => argument.clone(),
                 _ => Expr { kind: ExprKind::Paren(Box::new(argument.clone())), span: e.span },
@@ -278,18 +278,18 @@ impl Substitution {
                     self.expression(b, operators);
                 }
             }
-            ExprKind::In(asked) => {
-                let (a, path) = &mut **asked;
+            ExprKind::In(operands) => {
+                let (a, path) = &mut **operands;
                 self.expression(a, operators);
                 self.path(path);
             }
-            ExprKind::Is(asked) => {
-                let (a, name) = &mut **asked;
+            ExprKind::Is(operands) => {
+                let (a, name) = &mut **operands;
                 self.expression(a, operators);
                 name.iter_mut().for_each(|n| self.name(n));
             }
-            ExprKind::Touching(asked) => {
-                let (a, name) = &mut **asked;
+            ExprKind::Touching(operands) => {
+                let (a, name) = &mut **operands;
                 self.expression(a, operators);
                 self.name(name);
             }
@@ -303,9 +303,9 @@ fn count(e: &Expr) -> usize {
         ExprKind::Call(call) => call.arguments.iter().map(count).sum(),
         ExprKind::Point(both) => both.iter().map(count).sum(),
         ExprKind::Paren(a) => count(a),
-        ExprKind::In(asked) => count(&asked.0),
-        ExprKind::Is(asked) => count(&asked.0),
-        ExprKind::Touching(asked) => count(&asked.0),
+        ExprKind::In(operands) => count(&operands.0),
+        ExprKind::Is(operands) => count(&operands.0),
+        ExprKind::Touching(operands) => count(&operands.0),
         ExprKind::Negate(a) | ExprKind::Not(a) => 1 + count(a),
         ExprKind::Binary(_, both) | ExprKind::Compare(_, both) => 1 + both.iter().map(count).sum::<usize>(),
         ExprKind::Chain(chain) => count(&chain.0) + chain.1.iter().map(|(_, b)| 1 + count(b)).sum::<usize>(),

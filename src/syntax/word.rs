@@ -1,5 +1,5 @@
-//! What the grammar takes for a name, and what for a word of its own; for the stages that make names or read them from
-//! elsewhere.
+//! Names and reserved words of the grammar, for stages that create names or read them from elsewhere; and interned
+//! words.
 
 use std::borrow::Borrow;
 use std::fmt;
@@ -19,12 +19,12 @@ fn fits(rule: Rule, text: &str) -> bool {
     found.is_some_and(|pair| pair.as_str().len() == text.len())
 }
 
-/// Whether a text can be a name as it is: not a word that the grammar keeps for itself, and not too long.
+/// Whether a text is a valid name: not reserved, and not too long.
 pub fn is_name(text: &str) -> bool {
     text.len() <= MAX_WORD && fits(Rule::name, text)
 }
 
-/// Whether the grammar keeps a word for itself: it is never a name.
+/// Whether a word is reserved: never a name.
 pub fn is_reserved(text: &str) -> bool {
     fits(Rule::reserved, text)
 }
@@ -48,12 +48,13 @@ mod tests {
     }
 }
 
-/// A word of a text: its copies share what it says. A tree has many more copies than words, so each copy is one pointer.
+/// An interned word: copies share the text. A tree has many more copies than distinct words, so each copy is one
+/// pointer.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Word(Arc<Box<str>>);
 
 impl Word {
-    /// What it says.
+    /// The text.
     pub fn as_str(&self) -> &str {
         &self.0
     }

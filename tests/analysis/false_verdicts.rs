@@ -7,7 +7,7 @@ use std::sync::Arc;
 use hypedc::analysis::{ConfigurationSpace, InvariantVerdict, configuration_space, invariants};
 use hypedc::compile::compile;
 use hypedc::ir::{Program, WorldId};
-use hypedc::reach::Guard;
+use hypedc::reach::Monitor;
 use hypedc::sim::{Input, PlayerInput, Simulator};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -44,7 +44,7 @@ impl Script {
 /// What is false in a run.
 fn refuted(program: &Arc<Program>, world: WorldId, space: &ConfigurationSpace, script: &Script) -> Option<String> {
     let sim = Simulator::new(program, world);
-    let guard = Guard::new(space, program, world);
+    let guard = Monitor::new(space, program, world);
     let mut scratch = sim.scratch();
     let mut state = sim.initial(&mut scratch).ok()?;
     let proven: Vec<_> = invariants(program, world, space)

@@ -3,11 +3,11 @@
 
 use hypedc::analysis::ConfigurationSpace;
 use hypedc::ir::{GoalId, Program};
-use hypedc::reach::Guard;
+use hypedc::reach::Monitor;
 use hypedc::sim::Simulator;
 
 /// What of a state is outside, if anything is.
-pub fn outside(sim: &Simulator, guard: &Guard, state: &[u8]) -> Option<String> {
+pub fn outside(sim: &Simulator, guard: &Monitor, state: &[u8]) -> Option<String> {
     guard.outside(sim, state).map(|what| what.to_string())
 }
 

@@ -2,7 +2,7 @@
 
 use hypedc::analysis::configuration_space;
 use hypedc::ir::{Origin, Program, WorldId};
-use hypedc::reach::Guard;
+use hypedc::reach::Monitor;
 use hypedc::sim::{Input, PlayerInput, Simulator};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -44,7 +44,7 @@ pub fn run(program: &Arc<Program>, id: WorldId, steps: usize, seed: u64) -> Run 
     let given_up = space.slots.iter().filter(|s| s.is_given_up).count();
     let mut run = Run { slots: space.slots.len(), given_up, is_by_place, ..Run::default() };
     let sim = Simulator::new(program, id);
-    let guard = Guard::new(&space, program, id);
+    let guard = Monitor::new(&space, program, id);
     let world = sim.world();
     let mut scratch = sim.scratch();
     let Ok(start) = sim.initial(&mut scratch) else { return run };

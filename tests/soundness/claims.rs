@@ -4,7 +4,7 @@ use hypedc::analysis::{ConfigurationSpace, InvariantVerdict, Spaces, invariants,
 use hypedc::compile::Compilation;
 use hypedc::diagnostic::{Code, Diagnostics};
 use hypedc::ir::{Domain, EntityId, ExprId, GoalId, ModeId, NeverId, Program, World, WorldId};
-use hypedc::reach::Guard;
+use hypedc::reach::Monitor;
 use hypedc::sim::{Input, Simulator};
 use hypedc::source::{FileId, Span};
 
@@ -64,9 +64,9 @@ fn is_free(program: &Program, world: &World) -> bool {
 /// Everything that is claimed of a world.
 pub struct Claims {
     pub space: ConfigurationSpace,
-    guard: Guard,
+    guard: Monitor,
     /// Of runs on which no `never` holds, if there is any.
-    guard_within: Option<Guard>,
+    guard_within: Option<Monitor>,
     goals: Vec<GoalId>,
     goals_within: Vec<GoalId>,
     nevers: Vec<NeverId>,
@@ -126,8 +126,8 @@ impl Claims {
                 .map(|(id, _)| id)
                 .collect(),
             invariants: proven.filter(|(.., v)| *v == InvariantVerdict::Proven).map(|(e, i, _)| (e, i)).collect(),
-            guard: Guard::new(&space, program, world),
-            guard_within: within.as_ref().map(|within| Guard::new(within, program, world)),
+            guard: Monitor::new(&space, program, world),
+            guard_within: within.as_ref().map(|within| Monitor::new(within, program, world)),
             space,
             silent: Vec::new(),
             modes: Vec::new(),

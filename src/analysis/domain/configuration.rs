@@ -1,4 +1,4 @@
-//! What an instance can be: in one combination of its leaves, in all of them together, and within a step.
+//! Abstract states of an instance: per combination of leaves, joined over all of them, and in the middle of a step.
 
 use std::collections::BTreeSet;
 use std::ops::{Deref, DerefMut};
@@ -9,33 +9,33 @@ use crate::ir::{DiscreteId, IdVec, LeafId, ParamId, SpaceId, TimerId, VarId};
 use crate::analysis::domain::energy::Fall;
 use crate::analysis::domain::values::{Interval, Values};
 
-/// What the variables of an instance can be while some leaves are active.
+/// The abstract state of an instance while some leaves are active.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Configuration {
     /// The active leaf of each group.
     pub leaves: Vec<LeafId>,
-    /// The count of each timer, steps.
+    /// Steps counted by each timer.
     pub timers: IdVec<TimerId, Interval>,
-    /// The spaces it can be in.
+    /// The spaces the instance can be in.
     pub spaces: Arc<BTreeSet<SpaceId>>,
-    /// What its variables can be. Most ways of a step leave them as they are, so that they are shared until written.
+    /// Values of its variables. Most branches of a step do not change them, so they are shared until written.
     pub(in crate::analysis) numbers: Arc<Numbers>,
 }
 
-/// What the variables of an instance can be.
+/// Values of the variables of an instance.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Numbers {
-    /// Position, velocity and acceleration of each continuous variable.
+    /// Value, first and second derivative of each continuous variable.
     pub vars: IdVec<VarId, [Values; 3]>,
     /// Each discrete variable.
     pub discretes: IdVec<DiscreteId, Values>,
-    /// Each parameter, where they can differ from one life of the slot to the next; else nothing.
+    /// The parameters, if they can differ between lives of the slot; else empty.
     pub(in crate::analysis) params: IdVec<ParamId, Values>,
-    /// Of each continuous variable that fell in the last step: how, and with which energy.
+    /// For each continuous variable in free fall in the last step: its acceleration and energy.
     pub(in crate::analysis) energy: IdVec<VarId, Energy>,
 }
 
-/// How a variable falls, and with which energy.
+/// The acceleration and energy of a variable in free fall.
 type Energy = Option<(Fall, Interval)>;
 
 impl Deref for Configuration {
@@ -52,52 +52,52 @@ impl DerefMut for Configuration {
     }
 }
 
-/// What is known of a slot whatever it does: its configurations in one.
+/// The join of a slot's configurations.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::analysis) struct Overall {
-    /// Whether there can be an instance.
+    /// Whether the slot can hold an instance.
     pub can_live: bool,
-    /// Whether there can be none.
+    /// Whether the slot can be empty.
     pub can_be_absent: bool,
     pub params: IdVec<ParamId, Values>,
     pub vars: IdVec<VarId, [Values; 3]>,
     pub discretes: IdVec<DiscreteId, Values>,
-    /// What updates make of it within a step, which flows of others read.
-    pub between: Between,
-    /// Where it is when contacts are found, before anything is pushed; px.
+    /// Values after the discrete phase, which flows of others read.
+    pub mid_step: MidStep,
+    /// Position when contacts are detected, before pushes; px.
     pub contact: [Values; 2],
     pub spaces: BTreeSet<SpaceId>,
-    /// Of both axes, the greatest speed at which it moves before anything stops it, px/s.
+    /// Maximum speed along each axis before a collision, px/s.
     pub speed: [f64; 2],
-    /// The same, of those steps that lead to where there is something that never moves.
+    /// The same, over steps that end near static obstacles.
     pub near_speed: [f64; 2],
     /// The leaves that can be active.
     pub leaves: BTreeSet<LeafId>,
 }
 
-/// What an instance can be within a step, after the discrete phase and before the continuous one. An instance that is destroyed in
-/// that step is read by others in it, too.
+/// Values of an instance after the discrete phase and before the continuous one. They include those of an instance that
+/// is destroyed in the step, which others still read.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(in crate::analysis) struct Between {
+pub(in crate::analysis) struct MidStep {
     pub vars: IdVec<VarId, [Values; 3]>,
     pub discretes: IdVec<DiscreteId, Values>,
     pub leaves: BTreeSet<LeafId>,
 }
 
-impl Between {
-    /// Of an entity with a number of variables.
+impl MidStep {
+    /// Empty, for an entity with a number of variables.
     pub fn new(vars: usize, discretes: usize) -> Self {
         let none = |count: usize| (0..count).map(|_| Values::none());
         let vars = none(vars).map(|v| [v; 3]).collect();
-        Between { vars, discretes: none(discretes).collect(), leaves: BTreeSet::new() }
+        MidStep { vars, discretes: none(discretes).collect(), leaves: BTreeSet::new() }
     }
 
-    /// Of what can be anything but for its discrete variables, with a number of leaves.
+    /// Unconstrained except for the discrete variables and leaves.
     pub fn anything(vars: usize, discretes: IdVec<DiscreteId, Values>, leaves: BTreeSet<LeafId>) -> Self {
-        Between { vars: (0..vars).map(|_| [Values::all(); 3]).collect(), discretes, leaves }
+        MidStep { vars: (0..vars).map(|_| [Values::all(); 3]).collect(), discretes, leaves }
     }
 
-    /// Adds what the discrete phase leads to; returns true if that is more than before.
+    /// Joins a result of the discrete phase; returns true if the set grew.
     pub fn add(&mut self, at: &Configuration) -> bool {
         let mut changed = false;
         for leaf in &at.leaves {
@@ -121,13 +121,13 @@ impl Between {
 }
 
 impl Configuration {
-    /// Whether some variable has no value left.
+    /// Whether some variable has no possible value.
     pub fn is_impossible(&self) -> bool {
         let mut all = self.vars.iter().flatten().chain(self.discretes.iter()).chain(self.params.iter());
         all.any(Values::is_none)
     }
 
-    /// Of an instance that has not moved yet.
+    /// The configuration of an instance that has not moved yet.
     pub(in crate::analysis) fn new(
         vars: IdVec<VarId, [Values; 3]>,
         discretes: IdVec<DiscreteId, Values>,
@@ -140,7 +140,7 @@ impl Configuration {
         Configuration { leaves: Vec::new(), timers, spaces: Arc::new(spaces), numbers }
     }
 
-    /// Sets a variable (0), its velocity (1) or acceleration (2).
+    /// Sets a variable (degree 0), its velocity (1) or acceleration (2).
     pub(in crate::analysis) fn set(&mut self, var: VarId, degree: usize, values: Values) {
         if self.vars[var][degree] != values {
             self.vars[var][degree] = values;
@@ -154,24 +154,24 @@ impl Configuration {
         }
     }
 
-    /// A variable does not go on as it fell.
+    /// Drops what is known about the energy of a variable.
     pub(in crate::analysis) fn forget_energy(&mut self, var: VarId) {
         if self.energy[var].is_some() {
             self.energy[var] = None;
         }
     }
 
-    /// A variable has an energy as it falls.
+    /// Sets the energy of a variable in free fall.
     pub(in crate::analysis) fn set_energy(&mut self, var: VarId, energy: (Fall, Interval)) {
         self.energy[var] = Some(energy);
     }
 
-    /// Whether the variables are the very same: nothing has been written since.
+    /// Whether both share the same variables: nothing was written since they were cloned.
     pub(in crate::analysis) fn shares(&self, other: &Configuration) -> bool {
         Arc::ptr_eq(&self.numbers, &other.numbers)
     }
 
-    /// Whether all that can be here can be there, too.
+    /// Whether this configuration is included in another.
     pub(in crate::analysis) fn is_within(&self, there: &Configuration) -> bool {
         let energy = |(a, b): (&Energy, &Energy)| match (a, b) {
             (_, None) => true,
@@ -190,7 +190,7 @@ impl Configuration {
             && (self.shares(there) || numbers())
     }
 
-    /// Cuts speeds and heights to what energies allow.
+    /// Restricts speeds and heights to what the energies allow.
     pub(in crate::analysis) fn sharpen(&mut self) {
         for var in self.energy.ids() {
             let [mut position, mut velocity, _] = self.vars[var];
@@ -206,7 +206,7 @@ impl Configuration {
         }
     }
 
-    /// What can be in either; both are of the same leaves.
+    /// The join of two configurations with the same leaves.
     #[must_use]
     pub fn or(&self, other: &Configuration) -> Configuration {
         if other.is_within(self) {
@@ -220,7 +220,7 @@ impl Configuration {
         if self.shares(other) {
             return Configuration { timers, spaces, ..self.clone() };
         }
-        // Positions and velocities have an energy under whatever acceleration.
+        // An energy can be computed for any acceleration.
         let energy = |var: VarId| {
             let of = |c: &Configuration, fall: Fall| match c.energy[var] {
                 Some((own, energy)) if own == fall => Some(energy),

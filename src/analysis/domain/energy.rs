@@ -1,16 +1,16 @@
-//! What stays the same under a constant acceleration.
+//! The invariant of motion under a constant acceleration.
 //!
-//! With `v += a·dt; p += v·dt`, the number `v² + a·dt·v − 2·a·p` is the same after each step: it is the energy of a free
-//! fall, as this way of integrating keeps it. It ties speed to height: how fast a body falls when it lands, how high it
-//! jumps. Each step rounds by some 1e-16 of the terms of that sum; a margin of 1e-6 of their size covers any flight that is
-//! simulated in a lifetime.
+//! With `v += a·dt; p += v·dt`, the number `v² + a·dt·v − 2·a·p` is constant: it is the energy of a free fall, as
+//! preserved by this integrator. It relates speed to height: how fast a body falls when it lands, how high it jumps.
+//! Each step adds a rounding error of about 1e-16 of the terms; a margin of 1e-6 of their size covers any realistic
+//! number of steps.
 
 use crate::analysis::domain::values::{Interval, Values};
 
-/// How far rounding may shift it, relative to its size.
+/// Relative error margin for rounding.
 const MARGIN: f64 = 1e-6;
 
-/// A constant acceleration during steps of a length.
+/// A constant acceleration, with the length of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::analysis) struct Fall {
     /// px/s², not 0.
@@ -19,12 +19,12 @@ pub(in crate::analysis) struct Fall {
     pub step: f64,
 }
 
-fn wide(i: Interval) -> Interval {
+fn with_margin(i: Interval) -> Interval {
     let margin = |x: f64| MARGIN * (1.0 + x.abs());
     Interval { low: i.low - margin(i.low), high: i.high + margin(i.high) }
 }
 
-/// The sum of two terms, with a margin by the size of the terms: they may cancel.
+/// The sum of two terms, with a margin proportional to their sizes: they may cancel.
 fn sum(a: Interval, b: Interval) -> Interval {
     let sum = a.plus(b);
     let margin = |a: f64, b: f64| MARGIN * (1.0 + a.abs() + b.abs());
@@ -44,14 +44,14 @@ impl Fall {
 
     /// `v² + a·dt·v`
     fn kinetic(self, v: Interval) -> Interval {
-        // Its least value is where v = -a·dt/2.
+        // The minimum is at v = -a·dt/2.
         let turn = -self.acceleration * self.step / 2.0;
         let f = |v: f64| if v.is_finite() { v * v + self.acceleration * self.step * v } else { f64::INFINITY };
         let ends = Interval::between(f(v.low), f(v.high));
         if v.contains(turn) { ends.or(Interval::point(f(turn))) } else { ends }
     }
 
-    /// The energy under another acceleration of what has an energy under this one, at some positions and velocities.
+    /// Converts an energy under this acceleration into the energy under another one.
     pub fn converted(self, energy: Interval, to: Fall, position: Interval, velocity: Interval) -> Interval {
         let (a, b) = (self.acceleration, to.acceleration);
         let along = position.times(Interval::point(2.0 * (a - b)));
@@ -60,13 +60,13 @@ impl Fall {
         exact.and(to.energy(position, velocity)).unwrap_or(exact)
     }
 
-    /// The energy after pushes to some positions by the low and by the high side: what moves into a surface is stopped,
-    /// what moves away from it keeps its velocity, one of those that were `free`.
+    /// The energy after pushes by the low and by the high side. Motion into a surface is stopped; motion away from it
+    /// keeps its velocity, which is one of `free`.
     pub fn pushed(self, energy: Interval, pushed: [Option<Interval>; 2], free: Interval) -> Interval {
         let stopped = Interval::point(0.0);
         let mut out = energy;
         for (end, at) in pushed.into_iter().enumerate().filter_map(|(end, at)| Some((end, at?))) {
-            // Pushed against the acceleration it is where it could not get; else it has less energy than before.
+            // A push against the acceleration adds energy; any other push removes some.
             let gains = (end == 0) == (self.acceleration < 0.0);
             let kept = if end == 0 { free.high.max(0.0) } else { free.low.min(0.0) };
             let velocity = if gains { stopped.or(Interval::point(kept)) } else { stopped };
@@ -76,11 +76,11 @@ impl Fall {
         out
     }
 
-    /// The energy after velocities below (or above) an end were cut to it, at some positions.
+    /// The energy after velocities below (or above) `end` were clamped to it.
     pub fn cut(self, energy: Interval, position: Interval, end: Interval, is_low: bool) -> Interval {
         let cut = self.energy(position, end);
-        // From the position before the step, a velocity `v` after it gives `(v - a·dt/2)²` and what does not depend on it:
-        // what is slowed down towards `a·dt/2` has less energy than before.
+        // In terms of the position before the step, a velocity `v` after it contributes `(v - a·dt/2)²`: slowing down
+        // towards `a·dt/2` reduces the energy.
         let turn = self.acceleration * self.step / 2.0;
         match if is_low { end.high <= turn } else { turn <= end.low } {
             true => Interval { low: energy.low.min(cut.low), high: energy.high },
@@ -88,9 +88,9 @@ impl Fall {
         }
     }
 
-    /// The energy after velocities were brought nearer to 0, or to it, at some positions.
+    /// The energy after velocities were reduced in magnitude.
     pub fn slowed(self, energy: Interval, position: Interval) -> Interval {
-        // Beyond `-a·dt/2` the energy falls with the speed; between that and 0 is all that can be more.
+        // Beyond `-a·dt/2` the energy decreases with the speed, so only velocities between that and 0 can add energy.
         let turn = -self.acceleration * self.step / 2.0;
         energy.or(self.energy(position, Interval::between(0.0, turn)))
     }
@@ -99,17 +99,17 @@ impl Fall {
     pub fn velocities(self, energy: Interval, position: Interval, velocity: &Values) -> Values {
         let half = self.acceleration * self.step / 2.0;
         let kinetic = sum(energy, position.times(Interval::point(2.0 * self.acceleration)));
-        let square = wide(kinetic).high + half * half;
+        let square = with_margin(kinetic).high + half * half;
         if square.is_nan() || square == f64::INFINITY {
             return *velocity;
         }
         let root = square.max(0.0).sqrt();
-        velocity.within(wide(Interval { low: -half - root, high: -half + root }))
+        velocity.within(with_margin(Interval { low: -half - root, high: -half + root }))
     }
 
     /// The positions that an energy allows at some velocities.
     pub fn positions(self, energy: Interval, velocity: Interval, position: &Values) -> Values {
         let difference = sum(self.kinetic(velocity), Interval { low: -energy.high, high: -energy.low });
-        position.within(wide(difference.times(Interval::point(0.5 / self.acceleration))))
+        position.within(with_margin(difference.times(Interval::point(0.5 / self.acceleration))))
     }
 }

@@ -1,4 +1,4 @@
-//! What values can be: intervals and sets of them, what an instance can be, widening.
+//! Abstract domains: sets of intervals, abstract states of instances, widening.
 
 pub(in crate::analysis) mod configuration;
 pub(in crate::analysis) mod energy;

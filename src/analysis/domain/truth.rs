@@ -1,6 +1,6 @@
-//! The ways a predicate can turn out.
+//! Three-valued truth of predicates.
 
-/// The ways a guard can turn out.
+/// The possible outcomes of a guard.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::analysis) struct Truth {
     pub can_hold: bool,

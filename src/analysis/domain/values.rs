@@ -1,14 +1,14 @@
-//! What a number can be: a few closed intervals, of which a point is the smallest. Operations on floating-point numbers
-//! never decrease when an operand grows, so that the rounded ends of an interval enclose all rounded results.
+//! Sets of numbers as a few closed intervals (a point is an interval). Floating-point operations are monotonic, so the
+//! rounded ends of an interval enclose all rounded results.
 
 use std::fmt;
 
 /// A closed interval; `low <= high`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interval {
-    /// Its least number.
+    /// The lower end.
     pub low: f64,
-    /// Its greatest number.
+    /// The upper end.
     pub high: f64,
 }
 
@@ -21,50 +21,50 @@ impl Interval {
         Interval { low: x, high: x }
     }
 
-    /// From one number to another, whichever is less.
+    /// The interval between two numbers, in either order.
     pub fn between(a: f64, b: f64) -> Self {
         if a.is_nan() || b.is_nan() { Interval::ALL } else { Interval { low: a.min(b), high: a.max(b) } }
     }
 
-    /// Whether it is one number.
+    /// Whether the interval is a single number.
     pub fn is_point(self) -> bool {
         self.low == self.high
     }
 
-    /// Whether a number is in it.
+    /// Whether the interval contains a number.
     pub fn contains(self, x: f64) -> bool {
         self.low <= x && x <= self.high
     }
 
-    /// The common part; none if there is none.
+    /// The intersection, if it is not empty.
     pub fn and(self, other: Interval) -> Option<Interval> {
         let (low, high) = (self.low.max(other.low), self.high.min(other.high));
         (low <= high).then_some(Interval { low, high })
     }
 
-    /// The least interval around both.
+    /// The smallest interval that contains both.
     #[must_use]
     pub fn or(self, other: Interval) -> Interval {
         Interval { low: self.low.min(other.low), high: self.high.max(other.high) }
     }
 
-    /// Around the values at the ends of a function that never turns.
+    /// The image under a monotonic function.
     pub(in crate::analysis) fn map(self, f: impl Fn(f64) -> f64) -> Interval {
         Interval::between(f(self.low), f(self.high))
     }
 
-    /// Around the values at the corners of a function of two numbers that never turns in either.
+    /// The image under a function that is monotonic in both arguments.
     pub(in crate::analysis) fn corners(self, other: Interval, f: impl Fn(f64, f64) -> f64) -> Interval {
         let with = |b: f64| self.map(|a| f(a, b));
         with(other.low).or(with(other.high))
     }
 
-    /// Around the lesser of two numbers.
+    /// The minimum of two numbers.
     pub(in crate::analysis) fn least(self, other: Interval) -> Interval {
         Interval { low: self.low.min(other.low), high: self.high.min(other.high) }
     }
 
-    /// Around the greater of two numbers.
+    /// The maximum of two numbers.
     pub(in crate::analysis) fn greatest(self, other: Interval) -> Interval {
         Interval { low: self.low.max(other.low), high: self.high.max(other.high) }
     }
@@ -78,11 +78,11 @@ impl Interval {
     }
 
     pub(in crate::analysis) fn times(self, other: Interval) -> Interval {
-        // Nothing times as much as one likes is nothing.
+        // 0 times infinity is 0: infinite ends stand for arbitrarily large finite numbers.
         self.corners(other, |a, b| if a == 0.0 || b == 0.0 { 0.0 } else { a * b })
     }
 
-    /// Of a number with itself.
+    /// The square of one number, unlike `self.times(self)`.
     pub(in crate::analysis) fn square(self) -> Interval {
         let (a, b) = (self.low * self.low, self.high * self.high);
         if self.contains(0.0) { Interval { low: 0.0, high: a.max(b) } } else { Interval::between(a, b) }
@@ -120,14 +120,14 @@ impl fmt::Display for Short {
     }
 }
 
-/// The most intervals that are kept apart.
-const MOST: usize = 8;
+/// Maximum number of intervals in a set.
+const MAX_INTERVALS: usize = 8;
 
-/// What a number can be: disjoint intervals in order; none if there is no such number.
+/// A set of numbers: disjoint intervals in order.
 #[derive(Clone, Copy)]
 pub struct Values {
     len: u8,
-    items: [Interval; MOST],
+    items: [Interval; MAX_INTERVALS],
 }
 
 impl Values {
@@ -147,15 +147,15 @@ impl Values {
     }
 
     const fn one(interval: Interval) -> Self {
-        Values { len: 1, items: [interval; MOST] }
+        Values { len: 1, items: [interval; MAX_INTERVALS] }
     }
 
     /// No number.
     pub const fn none() -> Self {
-        Values { len: 0, items: [Interval::point(0.0); MOST] }
+        Values { len: 0, items: [Interval::point(0.0); MAX_INTERVALS] }
     }
 
-    /// Any of some intervals.
+    /// The union of some intervals.
     pub fn any(intervals: impl IntoIterator<Item = Interval>) -> Self {
         let mut union = Union::new();
         for interval in intervals {
@@ -169,12 +169,12 @@ impl Values {
         self.items.get(..usize::from(self.len)).unwrap_or(&self.items)
     }
 
-    /// Whether there is no such number.
+    /// Whether the set is empty.
     pub fn is_none(&self) -> bool {
         self.len == 0
     }
 
-    /// The number, if there is only one.
+    /// The number, if the set is a single one.
     pub fn constant(&self) -> Option<f64> {
         match self.intervals() {
             [only] if only.is_point() => Some(only.low),
@@ -182,22 +182,22 @@ impl Values {
         }
     }
 
-    /// The least interval around them; none if there is no number.
+    /// The smallest interval that contains the set, if the set is not empty.
     pub fn hull(&self) -> Option<Interval> {
         Some(Interval { low: self.intervals().first()?.low, high: self.intervals().last()?.high })
     }
 
-    /// Whether a number is one of them.
+    /// Whether the set contains a number.
     pub fn contains(&self, x: f64) -> bool {
         self.intervals().iter().any(|i| i.contains(x))
     }
 
-    /// Whether all of them are among others.
+    /// Whether the set is a subset of another.
     pub fn is_within(&self, others: &Values) -> bool {
         self.intervals().iter().all(|a| others.intervals().iter().any(|b| b.low <= a.low && a.high <= b.high))
     }
 
-    /// Those of both.
+    /// The union.
     #[must_use]
     pub fn or(&self, other: &Values) -> Values {
         if self.is_within(other) {
@@ -208,19 +208,19 @@ impl Values {
         }
         if let ([a], [b]) = (self.intervals(), other.intervals()) {
             let (a, b) = if a.low <= b.low { (*a, *b) } else { (*b, *a) };
-            return if b.low <= a.high { Values::one(a.or(b)) } else { Values::both(a, b) };
+            return if b.low <= a.high { Values::one(a.or(b)) } else { Values::two(a, b) };
         }
         Values::any(self.intervals().iter().chain(other.intervals()).copied())
     }
 
     /// Two intervals with a gap between them, in order.
-    fn both(a: Interval, b: Interval) -> Values {
-        let mut out = Values { len: 2, items: [b; MOST] };
+    fn two(a: Interval, b: Interval) -> Values {
+        let mut out = Values { len: 2, items: [b; MAX_INTERVALS] };
         out.items[0] = a;
         out
     }
 
-    /// Those in both.
+    /// The intersection.
     #[must_use]
     pub fn and(&self, other: &Values) -> Values {
         match (self.intervals(), other.intervals()) {
@@ -231,19 +231,19 @@ impl Values {
         Values::any(self.intervals().iter().flat_map(|a| other.intervals().iter().filter_map(|b| a.and(*b))))
     }
 
-    /// Those in an interval.
+    /// The intersection with an interval.
     #[must_use]
     pub fn within(&self, interval: Interval) -> Values {
         self.keep(|a| a.and(interval))
     }
 
-    /// Without a number, where that leaves an interval closed.
+    /// Removes a number, if the remaining set is closed.
     #[must_use]
     pub fn without(&self, x: f64) -> Values {
         self.keep(|i| (!i.is_point() || i.low != x).then_some(i))
     }
 
-    /// What is left of each interval.
+    /// Maps each interval to a part of it.
     fn keep(&self, left: impl Fn(Interval) -> Option<Interval>) -> Values {
         if let [only] = self.intervals() {
             return left(*only).map_or(Values::none(), Values::one);
@@ -257,7 +257,7 @@ impl Values {
         out
     }
 
-    /// What a function makes of them.
+    /// The image under a function on intervals.
     #[must_use]
     pub(in crate::analysis) fn map(&self, f: impl Fn(Interval) -> Interval) -> Values {
         match self.intervals() {
@@ -266,7 +266,7 @@ impl Values {
         }
     }
 
-    /// What a function makes of all pairs.
+    /// The image of all pairs under a function on intervals.
     #[must_use]
     pub(in crate::analysis) fn pairs(&self, other: &Values, f: impl Fn(Interval, Interval) -> Interval) -> Values {
         match (self.intervals(), other.intervals()) {
@@ -297,20 +297,20 @@ impl fmt::Debug for Values {
     }
 }
 
-/// Intervals that are being gathered: disjoint, in order, with room for all pairs of two values.
+/// A union under construction: disjoint intervals in order, with room for all pairs of two sets.
 struct Union {
     len: usize,
-    items: [Interval; MOST * MOST],
+    items: [Interval; MAX_INTERVALS * MAX_INTERVALS],
 }
 
 impl Union {
     fn new() -> Self {
-        Union { len: 0, items: [Interval::point(0.0); MOST * MOST] }
+        Union { len: 0, items: [Interval::point(0.0); MAX_INTERVALS * MAX_INTERVALS] }
     }
 
     fn add(&mut self, mut new: Interval) {
         let items = self.items.get(..self.len).unwrap_or_default();
-        // What it overlaps or touches is `from..to`.
+        // The intervals that it overlaps or touches are `from..to`.
         let from = items.partition_point(|i| i.high < new.low);
         let to = items.partition_point(|i| i.low <= new.high);
         if from < to {
@@ -328,32 +328,32 @@ impl Union {
         self.items[from] = new;
     }
 
-    /// Closes the narrowest gaps.
+    /// Closes the narrowest gaps until few enough intervals are left.
     fn reduce(&mut self) {
         let items = &mut self.items[..self.len];
-        let mut gaps = [(0.0_f64, 0_usize); MOST * MOST];
+        let mut gaps = [(0.0_f64, 0_usize); MAX_INTERVALS * MAX_INTERVALS];
         let count = items.len().saturating_sub(1);
         for (at, gap) in gaps[..count].iter_mut().enumerate() {
             *gap = (items[at + 1].low - items[at].high, at + 1);
         }
-        if count < MOST {
+        if count < MAX_INTERVALS {
             return;
         }
         gaps[..count].sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        let cuts = &mut gaps[..MOST - 1];
+        let cuts = &mut gaps[..MAX_INTERVALS - 1];
         cuts.sort_unstable_by_key(|(_, at)| *at);
         let mut from = 0;
         for (index, to) in cuts.iter().map(|(_, at)| *at).chain([items.len()]).enumerate() {
             items[index] = Interval { low: items[from].low, high: items[to - 1].high };
             from = to;
         }
-        self.len = MOST;
+        self.len = MAX_INTERVALS;
     }
 
     fn values(mut self) -> Values {
         self.reduce();
         let mut out = Values::none();
-        out.items.copy_from_slice(&self.items[..MOST]);
+        out.items.copy_from_slice(&self.items[..MAX_INTERVALS]);
         out.len = self.len as u8;
         out
     }

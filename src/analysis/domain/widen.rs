@@ -1,4 +1,4 @@
-//! How growing values are brought to an end: widening to the numbers of the program, and what is in two enclosures.
+//! Widening to thresholds taken from the program, and the operators of narrowing.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use crate::ir::{Bounds, DiscreteId, IdVec, ParamId, SlotId, VarId, World};
 use crate::analysis::domain::configuration::{Configuration, Numbers};
 use crate::analysis::domain::values::{Interval, Values};
 
-/// Without the states at which a search stops: a player below or beside the bounds of its space.
+/// Removes the states at which a search stops: a player below or beside the bounds of its space.
 pub(in crate::analysis) fn within_bounds(world: &World, slot: SlotId, mut at: Configuration) -> Configuration {
     if world.slots[slot].player.is_none() {
         return at;
@@ -28,18 +28,18 @@ pub(in crate::analysis) fn within_bounds(world: &World, slot: SlotId, mut at: Co
     at
 }
 
-/// What a growth that comes from the configuration itself counts, against one that comes from others.
-const OWN: u8 = 4;
-/// The number of changes after which an end is moved to a number of the program.
-const PATIENCE: u8 = 5 * OWN;
-/// The number of changes after which it is moved to where the variable ends in other modes.
-const STAYS_UNTIL: u8 = PATIENCE + 10 * OWN;
-/// The number of changes after which it becomes infinite.
-const FOLLOWS_UNTIL: u8 = STAYS_UNTIL + 20 * OWN;
-/// Energies grow by what comes in from other modes alone, and are left more time.
-const LONG_PATIENCE: u8 = 96;
+/// Weight of a growth caused by the configuration itself; growth caused by others has weight 1.
+const OWN_WEIGHT: u8 = 4;
+/// Number of changes after which an end moves to the next threshold.
+const WIDEN_AFTER: u8 = 5 * OWN_WEIGHT;
+/// Number of changes after which an end moves to the hull over the other modes.
+const THRESHOLDS_UNTIL: u8 = WIDEN_AFTER + 10 * OWN_WEIGHT;
+/// Number of changes after which an end becomes infinite.
+const OTHERS_UNTIL: u8 = THRESHOLDS_UNTIL + 20 * OWN_WEIGHT;
+/// Number of changes after which energies are widened. They grow only by input from other modes, so they get more time.
+const ENERGY_WIDEN_AFTER: u8 = 96;
 
-/// Numbers in order at which growing ends may stay.
+/// Thresholds of widening, in order.
 #[derive(Debug, Clone, Default)]
 pub(in crate::analysis) struct Thresholds(Vec<f64>);
 
@@ -63,16 +63,16 @@ impl Thresholds {
 
 /// How often each number of a configuration has grown.
 #[derive(Debug, Clone, Default)]
-pub(in crate::analysis) struct Patience {
+pub(in crate::analysis) struct GrowthCounts {
     vars: IdVec<VarId, [u8; 3]>,
     discretes: IdVec<DiscreteId, u8>,
     params: IdVec<ParamId, u8>,
     energy: IdVec<VarId, u8>,
 }
 
-impl Patience {
+impl GrowthCounts {
     pub fn new(at: &Configuration) -> Self {
-        Patience {
+        GrowthCounts {
             vars: at.vars.iter().map(|_| [0; 3]).collect(),
             discretes: at.discretes.iter().map(|_| 0).collect(),
             params: at.params.iter().map(|_| 0).collect(),
@@ -80,10 +80,9 @@ impl Patience {
         }
     }
 
-    /// What has grown too often goes to the next number that the program knows, then on for ever.
-    /// `others` gives, of a variable by its number and degree, what it can be while other leaves are active; `is_own`
-    /// tells that the growth comes from the configuration itself. What comes from others ends when they are widened,
-    /// mostly.
+    /// Widens numbers that have grown too often: first to the next threshold, later to infinity. `others` returns the
+    /// hull of a variable (by id and degree) over the other leaves. `is_own` is true if the growth is caused by the
+    /// configuration itself; growth caused by others usually ends when those are widened.
     pub fn widen(
         &mut self,
         old: &Configuration,
@@ -92,22 +91,22 @@ impl Patience {
         is_own: bool,
         others: impl Fn(VarId, usize) -> Option<Interval>,
     ) {
-        let weight = if is_own { OWN } else { 1 };
+        let weight = if is_own { OWN_WEIGHT } else { 1 };
         let numbers: &mut Numbers = new;
         for (var, old) in old.vars.pairs() {
-            let places = self.vars[var].iter_mut().zip(&mut numbers.vars[var]);
-            for ((degree, old), (count, new)) in old.iter().enumerate().zip(places) {
-                wider((count, weight), old, new, thresholds, || others(var, degree));
+            let counts = self.vars[var].iter_mut().zip(&mut numbers.vars[var]);
+            for ((degree, old), (count, new)) in old.iter().enumerate().zip(counts) {
+                widen_values((count, weight), old, new, thresholds, || others(var, degree));
             }
         }
         for (id, old) in old.discretes.pairs() {
-            wider((&mut self.discretes[id], weight), old, &mut numbers.discretes[id], thresholds, || None);
+            widen_values((&mut self.discretes[id], weight), old, &mut numbers.discretes[id], thresholds, || None);
         }
         for (id, old) in old.params.pairs() {
-            // Each generation of a chain of spawns is a change, which comes from the configuration itself.
-            wider((&mut self.params[id], 2), old, &mut numbers.params[id], thresholds, || None);
+            // Each generation in a chain of spawns is a change caused by the configuration itself.
+            widen_values((&mut self.params[id], 2), old, &mut numbers.params[id], thresholds, || None);
         }
-        // Time goes on until something ends it.
+        // A timer runs until it is reset.
         for (id, old) in old.timers.pairs() {
             let new = &mut new.timers[id];
             if new.high > old.high {
@@ -119,8 +118,8 @@ impl Patience {
                 let is_within = old.low <= new.low && new.high <= old.high;
                 if before == fall && !is_within {
                     *count = count.saturating_add(1);
-                    if *count > LONG_PATIENCE {
-                        *new = wider_energy(*old, *new);
+                    if *count > ENERGY_WIDEN_AFTER {
+                        *new = widen_energy(*old, *new);
                     }
                 }
             }
@@ -128,7 +127,7 @@ impl Patience {
     }
 }
 
-fn wider(
+fn widen_values(
     (count, weight): (&mut u8, u8),
     old: &Values,
     new: &mut Values,
@@ -140,14 +139,14 @@ fn wider(
     }
     *count = count.saturating_add(weight);
     let (Some(from), Some(to)) = (old.hull(), new.hull()) else { return };
-    if *count <= PATIENCE || new.is_within(old) || weight == 1 && *count <= STAYS_UNTIL {
+    if *count <= WIDEN_AFTER || new.is_within(old) || weight == 1 && *count <= THRESHOLDS_UNTIL {
         return;
     }
-    // What is bounded in other modes is so where it comes from there.
-    let around = if *count <= STAYS_UNTIL {
+    // A variable that is bounded in other modes gets its bound from there.
+    let around = if *count <= THRESHOLDS_UNTIL {
         Interval { low: thresholds.at_most(to.low), high: thresholds.at_least(to.high) }
     } else {
-        let others = others().filter(|o| *count <= FOLLOWS_UNTIL && o.low <= to.low && to.high <= o.high);
+        let others = others().filter(|o| *count <= OTHERS_UNTIL && o.low <= to.low && to.high <= o.high);
         others.unwrap_or(Interval::ALL)
     };
     let low = if to.low < from.low { around.low } else { to.low };
@@ -155,8 +154,8 @@ fn wider(
     *new = Values::from(Interval { low, high });
 }
 
-/// Energies have no numbers of the program to stay at; they grow to powers of two.
-fn wider_energy(old: Interval, new: Interval) -> Interval {
+/// There are no thresholds for energies; they grow to powers of two.
+fn widen_energy(old: Interval, new: Interval) -> Interval {
     let up = |x: f64| if x.abs() > 1e12 { f64::INFINITY } else { x.abs().max(1.0).log2().ceil().exp2() };
     let low = match new.low < old.low {
         true if new.low < 0.0 => -up(new.low),
@@ -171,8 +170,8 @@ fn wider_energy(old: Interval, new: Interval) -> Interval {
     Interval { low, high }
 }
 
-/// What is in both; both enclose all that can be.
-pub(in crate::analysis) fn both(a: &Configuration, b: &Configuration) -> Configuration {
+/// The intersection of two over-approximations.
+pub(in crate::analysis) fn intersection(a: &Configuration, b: &Configuration) -> Configuration {
     let mut out = a.clone();
     out.vars = a.vars.iter().zip(b.vars.iter()).map(|(a, b)| [0, 1, 2].map(|d| a[d].and(&b[d]))).collect();
     out.discretes = a.discretes.iter().zip(b.discretes.iter()).map(|(a, b)| a.and(b)).collect();
@@ -182,7 +181,7 @@ pub(in crate::analysis) fn both(a: &Configuration, b: &Configuration) -> Configu
     out
 }
 
-/// A configuration with what comes of it: what goes beyond its ends goes as far as was known.
+/// Joins a configuration with its successors; an end that grows moves to the known end.
 pub(in crate::analysis) fn extended(at: &Configuration, own: &Configuration, known: &Configuration) -> Configuration {
     let values = |at: &Values, own: &Values, known: &Values| {
         let joined = at.or(own);

@@ -1,8 +1,8 @@
-//! Values in words, as tables and proofs show them: `= 32`, `{-30, 30}`, `[0, 640]`, `>= 0`.
+//! Text of values in tables and proofs: `= 32`, `{-30, 30}`, `[0, 640]`, `>= 0`.
 
 use crate::analysis::domain::values::{Interval, Values};
 
-/// A longer text than this, in characters, is shortened to its hull.
+/// Maximum length of a text in characters; a longer one is shortened to its hull.
 const MAX_LENGTH: usize = 26;
 
 /// A number with at most three digits after the point.
@@ -16,13 +16,13 @@ fn interval(i: &Interval) -> String {
         (true, true) => "any".to_string(),
         (true, false) => format!("<= {high}"),
         (false, true) => format!(">= {low}"),
-        // Two ends that differ by less than a thousandth read like one number.
+        // Two ends that differ by less than a thousandth print the same.
         _ if low == high => low,
         _ => format!("[{low}, {high}]"),
     }
 }
 
-/// All values, as the right side of a relation.
+/// The right side of a relation.
 pub fn values(values: &Values) -> String {
     let texts: Vec<String> = values.intervals().iter().map(interval).collect();
     let points = texts.iter().all(|t| !t.contains(['[', '=', 'y']));
@@ -39,7 +39,7 @@ pub fn values(values: &Values) -> String {
     }
 }
 
-/// A named number with all its values, as a relation: `ball.y in [0, 64]`.
+/// A relation between a named number and its values: `ball.y in [0, 64]`.
 pub fn relation(name: &str, of: &Values) -> String {
     match values(of) {
         all if all.starts_with(['[', '{']) => format!("{name} in {all}"),

@@ -1,4 +1,4 @@
-//! Guards that never hold, or always do, by the values of what they read.
+//! Guards that never hold or always hold, given the values that they read.
 
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
@@ -8,15 +8,15 @@ use crate::diagnostic::{Code, Diagnostics};
 use crate::ir::{Drive, EdgeId, Entity, Expr, ExprId, Id, IdRange, Leaf, LeafId, Program};
 use crate::source::Span;
 
-use super::account::{Account, Occurrence};
-use super::judge::{Atom, Judge, Reads, atoms, case};
-use super::words::Case;
-use super::{Accounts, Scene, words};
+use super::atoms::{Atom, Judge, Reads, atoms, case};
+use super::summary::{EntitySummary, Occurrence};
+use super::value_text::Case;
+use super::{Context, EntitySummaries, value_text};
 use crate::analysis::domain::configuration::Configuration;
 use crate::analysis::domain::truth::Truth;
 
-/// What else tells that a guard is of no use.
-pub(super) const SAID: &[Code] = &[
+/// Codes that already explain why a guard is useless.
+pub(super) const EXPLAINING_CODES: &[Code] = &[
     Code::ConstantGuard,
     Code::UnreachableMode,
     Code::Trap,
@@ -26,27 +26,27 @@ pub(super) const SAID: &[Code] = &[
     Code::NoPlayer,
 ];
 
-/// A guard, and how it turns out wherever it is examined.
+/// A guard and its outcomes wherever it is evaluated.
 pub(super) struct Site {
     pub guard: ExprId,
     pub edge: Option<EdgeId>,
-    /// The leaves in which it is examined, in order; all if none.
+    /// The leaves in which it is evaluated, in order; `None` means all.
     leaves: Option<Vec<LeafId>>,
-    /// Whether it is examined anywhere.
-    is_asked: bool,
-    /// How it turns out at most.
+    /// Whether it is evaluated anywhere.
+    is_evaluated: bool,
+    /// An over-approximation of its outcomes.
     truth: Truth,
-    /// While that is not both: how its atoms turn out, each case once, one after the other, in order.
+    /// As long as only one outcome is possible: the distinct outcomes of its atoms, concatenated in order.
     cases: Vec<u8>,
 }
 
 impl Site {
     fn new(guard: ExprId, edge: Option<EdgeId>, leaves: Option<Vec<LeafId>>) -> Self {
         let truth = Truth { can_hold: false, can_fail: false };
-        Site { guard, edge, leaves, is_asked: false, truth, cases: Vec::new() }
+        Site { guard, edge, leaves, is_evaluated: false, truth, cases: Vec::new() }
     }
 
-    fn is_asked_in(&self, active: &[LeafId]) -> bool {
+    fn is_evaluated_in(&self, active: &[LeafId]) -> bool {
         self.leaves.is_none() || self.leaf(active).is_some()
     }
 
@@ -55,17 +55,17 @@ impl Site {
         active.iter().copied().find(|l| leaves.binary_search(l).is_ok())
     }
 
-    /// Whether values may tell anything of it.
+    /// Whether values can decide it.
     pub fn can_be_decided(&self, program: &Program, entity: &Entity) -> bool {
         !atoms(program, entity, self.guard).is_empty()
     }
 
-    /// Adds how it turns out in some cases.
+    /// Evaluates it in some cases.
     pub fn add(&mut self, program: &Program, entity: &Entity, cases: &[(&Occurrence<'_>, &Configuration)]) {
         if self.truth == Truth::EITHER || matches!(program.exprs[self.guard], Expr::Bool(_)) {
             return;
         }
-        let mut asked = cases.iter().filter(|(_, c)| self.is_asked_in(&c.leaves)).peekable();
+        let mut asked = cases.iter().filter(|(_, c)| self.is_evaluated_in(&c.leaves)).peekable();
         if asked.peek().is_none() {
             return;
         }
@@ -81,10 +81,10 @@ impl Site {
             }
             keep(&mut known, &case);
         }
-        (self.is_asked, self.truth, self.cases) = (true, truth, known);
+        (self.is_evaluated, self.truth, self.cases) = (true, truth, known);
     }
 
-    /// How a part of it turns out in any case.
+    /// The outcomes of a part of it over all cases.
     fn truth(&self, judge: &Judge<'_>, atoms: &[Atom], id: ExprId) -> Truth {
         if self.truth == Truth::EITHER {
             return Truth::EITHER;
@@ -96,12 +96,12 @@ impl Site {
         cases.reduce(Truth::joined).unwrap_or(self.truth)
     }
 
-    /// Whether it never (false) or always (true) holds, by the values.
-    pub fn verdict(&self, subject: &Account<'_>, judge: &Judge<'_>) -> Option<bool> {
-        if !self.is_asked || self.truth == Truth::EITHER {
+    /// `Some(false)` if it never holds, `Some(true)` if it always holds.
+    pub fn verdict(&self, subject: &EntitySummary<'_>, judge: &Judge<'_>) -> Option<bool> {
+        if !self.is_evaluated || self.truth == Truth::EITHER {
             return None;
         }
-        let atoms = atoms(subject.scene.program, subject.entity, self.guard);
+        let atoms = atoms(subject.context.program, subject.entity, self.guard);
         match self.truth(judge, &atoms, self.guard) {
             Truth { can_hold: false, .. } => Some(false),
             Truth { can_fail: false, .. } => Some(true),
@@ -109,9 +109,9 @@ impl Site {
         }
     }
 
-    /// The part of it that decides, and what the values are there.
-    pub fn reason(&self, subject: &Account<'_>, judge: &Judge<'_>, holds: bool) -> Reason {
-        let program = subject.scene.program;
+    /// The subexpression that decides it, and the values there.
+    pub fn reason(&self, subject: &EntitySummary<'_>, judge: &Judge<'_>, holds: bool) -> Reason {
+        let program = subject.context.program;
         let atoms = atoms(program, subject.entity, self.guard);
         let mut part = self.guard;
         while let (Expr::And(a, b), false) | (Expr::Or(a, b), true) = (program.exprs[part], holds) {
@@ -125,17 +125,17 @@ impl Site {
             }
         }
         let reads = Reads::of(program, part);
-        let asked = subject.cases.iter().filter(|(leaves, _)| self.is_asked_in(leaves));
+        let asked = subject.cases.iter().filter(|(leaves, _)| self.is_evaluated_in(leaves));
         let cases: Vec<Case<'_>> = asked.map(|(leaves, seen)| (leaves.as_slice(), seen)).collect();
-        let (values, notes) = words::reason(subject.entity, &reads, &cases, |leaves| self.leaf(leaves));
+        let (values, notes) = value_text::reason(subject.entity, &reads, &cases, |leaves| self.leaf(leaves));
         let at = program.spans.exprs[part];
-        let text = subject.scene.sources.slice(at);
+        let text = subject.context.sources.slice(at);
         let text = (text.len() <= 60 && !text.contains('\n') && !text.is_empty()).then(|| text.to_string());
         Reason { at, text, values, notes }
     }
 }
 
-/// Adds a case to those of its length that are known, in order, if it is not among them.
+/// Inserts a case into the sorted list of cases of the same length, unless it is present.
 fn keep(known: &mut Vec<u8>, case: &[u8]) {
     let (mut low, mut high) = (0, known.len().checked_div(case.len()).unwrap_or(0));
     while low < high {
@@ -151,7 +151,7 @@ fn keep(known: &mut Vec<u8>, case: &[u8]) {
     known.splice(at..at, case.iter().copied());
 }
 
-/// The leaves in which each of a number of entries is, in order.
+/// For each of `count` entries, the leaves that list it, in order.
 fn by_leaf<I: Id>(entity: &Entity, count: usize, of: impl Fn(&Leaf) -> Vec<I>) -> Vec<(I, Vec<LeafId>)> {
     let mut out = vec![Vec::new(); count];
     for (id, leaf) in entity.leaves.pairs() {
@@ -166,7 +166,7 @@ fn by_leaf<I: Id>(entity: &Entity, count: usize, of: impl Fn(&Leaf) -> Vec<I>) -
     entries.map(|(index, leaves)| (I::from_index(index), leaves)).collect()
 }
 
-/// Every guard of an entity that is read against the state as a step begins, or that reads nothing that moves.
+/// All guards of an entity that are evaluated on the state at the start of a step, or that do not read motion.
 pub(super) fn sites(program: &Program, entity: &Entity) -> Vec<Site> {
     let edges = by_leaf(entity, entity.edges.len(), |l| l.edges.iter().chain(&l.internal).copied().collect());
     let mut out: Vec<Site> = edges
@@ -177,7 +177,7 @@ pub(super) fn sites(program: &Program, entity: &Entity) -> Vec<Site> {
         let guard = entity.follows[follow].guard;
         out.extend(guard.map(|guard| Site::new(guard, None, Some(leaves))));
     }
-    // These are read in the middle of a step, when modes and discrete variables alone are as they are after it.
+    // These are evaluated in the middle of a step, when only modes and discrete variables have their final values.
     let is_settled = |guard: &ExprId| {
         let reads = Reads::of(program, *guard);
         !reads.motion && reads.timers.is_empty()
@@ -198,46 +198,48 @@ pub(super) fn sites(program: &Program, entity: &Entity) -> Vec<Site> {
     out
 }
 
-/// Reports guards that values decide; not those of the edges that explain why a mode is never entered.
+/// Reports guards that values decide, except those of edges that explain why a mode is never entered.
 pub(super) fn guards(
-    subject: &Account<'_>,
-    accounts: &Accounts<'_>,
+    subject: &EntitySummary<'_>,
+    summaries: &EntitySummaries<'_>,
     explained: &BTreeSet<EdgeId>,
     found: &mut Diagnostics,
 ) {
     let judge = Judge::new(subject);
-    let scene = subject.scene;
+    let context = subject.context;
     for site in &subject.sites {
         if site.edge.is_some_and(|e| explained.contains(&e)) {
             continue;
         }
         let Some(holds) = site.verdict(subject, &judge) else { continue };
-        let span = scene.program.spans.exprs[site.guard];
-        if scene.said.of(SAID, span, scene.sources) || !is_said_everywhere(scene, accounts, span, holds) {
+        let span = context.program.spans.exprs[site.guard];
+        if context.reported.of(EXPLAINING_CODES, span, context.sources)
+            || !all_copies_agree(context, summaries, span, holds)
+        {
             continue;
         }
         found.report(GuardByValue { holds, reason: site.reason(subject, &judge, holds) });
     }
 }
 
-/// Whether all uses of a behaviour agree about a guard in it.
-fn is_said_everywhere(scene: &Scene<'_>, accounts: &Accounts<'_>, at: Span, holds: bool) -> bool {
+/// Whether a guard in a behaviour has the same verdict in all its copies.
+fn all_copies_agree(context: &Context<'_>, summaries: &EntitySummaries<'_>, at: Span, holds: bool) -> bool {
     if !at.is_copy() {
         return true;
     }
-    let (original, _) = scene.sources.trace(at);
-    let is_it = |s: &&Site| scene.sources.trace(scene.program.spans.exprs[s.guard]).0 == original;
-    scene.program.entities.pairs().all(|(id, entity)| match accounts.get(&id) {
+    let (original, _) = context.sources.trace(at);
+    let is_it = |s: &&Site| context.sources.trace(context.program.spans.exprs[s.guard]).0 == original;
+    context.program.entities.pairs().all(|(id, entity)| match summaries.get(&id) {
         Some(other) => {
             let judge = Judge::new(other);
             other.sites.iter().filter(is_it).all(|s| other.is_known && s.verdict(other, &judge) == Some(holds))
         }
-        // Where it is never looked at, nothing is known of it.
-        None => !sites(scene.program, entity).iter().any(|s| is_it(&s)),
+        // Nothing is known about entities that were not examined.
+        None => !sites(context.program, entity).iter().any(|s| is_it(&s)),
     })
 }
 
-/// Whether a leaf of a range is among some.
+/// Whether the set contains a leaf of the range.
 pub(super) fn any_of(leaves: &BTreeSet<LeafId>, of: IdRange<LeafId>) -> bool {
     leaves.range(of.from..of.to).next().is_some()
 }

@@ -1,5 +1,5 @@
-//! Invariants: proven, or where they may break. They are examined after each step and before the first one, which is
-//! what a configuration holds.
+//! Invariants: proven, or where they may break. An invariant is evaluated after each step and before the first one, on
+//! the configurations themselves.
 
 use std::collections::BTreeMap;
 
@@ -12,14 +12,14 @@ use crate::ir::{
 use crate::source::Span;
 
 use super::super::{ConfigurationSpace, GivenUp};
-use super::account::{Account, Occurrence};
-use super::judge::Reads;
-use super::words::Seen;
-use super::{Scene, words};
+use super::atoms::Reads;
+use super::summary::{EntitySummary, Occurrence};
+use super::value_text::Observed;
+use super::{Context, value_text};
 use crate::analysis::domain::configuration::Configuration;
 use crate::analysis::domain::values::Values;
 
-/// What is known of an invariant in a world.
+/// The verdict on an invariant in a world.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum InvariantVerdict {
     /// It holds in every state.
@@ -30,8 +30,8 @@ pub enum InvariantVerdict {
     Broken,
 }
 
-/// The verdict of each invariant of each entity that has an instance in a world, all its instances together; in the
-/// order of the entities, then of the text.
+/// The verdict on each invariant of each entity with an instance in a world, joined over its instances; in the order of
+/// the entities, then of the text.
 pub fn invariants(
     program: &Program,
     world: WorldId,
@@ -49,7 +49,7 @@ pub fn invariants(
     out
 }
 
-/// The verdict in a slot, and the first configuration in which it may break, cut to that.
+/// The verdict in a slot, and the first configuration that may break the invariant, refined by its negation.
 fn verdict(
     program: &Program,
     world: &World,
@@ -57,7 +57,7 @@ fn verdict(
     slot: SlotId,
     holds: ExprId,
 ) -> (InvariantVerdict, Option<Configuration>) {
-    if let Some(first) = beginning(program, world, slot)
+    if let Some(first) = initial_state(program, world, slot)
         && !space.reader(program, world, Some((slot, &first))).truth(holds).can_hold
     {
         return (InvariantVerdict::Broken, Some(first));
@@ -73,8 +73,8 @@ fn verdict(
     (InvariantVerdict::Proven, None)
 }
 
-/// The state in which an instance that is there from the start begins, as far as it is known.
-fn beginning(program: &Program, world: &World, slot: SlotId) -> Option<Configuration> {
+/// The initial state of an instance that exists from the start, if it is known.
+fn initial_state(program: &Program, world: &World, slot: SlotId) -> Option<Configuration> {
     let s = &world.slots[slot];
     let entity = &program.entities[s.entity];
     if s.origin == Origin::Free {
@@ -112,9 +112,9 @@ fn beginning(program: &Program, world: &World, slot: SlotId) -> Option<Configura
 
 /// Where an invariant may break.
 struct Breach {
-    /// What it reads can be there, if there is anything to say.
+    /// Text of the values that it reads, if there are any.
     values: Option<String>,
-    /// The instance, and where it is placed.
+    /// The instance, and the span of its placement.
     instance: (String, Span),
     leaves: Vec<LeafId>,
 }
@@ -123,17 +123,17 @@ struct Breach {
 #[derive(Default)]
 struct Breaches {
     broken: Option<Breach>,
-    /// The same, of an instance of which nothing is known else: another one says more.
+    /// The same for an instance whose analysis was given up: others take precedence.
     broken_given_up: Option<Breach>,
     unproven: Option<Breach>,
 }
 
-/// The invariants of an entity that are not proven, as far as worlds have been looked at.
+/// The invariants of an entity that are not proven so far.
 #[derive(Default)]
 pub(super) struct Invariants(BTreeMap<usize, Breaches>);
 
 impl Invariants {
-    /// Adds what is known of them in a slot.
+    /// Adds the verdicts in a slot.
     pub fn add(&mut self, program: &Program, entity: &Entity, o: &Occurrence<'_>) {
         for (index, &holds) in entity.invariants.iter().enumerate() {
             let (verdict, Some(at)) = verdict(program, o.world, o.space, o.slot, holds) else { continue };
@@ -146,8 +146,8 @@ impl Invariants {
             };
             first.get_or_insert_with(|| {
                 let reads = Reads::of(program, holds);
-                let values = words::read(entity, &reads, &[(&at.leaves, &Seen::of(&reads, o, &at))]);
-                let values = (!values.is_empty()).then(|| words::listed(&values));
+                let values = value_text::read(entity, &reads, &[(&at.leaves, &Observed::of(&reads, o, &at))]);
+                let values = (!values.is_empty()).then(|| value_text::listed(&values));
                 let placed = program.spans.worlds[o.world_id].slots[o.slot];
                 Breach { values, instance: (o.world.slots[o.slot].name.clone(), placed), leaves: at.leaves }
             });
@@ -155,49 +155,55 @@ impl Invariants {
     }
 }
 
-/// Reports the invariants of an entity that break at the start, or that are not proven. Without an account no world has it.
-pub(super) fn report(scene: &Scene<'_>, id: EntityId, account: Option<&Account<'_>>, found: &mut Diagnostics) {
-    let (entity, spans) = (&scene.program.entities[id], &scene.program.spans.entities[id]);
+/// Reports the invariants of an entity that break at the start or are not proven. `summary` is `None` if no world
+/// contains the entity.
+pub(super) fn report(
+    context: &Context<'_>,
+    id: EntityId,
+    summary: Option<&EntitySummary<'_>>,
+    found: &mut Diagnostics,
+) {
+    let (entity, spans) = (&context.program.entities[id], &context.program.spans.entities[id]);
     for (index, &holds) in entity.invariants.iter().enumerate() {
         let at = spans.invariants[index];
-        let breaches = account.and_then(|a| a.invariants.0.get(&index));
+        let breaches = summary.and_then(|a| a.invariants.0.get(&index));
         if let Some(b) = breaches.and_then(|b| b.broken.as_ref().or(b.broken_given_up.as_ref())) {
             found.report(Broken { at, values: b.values.clone(), instance: b.instance.clone() });
         } else if let Some(b) = breaches.and_then(|b| b.unproven.as_ref()) {
-            let concerned = concerned(entity, &Reads::of(scene.program, holds));
+            let concerned = concerned(entity, &Reads::of(context.program, holds));
             let leaves = b.leaves.iter().enumerate().filter(|(group, _)| concerned[*group]);
             let modes = leaves.map(|(_, l)| entity.leaves[*l].mode);
             let modes: Vec<_> = modes.map(|m| (entity.modes[m].path.clone(), spans.modes[m])).collect();
             found.report(Unproven { at, values: b.values.clone(), modes, instance: b.instance.0.clone() });
-        } else if let Some((instance, why, help)) = unknown(&entity.name, account) {
+        } else if let Some((instance, why, help)) = unknown(&entity.name, summary) {
             found.report(Unknown { at, instance, why, help });
         }
     }
 }
 
-/// An instance of which nothing is known.
-pub(super) struct Nothing {
+/// An instance whose analysis was given up.
+pub(super) struct UnknownInstance {
     instance: String,
     world: String,
-    /// Whether the world's map is not given.
+    /// Whether the world's map is missing.
     is_open: bool,
     why: Option<GivenUp>,
 }
 
-impl Nothing {
+impl UnknownInstance {
     pub fn of(o: &Occurrence<'_>) -> Self {
         let (instance, world) = (o.world.slots[o.slot].name.clone(), o.world.name.clone());
-        Nothing { instance, world, is_open: o.world.open.is_some(), why: o.found.why }
+        UnknownInstance { instance, world, is_open: o.world.open.is_some(), why: o.found.why }
     }
 }
 
-/// Why nothing is known of some instance of an entity, if so: the instance, the reason, and a way out.
-fn unknown(name: &str, account: Option<&Account<'_>>) -> Option<(Option<String>, String, String)> {
-    let Some(account) = account else {
+/// Why an invariant is undecided: the instance, the reason, and a suggestion.
+fn unknown(name: &str, summary: Option<&EntitySummary<'_>>) -> Option<(Option<String>, String, String)> {
+    let Some(summary) = summary else {
         let help = format!("place a `{name}` in a world to see whether it holds there");
         return Some((None, format!("no world has a `{name}`"), help));
     };
-    let nothing = account.given_up.as_ref()?;
+    let nothing = summary.given_up.as_ref()?;
     let (why, help) = match nothing.why {
         _ if nothing.is_open => {
             (format!("the map of `{}` is not given", nothing.world), "give one with `--map PATH`".to_string())
@@ -213,7 +219,7 @@ fn unknown(name: &str, account: Option<&Account<'_>>) -> Option<(Option<String>,
     Some((Some(nothing.instance.clone()), why, help))
 }
 
-/// Of each group, whether it drives or updates any of what is read; a group alone always counts.
+/// For each group, whether it drives or updates anything that is read; a single group always counts.
 fn concerned(entity: &Entity, reads: &Reads) -> Vec<bool> {
     let is_read = |var: VarId| reads.vars.iter().any(|(v, _)| *v == var);
     let updates = |a: &Actions| {

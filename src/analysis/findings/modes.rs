@@ -1,4 +1,4 @@
-//! Modes that edges lead to, but that values never let an instance enter.
+//! Modes that are the target of edges but that values never let an instance enter.
 
 use std::collections::BTreeSet;
 
@@ -6,13 +6,13 @@ use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::values::{ModeByValue, Reason};
 use crate::ir::{EdgeId, Id, ModeId};
 
-use super::account::Account;
-use super::guards::{SAID, Site, any_of};
-use super::judge::Judge;
+use super::atoms::Judge;
+use super::guards::{EXPLAINING_CODES, Site, any_of};
+use super::summary::EntitySummary;
 
-/// Reports modes that are never entered; returns the edges whose guards are reported with them.
-pub(super) fn modes(subject: &Account<'_>, found: &mut Diagnostics) -> BTreeSet<EdgeId> {
-    let (entity, scene) = (subject.entity, subject.scene);
+/// Reports modes that are never entered; returns the edges that explain them.
+pub(super) fn modes(subject: &EntitySummary<'_>, found: &mut Diagnostics) -> BTreeSet<EdgeId> {
+    let (entity, context) = (subject.entity, subject.context);
     let is_live = |mode: ModeId| any_of(&subject.live, entity.modes[mode].leaves);
     let mut explained = BTreeSet::new();
     if entity.modes.ids().all(is_live) {
@@ -23,18 +23,19 @@ pub(super) fn modes(subject: &Account<'_>, found: &mut Diagnostics) -> BTreeSet<
     let chosen: Vec<ModeId> = choices.map(|c| c.mode).collect();
     for (mode, m) in entity.modes.pairs().filter(|(mode, _)| !is_live(*mode)) {
         let inside = |inner: ModeId, outer: ModeId| outer <= inner && inner < entity.modes[outer].end;
-        // Parameters choose those: which of them is a matter of the instance.
+        // Parameters choose these modes: the choice belongs to the instance.
         let is_chosen = chosen.iter().any(|c| inside(*c, mode) || inside(mode, *c));
         let is_outermost = m.parent.is_none_or(is_live);
-        let name = scene.program.spans.entities[subject.id].modes[mode];
-        if is_chosen || !is_outermost || name.is_copy() || scene.said.of(SAID, name, scene.sources) {
+        let name = context.program.spans.entities[subject.id].modes[mode];
+        if is_chosen || !is_outermost || name.is_copy() || context.reported.of(EXPLAINING_CODES, name, context.sources)
+        {
             continue;
         }
         let leads_here = |target: ModeId| {
             let initial = entity.modes[target].initial;
             inside(target, mode) || m.leaves.contains(initial)
         };
-        // Edges of modes that are never active either are no reason.
+        // Edges from modes that are never active do not count.
         let edges: Vec<&Site> = subject
             .sites
             .iter()
@@ -44,8 +45,8 @@ pub(super) fn modes(subject: &Account<'_>, found: &mut Diagnostics) -> BTreeSet<
             })
             .collect();
         let is_explained = |s: &&Site| {
-            let guard = scene.program.spans.exprs[s.guard];
-            s.verdict(subject, &judge) == Some(false) && !scene.said.of(SAID, guard, scene.sources)
+            let guard = context.program.spans.exprs[s.guard];
+            s.verdict(subject, &judge) == Some(false) && !context.reported.of(EXPLAINING_CODES, guard, context.sources)
         };
         if edges.is_empty() || !edges.iter().all(is_explained) {
             continue;

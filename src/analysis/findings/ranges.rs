@@ -1,4 +1,4 @@
-//! Updates whose value can be out of a discrete variable's range, where the guard holds.
+//! Updates whose value can leave the range of a discrete variable where the guard holds.
 
 use std::collections::BTreeSet;
 
@@ -6,53 +6,54 @@ use crate::diagnostic::catalogue::values::LeavesRange;
 use crate::diagnostic::{Code, Diagnostics};
 use crate::ir::{Actions, DiscreteId, Domain, Entity, ExprId, LeafId, ModeId, Place, Program, Transition};
 
-use super::account::{Account, Occurrence};
-use super::judge::Reads;
-use super::words::Seen;
-use super::{Scene, words};
+use super::atoms::Reads;
+use super::summary::{EntitySummary, Occurrence};
+use super::value_text::Observed;
+use super::{Context, value_text};
 use crate::analysis::domain::configuration::Configuration;
 use crate::analysis::domain::values::{Interval, Values};
 
-/// An update of a discrete variable: where it happens, and what of the configuration is left then.
+/// A callback for an action list: the instance, the configuration refined by the guard, and the source leaf.
 type Visit<'v> = dyn FnMut(&Actions, &Occurrence<'_>, &Configuration, LeafId) + 'v;
 
-/// An update that may leave the range of its variable, where that was seen first.
-pub(super) struct Leaving {
+/// An update that may leave the range of its variable, as first observed.
+pub(super) struct OutOfRange {
     variable: DiscreteId,
     value: ExprId,
-    /// What it can be.
+    /// Values that it can have.
     hull: Interval,
-    /// Whether all of that is outside.
+    /// Whether all of them are outside.
     always: bool,
     leaf: LeafId,
-    /// What it reads can be, if there is anything to say.
+    /// Text of the values that it reads, if there are any.
     reads: Option<String>,
 }
 
-/// Adds updates that may leave the range in some cases, of which the text alone did not tell; each is added once.
+/// Adds updates that may leave the range in some cases, unless the front end has already reported them; each is added
+/// once.
 pub(super) fn add(
-    scene: &Scene<'_>,
+    context: &Context<'_>,
     entity: &Entity,
     cases: &[(&Occurrence<'_>, &Configuration)],
-    known: &mut Vec<Leaving>,
+    known: &mut Vec<OutOfRange>,
 ) {
     if entity.discretes.iter().all(|d| d.domain != Domain::Int) {
         return;
     }
     let mut seen: BTreeSet<ExprId> = known.iter().map(|l| l.value).collect();
-    visit(scene.program, entity, cases, &mut |actions, o, at, leaf| {
+    visit(context.program, entity, cases, &mut |actions, o, at, leaf| {
         for update in &actions.updates {
             let Place::Discrete(id) = update.place else { continue };
             let variable = &entity.discretes[id];
             if variable.domain != Domain::Int || seen.contains(&update.value) {
                 continue;
             }
-            let value = o.reader(scene.program, at).number(update.value);
+            let value = o.reader(context.program, at).number(update.value);
             let (low, high) = (f64::from(variable.range.0), f64::from(variable.range.1));
-            // An end that is not known is no sign of a mistake.
+            // An infinite end is no sign of a mistake.
             let leaves = |x: f64| x.is_finite() && !(low..=high).contains(&x);
             let Some(hull) = value.hull().filter(|h| leaves(h.low) || leaves(h.high)) else { continue };
-            if scene.said.of(&[Code::MayLeaveRange], scene.program.spans.exprs[update.value], scene.sources) {
+            if context.reported.of(&[Code::MayLeaveRange], context.program.spans.exprs[update.value], context.sources) {
                 continue;
             }
             seen.insert(update.value);
@@ -60,33 +61,33 @@ pub(super) fn add(
             let outside = Values::any(
                 outside.into_iter().flat_map(|(low, high)| value.within(Interval { low, high }).intervals().to_vec()),
             );
-            let reads = Reads::of(scene.program, update.value);
-            let reads = words::read(entity, &reads, &[(&at.leaves, &Seen::of(&reads, o, at))]);
-            let reads = (!reads.is_empty()).then(|| words::listed(&reads));
-            known.push(Leaving { variable: id, value: update.value, hull, always: outside == value, leaf, reads });
+            let reads = Reads::of(context.program, update.value);
+            let reads = value_text::read(entity, &reads, &[(&at.leaves, &Observed::of(&reads, o, at))]);
+            let reads = (!reads.is_empty()).then(|| value_text::listed(&reads));
+            known.push(OutOfRange { variable: id, value: update.value, hull, always: outside == value, leaf, reads });
         }
     });
 }
 
 /// Reports updates that may leave the range.
-pub(super) fn report(subject: &Account<'_>, found: &mut Diagnostics) {
-    let (entity, spans) = (subject.entity, &subject.scene.program.spans);
-    for leaving in &subject.leaving {
-        let variable = &entity.discretes[leaving.variable];
+pub(super) fn report(subject: &EntitySummary<'_>, found: &mut Diagnostics) {
+    let (entity, spans) = (subject.entity, &subject.context.program.spans);
+    for out_of_range in &subject.out_of_range {
+        let variable = &entity.discretes[out_of_range.variable];
         found.report(LeavesRange {
             name: variable.name.clone(),
             range: variable.range,
-            declared: spans.entities[subject.id].discretes[leaving.variable],
-            at: spans.exprs[leaving.value],
-            value: words::values(&Values::from(leaving.hull), ""),
-            always: leaving.always,
-            mode: entity.modes[entity.leaves[leaving.leaf].mode].path.clone(),
-            reads: leaving.reads.clone(),
+            declared: spans.entities[subject.id].discretes[out_of_range.variable],
+            at: spans.exprs[out_of_range.value],
+            value: value_text::values(&Values::from(out_of_range.hull), ""),
+            always: out_of_range.always,
+            mode: entity.modes[entity.leaves[out_of_range.leaf].mode].path.clone(),
+            reads: out_of_range.reads.clone(),
         });
     }
 }
 
-/// Goes through all that can be run, in each configuration in which it can be, cut to where its guard holds.
+/// Visits all action lists that can run in each configuration, refined by their guards.
 fn visit(program: &Program, entity: &Entity, cases: &[(&Occurrence<'_>, &Configuration)], visit: &mut Visit<'_>) {
     let writes = |a: &Actions| a.updates.iter().any(|u| matches!(u.place, Place::Discrete(_)));
     for &(o, at) in cases {

@@ -1,6 +1,6 @@
-//! Bodies that are too fast for what blocks them. Contacts are looked for where bodies are after a step, not on the way,
-//! and a contact pushes a body back to the side from which it came. So it passes what is in its way if its end lies
-//! behind that altogether: if it goes farther in a step than that is thick and itself is long, along an axis.
+//! Bodies that are too fast for what blocks them. Contacts are detected at the positions after a step, not on the way,
+//! and a contact pushes a body back to the side from which it came. So a body passes an obstacle if one step takes it
+//! completely behind it: along an axis, the step is longer than the obstacle's thickness plus the body's extent.
 
 use std::cell::OnceCell;
 use std::collections::{BTreeMap, BTreeSet};
@@ -16,18 +16,18 @@ use super::super::{ConfigurationSpace, configuration_space};
 use crate::analysis::domain::configuration::Configuration;
 use crate::analysis::domain::values::{Interval, Values};
 
-/// Lengths that differ by less are the same, px.
+/// Tolerance for comparing lengths, px.
 const ROUNDING: f64 = 1e-6;
 
-/// Bodies of which something is to be said: of each entity and axis where they go too far by most.
+/// For each entity and axis, the body with the greatest excess.
 #[derive(Default)]
 pub(super) struct Tunnelling {
     worst: BTreeMap<(EntityId, usize), (f64, Tunnels)>,
 }
 
 impl Tunnelling {
-    /// Looks at the bodies of some entities in a world; `free` is what it can be without bounds.
-    pub fn look(
+    /// Examines the bodies of some entities in a world; `free` is the configuration space without bounds.
+    pub fn examine(
         &mut self,
         program: &Program,
         id: WorldId,
@@ -36,11 +36,11 @@ impl Tunnelling {
     ) {
         let world = &program.worlds[id];
         let has_bounds = !world.players.is_empty() && world.spaces.iter().any(|s| s.bounds.is_some());
-        // Bounds stop falls: where the speed is too high without them, they are asked.
+        // Bounds limit falls: where the speed is too high without them, the bounded space decides.
         let bounded: OnceCell<ConfigurationSpace> = OnceCell::new();
         for axis in 0..2 {
-            let first = Course::new(program, id, free, axis);
-            let second: OnceCell<Course<'_>> = OnceCell::new();
+            let first = AxisWorld::new(program, id, free, axis);
+            let second: OnceCell<AxisWorld<'_>> = OnceCell::new();
             for slot in world.slots.ids().filter(|s| is_ours(&world.slots[*s].entity)) {
                 if first.tunnel(slot, false).is_none() {
                     continue;
@@ -48,11 +48,11 @@ impl Tunnelling {
                 let course = match has_bounds {
                     true => second.get_or_init(|| {
                         let space = bounded.get_or_init(|| configuration_space(program, id));
-                        Course::new(program, id, space, axis)
+                        AxisWorld::new(program, id, space, axis)
                     }),
                     false => &first,
                 };
-                // What nothing bounds is no sign of a mistake: a fall with no floor below it is one.
+                // An unbounded speed is no sign of a mistake: a fall without a floor below it has one.
                 let Some((excess, tunnel)) = course.tunnel(slot, true) else { continue };
                 let key = (world.slots[slot].entity, axis);
                 if self.worst.get(&key).is_none_or(|(known, _)| *known < excess) {
@@ -62,7 +62,7 @@ impl Tunnelling {
         }
     }
 
-    /// Reports each of them, at the greatest excess.
+    /// Reports each body at its greatest excess.
     pub fn report(self, found: &mut Diagnostics) {
         for (_, tunnel) in self.worst.into_values() {
             found.report(tunnel);
@@ -70,7 +70,7 @@ impl Tunnelling {
     }
 }
 
-/// A collider: its tags, and from where to where it reaches relative to the position.
+/// A collider: its tags and its extent along the axis, relative to the position.
 struct Body {
     tags: TagSet,
     kinematic: bool,
@@ -83,30 +83,30 @@ struct Obstacle {
     tags: TagSet,
     /// px
     thickness: f64,
-    /// How it moves itself, px/s.
+    /// Its own velocity, px/s.
     velocity: Interval,
     spaces: BTreeSet<SpaceId>,
     name: String,
     at: Span,
-    /// The only slot whose it is; none if it is of several or of none.
+    /// The slot that owns it, if there is exactly one.
     owner: Option<SlotId>,
 }
 
-/// A world along an axis.
-struct Course<'a> {
+/// A world, seen along one axis.
+struct AxisWorld<'a> {
     program: &'a Program,
     id: WorldId,
     world: &'a World,
     space: &'a ConfigurationSpace,
     axis: usize,
-    /// All that there is, of each kind the worst.
+    /// All obstacles; of each kind only the worst.
     obstacles: Vec<Obstacle>,
 }
 
-impl<'a> Course<'a> {
+impl<'a> AxisWorld<'a> {
     fn new(program: &'a Program, id: WorldId, space: &'a ConfigurationSpace, axis: usize) -> Self {
         let world = &program.worlds[id];
-        let mut course = Course { program, id, world, space, axis, obstacles: Vec::new() };
+        let mut course = AxisWorld { program, id, world, space, axis, obstacles: Vec::new() };
         course.obstacles = course.statics();
         course.obstacles.extend(course.movers());
         course
@@ -116,7 +116,7 @@ impl<'a> Course<'a> {
         of[1].hull()
     }
 
-    /// Where a slot is too fast, and how many times most; with `bounded` only where a bound is known.
+    /// The worst case in which a slot is too fast, with its excess factor; with `bounded`, only finite speeds count.
     fn tunnel(&self, slot: SlotId, bounded: bool) -> Option<(f64, Tunnels)> {
         let found = &self.space.slots[slot];
         if found.is_given_up || found.configurations.is_empty() {
@@ -131,12 +131,12 @@ impl<'a> Course<'a> {
                 match meeting.response.push {
                     Push::Sense => None,
                     Push::Block => Some(false),
-                    // It blocks from above alone.
+                    // It blocks only from above.
                     Push::FromAbove => (self.axis == 1 && meeting.first_on_second).then_some(true),
                 }
             };
             let met: Vec<(&Body, bool)> = bodies.iter().filter_map(|b| Some((b, pushes(b)?))).collect();
-            // Colliders of one body hold each other up: what is between the outermost counts as long.
+            // The colliders of a body stop together, so everything between the outermost ends counts as its extent.
             let Some(reach) = met.iter().map(|(b, _)| b.reach).reduce(Interval::or) else { continue };
             let from_above = met.iter().all(|(_, from_above)| *from_above);
             let extent = reach.high - reach.low;
@@ -150,14 +150,14 @@ impl<'a> Course<'a> {
                 if passes && (speed.is_finite() || !bounded) && worst.as_ref().is_none_or(|(known, _)| *known < excess)
                 {
                     let body = met.first().map(|(b, _)| b.at);
-                    worst = Some((excess, self.told((slot, at), body, obstacle, speed, extent)));
+                    worst = Some((excess, self.finding((slot, at), body, obstacle, speed, extent)));
                 }
             }
         }
         worst
     }
 
-    fn told(
+    fn finding(
         &self,
         (slot, at): (SlotId, &Configuration),
         body: Option<Span>,
@@ -187,7 +187,7 @@ impl<'a> Course<'a> {
         }
     }
 
-    /// The colliders of a slot whose size never changes; none if one of them does.
+    /// The colliders of a slot; `None` unless the sizes of all of them are constant.
     fn bodies(&self, slot: SlotId) -> Option<Vec<Body>> {
         let program = self.program;
         let entity = self.world.slots[slot].entity;
@@ -208,7 +208,7 @@ impl<'a> Course<'a> {
         program.entities[entity].colliders.pairs().map(body).collect()
     }
 
-    /// What never moves: of what has the same tags in one space the thinnest.
+    /// Static obstacles; of those with the same tags in a space, the thinnest.
     fn statics(&self) -> Vec<Obstacle> {
         let spans = &self.program.spans.worlds[self.id];
         let mut thinnest: BTreeMap<(SpaceId, u64), Obstacle> = BTreeMap::new();
@@ -227,7 +227,7 @@ impl<'a> Course<'a> {
                 add(space, solid.tags, thickness, "this `rect`".to_string(), *at);
             }
             let Some(map) = &s.map else { continue };
-            // Of tiles in a row, those behind give no way back: their faces are covered. So one of them is all there is.
+            // In a row of tiles, the covered faces of those behind do not push, so the thickness is that of one tile.
             let thickness = if self.axis == 0 { map.tile.0 } else { map.tile.1 };
             for tags in used(map) {
                 add(space, tags, thickness, format!("the tiles of `{}`", s.name), spans.spaces[space]);
@@ -236,7 +236,7 @@ impl<'a> Course<'a> {
         thinnest.into_values().collect()
     }
 
-    /// What can move: of colliders of one kind and size one, that moves as all of them do.
+    /// Moving obstacles; colliders of the same kind and size are merged, with the hull of their velocities.
     fn movers(&self) -> Vec<Obstacle> {
         type Kind = (EntityId, usize, u64, BTreeSet<SpaceId>);
         let spans = &self.program.spans.worlds[self.id];
@@ -266,14 +266,14 @@ impl<'a> Course<'a> {
     }
 }
 
-/// The tags of the tiles that are somewhere in a map.
+/// The tags of the tiles that occur in a map.
 fn used(map: &TileMap<TagId>) -> Vec<TagSet> {
-    let mut stands = vec![false; map.kinds.len()];
+    let mut is_used = vec![false; map.kinds.len()];
     for kind in &map.cells {
-        if let Some(stands) = stands.get_mut(usize::from(*kind)) {
-            *stands = true;
+        if let Some(is_used) = is_used.get_mut(usize::from(*kind)) {
+            *is_used = true;
         }
     }
-    let kinds = map.kinds.iter().zip(stands).filter(|(_, stands)| *stands);
+    let kinds = map.kinds.iter().zip(is_used).filter(|(_, is_used)| *is_used);
     kinds.map(|(k, _)| k.tags.iter().copied().collect()).collect()
 }

@@ -1,17 +1,17 @@
-//! How high a counter can be raised by what is picked up only once: upper ends of discrete variables that steps alone
-//! do not show, worked out from the program and the world before the analysis begins.
+//! Upper bounds of counters that count things which can be picked up only once. Stepping alone does not find them, so
+//! they are computed from the program and the world before the analysis starts.
 //!
 //! A contact between two instances sets the contact bits of both in one collision phase, and both read them in the next
-//! step. An edge that needs a contact is taken at most as often as there are collision phases with such a contact. If
-//! everything that can be touched so is *used up*, each of its lives gives one such phase: in the next step it is
-//! certainly destroyed, or goes for good to where the collider is off. Lives are counted: one for each instance that is
-//! there at first, and those that are spawned by action lists that run a limited number of times in a life. So a
-//! variable is at most its first value, or a constant that is written, plus what such edges add in all.
+//! step. An edge that needs a contact is taken at most once per collision phase with such a contact. If everything that
+//! can be touched in this way is *used up*, each of its lives contributes one such phase: in the next step it is
+//! certainly destroyed, or permanently enters leaves where the collider is off. Lives are counted: one for each
+//! instance that exists at the start, and those spawned by action lists that run a limited number of times in a life.
+//! So a variable is at most its initial value, or a constant that is written, plus the sum of what such edges add.
 //!
-//! What counts as certain: in each leaf in which the collider can be on, the edges of one group, in the order in which
-//! they are tried, all destroy the instance or lead to where the collider is off for ever, up to one whose guard is
-//! nothing but a contact question without a side that every such contact answers. Whatever is not of these forms gives
-//! no bound. Infinity stands for "no bound".
+//! An instance is certainly used up if in each leaf in which the collider can be on, the edges of one group, in
+//! evaluation order, all destroy the instance or lead to where the collider is off permanently, up to an edge whose
+//! guard is just a contact query without a side that every such contact satisfies. Any other form gives no bound, which
+//! is represented by infinity.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -24,7 +24,7 @@ use crate::ir::{
 use crate::analysis::domain::values::{Interval, Values};
 use crate::analysis::geometry::tiles::Tiles;
 
-/// What each discrete variable of each slot can be, whatever the steps.
+/// Values of each discrete variable of each slot that hold in every step.
 pub(in crate::analysis) type Limits = IdVec<SlotId, IdVec<DiscreteId, Values>>;
 
 /// The ranges of the variables.
@@ -34,24 +34,24 @@ pub(in crate::analysis) fn ranges(program: &Program, world: &World) -> Limits {
     world.slots.iter().map(discretes).collect()
 }
 
-/// The ranges, cut where there is not enough to raise a variable so far.
+/// The ranges, cut to the upper bounds.
 pub(in crate::analysis) fn limits(program: &Program, world: &World) -> Limits {
     let mut limits = ranges(program, world);
-    // What is on a map that is not known is not known either.
+    // The contents of an unknown map are not known either.
     if world.open.is_some() {
         return limits;
     }
-    let mut supply = CounterBounds { program, world, lives: IdVec::new(), runs: BTreeMap::new() };
-    supply.lives = supply.lives();
+    let mut bounds = CounterBounds { program, world, lives: IdVec::new(), runs: BTreeMap::new() };
+    bounds.lives = bounds.lives();
     for (slot, limits) in world.slots.iter().zip(limits.iter_mut()) {
         for (id, limit) in program.entities[slot.entity].discretes.ids().zip(limits.iter_mut()) {
-            *limit = limit.within(Interval { low: f64::NEG_INFINITY, high: supply.most(slot, id) });
+            *limit = limit.within(Interval { low: f64::NEG_INFINITY, high: bounds.upper_bound(slot, id) });
         }
     }
     limits
 }
 
-/// When an action list runs.
+/// The cause that runs an action list.
 #[derive(Debug, Clone, Copy)]
 enum Cause {
     Edge(EdgeId),
@@ -59,7 +59,8 @@ enum Cause {
     Follow(FollowId),
 }
 
-/// A new value is at most the old one plus `above`, or at most `top`; minus infinity where it cannot be so.
+/// A new value is at most the old one plus `above`, or at most `top`; minus infinity means that the case does not
+/// occur.
 #[derive(Debug, Clone, Copy)]
 struct Upper {
     above: f64,
@@ -80,7 +81,7 @@ impl Upper {
         Upper { above: sum(self.above), top: sum(self.top) }
     }
 
-    /// Both are true; one has to be chosen.
+    /// Both bounds hold; picks the more useful one.
     fn and(self, other: Upper, counts: bool) -> Upper {
         let order = |u: Upper| {
             let is_unknown = u.above == f64::INFINITY || u.top == f64::INFINITY;
@@ -99,20 +100,20 @@ impl Upper {
 struct CounterBounds<'a> {
     program: &'a Program,
     world: &'a World,
-    /// How many instances of each entity there are at most in a whole run.
+    /// Maximum number of instances of each entity in a whole run.
     lives: IdVec<EntityId, f64>,
-    /// How often edges run in a whole run, as far as that was asked.
+    /// How often edges run in a whole run; filled on demand.
     runs: BTreeMap<(EntityId, EdgeId), f64>,
 }
 
 impl<'a> CounterBounds<'a> {
-    /// How many instances of each entity there are at most in a whole run.
+    /// Maximum number of instances of each entity in a whole run.
     fn lives(&self) -> IdVec<EntityId, f64> {
         let (program, world) = (self.program, self.world);
         let slots = |entity| world.slots.iter().filter(move |s| s.entity == entity && s.origin != Origin::Free);
         let first: IdVec<EntityId, f64> = program.entities.ids().map(|e| slots(e).count() as f64).collect();
-        // Of each action list that spawns: who runs it, what it makes, how often in a life, and how many of those that
-        // are there at first never run it.
+        // For each spawning action list: the spawner, the spawned entity, the number of runs per life, and the number
+        // of initial instances that never run it.
         let mut spawning: Vec<(EntityId, EntityId, f64, f64)> = Vec::new();
         for (id, entity) in program.entities.pairs() {
             for (cause, actions) in lists(entity).filter(|(_, a)| !a.spawns.is_empty()) {
@@ -120,7 +121,7 @@ impl<'a> CounterBounds<'a> {
                 let idle = match cause {
                     Cause::Edge(edge) => {
                         let guard = entity.edges[edge].guard;
-                        slots(id).filter(|s| self.settled(s, guard) == Some(0.0)).count() as f64
+                        slots(id).filter(|s| self.initial_constant(s, guard) == Some(0.0)).count() as f64
                     }
                     Cause::Entry(_) | Cause::Follow(_) => 0.0,
                 };
@@ -137,7 +138,8 @@ impl<'a> CounterBounds<'a> {
                     next[made] += spawners * often;
                 }
             }
-            // What still grows after as many rounds as there are entities spawns itself.
+            // A count that still grows after as many rounds as there are entities is unbounded: the entity spawns
+            // itself.
             for (life, before) in next.iter_mut().zip(lives.iter()) {
                 if round >= rounds && *life > *before {
                     *life = f64::INFINITY;
@@ -148,18 +150,20 @@ impl<'a> CounterBounds<'a> {
         lives
     }
 
-    /// The value of a guard or a number of an instance that is there at first, if nothing ever changes it.
-    fn settled(&self, slot: &Slot, id: ExprId) -> Option<f64> {
+    /// The constant value of a guard or a number of an initial instance, if nothing ever changes it.
+    fn initial_constant(&self, slot: &Slot, id: ExprId) -> Option<f64> {
         let entity = &self.program.entities[slot.entity];
         let truth = |holds: bool| Some(f64::from(u8::from(holds)));
         match self.program.exprs[id] {
-            Expr::And(a, b) => match (self.settled(slot, a), self.settled(slot, b)) {
+            Expr::And(a, b) => match (self.initial_constant(slot, a), self.initial_constant(slot, b)) {
                 (Some(0.0), _) | (_, Some(0.0)) => truth(false),
                 (Some(_), Some(_)) => truth(true),
                 _ => None,
             },
-            Expr::Not(a) => truth(self.settled(slot, a)? == 0.0),
-            Expr::Compare(op, a, b) => truth(compare(op, self.settled(slot, a)?, self.settled(slot, b)?)),
+            Expr::Not(a) => truth(self.initial_constant(slot, a)? == 0.0),
+            Expr::Compare(op, a, b) => {
+                truth(compare(op, self.initial_constant(slot, a)?, self.initial_constant(slot, b)?))
+            }
             Expr::Discrete(Subject::Me, id) => {
                 let mut updates = lists(entity).flat_map(|(_, actions)| &actions.updates);
                 let is_written = updates.any(|u| u.place == Place::Discrete(id));
@@ -169,11 +173,11 @@ impl<'a> CounterBounds<'a> {
         }
     }
 
-    /// What a discrete variable of a slot can be at most.
-    fn most(&mut self, slot: &Slot, id: DiscreteId) -> f64 {
+    /// Upper bound of a discrete variable of a slot.
+    fn upper_bound(&mut self, slot: &Slot, id: DiscreteId) -> f64 {
         let entity = &self.program.entities[slot.entity];
         let none = IdVec::new();
-        // The parameters of a slot that can be used again are not known.
+        // The parameters of a slot that can be reused are not known.
         let params = if slot.is_fixed { &slot.params } else { &none };
         let mut first = f64::from(slot.discretes[id]);
         let spawns = self.program.entities.iter().flat_map(|e| e.spawns.iter());
@@ -204,11 +208,12 @@ impl<'a> CounterBounds<'a> {
                 counted.0 = kept.top.max(counted.0);
             }
         }
-        // Rounded down, with room for sums of fractions; a counter is a whole number.
+        // Rounded down, as a counter is a whole number, with a tolerance for sums of fractions.
         flat.min((counted.0 + counted.1 + 1e-6).floor())
     }
 
-    /// What an update makes of a variable at most; where there is a choice, by its old value (`counts`) or by numbers.
+    /// Upper bound of an update. Where there is a choice, prefers a bound relative to the old value (`counts`) or an
+    /// absolute one.
     fn upper(
         &self,
         entity: &Entity,
@@ -244,7 +249,7 @@ impl<'a> CounterBounds<'a> {
         }
     }
 
-    /// How often an action list runs in the life of an instance.
+    /// Maximum number of runs of an action list in the life of an instance.
     fn runs(&mut self, id: EntityId, cause: Cause) -> f64 {
         let entity = &self.program.entities[id];
         match cause {
@@ -268,7 +273,7 @@ impl<'a> CounterBounds<'a> {
         }
     }
 
-    /// After how many collision phases a guard can hold, by the contacts that it needs.
+    /// Maximum number of collision phases after which a guard can hold, by the contacts that it needs.
     fn contacts(&self, entity: &Entity, guard: ExprId, actions: &Actions) -> f64 {
         match self.program.exprs[guard] {
             Expr::And(a, b) => self.contacts(entity, a, actions).min(self.contacts(entity, b, actions)),
@@ -278,9 +283,9 @@ impl<'a> CounterBounds<'a> {
         }
     }
 
-    /// After how many collision phases a contact question can hold.
+    /// Maximum number of collision phases after which a contact query can hold.
     fn phases(&self, entity: &Entity, touch: TouchId, actions: &Actions) -> f64 {
-        // Its edge destroys what it touches.
+        // Whether the edge destroys the touched instance.
         let destroys = actions.destroys.contains(&RefValue::Of(Subject::Touched(touch)));
         let touch = &entity.touches[touch];
         let other = TagSet::of(touch.other);
@@ -311,7 +316,8 @@ impl<'a> CounterBounds<'a> {
         sum
     }
 
-    /// Whether an instance is used up by any of some contacts: of what it touches the tags, and its own collider.
+    /// Whether an instance is used up by each of some contacts, given as the tags of the touched collider and the
+    /// instance's own collider.
     fn is_used_up(&self, entity: &Entity, modes: IdRange<ModeId>, pairs: &[(TagSet, ColliderId)]) -> bool {
         let leaves: Vec<LeafId> =
             entity.leaves.pairs().filter(|(_, l)| modes.contains(l.mode)).map(|(id, _)| id).collect();
@@ -321,7 +327,7 @@ impl<'a> CounterBounds<'a> {
         };
         let mut off: BTreeSet<LeafId> =
             leaves.iter().copied().filter(|l| pairs.iter().all(|(_, id)| is_off(*l, *id))).collect();
-        // For good: no edge leads back.
+        // Permanently off: no edge leads back.
         loop {
             let before = off.len();
             let leads_back =
@@ -355,7 +361,7 @@ impl<'a> CounterBounds<'a> {
         })
     }
 
-    /// Whether a guard holds for sure after a contact of a collider with something.
+    /// Whether a guard certainly holds after a contact of a collider.
     fn holds(&self, entity: &Entity, guard: ExprId, mine: TagSet, other: TagSet) -> bool {
         let of = |guard| self.holds(entity, guard, mine, other);
         match self.program.exprs[guard] {
@@ -370,7 +376,7 @@ impl<'a> CounterBounds<'a> {
         }
     }
 
-    /// How a guard turns out while a leaf of a group is active, if that alone decides it.
+    /// The truth of a guard while a leaf of a group is active, if the leaf decides it.
     fn in_leaf(&self, entity: &Entity, guard: ExprId, modes: IdRange<ModeId>, leaf: LeafId) -> Option<bool> {
         let of = |guard| self.in_leaf(entity, guard, modes, leaf);
         match self.program.exprs[guard] {
@@ -406,10 +412,10 @@ fn destroys_self(actions: &Actions) -> bool {
     actions.destroys.contains(&RefValue::Of(Subject::Me))
 }
 
-/// Whether who takes an edge is destroyed by it.
+/// Whether taking an edge destroys the instance.
 fn ends(entity: &Entity, edge: EdgeId) -> bool {
     let Edge { target, actions, .. } = &entity.edges[edge];
-    // An edge enters its target even if that is active.
+    // An edge enters its target even if the target is active.
     destroys_self(actions) || target.is_some_and(|target| destroys_self(&entity.modes[target].entry))
 }
 
@@ -418,14 +424,14 @@ fn entered(entity: &Entity, edge: EdgeId) -> impl Iterator<Item = LeafId> + use<
     entity.edges[edge].target.map(|target| entity.enterable(target).ids()).into_iter().flatten()
 }
 
-/// The edges that can enter a mode: their target is the mode itself, is around it or inside of it.
+/// The edges that can enter a mode: their target is the mode itself, an ancestor or a descendant.
 fn entering(entity: &Entity, mode: ModeId) -> impl Iterator<Item = EdgeId> + '_ {
     let within = |inner: ModeId, outer: ModeId| outer <= inner && inner < entity.modes[outer].end;
     let targets = entity.edges.pairs().filter_map(|(id, e)| Some((id, e.target?)));
     targets.filter(move |(_, target)| within(*target, mode) || within(mode, *target)).map(|(id, _)| id)
 }
 
-/// How often an action list runs in one life, by its own edges alone.
+/// Maximum number of runs of an action list in one life, by the structure of the edges alone.
 fn per_life(entity: &Entity, cause: Cause, actions: &Actions) -> f64 {
     if destroys_self(actions) {
         return 1.0;
@@ -439,7 +445,7 @@ fn per_life(entity: &Entity, cause: Cause, actions: &Actions) -> f64 {
     }
 }
 
-/// Whether an edge can be taken again after it was taken.
+/// Whether an edge can be taken more than once.
 fn can_recur(entity: &Entity, edge: EdgeId) -> bool {
     let Edge { source, target, .. } = &entity.edges[edge];
     if target.is_none() {

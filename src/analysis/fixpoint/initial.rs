@@ -1,4 +1,4 @@
-//! What an instance can be when it begins: placed, made by a tile, or spawned.
+//! Initial configurations of instances: placed, made from a tile, or spawned.
 
 use crate::ir::{IdVec, LeafId, Origin, Place, SlotId, SpawnId, VarId};
 
@@ -6,10 +6,10 @@ use crate::analysis::domain::configuration::Configuration;
 use crate::analysis::domain::values::Values;
 use crate::analysis::domain::widen::within_bounds;
 use crate::analysis::fixpoint::{Analysis, MAX_CONFIGURATIONS};
-use crate::analysis::geometry::landing::{Landing, Whose};
+use crate::analysis::geometry::placement::{PlacedColliders, Placement};
 
 impl Analysis<'_> {
-    /// The first configurations of an instance that is there from the start.
+    /// Adds the initial configurations of an instance that exists from the start.
     pub(in crate::analysis) fn begin(&mut self, slot: SlotId) {
         let s = &self.world.slots[slot];
         let vars = s.vars.iter().map(|v| v.map(Values::point)).collect();
@@ -18,19 +18,19 @@ impl Analysis<'_> {
         if !s.is_fixed {
             at.params = s.params.iter().map(|p| Values::point(*p)).collect();
         }
-        // Contacts are found before the first step, too, without pushes.
+        // Contacts are detected before the first step, too, without pushes.
         let contact = VarId::XY.map(|var| at.vars[var][0]);
         let known = &mut self.slots[slot].contact;
         *known = [known[0].or(&contact[0]), known[1].or(&contact[1])];
         self.enter(slot, at);
     }
 
-    /// Adds a configuration in all the leaves in which an instance can begin.
+    /// Adds a configuration in all possible initial leaves.
     fn enter(&mut self, slot: SlotId, at: Configuration) -> bool {
         let entity = self.entity(slot);
         let mut combinations: Vec<Vec<LeafId>> = vec![Vec::new()];
         for group in entity.groups.iter() {
-            // Choices read parameters, which may be several: all of them are possible.
+            // Choices read parameters, which may have several values: all choices are possible.
             let inside = group.modes;
             let simple = group.choices.is_empty() && !entity.modes[group.first].chooses;
             let leaves: Vec<LeafId> = match simple {
@@ -49,10 +49,11 @@ impl Analysis<'_> {
                 .collect();
         }
         let mut changed = false;
-        if let Some(landing) = Landing::of(&at) {
+        if let Some(placement) = Placement::of(&at) {
             for leaves in &combinations {
-                let whose = Whose::While(leaves.clone());
-                changed |= self.land(slot, &Landing { spaces: landing.spaces.clone(), at: landing.at, whose });
+                let colliders = PlacedColliders::While(leaves.clone());
+                changed |=
+                    self.place(slot, &Placement { spaces: placement.spaces.clone(), at: placement.at, colliders });
             }
         }
         let at = within_bounds(self.world, slot, at);
@@ -62,7 +63,7 @@ impl Analysis<'_> {
         changed
     }
 
-    /// What a spawn can make of each slot that it can take.
+    /// Adds the configurations that a spawn can create, in each slot that it can take.
     pub(in crate::analysis) fn spawn(&mut self, spawner: SlotId, spawn: SpawnId, at: &Configuration) -> bool {
         let spawn = &self.entity(spawner).spawns[spawn];
         let mut changed = false;
@@ -76,39 +77,39 @@ impl Analysis<'_> {
             let theirs = |id| reader.number(id);
             let zero = || [Values::point(0.0); 3];
             let vars = entity.vars.iter().map(|_| zero()).collect();
-            let mut born = Configuration::new(vars, IdVec::new(), entity.timers.len(), (*at.spaces).clone());
-            // Its own expressions read parameters that are known by then, and nothing else.
-            let own = |born: &Configuration, id| self.reader(Some((slot, born))).number(id);
+            let mut spawned = Configuration::new(vars, IdVec::new(), entity.timers.len(), (*at.spaces).clone());
+            // The instance's own expressions can only read the parameters evaluated so far.
+            let own = |spawned: &Configuration, id| self.reader(Some((slot, spawned))).number(id);
             for (id, param) in entity.params.pairs() {
                 let given = spawn.params.iter().find(|(p, _)| *p == id);
-                let value = given.map_or_else(|| own(&born, param.default), |(_, value)| theirs(*value));
-                born.params.push(value);
+                let value = given.map_or_else(|| own(&spawned, param.default), |(_, value)| theirs(*value));
+                spawned.params.push(value);
             }
             for (var, first) in entity.first.pairs() {
-                born.vars[var][0] = match first {
-                    Some(first) => own(&born, *first),
+                spawned.vars[var][0] = match first {
+                    Some(first) => own(&spawned, *first),
                     None if var.is_position() => at.vars[var][0],
                     None => Values::point(0.0),
                 };
             }
             for discrete in entity.discretes.iter() {
-                let value = own(&born, discrete.first).and(&Values::range(discrete.range));
-                born.discretes.push(value);
+                let value = own(&spawned, discrete.first).and(&Values::range(discrete.range));
+                spawned.discretes.push(value);
             }
             for update in &spawn.updates {
                 match update.place {
-                    Place::Var(var, degree) => born.vars[var][usize::from(degree)] = theirs(update.value),
-                    Place::Discrete(id) => born.discretes[id] = theirs(update.value),
+                    Place::Var(var, degree) => spawned.vars[var][usize::from(degree)] = theirs(update.value),
+                    Place::Discrete(id) => spawned.discretes[id] = theirs(update.value),
                     Place::Ref(_) => {}
                 }
             }
             // A fault stops the run.
-            if born.is_impossible() {
+            if spawned.is_impossible() {
                 continue;
             }
             let known = &mut self.slots[slot].params;
             let mut reshaped = false;
-            for (id, value) in born.params.pairs() {
+            for (id, value) in spawned.params.pairs() {
                 let joined = known[id].or(value);
                 reshaped |= joined != known[id];
                 known[id] = joined;
@@ -118,7 +119,7 @@ impl Analysis<'_> {
                 self.slots[slot].is_changed = true;
                 changed = true;
             }
-            changed |= self.enter(slot, born);
+            changed |= self.enter(slot, spawned);
         }
         changed
     }

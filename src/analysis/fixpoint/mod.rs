@@ -1,4 +1,4 @@
-//! Steps from all that an instance can be until nothing new is found, then cuts the result to what follows from it.
+//! The fixpoint iteration: steps from all known configurations until nothing new is found, then narrows the result.
 
 pub(in crate::analysis) mod counter_bounds;
 pub(in crate::analysis) mod initial;
@@ -14,31 +14,31 @@ use crate::ir::{
 use crate::watch::Watch;
 
 use super::{ConfigurationSpace, GivenUp, SlotSpace};
-use crate::analysis::domain::configuration::{Between, Configuration, Overall};
+use crate::analysis::domain::configuration::{Configuration, MidStep, Overall};
 use crate::analysis::domain::values::{Interval, Values};
-use crate::analysis::domain::widen::{Patience, Thresholds, within_bounds};
+use crate::analysis::domain::widen::{GrowthCounts, Thresholds, within_bounds};
 use crate::analysis::fixpoint::counter_bounds::Limits;
 use crate::analysis::geometry::cells::{CellId, Cells};
-use crate::analysis::geometry::landing::{Landing, Whose};
+use crate::analysis::geometry::placement::{PlacedColliders, Placement};
 use crate::analysis::geometry::scene::Scene;
 use crate::analysis::geometry::surroundings::Surroundings;
 use crate::analysis::step::evaluate::{Joined, Phase, Reader};
 use crate::analysis::step::forbidden::Forbidden;
 use crate::analysis::step::{Outcome, Stepper};
 
-/// More combinations of leaves than that are not distinguished.
+/// Maximum number of combinations of leaves per slot.
 pub(in crate::analysis) const MAX_CONFIGURATIONS: usize = 1_024;
-/// How often the result is cut to what follows from it.
+/// Number of narrowing passes.
 const NARROWINGS: usize = 2;
 
-/// What tells configurations apart: the active leaf of each group, and where the instance is.
+/// Identifies a configuration: the active leaf of each group, and the cell of the position.
 pub(in crate::analysis) type Key = (Vec<LeafId>, CellId);
 
-/// A configuration that is still growing.
+/// A configuration that may still grow.
 #[derive(Debug, Clone)]
 pub(in crate::analysis) struct Growing {
     pub at: Configuration,
-    patience: Patience,
+    growth: GrowthCounts,
     is_new: bool,
 }
 
@@ -47,56 +47,56 @@ pub(in crate::analysis) struct Slot {
     pub configurations: BTreeMap<Key, Growing>,
     pub can_be_absent: bool,
     pub is_given_up: bool,
-    /// Why, if so.
+    /// The reason, if given up.
     pub why: Option<GivenUp>,
     pub params: IdVec<ParamId, Values>,
-    /// The spaces to which links lead it: what it meets there decides whether it can be there at all.
+    /// The spaces to which links lead it: contacts there decide whether it can stay.
     pub entered: BTreeSet<SpaceId>,
     /// px/s
     pub speed: [f64; 2],
     pub near_speed: [f64; 2],
-    pub between: Between,
-    /// Where it is when contacts are found, px.
+    pub mid_step: MidStep,
+    /// Position when contacts are detected, px.
     pub contact: [Values; 2],
-    /// Whether what it can be was changed since others were told.
+    /// Whether the slot has changed since it was last published.
     pub is_changed: bool,
 }
 
 impl Slot {
-    /// How many combinations of leaves there are.
+    /// Number of distinct combinations of leaves.
     fn combinations(&self) -> usize {
         let keys: Vec<&Key> = self.configurations.keys().collect();
         keys.chunk_by(|a, b| a.0 == b.0).count()
     }
 }
 
-/// An analysis that is under way.
+/// An analysis in progress.
 pub(in crate::analysis) struct Analysis<'a> {
     pub program: &'a Program,
     pub world: &'a World,
     pub slots: IdVec<SlotId, Slot>,
     pub overall: IdVec<SlotId, Overall>,
-    /// What they are together.
+    /// Joins over several slots, cached.
     joined: Joined,
     pub scene: Scene<'a>,
     pub surroundings: Surroundings,
-    /// Of each slot the one that is examined for it: slots in which nothing is at first are alike.
+    /// The slot that represents each slot: slots that are empty at the start are interchangeable.
     first: IdVec<SlotId, SlotId>,
-    /// What discrete variables can be at most, whatever the steps.
+    /// Invariant bounds of the discrete variables.
     limits: Limits,
-    /// What never holds.
+    /// Predicates that never hold.
     forbidden: Forbidden<'a>,
-    /// Whether some instance reads others.
+    /// Whether any instance reads others.
     is_read: bool,
-    /// Whether what is found is cut, so that nothing grows for ever.
+    /// Whether the analysis is narrowing, so that no widening is needed.
     is_narrowing: bool,
-    /// How many ways of steps may still be looked at.
+    /// Number of branches of steps that may still be examined.
     pub effort: usize,
-    /// Asked whether the result is still wanted.
+    /// Polled to see whether the result is still needed.
     pub watch: &'a dyn Watch,
-    /// Whether the watch said so.
+    /// Whether the watch requested a stop.
     pub is_stopped: bool,
-    /// The numbers that the program compares with or writes, and where edges meet.
+    /// Widening thresholds: the numbers that the program compares with or writes, and the ends of pushes.
     thresholds: Thresholds,
 }
 
@@ -116,7 +116,7 @@ impl<'a> Analysis<'a> {
                 can_be_absent: s.origin == Origin::Free,
                 params: s.params.iter().map(|p| Values::point(*p)).collect(),
                 is_changed: true,
-                between: Between::new(s.vars.len(), s.discretes.len()),
+                mid_step: MidStep::new(s.vars.len(), s.discretes.len()),
                 ..Slot::default()
             })
             .collect();
@@ -147,7 +147,7 @@ impl<'a> Analysis<'a> {
         for slot in world.slots.ids().filter(|s| world.slots[*s].origin != Origin::Free) {
             analysis.begin(slot);
         }
-        analysis.tell();
+        analysis.publish();
         analysis.thresholds = analysis.thresholds();
         analysis
     }
@@ -172,13 +172,13 @@ impl<'a> Analysis<'a> {
         &self.program.entities[self.world.slots[slot].entity]
     }
 
-    /// Whether a slot is examined itself.
+    /// Whether a slot is its own representative.
     pub(in crate::analysis) fn is_first(&self, slot: SlotId) -> bool {
         self.first[slot] == slot
     }
 
-    /// Adds what an instance can be; returns true if that is more than before. What comes of a configuration itself is told
-    /// apart, and what narrows one is what comes in from others.
+    /// Joins a configuration into a slot; returns true if the slot grew. `from` is the configuration that led to it:
+    /// growth caused by a configuration itself is weighted differently, and is ignored while narrowing.
     pub(in crate::analysis) fn grow(&mut self, slot: SlotId, mut found: Configuration, from: Option<&Key>) -> bool {
         if self.slots[slot].is_given_up {
             return false;
@@ -188,15 +188,15 @@ impl<'a> Analysis<'a> {
             return false;
         }
         let mut changed = false;
-        let is_covered = self.surroundings.is_covered(slot, &found.leaves);
+        let is_kept_out = self.surroundings.is_kept_out(slot, &found.leaves);
         if let (Cells::Fine(fine), false) = (self.cells(slot), self.is_narrowing) {
             self.effort = self.effort.saturating_sub(fine.count_parts(&found));
-            // All is given up then.
+            // The whole analysis is given up then.
             if self.effort == 0 {
                 return false;
             }
         }
-        let parts = self.cells(slot).split(found, is_covered);
+        let parts = self.cells(slot).split(found, is_kept_out);
         for (cell, found) in parts {
             let is_own = from.is_some_and(|(leaves, of)| *of == cell && *leaves == found.leaves);
             if !(is_own && self.is_narrowing) {
@@ -206,7 +206,7 @@ impl<'a> Analysis<'a> {
         changed
     }
 
-    /// Where a slot's instance is distinguished.
+    /// The cells into which a slot's positions are divided.
     pub fn cells(&self, slot: SlotId) -> &Cells {
         &self.scene.cells[self.scene.of[slot]]
     }
@@ -214,14 +214,14 @@ impl<'a> Analysis<'a> {
     fn grow_in(&mut self, slot: SlotId, cell: CellId, found: Configuration, is_own: bool) -> bool {
         let known = &mut self.slots[slot];
         let key = (found.leaves.clone(), cell);
-        // Mostly nothing is new; what is large is not moved for that.
+        // The common case: nothing is new, and nothing large is moved.
         if known.configurations.get(&key).is_some_and(|growing| found.is_within(&growing.at)) {
             return false;
         }
         let Some(mut growing) = known.configurations.remove(&key) else {
-            let patience = Patience::new(&found);
+            let growth = GrowthCounts::new(&found);
             self.scene.activate(self.scene.of[slot], &key.0);
-            known.configurations.insert(key, Growing { at: found, patience, is_new: true });
+            known.configurations.insert(key, Growing { at: found, growth, is_new: true });
             known.is_changed = true;
             if known.configurations.len() > MAX_CONFIGURATIONS && known.combinations() > MAX_CONFIGURATIONS {
                 self.give_up(slot, GivenUp::Combinations);
@@ -237,7 +237,7 @@ impl<'a> Analysis<'a> {
         let is_more = joined != growing.at;
         if is_more {
             if !self.is_narrowing {
-                growing.patience.widen(&growing.at, &mut joined, &self.thresholds, is_own, others);
+                growing.growth.widen(&growing.at, &mut joined, &self.thresholds, is_own, others);
             }
             cut(&mut joined, &self.limits[slot]);
             self.forbidden.cut(slot, &mut joined);
@@ -271,7 +271,11 @@ impl<'a> Analysis<'a> {
                 spaces: self.world.spaces.ids().collect(),
                 speed: [f64::INFINITY; 2],
                 near_speed: [f64::INFINITY; 2],
-                between: Between::anything(entity.vars.len(), self.limits[slot].clone(), entity.leaves.ids().collect()),
+                mid_step: MidStep::anything(
+                    entity.vars.len(),
+                    self.limits[slot].clone(),
+                    entity.leaves.ids().collect(),
+                ),
                 leaves: entity.leaves.ids().collect(),
             };
         }
@@ -285,13 +289,13 @@ impl<'a> Analysis<'a> {
             contact: known.contact,
             speed: known.speed,
             near_speed: known.near_speed,
-            between: known.between.clone(),
+            mid_step: known.mid_step.clone(),
             leaves: known.configurations.keys().flat_map(|(leaves, _)| leaves).copied().collect(),
         }
     }
 
-    /// Tells the others what each slot can be; returns whether anything changed.
-    pub fn tell(&mut self) -> bool {
+    /// Publishes the joins of the changed slots to all others; returns true if anything changed.
+    pub fn publish(&mut self) -> bool {
         let mut changed = false;
         for slot in self.world.slots.ids() {
             let first = self.first[slot];
@@ -304,7 +308,7 @@ impl<'a> Analysis<'a> {
             };
             if overall != self.overall[slot] {
                 if overall.params != self.overall[slot].params {
-                    // Its own expressions read them.
+                    // Its own expressions read the parameters.
                     self.slots[slot].configurations.values_mut().for_each(|g| g.is_new = true);
                 }
                 self.overall[slot] = overall;
@@ -325,7 +329,7 @@ impl<'a> Analysis<'a> {
 
     /// Steps until nothing new is found.
     pub fn run(&mut self) {
-        // The guards of links read the world's instances.
+        // The guards of links read the instances of the world.
         let is_guarded = self.world.spaces.iter().any(|space| space.links.iter().any(|link| link.guard.is_some()));
         let reads_others = |entity: &Entity| reads_others(entity) || (is_guarded && !entity.follows.is_empty());
         let reads_others: IdVec<SlotId, bool> = self.world.slots.ids().map(|s| reads_others(self.entity(s))).collect();
@@ -342,11 +346,11 @@ impl<'a> Analysis<'a> {
                 if !same || (others_changed && reads_others[slot]) {
                     self.slots[slot].configurations.values_mut().for_each(|g| g.is_new = true);
                 }
-                changed |= self.settle(slot);
+                changed |= self.iterate_slot(slot);
             }
-            changed |= self.ends();
-            others_changed = self.tell();
-            // What is left to be looked at then is not: that nothing changed says nothing.
+            changed |= self.mark_destroyable();
+            others_changed = self.publish();
+            // After a stop, the absence of changes means nothing.
             self.is_stopped |= self.scene.meter.is_stopped();
             if self.effort == 0 || self.is_stopped {
                 self.give_all_up();
@@ -367,15 +371,15 @@ impl<'a> Analysis<'a> {
         }
     }
 
-    /// Everything is possible for all.
+    /// Gives up all slots.
     fn give_all_up(&mut self) {
         let why = if self.is_stopped { GivenUp::Stopped } else { GivenUp::Effort };
         let firsts: Vec<SlotId> = self.world.slots.ids().filter(|s| self.is_first(*s)).collect();
         firsts.into_iter().for_each(|slot| self.give_up(slot, why));
-        self.tell();
+        self.publish();
     }
 
-    /// Everything is possible for a slot, and for what it can spawn.
+    /// Gives up a slot and all slots that it can spawn: everything is possible for them.
     fn give_up(&mut self, slot: SlotId, why: GivenUp) {
         let known = &mut self.slots[slot];
         if std::mem::replace(&mut known.is_given_up, true) {
@@ -391,7 +395,7 @@ impl<'a> Analysis<'a> {
             };
             let made: Vec<SlotId> = self.world.slots.ids().filter(made).map(|s| self.first[s]).collect();
             for slot in made {
-                // Its parameters are what the spawner gives it.
+                // The spawner determines its parameters.
                 let params: IdVec<ParamId, Values> = self.slots[slot].params.iter().map(|_| Values::all()).collect();
                 if self.slots[slot].params != params {
                     self.scene.reshape(slot, &params);
@@ -403,14 +407,14 @@ impl<'a> Analysis<'a> {
         }
     }
 
-    /// Steps a slot until nothing new is found of it, as long as the others stay as they are.
-    fn settle(&mut self, slot: SlotId) -> bool {
+    /// Steps a slot until nothing new is found, while all others stay fixed.
+    fn iterate_slot(&mut self, slot: SlotId) -> bool {
         let mut changed = false;
         while self.effort > 0 {
-            // What is met in other spaces is not known before they are reported.
-            let told = &self.overall[slot].spaces;
+            // A space must be published before the obstacles in it are known.
+            let published = &self.overall[slot].spaces;
             let known = self.slots[slot].configurations.iter();
-            let new = known.filter(|(_, g)| g.is_new && g.at.spaces.is_subset(told));
+            let new = known.filter(|(_, g)| g.is_new && g.at.spaces.is_subset(published));
             let due: Vec<Key> = new.map(|(key, _)| key.clone()).collect();
             if due.is_empty() {
                 break;
@@ -421,10 +425,10 @@ impl<'a> Analysis<'a> {
                     self.effort = 0;
                     return true;
                 }
-                // As it is by now: those before it may have added to it.
-                let told = &self.overall[slot].spaces;
+                // The current value: the keys before this one may have added to it.
+                let published = &self.overall[slot].spaces;
                 let growing = self.slots[slot].configurations.get_mut(&key);
-                let Some(growing) = growing.filter(|g| g.at.spaces.is_subset(told)) else { continue };
+                let Some(growing) = growing.filter(|g| g.at.spaces.is_subset(published)) else { continue };
                 growing.is_new = false;
                 let at = growing.at.clone();
                 match self.stepper(slot).run(&at) {
@@ -442,7 +446,7 @@ impl<'a> Analysis<'a> {
         changed
     }
 
-    /// What expressions are read against, by an instance or by the world.
+    /// The context in which expressions of an instance or of the world are evaluated.
     pub fn reader<'s>(&'s self, me: Option<(SlotId, &'s Configuration)>) -> Reader<'s> {
         Reader {
             program: self.program,
@@ -458,11 +462,19 @@ impl<'a> Analysis<'a> {
 
     pub fn stepper(&self, slot: SlotId) -> Stepper<'_> {
         let reader = self.reader(None);
-        let flowing = self.scene.flowing[self.world.slots[slot].entity].as_deref();
-        let moving = &self.scene.moving[self.world.slots[slot].entity];
-        let covering = &self.scene.covering[self.world.slots[slot].entity];
-        let covering = self.surroundings.is_gentle(slot).then_some(covering.as_slice());
-        Stepper { reader, scene: &self.scene, slot, covering, step: self.world.step.seconds(), flowing, moving }
+        let flow_groups = self.scene.flow_groups[self.world.slots[slot].entity].as_deref();
+        let motion_edges = &self.scene.motion_edges[self.world.slots[slot].entity];
+        let collider_groups = &self.scene.collider_groups[self.world.slots[slot].entity];
+        let collider_groups = self.surroundings.has_bounded_pushes(slot).then_some(collider_groups.as_slice());
+        Stepper {
+            reader,
+            scene: &self.scene,
+            slot,
+            collider_groups,
+            step: self.world.step.seconds(),
+            flow_groups,
+            motion_edges,
+        }
     }
 
     pub fn take(&mut self, slot: SlotId, from: &Key, outcome: Outcome) -> bool {
@@ -481,7 +493,7 @@ impl<'a> Analysis<'a> {
         let known = &mut self.slots[slot];
         let speeds = known.speed.iter_mut().chain(&mut known.near_speed);
         for (old, speed) in speeds.zip(outcome.speed.into_iter().chain(outcome.near_speed)) {
-            // It grows as velocities do, which are brought to an end.
+            // It grows with velocities, which are widened.
             if speed > *old {
                 *old = speed;
                 changed = true;
@@ -495,8 +507,8 @@ impl<'a> Analysis<'a> {
                 known.is_changed = true;
             }
         }
-        for at in outcome.between.iter().filter(|_| self.is_read) {
-            let is_more = known.between.add(at);
+        for at in outcome.mid_step.iter().filter(|_| self.is_read) {
+            let is_more = known.mid_step.add(at);
             known.is_changed |= is_more;
             changed |= is_more;
         }
@@ -505,11 +517,11 @@ impl<'a> Analysis<'a> {
             known.is_changed = true;
             changed = true;
         }
-        for landing in outcome.landings {
-            changed |= self.land(slot, &landing);
+        for placement in outcome.placements {
+            changed |= self.place(slot, &placement);
         }
         let number = self.scene.of[slot];
-        for leaves in outcome.comes {
+        for leaves in outcome.activated {
             changed |= self.scene.activate(number, &leaves);
         }
         let kind = &mut self.scene.kinds[number];
@@ -518,28 +530,29 @@ impl<'a> Analysis<'a> {
         changed
     }
 
-    /// Something puts an instance somewhere; returns whether it can be there, or inside of what pushes it, which is new.
-    pub fn land(&mut self, slot: SlotId, landing: &Landing) -> bool {
+    /// Places an instance; returns true if the position is new, or if the instance can newly overlap something that
+    /// pushes it.
+    pub fn place(&mut self, slot: SlotId, placement: &Placement) -> bool {
         let kind = self.scene.of[slot];
         let mut changed = false;
-        for space in landing.spaces.iter() {
-            let (is_put, is_new) = match landing.whose {
-                Whose::All | Whose::While(_) => (true, false),
-                Whose::One { was_bare, .. } => (was_bare, true),
+        for space in placement.spaces.iter() {
+            let (is_put, is_new) = match placement.colliders {
+                PlacedColliders::All | PlacedColliders::While(_) => (true, false),
+                PlacedColliders::One { was_unblocked, .. } => (was_unblocked, true),
             };
-            changed |= is_put && self.scene.seed(kind, *space, landing.at);
-            changed |= is_new && self.scene.uncover(kind, *space, landing.at);
+            changed |= is_put && self.scene.seed(kind, *space, placement.at);
+            changed |= is_new && self.scene.seed_collider(kind, *space, placement.at);
         }
-        if self.scene.kinds[kind].jumps {
+        if self.scene.kinds[kind].can_be_inside {
             return changed;
         }
-        let inside = landing.spaces.iter().any(|space| self.scene.is_inside(kind, *space, landing));
-        self.scene.kinds[kind].jumps = inside;
+        let inside = placement.spaces.iter().any(|space| self.scene.is_inside(kind, *space, placement));
+        self.scene.kinds[kind].can_be_inside = inside;
         changed || inside
     }
 
-    /// Notes which instances others can destroy.
-    fn ends(&mut self) -> bool {
+    /// Marks the slots whose instances can be destroyed by others.
+    fn mark_destroyable(&mut self) -> bool {
         let mut changed = false;
         for me in self.world.slots.ids().filter(|s| self.overall[*s].can_live) {
             let entity = self.entity(me);
@@ -580,12 +593,12 @@ impl<'a> Analysis<'a> {
     }
 }
 
-/// Whether an instance reads others.
+/// Whether instances of an entity read others.
 fn reads_others(entity: &Entity) -> bool {
     !entity.refs.is_empty() || entity.touches.iter().any(|t| t.bound)
 }
 
-/// Cuts discrete variables to what they can be at most.
+/// Restricts discrete variables to their bounds.
 fn cut(at: &mut Configuration, limits: &IdVec<DiscreteId, Values>) {
     for (id, limit) in limits.pairs() {
         if !at.discretes[id].is_within(limit) {

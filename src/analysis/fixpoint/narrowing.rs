@@ -1,4 +1,4 @@
-//! The end of an analysis: what was found is cut to what follows from it (Cousot and Cousot, POPL 1977, narrowing).
+//! Narrowing after the fixpoint iteration (Cousot and Cousot, POPL 1977).
 
 use std::collections::BTreeMap;
 
@@ -6,18 +6,18 @@ use crate::ir::{Origin, SlotId};
 
 use crate::analysis::domain::configuration::Configuration;
 use crate::analysis::domain::values::Values;
-use crate::analysis::domain::widen::{both, extended};
+use crate::analysis::domain::widen::{extended, intersection};
 use crate::analysis::fixpoint::{Analysis, Growing, Key, Slot};
 use crate::analysis::geometry::cells::CellId;
 use crate::analysis::geometry::surroundings::Surroundings;
 use crate::analysis::step::Outcome;
 
-/// How often a configuration is extended by what comes of it before that is given up.
+/// Maximum number of extensions of a configuration by its own successors.
 const MAX_EXTENSIONS: usize = 8;
 
 impl Analysis<'_> {
-    /// Steps once from all that was found, and keeps of it only what comes of that or is there from the start. Ends that
-    /// a configuration has only from itself are lost: it restarts with what comes in from others.
+    /// Steps once from all configurations and keeps only their successors and the initial ones. Bounds that a
+    /// configuration justifies only by itself are dropped: it restarts from the input of others.
     pub fn narrow(&mut self) {
         self.surroundings = Surroundings::new(&mut self.scene, &self.overall);
         let mut found: Vec<(SlotId, Key, Outcome)> = Vec::new();
@@ -53,34 +53,34 @@ impl Analysis<'_> {
             }
             let mut narrowed = std::mem::take(&mut self.slots[slot].configurations);
             for (key, growing) in &mut narrowed {
-                // All of it is given up then, whatever has been cut.
+                // The whole analysis is given up then.
                 self.is_stopped |= self.watch.stop();
                 if self.is_stopped {
                     break;
                 }
                 if let Some(known) = known.get(key) {
-                    growing.at = self.restarted(slot, key.1, both(&growing.at, &known.at), &known.at);
+                    growing.at = self.restarted(slot, key.1, intersection(&growing.at, &known.at), &known.at);
                 }
             }
             self.slots[slot].configurations = narrowed;
         }
-        self.tell();
+        self.publish();
     }
 
-    /// What a configuration can be that begins with what comes in, if it was known to be no more than `known`.
+    /// Iterates a configuration from its entries, within the previous result `known`.
     fn restarted(&self, slot: SlotId, cell: CellId, entries: Configuration, known: &Configuration) -> Configuration {
         let mut at = entries.clone();
         for _ in 0..MAX_EXTENSIONS {
             let Some(outcome) = self.stepper(slot).run_on(&at) else { break };
             let here = |next: Configuration| {
-                let is_covered = self.surroundings.is_covered(slot, &next.leaves);
-                self.cells(slot).split(next, is_covered).into_iter().find(|(of, _)| *of == cell)
+                let is_kept_out = self.surroundings.is_kept_out(slot, &next.leaves);
+                self.cells(slot).split(next, is_kept_out).into_iter().find(|(of, _)| *of == cell)
             };
             let own = outcome.next.into_iter().filter_map(here).map(|(_, own)| own).reduce(|a, b| a.or(&b));
-            let Some(own) = own.map(|own| both(&own, known)) else { return entries };
+            let Some(own) = own.map(|own| intersection(&own, known)) else { return entries };
             if own.is_within(&at) {
-                // Nothing more comes of it; what is not come by is cut.
-                let mut at = both(&entries.or(&own), &at);
+                // A fixpoint: everything else is dropped.
+                let mut at = intersection(&entries.or(&own), &at);
                 at.sharpen();
                 return at;
             }

@@ -1,28 +1,28 @@
-//! Colliders as the analysis looks at them: bodies with their boxes, kinds of instances that share them, and where edges
-//! meet.
+//! Colliders as the analysis models them: bodies with their boxes, kinds of instances that share them, and the
+//! positions where pushes end.
 
 use crate::ir::{Bounds, EntityId, Meeting, Push, Side, SlotId, TagSet};
 
 use crate::analysis::domain::values::Interval;
-use crate::analysis::geometry::presence::{Cover, Presence};
+use crate::analysis::geometry::presence::{KeptOut, Presence};
 
-/// Edges that meet are this near, px: positions are rounded.
+/// Tolerance for touching edges, px: positions are rounded.
 pub(in crate::analysis) const ROUNDING: f64 = 1e-6;
 
-/// How far inside of a platform something may have been that comes from above, px; as the simulator has it.
+/// How deep a body may have been inside a one-way platform that it lands on, px; as in the simulator.
 pub(in crate::analysis) const TOLERANCE: f64 = 0.001;
-/// How much rounding can shift where edges meet at some coordinates, px.
+/// Rounding error of touching edges at a coordinate, px.
 pub(in crate::analysis) fn rounding(at: f64) -> f64 {
-    // What has no end is not rounded there.
+    // Infinite ends are exact.
     if at.is_finite() { ROUNDING + at.abs() * 1e-12 } else { 0.0 }
 }
 
-/// An interval, and what is so near to it that only rounding tells them apart.
+/// An interval, enlarged by the rounding error.
 pub(in crate::analysis) fn rounded(i: Interval) -> Interval {
     Interval { low: i.low - rounding(i.low), high: i.high + rounding(i.high) }
 }
 
-/// A box relative to a position, px: of both axes, from its low to its high end.
+/// A box relative to a position, px: an interval per axis.
 pub(in crate::analysis) type Extent = [Interval; 2];
 
 /// A collider of a kind.
@@ -31,31 +31,31 @@ pub(in crate::analysis) struct Body {
     pub tags: TagSet,
     /// Whether it is never pushed.
     pub kinematic: bool,
-    /// Its box, where that is always the same.
+    /// Its box, if it is constant.
     pub extent: Option<Extent>,
-    /// When it is there; none if more than modes decide that.
+    /// When it is active; `None` if that depends on more than modes.
     pub presence: Option<Presence>,
-    /// Whether it can be there at all, by the leaves that are known to be possible.
+    /// Whether it can be active in any of the leaves known to be possible.
     pub is_live: bool,
     /// Whether anything pushes it.
     pub is_pushed: bool,
 }
 
-/// Slots whose colliders are the same.
+/// Slots with the same colliders.
 #[derive(Debug, Clone)]
 pub(in crate::analysis) struct Kind {
     pub entity: EntityId,
     pub slots: Vec<SlotId>,
     pub bodies: Vec<Body>,
-    /// Whether something can put an instance inside of what pushes it, or through it.
-    pub jumps: bool,
-    /// Whether a collider of it that is never pushed can come back after it was away.
+    /// Whether something can place an instance inside an obstacle that pushes it, or beyond it.
+    pub can_be_inside: bool,
+    /// Whether a collider that is never pushed can be switched on again.
     pub appears: bool,
-    /// The positions at which an instance can meet anything that never moves.
+    /// The positions at which an instance can touch a static obstacle.
     pub near: Option<Extent>,
 }
 
-/// A body of a kind meets a body of another.
+/// A body of one kind that can touch a body of another.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::analysis) struct Pair {
     pub mine: usize,
@@ -64,24 +64,24 @@ pub(in crate::analysis) struct Pair {
     pub meeting: Meeting,
 }
 
-/// Where pushes put an instance, along an axis: by the low and by the high side of its colliders, in order.
+/// Where pushes end, per axis: by the low and by the high side of the colliders, in order.
 pub(in crate::analysis) type Edges = [[Vec<Interval>; 2]; 2];
 
 impl Body {
-    /// Its size along both axes, px; infinite where it is not always the same.
+    /// Its size along both axes, px; infinite if it is not constant.
     pub fn size(&self) -> [f64; 2] {
         self.extent.map_or([f64::INFINITY; 2], |e| e.map(|i| i.high - i.low))
     }
 }
 
 impl Kind {
-    /// The colliders that are kept out of what blocks.
+    /// The colliders that are kept out of blocking obstacles.
     pub fn kept_out(&self) -> impl Iterator<Item = &Body> {
         self.bodies.iter().filter(|b| b.is_pushed && b.is_live)
     }
 
-    /// Boxes that are kept out of what blocks while the kind is covered: those of colliders that are always there; if there
-    /// are none, what lies within all that are there by turns.
+    /// Boxes that are kept out of blocking obstacles while [`Kind::kept_out_while`] holds: those of colliders that are
+    /// always active, or else the intersection of all that alternate.
     pub fn cores(&self) -> Vec<(TagSet, Extent)> {
         let steady: Vec<_> = self.kept_out().filter(|b| b.presence == Some(Presence::Always)).collect();
         if !steady.is_empty() {
@@ -95,19 +95,19 @@ impl Kind {
         within.map(|within| (first.tags, within)).into_iter().collect()
     }
 
-    /// While which leaves it is kept out of what blocks.
-    pub fn cover(&self) -> Cover {
+    /// The condition under which an instance is kept out of blocking obstacles.
+    pub fn kept_out_while(&self) -> KeptOut {
         if self.kept_out().any(|b| b.presence == Some(Presence::Always)) {
-            return Cover::Always;
+            return KeptOut::Always;
         }
         match self.cores().is_empty() {
-            true => Cover::default(),
-            false => Cover::While(self.kept_out().filter_map(|b| b.presence.clone()).collect()),
+            true => KeptOut::default(),
+            false => KeptOut::While(self.kept_out().filter_map(|b| b.presence.clone()).collect()),
         }
     }
 }
 
-/// The place in `Edges` of the pushes by a contact on a side.
+/// The indices in `Edges` of pushes by a contact on a side.
 pub(in crate::analysis) fn face(side: Side) -> (usize, usize) {
     match side {
         Side::Left => (0, 0),
@@ -117,7 +117,7 @@ pub(in crate::analysis) fn face(side: Side) -> (usize, usize) {
     }
 }
 
-/// The sides on which a meeting can push the first of the two.
+/// The sides on which a contact rule can push the first of the two.
 pub(in crate::analysis) fn sides_of(meeting: Meeting) -> impl Iterator<Item = Side> {
     let can = move |side: &Side| match meeting.response.push {
         Push::Sense => false,
@@ -135,12 +135,12 @@ pub(in crate::analysis) fn along(bounds: Bounds) -> [(f64, f64); 2] {
     [(bounds.left, bounds.right), (bounds.bottom, bounds.top)]
 }
 
-/// Where an instance is while a box of its own meets something from `low` to `high`.
+/// The positions at which a box of an instance touches the interval from `low` to `high`.
 pub(in crate::analysis) fn near(extent: Option<Extent>, axis: usize, (low, high): (f64, f64)) -> Interval {
     extent.map_or(Interval::ALL, |e| rounded(Interval { low: low - e[axis].high, high: high - e[axis].low }))
 }
 
-/// Where something from `low` to `high` pushes an instance, by the low end of its box or by the high one.
+/// The position to which the interval from `low` to `high` pushes an instance, by the low or the high end of its box.
 pub(in crate::analysis) fn edge_at(extent: Extent, axis: usize, end: usize, (low, high): (f64, f64)) -> f64 {
     match end {
         0 => high - extent[axis].low,
@@ -152,7 +152,7 @@ pub(in crate::analysis) fn edge(extent: Extent, axis: usize, end: usize, sides: 
     rounded(Interval::point(edge_at(extent, axis, end, sides)))
 }
 
-/// Puts intervals in order and joins those that meet.
+/// Sorts intervals and merges those that overlap.
 pub(in crate::analysis) fn disjoin(edges: &mut Vec<Interval>) {
     edges.sort_by(|a, b| a.low.total_cmp(&b.low));
     edges.dedup_by(|next, last| {

@@ -1,12 +1,12 @@
-//! How the plane of an instance's positions is cut, so that what it can be is distinguished by where it is: a disjunctive
-//! completion by location (Cousot and Cousot, *Systematic design of program analysis frameworks*, POPL 1979).
+//! The partition of the plane by which configurations are distinguished: a disjunctive completion by location (Cousot
+//! and Cousot, *Systematic design of program analysis frameworks*, POPL 1979).
 //!
-//! What falls out of a level falls for ever, faster and faster; that must not be mixed with how fast it moves where there
-//! is something to be met. So there is a cell for what lies around all that never moves, and one each below and beside.
+//! An instance that falls out of a level accelerates without bound, which must not be mixed with its speed near
+//! obstacles. So there is one cell around all static obstacles, one below and one on each side.
 //!
-//! Where that is asked for, players are distinguished by place: the plane is cut at all lines at which pushes can end, so that
-//! a cell lies as a whole inside of what blocks, or outside, and few discrete values are distinguished, too. What a player
-//! cannot come to by its speed, height and jumps is then shown step by step.
+//! On request, players are distinguished by place: the plane is cut at all lines at which pushes can end, so that each
+//! cell lies completely inside or outside of blocking obstacles; discrete variables with few values are distinguished,
+//! too. This shows step by step what a player cannot reach with its speed, height and jumps.
 
 use std::sync::Arc;
 
@@ -19,20 +19,20 @@ use crate::analysis::geometry::body::{Kind, ROUNDING, along, near, rounded};
 use crate::analysis::geometry::local::Surfaces;
 use crate::analysis::geometry::tiles::Tiles;
 
-/// A cell, by its number.
+/// The number of a cell.
 pub(in crate::analysis) type CellId = u32;
 
-/// How far beyond what can be met a cell ends, px.
+/// Margin of a cell around all obstacles, px.
 const MARGIN: f64 = 1.0;
-/// More cells than that are not distinguished.
+/// Maximum number of fine cells.
 const MAX_CELLS: usize = 4_000;
-/// How far a cell of what fits exactly reaches to both sides, px.
+/// Half the size of a cell for an exact fit, px.
 const THIN: f64 = 4.0 * ROUNDING;
-/// A discrete variable of more values is not distinguished, nor are more combinations of them.
+/// Maximum number of values of a discrete variable that are distinguished, and of combinations of them.
 const MAX_VALUES: i32 = 4;
 const MAX_COMBINATIONS: u32 = 16;
 
-/// The cells of a kind of instances; they cover the plane, and share their edges.
+/// The cells of a kind; they cover the plane and share their edges.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::analysis) enum Cells {
     /// The same in all spaces.
@@ -46,7 +46,7 @@ pub(in crate::analysis) enum Cells {
 pub(in crate::analysis) struct Fine {
     grids: Vec<Grid>,
     discretes: Vec<(DiscreteId, (i32, i32))>,
-    /// How many there are for each combination of discrete values.
+    /// Number of cells for each combination of discrete values.
     count: u32,
 }
 
@@ -54,16 +54,16 @@ pub(in crate::analysis) struct Fine {
 #[derive(Debug, Clone, PartialEq)]
 struct Grid {
     space: SpaceId,
-    /// The number of the first.
+    /// The number of its first cell.
     first: u32,
-    /// Between them lie the cells, and before the first and after the last.
+    /// The lines between cells.
     lines: [Vec<f64>; 2],
-    /// Row by row, whether it lies inside of what blocks.
+    /// Row by row, whether a cell lies inside a blocking obstacle.
     is_blocked: Vec<bool>,
 }
 
 impl Grid {
-    /// How many cells there are along an axis.
+    /// Number of cells along an axis.
     fn count(&self, axis: usize) -> usize {
         self.lines[axis].len() + 1
     }
@@ -74,7 +74,7 @@ impl Grid {
         Interval { low, high: lines.get(at).copied().unwrap_or(f64::INFINITY) }
     }
 
-    /// The cells along an axis that values meet.
+    /// The cells along an axis that an interval overlaps.
     fn range(&self, axis: usize, hull: Interval) -> std::ops::RangeInclusive<usize> {
         let lines = &self.lines[axis];
         lines.partition_point(|x| rounded(Interval::point(*x)).high < hull.low)
@@ -88,7 +88,7 @@ impl Cells {
         Cells::Coarse(vec![[Interval::ALL; 2]])
     }
 
-    /// Around everything that never moves and that a kind can meet, in whatever space; below it and beside it.
+    /// One cell around all static obstacles that a kind can touch in any space, one below and one on each side.
     pub fn around(kind: &Kind) -> Cells {
         let Some([x, y]) = kind.near else { return Cells::whole() };
         let x = Interval { low: x.low - MARGIN, high: x.high + MARGIN };
@@ -102,8 +102,8 @@ impl Cells {
         ])
     }
 
-    /// Between all lines at which pushes end, if there are not too many. `blocking` tells the positions inside of what
-    /// blocks in a space.
+    /// Cells between all lines at which pushes end, if there are not too many. `blocking` returns the positions inside
+    /// blocking obstacles of a space.
     pub fn fine(
         kind: &Kind,
         entity: &Entity,
@@ -116,7 +116,7 @@ impl Cells {
             let lines = [0, 1].map(|axis| {
                 let [mut lines, mut others] = surfaces.lines(axis);
                 [&mut lines, &mut others].into_iter().for_each(in_order);
-                // What fits exactly between two things has a cell of its own.
+                // An exact fit between two obstacles gets its own cell.
                 let is_at = |x: f64| {
                     let at = others.partition_point(|o| *o < x - ROUNDING / 2.0);
                     others.get(at).is_some_and(|o| *o <= x + ROUNDING / 2.0)
@@ -131,7 +131,7 @@ impl Cells {
                 lines.sort_by(f64::total_cmp);
                 lines
             });
-            // Lines that are all but the same leave slivers which no cell shows as they are.
+            // Nearly equal lines would leave slivers that are too narrow to represent.
             let is_sliver = |lines: &[f64]| lines.windows(2).any(|pair| pair[1] - pair[0] < THIN);
             if lines.iter().any(|lines| is_sliver(lines)) {
                 return None;
@@ -167,7 +167,7 @@ impl Cells {
         Some(Cells::Fine(out))
     }
 
-    /// Cuts a configuration to a cell.
+    /// Restricts a configuration to a cell.
     pub fn cut(&self, cell: CellId, at: &mut Configuration) {
         match self {
             Cells::Coarse(cells) => {
@@ -179,12 +179,12 @@ impl Cells {
         }
     }
 
-    /// What a configuration is in each of the cells that it can be in. Who `is_gentle` is never inside of what blocks.
-    pub fn split(&self, at: Configuration, is_gentle: bool) -> Vec<(CellId, Configuration)> {
+    /// Splits a configuration by the cells that it overlaps; if `is_kept_out`, without blocked cells.
+    pub fn split(&self, at: Configuration, is_kept_out: bool) -> Vec<(CellId, Configuration)> {
         let cells = match self {
             Cells::Coarse(cells) if cells.len() == 1 => return vec![(0, at)],
             Cells::Coarse(cells) => cells,
-            Cells::Fine(fine) => return fine.split(&at, is_gentle),
+            Cells::Fine(fine) => return fine.split(&at, is_kept_out),
         };
         let mut out = Vec::new();
         for (id, cell) in (0..).zip(cells) {
@@ -198,7 +198,7 @@ impl Cells {
     }
 }
 
-/// Puts lines in order, each once.
+/// Sorts lines and removes duplicates.
 fn in_order(lines: &mut Vec<f64>) {
     lines.sort_by(f64::total_cmp);
     lines.dedup_by(|a, b| (*a - *b).abs() <= ROUNDING / 2.0);
@@ -242,7 +242,7 @@ impl Fine {
         out
     }
 
-    /// Into how many parts a configuration is split at most.
+    /// Maximum number of parts into which a configuration is split.
     pub fn count_parts(&self, at: &Configuration) -> usize {
         let hulls = [at.vars[VarId::X][0].hull(), at.vars[VarId::Y][0].hull()];
         let [Some(x), Some(y)] = hulls else { return 0 };
@@ -251,7 +251,7 @@ impl Fine {
         cells.saturating_mul(self.combinations(at).len())
     }
 
-    fn split(&self, at: &Configuration, is_gentle: bool) -> Vec<(CellId, Configuration)> {
+    fn split(&self, at: &Configuration, is_kept_out: bool) -> Vec<(CellId, Configuration)> {
         let hulls = [at.vars[VarId::X][0].hull(), at.vars[VarId::Y][0].hull()];
         let [Some(x), Some(y)] = hulls else { return Vec::new() };
         let combinations = self.combinations(at);
@@ -260,7 +260,7 @@ impl Fine {
             for row in grid.range(1, y) {
                 for column in grid.range(0, x) {
                     let number = row * grid.count(0) + column;
-                    if is_gentle && grid.is_blocked[number] {
+                    if is_kept_out && grid.is_blocked[number] {
                         continue;
                     }
                     for combination in &combinations {
@@ -278,8 +278,8 @@ impl Fine {
     }
 }
 
-/// Around the positions at which a collider of a kind can meet anything that never moves; none if it never can, or if
-/// the meter stops the search.
+/// The hull of the positions at which a collider of a kind can touch a static obstacle; `None` if it never can, or if
+/// the meter runs out.
 pub(in crate::analysis) fn near_statics(world: &World, kind: &Kind, meter: &Meter<'_>) -> Option<[Interval; 2]> {
     let mut hull: Option<[Interval; 2]> = None;
     for body in &kind.bodies {

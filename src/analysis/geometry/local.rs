@@ -1,5 +1,5 @@
-//! What never moves around a place: which contacts there can be, and where pushes end. The rest of the analysis looks at
-//! both axes one by one, which is enough as long as positions are not distinguished; by place, a floor counts only above it.
+//! Static obstacles near a position: possible contacts and the ends of pushes. The rest of the analysis treats the axes
+//! separately, which is enough unless positions are distinguished; by place, a floor counts only above it.
 
 use std::collections::BTreeMap;
 
@@ -13,46 +13,46 @@ use crate::analysis::geometry::tiles::Tiles;
 use crate::ir::{Bounds, Meeting, Side, World};
 use crate::watch::Meter;
 
-/// More surfaces than that are not looked at one by one.
+/// Maximum number of surfaces.
 const MAX_SURFACES: usize = 1 << 14;
-/// The size of a bucket in which surfaces are looked up, px.
+/// The size of a bucket of the surface index, px.
 const BUCKET: f64 = 32.0;
-/// With more buckets than that under a box, all surfaces are examined.
+/// Above this number of buckets under a box, all surfaces are examined.
 const MAX_BUCKETS: usize = 256;
 
-/// Something that never moves, as one collider meets it.
+/// A static obstacle as one collider touches it.
 #[derive(Debug, Clone, PartialEq)]
 struct Surface {
-    /// The positions at which both touch.
+    /// The positions at which they touch.
     near: [Interval; 2],
     tags: TagSet,
     /// The tags of the collider.
     mine: TagSet,
     /// The number of the collider.
     body: usize,
-    /// Whether it pushes the collider, and to all sides.
+    /// Whether it pushes the collider, and whether to all sides.
     is_pushing: bool,
     is_solid: bool,
-    /// Along both axes, where a push by the low and by the high side of the collider ends; none to sides that it does not
+    /// Per axis, where a push by the low and by the high side of the collider ends; `None` for sides that it does not
     /// push to.
     edges: [[Option<f64>; 2]; 2],
-    /// Whether that face is open: no neighbour covers it.
+    /// Whether each face is open: no neighbour covers it.
     is_open: [[bool; 2]; 2],
 }
 
-/// What a kind meets in a space.
+/// The surfaces that a kind can touch in a space.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(in crate::analysis) struct Surfaces {
     all: Vec<Surface>,
-    /// When each collider is there.
+    /// When each collider is active.
     presences: Vec<Presence>,
     buckets: BTreeMap<(i64, i64), Vec<u32>>,
-    /// Those that lie in too many buckets: they are examined from everywhere.
+    /// Surfaces in too many buckets, which every query examines.
     long: Vec<u32>,
 }
 
 impl Surfaces {
-    /// None if there are too many, if a collider is not always the same, or if the meter stops it.
+    /// `None` if there are too many, if a collider is not constant, or if the meter runs out.
     pub fn new(world: &World, kind: &Kind, space: SpaceId, meter: &Meter<'_>) -> Option<Surfaces> {
         let mut out = Surfaces { presences: presences(kind), ..Surfaces::default() };
         let tiles = Tiles::new(world, space);
@@ -92,13 +92,13 @@ impl Surfaces {
         Some(out)
     }
 
-    /// What pushes a kind of what never moves although it could.
+    /// The surfaces of stationary instances that push a kind.
     pub fn of(world: &World, kind: &Kind, obstacles: &[Obstacle]) -> Surfaces {
         let mut out = Surfaces { presences: presences(kind), ..Surfaces::default() };
         for (number, body) in kind.bodies.iter().enumerate().filter(|(_, b)| b.is_pushed) {
             for obstacle in obstacles {
                 if let Some(meeting) = world.meeting(body.tags, obstacle.tags) {
-                    // There are never as many instances as surfaces.
+                    // There are always fewer instances than the maximum number of surfaces.
                     let _ = out.add((number, body), obstacle.tags, meeting, obstacle.bounds, |_| false);
                 }
             }
@@ -162,7 +162,7 @@ impl Surfaces {
         numbers.into_iter().filter_map(|n| self.all.get(n as usize)).filter(touches)
     }
 
-    /// Where pushes of at most `far` px can end that find an instance in a box of positions, while some leaves are active.
+    /// Where pushes of at most `far` px can end, for an instance in a box of positions with some active leaves.
     pub fn edges(&self, at: [Interval; 2], far: f64, leaves: &[LeafId], out: &mut Edges) {
         let is_there = |s: &&Surface| self.presences[s.body].is_there(leaves);
         for surface in self.around(at).filter(|s| s.is_pushing).filter(is_there) {
@@ -181,8 +181,8 @@ impl Surfaces {
         }
     }
 
-    /// Boxes of positions in which an instance is, after pushes of at most `far` px, when a contact question holds. There may
-    /// be others that push as well.
+    /// Boxes of positions in which an instance can be after pushes of at most `far` px when a contact query holds.
+    /// `also` holds further surfaces that push.
     pub fn touched(
         &self,
         touch: &Touch,
@@ -204,14 +204,14 @@ impl Surfaces {
         for surface in around.iter().filter(asked) {
             let within = surface.near.map(wide);
             if let Some((axis, end)) = touch.side.map(face).filter(|_| surface.is_pushing) {
-                // It is pushed at least to this edge. A face that is covered gives a side only in a corner, where one across
-                // is covered, too.
+                // It is pushed at least to this edge. A covered face yields a side only in a corner, where a
+                // perpendicular face is covered, too.
                 let across = surface.is_open[1 - axis];
                 let is_corner = surface.is_solid && across != [true; 2];
                 let Some(edge) = surface.edges[axis][end].filter(|_| surface.is_open[axis][end] || is_corner) else {
                     continue;
                 };
-                // The deepest push to that side has the last word.
+                // The deepest push to that side wins.
                 let end_of_push = rounded(match end {
                     0 => Interval { low: edge, high: edge + far },
                     _ => Interval { low: edge - far, high: edge },
@@ -236,17 +236,17 @@ impl Surfaces {
     }
 }
 
-/// When each collider of a kind is there; always, where that is not known.
+/// When each collider of a kind is active; `Always` where that is not known.
 fn presences(kind: &Kind) -> Vec<Presence> {
     kind.bodies.iter().map(|body| body.presence.clone().unwrap_or(Presence::Always)).collect()
 }
 
-/// How many buckets there are from the first to the last.
+/// Number of buckets from the first to the last.
 fn span((low, high): (i64, i64)) -> usize {
     high.saturating_sub(low).saturating_add(1).max(1) as usize
 }
 
-/// From the first to the last bucket under an interval; a cast stops at the ends of its type.
+/// The first and the last bucket under an interval; the cast saturates.
 fn buckets(i: Interval) -> (i64, i64) {
     ((i.low / BUCKET).floor() as i64, (i.high / BUCKET).floor() as i64)
 }

@@ -1,10 +1,10 @@
-//! Where things are: bodies, tiles, what never moves, what the instances of a kind are together.
+//! Geometry: bodies, tiles, static obstacles, and summaries of all instances of a kind.
 
 pub(in crate::analysis) mod body;
 pub(in crate::analysis) mod cells;
-pub(in crate::analysis) mod crowd;
-pub(in crate::analysis) mod landing;
+pub(in crate::analysis) mod kind_summary;
 pub(in crate::analysis) mod local;
+pub(in crate::analysis) mod placement;
 pub(in crate::analysis) mod presence;
 pub(in crate::analysis) mod region;
 pub(in crate::analysis) mod scene;

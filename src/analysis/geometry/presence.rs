@@ -1,5 +1,5 @@
-//! While which leaves a collider is there, where its guard asks for modes of the instance alone: they change in the discrete
-//! phase and nowhere else, so that whether it was there in the last collision phase is known as a step begins.
+//! The leaves in which a collider is active, if its guard depends only on the instance's modes: they change only in the
+//! discrete phase, so whether it was active in the last collision phase is known when a step begins.
 
 use std::collections::BTreeSet;
 
@@ -7,16 +7,16 @@ use crate::ir::{Entity, Expr, ExprId, GroupId, Id, IdRange, LeafId, Program, Sub
 
 use crate::analysis::domain::truth::Truth;
 
-/// When a collider is there.
+/// When a collider is active.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::analysis) enum Presence {
     Always,
     Never,
-    /// While a leaf of a group is one of some: from the first to before the second.
+    /// While the active leaf of a group is in a range.
     In {
         group: GroupId,
         leaves: IdRange<LeafId>,
-        /// All of the group.
+        /// All leaves of the group.
         all: IdRange<LeafId>,
     },
     Not(Box<Presence>),
@@ -25,7 +25,7 @@ pub(in crate::analysis) enum Presence {
 }
 
 impl Presence {
-    /// None if a guard asks for more than modes.
+    /// `None` if a guard depends on more than modes.
     pub fn of(program: &Program, entity: &Entity, guard: Option<ExprId>) -> Option<Presence> {
         let Some(guard) = guard else { return Some(Presence::Always) };
         let of = |id: ExprId| Presence::of(program, entity, Some(id)).map(Box::new);
@@ -44,7 +44,7 @@ impl Presence {
         })
     }
 
-    /// Whether the collider is there while each group is in a leaf.
+    /// Whether the collider is active, given the active leaf of each group.
     pub fn holds(&self, leaf: &impl Fn(GroupId) -> LeafId) -> bool {
         match self {
             Presence::Always => true,
@@ -56,12 +56,12 @@ impl Presence {
         }
     }
 
-    /// Whether the collider is there while some leaves are active, one of each group.
+    /// Whether the collider is active in some leaves, one for each group.
     pub fn is_there(&self, leaves: &[LeafId]) -> bool {
         self.holds(&|group: GroupId| leaves[group.index()])
     }
 
-    /// Whether it can be there, and whether it can be away, while each group is in any of some leaves.
+    /// Whether it can be active and whether it can be inactive, if each group is in any of some leaves.
     pub fn among(&self, active: &BTreeSet<LeafId>) -> Truth {
         match self {
             Presence::Always => Truth::of(true),
@@ -85,7 +85,7 @@ impl Presence {
         }
     }
 
-    /// The groups that it asks for.
+    /// The groups that it depends on.
     pub fn groups(&self, out: &mut BTreeSet<GroupId>) {
         match self {
             Presence::Always | Presence::Never => {}
@@ -101,32 +101,32 @@ impl Presence {
     }
 }
 
-/// While which leaves an instance is kept out of what blocks it.
+/// The condition under which an instance is kept out of blocking obstacles.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::analysis) enum Cover {
+pub(in crate::analysis) enum KeptOut {
     Always,
-    /// While one of some colliders is there.
+    /// While at least one of some colliders is active.
     While(Vec<Presence>),
 }
 
-impl Default for Cover {
+impl Default for KeptOut {
     /// Never.
     fn default() -> Self {
-        Cover::While(Vec::new())
+        KeptOut::While(Vec::new())
     }
 }
 
-impl Cover {
-    /// Whether it is, while each group is in a leaf.
+impl KeptOut {
+    /// Whether it holds, given the active leaf of each group.
     pub fn holds(&self, leaf: &impl Fn(GroupId) -> LeafId) -> bool {
         match self {
-            Cover::Always => true,
-            Cover::While(any) => any.iter().any(|presence| presence.holds(leaf)),
+            KeptOut::Always => true,
+            KeptOut::While(any) => any.iter().any(|presence| presence.holds(leaf)),
         }
     }
 
-    /// Whether it is while some leaves are active, one of each group.
-    pub fn covers(&self, leaves: &[LeafId]) -> bool {
+    /// Whether it holds in some leaves, one for each group.
+    pub fn holds_for(&self, leaves: &[LeafId]) -> bool {
         self.holds(&|group: GroupId| leaves[group.index()])
     }
 }

@@ -1,12 +1,12 @@
-//! Where an instance can get: boxes of positions, and the obstacles that shape them.
+//! Reachable regions: boxes of positions, and the obstacles that shape them.
 
 use crate::ir::{Bounds, TagSet};
 
 use crate::analysis::domain::values::{Interval, Values};
 
-/// With more strips than that only the box around all of them is used.
+/// Maximum number of strips used one by one; above it, only their hull is used.
 const MAX_STRIPS: usize = 256;
-/// So for what is asked of the world, which is examined in each of them once.
+/// The same for predicates of the world, which are evaluated once per box.
 const MAX_BOXES: usize = 1 << 16;
 
 /// Boxes of positions, px.
@@ -18,13 +18,13 @@ pub(in crate::analysis) struct Region {
 }
 
 impl Region {
-    /// None if there are no boxes.
+    /// `None` if there are no boxes.
     pub fn new(strips: Vec<[Interval; 2]>) -> Option<Region> {
         let hull = strips.iter().copied().reduce(|a, b| [a[0].or(b[0]), a[1].or(b[1])])?;
         Some(Region { strips, hull })
     }
 
-    /// What is left of a position.
+    /// Restricts a position to the region.
     pub fn cut(&self, x: &Values, y: &Values) -> [Values; 2] {
         let cut = [x.within(self.hull[0]), y.within(self.hull[1])];
         let (Some(across), Some(up)) = (cut[0].hull(), cut[1].hull()) else { return cut };
@@ -36,7 +36,7 @@ impl Region {
         [cut[0].and(&within(0)), cut[1].and(&within(1))]
     }
 
-    /// The boxes; few enough to look at each.
+    /// The boxes, or their hull if there are too many.
     pub fn boxes(&self) -> &[[Interval; 2]] {
         match self.strips.len() > MAX_BOXES {
             true => std::slice::from_ref(&self.hull),
@@ -45,11 +45,11 @@ impl Region {
     }
 }
 
-/// A collider of an instance that never moves.
+/// A collider of a stationary instance.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::analysis) struct Obstacle {
     pub bounds: Bounds,
     pub tags: TagSet,
-    /// Whether it is always there.
-    pub is_sure: bool,
+    /// Whether it is always active.
+    pub is_always_present: bool,
 }

@@ -1,31 +1,31 @@
-//! What a kind of instances meets in a space that never moves: where contacts with it are, and where its pushes end.
+//! The static obstacles of a space as a kind touches them: positions of contacts, ends of pushes.
 
 use crate::analysis::domain::values::Interval;
 use crate::analysis::geometry::body::Edges;
 
-/// What bodies of a kind meet in a space that never moves.
+/// The static obstacles that bodies of a kind can touch in a space.
 #[derive(Debug, Clone)]
 pub(in crate::analysis) struct Statics {
-    /// Of each contact question, along both axes, where an instance is when it holds.
+    /// For each contact query, per axis, the positions at which it can hold.
     pub places: Vec<[Vec<Interval>; 2]>,
-    /// Of each contact question, whether all that it asks for here pushes the body that asks.
+    /// For each contact query, whether every matching obstacle here pushes the body.
     pub pushed: Vec<bool>,
-    /// Where pushes put it.
+    /// Where pushes end.
     pub edges: Edges,
-    /// So, where what pushes it is not deep inside of other things: by faces that no neighbour covers.
+    /// Where pushes end if the body is not deep inside an obstacle: only at faces that no neighbour covers.
     pub faces: Edges,
-    /// Of both axes, the size of the thinnest thing that pushes it, px; infinite if there is none.
+    /// Per axis, the size of the thinnest obstacle that pushes it, px; infinite if there is none.
     pub thinnest: [f64; 2],
-    /// Of both axes, how far a push can be, px.
+    /// Per axis, the maximum length of a push, px.
     pub longest: [f64; 2],
     pub pushes: bool,
     /// Whether some push stops the velocity into the surface.
     pub stops: bool,
-    /// Whether some push does not.
+    /// Whether some push does not stop it.
     pub slips: bool,
-    /// Whether a push can end anywhere: the body that is pushed is not always the same.
+    /// Whether a push can end anywhere because the size of the pushed body is not constant.
     pub anywhere: bool,
-    /// Whether modes alone decide when what is pushed is there.
+    /// Whether modes alone determine when the pushed bodies are active.
     pub is_steady: bool,
 }
 

@@ -1,7 +1,7 @@
-//! What an instance can meet: which contacts can be, and what they can do to its position and speed.
+//! The contacts that an instance can have, and their effect on its position and speed.
 //!
-//! A push puts an edge of a collider onto an edge of what blocks it. So what is pushed by what never moves ends where
-//! edges meet, and a contact with a blocking surface tells where the body is.
+//! A push moves an edge of a collider onto an edge of the obstacle. So a body that a static obstacle pushes ends at a
+//! known position, and a contact with a blocking surface determines the position of the body.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -11,73 +11,72 @@ use crate::ir::{Id, IdVec, LeafId, Origin, SlotId, SpaceId, TagSet, Touch, Touch
 use crate::analysis::domain::configuration::{Configuration, Overall};
 use crate::analysis::domain::values::{Interval, Values};
 use crate::analysis::geometry::body::{Body, Edges, Pair, ROUNDING, TOLERANCE, disjoin, face, near, rounded, sides_of};
-use crate::analysis::geometry::crowd::{Crowd, crowds, met, pushes};
+use crate::analysis::geometry::kind_summary::{KindSummary, kind_summaries, met, pushes};
 use crate::analysis::geometry::local::Surfaces;
-use crate::analysis::geometry::presence::Cover;
+use crate::analysis::geometry::presence::KeptOut;
 use crate::analysis::geometry::region::{Obstacle, Region};
 use crate::analysis::geometry::scene::Scene;
 
-/// What is known of the contacts of every slot.
+/// The possible contacts of every slot.
 #[derive(Debug, Default, Clone)]
 pub(in crate::analysis) struct Surroundings {
     contacts: Vec<Contacts>,
     of: IdVec<SlotId, usize>,
 }
 
-/// What is known of the contacts of one slot.
+/// The possible contacts of one slot.
 #[derive(Debug, Default, Clone, PartialEq)]
 pub(in crate::analysis) struct Contacts {
-    /// Of each contact question, along both axes, where the instance is when it holds.
+    /// For each contact query, per axis, the positions at which it can hold.
     places: Vec<[Values; 2]>,
-    /// Where a push can put the instance.
+    /// Where pushes end.
     edges: Edges,
-    /// So, where it is never deep inside of anything.
+    /// Where pushes end if the instance is never deep inside an obstacle.
     faces: Edges,
-    /// Of both axes, how far a push can be at most, px: it ends beside what pushes.
+    /// Per axis, the maximum length of a push, px: it ends beside the obstacle.
     longest: [f64; 2],
     is_pushed: bool,
-    /// The positions at which anything that pushes can be met.
+    /// The positions at which it can touch something that pushes it.
     near: Option<[Interval; 2]>,
-    /// The same, of what never moves alone.
+    /// The same for static obstacles only.
     near_statics: Option<[Interval; 2]>,
-    /// Whether it is never inside of what pushes it when a step begins, so that a push takes it no further than the step
-    /// has.
-    is_gentle: bool,
+    /// Whether it is never inside an obstacle when a step begins, so that a push is never longer than the step.
+    has_bounded_pushes: bool,
     /// Whether pushes can end anywhere.
     anywhere: bool,
     /// Whether a push stops the velocity into the surface.
     stops: bool,
-    /// Whether pushes can leave the velocity, or end anywhere: by what can move, too.
+    /// Whether pushes can keep the velocity or end anywhere, including pushes by moving obstacles.
     is_loose: bool,
-    /// Of both axes, where a carrier can take the instance.
+    /// Per axis, where a carrier can take the instance.
     carried: [Option<Values>; 2],
-    /// While which leaves it is kept out of what blocks it.
-    cover: Cover,
-    /// Where it can get then, in each of its spaces.
+    /// The condition under which it is kept out of blocking obstacles.
+    kept_out: KeptOut,
+    /// The reachable region under that condition, in each of its spaces.
     regions: Vec<(SpaceId, Region)>,
-    /// Where it is distinguished by place: what never moves, in each space.
+    /// If it is distinguished by place: the static obstacles of each space.
     surfaces: Vec<(SpaceId, Arc<Surfaces>)>,
-    /// So: what never moves although it could, as far as it pushes it.
+    /// The same for stationary instances that push it.
     obstacles: Vec<(SpaceId, Surfaces)>,
-    /// Of each contact question, along both axes, where the instance is when it holds of another one.
+    /// For each contact query, per axis, the positions at which it can hold for another instance.
     places_of_others: Vec<[Values; 2]>,
 }
 
-/// How an instance has come to where it is when contacts are found.
-pub(in crate::analysis) struct Way {
-    /// Where it was as the continuous phase began.
+/// How an instance has moved before contacts are detected.
+pub(in crate::analysis) struct Motion {
+    /// Its position at the start of the continuous phase.
     pub from: [Values; 2],
-    /// Along both axes, how far it has gone by itself since the last collision, px.
+    /// Per axis, its own displacement since the last collision, px.
     pub own: [Interval; 2],
-    /// Of both axes, how far velocities have taken it since then, px.
+    /// Per axis, the displacement by velocities since then, px.
     pub far: [f64; 2],
 }
 
 impl Surroundings {
-    /// From what the slots can be; nothing is known if it is stopped. The scene must be prepared for their kinds in their
-    /// spaces.
+    /// Computes the contacts of all slots; everything is unknown if the meter runs out. The scene must be prepared for
+    /// the kinds of the slots in their spaces.
     pub fn new(scene: &mut Scene<'_>, slots: &IdVec<SlotId, Overall>) -> Self {
-        let crowds = crowds(scene, slots);
+        let summaries = kind_summaries(scene, slots);
         if scene.meter.is_stopped() {
             return Surroundings::unknown(slots);
         }
@@ -90,10 +89,11 @@ impl Surroundings {
             }
             let number = known.iter().position(|k| *k == key).unwrap_or_else(|| {
                 known.push(key);
-                let mut contacts = contacts(scene, key.0, key.1, &crowds);
-                if contacts.is_gentle {
-                    let step = crowds[key.0].near_step;
-                    let obstacles = |space: &SpaceId| crowds[key.0].obstacles.get(space).map_or(&[][..], Vec::as_slice);
+                let mut contacts = contacts(scene, key.0, key.1, &summaries);
+                if contacts.has_bounded_pushes {
+                    let step = summaries[key.0].near_step;
+                    let obstacles =
+                        |space: &SpaceId| summaries[key.0].obstacles.get(space).map_or(&[][..], Vec::as_slice);
                     let region =
                         |space: &SpaceId| Some((*space, scene.region(key.0, *space, step, obstacles(space))?.clone()));
                     contacts.regions = key.1.iter().map(region).collect::<Option<_>>().unwrap_or_default();
@@ -106,24 +106,24 @@ impl Surroundings {
         out
     }
 
-    /// Where nothing is known.
+    /// Assumes every contact.
     pub fn unknown(slots: &IdVec<SlotId, Overall>) -> Self {
         let near = Some([Interval::ALL; 2]);
         let anywhere = Contacts { anywhere: true, is_pushed: true, near, near_statics: near, ..Contacts::default() };
         Surroundings { contacts: vec![anywhere], of: slots.iter().map(|_| 0).collect() }
     }
 
-    /// Along both axes, where an instance is while a contact question holds.
+    /// Per axis, the positions at which a contact query of an instance can hold.
     pub fn places(&self, slot: SlotId, touch: TouchId) -> &[Values; 2] {
         const ANYWHERE: [Values; 2] = [Values::all(), Values::all()];
         self.of(slot).places.get(touch.index()).unwrap_or(&ANYWHERE)
     }
 
-    /// Boxes around where an instance of a configuration is while a contact question holds; none if it is not distinguished
-    /// by place.
+    /// Boxes that contain the positions of a configuration at which a contact query can hold; `None` if the slot is not
+    /// distinguished by place.
     pub fn touched(&self, slot: SlotId, id: TouchId, touch: &Touch, at: &Configuration) -> Option<Vec<[Interval; 2]>> {
         let contacts = self.of(slot);
-        if contacts.surfaces.is_empty() || !contacts.is_gentle {
+        if contacts.surfaces.is_empty() || !contacts.has_bounded_pushes {
             return None;
         }
         let hulls = [at.vars[VarId::X][0].hull(), at.vars[VarId::Y][0].hull()];
@@ -133,7 +133,7 @@ impl Surroundings {
         if let (Some(x), Some(y)) = (others[0].within(x).hull(), others[1].within(y).hull()) {
             out.push([x, y]);
         }
-        // What is named is an instance.
+        // A bound contact query names an instance.
         if !touch.bound {
             let far = contacts.longest[0].max(contacts.longest[1]);
             for (space, surfaces) in contacts.surfaces.iter().filter(|(space, _)| at.spaces.contains(space)) {
@@ -144,40 +144,41 @@ impl Surroundings {
         Some(out)
     }
 
-    /// Whether an instance is never deep inside of what pushes it.
-    pub fn is_gentle(&self, slot: SlotId) -> bool {
-        self.of.get(slot).is_some_and(|of| self.contacts[*of].is_gentle)
+    /// Whether an instance is never deep inside an obstacle.
+    pub fn has_bounded_pushes(&self, slot: SlotId) -> bool {
+        self.of.get(slot).is_some_and(|of| self.contacts[*of].has_bounded_pushes)
     }
 
-    /// Whether an instance is never inside of what blocks it while some leaves are active.
-    pub fn is_covered(&self, slot: SlotId, leaves: &[LeafId]) -> bool {
+    /// Whether an instance is kept out of blocking obstacles in some leaves.
+    pub fn is_kept_out(&self, slot: SlotId, leaves: &[LeafId]) -> bool {
         let contacts = self.of.get(slot).map(|of| &self.contacts[*of]);
-        contacts.is_some_and(|c| c.is_gentle && c.covers(leaves))
+        contacts.is_some_and(|c| c.has_bounded_pushes && c.holds_for(leaves))
     }
 
-    /// Where an instance can get while it is covered, in each of the spaces it can be in; none if that is not known.
+    /// The reachable regions of an instance while it is kept out of blocking obstacles, in each of its spaces; empty if
+    /// unknown.
     pub fn regions(&self, slot: SlotId) -> &[(SpaceId, Region)] {
         &self.of(slot).regions
     }
 
-    /// While which leaves it is.
-    pub fn cover(&self, slot: SlotId) -> &Cover {
-        &self.of(slot).cover
+    /// The condition under which an instance is kept out of blocking obstacles.
+    pub fn kept_out(&self, slot: SlotId) -> &KeptOut {
+        &self.of(slot).kept_out
     }
 
-    /// What is known of the contacts of a slot.
+    /// The possible contacts of a slot.
     pub fn of(&self, slot: SlotId) -> &Contacts {
         &self.contacts[self.of[slot]]
     }
 
-    /// The collision phase: `moved` is what the continuous phase leads to. Returns where the instance is when contacts are
-    /// found.
-    pub fn collide(&self, slot: SlotId, way: &Way, moved: &mut Configuration) -> [Values; 2] {
+    /// The collision phase; `moved` is the result of the continuous phase. Returns the positions when contacts are
+    /// detected.
+    pub fn collide(&self, slot: SlotId, motion: &Motion, moved: &mut Configuration) -> [Values; 2] {
         let contacts = self.of(slot);
-        for ((axis, places), own) in (0..).zip(&contacts.carried).zip(way.own) {
+        for ((axis, places), own) in (0..).zip(&contacts.carried).zip(motion.own) {
             if let Some(places) = places {
                 let var = VarId(axis);
-                // It was near the carrier, and has gone from there by itself and with it.
+                // It was near the carrier, and has moved with it and by itself since.
                 moved.vars[var][0] = moved.vars[var][0].or(&places.map(|i| i.plus(own)));
                 moved.energy[var] = None;
             }
@@ -186,8 +187,8 @@ impl Surroundings {
         if !contacts.is_pushed || !is_near(contacts.near, &contact) {
             return contact;
         }
-        contacts.push_out(way, moved);
-        if !contacts.regions.is_empty() && contacts.covers(&moved.leaves) {
+        contacts.push_out(motion, moved);
+        if !contacts.regions.is_empty() && contacts.holds_for(&moved.leaves) {
             let (x, y) = (moved.vars[VarId::X][0], moved.vars[VarId::Y][0]);
             let cut = moved.spaces.iter().map(|space| self.within_region(slot, *space, &x, &y));
             let all = cut.reduce(|a, b| [a[0].or(&b[0]), a[1].or(&b[1])]);
@@ -198,57 +199,57 @@ impl Surroundings {
         contact
     }
 
-    /// Whether an instance at some positions can meet something that never moves.
+    /// Whether an instance at some positions can touch a static obstacle.
     pub fn is_near_statics(&self, slot: SlotId, at: &[Values; 2]) -> bool {
         is_near(self.of(slot).near_statics, at)
     }
 
-    /// What is left of the positions of an instance in a space where it can get.
+    /// Restricts positions in a space to the reachable region.
     pub fn within_region(&self, slot: SlotId, space: SpaceId, x: &Values, y: &Values) -> [Values; 2] {
         let mut regions = self.of(slot).regions.iter();
         regions.find(|(s, _)| *s == space).map_or([*x, *y], |(_, region)| region.cut(x, y))
     }
 }
 
-/// Whether positions lie within a box.
+/// Whether positions overlap a box.
 fn is_near(within: Option<[Interval; 2]>, at: &[Values; 2]) -> bool {
     within.is_some_and(|near| (0..2).all(|axis| !at[axis].within(near[axis]).is_none()))
 }
 
 impl Contacts {
-    fn covers(&self, leaves: &[LeafId]) -> bool {
-        self.cover.covers(leaves)
+    fn holds_for(&self, leaves: &[LeafId]) -> bool {
+        self.kept_out.holds_for(leaves)
     }
 
-    /// Pushes out what overlaps something. Of the pushes along an axis the deepest counts, so that it ends where edges
-    /// meet whatever else pushes.
-    fn push_out(&self, way: &Way, moved: &mut Configuration) {
+    /// Pushes the body out of overlaps. Of the pushes along an axis the deepest wins, so the result lies at an end of a
+    /// push, whatever else pushes.
+    fn push_out(&self, motion: &Motion, moved: &mut Configuration) {
         let slack = TOLERANCE + ROUNDING;
-        let far = way.far[0].max(way.far[1]) + slack;
+        let far = motion.far[0].max(motion.far[1]) + slack;
         let local = self.local_edges(far, moved);
         for axis in 0..2 {
             let var = VarId::XY[axis];
             let [position, velocity, _] = &mut moved.vars[var];
             let (Some(at), Some(free)) = (position.hull(), velocity.hull()) else { continue };
-            let within = match way.from[axis].hull().filter(|_| self.is_gentle) {
-                // What it overlaps now it did not before. If that was beside it along this axis, it goes back no further than
-                // to where it was. Else it has moved into it along the other axis: it is pushed along this one where that is
-                // the shorter way.
+            let within = match motion.from[axis].hull().filter(|_| self.has_bounded_pushes) {
+                // It did not overlap the obstacle before. If the obstacle was beside it along this axis, it is pushed
+                // back at most to where it was. Otherwise it has entered along the other axis, and is pushed along this
+                // one only where that is shorter.
                 Some(from) => {
-                    let across = far.min(way.far[1 - axis] + slack);
+                    let across = far.min(motion.far[1 - axis] + slack);
                     let highest = (from.high + slack).max(at.high + across);
                     let lowest = (from.low - slack).min(at.low - across);
                     let (up, down) = (Interval { low: at.low, high: highest }, Interval { low: lowest, high: at.high });
                     [up, down].map(rounded)
                 }
                 None => {
-                    let far = if self.is_gentle { far } else { self.longest[axis] };
+                    let far = if self.has_bounded_pushes { far } else { self.longest[axis] };
                     [rounded(Interval { low: at.low - far, high: at.high + far }); 2]
                 }
             };
             let edges = match &local {
                 Some(edges) => edges,
-                None if self.is_gentle => &self.faces,
+                None if self.has_bounded_pushes => &self.faces,
                 None => &self.edges,
             };
             let pushed = self.push(&edges[axis], within, position);
@@ -265,9 +266,9 @@ impl Contacts {
         }
     }
 
-    /// Where what never moves near to an instance can push it, if it is distinguished by place.
+    /// Where nearby static obstacles can push an instance, if it is distinguished by place.
     fn local_edges(&self, far: f64, at: &Configuration) -> Option<Edges> {
-        if self.surfaces.is_empty() || !self.is_gentle {
+        if self.surfaces.is_empty() || !self.has_bounded_pushes {
             return None;
         }
         let mut out = Edges::default();
@@ -282,29 +283,29 @@ impl Contacts {
         Some(out)
     }
 
-    /// Along an axis, over which positions a push may take an instance that moves at most so fast, px/s: towards higher
-    /// and towards lower coordinates. None if it can be taken anywhere.
-    pub fn helped(&self, axis: usize, speed: [f64; 2], step: f64) -> Option<[Vec<Interval>; 2]> {
+    /// The intervals along an axis over which pushes can move an instance of a maximum speed, px/s: towards higher and
+    /// towards lower coordinates. `None` if it can be moved anywhere.
+    pub fn push_reach(&self, axis: usize, speed: [f64; 2], step: f64) -> Option<[Vec<Interval>; 2]> {
         if self.anywhere || self.carried[axis].is_some() || speed.iter().any(|s| !s.is_finite()) {
             return None;
         }
         if !self.is_pushed {
             return Some([Vec::new(), Vec::new()]);
         }
-        // What comes in along one axis is pushed out along the other where that is less. What is inside of something goes
-        // to beside it.
-        let far = match self.is_gentle {
+        // A body that enters along one axis is pushed out along the other where that is shorter. A body inside an
+        // obstacle is pushed to its side.
+        let far = match self.has_bounded_pushes {
             true => speed[0].max(speed[1]) * step + TOLERANCE + ROUNDING,
             false => self.longest[axis] + ROUNDING,
         };
-        let [low, high] = if self.is_gentle { &self.faces[axis] } else { &self.edges[axis] };
+        let [low, high] = if self.has_bounded_pushes { &self.faces[axis] } else { &self.edges[axis] };
         let up = low.iter().map(|e| Interval { low: e.low - far, high: e.high + ROUNDING }).collect();
         let down = high.iter().map(|e| Interval { low: e.low - ROUNDING, high: e.high + far }).collect();
         Some([up, down])
     }
 
-    /// Adds to a position where pushes within intervals can put it; returns what is around them, by the low and by the
-    /// high side.
+    /// Adds the ends of pushes within two intervals to a position; returns their hulls, by the low and by the high
+    /// side.
     fn push(&self, edges: &[Vec<Interval>; 2], within: [Interval; 2], position: &mut Values) -> [Option<Interval>; 2] {
         if self.anywhere {
             *position = Values::all();
@@ -323,28 +324,28 @@ impl Contacts {
     }
 }
 
-/// Those of some edges in order that meet an interval.
+/// The edges, out of an ordered list, that overlap an interval.
 fn between(edges: &[Interval], within: Interval) -> &[Interval] {
     let first = edges.partition_point(|e| e.high < within.low);
     let after = edges.partition_point(|e| e.low <= within.high);
     edges.get(first..after).unwrap_or_default()
 }
 
-fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[Crowd]) -> Contacts {
+fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, summaries: &[KindSummary]) -> Contacts {
     let kind = &scene.kinds[me];
     let entity = &scene.program.entities[kind.entity];
-    // What is known of the spaces it can be in; there are none before it is there.
+    // Empty before the instance exists in any space.
     let statics: Vec<_> = spaces.iter().filter_map(|s| scene.statics(me, *s)).collect();
-    let pairs = met(scene, me, spaces, crowds);
+    let pairs = met(scene, me, spaces, summaries);
     let body = |pair: &Pair| (&kind.bodies[pair.mine], &scene.kinds[pair.kind].bodies[pair.theirs]);
     let mut out = Contacts {
-        longest: crowds[me].push,
-        is_gentle: crowds[me].gentle.is_some(),
+        longest: summaries[me].push,
+        has_bounded_pushes: summaries[me].push_bound.is_some(),
         near: kind.near,
         near_statics: kind.near,
-        cover: kind.cover(),
+        kept_out: kind.kept_out_while(),
         surfaces: scene.surfaces[me].clone(),
-        obstacles: obstacles(scene, me, &crowds[me]),
+        obstacles: obstacles(scene, me, &summaries[me]),
         ..Contacts::default()
     };
     for found in &statics {
@@ -367,11 +368,11 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
         out.stops |= pair.meeting.response.stop;
         out.is_loose |= !pair.meeting.response.stop || !theirs.kinematic;
         is_moved_by_movers |= !theirs.kinematic;
-        let crowd = &crowds[pair.kind];
-        // It may have been pushed since it was on the carrier; what never moves carries nothing along.
-        let slack = [0, 1].map(|axis| crowds[me].push[axis] + crowd.displacement[axis]);
-        let slack = crowd.still.is_none().then_some(slack);
-        pushed_by(&mut out, &mut carried, pair, (mine, theirs), crowd, slack);
+        let summary = &summaries[pair.kind];
+        // It may have been pushed since it was on the carrier; a stationary instance carries nothing.
+        let slack = [0, 1].map(|axis| summaries[me].push[axis] + summary.displacement[axis]);
+        let slack = summary.stationary.is_none().then_some(slack);
+        pushed_by(&mut out, &mut carried, pair, (mine, theirs), summary, slack);
     }
     for edges in out.edges.iter_mut().chain(&mut out.faces).flatten() {
         disjoin(edges);
@@ -387,15 +388,15 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
         };
         pairs.iter().filter(asks).copied().collect::<Vec<&Pair>>()
     };
-    // Boxes in which it touches another instance.
+    // Positions at which it touches another instance.
     let others = |touch: &Touch| {
         let asked = asked(touch);
         [0, 1].map(|axis| {
-            let moved = if out.is_pushed { crowds[me].push[axis] } else { 0.0 };
+            let moved = if out.is_pushed { summaries[me].push[axis] } else { 0.0 };
             Values::any(asked.iter().flat_map(|pair| {
                 let (mine, theirs) = body(pair);
                 let extent = theirs.extent.map_or(Interval::ALL, |e| e[axis]);
-                let at = crowds[pair.kind].contact[axis].intervals().iter();
+                let at = summaries[pair.kind].contact[axis].intervals().iter();
                 at.map(move |at| {
                     let place = near(mine.extent, axis, (at.low + extent.low, at.high + extent.high));
                     rounded(Interval { low: place.low - moved, high: place.high + moved })
@@ -407,8 +408,8 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
     let places = |(id, touch): (TouchId, &Touch)| {
         let asked = asked(touch);
         let mut places = [0, 1].map(|axis| {
-            // Contacts are found before anything is pushed.
-            let moved = if out.is_pushed { crowds[me].push[axis] } else { 0.0 };
+            // Contacts are detected before pushes.
+            let moved = if out.is_pushed { summaries[me].push[axis] } else { 0.0 };
             let wide = |i: Interval, by: f64| rounded(Interval { low: i.low - by, high: i.high + by });
             let of_statics = statics.iter().filter_map(|s| s.places.get(id.index())).flat_map(|p| &p[axis]);
             let of_others = places_of_others[id.index()][axis];
@@ -418,8 +419,8 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
         let by_all = statics.iter().all(|s| s.pushed.get(id.index()) == Some(&true)) && asked.iter().all(is_pushing);
         if let (Some(side), true) = (touch.side, by_all && !is_moved_by_movers && !out.anywhere) {
             let (axis, end) = face(side);
-            // A push to the other side may have won; before the first step nothing is pushed.
-            let ends: Vec<Interval> = match out.is_gentle {
+            // A push to the other side may have won; nothing is pushed before the first step.
+            let ends: Vec<Interval> = match out.has_bounded_pushes {
                 true => out.faces[axis][end].clone(),
                 false => out.edges[axis].iter().flatten().copied().collect(),
             };
@@ -434,23 +435,23 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, crowds: &[
     out
 }
 
-/// What pushes a kind and never moves although it could, where the kind is distinguished by place.
-fn obstacles(scene: &Scene<'_>, me: usize, crowd: &Crowd) -> Vec<(SpaceId, Surfaces)> {
+/// The surfaces of stationary instances that push a kind, if it is distinguished by place.
+fn obstacles(scene: &Scene<'_>, me: usize, summary: &KindSummary) -> Vec<(SpaceId, Surfaces)> {
     let kind = &scene.kinds[me];
     if scene.surfaces[me].is_empty() {
         return Vec::new();
     }
     let of = |(space, obstacles): (&SpaceId, &Vec<Obstacle>)| (*space, Surfaces::of(scene.world, kind, obstacles));
-    crowd.obstacles.iter().map(of).collect()
+    summary.obstacles.iter().map(of).collect()
 }
 
-/// Where another body can push one, and take it along.
+/// Adds where another body can push and carry a body.
 fn pushed_by(
     out: &mut Contacts,
     carried: &mut [Vec<Interval>; 2],
     pair: &Pair,
     (mine, theirs): (&Body, &Body),
-    crowd: &Crowd,
+    summary: &KindSummary,
     slack: Option<[f64; 2]>,
 ) {
     let (Some(extent), Some(other)) = (mine.extent, theirs.extent) else {
@@ -460,12 +461,12 @@ fn pushed_by(
     };
     let mut reaches = [Interval::ALL; 2];
     for axis in 0..2 {
-        let Some(at) = crowd.contact[axis].hull() else { continue };
+        let Some(at) = summary.contact[axis].hull() else { continue };
         let reach = near(mine.extent, axis, (at.low + other[axis].low, at.high + other[axis].high));
         reaches[axis] = reach;
         for side in sides_of(pair.meeting).filter(|s| face(*s).0 == axis) {
             let end = face(side).1;
-            // By its low and high edges, wherever it is; what moves itself goes half the way.
+            // By its low and high edges, wherever it is; two movable bodies share the push.
             let edges: Vec<Interval> = match theirs.kinematic {
                 false => vec![reach],
                 true => {
@@ -473,7 +474,7 @@ fn pushed_by(
                         0 => other[axis].high - extent[axis].low,
                         _ => other[axis].low - extent[axis].high,
                     };
-                    let at = crowd.contact[axis].intervals().iter();
+                    let at = summary.contact[axis].intervals().iter();
                     at.map(|i| rounded(Interval { low: i.low + offset, high: i.high + offset })).collect()
                 }
             };

@@ -1,4 +1,4 @@
-//! The tiles of a space as the analysis looks at them: which kinds are where, in which columns and rows.
+//! The tiles of a space as the analysis models them: tags, rows, columns and boxes of each kind of tile.
 
 use crate::ir::{Bounds, Side, SpaceId, TagId, TagSet, TileMap, World};
 use crate::watch::Meter;
@@ -12,7 +12,7 @@ pub(in crate::analysis) struct Tiles<'a> {
     pub tags: Vec<TagSet>,
 }
 
-/// From where to where, px.
+/// Intervals along an axis, px.
 type Lines = Vec<(f64, f64)>;
 
 impl<'a> Tiles<'a> {
@@ -32,7 +32,7 @@ impl<'a> Tiles<'a> {
         self.map.map_or((0, 0), |m| (m.columns, m.rows))
     }
 
-    /// Counts a look at every cell; returns whether all should end.
+    /// Charges the meter for a pass over all cells; returns whether it has stopped.
     pub fn spend(&self, meter: &Meter<'_>) -> bool {
         let (columns, rows) = self.count();
         meter.spend(columns as u64 * rows as u64)
@@ -57,12 +57,12 @@ impl<'a> Tiles<'a> {
         self.kind(at).and_then(|k| self.tags.get(k).copied()).unwrap_or_default()
     }
 
-    /// Whether a tile of a kind is anywhere.
+    /// Whether the map contains a tile of a kind.
     pub fn has(&self, kind: usize) -> bool {
         self.map.is_some_and(|m| m.cells.iter().any(|k| usize::from(*k) == kind))
     }
 
-    /// The kind of the neighbour that covers the face of a tile that a body meets with a side of its own.
+    /// The kind of the neighbour that covers the face of a tile which a body touches with one of its sides.
     pub fn neighbour(&self, at: usize, side: Side) -> Option<usize> {
         let columns = self.map?.columns;
         let column = at % columns;
@@ -75,8 +75,8 @@ impl<'a> Tiles<'a> {
         }
     }
 
-    /// The columns and the rows in which some cell is meant; not all of them if the meter stops it.
-    pub fn lines(&self, is_meant: impl Fn(usize) -> bool, meter: &Meter<'_>) -> (Lines, Lines) {
+    /// The columns and rows that contain a selected cell; incomplete if the meter runs out.
+    pub fn lines(&self, is_selected: impl Fn(usize) -> bool, meter: &Meter<'_>) -> (Lines, Lines) {
         let Some(map) = self.map else { return (Vec::new(), Vec::new()) };
         let (mut columns, mut rows) = (vec![false; map.columns], vec![false; map.rows]);
         for (row, is_in_row) in rows.iter_mut().enumerate() {
@@ -84,7 +84,7 @@ impl<'a> Tiles<'a> {
                 break;
             }
             for (column, is_in_column) in columns.iter_mut().enumerate() {
-                let is_in = is_meant(row * map.columns + column);
+                let is_in = is_selected(row * map.columns + column);
                 *is_in_row |= is_in;
                 *is_in_column |= is_in;
             }
@@ -96,11 +96,11 @@ impl<'a> Tiles<'a> {
         (lines(&columns, map.tile.0), lines(&rows, map.tile.1))
     }
 
-    /// The boxes of the tiles of some kinds: of those that lie side by side in a row, one.
-    pub fn boxes(&self, is_meant: impl Fn(usize) -> bool) -> impl Iterator<Item = Bounds> + '_ {
+    /// The boxes of the selected kinds of tiles; runs in a row are merged.
+    pub fn boxes(&self, is_selected: impl Fn(usize) -> bool) -> impl Iterator<Item = Bounds> + '_ {
         let [width, height] = self.size();
         let columns = self.count().0.max(1);
-        let cells: Vec<bool> = self.map.iter().flat_map(|m| &m.cells).map(|k| is_meant(usize::from(*k))).collect();
+        let cells: Vec<bool> = self.map.iter().flat_map(|m| &m.cells).map(|k| is_selected(usize::from(*k))).collect();
         let rows = cells.chunks(columns).enumerate();
         let mut out = Vec::new();
         for (row, cells) in rows {
@@ -120,7 +120,7 @@ impl<'a> Tiles<'a> {
         out.into_iter()
     }
 
-    /// The kinds of the tiles whose inside a box meets.
+    /// The kinds of the tiles whose interior a box overlaps.
     pub fn within(&self, x: Interval, y: Interval) -> impl Iterator<Item = usize> + '_ {
         let (columns, rows) = self.count();
         let [width, height] = self.size();

@@ -1,17 +1,16 @@
-//! Looking things up by where they are: rows by place, and the boxes of a region. For [`crate::analysis::membership`].
+//! Spatial indices for [`crate::analysis::membership`]: rows by position, and the boxes of a region.
 
 use crate::analysis::domain::values::Interval;
 use crate::analysis::geometry::region::Region;
 
-/// The most bins of a grid along an axis.
+/// Maximum number of bins of a grid along an axis.
 const MAX_BINS: usize = 256;
 
-/// Rows by where they are: the plane around all their ends, in bins of the same size; what lies beyond belongs to the bins at
-/// the border.
+/// A uniform grid over the hull of all rows; bins at the border also cover everything beyond it.
 #[derive(Debug, Clone)]
 pub(in crate::analysis) struct Grid {
     low: [f64; 2],
-    /// Bins for each px.
+    /// Bins per px.
     scale: [f64; 2],
     count: usize,
     /// The first item of each bin, row by row, and the end of the last.
@@ -20,7 +19,7 @@ pub(in crate::analysis) struct Grid {
 }
 
 impl Grid {
-    /// None if the rows have no finite ends to tell them apart.
+    /// `None` if the rows have no finite ends to tell them apart.
     pub fn new(hulls: &[[Interval; 2]]) -> Option<Grid> {
         let ends = |axis: usize| {
             let ends = hulls.iter().flat_map(move |hull| [hull[axis].low, hull[axis].high]);
@@ -46,14 +45,14 @@ impl Grid {
         Some(grid)
     }
 
-    /// It never decreases as `x` grows, so that what is in an interval is in a bin between those of its ends.
+    /// Monotonic in `x`, so the bin of a number lies between the bins of the ends of any interval around it.
     #[inline]
     fn bin(&self, axis: usize, x: f64) -> usize {
-        // A cast puts what is too low at 0.
+        // The cast saturates at 0.
         (((x - self.low[axis]) * self.scale[axis]) as usize).min(self.count - 1)
     }
 
-    /// The rows that can be at a place, and others.
+    /// A superset of the rows that contain a position.
     #[inline]
     pub fn around(&self, at: [f64; 2]) -> &[u32] {
         let bin = self.bin(1, at[1]) * self.count + self.bin(0, at[0]);
@@ -64,7 +63,7 @@ impl Grid {
     }
 }
 
-/// The boxes of a region, by the intervals along y that they share.
+/// The boxes of a region, grouped by their intervals along y.
 #[derive(Debug, Clone)]
 pub(in crate::analysis) struct Boxes {
     rows: Lookup<(u32, u32)>,
@@ -92,31 +91,31 @@ impl Boxes {
         self.rows.around(y).any(|(_, (row, _))| self.across[*row as usize].around(x).next().is_some())
     }
 
-    /// The boxes at the height of a place, as text.
+    /// Text of the boxes at the height of a position.
     pub fn text(&self, [_, y]: [f64; 2]) -> String {
         let rows: Vec<String> = self
             .rows
             .around(y)
             .flat_map(|(up, (row, _))| {
                 let along = self.across[*row as usize].items.iter();
-                along.map(move |(x, ())| format!("x in {} and y in {}", whole(&[*x]), whole(&[*up])))
+                along.map(move |(x, ())| format!("x in {} and y in {}", exact_text(&[*x]), exact_text(&[*up])))
             })
             .collect();
         if rows.is_empty() { "nothing at this height".to_string() } else { rows.join(", or ") }
     }
 }
 
-/// Intervals in which a number is looked for.
+/// Intervals with a point query.
 #[derive(Debug, Clone)]
 struct Lookup<T> {
-    /// By their low ends.
+    /// In order of their low ends.
     items: Vec<(Interval, T)>,
-    /// The highest end of all up to each.
+    /// Prefix maxima of the high ends.
     reach: Vec<f64>,
 }
 
 impl<T> Lookup<T> {
-    /// Of intervals in the order of their low ends.
+    /// `items` must be in order of their low ends.
     fn new(items: Vec<(Interval, T)>) -> Self {
         let reach = items.iter().scan(f64::NEG_INFINITY, |most, (i, _)| {
             *most = most.max(i.high);
@@ -125,7 +124,7 @@ impl<T> Lookup<T> {
         Lookup { reach: reach.collect(), items }
     }
 
-    /// Those that a number is in.
+    /// The intervals that contain a number.
     fn around(&self, x: f64) -> impl Iterator<Item = &(Interval, T)> {
         let after = self.items.partition_point(|(i, _)| i.low <= x);
         let below = self.items[..after].iter().zip(&self.reach[..after]).rev();
@@ -134,7 +133,7 @@ impl<T> Lookup<T> {
 }
 
 /// Intervals with all their digits.
-pub(in crate::analysis) fn whole(intervals: &[Interval]) -> String {
+pub(in crate::analysis) fn exact_text(intervals: &[Interval]) -> String {
     let one = |i: &Interval| match i.is_point() {
         true => i.low.to_string(),
         false => format!("{}..{}", i.low, i.high),
@@ -145,7 +144,7 @@ pub(in crate::analysis) fn whole(intervals: &[Interval]) -> String {
     }
 }
 
-/// A part of some items.
+/// A range of some items.
 #[inline]
 pub(in crate::analysis) fn slice<T>(items: &[T], (from, to): (u32, u32)) -> &[T] {
     items.get(from as usize..to as usize).unwrap_or_default()

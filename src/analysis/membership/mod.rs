@@ -1,8 +1,8 @@
-//! Whether a state is one of those that a world can be in, as far as the analysis tells: a table for each kind of instance,
-//! made once and read often. Proofs rest on what it holds: on the rows of configurations, on the energies of what falls, on
-//! the regions of what moves among walls, and on where contacts are.
+//! Membership of concrete states in a configuration space: a table for each kind of instance, built once and queried
+//! often. Proofs rely on these tables: rows of configurations, energies of falls, regions among obstacles, and
+//! positions of contacts.
 //!
-//! A table knows nothing of how states are laid out: it reads an instance through [`Reading`].
+//! A table is independent of the state layout: it reads an instance through [`Reading`].
 
 mod lookup;
 
@@ -19,17 +19,17 @@ use super::{ConfigurationSpace, SlotSpace};
 use crate::analysis::domain::configuration::Configuration;
 use crate::analysis::domain::energy::Fall;
 use crate::analysis::domain::values::{Interval, Values};
-use crate::analysis::geometry::presence::Cover;
-use crate::analysis::membership::lookup::{Boxes, Grid, slice, whole};
+use crate::analysis::geometry::presence::KeptOut;
+use crate::analysis::membership::lookup::{Boxes, Grid, exact_text, slice};
 
-/// With more combinations of leaves than that, those that can be are looked through one by one.
+/// Maximum number of combinations of leaves with a direct table; above it, combinations are searched linearly.
 const MAX_KEYS: usize = 1 << 16;
-/// So few rows are looked through one by one.
+/// Up to this number, rows are searched linearly.
 const FEW_ROWS: u32 = 8;
-/// In every space.
+/// Marks a row that allows every space.
 const ANYWHERE: u32 = u32::MAX;
 
-/// An instance in a state, as it is read.
+/// Read access to an instance in a state.
 pub trait Reading {
     /// The active leaf of a group.
     fn leaf(&self, group: GroupId) -> LeafId;
@@ -47,25 +47,25 @@ pub trait Reading {
     fn touch(&self, id: TouchId) -> bool;
 }
 
-/// What of an instance is outside.
+/// An instance whose state is outside the configuration space.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outside {
     /// The instance.
     pub instance: String,
-    /// Its active modes; none if there is no instance.
+    /// Its active modes; empty if there is no instance.
     pub modes: Vec<String>,
-    /// What is as it never is, by the configuration that comes nearest; several if there are several of those.
+    /// The values outside, relative to the closest configuration; several if several are equally close.
     pub beyond: Vec<Beyond>,
 }
 
-/// A number that is as it never is.
+/// A value outside the allowed ones.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Beyond {
-    /// What it is called.
+    /// Its name.
     pub variable: String,
-    /// What it is.
+    /// Its value.
     pub value: String,
-    /// All that it can be, according to the analysis.
+    /// All values that the analysis allows.
     pub allowed: String,
 }
 
@@ -82,19 +82,19 @@ impl fmt::Display for Outside {
     }
 }
 
-/// All that the instances of a world can be.
+/// The membership tables of a world.
 #[derive(Debug, Clone)]
 pub struct Membership {
     tables: Vec<Table>,
     /// The table of each slot.
     of: IdVec<SlotId, usize>,
-    /// The same with players distinguished by place: proofs rest on both.
+    /// The tables with players distinguished by place: proofs rely on both.
     finer: Option<Box<Membership>>,
 }
 
 /// A number of an instance.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Place {
+enum Quantity {
     /// `3 * var + degree`
     Real(u32),
     Discrete(DiscreteId),
@@ -102,41 +102,41 @@ enum Place {
     Param(ParamId),
 }
 
-impl Place {
+impl Quantity {
     fn read(self, of: &impl Reading) -> f64 {
         match self {
-            Place::Real(place) => of.real(place as usize),
-            Place::Discrete(id) => f64::from(of.discrete(id)),
-            Place::Timer(id) => f64::from(of.timer(id)),
-            Place::Param(id) => of.param(id),
+            Quantity::Real(place) => of.real(place as usize),
+            Quantity::Discrete(id) => f64::from(of.discrete(id)),
+            Quantity::Timer(id) => f64::from(of.timer(id)),
+            Quantity::Param(id) => of.param(id),
         }
     }
 
     fn name(self, entity: &Entity) -> String {
         match self {
-            Place::Real(place) => {
+            Quantity::Real(place) => {
                 format!("{}{}", entity.vars[VarId(place / 3)], "'".repeat(place as usize % 3))
             }
-            Place::Discrete(id) => entity.discretes[id].name.clone(),
-            Place::Timer(id) => format!("time in {}", entity.modes[entity.timers[id].mode].path),
-            Place::Param(id) => entity.params[id].name.clone(),
+            Quantity::Discrete(id) => entity.discretes[id].name.clone(),
+            Quantity::Timer(id) => format!("time in {}", entity.modes[entity.timers[id].mode].path),
+            Quantity::Param(id) => entity.params[id].name.clone(),
         }
     }
 }
 
-/// What a number can be.
+/// A check of one number.
 #[derive(Debug, Clone, Copy)]
 struct Check {
-    of: Place,
+    of: Quantity,
     hull: Interval,
-    /// The intervals that there are in the hull, if there are several: from the first to before the second.
+    /// The range of its intervals in `parts`, if there are several.
     parts: (u32, u32),
 }
 
 /// A configuration.
 #[derive(Debug, Clone)]
 struct Row {
-    /// Around its positions.
+    /// The hull of its positions.
     hull: [Interval; 2],
     checks: (u32, u32),
     falls: (u32, u32),
@@ -146,13 +146,13 @@ struct Row {
 
 /// The rows of a combination of leaves.
 #[derive(Debug, Clone, Copy, Default)]
-struct Bunch {
+struct RowRange {
     rows: (u32, u32),
-    /// Where they are looked up by place, if they are many: 1 plus the number of the grid.
+    /// If they are many: 1 plus the number of the grid.
     grid: u32,
 }
 
-/// A variable that falls.
+/// A variable in free fall.
 #[derive(Debug, Clone, Copy)]
 struct Falling {
     var: VarId,
@@ -160,39 +160,39 @@ struct Falling {
     energy: Interval,
 }
 
-/// What instances of a kind can be.
+/// The allowed states of the instances of a kind.
 #[derive(Debug, Clone, Default)]
 struct Table {
     can_be_absent: bool,
-    /// Whatever the leaves, the rows are examined.
+    /// Whether the rows apply to all leaves.
     any_leaves: bool,
     groups: usize,
-    /// What each leaf adds to the key of a combination.
+    /// The contribution of each leaf to the key of a combination.
     weights: Vec<usize>,
     /// The rows of each key; empty if there are too many keys.
-    by_key: Vec<Bunch>,
-    /// The combinations of leaves with their rows, where there are too many keys.
-    listed: Vec<(Vec<LeafId>, Bunch)>,
+    by_key: Vec<RowRange>,
+    /// The rows by combination of leaves, if there are too many keys.
+    listed: Vec<(Vec<LeafId>, RowRange)>,
     rows: Vec<Row>,
     grids: Vec<Grid>,
     checks: Vec<Check>,
     parts: Vec<Interval>,
     falls: Vec<Falling>,
-    /// Each set of spaces, as one word for each space.
+    /// The distinct sets of spaces, indexed by space.
     space_sets: Vec<Vec<bool>>,
-    /// Where it can get in each space, if that is known, and while which leaves.
+    /// The reachable region in each space, if known, and the condition under which it applies.
     regions: Vec<Option<Boxes>>,
-    cover: Cover,
-    /// Where it is while a contact question holds.
+    kept_out: KeptOut,
+    /// The positions at which each contact query can hold.
     contacts: Vec<(TouchId, [Values; 2])>,
 }
 
 impl ConfigurationSpace {
-    /// The table that tells states inside from states outside.
+    /// Builds the membership tables.
     pub fn membership(&self, program: &Program, world: WorldId) -> Membership {
         let table = &program.worlds[world];
         let mut tables: Vec<Table> = Vec::new();
-        // Slots in which nothing is at first share what they can be.
+        // Slots that are empty at the start share their tables.
         let mut known: HashMap<usize, Vec<(SlotId, usize)>> = HashMap::new();
         let of = table.slots.ids().map(|slot| {
             let first = self.slots[slot].configurations.first().map_or(0, |c| Arc::as_ptr(&c.numbers) as usize);
@@ -209,7 +209,7 @@ impl ConfigurationSpace {
         Membership { tables, of, finer }
     }
 
-    /// Whether all that is known of two slots is the very same.
+    /// Whether the results for two slots are identical.
     fn is_same(&self, world: &World, a: SlotId, b: SlotId) -> bool {
         let (one, other) = (&self.slots[a], &self.slots[b]);
         let shared = |(a, b): (&Configuration, &Configuration)| {
@@ -236,38 +236,38 @@ impl ConfigurationSpace {
         let overall = &self.overall[slot];
         let params = if world.slots[slot].is_fixed { IdVec::new() } else { overall.params.clone() };
         if *is_given_up {
-            // What is never more than it can be whatever the steps.
+            // Bounds that hold in every step.
             let first = out.checks.len() as u32;
-            overall.discretes.pairs().for_each(|(id, values)| out.check(Place::Discrete(id), *values));
-            params.pairs().for_each(|(id, values)| out.check(Place::Param(id), *values));
+            overall.discretes.pairs().for_each(|(id, values)| out.check(Quantity::Discrete(id), *values));
+            params.pairs().for_each(|(id, values)| out.check(Quantity::Param(id), *values));
             let checks = (first, out.checks.len() as u32);
             out.rows.push(Row { hull: [Interval::ALL; 2], checks, falls: (0, 0), spaces: ANYWHERE });
-            out.by_key.push(Bunch { rows: (0, 1), grid: 0 });
+            out.by_key.push(RowRange { rows: (0, 1), grid: 0 });
             return out;
         }
         let mut order: Vec<&Configuration> = configurations.iter().collect();
         order.sort_by(|a, b| a.leaves.cmp(&b.leaves));
-        let keys = out.weigh(entity);
+        let keys = out.assign_weights(entity);
         for alike in order.chunk_by(|a, b| a.leaves == b.leaves) {
             let first = out.rows.len() as u32;
             for at in alike {
                 out.row(at, &params, world.spaces.len());
             }
-            let bunch = out.bunch((first, out.rows.len() as u32));
+            let row_range = out.row_range((first, out.rows.len() as u32));
             let Some(leaves) = alike.first().map(|c| &c.leaves) else { continue };
             match keys {
                 Some(count) => {
-                    out.by_key.resize(count, Bunch::default());
+                    out.by_key.resize(count, RowRange::default());
                     let key: usize = leaves.iter().map(|leaf| out.weights[leaf.index()]).sum();
-                    out.by_key[key] = bunch;
+                    out.by_key[key] = row_range;
                 }
-                None => out.listed.push((leaves.clone(), bunch)),
+                None => out.listed.push((leaves.clone(), row_range)),
             }
         }
         let regions = self.surroundings.regions(slot);
         if !regions.is_empty() {
             let region = |space: SpaceId| regions.iter().find(|(of, _)| *of == space);
-            out.cover = self.surroundings.cover(slot).clone();
+            out.kept_out = self.surroundings.kept_out(slot).clone();
             out.regions = world.spaces.ids().map(|space| Some(Boxes::new(&region(space)?.1))).collect();
         }
         let contacts = entity.touches.ids().map(|touch| (touch, *self.surroundings.places(slot, touch)));
@@ -277,8 +277,8 @@ impl ConfigurationSpace {
 }
 
 impl Table {
-    /// Gives each leaf its weight; tells how many keys there are, none if too many.
-    fn weigh(&mut self, entity: &Entity) -> Option<usize> {
+    /// Computes the weights of the leaves; returns the number of keys, or `None` if there are too many.
+    fn assign_weights(&mut self, entity: &Entity) -> Option<usize> {
         self.weights = vec![0; entity.leaves.len()];
         let mut stride = 1_usize;
         for group in entity.groups.iter() {
@@ -296,12 +296,12 @@ impl Table {
         Some(stride)
     }
 
-    /// Adds what a number can be, unless that is anything.
-    fn check(&mut self, of: Place, values: Values) {
+    /// Adds a check of a number, unless everything is allowed.
+    fn check(&mut self, of: Quantity, values: Values) {
         if values == Values::all() {
             return;
         }
-        // Of no number, nothing is inside.
+        // An empty set allows nothing.
         let hull = values.hull().unwrap_or(Interval { low: f64::INFINITY, high: f64::NEG_INFINITY });
         let first = self.parts.len() as u32;
         if values.intervals().len() > 1 {
@@ -312,20 +312,20 @@ impl Table {
 
     fn row(&mut self, at: &Configuration, params: &IdVec<ParamId, Values>, spaces: usize) {
         let (checks, falls) = (self.checks.len() as u32, self.falls.len() as u32);
-        // First of all what tells configurations of the same leaves apart.
-        at.discretes.pairs().for_each(|(id, values)| self.check(Place::Discrete(id), *values));
+        // Discrete variables first: they distinguish configurations of the same leaves.
+        at.discretes.pairs().for_each(|(id, values)| self.check(Quantity::Discrete(id), *values));
         for (var, values) in at.vars.pairs() {
             for (degree, values) in (0..).zip(values) {
-                // One interval of a position is in the hull.
+                // A position of one interval is checked by the hull.
                 if var.index() >= 2 || degree > 0 || values.intervals().len() > 1 {
-                    self.check(Place::Real(3 * var.0 + degree), *values);
+                    self.check(Quantity::Real(3 * var.0 + degree), *values);
                 }
             }
         }
-        at.timers.pairs().for_each(|(id, count)| self.check(Place::Timer(id), Values::from(*count)));
+        at.timers.pairs().for_each(|(id, count)| self.check(Quantity::Timer(id), Values::from(*count)));
         for (id, values) in params.pairs() {
-            // Those of the configuration are among those of the slot.
-            self.check(Place::Param(id), *at.params.get(id).unwrap_or(values));
+            // The values of the configuration are a subset of those of the slot.
+            self.check(Quantity::Param(id), *at.params.get(id).unwrap_or(values));
         }
         for (var, energy) in at.energy.pairs() {
             let Some((fall, energy)) = *energy else { continue };
@@ -351,20 +351,20 @@ impl Table {
         number as u32
     }
 
-    /// Looks many rows up by place.
-    fn bunch(&mut self, rows: (u32, u32)) -> Bunch {
+    /// Indexes rows by position if they are many.
+    fn row_range(&mut self, rows: (u32, u32)) -> RowRange {
         if rows.1 - rows.0 > FEW_ROWS
             && let Some(grid) = Grid::new(&slice(&self.rows, rows).iter().map(|row| row.hull).collect::<Vec<_>>())
         {
             self.grids.push(grid);
-            return Bunch { rows, grid: self.grids.len() as u32 };
+            return RowRange { rows, grid: self.grids.len() as u32 };
         }
-        Bunch { rows, grid: 0 }
+        RowRange { rows, grid: 0 }
     }
 
-    /// The rows of an instance's leaves.
+    /// The rows for the leaves of an instance.
     #[inline]
-    fn bunch_of(&self, of: &impl Reading) -> Bunch {
+    fn row_range_of(&self, of: &impl Reading) -> RowRange {
         if self.any_leaves {
             return self.by_key.first().copied().unwrap_or_default();
         }
@@ -374,16 +374,16 @@ impl Table {
             self.by_key.get(key).copied().unwrap_or_default()
         } else {
             let found = self.listed.iter().find(|(known, _)| leaves.clone().eq(known.iter().copied()));
-            found.map_or(Bunch::default(), |(_, bunch)| *bunch)
+            found.map_or(RowRange::default(), |(_, row_range)| *row_range)
         }
     }
 
     /// Whether an instance is in one of the rows of its leaves.
     #[inline]
     fn is_in_rows(&self, at: [f64; 2], of: &impl Reading) -> bool {
-        let bunch = self.bunch_of(of);
-        let rows = slice(&self.rows, bunch.rows);
-        match self.grids.get((bunch.grid as usize).wrapping_sub(1)) {
+        let row_range = self.row_range_of(of);
+        let rows = slice(&self.rows, row_range.rows);
+        match self.grids.get((row_range.grid as usize).wrapping_sub(1)) {
             None => rows.iter().any(|row| self.is_in_row(row, at, of)),
             Some(grid) => grid.around(at).iter().any(|row| self.is_in_row(&rows[*row as usize], at, of)),
         }
@@ -412,14 +412,14 @@ impl Table {
             && row.hull[1].contains(at[1])
             && slice(&self.checks, row.checks).iter().all(|check| self.passes(check, of))
             && self.is_in_spaces(row, of.space())
-            && slice(&self.falls, row.falls).iter().all(|falling| falling.is_kept(of))
+            && slice(&self.falls, row.falls).iter().all(|falling| falling.holds(of))
     }
 
     #[inline]
     fn is_in_region(&self, at: [f64; 2], of: &impl Reading) -> bool {
-        // Of a space that it is never in, the rows tell.
+        // For a space without a region, only the rows count.
         let region = self.regions.get(of.space().index()).and_then(Option::as_ref);
-        region.is_none_or(|r| r.contains(at)) || !self.cover.holds(&|group| of.leaf(group))
+        region.is_none_or(|r| r.contains(at)) || !self.kept_out.holds(&|group| of.leaf(group))
     }
 
     #[inline]
@@ -434,19 +434,19 @@ impl Table {
         self.is_in_rows(at, of) && self.is_in_region(at, of) && self.are_contacts_in_place(at, of)
     }
 
-    /// What keeps an instance from being in a row, and after how many checks.
-    fn fails(&self, row: &Row, entity: &Entity, world: &World, of: &impl Reading) -> Option<(usize, Beyond)> {
-        let beyond = |place: Place, allowed: String| Beyond {
+    /// The first failing check of a row, with its rank.
+    fn first_failure(&self, row: &Row, entity: &Entity, world: &World, of: &impl Reading) -> Option<(usize, Beyond)> {
+        let beyond = |place: Quantity, allowed: String| Beyond {
             variable: place.name(entity),
             value: place.read(of).to_string(),
             allowed,
         };
-        let positions = [Place::Real(0), Place::Real(3)].into_iter().zip(&row.hull);
-        let positions = positions.map(|(place, hull)| (hull.contains(place.read(of)), place, whole(&[*hull])));
+        let positions = [Quantity::Real(0), Quantity::Real(3)].into_iter().zip(&row.hull);
+        let positions = positions.map(|(place, hull)| (hull.contains(place.read(of)), place, exact_text(&[*hull])));
         let checks = slice(&self.checks, row.checks).iter().map(|check| {
             let parts = slice(&self.parts, check.parts);
             let allowed = if parts.is_empty() { std::slice::from_ref(&check.hull) } else { parts };
-            (self.passes(check, of), check.of, whole(allowed))
+            (self.passes(check, of), check.of, exact_text(allowed))
         });
         for (rank, (passes, place, allowed)) in positions.chain(checks).enumerate() {
             if !passes {
@@ -462,28 +462,28 @@ impl Table {
             let (variable, value) = ("space".to_string(), world.spaces[of.space()].name.clone());
             return Some((rank, Beyond { variable, value, allowed: allowed.join(", ") }));
         }
-        let falling = slice(&self.falls, row.falls).iter().find(|falling| !falling.is_kept(of))?;
+        let falling = slice(&self.falls, row.falls).iter().find(|falling| !falling.holds(of))?;
         let name = &entity.vars[falling.var];
         let Fall { acceleration, step } = falling.fall;
         let variable = format!(
             "energy of {name} ({name}' * {name}' + {acceleration} * {step} * {name}' - 2 * {acceleration} * {name})"
         );
-        let beyond = Beyond { variable, value: falling.now(of).to_string(), allowed: whole(&[falling.energy]) };
+        let beyond = Beyond { variable, value: falling.now(of).to_string(), allowed: exact_text(&[falling.energy]) };
         Some((rank + 1, beyond))
     }
 
-    /// What of an instance is outside; none if nothing is.
+    /// The values of an instance that are outside; empty if it is inside.
     fn beyond(&self, entity: &Entity, world: &World, of: &impl Reading) -> Vec<Beyond> {
         if self.contains(of) {
             return Vec::new();
         }
-        let rows = slice(&self.rows, self.bunch_of(of).rows);
+        let rows = slice(&self.rows, self.row_range_of(of).rows);
         if rows.is_empty() {
             let modes = (0..self.groups).map(|group| mode(entity, of.leaf(GroupId(group as u32)))).collect::<Vec<_>>();
             let (variable, value) = ("combination of modes".to_string(), modes.join(", "));
             return vec![Beyond { variable, value, allowed: "never this one".to_string() }];
         }
-        let failed: Vec<_> = rows.iter().map(|row| self.fails(row, entity, world, of)).collect();
+        let failed: Vec<_> = rows.iter().map(|row| self.first_failure(row, entity, world, of)).collect();
         if failed.iter().all(Option::is_some) {
             let best = failed.iter().flatten().map(|(rank, _)| *rank).max();
             let mut out: Vec<Beyond> = Vec::new();
@@ -510,26 +510,30 @@ impl Table {
         let beyond = misplaced.map(|(touch, places)| Beyond {
             variable: format!("position while contact question {} holds", touch.index()),
             value: value.clone(),
-            allowed: format!("x in {} and y in {}", whole(places[0].intervals()), whole(places[1].intervals())),
+            allowed: format!(
+                "x in {} and y in {}",
+                exact_text(places[0].intervals()),
+                exact_text(places[1].intervals())
+            ),
         });
         beyond.collect()
     }
 }
 
 impl Membership {
-    /// Whether there can be no instance in a slot.
+    /// Whether a slot can be empty.
     #[inline]
     pub fn can_be_absent(&self, slot: SlotId) -> bool {
         self.tables[self.of[slot]].can_be_absent && self.finer.as_ref().is_none_or(|finer| finer.can_be_absent(slot))
     }
 
-    /// Whether an instance is inside.
+    /// Whether the state of an instance is allowed.
     #[inline]
     pub fn contains(&self, slot: SlotId, of: &impl Reading) -> bool {
         self.tables[self.of[slot]].contains(of) && self.finer.as_ref().is_none_or(|finer| finer.contains(slot, of))
     }
 
-    /// What of a slot is outside, if anything is; `of` is none where there is no instance.
+    /// The values of a slot that are outside, if any; `of` is `None` if the slot is empty.
     pub fn outside(
         &self,
         program: &Program,
@@ -567,7 +571,7 @@ impl Falling {
         (of.real(3 * self.var.index()), of.real(3 * self.var.index() + 1))
     }
 
-    /// Its energy, as it is rounded.
+    /// Its current energy, with rounding errors.
     fn now(&self, of: &impl Reading) -> f64 {
         let (position, velocity) = self.reals(of);
         let Fall { acceleration, step } = self.fall;
@@ -575,7 +579,7 @@ impl Falling {
     }
 
     #[inline]
-    fn is_kept(&self, of: &impl Reading) -> bool {
+    fn holds(&self, of: &impl Reading) -> bool {
         self.energy.contains(self.now(of)) || {
             let (position, velocity) = self.reals(of);
             let margined = self.fall.energy(Interval::point(position), Interval::point(velocity));

@@ -1,5 +1,4 @@
-//! Expressions over what variables can be: the values a number can have, the ways a guard can turn out, and what is left
-//! of a configuration where it turns out one way.
+//! Abstract evaluation: values of numbers, outcomes of guards, and refinement of configurations by guards.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -9,44 +8,42 @@ use crate::ir::{
     SlotId, SpaceId, Subject, TouchId, VarId, World, call,
 };
 
-use crate::analysis::domain::configuration::{Between, Configuration, Overall};
+use crate::analysis::domain::configuration::{Configuration, MidStep, Overall};
 use crate::analysis::domain::truth::Truth;
 use crate::analysis::domain::values::{Interval, Values};
 use crate::analysis::geometry::surroundings::Surroundings;
 
-/// The phase of the simulator in which an expression is read.
+/// The phase of the simulator in which an expression is evaluated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::analysis) enum Phase {
-    /// The discrete phase, and what is examined between steps: everything is as the step began.
+    /// The discrete phase, and predicates between steps: the state at the start of the step.
     Discrete,
-    /// The continuous phase: everything is as the discrete phase left it, but for contacts, which are those of the last
-    /// collision phase.
+    /// The continuous phase: the state after the discrete phase, with the contacts of the last collision phase.
     Continuous {
-        /// Whether the instance has been put elsewhere since its contacts were found.
+        /// Whether the instance was moved after its contacts were detected.
         is_put: bool,
     },
 }
 
-/// Of all that an instance can be, the part in which a world's predicate is read.
+/// The part of an instance's states for which a predicate of the world is evaluated.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::analysis) enum Pinned<'a> {
-    /// A part of its region.
+    /// A box of its region.
     Part(SpaceId, [Interval; 2]),
     /// A configuration.
     At(&'a Configuration),
 }
 
-/// What can be read of whichever instance a reference refers to.
+/// A number of an instance that is read through a reference.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Part {
     Param(ParamId),
-    /// Within a step or between steps.
+    /// The flag is true for reads in the middle of a step.
     Var(VarId, usize, bool),
     Discrete(DiscreteId, bool),
 }
 
-/// What the instances of an entity, or all of them, can be together: joined once for all who read it, as long as what
-/// is known of the slots stays the same.
+/// The join over the instances of an entity, or over all instances: cached until the slots change.
 #[derive(Debug, Default)]
 pub(in crate::analysis) struct Joined {
     values: Mutex<BTreeMap<(Option<EntityId>, Part), Values>>,
@@ -54,7 +51,7 @@ pub(in crate::analysis) struct Joined {
 }
 
 impl Joined {
-    /// More is known of the slots.
+    /// Clears the cache after the slots have changed.
     pub fn forget(&mut self) {
         *self = Joined::default();
     }
@@ -66,21 +63,21 @@ impl Clone for Joined {
     }
 }
 
-/// What an expression is read against.
+/// The context in which an expression is evaluated.
 #[derive(Clone, Copy)]
 pub(in crate::analysis) struct Reader<'a> {
     pub program: &'a Program,
     pub world: &'a World,
     pub slots: &'a IdVec<SlotId, Overall>,
-    /// What they are together.
+    /// Cached joins over several slots.
     pub joined: &'a Joined,
-    /// What is known of each slot's contacts.
+    /// The possible contacts of each slot.
     pub surroundings: &'a Surroundings,
-    /// In a world's predicate: an instance, and what it is examined in.
+    /// For a predicate of the world: an instance, and the part of its states that is considered.
     pub pinned: Option<(SlotId, Pinned<'a>)>,
-    /// The instance that `Subject::Me` stands for, none in a world's predicate.
+    /// The instance of `Subject::Me`; `None` for a predicate of the world.
     pub me: Option<(SlotId, &'a Configuration)>,
-    /// When it is read.
+    /// The phase of evaluation.
     pub phase: Phase,
 }
 
@@ -89,7 +86,7 @@ impl<'a> Reader<'a> {
         &self.program.entities[self.world.slots[slot].entity]
     }
 
-    /// The slots that a subject can stand for.
+    /// The slots that a subject can refer to.
     fn candidates(&self, of: Subject) -> Arc<[SlotId]> {
         match (of, self.me) {
             (Subject::Me, Some((me, _))) => Arc::new([me]),
@@ -106,7 +103,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The entity of all that a reference can refer to; none if it can be any.
+    /// The entity of a reference; `None` if it can refer to any.
     fn entity_of(&self, of: Subject) -> Option<EntityId> {
         match (of, self.me) {
             (Subject::Ref(id), Some((me, _))) => self.entity(me).refs[id].entity,
@@ -114,7 +111,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// What `read` finds, of any instance that a subject can stand for; those that do not have it are not meant.
+    /// The join of `read` over all instances that a subject can refer to; instances without the number are skipped.
     fn read(&self, of: Subject, part: Part, read: impl Fn(&Overall) -> Option<Values>) -> Values {
         let is_one = matches!((of, self.me), (Subject::Me, Some(_)) | (Subject::Slot(_), _));
         let key = (self.entity_of(of), part);
@@ -124,7 +121,7 @@ impl<'a> Reader<'a> {
         }
         let candidates = self.candidates(of);
         let found = candidates.iter().filter_map(|slot| read(&self.slots[*slot]));
-        // Where there is no instance, zeros are read.
+        // An absent instance reads as zero.
         let absent = matches!(of, Subject::Slot(slot) if self.slots[slot].can_be_absent);
         let zero = absent.then(|| Interval::point(0.0));
         let values = Values::any(found.flat_map(|v| v.intervals().to_vec()).chain(zero));
@@ -134,7 +131,7 @@ impl<'a> Reader<'a> {
         values
     }
 
-    /// A position of an instance, within the part of its region that it is examined in.
+    /// A position of an instance, restricted to the pinned part.
     fn in_part(&self, slot: SlotId, axis: usize, at: &Values) -> Values {
         match self.pinned {
             Some((pinned, Pinned::Part(_, part))) if pinned == slot => at.within(part[axis]),
@@ -142,20 +139,20 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Whether others are read as the discrete phase has left them.
+    /// Whether others are read after the discrete phase.
     fn is_within_step(&self) -> bool {
         self.phase != Phase::Discrete
     }
 
-    /// What the discrete phase makes of another instance, if that is what is read.
-    fn between<'o>(&self, o: &'o Overall) -> Option<&'o Between> {
-        self.is_within_step().then_some(&o.between)
+    /// The state of another instance after the discrete phase, if it is read then.
+    fn mid_step<'o>(&self, o: &'o Overall) -> Option<&'o MidStep> {
+        self.is_within_step().then_some(&o.mid_step)
     }
 
     /// A variable of another instance.
     fn var(&self, o: &Overall, var: VarId, degree: usize) -> Option<Values> {
-        let between = self.between(o).and_then(|b| b.vars.get(var));
-        Some(o.vars.get(var)?[degree].or(between.map_or(&Values::none(), |v| &v[degree])))
+        let mid_step = self.mid_step(o).and_then(|b| b.vars.get(var));
+        Some(o.vars.get(var)?[degree].or(mid_step.map_or(&Values::none(), |v| &v[degree])))
     }
 
     fn position(&self, of: Subject, axis: usize) -> Values {
@@ -167,12 +164,12 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The configuration in which a subject is read, if it is read in one.
-    fn mine(&self, of: Subject) -> Option<&'a Configuration> {
-        self.configured(of).map(|(_, at)| at)
+    /// The configuration of a subject, if it is fixed.
+    fn configuration_of(&self, of: Subject) -> Option<&'a Configuration> {
+        self.slot_and_configuration(of).map(|(_, at)| at)
     }
 
-    fn configured(&self, of: Subject) -> Option<(SlotId, &'a Configuration)> {
+    fn slot_and_configuration(&self, of: Subject) -> Option<(SlotId, &'a Configuration)> {
         match (of, self.pinned) {
             (Subject::Me, _) => self.me,
             (Subject::Slot(slot), Some((pinned, Pinned::At(at)))) if pinned == slot => Some((slot, at)),
@@ -180,18 +177,18 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Where an instance of a configuration is when a contact question of its own holds.
+    /// The boxes of a configuration in which one of its contact queries can hold.
     fn touched(&self, slot: SlotId, id: TouchId, at: &Configuration) -> Option<Vec<[Interval; 2]>> {
         let mut boxes = self.surroundings.touched(slot, id, &self.entity(slot).touches[id], at)?;
         boxes.retain(|b| (0..2).all(|axis| !at.vars[VarId(axis)][0].within(b[axis as usize]).is_none()));
         Some(boxes)
     }
 
-    fn is_played(&self) -> bool {
+    fn has_player(&self) -> bool {
         self.me.is_some_and(|(me, _)| self.world.slots[me].player.is_some())
     }
 
-    /// The values that a number can have.
+    /// Evaluates a number.
     pub fn number(&self, id: ExprId) -> Values {
         let number = |id| self.number(id);
         match self.program.exprs[id] {
@@ -201,11 +198,11 @@ impl<'a> Reader<'a> {
                 let own = self.me.and_then(|(me, c)| c.params.get(p).or(self.slots[me].params.get(p)));
                 own.copied().unwrap_or(Values::all())
             }
-            Expr::Param(of, p) => match self.mine(of).and_then(|c| c.params.get(p)) {
+            Expr::Param(of, p) => match self.configuration_of(of).and_then(|c| c.params.get(p)) {
                 Some(values) => *values,
                 None => self.read(of, Part::Param(p), |o| o.params.get(p).cloned()),
             },
-            Expr::Var(of, var, degree) => match self.mine(of) {
+            Expr::Var(of, var, degree) => match self.configuration_of(of) {
                 Some(c) => c.vars[var][usize::from(degree)],
                 None if degree == 0 && var.is_position() => self.position(of, var.index()),
                 None => {
@@ -213,14 +210,14 @@ impl<'a> Reader<'a> {
                     self.read(of, Part::Var(var, degree, self.is_within_step()), |o| self.var(o, var, degree))
                 }
             },
-            Expr::Discrete(of, id) => match self.mine(of) {
+            Expr::Discrete(of, id) => match self.configuration_of(of) {
                 Some(c) => c.discretes[id],
                 None => self.read(of, Part::Discrete(id, self.is_within_step()), |o| {
-                    let between = self.between(o).and_then(|b| b.discretes.get(id));
-                    Some(o.discretes.get(id)?.or(between.unwrap_or(&Values::none())))
+                    let mid_step = self.mid_step(o).and_then(|b| b.discretes.get(id));
+                    Some(o.discretes.get(id)?.or(mid_step.unwrap_or(&Values::none())))
                 }),
             },
-            Expr::Axis(_) if self.is_played() => Values::from(Interval { low: -1.0, high: 1.0 }),
+            Expr::Axis(_) if self.has_player() => Values::from(Interval { low: -1.0, high: 1.0 }),
             Expr::Axis(_) => Values::point(0.0),
             Expr::Timer(timer) => match self.me {
                 Some((_, c)) => {
@@ -249,7 +246,7 @@ impl<'a> Reader<'a> {
                 let a = if truth.can_hold { number(a) } else { Values::none() };
                 if truth.can_fail { a.or(&number(b)) } else { a }
             }
-            Expr::Call(function, arguments) => self.called(function, arguments),
+            Expr::Call(function, arguments) => self.call_values(function, arguments),
             _ => {
                 let truth = self.truth(id);
                 let ways = [(truth.can_hold, 1.0), (truth.can_fail, 0.0)];
@@ -258,7 +255,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn called(&self, function: Function, arguments: [ExprId; 3]) -> Values {
+    fn call_values(&self, function: Function, arguments: [ExprId; 3]) -> Values {
         let [a, b, c] = arguments.map(|x| self.number(x));
         let f = |x: f64| call(function, [x, 0.0, 0.0]);
         let within = |low: f64, high: f64| Values::from(Interval { low, high });
@@ -271,7 +268,7 @@ impl<'a> Reader<'a> {
                 false => i.map(f64::abs),
             }),
             Function::Sign | Function::Floor | Function::Ceil | Function::Round => {
-                // A sign has three values, of which an interval's ends show two.
+                // A sign has three values, of which the ends of an interval show two.
                 let zero = function == Function::Sign && a.contains(0.0);
                 let found = a.map(|i| i.map(f));
                 if zero { found.or(&Values::point(0.0)) } else { found }
@@ -286,11 +283,11 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The ways a guard can turn out.
+    /// Evaluates a guard.
     pub fn truth(&self, id: ExprId) -> Truth {
         match self.program.exprs[id] {
             Expr::Bool(b) => Truth::of(b),
-            Expr::Compare(op, a, b) => compared(op, &self.number(a), &self.number(b)),
+            Expr::Compare(op, a, b) => compare_values(op, &self.number(a), &self.number(b)),
             Expr::And(a, b) => {
                 let (a, b) = (self.truth(a), self.truth(b));
                 Truth { can_hold: a.can_hold && b.can_hold, can_fail: a.can_fail || b.can_fail }
@@ -300,15 +297,17 @@ impl<'a> Reader<'a> {
                 Truth { can_hold: a.can_hold || b.can_hold, can_fail: a.can_fail && b.can_fail }
             }
             Expr::Not(a) => self.truth(a).not(),
-            Expr::Button(..) => Truth { can_hold: self.is_played(), can_fail: true },
-            // The contacts are those of where it was before.
+            Expr::Button(..) => Truth { can_hold: self.has_player(), can_fail: true },
+            // The contacts belong to the position before the move.
             Expr::Touching(Subject::Me, _) if self.phase == (Phase::Continuous { is_put: true }) => Truth::EITHER,
             Expr::Touching(of, touch) => {
-                if let Some(boxes) = self.configured(of).and_then(|(slot, at)| self.touched(slot, touch, at)) {
+                if let Some(boxes) =
+                    self.slot_and_configuration(of).and_then(|(slot, at)| self.touched(slot, touch, at))
+                {
                     return Truth { can_hold: !boxes.is_empty(), can_fail: true };
                 }
                 let can = |slot: &SlotId| {
-                    let vars = self.mine(of).map_or(&self.slots[*slot].vars, |c| &c.vars);
+                    let vars = self.configuration_of(of).map_or(&self.slots[*slot].vars, |c| &c.vars);
                     let places = self.surroundings.places(*slot, touch).iter().enumerate();
                     places
                         .zip(vars.iter())
@@ -316,21 +315,21 @@ impl<'a> Reader<'a> {
                 };
                 Truth { can_hold: self.candidates(of).iter().any(can), can_fail: true }
             }
-            Expr::Alive(slot) if self.mine(Subject::Slot(slot)).is_some() => Truth::of(true),
+            Expr::Alive(slot) if self.configuration_of(Subject::Slot(slot)).is_some() => Truth::of(true),
             Expr::Alive(slot) => {
                 let Overall { can_live, can_be_absent, .. } = self.slots[slot];
                 Truth { can_hold: can_live, can_fail: can_be_absent }
             }
             Expr::InMode(of, mode) => {
                 let leaves = |slot: SlotId| self.entity(slot).modes[mode].leaves;
-                if let Some((me, c)) = self.configured(of) {
+                if let Some((me, c)) = self.slot_and_configuration(of) {
                     return Truth::of(c.leaves.iter().any(|l| leaves(me).contains(*l)));
                 }
                 let of_mode = |slot: &SlotId| {
                     let o = &self.slots[*slot];
                     let Some(m) = self.entity(*slot).modes.get(mode) else { return false };
                     let any = |leaves: &BTreeSet<LeafId>| leaves.range(m.leaves.from..m.leaves.to).next().is_some();
-                    any(&o.leaves) || self.between(o).is_some_and(|b| any(&b.leaves))
+                    any(&o.leaves) || self.mid_step(o).is_some_and(|b| any(&b.leaves))
                 };
                 Truth { can_hold: self.candidates(of).iter().any(of_mode), can_fail: true }
             }
@@ -349,14 +348,14 @@ impl<'a> Reader<'a> {
                 Truth { can_hold: self.candidates(of).iter().any(spaces), can_fail: true }
             }
             Expr::Near { of, x, y, radius } => {
-                let (px, py) = match self.mine(of) {
+                let (px, py) = match self.configuration_of(of) {
                     Some(c) => (c.vars[VarId::X][0], c.vars[VarId::Y][0]),
                     None => (self.position(of, 0), self.position(of, 1)),
                 };
                 let apart = |a: &Values, b: ExprId| a.pairs(&self.number(b), Interval::minus).map(Interval::square);
                 let squares = apart(&px, x).pairs(&apart(&py, y), Interval::plus);
                 let distance = squares.map(|i| i.map(|s| s.max(0.0).sqrt()));
-                let found = compared(CompareOp::AtMost, &distance, &self.number(radius));
+                let found = compare_values(CompareOp::AtMost, &distance, &self.number(radius));
                 Truth { can_hold: found.can_hold, can_fail: true }
             }
             Expr::Joint(..) | Expr::IsNone(_) | Expr::Is(..) => Truth::EITHER,
@@ -367,7 +366,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// What is left of a configuration where a guard holds (or fails); none if it cannot.
+    /// Refines a configuration by a guard that holds (or fails); `None` if it cannot.
     pub fn refined(&self, from: &Configuration, guard: ExprId, holds: bool) -> Option<Configuration> {
         if !self.can_turn_out(from, guard, holds) {
             return None;
@@ -382,14 +381,14 @@ impl<'a> Reader<'a> {
         if holds { truth.can_hold } else { truth.can_fail }
     }
 
-    /// Cuts a configuration to what is left where a guard holds (or fails); returns whether it can.
+    /// Refines a configuration in place by a guard that holds (or fails); returns whether it can.
     pub fn refine(&self, at: &mut Configuration, guard: ExprId, holds: bool) -> bool {
         let Some((me, _)) = self.me.filter(|_| self.can_turn_out(at, guard, holds)) else { return false };
         match (self.program.exprs[guard], holds) {
             (Expr::Not(a), _) => self.refine(at, a, !holds),
             (Expr::And(a, b), true) | (Expr::Or(a, b), false) => self.refine(at, a, holds) && self.refine(at, b, holds),
             (Expr::And(a, b), false) | (Expr::Or(a, b), true) => {
-                // Either decides; the second is asked only where the first has not.
+                // Either decides; the second counts only where the first does not.
                 let first = self.refined(at, a, holds);
                 let has_second = self.refine(at, a, !holds) && self.refine(at, b, holds);
                 match first {
@@ -423,10 +422,10 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Cuts a variable to what a comparison leaves.
+    /// Restricts a variable by a comparison.
     fn cut(&self, out: &mut Configuration, id: ExprId, op: CompareOp, with: &Values) {
         let Some(hull) = with.hull() else { return };
-        let cut = |values: &Values, whole: bool| left_by(values, op, with, whole);
+        let cut = |values: &Values, whole: bool| restrict_by(values, op, with, whole);
         match self.program.exprs[id] {
             Expr::Var(Subject::Me, var, degree) => {
                 out.set(var, usize::from(degree), cut(&out.vars[var][usize::from(degree)], false));
@@ -441,7 +440,7 @@ impl<'a> Reader<'a> {
                 }
             }
             Expr::Timer(timer) => {
-                // Counts are cut a step too wide, as times are rounded.
+                // One step of tolerance, as times are rounded.
                 let step = self.world.step.seconds();
                 let cut = match op {
                     CompareOp::Less | CompareOp::AtMost => {
@@ -461,8 +460,8 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// What a comparison leaves of values; of whole numbers, which end before an open end, or of any.
-pub(in crate::analysis) fn left_by(values: &Values, op: CompareOp, with: &Values, whole: bool) -> Values {
+/// Restricts values by a comparison; `whole` numbers stop short of an open end.
+pub(in crate::analysis) fn restrict_by(values: &Values, op: CompareOp, with: &Values, whole: bool) -> Values {
     let Some(hull) = with.hull() else { return *values };
     let less = if whole { hull.high.ceil() - 1.0 } else { hull.high };
     let more = if whole { hull.low.floor() + 1.0 } else { hull.low };
@@ -476,7 +475,7 @@ pub(in crate::analysis) fn left_by(values: &Values, op: CompareOp, with: &Values
     }
 }
 
-fn compared(op: CompareOp, a: &Values, b: &Values) -> Truth {
+fn compare_values(op: CompareOp, a: &Values, b: &Values) -> Truth {
     let (Some(x), Some(y)) = (a.hull(), b.hull()) else { return Truth { can_hold: false, can_fail: false } };
     match op {
         CompareOp::Less => Truth { can_hold: x.low < y.high, can_fail: x.high >= y.low },
@@ -487,6 +486,6 @@ fn compared(op: CompareOp, a: &Values, b: &Values) -> Truth {
             let same = a.constant().is_some() && a.constant() == b.constant();
             Truth { can_hold: !a.and(b).is_none(), can_fail: !same }
         }
-        CompareOp::Unequal => compared(CompareOp::Equal, a, b).not(),
+        CompareOp::Unequal => compare_values(CompareOp::Equal, a, b).not(),
     }
 }

@@ -1,5 +1,4 @@
-//! The continuous phase of a step over what an instance can be: flows, envelopes, clamps, timers, and what a collision
-//! does to where they lead.
+//! The continuous phase over configurations: flows, envelopes, clamps, timers, and the effect of collisions.
 
 use crate::ir::{By, Drive, Envelope, ExprId, IdVec, Release, TimerId, VarId};
 
@@ -7,20 +6,20 @@ use crate::analysis::domain::configuration::Configuration;
 use crate::analysis::domain::energy::Fall;
 use crate::analysis::domain::values::{Interval, Values};
 use crate::analysis::domain::widen::within_bounds;
-use crate::analysis::geometry::surroundings::Way;
+use crate::analysis::geometry::surroundings::Motion;
 use crate::analysis::step::evaluate::Reader;
-use crate::analysis::step::{Beginning, Followed, Outcome, Stepper, shift};
+use crate::analysis::step::{Beginning, FlowCache, Outcome, Stepper, shift};
 
 impl Stepper<'_> {
-    /// What comes of a flow; most ways of a step differ in nothing that it depends on.
-    pub(in crate::analysis) fn flowed(
+    /// Runs the continuous phase, with a cache: most branches of a step do not differ in anything that it depends on.
+    pub(in crate::analysis) fn cached_flow(
         &self,
         next: &Configuration,
         beginning: Beginning,
-        followed: &mut Followed,
+        flow_cache: &mut FlowCache,
         outcome: &mut Outcome,
     ) -> Option<Configuration> {
-        let Some(flowing) = self.flowing.filter(|_| !beginning.is_put) else {
+        let Some(flow_groups) = self.flow_groups.filter(|_| !beginning.is_put) else {
             return self.flow(next, beginning, outcome);
         };
         let same = |known: &Configuration| {
@@ -28,20 +27,20 @@ impl Stepper<'_> {
                 let leaves = known.leaves.iter().zip(&next.leaves).zip(groups);
                 leaves.into_iter().all(|((a, b), counts)| !counts || a == b)
             };
-            alike(flowing)
-                && self.covering.is_none_or(alike)
+            alike(flow_groups)
+                && self.collider_groups.is_none_or(alike)
                 && known.spaces == next.spaces
                 && (known.shares(next) || known.numbers == next.numbers)
         };
-        if let Some((_, found)) = followed.iter().find(|(known, _)| same(known)) {
+        if let Some((_, found)) = flow_cache.iter().find(|(known, _)| same(known)) {
             return found.clone();
         }
         let found = self.flow(next, beginning, outcome);
-        followed.push((next.clone(), found.clone()));
+        flow_cache.push((next.clone(), found.clone()));
         found
     }
 
-    /// The timers a step later.
+    /// The timers one step later.
     pub(in crate::analysis) fn time(&self, next: &Configuration) -> IdVec<TimerId, Interval> {
         let entity = self.entity();
         let limits = &self.reader.world.slots[self.slot].timer_limits;
@@ -56,10 +55,10 @@ impl Stepper<'_> {
         next.timers.pairs().map(later).collect()
     }
 
-    /// Flows, envelopes, clamps, and what a collision can do.
+    /// Flows, envelopes, clamps and collisions.
     fn flow(&self, next: &Configuration, beginning: Beginning, outcome: &mut Outcome) -> Option<Configuration> {
         let entity = self.entity();
-        let Beginning { jumps, is_put } = beginning;
+        let Beginning { displacement, is_put } = beginning;
         let reader = self.flowing_at(next, is_put);
         let mut drives: IdVec<VarId, Drive> = entity.vars.ids().map(Drive::Coast).collect();
         let active = next.leaves.iter().flat_map(|l| &entity.leaves[*l].drives);
@@ -72,7 +71,7 @@ impl Stepper<'_> {
                 }
             }
         }
-        // A drive of an outer level is not in force where a group says "no flow": the last word is the leaf's.
+        // A drive of an outer mode is not active where the group says "no flow": the leaf wins.
         for drive in next.leaves.iter().flat_map(|l| &entity.leaves[*l].drives) {
             if let Drive::Coast(var) = *drive {
                 drives[var] = Drive::Coast(var);
@@ -118,13 +117,13 @@ impl Stepper<'_> {
             };
             moved.vars[var] = new;
             let fall = self.fall(*drive, &moved.vars[var][2]);
-            moved.energy[var] = fall.and_then(|fall| Some((fall, self.fallen(next, &moved, var, fall)?)));
+            moved.energy[var] = fall.and_then(|fall| Some((fall, self.energy_after(next, &moved, var, fall)?)));
         }
-        let mut own = jumps;
+        let mut own = displacement;
         let mut speeds = [0.0_f64; 2];
         for (axis, speed) in speeds.iter_mut().enumerate() {
             let var = VarId::XY[axis];
-            // Where the position itself is driven or cut, it moves as far as from one end to the other.
+            // If the position itself is driven or clamped, it moves by the distance between its ends.
             let way = shift(next, &moved, var);
             let far = way.high.max(-way.low) / self.step;
             let velocity = moved.vars[var][1].hull().map_or(0.0, |v| v.high.max(-v.low));
@@ -137,10 +136,10 @@ impl Stepper<'_> {
         }
         let far = [0, 1].map(|axis| moved.vars[VarId(axis)][1].hull().map_or(0.0, |v| v.high.max(-v.low) * self.step));
         let begin = VarId::XY.map(|var| next.vars[var][0]);
-        let contact = self.reader.surroundings.collide(self.slot, &Way { from: begin, own, far }, &mut moved);
+        let contact = self.reader.surroundings.collide(self.slot, &Motion { from: begin, own, far }, &mut moved);
         let greatest = |known: &mut [f64; 2]| *known = [known[0].max(speeds[0]), known[1].max(speeds[1])];
         greatest(&mut outcome.speed);
-        // What leaves the place of all walls in one step has moved among them, too, and what steps over it.
+        // A step that leaves the area of the obstacles, or crosses it, counts as near them.
         let crossed = [0, 1].map(|axis| Values::any(begin[axis].or(&contact[axis]).hull()));
         if self.reader.surroundings.is_near_statics(self.slot, &crossed) {
             greatest(&mut outcome.near_speed);
@@ -153,22 +152,22 @@ impl Stepper<'_> {
         (!moved.is_impossible()).then_some(moved)
     }
 
-    /// The constant acceleration that a drive is.
+    /// The free fall of a drive with a constant acceleration.
     fn fall(&self, drive: Drive, acceleration: &Values) -> Option<Fall> {
         let accelerates = matches!(drive, Drive::Coast(_) | Drive::Flow { degree: 2, .. });
         let acceleration = acceleration.constant().filter(|a| accelerates && *a != 0.0)?;
         Some(Fall { acceleration, step: self.step })
     }
 
-    /// The energy after a step of a fall.
-    fn fallen(&self, next: &Configuration, moved: &Configuration, var: VarId, fall: Fall) -> Option<Interval> {
+    /// The energy after a step of free fall.
+    fn energy_after(&self, next: &Configuration, moved: &Configuration, var: VarId, fall: Fall) -> Option<Interval> {
         let (position, velocity) = (next.vars[var][0].hull()?, next.vars[var][1].hull()?);
         let mut energy = match next.energy[var] {
             Some((before, energy)) if before == fall => energy,
             Some((before, energy)) => before.converted(energy, fall, position, velocity),
             None => fall.energy(position, velocity),
         };
-        // Where a clamp cuts, the energy is that of the cut values.
+        // If a clamp applies, the energy is that of the clamped values.
         for clamp in self.entity().clamps.iter().filter(|c| c.var == var) {
             if clamp.degree == 0 {
                 return None;
@@ -182,7 +181,7 @@ impl Stepper<'_> {
         (energy.low.is_finite() || energy.high.is_finite()).then_some(energy)
     }
 
-    /// What a component of an envelope can be after a step.
+    /// The values of a component of an envelope after a step.
     fn envelope(&self, reader: &Reader<'_>, envelope: &Envelope, component: usize) -> Values {
         let Some((_, at)) = reader.me else { return Values::all() };
         let sustain = reader.number(envelope.sustain);
@@ -197,8 +196,8 @@ impl Stepper<'_> {
         let Some(&var) = envelope.vars.get(component) else { return Values::all() };
         let current = at.vars[var][usize::from(envelope.degree)];
         let mirrored = |values: &Values| values.or(&values.map(|i| i.map(|x| -x)));
-        let is_played = self.reader.world.slots[self.slot].player.is_some();
-        let may_drive = is_played && envelope.guard.is_none_or(|g| reader.truth(g).can_hold);
+        let has_player = self.reader.world.slots[self.slot].player.is_some();
+        let may_drive = has_player && envelope.guard.is_none_or(|g| reader.truth(g).can_hold);
         let mut out = Values::none();
         if may_drive {
             let levels = envelope.peak.map_or(sustain, |p| reader.number(p).or(&sustain));
@@ -219,7 +218,7 @@ impl Stepper<'_> {
             Release::Hold => out.or(&current),
             Release::To { rate, .. } => {
                 let target = mirrored(&level).or(&Values::point(0.0));
-                // A vector goes to a level along its own direction.
+                // A vector approaches a level along its own direction.
                 let target = match envelope.vars.len() {
                     1 => target,
                     _ => target.hull().map_or(Values::none(), Values::from),
@@ -230,7 +229,7 @@ impl Stepper<'_> {
         }
     }
 
-    /// From some values towards others, by at most what a rate covers in a step.
+    /// Moves from some values towards others by at most the rate of a step.
     fn approached(&self, reader: &Reader<'_>, current: &Values, target: &Values, rate: Option<ExprId>) -> Values {
         let Some(rate) = rate else { return *target };
         let Some(rate) = reader.number(rate).hull() else { return Values::none() };

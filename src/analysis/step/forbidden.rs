@@ -1,11 +1,11 @@
-//! What may never hold: a search ends where a `never` holds, and so does all that the analysis has to tell of. Of each
-//! configuration is cut what a predicate of the world says of its instance alone.
+//! Predicates that never hold: a search ends where a `never` holds, and so does the analysis. Each configuration is
+//! restricted by those parts of a predicate that concern its own instance.
 
 use crate::ir::{CompareOp, Expr, ExprId, IdVec, Program, SlotId, Subject, World};
 
 use crate::analysis::domain::configuration::Configuration;
 use crate::analysis::domain::values::Values;
-use crate::analysis::step::evaluate::left_by;
+use crate::analysis::step::evaluate::restrict_by;
 
 /// Predicates of a world that hold in no state.
 #[derive(Debug, Clone, Copy)]
@@ -16,12 +16,12 @@ pub(in crate::analysis) struct Forbidden<'a> {
 }
 
 impl Forbidden<'_> {
-    /// Cuts what an instance can be while none of the predicates holds; returns whether anything is left.
+    /// Restricts a configuration to where none of the predicates holds; returns whether anything is left.
     pub fn cut(&self, slot: SlotId, at: &mut Configuration) -> bool {
         self.predicates.iter().all(|predicate| self.assume(slot, at, *predicate, false)) && !at.is_impossible()
     }
 
-    /// Cuts to what is left where an expression holds (or fails); returns whether it can.
+    /// Refines by an expression that holds (or fails); returns whether it can.
     fn assume(&self, slot: SlotId, at: &mut Configuration, id: ExprId, holds: bool) -> bool {
         let is_mine = |of: Subject| of == Subject::Slot(slot);
         match (self.program.exprs[id], holds) {
@@ -30,7 +30,7 @@ impl Forbidden<'_> {
             (Expr::And(a, b), true) | (Expr::Or(a, b), false) => {
                 self.assume(slot, at, a, holds) && self.assume(slot, at, b, holds)
             }
-            // One of them decides: where one cannot, the other does.
+            // One of them decides: if one cannot, the other does.
             (Expr::And(a, b), false) | (Expr::Or(a, b), true) => {
                 let with = |part: ExprId| {
                     let mut at = at.clone();
@@ -57,10 +57,10 @@ impl Forbidden<'_> {
         }
     }
 
-    /// Cuts the number on one side of a comparison, if it is the instance's and the other side a constant.
+    /// Restricts the number on one side of a comparison, if it belongs to the instance and the other side is constant.
     fn compare(&self, slot: SlotId, at: &mut Configuration, id: ExprId, op: CompareOp, with: ExprId) -> bool {
         let Some(x) = self.program.constant(with, &IdVec::new(), self.world.step) else { return true };
-        let cut = |values: &Values, whole: bool| left_by(values, op, &Values::point(x), whole);
+        let cut = |values: &Values, whole: bool| restrict_by(values, op, &Values::point(x), whole);
         match self.program.exprs[id] {
             Expr::Var(Subject::Slot(of), var, degree) if of == slot => {
                 let degree = usize::from(degree);

@@ -1,5 +1,5 @@
-//! One step of an instance over what it can be: edges, updates and links here, what follows in `flow`. Each function
-//! follows a phase of the simulator and allows for everything that it could do.
+//! The abstract step of an instance: edges, updates and links here, the continuous phase in `flow`. Each function
+//! over-approximates a phase of the simulator.
 
 pub(in crate::analysis) mod evaluate;
 pub(in crate::analysis) mod flow;
@@ -15,68 +15,68 @@ use crate::ir::{
 
 use crate::analysis::domain::configuration::Configuration;
 use crate::analysis::domain::values::{Interval, Values};
-use crate::analysis::geometry::landing::{Landing, Whose};
+use crate::analysis::geometry::placement::{PlacedColliders, Placement};
 use crate::analysis::geometry::scene::Scene;
 use crate::analysis::step::evaluate::{Phase, Reader};
 
-/// The most ways of a step that are distinguished.
-const MAX_WAYS: usize = 512;
+/// Maximum number of branches of a step.
+const MAX_BRANCHES: usize = 512;
 
-/// What can come of a step.
+/// The possible results of a step.
 #[derive(Debug, Default)]
 pub(in crate::analysis) struct Outcome {
     pub next: Vec<Configuration>,
-    /// What was spawned, by which spawn, from where.
+    /// Spawns, with the configurations of the spawner.
     pub spawns: Vec<(SpawnId, Configuration)>,
-    /// Whether the instance can be gone.
+    /// Whether the instance can be destroyed.
     pub can_end: bool,
-    /// Whether a collider that is never pushed can come back.
+    /// Whether a collider that is never pushed can be switched on.
     pub appears: bool,
-    /// Active leaves with which a collider comes.
-    pub comes: Vec<Vec<LeafId>>,
-    /// Of both axes, how fast it moves before anything stops it, px/s.
+    /// Combinations of leaves that switch a collider on.
+    pub activated: Vec<Vec<LeafId>>,
+    /// Per axis, the maximum speed before collisions, px/s.
     pub speed: [f64; 2],
-    /// The same, where that leads to where there is something that never moves.
+    /// The same for steps that end near static obstacles.
     pub near_speed: [f64; 2],
-    /// What the discrete phase makes of it, where that changes anything.
-    pub between: Vec<Configuration>,
-    /// Where it is when contacts are found, px.
+    /// The results of the discrete phase that differ from the start of the step.
+    pub mid_step: Vec<Configuration>,
+    /// Position when contacts are detected, px.
     pub contact: [Values; 2],
-    /// Where updates and links put it.
-    pub landings: Vec<Landing>,
+    /// Positions set by updates and links.
+    pub placements: Vec<Placement>,
     /// The spaces to which links lead it.
     pub spaces: BTreeSet<SpaceId>,
 }
 
-/// Flows that have been followed: from where, and what came of it.
-pub(in crate::analysis) type Followed = Vec<(Configuration, Option<Configuration>)>;
+/// Results of the continuous phase by configuration.
+pub(in crate::analysis) type FlowCache = Vec<(Configuration, Option<Configuration>)>;
 
-/// A step of one slot.
+/// The abstract step of one slot.
 pub(in crate::analysis) struct Stepper<'a> {
     pub reader: Reader<'a>,
     pub scene: &'a Scene<'a>,
     pub slot: SlotId,
     /// s
     pub step: f64,
-    /// The groups whose leaves decide how the variables flow; none if time does, too.
-    pub flowing: Option<&'a [bool]>,
-    /// The groups whose leaves decide which colliders are pushed, where that makes a difference.
-    pub covering: Option<&'a [bool]>,
-    /// The edges whose way depends on where the instance is and how it moves.
-    pub moving: &'a IdVec<EdgeId, bool>,
+    /// The groups whose leaves determine the flows; `None` if they also depend on time.
+    pub flow_groups: Option<&'a [bool]>,
+    /// The groups whose leaves determine which colliders are pushed, if that matters.
+    pub collider_groups: Option<&'a [bool]>,
+    /// The edges whose effect depends on position or motion.
+    pub motion_edges: &'a IdVec<EdgeId, bool>,
 }
 
-/// How the continuous phase begins.
+/// The start of the continuous phase.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::analysis) struct Beginning {
-    /// How far updates have put the instance from where its contacts were found, px.
-    pub jumps: [Interval; 2],
-    /// Whether updates or a link have put it anywhere.
+    /// Displacement by updates since contacts were detected, px.
+    pub displacement: [Interval; 2],
+    /// Whether updates or a link have moved the instance.
     pub is_put: bool,
 }
 
-/// A way that the groups decided so far can go: what each takes, and what the configuration is then.
-type Way = (Vec<Option<EdgeId>>, Configuration);
+/// One choice of edges for the groups decided so far, and the refined configuration.
+type Branch = (Vec<Option<EdgeId>>, Configuration);
 
 impl<'a> Stepper<'a> {
     pub fn entity(&self) -> &'a Entity {
@@ -90,7 +90,7 @@ impl<'a> Stepper<'a> {
         Reader { me: Some((self.slot, from)), ..self.reader }
     }
 
-    /// What the continuous phase reads.
+    /// The context of the continuous phase.
     pub fn flowing_at<'c>(&self, from: &'c Configuration, is_put: bool) -> Reader<'c>
     where
         'a: 'c,
@@ -98,42 +98,49 @@ impl<'a> Stepper<'a> {
         Reader { phase: Phase::Continuous { is_put }, ..self.at(from) }
     }
 
-    /// All that can come of a configuration; none if there is too much to tell.
+    /// All successors of a configuration; `None` if there are too many branches.
     pub fn run(&self, from: &Configuration) -> Option<Outcome> {
-        self.follow_ways(from, false)
+        self.explore_branches(from, false)
     }
 
-    /// What can come of a configuration while its leaves stay active; none if there is too much to tell.
+    /// The successors with the same leaves; `None` if there are too many branches.
     pub fn run_on(&self, from: &Configuration) -> Option<Outcome> {
-        let mut outcome = self.follow_ways(from, true)?;
+        let mut outcome = self.explore_branches(from, true)?;
         outcome.next.retain(|next| next.leaves == from.leaves);
         Some(outcome)
     }
 
-    fn follow_ways(&self, from: &Configuration, stays: bool) -> Option<Outcome> {
+    fn explore_branches(&self, from: &Configuration, stays: bool) -> Option<Outcome> {
         let entity = self.entity();
-        let mut ways: Vec<Way> = vec![(Vec::new(), from.clone())];
+        let mut branches: Vec<Branch> = vec![(Vec::new(), from.clone())];
         for group in entity.groups.ids() {
             let mut next = Vec::new();
-            for (taken, at) in ways {
+            for (taken, at) in branches {
                 self.choices(group, &taken, &at, stays, &mut next);
             }
-            ways = next;
-            if ways.len() > MAX_WAYS {
+            branches = next;
+            if branches.len() > MAX_BRANCHES {
                 return None;
             }
         }
         let mut outcome = Outcome::default();
-        let mut followed = Followed::new();
-        for (taken, at) in ways {
-            self.take(&taken, &at, &mut followed, &mut outcome);
+        let mut flow_cache = FlowCache::new();
+        for (taken, at) in branches {
+            self.take(&taken, &at, &mut flow_cache, &mut outcome);
         }
         outcome.next.retain(|c| !c.is_impossible());
         Some(outcome)
     }
 
-    /// What a group can do: take each of its edges, or none. If it `stays`, those that lead elsewhere do not matter.
-    fn choices(&self, group: GroupId, taken: &[Option<EdgeId>], from: &Configuration, stays: bool, out: &mut Vec<Way>) {
+    /// The choices of a group: take one of its edges, or none. With `stays`, edges that leave the leaf are skipped.
+    fn choices(
+        &self,
+        group: GroupId,
+        taken: &[Option<EdgeId>],
+        from: &Configuration,
+        stays: bool,
+        out: &mut Vec<Branch>,
+    ) {
         let entity = self.entity();
         let leaf = from.leaves[group.index()];
         let with = |edge| taken.iter().copied().chain([edge]).collect::<Vec<_>>();
@@ -144,8 +151,8 @@ impl<'a> Stepper<'a> {
             let leads_off = || target.is_some_and(|t| !self.entered(t, &rest).contains(&leaf));
             let held = if stays && leads_off() { None } else { self.at(&rest).refined(&rest, guard, true) };
             if let Some(mut held) = held {
-                // What only turns a lamp on goes one way wherever that is.
-                if !self.moving[edge] && held.discretes == rest.discretes {
+                // An edge without effect on motion need not split the variables.
+                if !self.motion_edges[edge] && held.discretes == rest.discretes {
                     held.numbers = Arc::clone(&rest.numbers);
                 }
                 out.push((with(Some(edge)), held));
@@ -157,8 +164,8 @@ impl<'a> Stepper<'a> {
         out.push((with(None), rest));
     }
 
-    /// Runs what the groups have decided, then everything else of the step.
-    fn take(&self, taken: &[Option<EdgeId>], at: &Configuration, followed: &mut Followed, outcome: &mut Outcome) {
+    /// Runs the chosen edges, then the rest of the step.
+    fn take(&self, taken: &[Option<EdgeId>], at: &Configuration, flow_cache: &mut FlowCache, outcome: &mut Outcome) {
         let entity = self.entity();
         let mut nexts = vec![at.clone()];
         let mut ends = false;
@@ -172,7 +179,7 @@ impl<'a> Stepper<'a> {
                     for next in &mut nexts {
                         let mut changed = next.clone();
                         self.act(&internal.actions, &held, &mut changed, outcome);
-                        note_puts(&internal.actions, &mut put);
+                        mark_set_axes(&internal.actions, &mut put);
                         *next = if sure { changed } else { next.or(&changed) };
                     }
                 }
@@ -180,9 +187,9 @@ impl<'a> Stepper<'a> {
             if let Some(edge) = edge {
                 let edge = &entity.edges[*edge];
                 let Some(target) = edge.target else { continue };
-                note_puts(&edge.actions, &mut put);
+                mark_set_axes(&edge.actions, &mut put);
                 let entries = entity.modes.iter().map(|m| &m.entry).filter(|e| !e.updates.is_empty());
-                entries.for_each(|e| note_puts(e, &mut put));
+                entries.for_each(|e| mark_set_axes(e, &mut put));
                 let mut entered = Vec::new();
                 for leaf in self.entered(target, at) {
                     for next in &nexts {
@@ -208,36 +215,38 @@ impl<'a> Stepper<'a> {
                 for next in &mut nexts {
                     let mut changed = next.clone();
                     self.act(&follow.actions, &held, &mut changed, outcome);
-                    note_puts(&follow.actions, &mut put);
+                    mark_set_axes(&follow.actions, &mut put);
                     *next = next.or(&changed);
                 }
                 links.extend(open);
             }
         }
-        // Who goes through a link does so after all updates.
-        let is_covered = self.is_covered(at);
-        let moved: Vec<Configuration> =
-            nexts.iter().flat_map(|next| links.iter().map(|link| self.through(*link, next, put, is_covered))).collect();
-        outcome.landings.extend(moved.iter().filter_map(Landing::of));
+        // Links apply after all updates.
+        let is_kept_out = self.is_kept_out(at);
+        let moved: Vec<Configuration> = nexts
+            .iter()
+            .flat_map(|next| links.iter().map(|link| self.through_link(*link, next, put, is_kept_out)))
+            .collect();
+        outcome.placements.extend(moved.iter().filter_map(Placement::of));
         outcome.spaces.extend(moved.iter().flat_map(|next| next.spaces.iter()));
         let is_put = put != [false; 2];
-        let jumps = |next: &Configuration| {
+        let displacement = |next: &Configuration| {
             [0, 1].map(|axis| if put[axis as usize] { shift(at, next, VarId(axis)) } else { Interval::point(0.0) })
         };
         let mut nexts: Vec<_> =
-            nexts.into_iter().map(|next| (Beginning { jumps: jumps(&next), is_put }, next)).collect();
-        // What carried it stays behind.
-        let linked = Beginning { jumps: [Interval::point(0.0); 2], is_put: true };
+            nexts.into_iter().map(|next| (Beginning { displacement: displacement(&next), is_put }, next)).collect();
+        // The carrier stays behind.
+        let linked = Beginning { displacement: [Interval::point(0.0); 2], is_put: true };
         nexts.extend(moved.into_iter().map(|next| (linked, next)));
-        // Others read it in this step even if it ends.
+        // Others read it in this step even if it is destroyed.
         let changed = nexts.iter().filter(|(_, next)| !next.shares(at) || next.leaves != at.leaves);
-        outcome.between.extend(changed.map(|(_, next)| next.clone()));
+        outcome.mid_step.extend(changed.map(|(_, next)| next.clone()));
         outcome.can_end |= ends;
         if ends {
             return;
         }
         for (beginning, next) in nexts {
-            let mut moved = self.flowed(&next, beginning, followed, outcome);
+            let mut moved = self.cached_flow(&next, beginning, flow_cache, outcome);
             if let Some(moved) = &mut moved {
                 moved.leaves.clone_from(&next.leaves);
                 moved.timers = self.time(&next);
@@ -247,9 +256,9 @@ impl<'a> Stepper<'a> {
         }
     }
 
-    /// A collider that was not there can be so inside of something: where the instance was, and not only where it goes,
-    /// as what it meets on the way can push it. That counts even if it seems to get nowhere (`moved` is none), or where it
-    /// never may be: what is known of pushes holds only for the colliders that are known to come, and where they do.
+    /// A collider that is switched on can overlap an obstacle, at the old position as well as at the new one, as
+    /// contacts on the way can push the instance. This counts even if the step has no result (`moved` is `None`) or an
+    /// impossible one: facts about pushes hold only for the colliders and positions that are registered here.
     fn activations(
         &self,
         from: &Configuration,
@@ -264,20 +273,20 @@ impl<'a> Stepper<'a> {
                 continue;
             }
             if !body.is_live {
-                outcome.comes.push(leaves.to_vec());
+                outcome.activated.push(leaves.to_vec());
             }
             if body.kinematic {
                 outcome.appears = true;
                 continue;
             }
-            let was_bare = !kind.cover().covers(&from.leaves);
-            let whose = Whose::One { collider, was_bare };
-            let at = [Some(from), moved].into_iter().flatten().filter_map(Landing::of);
-            outcome.landings.extend(at.map(|l| Landing { whose: whose.clone(), ..l }));
+            let was_unblocked = !kind.kept_out_while().holds_for(&from.leaves);
+            let colliders = PlacedColliders::One { collider, was_unblocked };
+            let at = [Some(from), moved].into_iter().flatten().filter_map(Placement::of);
+            outcome.placements.extend(at.map(|l| Placement { colliders: colliders.clone(), ..l }));
         }
     }
 
-    /// The leaves that can become active when a mode is entered.
+    /// The possible leaves when a mode is entered.
     fn entered(&self, mode: ModeId, at: &Configuration) -> Vec<LeafId> {
         let modes = &self.entity().modes;
         let mut open = vec![mode];
@@ -306,7 +315,7 @@ impl<'a> Stepper<'a> {
         found
     }
 
-    /// Leaves and enters modes: timers restart, entries run.
+    /// Takes a transition: timers restart, entry actions run.
     fn enter(&self, transition: Transition, at: &Configuration, next: &mut Configuration, outcome: &mut Outcome) {
         let entity = self.entity();
         next.leaves[transition.group.index()] = transition.to;
@@ -318,13 +327,13 @@ impl<'a> Stepper<'a> {
         }
     }
 
-    /// Runs updates; returns whether the instance certainly ends.
+    /// Runs an action list; returns whether the instance is certainly destroyed.
     fn act(&self, actions: &Actions, at: &Configuration, next: &mut Configuration, outcome: &mut Outcome) -> bool {
         for update in &actions.updates {
             self.update(update, at, next);
         }
         if actions.updates.iter().any(|u| matches!(u.place, Place::Var(VarId::X | VarId::Y, 0))) {
-            outcome.landings.extend(Landing::of(next));
+            outcome.placements.extend(Placement::of(next));
         }
         for &spawn in &actions.spawns {
             let at = at.or(next);
@@ -350,13 +359,13 @@ impl<'a> Stepper<'a> {
                     next.set_energy(var, (fall, fall.slowed(energy, position)));
                 }
             }
-            // A value out of the range stops the run.
+            // A value out of range is a fault, which ends the run.
             Place::Discrete(id) => next.set_discrete(id, value.and(&Values::range(self.entity().discretes[id].range))),
             Place::Ref(_) => {}
         }
     }
 
-    /// Whether a number lies between 0 and the velocity of a variable, whatever that is: what cuts a jump short.
+    /// Whether a number always lies between 0 and the velocity of a variable, as when a jump is cut short.
     fn slows(&self, value: ExprId, var: VarId, at: &Configuration) -> bool {
         let slows = |id| self.slows(id, var, at);
         let within =
@@ -386,49 +395,49 @@ impl<'a> Stepper<'a> {
 
     /// The links that the instance can be in and that can be open, with their spaces.
     fn open_links(&self, at: &Configuration) -> Vec<(SpaceId, &'a Link)> {
-        // The guards of links read the world's instances.
-        let onlooker = Reader { me: None, ..self.reader };
+        // The guards of links read the instances of the world.
+        let world_reader = Reader { me: None, ..self.reader };
         let links = at.spaces.iter().flat_map(|&s| self.reader.world.spaces[s].links.iter().map(move |l| (s, l)));
         let open = |(space, link): &(SpaceId, &Link)| {
-            let [x, y] = self.standing(*space, link, at, self.is_covered(at));
-            !x.is_none() && !y.is_none() && link.guard.is_none_or(|g| onlooker.truth(g).can_hold)
+            let [x, y] = self.link_overlap(*space, link, at, self.is_kept_out(at));
+            !x.is_none() && !y.is_none() && link.guard.is_none_or(|g| world_reader.truth(g).can_hold)
         };
         links.filter(open).collect()
     }
 
-    /// Whether it is kept out of what blocks it.
-    fn is_covered(&self, at: &Configuration) -> bool {
-        self.reader.surroundings.is_covered(self.slot, &at.leaves)
+    /// Whether the instance is kept out of blocking obstacles.
+    fn is_kept_out(&self, at: &Configuration) -> bool {
+        self.reader.surroundings.is_kept_out(self.slot, &at.leaves)
     }
 
-    /// Where the instance can be in a link, if it was kept out of what blocks it or not.
-    fn standing(&self, space: SpaceId, link: &Link, at: &Configuration, is_covered: bool) -> [Values; 2] {
+    /// The positions of the instance inside a link.
+    fn link_overlap(&self, space: SpaceId, link: &Link, at: &Configuration, is_kept_out: bool) -> [Values; 2] {
         let from = &link.from;
         let axis = |axis: u32, low: f64, high: f64| at.vars[VarId(axis)][0].within(Interval { low, high });
         let (x, y) = (axis(0, from.left, from.right), axis(1, from.bottom, from.top));
-        if is_covered { self.reader.surroundings.within_region(self.slot, space, &x, &y) } else { [x, y] }
+        if is_kept_out { self.reader.surroundings.within_region(self.slot, space, &x, &y) } else { [x, y] }
     }
 
-    /// What comes out of a link, where updates may have put `x` or `y` elsewhere since it was there.
-    fn through(
+    /// The configuration after a link; `put` tells which coordinates updates may have set since it was inside.
+    fn through_link(
         &self,
         (space, link): (SpaceId, &Link),
         next: &Configuration,
         put: [bool; 2],
-        is_covered: bool,
+        is_kept_out: bool,
     ) -> Configuration {
         let mut out = next.clone();
         out.spaces = Arc::new([link.space].into());
         let (from, to) = (link.from, link.to);
-        let stood = match put {
-            [false, false] => self.standing(space, link, next, is_covered),
+        let link_overlap = match put {
+            [false, false] => self.link_overlap(space, link, next, is_kept_out),
             _ => [(from.left, from.right), (from.bottom, from.top)].map(|(low, high)| Interval { low, high }.into()),
         };
         let axes = [((from.left, from.right), (to.left, to.right)), ((from.bottom, from.top), (to.bottom, to.top))];
         for (axis, (from, to)) in (0..).zip(axes) {
             let var = VarId::XY[axis];
             let position = out.vars[var][0];
-            let values = if put[axis] { position } else { position.and(&stood[axis]) };
+            let values = if put[axis] { position } else { position.and(&link_overlap[axis]) };
             out.vars[var][0] = values.map(|i| i.map(|x| to.0 + (to.1 - to.0) * (x - from.0) / (from.1 - from.0)));
             out.forget_energy(var);
         }
@@ -436,8 +445,8 @@ impl<'a> Stepper<'a> {
     }
 }
 
-/// Notes which coordinates updates set.
-fn note_puts(actions: &Actions, put: &mut [bool; 2]) {
+/// Marks the coordinates that updates set.
+fn mark_set_axes(actions: &Actions, put: &mut [bool; 2]) {
     for update in &actions.updates {
         if let Place::Var(var @ (VarId::X | VarId::Y), 0) = update.place {
             put[var.index()] = true;
@@ -445,7 +454,7 @@ fn note_puts(actions: &Actions, put: &mut [bool; 2]) {
     }
 }
 
-/// How far a variable can go from one configuration to the next.
+/// The possible differences of a variable between two configurations.
 pub(in crate::analysis) fn shift(from: &Configuration, to: &Configuration, var: VarId) -> Interval {
     let hulls = from.vars[var][0].hull().zip(to.vars[var][0].hull());
     hulls.map_or(Interval::point(0.0), |(from, to)| to.minus(from))

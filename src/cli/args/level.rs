@@ -1,4 +1,4 @@
-//! What several subcommands take: the level of a world, a number of seconds.
+//! Arguments shared by several subcommands: the level of a world, a number of seconds.
 
 use std::path::{Path, PathBuf};
 
@@ -17,7 +17,7 @@ pub(in crate::cli) struct LevelArgs {
 }
 
 impl LevelArgs {
-    /// As the compiler takes it.
+    /// The compiler's input.
     pub fn file(&self) -> LevelFile<'_> {
         self.reading.of(self.map.as_deref())
     }
@@ -35,7 +35,7 @@ pub(in crate::cli) struct ReadingArgs {
 }
 
 impl ReadingArgs {
-    /// As the compiler takes it, with a level.
+    /// The compiler's input, with a level.
     pub fn of<'a>(&'a self, map: Option<&'a Path>) -> LevelFile<'a> {
         LevelFile { map, legend: self.legend.as_deref(), tile: self.tile }
     }

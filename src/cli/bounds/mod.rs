@@ -1,4 +1,5 @@
-//! `hypedc bounds`: what each part of a world can be, as tables or as JSON, and how many dimensions that leaves.
+//! `hypedc bounds`: the values that each part of a world can have, as tables or as JSON, and the number of dimensions
+//! that remain.
 
 mod table;
 
@@ -75,7 +76,7 @@ pub(in crate::cli) fn dimensions(entity: &Entity, space: &SlotSpace) -> Dimensio
     Dimensions { all, varying, in_one_combination: found.iter().map(free).max().unwrap_or(0) }
 }
 
-/// A world with all that its instances can be.
+/// A world with its configuration space.
 pub(in crate::cli) struct WorldBounds<'a> {
     pub program: &'a Program,
     pub world: &'a World,
@@ -97,8 +98,8 @@ impl<'a> WorldBounds<'a> {
 }
 
 pub(in crate::cli) fn run(args: &BoundsArgs) -> io::Result<Exit> {
-    let Some(loaded) = load(&args.file, args.level.file())? else { return Ok(Exit::Unasked) };
-    let Some(id) = choose_world(&loaded, &args.file, args.world.as_deref())? else { return Ok(Exit::Unasked) };
+    let Some(loaded) = load(&args.file, args.level.file())? else { return Ok(Exit::Refused) };
+    let Some(id) = choose_world(&loaded, &args.file, args.world.as_deref())? else { return Ok(Exit::Refused) };
     let space = configuration_space(&loaded.program, id);
     let is_open = |goal| space.can_hold(&loaded.program, id, goal);
     let space = match loaded.program.worlds[id].goals.ids().any(is_open) {
@@ -271,7 +272,7 @@ struct End {
     bottom: f64,
 }
 
-/// The borders as lines, spaces with the same in one.
+/// Writes the borders, one line for all spaces with the same ones.
 fn write_borders(out: &mut impl Write, borders: &[Border]) -> io::Result<()> {
     for group in borders.chunk_by(|a, b| a.player == b.player && a.bounds == b.bounds) {
         let Some(Border { player, bounds, .. }) = group.first() else { continue };
@@ -290,7 +291,7 @@ fn write_borders(out: &mut impl Write, borders: &[Border]) -> io::Result<()> {
     Ok(())
 }
 
-/// Each goal, with the reasons why it cannot hold if there are any.
+/// Each goal, with the reasons why it cannot hold, if any.
 fn goals(loaded: &Loaded, id: WorldId, space: &ConfigurationSpace) -> Vec<(String, Option<Vec<String>>)> {
     let sim = Simulator::new(&loaded.program, id);
     let why = |goal| {

@@ -1,5 +1,5 @@
-//! The tables of `hypedc bounds`. What no mode changes is in one list; then, for each group, one row a mode and one
-//! column for each number that differs between its modes, whatever the other groups do.
+//! The tables of `hypedc bounds`. Values that do not depend on modes are in one list; then, for each group, there is a
+//! row per mode and a column per value that differs between its modes, joined over the other groups.
 
 use std::collections::BTreeSet;
 use std::io::{self, Write};
@@ -10,7 +10,7 @@ use crate::ir::{DiscreteId, Domain, Entity, GroupId, Id, LeafId, SlotId, TimerId
 use crate::analysis::wording::{number, values as shown};
 use crate::cli::bounds::{Dimensions, WorldBounds, dimensions};
 
-/// The widest a line gets, where it can be broken.
+/// Maximum width of a line, where it can be broken.
 const WIDTH: usize = 110;
 
 /// A number of an instance.
@@ -27,32 +27,33 @@ struct Slot<'a> {
     space: &'a SlotSpace,
 }
 
-/// Slots that are alike, but for where they are if they never move.
-struct Alike {
+/// Slots with the same text, except for the positions of instances that never move.
+struct SlotGroup {
     slots: Vec<SlotId>,
-    /// The text about all.
+    /// The common text.
     shared: String,
-    /// The text about the first; about all, as long as it is the same.
+    /// The full text, as long as it is the same for all.
     own: Option<String>,
 }
 
-/// Writes all slots, those that are alike together, and the sum of their dimensions.
+/// Writes all slots, equal ones together, and the sum of their dimensions.
 pub(in crate::cli) fn write_table(out: &mut impl Write, of: &WorldBounds<'_>) -> io::Result<()> {
-    let mut all: Vec<Alike> = Vec::new();
+    let mut all: Vec<SlotGroup> = Vec::new();
     for slot in of.space.slots.ids() {
         let s = Slot { world: of.world, entity: of.entity(slot), space: &of.space.slots[slot] };
         let (own, shared) = (s.text(true), s.text(false));
         let entity = |slot: SlotId| of.world.slots[slot].entity;
-        let same = |a: &&mut Alike| a.slots.first().is_some_and(|o| entity(*o) == entity(slot)) && a.shared == shared;
+        let same =
+            |a: &&mut SlotGroup| a.slots.first().is_some_and(|o| entity(*o) == entity(slot)) && a.shared == shared;
         match all.iter_mut().find(same) {
-            Some(alike) => {
-                alike.slots.push(slot);
-                alike.own.take_if(|text| *text != own);
+            Some(group) => {
+                group.slots.push(slot);
+                group.own.take_if(|text| *text != own);
             }
-            None => all.push(Alike { slots: vec![slot], shared, own: Some(own) }),
+            None => all.push(SlotGroup { slots: vec![slot], shared, own: Some(own) }),
         }
     }
-    for Alike { slots, shared, own } in &all {
+    for SlotGroup { slots, shared, own } in &all {
         let names: Vec<&str> = slots.iter().map(|s| of.world.slots[*s].name.as_str()).collect();
         let Some(&first) = slots.first() else { continue };
         let names = match names.as_slice() {
@@ -61,17 +62,17 @@ pub(in crate::cli) fn write_table(out: &mut impl Write, of: &WorldBounds<'_>) ->
         };
         write!(out, "\n{names}: {}{}", of.entity(first).name, own.as_ref().unwrap_or(shared))?;
     }
-    writeln!(out, "\nin all: {}", told(of.dimensions()))
+    writeln!(out, "\nin all: {}", dimensions_text(of.dimensions()))
 }
 
-fn told(d: Dimensions) -> String {
+fn dimensions_text(d: Dimensions) -> String {
     let vary = if d.varying == 1 { "varies" } else { "vary" };
     let (all, varying, rest) = (d.all, d.varying, d.in_one_combination);
     format!("{all} dimensions, of which {varying} {vary}, at most {rest} in one combination of modes")
 }
 
 impl Slot<'_> {
-    /// Everything after the name; with or without the place where it is if it never moves.
+    /// Everything after the name; with or without the position of an instance that never moves.
     fn text(&self, place: bool) -> String {
         if self.space.is_given_up {
             let why = self.space.why.map_or(String::new(), |why| format!(" ({})", why.reason()));
@@ -84,7 +85,7 @@ impl Slot<'_> {
         let spaces: Vec<&str> = spaces.iter().map(|s| self.world.spaces[*s].name.as_str()).collect();
         let within = if self.world.spaces.len() > 1 { format!(" in {}", spaces.join(", ")) } else { String::new() };
         let absent = if self.space.can_be_absent { ", can be absent" } else { "" };
-        let mut out = format!("{within}{absent}\n  {}\n", told(dimensions(self.entity, self.space)));
+        let mut out = format!("{within}{absent}\n  {}\n", dimensions_text(dimensions(self.entity, self.space)));
         let groups: Vec<GroupId> = self.entity.groups.ids().filter(|g| self.leaves(*g).len() > 1).collect();
         let columns = self.columns();
         let differs = |column: &Column, group: GroupId| {
@@ -118,7 +119,7 @@ impl Slot<'_> {
         self.space.configurations.iter().filter_map(|c| c.leaves.get(group.index())).copied().collect()
     }
 
-    /// What a number can be while a leaf is active, or at all.
+    /// The values of a column while a leaf is active, or overall.
     fn values(&self, column: Column, of: Option<(GroupId, LeafId)>) -> Values {
         let fits = |c: &&Configuration| of.is_none_or(|(g, leaf)| c.leaves.get(g.index()) == Some(&leaf));
         let found = self.space.configurations.iter().filter(fits).flat_map(|c| match column {
@@ -138,7 +139,7 @@ impl Slot<'_> {
         }
     }
 
-    /// Values of a discrete variable by their names, whole numbers that follow each other as an interval.
+    /// The values of a discrete variable by name; consecutive whole numbers as an interval.
     fn discrete(&self, id: DiscreteId, values: &Values) -> String {
         let discrete = &self.entity.discretes[id];
         let name = |i: i64| match &discrete.domain {
@@ -185,7 +186,7 @@ impl Slot<'_> {
         }
     }
 
-    /// Positions are lengths; what other variables measure is not known here.
+    /// Positions are lengths; the units of other variables are not known here.
     fn unit(column: Column) -> &'static str {
         match column {
             Column::Var(var, degree) if var.is_position() => {
@@ -197,13 +198,13 @@ impl Slot<'_> {
     }
 
     fn relation(&self, column: Column, place: bool) -> String {
-        let stands = matches!(column, Column::Var(var, 0) if var.is_position());
-        if stands && !place && self.values(column, None).constant().is_some() {
+        let is_position = matches!(column, Column::Var(var, 0) if var.is_position());
+        if is_position && !place && self.values(column, None).constant().is_some() {
             return format!("{} as placed", self.name(column));
         }
         let cell = self.cell(column, None);
         if cell == "= 0" {
-            // Nothing is nothing in any unit.
+            // Zero needs no unit.
             return format!("{} = 0", self.name(column));
         }
         let is = if cell.starts_with(['[', '{']) { "in " } else { "" };
@@ -232,7 +233,7 @@ impl Slot<'_> {
         }
         let width = |column: &Vec<String>| column.iter().map(|c| c.chars().count()).max().unwrap_or(0);
         let mut rest = rest.as_slice();
-        // What does not fit goes below.
+        // Columns that do not fit go below.
         while !rest.is_empty() {
             let mut taken = 0;
             let mut used = 2 + width(&first);
@@ -254,7 +255,7 @@ impl Slot<'_> {
     }
 }
 
-/// A list with a head, broken where a line gets long.
+/// A list with a heading, with line breaks.
 fn wrapped(head: &str, items: &[String]) -> String {
     if items.is_empty() {
         return String::new();

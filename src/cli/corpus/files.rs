@@ -1,4 +1,4 @@
-//! The files that a run over many levels writes while it goes on: the record of rows, from which a later run resumes, and
+//! The files that a run over many levels writes as it proceeds: the record of rows, from which a later run resumes, and
 //! the CSV.
 
 use std::collections::BTreeSet;
@@ -12,21 +12,20 @@ use crate::tabular::csv;
 
 use crate::cli::disk::{is_regular, replace, rows as disk_rows};
 
-/// The file of rows, open for more.
+/// The file of rows, open for appending.
 pub(in crate::cli) struct RecordFile {
     path: PathBuf,
     file: File,
-    /// What it held when it was opened.
+    /// Its rows when it was opened.
     pub found: Record,
     /// Whether its last line was cut off.
     pub was_cut: bool,
 }
 
 impl RecordFile {
-    /// Opens a file of rows or makes one. Takes away a last line that is cut off.
+    /// Opens or creates a file of rows. Removes an incomplete last line.
     ///
-    /// # Errors
-    /// Why it cannot be added to: it is another file, or someone else is adding to it.
+    /// Why it cannot be appended to: it is no such file, or another process is writing to it.
     pub fn open(path: &Path) -> Result<Self, String> {
         let cannot = |what: &str, error: io::Error| format!("cannot {what} `{}`: {error}", path.display());
         if path.exists()
@@ -41,7 +40,7 @@ impl RecordFile {
             .truncate(false)
             .open(path)
             .map_err(|error| cannot("write", error))?;
-        // Where there are no locks, no other process can be noticed.
+        // Without file locks, other processes go unnoticed.
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
             return Err(format!("another `hypedc` is writing to `{}`", path.display()));
         }
@@ -62,9 +61,8 @@ impl RecordFile {
         Ok(RecordFile { path: path.to_path_buf(), file, found, was_cut })
     }
 
-    /// Adds a row; when this returns, it is on the disk.
+    /// Appends a row and flushes it to the disk.
     ///
-    /// # Errors
     /// Why it cannot be written.
     pub fn add(&mut self, kept: &StoredRow) -> Result<(), String> {
         let line = format!("{}\n", kept.line);
@@ -72,9 +70,8 @@ impl RecordFile {
         written.map_err(|error| format!("cannot write `{}`: {error}", self.path.display()))
     }
 
-    /// Puts just these rows into the file, in this order, in one go; returns how many others there were.
+    /// Replaces the file by these rows, in this order; returns the number of removed rows.
     ///
-    /// # Errors
     /// Why it cannot be written.
     pub fn finish(mut self, rows: &[&StoredRow]) -> Result<usize, String> {
         let cannot = |why: String| format!("cannot write `{}`: {why}", self.path.display());
@@ -89,16 +86,15 @@ impl RecordFile {
     }
 }
 
-/// The CSV, open for more.
+/// The CSV file, open for appending.
 pub(in crate::cli) struct CsvFile {
     path: PathBuf,
     file: File,
 }
 
 impl CsvFile {
-    /// Makes the file, with its header.
+    /// Creates the file, with its header.
     ///
-    /// # Errors
     /// Why it cannot be written.
     pub fn create(path: &Path) -> Result<Self, String> {
         let file = File::create(path).and_then(|mut file| writeln!(file, "{}", csv::line(CSV_HEADER)).map(|()| file));
@@ -108,16 +104,14 @@ impl CsvFile {
 
     /// Adds a row.
     ///
-    /// # Errors
     /// Why it cannot be written.
     pub fn add(&mut self, row: &Row) -> Result<(), String> {
         let written = writeln!(self.file, "{}", csv_line(row));
         written.map_err(|error| format!("cannot write `{}`: {error}", self.path.display()))
     }
 
-    /// Puts the rows into this order, in one go.
+    /// Replaces the file by the rows in this order.
     ///
-    /// # Errors
     /// Why it cannot be written.
     pub fn finish(self, rows: &[&StoredRow]) -> Result<(), String> {
         let mut text = format!("{}\n", csv::line(CSV_HEADER));

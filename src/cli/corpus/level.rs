@@ -1,4 +1,4 @@
-//! One level of many: compiled with the program, asked all questions, made into rows.
+//! One level of many: compiled with the program, searched for all targets, made into rows.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -16,54 +16,54 @@ use crate::cli::args::ReachArgs;
 use crate::cli::disk::Disk;
 use crate::cli::reach::files::Destination;
 use crate::cli::reach::question::{extra_constraint, query, refusal};
-use crate::cli::reach::refuted::{Occasion, Refuted, command_line};
+use crate::cli::reach::refuted::{Refuted, RunInfo, command_line};
 use crate::cli::refusal::Refusal;
 use crate::cli::report::{Loaded, find_world, level_sha256, program_sha256};
 
-/// A level of many; none for a program that has its maps in it.
+/// A level; `path` is `None` for a program that contains its maps.
 #[derive(Debug, Clone)]
 pub(in crate::cli) struct Level {
     pub path: Option<PathBuf>,
-    /// What it is called in the names of files, if there are several.
+    /// Its name in file names, if there are several levels.
     pub name: Option<String>,
 }
 
-/// What all levels have in common.
-pub(in crate::cli) struct Common<'c> {
+/// The context shared by all levels.
+pub(in crate::cli) struct CorpusContext<'c> {
     pub args: &'c ReachArgs,
     pub world: String,
     /// The questions, in the order of their rows.
     pub targets: Vec<(Kind, String)>,
     pub settings: Settings,
-    /// What an earlier run found.
+    /// The rows of an earlier run.
     pub record: &'c Record,
 }
 
-/// What comes of a question, with its number.
-pub(in crate::cli) enum Done {
-    /// As an earlier run found it.
+/// The result of a question, with its index.
+pub(in crate::cli) enum TaskResult {
+    /// Taken from an earlier run.
     Stored(usize, Box<StoredRow>),
-    /// Now.
+    /// Computed in this run.
     New(usize, Box<Row>),
-    /// Nothing more can be done, as files cannot be written.
+    /// The run must end, as files cannot be written.
     Broken(String),
 }
 
-impl Common<'_> {
-    /// Does a level; hands in something for each question, or less if all is to end.
-    pub fn level(&self, level: &Level, task_context: &TaskContext<'_, Done>) {
+impl CorpusContext<'_> {
+    /// Processes a level; submits a result for each question, unless the run is stopped.
+    pub fn level(&self, level: &Level, task_context: &TaskContext<'_, TaskResult>) {
         let path = level.path.as_deref();
         let level_sha256 = path.and_then(level_sha256);
         let blank = |target: usize, error: String| {
             let (kind, goal) = self.targets[target].clone();
             let key = Key { level: path.map(|p| p.display().to_string()), kind, goal };
             let file = self.args.file.display().to_string();
-            let row = Row::unasked(key, file, self.world.clone(), self.settings.clone(), error);
+            let row = Row::failed(key, file, self.world.clone(), self.settings.clone(), error);
             Row { level_sha256: level_sha256.clone(), ..row }
         };
         let failed = |error: &str| {
             for target in 0..self.targets.len() {
-                task_context.submit(Done::New(target, Box::new(blank(target, error.to_string()))));
+                task_context.submit(TaskResult::New(target, Box::new(blank(target, error.to_string()))));
             }
         };
         let Compilation { sources, program, diagnostics } =
@@ -80,18 +80,18 @@ impl Common<'_> {
             Ok(asked) => asked,
             Err(refusal) => return failed(&refusal.text(&loaded.sources)),
         };
-        // The threads are for the levels.
+        // Threads are used for levels.
         query.settings.threads = 1;
         let blank =
             |target: usize| Row { program_sha256: Some(program_sha256.clone()), ..blank(target, String::new()) };
         let kept = |target: usize| self.record.same(&blank(target)).filter(|kept| self.has_files(level, &kept.row));
-        // A search for another goal may refute what a proof of an earlier run rests on.
+        // A search for another goal may refute the analysis on which a stored proof rests.
         let is_searched = (0..self.targets.len()).any(|target| kept(target).is_none());
         let rests_on_analysis = |kept: &StoredRow| kept.row.answer.answered_by.as_deref() == Some("analysis");
         let mut open = Vec::new();
         for target in 0..self.targets.len() {
             match kept(target).filter(|kept| !(is_searched && rests_on_analysis(kept))) {
-                Some(kept) => task_context.submit(Done::Stored(target, Box::new(kept.clone()))),
+                Some(kept) => task_context.submit(TaskResult::Stored(target, Box::new(kept.clone()))),
                 None => open.push(target),
             }
         }
@@ -111,7 +111,7 @@ impl Common<'_> {
             let fault = fault.map(|fact| Refusal::of(fact).text(&loaded.sources));
             Ok::<Row, String>(Row { answer, error: None, fault, timing, ..blank(target) })
         };
-        // A proof waits: the search for another goal of the level can refute the analysis that it rests on.
+        // Proofs are delayed: the search for another goal of the level can refute the analysis.
         let mut waiting = Vec::new();
         for target in open {
             if task_context.is_over() {
@@ -123,7 +123,7 @@ impl Common<'_> {
             let cpu_seconds = cpu_started.zip(cpu_seconds()).map(|(from, to)| to - from);
             let timing = Timing { seconds: started.elapsed().as_secs_f64(), cpu_seconds, analysis_seconds };
             if task_context.is_over() {
-                // It may have been cut short.
+                // The search may be incomplete.
                 return;
             }
             let row = match found {
@@ -133,29 +133,30 @@ impl Common<'_> {
                 }
                 Ok(found) => match answered(target, found, timing) {
                     Ok(row) => row,
-                    Err(why) => return task_context.submit(Done::Broken(why)),
+                    Err(why) => return task_context.submit(TaskResult::Broken(why)),
                 },
-                Err(unasked) => {
-                    let error = refusal(self.args, &loaded, world, &unasked).text(&loaded.sources);
+                Err(error) => {
+                    let error = refusal(self.args, &loaded, world, &error).text(&loaded.sources);
                     Row { error: Some(error), ..blank(target) }
                 }
             };
-            task_context.submit(Done::New(target, Box::new(row)));
+            task_context.submit(TaskResult::New(target, Box::new(row)));
         }
         let refuted = session.refutation().map(|refutation| {
-            let occasion =
-                Occasion { file: &self.args.file, level: path, seed: self.args.seed, command: command_line() };
-            Refuted::kept(&loaded.program, world, &refutation, &occasion).line()
+            let info = RunInfo { file: &self.args.file, level: path, seed: self.args.seed, command: command_line() };
+            Refuted::saved(&loaded.program, world, &refutation, &info).line()
         });
         for (target, found, timing) in waiting {
             match answered(target, found, timing) {
-                Ok(row) => task_context.submit(Done::New(target, Box::new(Row { refuted: refuted.clone(), ..row }))),
-                Err(why) => return task_context.submit(Done::Broken(why)),
+                Ok(row) => {
+                    task_context.submit(TaskResult::New(target, Box::new(Row { refuted: refuted.clone(), ..row })))
+                }
+                Err(why) => return task_context.submit(TaskResult::Broken(why)),
             }
         }
     }
 
-    /// Whether the files that are asked for are there.
+    /// Whether the requested files exist.
     fn has_files(&self, level: &Level, row: &Row) -> bool {
         self.destination(level, &row.answer.goal).is_complete(row.answer.inputs.is_some())
     }
@@ -165,19 +166,19 @@ impl Common<'_> {
     }
 }
 
-/// Processor time of this thread, s; none if the system does not tell.
+/// CPU time of this thread, s; `None` if the system does not report it.
 fn cpu_seconds() -> Option<f64> {
     ThreadTime::try_now().ok().map(|time| time.as_duration().as_secs_f64())
 }
 
-/// Watches one search: its seconds, and whether all is to end.
+/// Watches one search: its time limit, and a stop of the whole run.
 struct LevelWatch<'w> {
-    task_context: &'w TaskContext<'w, Done>,
+    task_context: &'w TaskContext<'w, TaskResult>,
     until: Option<Instant>,
 }
 
 impl<'w> LevelWatch<'w> {
-    fn new(task_context: &'w TaskContext<'w, Done>, seconds: Option<f64>) -> Self {
+    fn new(task_context: &'w TaskContext<'w, TaskResult>, seconds: Option<f64>) -> Self {
         let until =
             seconds.and_then(|s| Duration::try_from_secs_f64(s).ok()).and_then(|s| Instant::now().checked_add(s));
         LevelWatch { task_context, until }

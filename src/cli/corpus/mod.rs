@@ -1,5 +1,5 @@
-//! `hypedc reach` about many levels: which they are, the threads, the files, what is shown at the end. A level is
-//! [`level`]'s; what rows are and mean is [`crate::corpus`]'s.
+//! `hypedc reach` for many levels: selects levels, runs them on threads, writes the files and the summary. [`level`]
+//! processes a single level; [`crate::corpus`] defines the rows.
 
 pub(in crate::cli) mod args;
 mod files;
@@ -29,28 +29,28 @@ use crate::cli::disk::{open, rows};
 use crate::cli::reach::question::{extra_constraint, query, recorded_settings};
 use crate::cli::refusal::Refusal;
 use crate::cli::report::{find_world, has_maps, load_constrained, plain_error};
-use crate::cli::watching::interrupted;
+use crate::cli::watches::interrupted;
 use files::{CsvFile, RecordFile};
-use level::{Common, Done, Level};
+use level::{CorpusContext, Level, TaskResult};
 
 /// The version of the JSON result.
 const RESULT_VERSION: u32 = 3;
 
-/// What the file names of levels end with, where a folder is given.
+/// The extensions of level files in a folder.
 const EXTENSIONS: [&str; 3] = ["txt", "tmx", "tmj"];
 
-/// Whether the arguments ask about many levels, or for what only they have.
-pub(in crate::cli) fn is_asked(args: &ReachArgs) -> bool {
+/// Whether the arguments concern many levels, or use an option that only those have.
+pub(in crate::cli) fn is_corpus_run(args: &ReachArgs) -> bool {
     let of = &args.corpus;
     let wants = [&of.results, &of.csv, &of.junit, &of.baseline].iter().any(|path| path.is_some());
     wants || args.map.len() > 1 || args.map.iter().any(|path| path.is_dir())
 }
 
-/// Asks the questions of each level.
+/// Searches for the targets in each level.
 pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Exit> {
-    // What is asked wrongly is wrong for all levels, and presentation before any of them.
+    // A bad question is bad for all levels, so it is reported before any of them.
     let Some(mut loaded) = load_constrained(&args.file, args.reading.of(None), extra_constraint(args))? else {
-        return Ok(Exit::Unasked);
+        return Ok(Exit::Refused);
     };
     let asked = find_world(&loaded.program, &args.file, args.world.as_deref()).map_err(Refusal::of);
     let asked = asked.and_then(|world| {
@@ -61,31 +61,31 @@ pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Exit> {
         Ok(asked) => asked,
         Err(refusal) => {
             refusal.show(&loaded.sources)?;
-            return Ok(Exit::Unasked);
+            return Ok(Exit::Refused);
         }
     };
     let world = &loaded.program.worlds[world];
     if args.map.is_empty() && !has_maps(&loaded, [world])? {
-        return Ok(Exit::Unasked);
+        return Ok(Exit::Refused);
     }
     let files = match Files::open(args) {
         Ok(files) => files,
         Err(why) => {
             plain_error(&why)?;
-            return Ok(Exit::Unasked);
+            return Ok(Exit::Refused);
         }
     };
     let none = Record::default();
     let record = files.record.as_ref().map_or(&none, |file| &file.found).clone();
     let targets = query.targets.iter().map(|target| (target.kind(), target.name(world).to_string()));
-    let common = Common {
+    let context = CorpusContext {
         args,
         world: world.name.clone(),
         targets: targets.collect(),
         settings: recorded_settings(args, &query.settings),
         record: &record,
     };
-    Run { common, levels, files, started: Instant::now() }.go()
+    Run { context, levels, files, started: Instant::now() }.go()
 }
 
 /// The files of a run.
@@ -96,7 +96,7 @@ struct Files {
 }
 
 impl Files {
-    /// Opens what is to be read and written: a misspelt folder is reported now, not after an hour.
+    /// Opens all files early: a misspelt folder is reported now, not after an hour.
     fn open(args: &ReachArgs) -> Result<Self, String> {
         let of = &args.corpus;
         let baseline = of.baseline.as_deref().map(baseline).transpose()?;
@@ -120,7 +120,7 @@ fn baseline(path: &Path) -> Result<Record, String> {
 
 /// A run over all levels.
 struct Run<'r> {
-    common: Common<'r>,
+    context: CorpusContext<'r>,
     levels: Vec<Level>,
     files: Files,
     started: Instant,
@@ -128,10 +128,10 @@ struct Run<'r> {
 
 impl Run<'_> {
     fn go(mut self) -> io::Result<Exit> {
-        let args = self.common.args;
+        let args = self.context.args;
         let flag = interrupted();
         let stop = || flag.load(Ordering::SeqCst);
-        let count = self.common.targets.len();
+        let count = self.context.targets.len();
         let mut rows: Vec<Option<StoredRow>> = vec![None; self.levels.len() * count];
         let (mut kept, mut broken) = (0, None);
         let bar = bar(rows.len());
@@ -139,17 +139,17 @@ impl Run<'_> {
         {
             writeln!(io::stderr(), "the last row of `{}` was cut off, and is repeated", path.display())?;
         }
-        let Run { common, levels, files, .. } = &mut self;
-        let task = |at: usize, task_context: &TaskContext<'_, Done>| common.level(&levels[at], task_context);
+        let Run { context, levels, files, .. } = &mut self;
+        let task = |at: usize, task_context: &TaskContext<'_, TaskResult>| context.level(&levels[at], task_context);
         parallel::work(levels.len(), usize::from(args.threads), &stop, &task, &mut |level, done| {
             bar.inc(1);
             let written = match done {
-                Done::Broken(why) => Err(why),
-                Done::Stored(target, row) => {
+                TaskResult::Broken(why) => Err(why),
+                TaskResult::Stored(target, row) => {
                     kept += 1;
                     files.csv.as_mut().map_or(Ok(()), |csv| csv.add(&row.row)).map(|()| (target, *row))
                 }
-                Done::New(target, row) => files.add(*row).map(|row| (target, row)),
+                TaskResult::New(target, row) => files.add(*row).map(|row| (target, row)),
             };
             match written {
                 Ok((target, row)) => {
@@ -165,14 +165,14 @@ impl Run<'_> {
         bar.finish_and_clear();
         if let Some(why) = broken {
             plain_error(&why)?;
-            return Ok(Exit::Unasked);
+            return Ok(Exit::Refused);
         }
         let is_stopped = rows.iter().any(Option::is_none);
         let all = rows.len();
         let rows: Vec<&StoredRow> = rows.iter().flatten().collect();
         let comparison = self.files.baseline.as_ref().map(|record| {
             let done: BTreeSet<Key> = rows.iter().map(|kept| kept.row.key()).collect();
-            // What was not done is not gone.
+            // A row that was not computed is not missing.
             let old =
                 record.rows.iter().filter(|(key, _)| !is_stopped || done.contains(key)).map(|(_, kept)| &kept.row);
             Comparison::of(old, rows.iter().map(|kept| &kept.row), args.corpus.tolerance / 100.0)
@@ -185,13 +185,13 @@ impl Run<'_> {
                 args.corpus.results.as_deref().unwrap_or(Path::new("")).display()
             ),
         };
-        // Before anything is shown: the reader of the output may be gone.
+        // Before anything is printed: the reader of the output may be gone.
         if let Err(why) = self.files.finish(args, &rows, is_stopped) {
             plain_error(&why)?;
-            return Ok(Exit::Unasked);
+            return Ok(Exit::Refused);
         }
         let presentation = Presentation { args, rows: &rows, comparison: comparison.as_ref(), is_stopped };
-        presentation.show(&self.common.world, &format!("{note}; {seconds:.1} s"))?;
+        presentation.show(&self.context.world, &format!("{note}; {seconds:.1} s"))?;
         if is_stopped {
             let on = match &args.corpus.results {
                 Some(path) => format!("they are in `{}`, and the same command goes on from there", path.display()),
@@ -203,14 +203,14 @@ impl Run<'_> {
             Some(comparison) => comparison.is_worse(),
             None => rows.iter().any(|kept| !kept.row.answer.is_expected),
         };
-        // A mistake of the analysis is never expected.
+        // A wrong analysis is never expected.
         let is_refuted = rows.iter().any(|kept| kept.row.refuted.is_some());
         Ok(if is_no || is_stopped || is_refuted { Exit::No } else { Exit::Yes })
     }
 }
 
 impl Files {
-    /// Keeps a row.
+    /// Stores a row.
     fn add(&mut self, row: Row) -> Result<StoredRow, String> {
         let kept = StoredRow::new(row).map_err(|error| error.to_string())?;
         if let Some(record) = &mut self.record {
@@ -222,12 +222,12 @@ impl Files {
         Ok(kept)
     }
 
-    /// Puts everything in order, and writes what is written once.
+    /// Sorts the rows, and writes the files that are written once.
     fn finish(self, args: &ReachArgs, rows: &[&StoredRow], is_stopped: bool) -> Result<(), String> {
         if let Some(csv) = self.csv {
             csv.finish(rows)?;
         }
-        // Rows of levels that were not reached stay for the next time.
+        // Rows of unprocessed levels stay for the next run.
         if let (Some(record), false) = (self.record, is_stopped) {
             let left_out = record.finish(rows)?;
             if let (1.., Some(path)) = (left_out, &args.corpus.results) {
@@ -248,7 +248,7 @@ impl Files {
     }
 }
 
-/// What is shown at the end.
+/// The summary at the end.
 struct Presentation<'t> {
     args: &'t ReachArgs,
     rows: &'t [&'t StoredRow],
@@ -302,7 +302,7 @@ impl Presentation<'_> {
     }
 }
 
-/// The levels that are meant, each once.
+/// The selected levels, without duplicates.
 fn levels(args: &ReachArgs, is_open: bool) -> Result<Vec<Level>, Refusal> {
     if args.tree {
         return Err(Refusal::Plain("`--tree` is for a single level: rows have no trees".to_string()));
@@ -319,7 +319,7 @@ fn levels(args: &ReachArgs, is_open: bool) -> Result<Vec<Level>, Refusal> {
     for path in &args.map {
         let found = if path.is_dir() { in_folder(path).map_err(Refusal::Plain)? } else { vec![path.clone()] };
         for path in found {
-            // However it is written, it is called the same in the rows.
+            // A leading `./` does not change the name in the rows.
             let path = path.strip_prefix(".").map_or(path.clone(), Path::to_path_buf);
             if !paths.contains(&path) {
                 paths.push(path);
@@ -353,8 +353,7 @@ fn in_folder(folder: &Path) -> Result<Vec<PathBuf>, String> {
     Ok(found)
 }
 
-/// What levels are called in the names of files: as their own are called without folder and extension, or where two are
-/// called the same, by their whole paths.
+/// Names of levels in file names: the file stem, or the whole path if two stems are equal.
 fn names(paths: &[PathBuf]) -> Vec<String> {
     let stem = |path: &PathBuf| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let long = |path: &PathBuf| {
@@ -366,7 +365,7 @@ fn names(paths: &[PathBuf]) -> Vec<String> {
     stems.iter().zip(paths).map(|(name, path)| if is_alone(name) { name.clone() } else { long(path) }).collect()
 }
 
-/// A line that tells how far it has come, on a terminal only.
+/// A progress bar, on a terminal only.
 fn bar(questions: usize) -> ProgressBar {
     let target = if io::stderr().is_terminal() { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
     let bar = ProgressBar::with_draw_target(Some(questions as u64), target);

@@ -1,5 +1,5 @@
-//! `hypedc experiment`: runs planners many times over goals, and writes tables, CSV and JSON. Here are the clock, the
-//! programs and the files; what is run and how it is counted is [`crate::experiment`]'s.
+//! `hypedc experiment`: runs planners many times on goals, and writes tables, CSV and JSON. This part has the clock,
+//! the programs and the files; [`crate::experiment`] defines the runs and statistics.
 
 pub(in crate::cli) mod args;
 
@@ -17,17 +17,17 @@ use crate::compile::Compilation;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::similar;
 use crate::experiment::paper::{PLANNERS, Test};
-use crate::experiment::{CSV_HEADER, Clock, Design, Question, Report, Run, Unasked, conduct, csv_line};
+use crate::experiment::{CSV_HEADER, Clock, Design, Question, Report, Run, RunError, conduct, csv_line};
 use crate::ir::GoalId;
 use crate::reach::{Limits, Planner, Problem, Proof};
 use crate::sim::Simulator;
 
 use crate::cli::Exit;
 use crate::cli::report::{Loaded, has_maps, load, plain_error, program_sha256, show, show_fact};
-use crate::cli::watching::interrupted;
+use crate::cli::watches::interrupted;
 use args::{ExperimentArgs, ExperimentFormat, ExperimentOptions, FilesArgs, Known, PaperArgs};
 
-/// The CPU time of the thread that asks: other programs on the machine do not count.
+/// CPU time of the calling thread: unaffected by other programs.
 struct ThreadClock;
 
 impl Clock for ThreadClock {
@@ -36,7 +36,7 @@ impl Clock for ThreadClock {
     }
 }
 
-/// A program, and what results call it.
+/// A program, with its name in results.
 struct Source {
     name: String,
     paper: Option<Test>,
@@ -54,7 +54,7 @@ struct Analysed<'s> {
 pub(in crate::cli) fn run(args: &ExperimentArgs) -> io::Result<Exit> {
     if let Err(error) = ThreadTime::try_now() {
         plain_error(&format!("the system does not tell the CPU time of a thread: {error}"))?;
-        return Ok(Exit::Unasked);
+        return Ok(Exit::Refused);
     }
     match &args.known {
         Some(Known::Paper(paper)) => run_paper(paper),
@@ -68,21 +68,21 @@ fn run_paper(args: &PaperArgs) -> io::Result<Exit> {
         let Compilation { sources: files, program, diagnostics } = paper.compile();
         let Some(program) = program else {
             show(&files, &diagnostics)?;
-            return Ok(Exit::Unasked);
+            return Ok(Exit::Refused);
         };
         let loaded = Loaded { sources: files, program };
         sources.push(Source { name: paper.name().to_string(), paper: Some(paper), loaded });
     }
-    let is_asked = |source: &Source, goal: &str| source.paper != Some(Test::Two) || goal == args.goal.name();
-    experiment(&sources, &is_asked, &PLANNERS, &args.options)
+    let is_selected = |source: &Source, goal: &str| source.paper != Some(Test::Two) || goal == args.goal.name();
+    experiment(&sources, &is_selected, &PLANNERS, &args.options)
 }
 
 fn run_files(args: &FilesArgs) -> io::Result<Exit> {
     let mut sources = Vec::new();
     for file in &args.files {
-        let Some(loaded) = load(file, args.level.file())? else { return Ok(Exit::Unasked) };
+        let Some(loaded) = load(file, args.level.file())? else { return Ok(Exit::Refused) };
         if !has_maps(&loaded, loaded.program.worlds.iter())? {
-            return Ok(Exit::Unasked);
+            return Ok(Exit::Refused);
         }
         sources.push(Source { name: file.display().to_string(), paper: None, loaded });
     }
@@ -90,32 +90,32 @@ fn run_files(args: &FilesArgs) -> io::Result<Exit> {
     let goals: Vec<&str> = worlds.flat_map(|w| w.goals.iter().map(|g| g.name.as_str())).collect();
     if let Some(name) = args.goal.iter().find(|name| !goals.contains(&name.as_str())) {
         let near = similar(name, goals.iter().copied());
-        return unasked(&sources, &format!("no goal `{name}` in these programs"), near);
+        return refused(&sources, &format!("no goal `{name}` in these programs"), near);
     }
     if goals.is_empty() {
-        return unasked(&sources, "these programs have no goal", None);
+        return refused(&sources, "these programs have no goal", None);
     }
-    let is_asked = |_: &Source, goal: &str| args.goal.is_empty() || args.goal.iter().any(|g| g == goal);
-    experiment(&sources, &is_asked, &Planner::ALL, &args.options)
+    let is_selected = |_: &Source, goal: &str| args.goal.is_empty() || args.goal.iter().any(|g| g == goal);
+    experiment(&sources, &is_selected, &Planner::ALL, &args.options)
 }
 
-/// Shows why there is nothing to run.
-fn unasked(sources: &[Source], why: &str, near: Option<String>) -> io::Result<Exit> {
+/// Reports why there is nothing to run.
+fn refused(sources: &[Source], why: &str, near: Option<String>) -> io::Result<Exit> {
     if let Some(source) = sources.first() {
         show_fact(&source.loaded.sources, NoQuestion { why: why.to_string(), near, help: None })?;
     }
-    Ok(Exit::Unasked)
+    Ok(Exit::Refused)
 }
 
-/// Runs an experiment on those goals of the programs that are asked for, and writes what came of it.
+/// Runs an experiment on the selected goals, and writes the results.
 fn experiment(
     sources: &[Source],
-    is_asked: &dyn Fn(&Source, &str) -> bool,
+    is_selected: &dyn Fn(&Source, &str) -> bool,
     planners: &[Planner],
     options: &ExperimentOptions,
 ) -> io::Result<Exit> {
     let analysed = analysed(sources);
-    let questions = questions(&analysed, is_asked);
+    let questions = questions(&analysed, is_selected);
     let design = Design {
         setups: options.setups(planners),
         seeds: options.seeds,
@@ -123,14 +123,14 @@ fn experiment(
         limits: Limits { nodes: options.nodes.unwrap_or(u64::MAX), memory: options.memory << 20 },
     };
     // Files are opened first: a misspelt folder is reported now, not after an hour.
-    let Some(mut csv) = opened(options.csv.as_deref())? else { return Ok(Exit::Unasked) };
-    let Some(mut json) = opened(options.json.as_deref())? else { return Ok(Exit::Unasked) };
+    let Some(mut csv) = opened(options.csv.as_deref())? else { return Ok(Exit::Refused) };
+    let Some(mut json) = opened(options.json.as_deref())? else { return Ok(Exit::Refused) };
     let mut lines = Lines { design: &design, questions: &questions, file: csv.as_mut(), on_screen: None };
     if options.format == ExperimentFormat::Csv {
         lines.on_screen = Some(io::stdout());
     }
     if let Err(broken) = lines.write(&CSV_HEADER.join(",")) {
-        return broken.told(options);
+        return broken.report_to_user(options);
     }
     let bar = bar(design.runs(&questions));
     let flag = interrupted();
@@ -150,23 +150,23 @@ fn experiment(
     let runs = conduct(&design, &questions, threads, &ThreadClock, &stop, &mut each);
     bar.finish_and_clear();
     if let Some(broken) = broken {
-        return broken.told(options);
+        return broken.report_to_user(options);
     }
     let runs = match runs {
         Ok(runs) => runs,
-        Err(Unasked { question, fault }) => {
+        Err(RunError { question, fault }) => {
             if let Some(at) = analysed.iter().find(|a| std::ptr::eq(&a.sim, questions[question].sim)) {
                 let program = &at.source.loaded.program;
                 show_fact(&at.source.loaded.sources, fault.fact(program, at.sim.world_id(), 0))?;
             }
-            return Ok(Exit::Unasked);
+            return Ok(Exit::Refused);
         }
     };
     let report = Report { design: &design, questions: &questions, runs: &runs };
     if let Some(file) = &mut json
         && let Err(error) = write_json(file, &report)
     {
-        return Broken::Json(error).told(options);
+        return WriteError::Json(error).report_to_user(options);
     }
     let mut out = io::stdout().lock();
     match options.format {
@@ -199,11 +199,11 @@ fn analysed(sources: &[Source]) -> Vec<Analysed<'_>> {
     all
 }
 
-fn questions<'a>(analysed: &'a [Analysed<'a>], is_asked: &dyn Fn(&Source, &str) -> bool) -> Vec<Question<'a>> {
+fn questions<'a>(analysed: &'a [Analysed<'a>], is_selected: &dyn Fn(&Source, &str) -> bool) -> Vec<Question<'a>> {
     let mut questions = Vec::new();
     for Analysed { source, sim, space, seconds } in analysed {
         let goals: Vec<GoalId> =
-            sim.world().goals.pairs().filter(|(_, g)| is_asked(source, &g.name)).map(|(id, _)| id).collect();
+            sim.world().goals.pairs().filter(|(_, g)| is_selected(source, &g.name)).map(|(id, _)| id).collect();
         let program_sha256 = program_sha256(&source.loaded.program);
         for goal in goals {
             questions.push(Question {
@@ -228,7 +228,7 @@ fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// A line that tells how far it has come, on a terminal only.
+/// A progress bar, on a terminal only.
 fn bar(runs: usize) -> ProgressBar {
     let target = if io::stderr().is_terminal() { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
     let bar = ProgressBar::with_draw_target(Some(runs as u64), target);
@@ -237,7 +237,7 @@ fn bar(runs: usize) -> ProgressBar {
     bar
 }
 
-/// A file to write to, if one is wanted; shows why there is none.
+/// Opens an output file, if one is requested; reports a failure.
 fn opened(path: Option<&Path>) -> io::Result<Option<Option<BufWriter<File>>>> {
     let Some(path) = path else { return Ok(Some(None)) };
     match File::create(path) {
@@ -250,27 +250,27 @@ fn opened(path: Option<&Path>) -> io::Result<Option<Option<BufWriter<File>>>> {
 }
 
 /// Why results could not be written.
-enum Broken {
+enum WriteError {
     Screen(io::Error),
     Csv(io::Error),
     Json(io::Error),
 }
 
-impl Broken {
+impl WriteError {
     /// Reports it; the caller reports a broken standard output.
-    fn told(self, options: &ExperimentOptions) -> io::Result<Exit> {
+    fn report_to_user(self, options: &ExperimentOptions) -> io::Result<Exit> {
         let (path, error) = match self {
-            Broken::Screen(error) => return Err(error),
-            Broken::Csv(error) => (&options.csv, error),
-            Broken::Json(error) => (&options.json, error),
+            WriteError::Screen(error) => return Err(error),
+            WriteError::Csv(error) => (&options.csv, error),
+            WriteError::Json(error) => (&options.json, error),
         };
         let path = path.as_deref().unwrap_or(Path::new("")).display();
         plain_error(&format!("cannot write `{path}`: {error}"))?;
-        Ok(Exit::Unasked)
+        Ok(Exit::Refused)
     }
 }
 
-/// Where the lines of the CSV go. Each is written out at once, so that none is lost with a long experiment.
+/// The destinations of CSV lines. Each line is flushed, so that none is lost in a long experiment.
 struct Lines<'l> {
     design: &'l Design,
     questions: &'l [Question<'l>],
@@ -279,16 +279,16 @@ struct Lines<'l> {
 }
 
 impl Lines<'_> {
-    fn run(&mut self, run: &Run) -> Result<(), Broken> {
+    fn run(&mut self, run: &Run) -> Result<(), WriteError> {
         self.write(&csv_line(self.design, self.questions, run))
     }
 
-    fn write(&mut self, line: &str) -> Result<(), Broken> {
+    fn write(&mut self, line: &str) -> Result<(), WriteError> {
         if let Some(file) = &mut self.file {
-            writeln!(file, "{line}").and_then(|()| file.flush()).map_err(Broken::Csv)?;
+            writeln!(file, "{line}").and_then(|()| file.flush()).map_err(WriteError::Csv)?;
         }
         if let Some(out) = &mut self.on_screen {
-            writeln!(out, "{line}").map_err(Broken::Screen)?;
+            writeln!(out, "{line}").map_err(WriteError::Screen)?;
         }
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! The files that an answer of `hypedc reach` is kept in: the inputs of a found way, and the picture of the search.
+//! The output files of an answer of `hypedc reach`: the inputs of a path, and the picture of the search.
 
 use std::fs::write;
 use std::io;
@@ -22,7 +22,7 @@ pub(in crate::cli) struct Saved {
     pub picture: Option<PathBuf>,
 }
 
-/// Where the files of an answer go. If there are several levels or goals, the names of this one go into theirs.
+/// The output paths of an answer. If there are several levels or goals, their names become part of the paths.
 pub(in crate::cli) struct Destination<'d> {
     args: &'d ReachArgs,
     level: Option<&'d str>,
@@ -30,17 +30,17 @@ pub(in crate::cli) struct Destination<'d> {
 }
 
 impl<'d> Destination<'d> {
-    /// `goal` is one of `goals` many.
+    /// `goals` is the number of goals.
     pub fn new(args: &'d ReachArgs, level: Option<&'d str>, goal: &'d str, goals: usize) -> Self {
         Destination { args, level, goal: (goals > 1).then_some(goal) }
     }
 
-    /// Where the inputs go; none without `--save-inputs`.
+    /// The path of the inputs; `None` without `--save-inputs`.
     fn inputs(&self) -> Option<PathBuf> {
         self.args.save_inputs.as_deref().map(|path| self.named(path))
     }
 
-    /// Where the picture goes; none without `--svg`.
+    /// The path of the picture; `None` without `--svg`.
     fn picture(&self) -> Option<PathBuf> {
         self.args.svg.as_deref().map(|path| self.named(path))
     }
@@ -50,7 +50,7 @@ impl<'d> Destination<'d> {
         self.inputs().filter(|_| has_inputs).into_iter().chain(self.picture()).all(|path| path.exists())
     }
 
-    /// Writes the files that are asked for.
+    /// Writes the requested files.
     pub fn save(
         &self,
         session: &Session,
@@ -72,7 +72,7 @@ impl<'d> Destination<'d> {
         Ok(saved)
     }
 
-    /// A path with the names before its extension.
+    /// Inserts the names before the extension of a path.
     fn named(&self, path: &Path) -> PathBuf {
         let mut name = path.file_stem().unwrap_or_default().to_os_string();
         for word in self.level.into_iter().chain(self.goal) {
@@ -87,7 +87,7 @@ impl<'d> Destination<'d> {
     }
 }
 
-/// What was found, as a picture.
+/// The picture of a search.
 fn picture(session: &Session, found: &Found<'_>, answer: &Answer, watch: &dyn Watch) -> String {
     let node = |v: &Visited| Node { parent: v.parent, space: v.space, at: v.at };
     let nodes: Vec<Node> = found.outcome.record.iter().map(node).collect();
@@ -101,7 +101,7 @@ fn picture(session: &Session, found: &Found<'_>, answer: &Answer, watch: &dyn Wa
     search_svg(sim.program(), sim.world_id(), &search)
 }
 
-/// Where the first player is before a script and after each of its steps, until the watch stops it.
+/// The positions of the first player before a script and after each of its steps, until the watch stops.
 fn stops(sim: &Simulator, script: &Script, watch: &dyn Watch) -> Vec<Stop> {
     let Some(player) = sim.world().players.iter().next().map(|p| p.slot) else { return Vec::new() };
     let (mut scratch, meter) = (sim.scratch(), Meter::new(watch));

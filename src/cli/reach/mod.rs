@@ -1,6 +1,6 @@
-//! `hypedc reach`: searches for inputs that bring about a world's goals, one verdict for each. Of several levels
-//! [`crate::cli::corpus`] makes rows. The questions are asked by [`crate::reach::query`]; here they are read from the
-//! arguments, and their answers are shown and saved.
+//! `hypedc reach`: searches for inputs that reach a world's goals, with one verdict each. [`crate::cli::corpus`]
+//! handles several levels. This part reads the questions from the arguments, and shows and saves the answers;
+//! [`crate::reach::query`] answers them.
 
 pub(in crate::cli) mod files;
 pub(in crate::cli) mod question;
@@ -22,26 +22,26 @@ use crate::watch::Watch;
 use crate::cli::Exit;
 use crate::cli::args::{ReachArgs, ResultFormat};
 use crate::cli::report::{Loaded, choose_world, load_constrained, show_fact};
-use crate::cli::watching::{CommandWatch, Interrupt};
+use crate::cli::watches::{CommandWatch, Interrupt};
 use files::{Destination, Saved};
 use question::{extra_constraint, query, refusal};
-use refuted::{Occasion, Refuted, command_line};
+use refuted::{Refuted, RunInfo, command_line};
 use result::RunResult;
 use text::answer_text;
 
 pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Exit> {
     let level = args.reading.of(args.map.first().map(AsRef::as_ref));
     let Some(mut loaded) = load_constrained(&args.file, level, extra_constraint(args))? else {
-        return Ok(Exit::Unasked);
+        return Ok(Exit::Refused);
     };
     let Some(world) = choose_world(&loaded, &args.file, args.world.as_deref())? else {
-        return Ok(Exit::Unasked);
+        return Ok(Exit::Refused);
     };
     let query = match query(args, &mut loaded, world) {
         Ok(query) => query,
         Err(refusal) => {
             refusal.show(&loaded.sources)?;
-            return Ok(Exit::Unasked);
+            return Ok(Exit::Refused);
         }
     };
     // The analysis counts towards the time for the first goal.
@@ -53,7 +53,7 @@ pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Exit> {
     answer_all(args, &loaded, world, &session, seconds)
 }
 
-/// Asks all questions, then shows the answers: a search can refute what was proven before.
+/// Searches for all targets, then shows the answers: a search can refute an earlier proof.
 fn answer_all(
     args: &ReachArgs,
     loaded: &Loaded,
@@ -69,17 +69,17 @@ fn answer_all(
     let mut phases = Phases::new(args, &program.worlds[world], analysis_seconds);
     let all = match session.find_all(&mut phases) {
         Ok(all) => all,
-        Err(unasked) => {
-            refusal(args, loaded, world, &unasked).show(&loaded.sources)?;
-            return Ok(Exit::Unasked);
+        Err(error) => {
+            refusal(args, loaded, world, &error).show(&loaded.sources)?;
+            return Ok(Exit::Refused);
         }
     };
     let targets = session.query().targets.len();
     let mut exit = if all.len() < targets { Exit::No } else { Exit::Yes };
     result.refuted = session.refutation().map(|refutation| {
         let level = args.map.first().map(AsRef::as_ref);
-        let occasion = Occasion { file: &args.file, level, seed: args.seed, command: command_line() };
-        Refuted::kept(program, world, &refutation, &occasion)
+        let info = RunInfo { file: &args.file, level, seed: args.seed, command: command_line() };
+        Refuted::saved(program, world, &refutation, &info)
     });
     if result.refuted.is_some() {
         exit = exit.max(Exit::No);
@@ -91,7 +91,7 @@ fn answer_all(
             Ok(saved) => saved,
             Err(refusal) => {
                 refusal.show(&loaded.sources)?;
-                return Ok(Exit::Unasked);
+                return Ok(Exit::Refused);
             }
         };
         if let Some((fault, step)) = found.outcome.fault {
@@ -116,7 +116,7 @@ fn answer_all(
     Ok(exit)
 }
 
-/// Watches each phase of the command: shows progress, and ends what takes longer than it may.
+/// Watches each phase of the command: shows progress and enforces time limits.
 struct Phases<'p> {
     args: &'p ReachArgs,
     world: &'p World,
@@ -129,7 +129,7 @@ struct Phases<'p> {
 struct Searched {
     target: Target,
     seconds: f64,
-    /// The time that is left to make its way faster, s.
+    /// The time left for making its path faster, s.
     left: Option<f64>,
 }
 
@@ -147,7 +147,7 @@ impl Supervisor for Phases<'_> {
                 let searched = self.searched.iter().find(|searched| searched.target == target);
                 CommandWatch::new(target.name(self.world), searched.and_then(|searched| searched.left))
             }
-            // Found ways are short: replaying them takes no budget.
+            // Paths are short: replaying them takes no budget.
             Phase::Exchange => {
                 work(&Interrupt::new());
                 return ControlFlow::Continue(());
@@ -193,7 +193,7 @@ mod tests {
         )
     }
 
-    /// The analysis of a slower world stands in for a wrong analysis.
+    /// The analysis of a slower world simulates a wrong analysis.
     #[test]
     fn a_wrong_analysis_is_told_kept_and_fails_the_command() {
         let folder = std::env::temp_dir().join(format!("hypedc-refuted-{}", std::process::id()));

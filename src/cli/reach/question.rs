@@ -1,12 +1,12 @@
-//! What the arguments of `hypedc reach` ask: the targets, where searches begin, how to search. A question that makes no
-//! sense is refused here, before anything is analysed.
+//! Builds the query from the arguments of `hypedc reach`: targets, starts and settings. Invalid questions are refused
+//! here, before any analysis.
 
 use crate::compile::ExtraConstraint;
 use crate::corpus;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::similar;
 use crate::ir::{NeverId, World, WorldId};
-use crate::reach::query::{Kind, Query, Unasked};
+use crate::reach::query::{Kind, Query, QueryError};
 use crate::reach::{Limits, Measure, Planner, Restart, Sampling, Settings, Target, Termination};
 use crate::sim::{Script, parse_script};
 
@@ -15,7 +15,7 @@ use crate::cli::refusal::Refusal;
 use crate::cli::report::Loaded;
 use crate::cli::time::{Time, held};
 
-/// The name of the `never` that `--without` adds: no author can write such a name.
+/// The name of the `never` that `--without` adds: not a valid name in a program.
 const WITHOUT: &str = "--without";
 
 /// The predicate of `--without` as a `never` that the compiler adds to the world.
@@ -28,10 +28,10 @@ pub(in crate::cli) fn extra_constraint(args: &ReachArgs) -> Option<ExtraConstrai
     })
 }
 
-/// What the arguments ask of a world.
+/// The query of the arguments about a world.
 pub(in crate::cli) fn query(args: &ReachArgs, loaded: &mut Loaded, world: WorldId) -> Result<Query, Refusal> {
     let table = &loaded.program.worlds[world];
-    // The compiler adds it as the last one.
+    // The compiler appends it.
     let without = args.without.as_ref().and_then(|_| table.nevers.ids().next_back());
     let (targets, least_hold) = (targets(table, args, without)?, least_hold(args, table)?);
     let (settings, within) = (settings(args, table, least_hold)?, args.within.map(|time| time.room(table)));
@@ -47,11 +47,11 @@ pub(in crate::cli) fn query(args: &ReachArgs, loaded: &mut Loaded, world: WorldI
     })
 }
 
-/// Why a session cannot ask, in the words of the arguments.
-pub(in crate::cli) fn refusal(args: &ReachArgs, loaded: &Loaded, world: WorldId, unasked: &Unasked) -> Refusal {
-    let (index, reason, step) = match *unasked {
-        Unasked::Fault(fault, step) => return Refusal::of(fault.fact(&loaded.program, world, step)),
-        Unasked::Over { script, reason, step } => (script, reason, step),
+/// Describes why a session cannot answer, in terms of the arguments.
+pub(in crate::cli) fn refusal(args: &ReachArgs, loaded: &Loaded, world: WorldId, error: &QueryError) -> Refusal {
+    let (index, reason, step) = match *error {
+        QueryError::Fault(fault, step) => return Refusal::of(fault.fact(&loaded.program, world, step)),
+        QueryError::Over { script, reason, step } => (script, reason, step),
     };
     let reason = match reason {
         Termination::Never(id) => format!("`never {}` holds", loaded.program.worlds[world].nevers[id].name),
@@ -64,7 +64,7 @@ pub(in crate::cli) fn refusal(args: &ReachArgs, loaded: &Loaded, world: WorldId,
     Refusal::of(NoQuestion { why, near: None, help })
 }
 
-/// The settings of a search as results and rows keep them.
+/// The settings of a search as recorded in results and rows.
 pub(in crate::cli) fn recorded_settings(args: &ReachArgs, settings: &Settings) -> corpus::Settings {
     corpus::Settings {
         hypedc: env!("CARGO_PKG_VERSION").to_string(),
@@ -92,18 +92,18 @@ pub(in crate::cli) fn recorded_settings(args: &ReachArgs, settings: &Settings) -
     }
 }
 
-/// The most nodes of a search.
+/// Maximum number of nodes of a search.
 fn node_limit(args: &ReachArgs) -> u64 {
     args.nodes.unwrap_or(if args.seconds.is_some() { u64::MAX } else { Limits::default().nodes })
 }
 
-/// The number of steps of a world for which an input is held at least.
+/// Minimum number of steps of a world for which an input is held.
 fn least_hold(args: &ReachArgs, world: &World) -> Result<u16, Refusal> {
     let steps = args.min_hold.map_or(1, |time: Time| time.steps(world));
     u16::try_from(steps).map_err(|_| Refusal::Plain(format!("`--min-hold` is at most {} steps", u16::MAX)))
 }
 
-/// How to search.
+/// The search settings.
 fn settings(args: &ReachArgs, world: &World, least_hold: u16) -> Result<Settings, Refusal> {
     let planner = Planner::named(&args.planner).unwrap_or_default();
     let hold = args.hold.map(|hold| held(hold.steps(world))).transpose();
@@ -147,7 +147,7 @@ fn read_scripts(loaded: &mut Loaded, world: WorldId, texts: &[String]) -> Result
     Ok(scripts)
 }
 
-/// The targets that are named, each once, or all goals.
+/// The named targets without duplicates, or all goals.
 fn targets(world: &World, args: &ReachArgs, without: Option<NeverId>) -> Result<Vec<Target>, Refusal> {
     let goals: Vec<(Target, &str)> =
         world.goals.pairs().map(|(id, goal)| (Target::Goal(id), goal.name.as_str())).collect();
@@ -174,7 +174,7 @@ fn targets(world: &World, args: &ReachArgs, without: Option<NeverId>) -> Result<
     Ok(chosen)
 }
 
-/// A name that no goal or `never` of the world has.
+/// Refuses an unknown name of a goal or `never`.
 fn unknown(world: &World, kind: Kind, name: &str, known: &[(Target, &str)]) -> Refusal {
     let list: Vec<String> = known.iter().map(|(_, known)| format!("`{known}`")).collect();
     Refusal::of(NoQuestion {

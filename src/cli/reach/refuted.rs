@@ -1,5 +1,5 @@
-//! What is reported and kept where a search has reached a state that the analysis rules out: it is wrong about this
-//! world, which is a mistake of `hypedc`, and nothing is proven by it.
+//! The report of a state that the analysis excludes: the analysis is wrong about this world, which is a bug of
+//! `hypedc`, and its proofs are withdrawn.
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -13,7 +13,7 @@ use crate::reach::Refutation;
 
 use crate::cli::report::program_sha256;
 
-/// The most files of one name, distinguished by numbers.
+/// Maximum number of files with the same stem, distinguished by numbers.
 const MAX_FILES: usize = 10_000;
 
 /// A run that refutes the analysis, as results have it.
@@ -38,24 +38,24 @@ pub(in crate::cli) struct BeyondResult {
     pub allowed: String,
 }
 
-/// What was asked of which files.
-pub(in crate::cli) struct Occasion<'o> {
+/// The context of a run, for the report.
+pub(in crate::cli) struct RunInfo<'o> {
     pub file: &'o Path,
     pub level: Option<&'o Path>,
     pub seed: u64,
-    /// As it was typed.
+    /// The command line.
     pub command: String,
 }
 
 impl Refuted {
-    /// With a file that shows it again.
-    pub fn kept(program: &Program, world: WorldId, refutation: &Refutation, occasion: &Occasion<'_>) -> Self {
+    /// Creates the report, with a file that reproduces it.
+    pub fn saved(program: &Program, world: WorldId, refutation: &Refutation, info: &RunInfo<'_>) -> Self {
         let mut refuted = Refuted::new(program, world, refutation);
-        refuted.write(program, world, occasion);
+        refuted.write(program, world, info);
         refuted
     }
 
-    /// Not written yet.
+    /// Creates the report without a file.
     fn new(program: &Program, world: WorldId, refutation: &Refutation) -> Self {
         let Refutation { script, steps, outside } = refutation;
         let beyond = outside.beyond.iter().map(|Beyond { variable, value, allowed }| BeyondResult {
@@ -74,43 +74,43 @@ impl Refuted {
         }
     }
 
-    /// Writes what is needed to see it again beside the program, or else into the current directory. Nothing is
-    /// overwritten. Where it cannot be written, there is no file to tell of.
-    fn write(&mut self, program: &Program, world: WorldId, occasion: &Occasion<'_>) {
+    /// Writes everything needed to reproduce it beside the program, or else into the current directory. Overwrites
+    /// nothing; `file` stays `None` on failure.
+    fn write(&mut self, program: &Program, world: WorldId, info: &RunInfo<'_>) {
         let name: String =
             program.worlds[world].name.chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
-        let stem = format!("hypedc-refuted-{name}-{}", occasion.seed);
-        let text = self.text(program, world, occasion);
-        let beside = occasion.file.parent().unwrap_or(Path::new("")).to_path_buf();
+        let stem = format!("hypedc-refuted-{name}-{}", info.seed);
+        let text = self.text(program, world, info);
+        let beside = info.file.parent().unwrap_or(Path::new("")).to_path_buf();
         self.file = [beside, PathBuf::new()].iter().find_map(|folder| write_new(folder, &stem, &text).ok());
     }
 
-    fn text(&self, program: &Program, world: WorldId, occasion: &Occasion<'_>) -> String {
-        let level = occasion.level.map_or(String::new(), |path| format!("level    {}\n", path.display()));
+    fn text(&self, program: &Program, world: WorldId, info: &RunInfo<'_>) -> String {
+        let level = info.level.map_or(String::new(), |path| format!("level    {}\n", path.display()));
         format!(
             "A run of `hypedc` {} led to a state which its analysis says that there is not.\n\
              Please report this as a bug of `hypedc`, with the program, what it imports and its levels.\n\n\
              command  {}\nprogram  {}\ncompiled {}\n{level}world    {}\nseed     {}\nstep     {}\noutside  {}\ninputs   {}\n",
             env!("CARGO_PKG_VERSION"),
-            occasion.command,
-            occasion.file.display(),
+            info.command,
+            info.file.display(),
             program_sha256(program),
             program.worlds[world].name,
-            occasion.seed,
+            info.seed,
             self.steps,
             self.what,
             self.inputs,
         )
     }
 
-    /// In one line.
+    /// The report in one line.
     pub fn line(&self) -> String {
         let file = self.file.as_ref().map_or(String::new(), |path| format!("; see {}", path.display()));
         let steps = if self.steps == 1 { "step" } else { "steps" };
         format!("the analysis is wrong about this world: after {} {steps}, {}{file}", self.steps, self.what)
     }
 
-    /// As text, after the answers.
+    /// The report as text after the answers.
     pub fn human(&self) -> String {
         let steps = if self.steps == 1 { "step" } else { "steps" };
         let mut out = format!(
@@ -146,7 +146,7 @@ pub(in crate::cli) fn command_line() -> String {
     arguments.collect::<Vec<_>>().join(" ")
 }
 
-/// Writes a file that is not there yet; numbers it where one is.
+/// Writes a new file, numbered if the name exists.
 fn write_new(folder: &Path, stem: &str, text: &str) -> io::Result<PathBuf> {
     for number in 1..=MAX_FILES {
         let name = if number == 1 { format!("{stem}.txt") } else { format!("{stem}-{number}.txt") };

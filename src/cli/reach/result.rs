@@ -1,4 +1,4 @@
-//! The result of one run of `hypedc reach`: its JSON, and the lines before and after the answers in its text.
+//! The result of one run of `hypedc reach`: its JSON, and the text before and after the answers.
 
 use std::collections::BTreeSet;
 
@@ -103,7 +103,7 @@ impl RunResult {
         )
     }
 
-    /// The lines after the answers: each `never` that was broken on the way and is not asked about, and a refutation.
+    /// The lines after the answers: each `never` that was violated on the way but not asked about, and a refutation.
     pub fn tail(&self) -> String {
         let answers = || self.goals.iter().map(|goal| &goal.answer);
         let mut seen: BTreeSet<&String> = answers().filter(|a| a.kind == Kind::Never).map(|a| &a.goal).collect();
@@ -120,7 +120,7 @@ impl RunResult {
     }
 }
 
-/// The entities of which the analysis knows nothing, each once with its first instance, and why.
+/// The entities whose analysis was given up, each with its first instance and the reason.
 fn given_up(session: &Session) -> Vec<String> {
     let sim = session.simulator();
     let mut seen = BTreeSet::new();

@@ -11,7 +11,7 @@ pub(super) fn counted(count: u64, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
-/// The figures, as lines under a picture.
+/// The statistics, as lines under a picture.
 pub(super) fn notes(answer: &Answer) -> Vec<String> {
     let mut notes = Vec::new();
     if let (Some(steps), Some(seconds)) = (answer.steps, answer.seconds_of_play) {
@@ -40,7 +40,7 @@ fn verdict(answer: &Answer, query: &Query) -> String {
     let asked = format!("{}{hold}", within.unwrap_or_default());
     let is_never = answer.kind == Kind::Never;
     match answer.verdict {
-        // The analysis looks at states, whatever inputs lead there.
+        // The analysis proves it for all inputs.
         Conclusion::ProvenUnreachable if answer.proven_by == Some(ProofMethod::Analysis) => match is_never {
             true => "proven, it holds in no state that the world can be in".to_string(),
             false => "proven unreachable, in no state that the world can be in".to_string(),
@@ -59,7 +59,7 @@ fn verdict(answer: &Answer, query: &Query) -> String {
     }
 }
 
-/// Among which ways the path is a shortest one.
+/// The class of inputs in which the path is shortest.
 fn shortest(answer: &Answer, query: &Query) -> String {
     if answer.is_shortest != Some(true) {
         return "not proven shortest".to_string();
@@ -80,7 +80,7 @@ fn window(SearchWindow { space, left, right, bottom, branches }: &SearchWindow) 
     )
 }
 
-/// An answer as text, a line each. `seconds` is what the search took.
+/// An answer as text. `seconds` is the duration of the search.
 pub(super) fn answer_text(answer: &Answer, query: &Query, saved: &Saved, seconds: f64) -> String {
     let mut out = format!("  {} {}: {}\n", answer.kind.name(), answer.goal, verdict(answer, query));
     for reason in answer.reasons.iter().chain(&answer.assumptions) {
@@ -108,7 +108,7 @@ pub(super) fn answer_text(answer: &Answer, query: &Query, saved: &Saved, seconds
     out
 }
 
-/// What the search did, and what its silence means if it found nothing.
+/// The statistics of the search, and what a missing answer means.
 fn search_text(answer: &Answer, seconds: f64) -> String {
     let (nodes, trees) = (counted(answer.nodes, "node"), counted(answer.trees, "tree"));
     let planner = answer.answered_by.as_deref().unwrap_or_default();

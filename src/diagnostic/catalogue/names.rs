@@ -20,7 +20,7 @@ pub struct UnknownName {
     /// All names of that kind, each with where it is declared, if they are few and none is near.
     known: Vec<(String, Option<Span>)>,
     /// What the name is elsewhere, and how that is used.
-    rather: Option<String>,
+    suggestion: Option<String>,
 }
 
 /// The most names that are listed.
@@ -45,26 +45,26 @@ impl UnknownName {
             near: near.map(|(text, only)| (text.to_string(), only)),
             declared,
             known: listed.iter().map(|(text, at)| ((*text).to_string(), *at)).collect(),
-            rather: None,
+            suggestion: None,
         }
     }
 
     /// Says what the name is instead, if it is something: then names that are like it are of no interest.
     #[must_use]
-    pub fn rather(mut self, what: Option<String>) -> Self {
+    pub fn suggestion(mut self, what: Option<String>) -> Self {
         if what.is_some() {
             (self.near, self.declared, self.known) = (None, None, Vec::new());
         }
-        self.rather = what;
+        self.suggestion = what;
         self
     }
 }
 
 impl Fact for UnknownName {
     fn into_diagnostic(self) -> Diagnostic {
-        let UnknownName { kind, name, at, near, declared, known, rather } = self;
+        let UnknownName { kind, name, at, near, declared, known, suggestion } = self;
         let hint = did_you_mean(near.as_ref().map(|(near, _)| near));
-        let label = if rather.is_some() { "does not fit here" } else { "not declared" };
+        let label = if suggestion.is_some() { "does not fit here" } else { "not declared" };
         let mut d = Diagnostic::new(Code::UnknownName, format!("no {kind} named `{name}`{hint}")).at(at, label);
         if let (Some((near, _)), Some(declared)) = (&near, declared) {
             d = d.and(declared, format!("`{near}` is declared here"));
@@ -74,8 +74,8 @@ impl Fact for UnknownName {
             Some((near, true)) if at.range().len() == name.len() => d.fix(format!("write `{near}`"), at, near),
             _ => d,
         };
-        if let Some(rather) = rather {
-            return d.help(rather);
+        if let Some(suggestion) = suggestion {
+            return d.help(suggestion);
         }
         if known.is_empty() {
             return d;

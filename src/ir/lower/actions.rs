@@ -1,4 +1,4 @@
-//! Lowering of what happens on edges: updates of variables and references, `spawn`, `destroy`.
+//! Lowers actions: updates of variables and references, `spawn`, `destroy`.
 
 use crate::sema::checked::{self, Given, TermKind};
 

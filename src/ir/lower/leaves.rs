@@ -1,5 +1,5 @@
-//! Resolving leaves: for each, the drive of each variable (the innermost wins), the edges in the order in which
-//! they are tried, and the inputs that anything active reads.
+//! Resolves leaves: for each, the drive of each variable (the innermost wins), the edges in evaluation order, and the
+//! inputs that active code reads.
 
 use crate::sema::checked::{self, DriveBy};
 
@@ -12,9 +12,9 @@ use crate::ir::{
 /// The lowered drives of an entity.
 pub(super) struct Drives {
     owners: IdVec<VarId, Option<GroupId>>,
-    /// Of each mode, its own.
+    /// For each mode, its own drives.
     modes: IdVec<ModeId, Vec<(VarId, Drive)>>,
-    /// Those of the entity itself.
+    /// The drives of the entity itself.
     entity: Vec<(VarId, Drive)>,
     /// One for each variable that no group drives.
     pub free: Box<[Drive]>,
@@ -40,13 +40,13 @@ fn of(drives: &[(VarId, Drive)], var: VarId) -> Option<Drive> {
 /// The resolved leaves of an entity.
 pub(super) struct Leaves {
     pub leaves: IdVec<crate::ir::LeafId, Leaf>,
-    /// Inputs that are read in whatever mode.
+    /// Inputs that are read in all modes.
     pub always: Inputs,
 }
 
 /// Resolves the leaves.
 pub(super) fn leaves(program: &Program, id: EntityId, e: &checked::Entity, drives: &Drives) -> Leaves {
-    let reads = Reads { program, id };
+    let reads = InputCollector { program, id };
     let mut always = Inputs::default();
     for drive in &drives.free {
         always = always.with(reads.drive(*drive));
@@ -76,7 +76,7 @@ pub(super) fn leaves(program: &Program, id: EntityId, e: &checked::Entity, drive
         let own: Vec<Drive> = e.vars.ids().filter(|v| drives.owners[*v] == Some(m.group)).map(resolve).collect();
         let all = path.iter().flat_map(|&m| e.modes[m].edges.iter().copied());
         let (mut edges, internal): (Vec<_>, Vec<_>) = all.partition(|&edge| e.edges[edge].target.is_some());
-        // Edges whose whole guard is `lost(…)` are tried before all others.
+        // Edges whose entire guard is `lost(…)` are tried first.
         edges.sort_by_key(|&edge| e.edges[edge].lost.is_none());
         let follows: Vec<FollowId> = path.iter().flat_map(|&m| follows[m].iter().copied()).collect();
         let mut inputs = always;
@@ -91,7 +91,7 @@ pub(super) fn leaves(program: &Program, id: EntityId, e: &checked::Entity, drive
             let follow = &program.entities[id].follows[follow];
             inputs = inputs.with(reads.optional(follow.guard)).with(reads.actions(&follow.actions));
         }
-        // Entering by an edge is a step of the source leaf: its entry updates read that step's inputs.
+        // A transition happens in a step of the source leaf, so its entry updates read that step's inputs.
         for target in edges.iter().filter_map(|&edge| e.edges[edge].target) {
             let modes = &program.entities[id].modes;
             let mut around = Some(target);
@@ -108,13 +108,13 @@ pub(super) fn leaves(program: &Program, id: EntityId, e: &checked::Entity, drive
     Leaves { leaves, always }
 }
 
-/// Which inputs a piece of code reads.
-struct Reads<'a> {
+/// Finds the inputs that code reads.
+struct InputCollector<'a> {
     program: &'a Program,
     id: EntityId,
 }
 
-impl Reads<'_> {
+impl InputCollector<'_> {
     fn actions(&self, actions: &Actions) -> Inputs {
         let spawns = actions.spawns.iter().map(|&s| &self.program.entities[self.id].spawns[s]);
         spawns.fold(self.updates(&actions.updates), |all, spawn| {
@@ -166,7 +166,7 @@ impl Reads<'_> {
     }
 }
 
-/// The flows and envelopes of one place, lowered.
+/// Lowers one flow or envelope component.
 fn drive(program: &mut Program, e: &checked::Entity, drive: &checked::Drive, context: &Context<'_>) -> Drive {
     match &drive.by {
         DriveBy::Flow(value) => {
@@ -180,7 +180,7 @@ fn drive(program: &mut Program, e: &checked::Entity, drive: &checked::Drive, con
     }
 }
 
-/// The group that drives each variable somewhere.
+/// For each variable, the group that drives it in some mode.
 fn owners(e: &checked::Entity) -> IdVec<VarId, Option<GroupId>> {
     let mut owners: IdVec<VarId, Option<GroupId>> = e.vars.iter().map(|_| None).collect();
     for mode in e.modes.iter() {

@@ -1,4 +1,4 @@
-//! Lowering: a checked program into the tables.
+//! Lowers a checked program to the tables of the flat IR.
 
 mod actions;
 mod leaves;
@@ -17,8 +17,8 @@ use crate::ir::{
 };
 use term::{Context, duration, rate};
 
-/// Lowers a program that checked without errors. What is lowered goes at once, unless it is shared: of a large program both
-/// are large.
+/// Lowers a program that was checked without errors. Lowered parts of the checked program are dropped at once unless
+/// they are shared, as both are large for a large program.
 pub fn lower(checked: Checked) -> Program {
     let Checked { tags, entities, worlds, dimensions, occurrences, .. } = checked;
     drop((dimensions, occurrences));
@@ -26,7 +26,7 @@ pub fn lower(checked: Checked) -> Program {
     program.spans.tags = tags.iter().map(|t| t.span).collect();
     program.entities.reserve(entities.len());
     program.spans.entities.reserve(entities.len());
-    // Goals add contact questions to entities, so all entities come first.
+    // Goals add contact queries to entities, so all entities come first.
     for entity in entities {
         let id = program.entities.push(shell(&entity).into());
         program.spans.entities.push(spans(&entity).into());
@@ -36,14 +36,14 @@ pub fn lower(checked: Checked) -> Program {
         program.timer_thresholds(id, from, to);
         program.entity_mut(id).code = IdRange::new(from, to);
     }
-    // Contact questions of every world, before any layout counts them.
-    let mortal = world::mortal(&program);
-    let predicates: Vec<_> = worlds.iter().map(|w| world::predicates(&mut program, w, &mortal)).collect();
+    // The contact queries of all worlds must be known before any layout.
+    let destructible = world::destructible(&program);
+    let predicates: Vec<_> = worlds.iter().map(|w| world::predicates(&mut program, w, &destructible)).collect();
     program.worlds.reserve(predicates.len());
     for (w, predicates) in worlds.into_iter().zip(predicates) {
         world::lower(&mut program, &w, predicates);
     }
-    // A failure is a mistake of this module.
+    // A failure is a bug in this module.
     debug_assert_eq!(verify(&program), Ok(()));
     program
 }
@@ -116,7 +116,7 @@ fn spans(e: &checked::Entity) -> EntitySpans {
 }
 
 fn entity_code(program: &mut Program, id: EntityId, mut e: checked::Entity) {
-    let context = Context { me: Some(id), slots: &|_| id, immortal: &|_| false };
+    let context = Context { me: Some(id), slots: &|_| id, indestructible: &|_| false };
     for param in e.params.iter() {
         let default = program.term(&param.default, &context);
         program.entity_mut(id).params.push(Param { name: param.name.text.to_string(), default });
@@ -240,10 +240,10 @@ fn lower_envelope(program: &mut Program, id: EntityId, e: &checked::Envelope, co
     Envelope { mode: None, vars, degree, by, sustain, attack, peak, decay, release, guard }
 }
 
-/// A number of unit vectors, from the right anticlockwise; those along the axes are exact.
+/// A number of unit vectors, counterclockwise from the right; those along the axes are exact.
 fn directions(ways: u32) -> Vec<[f64; 2]> {
     let at = |k: u32| {
-        // Reduced to the first eighth of a turn, so that mirrored directions are mirrored to the last bit.
+        // Reduced to the first octant, so that mirrored directions are exact mirror images.
         let turn = f64::from(k) / f64::from(ways);
         let quarter = (turn * 4.0).floor();
         let rest = turn * 4.0 - quarter;
@@ -267,7 +267,7 @@ fn directions(ways: u32) -> Vec<[f64; 2]> {
     (0..ways).map(at).collect()
 }
 
-/// Modes and groups. Checked modes are in preorder already, group by group.
+/// Lowers modes and groups. Checked modes are already in preorder, group by group.
 fn modes(program: &mut Program, id: EntityId, e: &checked::Entity, context: &Context<'_>) {
     let count = e.modes.len();
     let mut ends = vec![0u32; count];
@@ -308,7 +308,7 @@ fn modes(program: &mut Program, id: EntityId, e: &checked::Entity, context: &Con
             entry,
         });
     }
-    // A mode chooses if anything inside it does; inner modes come later, so from the last to the first.
+    // A mode chooses if any descendant does; descendants come later, so this runs backwards.
     let table = &mut program.entity_mut(id).modes;
     for mode in (0..count as u32).rev().map(ModeId) {
         if let Some(parent) = table[mode].parent {

@@ -1,4 +1,4 @@
-//! Terms into the arena: operands before operators, constants folded, contact questions and timers numbered.
+//! Lowers terms into the arena: operands before operators, constants folded, contact queries and timers numbered.
 
 use std::sync::Arc;
 
@@ -10,14 +10,14 @@ use crate::ir::{
     Arena, Entity, EntityId, Expr, ExprId, ModeId, Program, SlotId, Subject, TagSet, Timer, TimerId, Touch, TouchId,
 };
 
-/// Where a term is lowered: whose numbers its questions get.
+/// The context in which a term is lowered: it determines the ids of its contact queries.
 pub(super) struct Context<'a> {
     /// The entity whose code it is, for `Subject::Me`.
     pub me: Option<EntityId>,
     /// The entity of each slot of the world, for `Subject::Slot`.
     pub slots: &'a dyn Fn(SlotId) -> EntityId,
-    /// Whether the instance of a slot always lives.
-    pub immortal: &'a dyn Fn(SlotId) -> bool,
+    /// Whether the instance of a slot can never be destroyed.
+    pub indestructible: &'a dyn Fn(SlotId) -> bool,
 }
 
 impl Context<'_> {
@@ -25,7 +25,7 @@ impl Context<'_> {
         match of {
             Subject::Me => self.me.unwrap_or(EntityId(0)),
             Subject::Slot(slot) => (self.slots)(slot),
-            // Contact questions are asked of oneself and of named instances only.
+            // Contact queries exist only for the instance itself and for named instances.
             Subject::Ref(_) | Subject::Touched(_) => self.me.unwrap_or(EntityId(0)),
         }
     }
@@ -86,7 +86,7 @@ impl Program {
             TermKind::And(sides) => {
                 let [a, b] = sides.as_ref();
                 if let TermKind::Alive(slot) = a.kind
-                    && (context.immortal)(slot)
+                    && (context.indestructible)(slot)
                 {
                     return self.term(b, context);
                 }
@@ -100,8 +100,8 @@ impl Program {
             }
             TermKind::Not(a) => Expr::Not(self.term(a, context)),
             TermKind::Button(press, button) => Expr::Button(*press, *button),
-            TermKind::Touching(asked) => {
-                let checked::Touching { of, mine, other, side, bound } = **asked;
+            TermKind::Touching(touching) => {
+                let checked::Touching { of, mine, other, side, bound } = **touching;
                 let touch = bound.unwrap_or_else(|| {
                     let mine = mine.map_or(TagSet::ALL, TagSet::of);
                     self.touch(context.entity(of), Touch { mine, other, side, bound: false }, term.span)
@@ -110,8 +110,8 @@ impl Program {
             }
             TermKind::InMode(of, mode) => Expr::InMode(*of, *mode),
             TermKind::InSpace(of, space) => Expr::InSpace(*of, *space),
-            TermKind::Near(asked) => {
-                let (of, numbers) = asked.as_ref();
+            TermKind::Near(touching) => {
+                let (of, numbers) = touching.as_ref();
                 let [x, y, radius] = numbers.each_ref().map(|number| self.term(number, context));
                 Expr::Near { of: *of, x, y, radius }
             }
@@ -119,7 +119,7 @@ impl Program {
         self.push(expr, term.span)
     }
 
-    /// The number of a contact question of an entity.
+    /// The id of a contact query of an entity.
     fn touch(&mut self, entity: EntityId, touch: Touch, span: Span) -> TouchId {
         let touches = &mut Arc::make_mut(&mut self.entities[entity]).touches;
         touches.find(|t| *t == touch).unwrap_or_else(|| {
@@ -133,7 +133,7 @@ impl Program {
         timers.find(|t| t.mode == mode).unwrap_or_else(|| timers.push(Timer { mode, thresholds: Some(Vec::new()) }))
     }
 
-    /// Fills in what each timer is compared with, once all code of the entity is in the arena.
+    /// Fills in the values that each timer is compared with, once all code of the entity is in the arena.
     pub(super) fn timer_thresholds(&mut self, entity: EntityId, from: ExprId, to: ExprId) {
         let count = self.entities[entity].timers.len();
         let mut uses = vec![0usize; count];
@@ -153,7 +153,7 @@ impl Program {
                 _ => {}
             }
         }
-        // An envelope by the clock is done after the sum of its parts.
+        // A timed envelope ends after the sum of its parts.
         for envelope in self.entities[entity].envelopes.iter() {
             if let crate::ir::By::Clock { timer, total, .. } = envelope.by {
                 uses[timer.0 as usize] += 1;
@@ -181,7 +181,7 @@ pub(super) fn known_per_instance(exprs: &Arena<ExprId, Expr>, id: ExprId) -> boo
     }
 }
 
-/// What a ramp takes, s: given, or what its rate needs for `distance`.
+/// The duration of a ramp, s: given, or derived from its rate and `distance`.
 pub(super) fn duration(
     program: &mut Program,
     rate: &checked::Rate,
@@ -199,7 +199,7 @@ pub(super) fn duration(
     }
 }
 
-/// The rate of a ramp, per second: given, or what covers `distance` in a time; none at once.
+/// The rate of a ramp, per second: given, or derived from its duration and `distance`; `None` is immediate.
 pub(super) fn rate(
     program: &mut Program,
     rate: &checked::Rate,

@@ -1,4 +1,4 @@
-//! Lowering of worlds: predicates, slots with their first values, the layout.
+//! Lowers worlds: predicates, slots with their initial values, the layout.
 
 use crate::ir::{
     Bounds, Collide, EntityId, ExprId, GoalId, IdVec, Layout, Link, NeverId, Origin, Player, PlayerId, Predicate,
@@ -12,15 +12,20 @@ use super::term::Context;
 pub(super) struct Predicates {
     goals: IdVec<GoalId, Predicate>,
     nevers: IdVec<NeverId, Predicate>,
-    /// Of each space, the guards of its links.
+    /// For each space, the guards of its links.
     links: IdVec<SpaceId, Vec<Option<ExprId>>>,
 }
 
-/// Lowers `goal` and `never`; this may add contact questions to entities.
-pub(super) fn predicates(program: &mut Program, w: &checked::World, mortal: &IdVec<EntityId, bool>) -> Predicates {
+/// Lowers `goal` and `never`; this may add contact queries to entities.
+pub(super) fn predicates(
+    program: &mut Program,
+    w: &checked::World,
+    destructible: &IdVec<EntityId, bool>,
+) -> Predicates {
     let entity_of = |slot: SlotId| w.instances[slot].entity;
-    let immortal = |slot: SlotId| w.instances[slot].origin == Origin::Named && !mortal[w.instances[slot].entity];
-    let context = Context { me: None, slots: &entity_of, immortal: &immortal };
+    let indestructible =
+        |slot: SlotId| w.instances[slot].origin == Origin::Named && !destructible[w.instances[slot].entity];
+    let context = Context { me: None, slots: &entity_of, indestructible: &indestructible };
     let mut lowered = |q: &checked::Question| Predicate {
         name: q.name.text.to_string(),
         holds: program.term(&q.predicate, &context),
@@ -35,9 +40,9 @@ pub(super) fn predicates(program: &mut Program, w: &checked::World, mortal: &IdV
     Predicates { goals, nevers, links }
 }
 
-/// Of each entity, whether anything may destroy an instance of it.
-pub(super) fn mortal(program: &Program) -> IdVec<EntityId, bool> {
-    let mut mortal: IdVec<EntityId, bool> = program.entities.iter().map(|_| false).collect();
+/// For each entity, whether anything may destroy an instance of it.
+pub(super) fn destructible(program: &Program) -> IdVec<EntityId, bool> {
+    let mut destructible: IdVec<EntityId, bool> = program.entities.iter().map(|_| false).collect();
     for (id, e) in program.entities.pairs() {
         for what in e.action_lists().flat_map(|a| &a.destroys) {
             let of = match what {
@@ -47,16 +52,16 @@ pub(super) fn mortal(program: &Program) -> IdVec<EntityId, bool> {
                 RefValue::Of(_) => None,
             };
             match of {
-                Some(entity) => mortal[entity] = true,
-                // It may be of whatever entity.
+                Some(entity) => destructible[entity] = true,
+                // It may have any entity.
                 None => return program.entities.iter().map(|_| true).collect(),
             }
         }
     }
-    mortal
+    destructible
 }
 
-/// Lowers a world; all contact questions must be known.
+/// Lowers a world; all contact queries must be known.
 pub(super) fn lower(program: &mut Program, w: &checked::World, predicates: Predicates) {
     let step = Step { numerator: w.step.0, denominator: w.step.1 };
     let players: IdVec<PlayerId, Player> =
@@ -81,7 +86,7 @@ pub(super) fn lower(program: &mut Program, w: &checked::World, predicates: Predi
             vars: instance.vars.clone(),
             discretes: instance.discretes.clone(),
             refs: instance.refs.clone(),
-            // A slot that can be used again has no parameters that are known now.
+            // The parameters of a reusable slot are not known.
             timer_limits: program.timer_limits(instance.entity, is_fixed(instance).then_some(&instance.params), step),
         })
         .collect();

@@ -1,72 +1,72 @@
-//! Expressions: that operands come before operators, that what is read is there. Whose variables a reference to any entity
-//! or a contact has is known where a guard has asked for it (`e is Foe and e.hp > 0`); that is followed as `sema` does.
+//! Verifies expressions: operands come before operators, and everything read exists. Variables of a subject of any
+//! entity can be read after a guard has tested the entity (`e is Foe and e.hp > 0`), with the same rules as in `sema`.
 
 use std::cell::Cell;
 
 use crate::ir::{Arena, EntityId, Expr, ExprId, Function, Id, Press, Program, RefValue, Subject, WorldId};
 
-use super::{At, Checked, Invalid, each, each_pair, exists, exists_among, must};
+use super::{At, Checked, Invalid, each, each_pair, ensure, exists, exists_among};
 
-/// The most expressions that one is made of, each counted as often as it occurs.
+/// Maximum number of operands of an expression, counted with repetition.
 const MAX_PARTS: u32 = 1 << 24;
-/// The most that lie inside of one another: they are read by recursion.
-const MAX_DEEP: u16 = 640;
+/// Maximum nesting depth: expressions are read by recursion.
+const MAX_DEPTH: u16 = 640;
 
-/// What is known of all expressions.
+/// The verifier of expressions.
 pub(super) struct Code<'p> {
     program: &'p Program,
-    /// How much work is left for what is examined in the light of guards.
-    patience: Cell<u64>,
+    /// Remaining work for context-dependent checks.
+    budget: Cell<u64>,
 }
 
-/// Whose code an expression is.
+/// The owner of an expression.
 #[derive(Clone, Copy)]
 pub(super) enum Owner {
     Entity(EntityId),
     World(WorldId),
 }
 
-/// What guards have said: what a subject is.
+/// The entities of subjects that guards have tested.
 pub(super) type Facts = Vec<(Subject, EntityId)>;
 
 impl<'p> Code<'p> {
-    /// Looks at what holds of an expression wherever it is.
+    /// Runs the context-free checks of all expressions.
     pub fn new(program: &'p Program) -> Result<Self, Invalid> {
-        // Two tables: of large programs they are large.
+        // Two separate tables, as they are large for large programs.
         let mut sizes: Arena<ExprId, u32> = Arena::default();
         let mut depths: Arena<ExprId, u16> = Arena::default();
         let mut look = |id: ExprId, expr: &Expr| {
             let (mut parts, mut deep) = (1, 0);
             for operand in expr.operands() {
-                must(operand < id, "an operand does not come before it")?;
+                ensure(operand < id, "an operand does not come before it")?;
                 parts += sizes[operand];
                 deep = deep.max(depths[operand] + 1);
             }
-            must(parts <= MAX_PARTS && deep <= MAX_DEEP, "it is made of too many parts")?;
+            ensure(parts <= MAX_PARTS && deep <= MAX_DEPTH, "it is made of too many parts")?;
             sizes.push(parts);
             depths.push(deep);
             match *expr {
-                Expr::Number(number) | Expr::Frames(number) => must(number.is_finite(), "a number is not finite"),
-                Expr::Var(_, _, degree) => must(degree <= 2, "there are no derivatives but the first and the second"),
-                Expr::Call(function, _) => must(function != Function::Atan2 || deep > 0, "it has no arguments"),
+                Expr::Number(number) | Expr::Frames(number) => ensure(number.is_finite(), "a number is not finite"),
+                Expr::Var(_, _, degree) => ensure(degree <= 2, "there are no derivatives but the first and the second"),
+                Expr::Call(function, _) => ensure(function != Function::Atan2 || deep > 0, "it has no arguments"),
                 _ => Ok(()),
             }
         };
         each_pair("exprs", program.exprs.pairs(), &mut look)?;
         let work = 16 * program.exprs.len() as u64 + (1 << 20);
-        Ok(Code { program, patience: Cell::new(work) })
+        Ok(Code { program, budget: Cell::new(work) })
     }
 
-    /// Whether an expression can be read as code of an entity or a world, where some facts hold.
+    /// Checks an expression as code of an entity or a world, given some facts.
     pub fn check(&self, owner: Owner, id: ExprId, facts: &mut Facts) -> Checked {
         exists_among(id, self.program.exprs.len())?;
         if let Owner::Entity(entity) = owner {
             let code = self.program.entities[entity].code;
-            must(code.contains(id), "it is not among the expressions of its entity")?;
+            ensure(code.contains(id), "it is not among the expressions of its entity")?;
         }
-        let left = self.patience.get();
-        self.patience.set(left.saturating_sub(1));
-        must(left > 0, "its expressions share too much")?;
+        let left = self.budget.get();
+        self.budget.set(left.saturating_sub(1));
+        ensure(left > 0, "its expressions share too much")?;
         match self.program.exprs[id] {
             Expr::And(a, b) | Expr::Or(a, b) => {
                 self.operand(owner, a, facts)?;
@@ -115,7 +115,7 @@ impl<'p> Code<'p> {
         };
         match expr {
             Expr::Param(subject, param) => exists(param, &of(subject)?.params),
-            // Whatever it is has a position.
+            // Every entity has a position.
             Expr::Var(subject, var, _) if var.is_position() => self.subject(owner, subject),
             Expr::Var(subject, var, _) => exists(var, &of(subject)?.vars),
             Expr::Discrete(subject, id) => exists(id, &of(subject)?.discretes),
@@ -151,14 +151,14 @@ impl<'p> Code<'p> {
         }
     }
 
-    /// Whether there is such a subject.
+    /// Checks that a subject exists.
     pub fn subject(&self, owner: Owner, subject: Subject) -> Checked {
         match (owner, subject) {
             (Owner::Entity(_), Subject::Me) => Ok(()),
             (Owner::Entity(me), Subject::Ref(id)) => exists(id, &self.program.entities[me].refs),
             (Owner::Entity(me), Subject::Touched(id)) => {
                 exists(id, &self.program.entities[me].touches)?;
-                must(id.index() < self.program.entities[me].bound, "the contact question does not keep whom it finds")
+                ensure(id.index() < self.program.entities[me].bound, "the contact question does not keep whom it finds")
             }
             (Owner::World(world), Subject::Slot(slot)) => exists(slot, &self.program.worlds[world].slots),
             (Owner::Entity(_), Subject::Slot(_)) => Err(Invalid::new("an entity knows no instances of a world")),
@@ -166,7 +166,7 @@ impl<'p> Code<'p> {
         }
     }
 
-    /// The entity that a subject is of.
+    /// The entity of a subject.
     fn entity(&self, owner: Owner, subject: Subject, facts: &Facts) -> Result<EntityId, Invalid> {
         self.subject(owner, subject)?;
         let declared = match (owner, subject) {
@@ -179,7 +179,7 @@ impl<'p> Code<'p> {
         declared.or_else(known).ok_or_else(|| Invalid::new("it reads an instance that may be of any entity"))
     }
 
-    /// Learns what a guard says if it has this outcome.
+    /// Adds the facts that a guard implies if it has this outcome.
     pub fn learn(&self, guard: ExprId, outcome: bool, facts: &mut Facts) {
         match (self.program.exprs[guard], outcome) {
             (Expr::And(a, b), true) | (Expr::Or(a, b), false) => {
@@ -192,7 +192,7 @@ impl<'p> Code<'p> {
         }
     }
 
-    /// Whether a value that a reference gets is an instance that there may be.
+    /// Checks the value of a reference.
     pub fn instance(&self, owner: Owner, value: RefValue) -> Checked {
         match value {
             RefValue::None => Ok(()),
@@ -209,11 +209,11 @@ fn at_its_place(inner: Invalid, id: ExprId) -> Invalid {
     }
 }
 
-/// Checks that the code of entities lies apart, in their order.
-pub(super) fn apart(program: &Program) -> Checked {
+/// Checks that the code ranges of entities are disjoint and in order.
+pub(super) fn check_code_ranges(program: &Program) -> Checked {
     let mut end = ExprId(0);
     each("entities", &program.entities, |_, entity| {
-        must(entity.code.from >= end, "its expressions are another entity's, too").at("code")?;
+        ensure(entity.code.from >= end, "its expressions are another entity's, too").at("code")?;
         end = entity.code.to;
         Ok(())
     })

@@ -1,5 +1,5 @@
-//! An entity: that modes are a forest in preorder with the leaves that belong to it, that leaves say what follows from the
-//! modes, that what is driven, updated, spawned and destroyed is there.
+//! Verifies an entity: modes are a forest in preorder with their leaves, leaves agree with the modes, and everything
+//! driven, updated, spawned and destroyed exists.
 
 use crate::ir::{
     Actions, By, Clamp, Collider, Discrete, Domain, Drive, Edge, Entity, EntityId, EntitySpans, Envelope, ExprId,
@@ -8,10 +8,10 @@ use crate::ir::{
 };
 
 use super::code::{Code, Facts, Owner};
-use super::{At, Checked, Invalid, all_exist, each, each_of, exists, must, range, same, tags};
+use super::{At, Checked, Invalid, all_exist, each, each_of, ensure, exists, range, same, tags};
 
-/// The entity that is examined.
-struct Looked<'p> {
+/// The verifier of an entity.
+struct EntityVerifier<'p> {
     program: &'p Program,
     code: &'p Code<'p>,
     id: EntityId,
@@ -19,7 +19,7 @@ struct Looked<'p> {
 }
 
 pub(super) fn verify(program: &Program, code: &Code<'_>, id: EntityId, entity: &Entity) -> Checked {
-    let looked = Looked { program, code, id, entity };
+    let looked = EntityVerifier { program, code, id, entity };
     looked.tables()?;
     looked.modes()?;
     looked.leaves()?;
@@ -27,7 +27,7 @@ pub(super) fn verify(program: &Program, code: &Code<'_>, id: EntityId, entity: &
     looked.spans(&program.spans.entities[id]).at("spans")
 }
 
-impl Looked<'_> {
+impl EntityVerifier<'_> {
     fn expr(&self, id: ExprId) -> Checked {
         self.code.check(Owner::Entity(self.id), id, &mut Facts::new())
     }
@@ -36,7 +36,7 @@ impl Looked<'_> {
         id.map_or(Ok(()), |id| self.expr(id))
     }
 
-    /// What it has, each by itself.
+    /// Checks each table by itself.
     fn tables(&self) -> Checked {
         let Entity {
             name: _,
@@ -66,12 +66,12 @@ impl Looked<'_> {
             inputs,
             code,
         } = self.entity;
-        must(code.from <= code.to && code.to.index() <= self.program.exprs.len(), "it is not of the arena")
+        ensure(code.from <= code.to && code.to.index() <= self.program.exprs.len(), "it is not of the arena")
             .at("code")?;
-        must(vars.len() >= 2, "`x` and `y` come first").at("vars")?;
-        must(buttons.len() <= MAX_BUTTONS, "there are more than fit a set").at("buttons")?;
-        must(axes.len() <= MAX_AXES, "there are more than fit a set").at("axes")?;
-        must(modes.len() <= MAX_MODES, "there are more than a state can number").at("modes")?;
+        ensure(vars.len() >= 2, "`x` and `y` come first").at("vars")?;
+        ensure(buttons.len() <= MAX_BUTTONS, "there are more than fit a set").at("buttons")?;
+        ensure(axes.len() <= MAX_AXES, "there are more than fit a set").at("axes")?;
+        ensure(modes.len() <= MAX_MODES, "there are more than a state can number").at("modes")?;
         self.inputs(*inputs).at("inputs")?;
         each("params", params, |_, Param { name: _, default }| self.expr(*default).at("default"))?;
         same(first.len(), vars.len()).at("first")?;
@@ -82,7 +82,7 @@ impl Looked<'_> {
                 Domain::Bool => (*low, *high) == (0, 1),
                 Domain::Set(names) => *low == 0 && usize::try_from(*high).is_ok_and(|high| high + 1 == names.len()),
             };
-            must(fits, "the range is not that of its values").at("range")?;
+            ensure(fits, "the range is not that of its values").at("range")?;
             self.expr(*first).at("first")
         })?;
         each("refs", refs, |_, Reference { name: _, entity }| {
@@ -93,11 +93,11 @@ impl Looked<'_> {
             shape.numbers().iter().try_for_each(|number| self.expr(*number)).at("shape")?;
             self.optional(*guard).at("guard")
         })?;
-        must(*bound <= touches.len(), "there are not as many contact questions").at("bound")?;
+        ensure(*bound <= touches.len(), "there are not as many contact questions").at("bound")?;
         each("touches", touches, |id, Touch { mine, other, side: _, bound: keeps }| {
             tags(*mine, self.program).at("mine")?;
             exists(*other, &self.program.tags).at("other")?;
-            must(*keeps == (id.index() < *bound), "those that keep whom they find come first").at("bound")
+            ensure(*keeps == (id.index() < *bound), "those that keep whom they find come first").at("bound")
         })?;
         each("timers", timers, |_, Timer { mode, thresholds }| {
             exists(*mode, modes).at("mode")?;
@@ -105,7 +105,7 @@ impl Looked<'_> {
         })?;
         each_of("clamps", clamps, |Clamp { var, degree, low, high }| {
             exists(*var, vars).at("var")?;
-            must(*degree <= 1, "accelerations have no soft bounds").at("degree")?;
+            ensure(*degree <= 1, "accelerations have no soft bounds").at("degree")?;
             self.optional(*low).at("low")?;
             self.optional(*high).at("high")
         })?;
@@ -113,13 +113,13 @@ impl Looked<'_> {
         each("envelopes", envelopes, |_, envelope| self.envelope(envelope))?;
         let mut decided = order.clone();
         decided.sort_unstable();
-        must(decided.iter().copied().eq(groups.ids()), "each group is decided once").at("order")
+        ensure(decided.iter().copied().eq(groups.ids()), "each group is decided once").at("order")
     }
 
-    /// Whether inputs are among those that it reads.
+    /// Checks that inputs are among those that it reads.
     fn inputs(&self, Inputs { buttons, axes }: Inputs) -> Checked {
         let fit = |set: u64, count: usize| count >= 64 || set >> count == 0;
-        must(
+        ensure(
             fit(buttons, self.entity.buttons.len()) && fit(u64::from(axes), self.entity.axes.len()),
             "it has no such input",
         )
@@ -129,15 +129,15 @@ impl Looked<'_> {
         let Envelope { mode, vars, degree, by, sustain, attack, peak, decay, release, guard } = envelope;
         let entity = self.entity;
         mode.map_or(Ok(()), |mode| exists(mode, &entity.modes)).at("mode")?;
-        must((1..=2).contains(&vars.len()), "it drives one variable or two").at("vars")?;
+        ensure((1..=2).contains(&vars.len()), "it drives one variable or two").at("vars")?;
         all_exist(vars, &entity.vars).at("vars")?;
-        must(*degree <= 2, "there are no derivatives but the first and the second").at("degree")?;
+        ensure(*degree <= 2, "there are no derivatives but the first and the second").at("degree")?;
         match by {
             By::Button(button) => exists(*button, &entity.buttons),
             By::Axis(axis) => exists(*axis, &entity.axes),
             By::Axes(axes, directions) => {
                 all_exist(axes, &entity.axes)?;
-                must(vars.len() == 2, "two axes drive two variables")?;
+                ensure(vars.len() == 2, "two axes drive two variables")?;
                 directions.iter().try_for_each(|direction| super::finite(direction))
             }
             By::Clock { timer, rise, hold, fall, total } => {
@@ -153,54 +153,55 @@ impl Looked<'_> {
         [Some(*sustain), *attack, *peak, *decay, rate, level, *guard].into_iter().try_for_each(|id| self.optional(id))
     }
 
-    /// Modes: group by group, in preorder, each with its leaves.
+    /// Checks the modes: group by group, in preorder, each with its leaves.
     fn modes(&self) -> Checked {
         let Entity { groups, modes, leaves, .. } = self.entity;
         let mut next = ModeId(0);
         each("groups", groups, |_, Group { name: _, modes: inside, first, choices }| {
             range(*inside, modes).at("modes")?;
-            must(inside.from == next, "groups lie one after another").at("modes")?;
+            ensure(inside.from == next, "groups lie one after another").at("modes")?;
             next = inside.to;
             let outermost = |mode: ModeId| inside.contains(mode) && modes[mode].parent.is_none();
-            must(outermost(*first), "it is none of the group's outermost modes").at("first")?;
+            ensure(outermost(*first), "it is none of the group's outermost modes").at("first")?;
             each_of("choices", choices, |choice| {
-                must(outermost(choice.mode), "it is none of the group's outermost modes").at("mode")?;
+                ensure(outermost(choice.mode), "it is none of the group's outermost modes").at("mode")?;
                 self.expr(choice.guard).at("guard")
             })
         })?;
-        must(next.index() == modes.len(), "each mode is of a group").at("groups")?;
+        ensure(next.index() == modes.len(), "each mode is of a group").at("groups")?;
         let mut leaf = LeafId(0);
         each("modes", modes, |id, mode| {
             let Mode { path: _, parent, end, group, leaves: inside, initial, choices, chooses, inner, entry } = mode;
             exists(*group, groups).at("group")?;
-            must(groups[*group].modes.contains(id), "it is not among its group's modes").at("group")?;
-            must(*end > id && *end <= groups[*group].modes.to, "descendants follow it, in its group").at("end")?;
-            // The one before it, or what is around that one, is what it lies in.
+            ensure(groups[*group].modes.contains(id), "it is not among its group's modes").at("group")?;
+            ensure(*end > id && *end <= groups[*group].modes.to, "descendants follow it, in its group").at("end")?;
+            // The parent is the previous mode or one of its ancestors.
             let mut around = id.0.checked_sub(1).map(ModeId).filter(|before| modes[*before].group == *group);
             while let Some(mode) = around.filter(|mode| modes[*mode].end <= id) {
                 around = modes[mode].parent;
             }
-            must(*parent == around, "it lies in another mode").at("parent")?;
-            must(around.is_none_or(|around| *end <= modes[around].end), "it ends after what is around it").at("end")?;
+            ensure(*parent == around, "it lies in another mode").at("parent")?;
+            ensure(around.is_none_or(|around| *end <= modes[around].end), "it ends after what is around it")
+                .at("end")?;
             range(*inside, leaves).at("leaves")?;
             let is_leaf = end.0 == id.0 + 1;
-            must(inside.from == leaf && (!is_leaf || inside.len() == 1), "they are not the leaves inside")
+            ensure(inside.from == leaf && (!is_leaf || inside.len() == 1), "they are not the leaves inside")
                 .at("leaves")?;
             leaf.0 += u32::from(is_leaf);
-            must(inside.contains(*initial), "it is not inside").at("initial")?;
+            ensure(inside.contains(*initial), "it is not inside").at("initial")?;
             let child = |mode: ModeId| mode.index() < modes.len() && modes[mode].parent == Some(id);
-            must(inner.map_or(is_leaf, child), "it is not directly inside").at("inner")?;
-            must(!is_leaf || choices.is_empty(), "there is nothing to choose from").at("choices")?;
+            ensure(inner.map_or(is_leaf, child), "it is not directly inside").at("inner")?;
+            ensure(!is_leaf || choices.is_empty(), "there is nothing to choose from").at("choices")?;
             each_of("choices", choices, |choice| {
-                must(child(choice.mode), "it is not directly inside").at("mode")?;
+                ensure(child(choice.mode), "it is not directly inside").at("mode")?;
                 self.expr(choice.guard).at("guard")
             })?;
             let within = (id.0 + 1..end.0).map(ModeId).any(|mode| modes[mode].chooses);
-            must(*chooses == (within || !choices.is_empty()), "it does not say what its choices do").at("chooses")?;
+            ensure(*chooses == (within || !choices.is_empty()), "it does not say what its choices do").at("chooses")?;
             self.actions(entry, &mut Facts::new()).at("entry")
         })?;
-        must(leaf.index() == leaves.len(), "each mode without modes inside is a leaf").at("leaves")?;
-        // From the last to the first: what is inside of a mode comes after it.
+        ensure(leaf.index() == leaves.len(), "each mode without modes inside is a leaf").at("leaves")?;
+        // Backwards, as descendants come later.
         let mut entered: Vec<LeafId> = vec![LeafId(0); modes.len()];
         for (id, mode) in modes.pairs().rev() {
             let after = mode.end.0.checked_sub(id.0 + 1).filter(|inside| *inside > 0);
@@ -208,13 +209,13 @@ impl Looked<'_> {
             entered[id.index()] = leaf;
             let ends = modes.get(mode.end).map_or(leaves.len(), |next| next.leaves.from.index());
             let place = format!("modes[{}]", id.index());
-            must(mode.initial == leaf, "it is not what is entered").at("initial").at(&place)?;
-            must(mode.leaves.to.index() == ends, "they are not the leaves inside").at("leaves").at(&place)?;
+            ensure(mode.initial == leaf, "it is not what is entered").at("initial").at(&place)?;
+            ensure(mode.leaves.to.index() == ends, "they are not the leaves inside").at("leaves").at(&place)?;
         }
         Ok(())
     }
 
-    /// Leaves: what is active, tried and driven in each.
+    /// Checks the active modes, edges and drives of each leaf.
     fn leaves(&self) -> Checked {
         let Entity { vars, groups, modes, edges, leaves, follows, free, .. } = self.entity;
         let mut owners: IdVec<VarId, Option<GroupId>> = vars.iter().map(|_| None).collect();
@@ -222,18 +223,18 @@ impl Looked<'_> {
             let Leaf { mode, path, drives, edges: tried, internal, follows: followed, inputs } = leaf;
             exists(*mode, modes).at("mode")?;
             let of = &modes[*mode];
-            must(of.inner.is_none() && of.leaves.from == id, "it is not this leaf's").at("mode")?;
+            ensure(of.inner.is_none() && of.leaves.from == id, "it is not this leaf's").at("mode")?;
             let mut around = Some(*mode);
             for active in path.iter().rev() {
-                must(around == Some(*active), "it is not what lies around the mode").at("path")?;
+                ensure(around == Some(*active), "it is not what lies around the mode").at("path")?;
                 around = modes[*active].parent;
             }
-            must(around.is_none(), "it is not all that lies around the mode").at("path")?;
+            ensure(around.is_none(), "it is not all that lies around the mode").at("path")?;
             let edge = |id: &crate::ir::EdgeId, leads: bool| {
                 exists(*id, edges)?;
                 let Edge { source, target, .. } = &edges[*id];
-                must(path.contains(source), "it is not an edge of what is active")?;
-                must(target.is_some() == leads, "it is tried where it does not belong")
+                ensure(path.contains(source), "it is not an edge of what is active")?;
+                ensure(target.is_some() == leads, "it is tried where it does not belong")
             };
             each_of("edges", tried, |id| edge(id, true))?;
             each_of("internal", internal, |id| edge(id, false))?;
@@ -241,7 +242,7 @@ impl Looked<'_> {
             self.inputs(*inputs).at("inputs")?;
             each_of("drives", drives, |drive| {
                 let var = self.drive(*drive)?;
-                must(owners[var].is_none_or(|owner| owner == of.group), "another group drives it, too")?;
+                ensure(owners[var].is_none_or(|owner| owner == of.group), "another group drives it, too")?;
                 owners[var] = Some(of.group);
                 Ok(())
             })
@@ -249,18 +250,18 @@ impl Looked<'_> {
         let mut is_driven: IdVec<VarId, bool> = vars.iter().map(|_| false).collect();
         each_of("free", free, |drive| {
             let var = self.drive(*drive)?;
-            must(owners[var].is_none() && !is_driven[var], "it is driven twice")?;
+            ensure(owners[var].is_none() && !is_driven[var], "it is driven twice")?;
             is_driven[var] = true;
             Ok(())
         })?;
-        must(vars.ids().all(|var| is_driven[var] || owners[var].is_some()), "a variable is not driven").at("free")?;
+        ensure(vars.ids().all(|var| is_driven[var] || owners[var].is_some()), "a variable is not driven").at("free")?;
         each("leaves", leaves, |_, leaf| {
             let group = modes[leaf.mode].group;
             let wanted = vars.ids().filter(|var| owners[*var] == Some(group));
             let driven = leaf.drives.iter().map(|drive| driven(self.entity, *drive));
-            must(driven.eq(wanted.map(Some)), "it does not drive each variable of its group once").at("drives")
+            ensure(driven.eq(wanted.map(Some)), "it does not drive each variable of its group once").at("drives")
         })?;
-        must(!groups.is_empty() || modes.is_empty(), "modes are of groups").at("groups")
+        ensure(!groups.is_empty() || modes.is_empty(), "modes are of groups").at("groups")
     }
 
     /// The variable that a drive drives.
@@ -270,7 +271,7 @@ impl Looked<'_> {
             Drive::Coast(var) => exists(var, &entity.vars)?,
             Drive::Flow { var, degree, value } => {
                 exists(var, &entity.vars)?;
-                must(degree <= 2, "there are no derivatives but the first and the second")?;
+                ensure(degree <= 2, "there are no derivatives but the first and the second")?;
                 self.expr(value)?;
             }
             Drive::Envelope(id, _) => exists(id, &entity.envelopes)?,
@@ -278,14 +279,14 @@ impl Looked<'_> {
         driven(entity, drive).ok_or_else(|| Invalid::new("the envelope has no such component"))
     }
 
-    /// Edges, links, spawns.
+    /// Checks edges, links and spawns.
     fn behaviour(&self) -> Checked {
         let Entity { modes, edges, follows, refs, spawns, .. } = self.entity;
         each("edges", edges, |_, Edge { source, target, guard, actions, needs }| {
             exists(*source, modes).at("source")?;
             if let Some(target) = target {
                 exists(*target, modes).at("target")?;
-                must(modes[*target].group == modes[*source].group, "it is of another group").at("target")?;
+                ensure(modes[*target].group == modes[*source].group, "it is of another group").at("target")?;
             }
             self.guarded(Some(*guard), actions)?;
             all_exist(needs, refs).at("needs")
@@ -294,11 +295,11 @@ impl Looked<'_> {
             self.guarded(*guard, actions)?;
             all_exist(needs, refs).at("needs")
         })?;
-        // Each is examined where it happens, in the light of the guard there.
+        // Actions are checked in context, with the facts of the guard.
         let of_actions = self.entity.action_lists().flat_map(|actions| &actions.spawns);
         let mut happens: Vec<_> = of_actions.copied().collect();
         happens.sort_unstable();
-        must(happens.into_iter().eq(spawns.ids()), "each happens in one place").at("spawns")
+        ensure(happens.into_iter().eq(spawns.ids()), "each happens in one place").at("spawns")
     }
 
     fn guarded(&self, guard: Option<ExprId>, actions: &Actions) -> Checked {
@@ -327,7 +328,8 @@ impl Looked<'_> {
         let of = &self.program.entities[*entity];
         if let Some(into) = into {
             exists(*into, &self.entity.refs).at("into")?;
-            must(self.entity.refs[*into].entity.is_none_or(|may| may == *entity), "it refers to others").at("into")?;
+            ensure(self.entity.refs[*into].entity.is_none_or(|may| may == *entity), "it refers to others")
+                .at("into")?;
         }
         each_of("params", params, |(param, value)| {
             exists(*param, &of.params)?;
@@ -342,7 +344,7 @@ impl Looked<'_> {
             match *place {
                 Place::Var(var, degree) => {
                     exists(var, &of.vars)?;
-                    must(degree <= 2, "there are no derivatives but the first and the second")?;
+                    ensure(degree <= 2, "there are no derivatives but the first and the second")?;
                 }
                 Place::Discrete(id) => exists(id, &of.discretes)?,
                 Place::Ref(_) => return Err(Invalid::new("a reference gets an instance, not a number")),
@@ -399,7 +401,7 @@ impl Looked<'_> {
     }
 }
 
-/// The variable of a drive; none if an envelope has no such component.
+/// The variable of a drive; `None` if an envelope has no such component.
 fn driven(entity: &Entity, drive: Drive) -> Option<VarId> {
     match drive {
         Drive::Coast(var) | Drive::Flow { var, .. } => Some(var),

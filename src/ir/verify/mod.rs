@@ -1,6 +1,6 @@
-//! One look at every id, range and offset of a program, so that consumers index without checks: what `lower`
-//! makes holds by construction, what is read from a file may be anything. Each struct is taken apart without `..`, so
-//! that a new field does not build before it is examined.
+//! Verifies every id, range and offset of a program, so that consumers can index without checks: the output of `lower`
+//! is valid by construction, but a file may contain anything. Each struct is destructured without `..`, so that a new
+//! field does not compile until it is checked.
 
 mod code;
 mod entity;
@@ -11,7 +11,7 @@ use std::fmt;
 use super::{Id, IdRange, IdVec, MAX_TAGS, Program, TagSet};
 use code::Code;
 
-/// What is wrong with a program, and where.
+/// An error in a program, with its location.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Invalid {
     /// The entry: `entities[2].edges[5].guard`.
@@ -33,7 +33,7 @@ impl Invalid {
         Invalid { at: String::new(), why: why.into() }
     }
 
-    /// The same, seen from around.
+    /// Prefixes the location.
     fn within(mut self, around: &str) -> Self {
         let joint = if self.at.is_empty() || self.at.starts_with('[') { "" } else { "." };
         self.at = format!("{around}{joint}{}", self.at);
@@ -43,26 +43,25 @@ impl Invalid {
 
 type Checked = Result<(), Invalid>;
 
-/// Whether a program can be run.
+/// Checks whether a program can be run.
 ///
-/// # Errors
-/// [`Invalid`], the first thing found that an instance, a world or an expression could not be run with.
+/// [`Invalid`]: the first error found.
 pub fn verify(program: &Program) -> Checked {
     let Program { tags, exprs, entities, worlds, spans } = program;
-    must(tags.len() <= MAX_TAGS, "there are more tags than fit a set").at("tags")?;
+    ensure(tags.len() <= MAX_TAGS, "there are more tags than fit a set").at("tags")?;
     same(spans.tags.len(), tags.len()).at("spans.tags")?;
     same(spans.exprs.len(), exprs.len()).at("spans.exprs")?;
     same(spans.entities.len(), entities.len()).at("spans.entities")?;
     same(spans.worlds.len(), worlds.len()).at("spans.worlds")?;
     let code = Code::new(program)?;
     each("entities", entities, |id, entity| entity::verify(program, &code, id, entity))?;
-    code::apart(program)?;
+    code::check_code_ranges(program)?;
     each("worlds", worlds, |id, world| world::verify(program, &code, id, world))
 }
 
-/// Names the place of a check.
+/// Adds the location to a failed check.
 trait At {
-    /// Says where what was checked is.
+    /// Adds the location.
     fn at(self, place: &str) -> Checked;
 }
 
@@ -72,7 +71,7 @@ impl At for Checked {
     }
 }
 
-fn must(holds: bool, why: &str) -> Checked {
+fn ensure(holds: bool, why: &str) -> Checked {
     if holds { Ok(()) } else { Err(Invalid::new(why)) }
 }
 
@@ -80,7 +79,7 @@ fn same(count: usize, wanted: usize) -> Checked {
     if count == wanted { Ok(()) } else { Err(Invalid::new(format!("{count} entries where there must be {wanted}"))) }
 }
 
-/// Checks that an id is of a table.
+/// Checks that a table has an id.
 fn exists<I: Id + fmt::Debug, T>(id: I, table: &IdVec<I, T>) -> Checked {
     exists_among(id, table.len())
 }
@@ -93,10 +92,10 @@ fn all_exist<'i, I: Id + fmt::Debug + 'i, T>(ids: impl IntoIterator<Item = &'i I
     ids.into_iter().enumerate().try_for_each(|(at, id)| exists(*id, table).at(&format!("[{at}]")))
 }
 
-/// Checks that a range is of a table and not empty.
+/// Checks that a range is not empty and in a table.
 fn range<I: Id + Ord + fmt::Debug, T>(range: IdRange<I>, table: &IdVec<I, T>) -> Checked {
-    must(!range.is_empty(), "the range is empty")?;
-    must(range.to.index() <= table.len(), "the range goes beyond the table")
+    ensure(!range.is_empty(), "the range is empty")?;
+    ensure(range.to.index() <= table.len(), "the range goes beyond the table")
 }
 
 fn each<I: Id, T>(name: &str, table: &IdVec<I, T>, check: impl FnMut(I, &T) -> Checked) -> Checked {
@@ -115,12 +114,12 @@ fn each_of<T>(name: &str, list: &[T], mut check: impl FnMut(&T) -> Checked) -> C
     list.iter().enumerate().try_for_each(|(at, entry)| check(entry).at(&format!("{name}[{at}]")))
 }
 
-/// Checks that a set holds tags of the program alone; that of all tags stands for any.
+/// Checks that a set holds only tags of the program; the set of all tags stands for any.
 fn tags(set: TagSet, program: &Program) -> Checked {
     let known = program.tags.ids().collect::<TagSet>();
-    must(set == TagSet::ALL || set.0 & !known.0 == 0, "a tag of the set is not among the program's")
+    ensure(set == TagSet::ALL || set.0 & !known.0 == 0, "a tag of the set is not among the program's")
 }
 
 fn finite(numbers: &[f64]) -> Checked {
-    must(numbers.iter().all(|number| number.is_finite()), "a number is not finite")
+    ensure(numbers.iter().all(|number| number.is_finite()), "a number is not finite")
 }

@@ -1,5 +1,4 @@
-//! A world: that its instances fit their entities, its maps their kinds of tiles, and that the layout is the one that
-//! follows from all this.
+//! Verifies a world: instances fit their entities, maps their kinds of tiles, and the layout follows from them.
 
 use crate::ir::{
     Bounds, Collide, Domain, Layout, Link, MAX_INSTANCES, Origin, Player, Program, Slot, Solid, Space, TagId, TileMap,
@@ -7,18 +6,18 @@ use crate::ir::{
 };
 
 use super::code::{Code, Facts, Owner};
-use super::{At, Checked, each, each_of, exists, finite, must, same, tags};
+use super::{At, Checked, each, each_of, ensure, exists, finite, same, tags};
 
 pub(super) fn verify(program: &Program, code: &Code<'_>, id: WorldId, world: &World) -> Checked {
     let World { name: _, step, spaces, slots, players, collide, goals, nevers, open, layout } = world;
     let expr = |e| code.check(Owner::World(id), e, &mut Facts::new());
-    must(step.numerator > 0 && step.denominator > 0, "a step takes time").at("step")?;
-    must(slots.len() <= MAX_INSTANCES, "there are more than a state can number").at("slots")?;
-    must(slots.is_empty() || !spaces.is_empty(), "instances are in spaces").at("spaces")?;
+    ensure(step.numerator > 0 && step.denominator > 0, "a step takes time").at("step")?;
+    ensure(slots.len() <= MAX_INSTANCES, "there are more than a state can number").at("slots")?;
+    ensure(slots.is_empty() || !spaces.is_empty(), "instances are in spaces").at("spaces")?;
     open.map_or(Ok(()), |space| exists(space, spaces)).at("open")?;
     each("players", players, |player, Player { number: _, slot }| {
         exists(*slot, slots).at("slot")?;
-        must(slots[*slot].player == Some(player), "the instance is another player's").at("slot")
+        ensure(slots[*slot].player == Some(player), "the instance is another player's").at("slot")
     })?;
     each("slots", slots, |_, slot| self::slot(program, world, slot))?;
     each("spaces", spaces, |_, space| {
@@ -33,7 +32,7 @@ pub(super) fn verify(program: &Program, code: &Code<'_>, id: WorldId, world: &Wo
             exists(*space, spaces).at("space")?;
             rectangle(*from).at("from")?;
             rectangle(*to).at("to")?;
-            must(from.left < from.right && from.bottom < from.top, "it has no inside").at("from")?;
+            ensure(from.left < from.right && from.bottom < from.top, "it has no inside").at("from")?;
             guard.map_or(Ok(()), expr).at("guard")
         })
     })?;
@@ -44,7 +43,7 @@ pub(super) fn verify(program: &Program, code: &Code<'_>, id: WorldId, world: &Wo
     each("goals", goals, |_, goal| expr(goal.holds).at("holds"))?;
     each("nevers", nevers, |_, never| expr(never.holds).at("holds"))?;
     let is_laid_out = *layout == Layout::new(slots, players.len(), &program.entities);
-    must(is_laid_out, "it is not the one that follows from the slots and the players").at("layout")?;
+    ensure(is_laid_out, "it is not the one that follows from the slots and the players").at("layout")?;
     spans(world, &program.spans.worlds[id]).at("spans")
 }
 
@@ -62,12 +61,12 @@ fn slot(program: &Program, world: &World, slot: &Slot) -> Checked {
     let fits = |(value, discrete): (&i32, &crate::ir::Discrete)| match &discrete.domain {
         Domain::Int | Domain::Bool | Domain::Set(_) => (discrete.range.0..=discrete.range.1).contains(value),
     };
-    must(discretes.iter().zip(of.discretes.iter()).all(fits), "a value is out of its range").at("discretes")?;
+    ensure(discretes.iter().zip(of.discretes.iter()).all(fits), "a value is out of its range").at("discretes")?;
     same(refs.len(), of.refs.len()).at("refs")?;
     each("refs", refs, |id, to| {
         let Some(to) = *to else { return Ok(()) };
         exists(to, &world.slots)?;
-        must(of.refs[id].entity.is_none_or(|may| may == world.slots[to].entity), "it refers to others")
+        ensure(of.refs[id].entity.is_none_or(|may| may == world.slots[to].entity), "it refers to others")
     })?;
     let is_spawned = program.entities.iter().any(|e| e.spawns.iter().any(|spawn| spawn.entity == *entity));
     let keeps = match origin {
@@ -75,23 +74,24 @@ fn slot(program: &Program, world: &World, slot: &Slot) -> Checked {
         Origin::Tile => !is_spawned,
         Origin::Free => false,
     };
-    must(*is_fixed == keeps, "it does not follow from where instances come from").at("is_fixed")?;
+    ensure(*is_fixed == keeps, "it does not follow from where instances come from").at("is_fixed")?;
     let limits = program.timer_limits(*entity, is_fixed.then_some(params), world.step);
-    must(*timer_limits == limits, "they do not follow from what timers are compared with").at("timer_limits")
+    ensure(*timer_limits == limits, "they do not follow from what timers are compared with").at("timer_limits")
 }
 
 fn map(program: &Program, map: &TileMap<TagId>) -> Checked {
     let TileMap { columns, rows, tile, kinds, cells } = map;
     finite(&[tile.0, tile.1]).at("tile")?;
-    must(tile.0 > 0.0 && tile.1 > 0.0, "a tile has a size").at("tile")?;
-    must(columns.checked_mul(*rows) == Some(cells.len()), "there is not a tile for each column and row").at("cells")?;
-    must(cells.iter().all(|kind| usize::from(*kind) < kinds.len()), "a tile is of no kind").at("cells")?;
+    ensure(tile.0 > 0.0 && tile.1 > 0.0, "a tile has a size").at("tile")?;
+    ensure(columns.checked_mul(*rows) == Some(cells.len()), "there is not a tile for each column and row")
+        .at("cells")?;
+    ensure(cells.iter().all(|kind| usize::from(*kind) < kinds.len()), "a tile is of no kind").at("cells")?;
     each_of("kinds", kinds, |kind| super::all_exist(&kind.tags, &program.tags).at("tags"))
 }
 
 fn rectangle(Bounds { left, right, bottom, top }: Bounds) -> Checked {
     finite(&[left, right, bottom, top])?;
-    must(left <= right && bottom <= top, "it ends before it begins")
+    ensure(left <= right && bottom <= top, "it ends before it begins")
 }
 
 fn spans(world: &World, spans: &WorldSpans) -> Checked {

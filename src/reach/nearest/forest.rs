@@ -1,24 +1,24 @@
-//! Points that come one by one, in static trees: the doubling method of Bentley and Saxe, *Decomposable Searching
-//! Problems I: Static-to-Dynamic Transformation*, 1980. The oldest points are in the largest tree; the newest are in
-//! none and are scanned until they are worth one.
+//! An incremental index of static trees: the doubling method of Bentley and Saxe, *Decomposable Searching Problems I:
+//! Static-to-Dynamic Transformation*, 1980. The oldest points are in the largest tree; the newest are scanned until
+//! there are enough for a tree.
 
 use super::linear::{Best, Linear, Query};
 use super::tree::{MAX_AXES, Tree, varying};
 
-/// Trees over the slots of some points, the rest of which is scanned.
+/// Trees over some slots; the rest is scanned.
 #[derive(Debug, Clone)]
 pub(super) struct Forest {
     trees: Vec<Tree>,
-    /// How many points of up to four coordinates are worth a tree.
+    /// Minimum number of points for a tree with up to four coordinates.
     least: usize,
-    /// How many scanned slots are worth a tree, as far as is known.
+    /// Number of scanned slots at which a tree is considered next.
     next: usize,
-    /// How many of the scanned slots are of removed points.
+    /// Number of scanned slots with removed points.
     removed: usize,
 }
 
-/// How many points are worth a tree, in multiples of what is in few dimensions: measured with `benches/nearest.rs`.
-fn worth(axes: usize) -> Option<usize> {
+/// Factor of the minimum number of points for a tree, by dimension: measured with `benches/nearest.rs`.
+fn size_factor(axes: usize) -> Option<usize> {
     match axes {
         0..=4 => Some(1),
         5..=8 => Some(4),
@@ -28,7 +28,7 @@ fn worth(axes: usize) -> Option<usize> {
 }
 
 impl Forest {
-    /// The memory that it takes, bytes, about.
+    /// Approximate memory use, bytes.
     pub fn bytes(&self) -> usize {
         self.trees.iter().map(Tree::bytes).sum()
     }
@@ -42,29 +42,29 @@ impl Forest {
         self.trees.last().map_or(0, |tree| tree.slots().end)
     }
 
-    /// Told of new points. If it drops removed ones, gives the slot from which on the others have moved.
-    pub fn grown(&mut self, points: &mut Linear) -> Option<usize> {
+    /// Updates the trees after points were added. Returns the first moved slot, if removed points were dropped.
+    pub fn after_push(&mut self, points: &mut Linear) -> Option<usize> {
         if points.len() - self.end() < self.next {
             return None;
         }
-        // A tree goes into the new one if it is no larger than what comes after it.
+        // A tree is merged into the new one if it is no larger than the points after it.
         let joins = |tree: &&Tree| tree.slots().len() <= points.len() - tree.slots().end;
         let joining = self.trees.iter().rev().take_while(joins).count();
-        Some(self.plant_after(self.trees.len() - joining, points))
+        Some(self.rebuild_after(self.trees.len() - joining, points))
     }
 
-    /// Told that a point was removed. If it drops it and others, gives the slot from which on the others have moved.
-    pub fn removed(&mut self, points: &mut Linear, slot: usize) -> Option<usize> {
+    /// Updates the trees after a point was removed. Returns the first moved slot, if removed points were dropped.
+    pub fn after_remove(&mut self, points: &mut Linear, slot: usize) -> Option<usize> {
         if let Some(number) = self.trees.iter().position(|tree| tree.slots().contains(&slot)) {
-            return self.trees[number].removed(points, slot).then(|| self.plant_after(number, points));
+            return self.trees[number].after_remove(points, slot).then(|| self.rebuild_after(number, points));
         }
         self.removed += 1;
-        (2 * self.removed > points.len() - self.end()).then(|| self.plant_after(self.trees.len(), points))
+        (2 * self.removed > points.len() - self.end()).then(|| self.rebuild_after(self.trees.len(), points))
     }
 
-    /// Keeps the first trees and puts the points after them into one, if that pays off. Returns the first slot after
-    /// those that were kept.
-    fn plant_after(&mut self, kept: usize, points: &mut Linear) -> usize {
+    /// Keeps the first trees and rebuilds one over the points after them, if it pays off. Returns the first slot after
+    /// the kept trees.
+    fn rebuild_after(&mut self, kept: usize, points: &mut Linear) -> usize {
         self.trees.truncate(kept);
         let from = self.end();
         points.compact(from);
@@ -73,18 +73,18 @@ impl Forest {
         self.next = self.least;
         if count >= self.least {
             let axes = varying(points, from..points.len());
-            // Coordinates that are all the same may not stay so, nor stay different: asked again at twice the number.
-            self.next = worth(axes.len()).map_or(2 * count, |times| times * self.least);
+            // Constant coordinates may start to vary, so this is decided again at twice the number.
+            self.next = size_factor(axes.len()).map_or(2 * count, |times| times * self.least);
             if count >= self.next {
-                let planted = Tree::plant(points, from..points.len(), axes);
-                self.next = if planted.is_some() { self.next } else { 2 * count };
-                self.trees.extend(planted);
+                let built = Tree::build(points, from..points.len(), axes);
+                self.next = if built.is_some() { self.next } else { 2 * count };
+                self.trees.extend(built);
             }
         }
         from
     }
 
-    /// Looks for a nearer point that is accepted.
+    /// Searches for a nearer accepted point.
     pub fn search(&self, points: &Linear, query: &Query<'_>, best: &mut Best, accept: &mut impl FnMut(usize) -> bool) {
         for tree in &self.trees {
             tree.search(points, query, best, accept);

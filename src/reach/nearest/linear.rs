@@ -1,23 +1,23 @@
-//! Points with real coordinates and modes, and the nearest of them by a linear scan. Points are in blocks of sixteen,
-//! one coordinate after the other, so that the compiler can use vector instructions. What a distance is, is defined
-//! here: one summation order, so that every way of searching comes to the same bits.
+//! Points with real coordinates and modes, with a linear scan for the nearest. Points are stored in blocks of sixteen,
+//! coordinate by coordinate, so that the compiler can vectorise. The distance is defined here with one order of
+//! summation, so that all searches agree to the last bit.
 
 use std::ops::Range;
 
 const LANES: usize = 16;
-/// The number of coordinates after which a block is given up if none of its points can be the nearest.
+/// Number of coordinates after which a block is skipped if none of its points can be the nearest.
 const ROWS_AT_ONCE: usize = 8;
-/// Where a removed point is moved: farther than any point, as coordinates are finite.
+/// Coordinate of a removed point: farther than any point, as coordinates are finite.
 const REMOVED: f32 = f32::INFINITY;
 
-/// What the nearest point is asked for.
+/// A nearest-neighbour query.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Query<'q> {
     pub reals: &'q [f32],
     pub modes: &'q [f32],
-    /// What a mode that differs adds to the squared distance.
+    /// Penalty of a differing mode in the squared distance.
     pub penalty: f32,
-    /// How many modes differ that the points do not store.
+    /// Number of differing modes that the points do not store.
     pub differing: usize,
 }
 
@@ -26,7 +26,7 @@ pub(super) struct Query<'q> {
 pub(super) struct Best {
     pub distance: f32,
     pub index: usize,
-    /// Among how many points it is the nearest.
+    /// Number of points searched so far.
     pub searched: usize,
 }
 
@@ -40,8 +40,8 @@ impl Best {
         self.index == usize::MAX
     }
 
-    /// Whether a point would take its place.
-    pub fn yields_to(&self, distance: f32, index: usize) -> bool {
+    /// Whether a point would replace it.
+    pub fn is_beaten_by(&self, distance: f32, index: usize) -> bool {
         distance < self.distance || (distance == self.distance && index < self.index)
     }
 }
@@ -56,12 +56,12 @@ pub(super) struct Linear {
 }
 
 impl Linear {
-    /// No points yet, of at least one coordinate: by the first one they are removed.
+    /// An empty list; needs at least one coordinate, which marks removed points.
     pub fn new(reals: usize, modes: usize) -> Self {
         Linear { reals, modes, indices: Vec::new(), blocks: Vec::new() }
     }
 
-    /// The memory that it takes, bytes.
+    /// Memory use, bytes.
     pub fn bytes(&self) -> usize {
         self.indices.capacity() * size_of::<u32>() + self.blocks.capacity() * size_of::<[f32; LANES]>()
     }
@@ -75,7 +75,7 @@ impl Linear {
         self.reals
     }
 
-    /// The number of slots, those of removed points included.
+    /// Number of slots, including those of removed points.
     pub fn len(&self) -> usize {
         self.indices.len()
     }
@@ -100,7 +100,7 @@ impl Linear {
         self.indices.push(index);
     }
 
-    /// Takes a point out; its slot stays until the points are compacted.
+    /// Removes a point; its slot stays until the points are compacted.
     pub fn remove(&mut self, slot: usize) {
         let block = slot / LANES * self.rows();
         self.blocks[block][slot % LANES] = REMOVED;
@@ -115,7 +115,7 @@ impl Linear {
         self.value(slot, 0) < REMOVED
     }
 
-    /// A coordinate; behind the coordinates come the modes.
+    /// A coordinate; the modes follow the coordinates.
     pub fn value(&self, slot: usize, row: usize) -> f32 {
         self.blocks[slot / LANES * self.rows() + row][slot % LANES]
     }
@@ -130,7 +130,7 @@ impl Linear {
         (0..self.reals).map(move |row| self.value(slot, row))
     }
 
-    /// The squared distance of one point, to the bit as the scan has it.
+    /// The squared distance of one point, bit for bit as in the scan.
     pub fn distance(&self, slot: usize, query: &Query<'_>) -> f32 {
         let mut sum = 0.0;
         for (value, wanted) in self.coordinates(slot).zip(query.reals) {
@@ -143,7 +143,7 @@ impl Linear {
         (0..query.differing).fold(sum, |sum, _| sum + query.penalty)
     }
 
-    /// Drops the removed points from a slot on; those that stay keep their order.
+    /// Drops the removed points from a slot on; the others keep their order.
     pub fn compact(&mut self, from: usize) {
         let rows = self.rows();
         let mut to = from;
@@ -166,7 +166,7 @@ impl Linear {
         }
     }
 
-    /// Looks through a range of slots, and perhaps a few around it, for a nearer point that is accepted.
+    /// Scans a range of slots, and perhaps a few around it, for a nearer accepted point.
     pub fn scan(
         &self,
         slots: Range<usize>,
@@ -184,7 +184,7 @@ impl Linear {
             for (slot, sum) in (slot..self.len()).zip(sums) {
                 if sum <= best.distance {
                     let index = self.index(slot);
-                    if best.yields_to(sum, index) && accept(index) {
+                    if best.is_beaten_by(sum, index) && accept(index) {
                         (best.distance, best.index) = (sum, index);
                     }
                 }
@@ -204,7 +204,7 @@ impl Linear {
                     sums[lane] += d * d;
                 }
             }
-            // Sums only grow.
+            // The sums only grow.
             if !any_at_most(&sums, most) {
                 return None;
             }
@@ -226,7 +226,7 @@ impl Linear {
     }
 }
 
-/// Without a branch a lane, which would keep the compiler from vectors.
+/// Branch-free, so that the compiler can vectorise.
 fn any_at_most(sums: &[f32; LANES], most: f32) -> bool {
     sums.iter().fold(false, |any, sum| any | (*sum <= most))
 }

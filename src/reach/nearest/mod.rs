@@ -1,6 +1,6 @@
-//! The exact nearest neighbour among points that come and go: real coordinates, and modes that cost a fixed penalty
-//! where they differ. Few points are scanned; the modes that many points share get a partition each (`partition.rs`),
-//! whose points are in trees (`forest.rs`, `tree.rs`) where that is faster.
+//! Exact nearest neighbours among points that are added and removed: real coordinates, and modes with a fixed penalty
+//! where they differ. Few points are scanned; points with common modes get a partition (`partition.rs`), whose points
+//! are in trees (`forest.rs`, `tree.rs`) where that is faster.
 
 mod forest;
 mod linear;
@@ -12,116 +12,127 @@ mod tree;
 use linear::{Best, Linear, Query};
 use partition::{Partition, compare};
 
-/// A found point.
+/// The result of a query.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Neighbour {
-    /// How many points were added before it.
+    /// Its index: the number of points added before it.
     pub index: usize,
     /// The squared distance, with the penalties of the modes that differ.
     pub distance: f32,
 }
 
-/// Numbers of points from which on it is done otherwise: measured with `benches/nearest.rs`.
+/// Numbers of points at which the data structure changes: measured with `benches/nearest.rs`.
 #[derive(Debug, Clone, Copy)]
 struct Thresholds {
-    /// As many points as are scanned whatever their modes.
+    /// Number of points that are scanned regardless of their modes.
     scan: usize,
-    /// As many of them as get a partition if their modes are the same. What is left is scanned: thousands of partitions
-    /// of a few points each take longer than a scan of all.
+    /// Number of points with the same modes that get a partition. The rest is scanned: thousands of partitions with a
+    /// few points each are slower than one scan.
     partition: usize,
-    /// As many points of a partition, in up to four coordinates, as get a tree.
+    /// Number of points of a partition, in up to four coordinates, that get a tree.
     tree: usize,
 }
 
 const THRESHOLDS: Thresholds = Thresholds { scan: 500, partition: 50, tree: 1_500 };
 
-/// Where a point is.
+/// The location of a point.
 #[derive(Debug, Clone, Copy)]
-enum Place {
-    /// Among the points of rare modes.
+enum Location {
+    /// In the list of points with rare modes.
     Rest(u32),
     /// In a partition.
     Partition(u32, u32),
     Removed,
 }
 
-/// Points and the nearest of them: of least squared distance, ties go to the lower index. A query takes no memory,
-/// but if removed or refused points are the nearest.
+/// An index of points by squared distance; ties go to the lower index. A query allocates nothing, unless removed or
+/// refused points are the nearest.
 #[derive(Debug, Clone)]
 pub struct Index {
     reals: usize,
     modes: usize,
     penalty: f32,
     thresholds: Thresholds,
-    /// The points of modes that few points have.
+    /// Points with rare modes.
     rest: Linear,
-    /// How many of their slots are of removed points.
+    /// Number of their slots with removed points.
     removed: usize,
-    /// The number of their slots at which common modes among them are looked for.
+    /// Number of their slots at which common modes are looked for.
     next: usize,
     partitions: Vec<Partition>,
     /// The partitions in the order of their modes.
     order: Vec<u32>,
     /// By index.
-    places: Vec<Place>,
+    locations: Vec<Location>,
 }
 
 impl Index {
-    /// No points yet, of `reals` finite coordinates and `modes` modes; a mode that differs adds `penalty`, 0 or more,
-    /// to the squared distance.
+    /// An empty index of points with `reals` finite coordinates and `modes` modes; a differing mode adds `penalty` (at
+    /// least 0) to the squared distance.
     pub fn new(reals: usize, modes: usize, penalty: f32) -> Self {
         Index::with_thresholds(reals, modes, penalty, THRESHOLDS)
     }
 
     fn with_thresholds(reals: usize, modes: usize, penalty: f32, thresholds: Thresholds) -> Self {
-        // A point is removed by its first coordinate.
+        // The first coordinate marks removed points.
         let rest = Linear::new(reals.max(1), modes);
-        let (partitions, order, places) = (Vec::new(), Vec::new(), Vec::new());
-        Index { reals, modes, penalty, thresholds, rest, removed: 0, next: thresholds.scan, partitions, order, places }
+        let (partitions, order, locations) = (Vec::new(), Vec::new(), Vec::new());
+        Index {
+            reals,
+            modes,
+            penalty,
+            thresholds,
+            rest,
+            removed: 0,
+            next: thresholds.scan,
+            partitions,
+            order,
+            locations,
+        }
     }
 
-    /// Forgets all points, keeps the memory of those that are scanned.
+    /// Removes all points, but keeps the memory of the scanned ones.
     pub fn clear(&mut self) {
         self.rest.clear();
         self.removed = 0;
         self.next = self.thresholds.scan;
         self.partitions.clear();
         self.order.clear();
-        self.places.clear();
+        self.locations.clear();
     }
 
-    /// The number of points, removed ones included.
+    /// Number of points, including removed ones.
     pub fn len(&self) -> usize {
-        self.places.len()
+        self.locations.len()
     }
 
-    /// The memory that it takes, bytes, about.
+    /// Approximate memory use, bytes.
     pub fn bytes(&self) -> usize {
         let partitions: usize = self.partitions.iter().map(Partition::bytes).sum();
-        self.rest.bytes() + partitions + self.places.capacity() * size_of::<Place>()
+        self.rest.bytes() + partitions + self.locations.capacity() * size_of::<Location>()
     }
 
     /// Whether there is no point.
     pub fn is_empty(&self) -> bool {
-        self.places.is_empty()
+        self.locations.is_empty()
     }
 
     /// Adds a point; its index is the number of points before it.
     pub fn push(&mut self, reals: &[f32], modes: &[f32]) {
         debug_assert_eq!((reals.len(), modes.len()), (self.reals, self.modes), "a point of this space");
-        let index = self.places.len() as u32;
+        let index = self.locations.len() as u32;
         let reals = at_least_one(reals);
         match self.order.binary_search_by(|&number| self.partitions[number as usize].order(modes)) {
             Ok(at) => {
                 let number = self.order[at];
                 let partition = &mut self.partitions[number as usize];
-                self.places.push(Place::Partition(number, partition.points().len() as u32));
+                self.locations.push(Location::Partition(number, partition.points().len() as u32));
                 partition.push(reals, index);
-                let moved = partition.grown();
+                let moved = partition.after_push();
                 self.note_partition(number, moved);
             }
             Err(_) => {
-                self.places.push(Place::Rest(self.rest.len() as u32));
+                self.locations.push(Location::Rest(self.rest.len() as u32));
                 self.rest.push(reals, modes, index);
                 if self.rest.len() >= self.next {
                     self.split();
@@ -130,34 +141,34 @@ impl Index {
         }
     }
 
-    /// Takes a point out, if it is there.
+    /// Removes a point, if it is present.
     pub fn remove(&mut self, index: usize) {
-        let Some(place) = self.places.get_mut(index) else {
+        let Some(place) = self.locations.get_mut(index) else {
             return;
         };
-        match std::mem::replace(place, Place::Removed) {
-            Place::Rest(slot) => {
+        match std::mem::replace(place, Location::Removed) {
+            Location::Rest(slot) => {
                 self.rest.remove(slot as usize);
                 self.removed += 1;
                 if 2 * self.removed > self.rest.len() {
                     self.compact_rest();
                 }
             }
-            Place::Partition(number, slot) => {
+            Location::Partition(number, slot) => {
                 let moved = self.partitions[number as usize].remove(slot as usize);
                 self.note_partition(number, moved);
             }
-            Place::Removed => {}
+            Location::Removed => {}
         }
     }
 
-    /// The nearest point; none if all are removed.
+    /// The nearest point; `None` if there is none.
     pub fn nearest(&self, reals: &[f32], modes: &[f32]) -> Option<Neighbour> {
         self.search(reals, modes, &mut |_| true)
     }
 
-    /// The nearest point that `accept` takes; it must answer the same for the same point. It is asked about the nearest
-    /// point, and about others only if it refuses that one.
+    /// The nearest accepted point. `accept` must be a pure function; it is called with the nearest point, and with
+    /// others only if it refuses that one.
     pub fn nearest_where(
         &self,
         reals: &[f32],
@@ -177,7 +188,7 @@ impl Index {
         let mut best = Best::none();
         let mut penalties = 0.0;
         for differing in 0..=self.modes {
-            // Every point that is left is at least so far.
+            // All remaining points are at least this far away.
             if penalties > best.distance {
                 break;
             }
@@ -195,7 +206,7 @@ impl Index {
         (!best.is_none()).then_some(Neighbour { index: best.index, distance: best.distance })
     }
 
-    /// Returns the modes that many points share a partition each.
+    /// Moves points with common modes into partitions.
     fn split(&mut self) {
         self.rest.compact(0);
         let modes_of = |slot: &u32| self.rest.modes(*slot as usize);
@@ -213,7 +224,7 @@ impl Index {
                 reals.extend(self.rest.coordinates(slot as usize));
                 partition.push(&reals, self.rest.index(slot as usize) as u32);
             }
-            partition.grown();
+            partition.after_push();
             partitions.push(partition);
             moved.extend_from_slice(run);
         }
@@ -236,20 +247,20 @@ impl Index {
         self.rest.compact(0);
         self.removed = 0;
         for slot in 0..self.rest.len() {
-            self.places[self.rest.index(slot)] = Place::Rest(slot as u32);
+            self.locations[self.rest.index(slot)] = Location::Rest(slot as u32);
         }
     }
 
-    /// Notes where the points of a partition are that have moved.
+    /// Updates the locations of moved points of a partition.
     fn note_partition(&mut self, number: u32, from: Option<usize>) {
         let points = self.partitions[number as usize].points();
         for slot in from.map_or(0..0, |from| from..points.len()) {
-            self.places[points.index(slot)] = Place::Partition(number, slot as u32);
+            self.locations[points.index(slot)] = Location::Partition(number, slot as u32);
         }
     }
 }
 
-/// Points without coordinates are all in one place.
+/// Points without coordinates share one dummy coordinate.
 fn at_least_one(reals: &[f32]) -> &[f32] {
     if reals.is_empty() { &[0.0] } else { reals }
 }

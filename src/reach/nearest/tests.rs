@@ -1,5 +1,5 @@
-//! The index against brute force, on points as game states have them: few distinct values, coordinates that never
-//! change, the same point many times, common and rare modes, most points removed sooner or later.
+//! Compares the index with brute force, on points like those of game states: few distinct values, constant coordinates,
+//! duplicates, common and rare modes, most points removed sooner or later.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -11,7 +11,7 @@ use rand_pcg::Pcg64;
 use super::*;
 
 const PENALTY: f32 = 0.05;
-/// All that depends on numbers happens early.
+/// Low thresholds, so that all structures are exercised.
 const EARLY: Thresholds = Thresholds { scan: 20, partition: 6, tree: 10 };
 
 /// How one coordinate is drawn.
@@ -21,7 +21,7 @@ enum Values {
     Any,
     /// One of a number of tenths, in which no sum of squares is exact: a counter.
     Tenths(u32),
-    /// Mostly nought: a timer that seldom runs.
+    /// Mostly zero: a timer that seldom runs.
     Seldom,
     Fixed,
 }
@@ -37,10 +37,10 @@ impl Values {
     }
 }
 
-/// The index, and the points in a list.
-struct Twin {
+/// An index together with a list of its points.
+struct CheckedIndex {
     values: Vec<Values>,
-    /// How many values each mode has.
+    /// Number of values of each mode.
     modes: Vec<u32>,
     index: Index,
     points: Vec<(Vec<f32>, Vec<f32>)>,
@@ -48,10 +48,10 @@ struct Twin {
     rng: Pcg64,
 }
 
-impl Twin {
+impl CheckedIndex {
     fn new(values: Vec<Values>, modes: Vec<u32>, thresholds: Thresholds, seed: u64) -> Self {
         let index = Index::with_thresholds(values.len(), modes.len(), PENALTY, thresholds);
-        Twin { values, modes, index, points: Vec::new(), live: Vec::new(), rng: Pcg64::seed_from_u64(seed) }
+        CheckedIndex { values, modes, index, points: Vec::new(), live: Vec::new(), rng: Pcg64::seed_from_u64(seed) }
     }
 
     fn draw(&mut self) -> (Vec<f32>, Vec<f32>) {
@@ -95,7 +95,7 @@ impl Twin {
         best
     }
 
-    /// A query, at a point or anywhere, for all points and for a part of them. Returns the nearest.
+    /// Checks a query, at a point or anywhere, for all points and for some of them. Returns the nearest.
     fn check(&mut self) -> Option<Neighbour> {
         let mut query = self.draw();
         if !self.points.is_empty() && self.rng.random_bool(0.3) {
@@ -109,7 +109,7 @@ impl Twin {
         let accept = |index: usize| (index * 7919).is_multiple_of(one_in);
         let live = &self.live;
         let asked = |index: usize| {
-            assert!(live.contains(&index), "removed points are not asked about");
+            assert!(live.contains(&index), "`accept` is not called for removed points");
             accept(index)
         };
         assert_eq!(self.index.nearest_where(&query.0, &query.1, asked), self.brute(&query, accept));
@@ -121,7 +121,7 @@ fn values() -> impl Strategy<Value = Vec<Values>> {
     let one =
         prop_oneof![Just(Values::Any), (2..12u32).prop_map(Values::Tenths), Just(Values::Seldom), Just(Values::Fixed)];
     prop_oneof![
-        // So few values that points coincide, and what a tree takes, and more.
+        // Few values, so that points coincide; then dimensions with and without trees.
         2 => prop::collection::vec((2..4u32).prop_map(Values::Tenths), 0..4),
         4 => prop::collection::vec(one.clone(), 0..14),
         1 => prop::collection::vec(one, 14..30),
@@ -139,70 +139,70 @@ proptest! {
         turns in 1..700usize,
         removed in 0.0..1.0f64,
     ) {
-        let mut twin = Twin::new(values, modes, EARLY, seed);
+        let mut checked = CheckedIndex::new(values, modes, EARLY, seed);
         for turn in 0..turns {
-            let point = twin.draw();
-            twin.push(point);
-            if twin.rng.random_bool(0.02) {
+            let point = checked.draw();
+            checked.push(point);
+            if checked.rng.random_bool(0.02) {
                 // The same point over and over.
-                let point = twin.draw();
-                (0..30).for_each(|_| twin.push(point.clone()));
+                let point = checked.draw();
+                (0..30).for_each(|_| checked.push(point.clone()));
             }
             if turn % 5 == 0 {
-                let nearest = twin.check();
-                // As planners do: the nearest is used up.
-                if let Some(nearest) = nearest && twin.rng.random_bool(removed) {
-                    twin.remove(nearest.index);
+                let nearest = checked.check();
+                // Planners use up the nearest point.
+                if let Some(nearest) = nearest && checked.rng.random_bool(removed) {
+                    checked.remove(nearest.index);
                 }
             }
-            if twin.rng.random_bool(removed / 2.0) {
-                let victim = twin.rng.random_range(0..twin.points.len());
-                twin.remove(victim);
+            if checked.rng.random_bool(removed / 2.0) {
+                let victim = checked.rng.random_range(0..checked.points.len());
+                checked.remove(victim);
             }
         }
-        while !twin.live.is_empty() {
-            twin.check();
-            for _ in 0..20.min(twin.live.len()) {
-                let victim = twin.live[twin.rng.random_range(0..twin.live.len())];
-                twin.remove(victim);
+        while !checked.live.is_empty() {
+            checked.check();
+            for _ in 0..20.min(checked.live.len()) {
+                let victim = checked.live[checked.rng.random_range(0..checked.live.len())];
+                checked.remove(victim);
             }
         }
-        prop_assert_eq!(twin.check(), None);
-        twin.index.clear();
-        twin.points.clear();
-        prop_assert!(twin.index.is_empty());
-        let point = twin.draw();
-        twin.push(point);
-        twin.check();
+        prop_assert_eq!(checked.check(), None);
+        checked.index.clear();
+        checked.points.clear();
+        prop_assert!(checked.index.is_empty());
+        let point = checked.draw();
+        checked.push(point);
+        checked.check();
     }
 }
 
-/// Twenty thousand points with the thresholds that planners have.
+/// Twenty thousand points with the production thresholds.
 fn many(values: Vec<Values>, modes: Vec<u32>) {
-    let mut twin = Twin::new(values, modes, THRESHOLDS, 1);
+    let mut checked = CheckedIndex::new(values, modes, THRESHOLDS, 1);
     for turn in 0..20_000 {
-        let point = twin.draw();
-        twin.push(point);
+        let point = checked.draw();
+        checked.push(point);
         if turn % 100 == 0
-            && let Some(nearest) = twin.check()
+            && let Some(nearest) = checked.check()
         {
-            twin.remove(nearest.index);
+            checked.remove(nearest.index);
         }
     }
-    // A hole in the middle: the nearest are all removed.
-    let query = twin.points[10_000].clone();
-    let mut near = twin.live.clone();
+    // A hole in the middle: the nearest points are all removed.
+    let query = checked.points[10_000].clone();
+    let mut near = checked.live.clone();
     let distance = |index: &usize| {
-        let pairs = twin.points[*index].0.iter().zip(&query.0);
+        let pairs = checked.points[*index].0.iter().zip(&query.0);
         pairs.map(|(a, b)| (a - b) * (a - b)).sum::<f32>()
     };
     near.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
     for index in near.into_iter().take(5_000) {
-        twin.index.remove(index);
-        twin.live.retain(|&live| live != index);
+        checked.index.remove(index);
+        checked.live.retain(|&live| live != index);
         if index % 50 == 0 {
-            assert_eq!(twin.index.nearest(&query.0, &query.1), twin.brute(&query, |_| true));
-            twin.check();
+            assert_eq!(checked.index.nearest(&query.0, &query.1), checked.brute(&query, |_| true));
+            checked.check();
         }
     }
 }
@@ -233,34 +233,34 @@ fn twelve_coordinates() {
 
 #[test]
 fn the_same_point_over_and_over() {
-    let mut twin = Twin::new(vec![Values::Any; 3], vec![2], THRESHOLDS, 1);
-    let (one, other) = (twin.draw(), twin.draw());
+    let mut checked = CheckedIndex::new(vec![Values::Any; 3], vec![2], THRESHOLDS, 1);
+    let (one, other) = (checked.draw(), checked.draw());
     for _ in 0..3_000 {
-        twin.push(one.clone());
-        twin.push(other.clone());
+        checked.push(one.clone());
+        checked.push(other.clone());
     }
-    while let Some(nearest) = twin.check() {
-        twin.remove(nearest.index);
-        // Most in blocks, so that the test ends.
-        let more: Vec<usize> = twin.live.iter().copied().skip(10).take(20).collect();
-        more.into_iter().for_each(|index| twin.index.remove(index));
-        let points = &twin.index;
-        twin.live.retain(|&index| !matches!(points.places[index], Place::Removed));
+    while let Some(nearest) = checked.check() {
+        checked.remove(nearest.index);
+        // Removes most points in blocks, to finish soon.
+        let more: Vec<usize> = checked.live.iter().copied().skip(10).take(20).collect();
+        more.into_iter().for_each(|index| checked.index.remove(index));
+        let points = &checked.index;
+        checked.live.retain(|&index| !matches!(points.locations[index], Location::Removed));
     }
 }
 
-/// Squares so small that they are no numbers any more, or nearly as large as numbers go.
+/// Squares that underflow or nearly overflow.
 #[test]
 fn distances_of_any_size() {
     for scale in [1e-24, 1e-22, 1e-20, 1e-3, 1e9] {
         let mut rng = Pcg64::seed_from_u64(1);
-        let mut twin = Twin::new(vec![Values::Any; 4], Vec::new(), EARLY, 1);
+        let mut checked = CheckedIndex::new(vec![Values::Any; 4], Vec::new(), EARLY, 1);
         for _ in 0..500 {
             let mut draw = || (0..4).map(|_| rng.random_range(0.0..scale)).collect::<Vec<f32>>();
             let (mut point, query) = (draw(), draw());
             point[3] = scale / 2.0;
-            twin.push((point, Vec::new()));
-            assert_eq!(twin.index.nearest(&query, &[]), twin.brute(&(query, Vec::new()), |_| true));
+            checked.push((point, Vec::new()));
+            assert_eq!(checked.index.nearest(&query, &[]), checked.brute(&(query, Vec::new()), |_| true));
         }
     }
 }
@@ -283,17 +283,17 @@ fn removed_points_go() {
 
 #[test]
 fn a_query_takes_no_memory() {
-    let mut twin = Twin::new(vec![Values::Any; 4], vec![2, 2], THRESHOLDS, 1);
+    let mut checked = CheckedIndex::new(vec![Values::Any; 4], vec![2, 2], THRESHOLDS, 1);
     for _ in 0..20_000 {
-        let point = twin.draw();
-        twin.push(point);
+        let point = checked.draw();
+        checked.push(point);
     }
-    assert!(twin.index.partitions.len() > 1);
+    assert!(checked.index.partitions.len() > 1);
     for _ in 0..100 {
-        let (reals, modes) = twin.draw();
+        let (reals, modes) = checked.draw();
         let counted = measure(|| {
-            twin.index.nearest(&reals, &modes);
-            twin.index.nearest_where(&reals, &modes, |_| true);
+            checked.index.nearest(&reals, &modes);
+            checked.index.nearest_where(&reals, &modes, |_| true);
         });
         assert_eq!((counted.count_total, counted.bytes_total), (0, 0));
     }

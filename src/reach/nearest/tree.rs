@@ -1,6 +1,6 @@
-//! A k-d tree over a range of points that no longer change (Bentley, *Multidimensional Binary Search Trees Used for
-//! Associative Searching*, 1975), as `kiddo` builds it. The tree only proposes: its distances are rounded in ways of
-//! their own, so every candidate is measured again, and all within a hair of the best are examined.
+//! A k-d tree over a fixed range of points (Bentley, *Multidimensional Binary Search Trees Used for Associative
+//! Searching*, 1975), built by `kiddo`. The tree only proposes candidates: its distances are rounded differently, so
+//! every candidate within a small tolerance of the best is measured again.
 
 use std::fmt::Debug;
 use std::num::NonZeroUsize;
@@ -11,14 +11,14 @@ use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
 use super::linear::{Best, Linear, Query};
 
-/// With more coordinates that vary than this, a tree looks at nearly all points.
+/// Maximum number of varying coordinates; above it, a tree visits nearly all points.
 pub(super) const MAX_AXES: usize = 12;
-/// How many of the nearest are asked for, one after the other, if those before were all removed or not accepted.
-const FEW: [NonZeroUsize; 2] = [NonZeroUsize::MIN.saturating_add(7), NonZeroUsize::MIN.saturating_add(63)];
-/// The end of a chain.
+/// Numbers of nearest places to request in turn, if all before were removed or refused.
+const CANDIDATES: [NonZeroUsize; 2] = [NonZeroUsize::MIN.saturating_add(7), NonZeroUsize::MIN.saturating_add(63)];
+/// The end of a linked list.
 const NONE: u32 = u32::MAX;
 
-/// A point of the tree: where it is, and the next one there.
+/// A point of the tree: its place, and the next point at the same place.
 #[derive(Debug, Clone, Copy)]
 struct Member {
     place: u32,
@@ -29,19 +29,19 @@ struct Member {
 #[derive(Debug, Clone)]
 pub(super) struct Tree {
     slots: Range<usize>,
-    /// The coordinates that vary; the tree knows only these.
+    /// The varying coordinates; the tree contains only these.
     axes: Vec<usize>,
-    /// Those that are the same in all points, with their value.
+    /// The constant coordinates, with their values.
     fixed: Vec<(usize, f32)>,
     index: Arc<dyn StaticTree>,
-    /// Of each place, the lowest slot that is live.
+    /// For each place, the lowest live slot.
     places: Vec<u32>,
-    /// Of each slot.
+    /// For each slot.
     members: Vec<Member>,
     removed: usize,
 }
 
-/// The coordinates that vary within a range of live points.
+/// The coordinates that vary over a range of live points.
 pub(super) fn varying(points: &Linear, slots: Range<usize>) -> Vec<usize> {
     let mut rest = slots.clone();
     let Some(first) = rest.next() else {
@@ -52,19 +52,19 @@ pub(super) fn varying(points: &Linear, slots: Range<usize>) -> Vec<usize> {
 }
 
 impl Tree {
-    /// The memory that it takes, bytes, about: a tree keeps each place by its coordinates and a number.
+    /// Approximate memory use, bytes: each place has its coordinates and a number.
     pub fn bytes(&self) -> usize {
         let place = (self.axes.len() + 2) * size_of::<f32>();
         self.members.capacity() * size_of::<Member>() + self.places.capacity() * (size_of::<u32>() + place)
     }
 
-    /// A tree over a range of live points and the coordinates that vary in it.
-    pub fn plant(points: &Linear, slots: Range<usize>, axes: Vec<usize>) -> Option<Tree> {
+    /// Builds a tree over a range of live points and its varying coordinates.
+    pub fn build(points: &Linear, slots: Range<usize>, axes: Vec<usize>) -> Option<Tree> {
         let fixed = (0..points.reals()).filter(|row| !axes.contains(row));
         let fixed = fixed.map(|row| (row, points.value(slots.start, row))).collect();
         let mut members = vec![Member { place: 0, next: NONE }; slots.len()];
         let places = gather(points, &slots, &axes, &mut members);
-        let index = plant(points, &axes, &places)?;
+        let index = build(points, &axes, &places)?;
         Some(Tree { slots, axes, fixed, index, places, members, removed: 0 })
     }
 
@@ -73,8 +73,8 @@ impl Tree {
         self.slots.clone()
     }
 
-    /// Told that one of its points was removed; whether most of them are by now.
-    pub fn removed(&mut self, points: &Linear, slot: usize) -> bool {
+    /// Updates the tree after one of its points was removed; returns whether most of them are removed.
+    pub fn after_remove(&mut self, points: &Linear, slot: usize) -> bool {
         let place = &mut self.places[self.members[slot - self.slots.start].place as usize];
         while *place != NONE && !points.is_live(*place as usize) {
             *place = self.members[*place as usize - self.slots.start].next;
@@ -83,7 +83,7 @@ impl Tree {
         2 * self.removed > self.slots.len()
     }
 
-    /// Looks for a nearer point that is accepted.
+    /// Searches for a nearer accepted point.
     pub fn search(&self, points: &Linear, query: &Query<'_>, best: &mut Best, accept: &mut impl FnMut(usize) -> bool) {
         let search = Search { tree: self, points, reach: Reach::new(self, query), query };
         search.run(best, accept);
@@ -91,7 +91,7 @@ impl Tree {
     }
 }
 
-/// Points of the same coordinates come to the same place, in the order of their slots.
+/// Groups points with equal coordinates into places, in the order of their slots.
 fn gather(points: &Linear, slots: &Range<usize>, axes: &[usize], members: &mut [Member]) -> Vec<u32> {
     let key = |slot: usize| {
         let mix = |key: u64, &axis: &usize| {
@@ -120,12 +120,12 @@ fn gather(points: &Linear, slots: &Range<usize>, axes: &[usize], members: &mut [
     places
 }
 
-/// Up to what distance in the tree a point can be the nearest.
+/// The distance in the tree up to which a point can be the nearest.
 struct Reach {
-    /// The squared distance that all points of the tree have outside it.
+    /// The squared distance that all points of the tree have in other coordinates.
     outside: f64,
-    /// By how much two sums of the same squares can differ, as a share of them: more than the roundings of a term of
-    /// each sum and of the tree's bounds, which change at every level.
+    /// Relative tolerance between two sums of the same squares: more than the rounding errors of both sums and of the
+    /// tree's bounds, which change at every level.
     slack: f64,
 }
 
@@ -138,7 +138,7 @@ impl Reach {
         Reach { outside: fixed.sum::<f64>() + modes, slack: 2.0 * terms * f64::from(f32::EPSILON) }
     }
 
-    /// None if no point of the tree can be the nearest.
+    /// `None` if no point of the tree can be the nearest.
     fn radius(&self, best: &Best) -> Option<f32> {
         let within = f64::from(best.distance) * (1.0 + self.slack) - self.outside;
         (within >= 0.0).then(|| ((within * (1.0 + self.slack)) as f32).min(f32::MAX))
@@ -161,14 +161,14 @@ impl Search<'_> {
         for (value, &axis) in at.iter_mut().zip(&self.tree.axes) {
             *value = self.query.reals[axis];
         }
-        // The nearest of fewer points says little about how many are within its distance.
+        // The best of fewer points does not bound the number of points within its distance.
         if best.is_none() || best.searched < self.tree.slots.len() {
             let (distance, place) = self.tree.index.nearest(&at);
             if distance > radius {
                 return;
             }
             if !self.consider(place, best, accept) {
-                return self.among_few(&at, best, accept);
+                return self.search_candidates(&at, best, accept);
             }
             let Some(nearer) = self.reach.radius(best) else {
                 return;
@@ -180,7 +180,7 @@ impl Search<'_> {
         });
     }
 
-    /// Takes the first point of a place that is accepted, if it is nearer; false if there is none.
+    /// Takes the first accepted point of a place, if it is nearer; returns false if there is none.
     fn consider(&self, place: u32, best: &mut Best, accept: &mut impl FnMut(usize) -> bool) -> bool {
         let mut slot = self.tree.places[place as usize];
         if slot == NONE {
@@ -190,7 +190,7 @@ impl Search<'_> {
         while slot != NONE {
             let index = self.points.index(slot as usize);
             if self.points.is_live(slot as usize) {
-                if !best.yields_to(distance, index) {
+                if !best.is_beaten_by(distance, index) {
                     return true;
                 }
                 if accept(index) {
@@ -203,10 +203,10 @@ impl Search<'_> {
         false
     }
 
-    /// The nearest place had none to take: looks at more and more of them, then at all.
-    fn among_few(&self, at: &[f32; MAX_AXES], best: &mut Best, accept: &mut impl FnMut(usize) -> bool) {
+    /// The nearest place had no accepted point: tries more and more places, then all.
+    fn search_candidates(&self, at: &[f32; MAX_AXES], best: &mut Best, accept: &mut impl FnMut(usize) -> bool) {
         let mut seen = -1.0;
-        for few in FEW {
+        for few in CANDIDATES {
             let Some(radius) = self.reach.radius(best) else {
                 return;
             };
@@ -228,12 +228,12 @@ impl Search<'_> {
     }
 }
 
-/// A static tree of some dimension; its items are places.
+/// A static tree of any dimension; its items are places.
 trait StaticTree: Debug + Send + Sync {
     fn nearest(&self, at: &[f32; MAX_AXES]) -> (f32, u32);
-    /// The nearest ones within a squared distance, the nearest first.
+    /// The nearest places within a squared distance, in order.
     fn nearest_few(&self, at: &[f32; MAX_AXES], few: NonZeroUsize, radius: f32) -> Vec<(f32, u32)>;
-    /// All within a squared distance, in any order.
+    /// All places within a squared distance, in any order.
     fn within(&self, at: &[f32; MAX_AXES], radius: f32, visit: &mut dyn FnMut(u32));
 }
 
@@ -256,14 +256,14 @@ impl<const K: usize> StaticTree for ImmutableKdTree<f32, K> {
     }
 }
 
-/// A static tree of the least dimension that is compiled and has room for the axes; the others stay 0.
-fn plant(points: &Linear, axes: &[usize], places: &[u32]) -> Option<Arc<dyn StaticTree>> {
+/// A static tree of the smallest compiled dimension that has room for the axes; the other coordinates are 0.
+fn build(points: &Linear, axes: &[usize], places: &[u32]) -> Option<Arc<dyn StaticTree>> {
     fn of<const K: usize>(points: &Linear, axes: &[usize], places: &[u32]) -> Option<Arc<dyn StaticTree>> {
         let coordinate = |slot: &u32, axis: usize| axes.get(axis).map_or(0.0, |&row| points.value(*slot as usize, row));
         let tree = ImmutableKdTree::<f32, K>::new_from_source(places, coordinate, |place, _| place as u32);
         tree.ok().map(|tree| Arc::new(tree) as Arc<dyn StaticTree>)
     }
-    // A level that splits by a coordinate that is 0 in all points is wasted: few dimensions are left out.
+    // A level that splits a constant 0 is wasted, so most dimensions are compiled.
     let of = match axes.len() {
         0 | 1 => of::<1>,
         2 => of::<2>,

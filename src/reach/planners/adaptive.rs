@@ -1,16 +1,16 @@
-//! RRT+: samples lean towards the goal or towards the edge of what is covered, by a weight that adapts to how the tree
-//! grows.
+//! RRT+: samples are biased towards the goal or towards the edge of the covered region, with weights that adapt to the
+//! growth of the tree.
 //!
-//! Kim and Esposito, *Adaptive Sample Bias for Rapidly-Exploring Random Trees with Applications to Test Generation*, 2005.
-//! As there, two distributions are mixed, one uniform and one biased, and the weight moves towards the one under which
-//! the tree grows faster. Growth is counted here in new cells of a grid over the sampled space instead of a dispersion
-//! over all of it, and there are two biased distributions: the goal's region, and cells beside covered ones that are not
-//! covered themselves. (The planner that is called RRT+ in the 2017 system is a plain RRT.)
+//! Kim and Esposito, *Adaptive Sample Bias for Rapidly-Exploring Random Trees with Applications to Test Generation*,
+//! 2005. As there, uniform and biased distributions are mixed, and the weight moves towards the one under which the
+//! tree grows faster. Here growth is the number of new cells of a grid over the sampled space, instead of a dispersion,
+//! and there are two biased distributions: the goal's region, and uncovered cells beside covered ones. (The planner
+//! called RRT+ in the 2017 system is a plain RRT.)
 
 use hashbrown::HashTable;
 use rand::RngExt;
 
-use crate::reach::coverage::mixed;
+use crate::reach::coverage::mix;
 use crate::reach::metric::{Metric, Point};
 use crate::reach::region::GoalRegion;
 use crate::reach::search_context::SearchContext;
@@ -20,12 +20,12 @@ use super::rrt::Rrt;
 
 /// Cells along each coordinate's unit.
 const CELLS: f32 = 32.0;
-/// How fast yields are forgotten, for each extension.
+/// Decay of the yields per extension.
 const MEMORY: f32 = 0.99;
-/// No distribution gets less of the samples.
-const LEAST: f32 = 0.05;
-/// How often an uncovered neighbour is looked for.
-const LOOKS: usize = 4;
+/// Minimum share of each distribution.
+const MIN_SHARE: f32 = 0.05;
+/// Maximum number of attempts to find an uncovered neighbour.
+const MAX_ATTEMPTS: usize = 4;
 
 /// Where a sample came from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,7 +42,7 @@ const SOURCES: [Source; 3] = [Source::Uniform, Source::Goal, Source::Edge];
 pub struct Adaptive {
     rrt: Rrt,
     cells: HashTable<u64>,
-    /// Of each source: new cells and extensions, lately.
+    /// For each source: recent new cells and extensions.
     yields: [(f32, f32); 3],
     source: Source,
     point: Point,
@@ -64,16 +64,16 @@ impl Adaptive {
     fn weights(&self) -> [f32; 3] {
         let rates = self.yields.map(|(new, all)| new / all.max(1e-3));
         let sum: f32 = rates.iter().sum::<f32>().max(1e-6);
-        rates.map(|rate| LEAST + (1.0 - 3.0 * LEAST) * rate / sum)
+        rates.map(|rate| MIN_SHARE + (1.0 - 3.0 * MIN_SHARE) * rate / sum)
     }
 
     fn is_covered(&self, cell: u64) -> bool {
         self.cells.find(cell, |known| *known == cell).is_some()
     }
 
-    /// Moves the sample into a cell beside a covered one; false if none was found that is not covered.
+    /// Moves the sample into an uncovered cell beside a covered one; returns false if none was found.
     fn beside(&mut self, context: &mut SearchContext<'_>, toward: &mut Point) -> bool {
-        for _ in 0..LOOKS {
+        for _ in 0..MAX_ATTEMPTS {
             let node = context.draw_node();
             context.point(node, &mut self.point);
             if self.point.reals.is_empty() {
@@ -149,5 +149,5 @@ impl Strategy for Adaptive {
 /// The cell of a point.
 fn cell(point: &Point) -> u64 {
     let reals = point.reals.iter().map(|x| (x * CELLS).floor() as i64 as u64);
-    reals.chain(point.modes.iter().map(|m| u64::from(m.to_bits()))).fold(0, mixed)
+    reals.chain(point.modes.iter().map(|m| u64::from(m.to_bits()))).fold(0, mix)
 }

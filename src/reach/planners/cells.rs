@@ -1,5 +1,5 @@
-//! Nested cells over projections of the state, and the nodes in the innermost ones: what planners choose from that ask for
-//! no neighbours (`coverage_guided.rs`, `lead.rs`).
+//! Nested cells over projections of the state, with the nodes in the innermost ones, for planners without
+//! nearest-neighbour queries (`coverage_guided.rs`, `lead.rs`).
 
 use hashbrown::HashTable;
 use rand::RngExt;
@@ -7,26 +7,26 @@ use rand::RngExt;
 use crate::reach::search_context::SearchContext;
 use crate::reach::tree::NodeId;
 
-/// How many cells are drawn, of which the most important is taken.
-const DRAWN: usize = 3;
-/// No cell, or no place.
+/// Number of cells drawn, of which the most important is taken.
+const CANDIDATES: usize = 3;
+/// No cell, or no index.
 const NONE: u32 = u32::MAX;
 
-/// A cell of a level; those of the last hold nodes, the others cells of the next.
+/// A cell of a level; cells of the last level hold nodes, others hold cells of the next level.
 #[derive(Debug, Clone, Default)]
 struct Cell {
     inside: Vec<u32>,
     parent: u32,
-    /// Its place among its parent's.
+    /// Its index in its parent.
     place: u32,
     key: u64,
-    /// How often it was chosen.
+    /// Number of times it was chosen.
     chosen: u32,
-    /// How many nodes were ever in it.
+    /// Number of nodes ever added to it.
     held: u32,
 }
 
-/// Cells, and of each node where it is.
+/// Cells, and the location of each node.
 #[derive(Debug, Default)]
 pub(super) struct Cells {
     cells: Vec<Cell>,
@@ -34,17 +34,17 @@ pub(super) struct Cells {
     known: HashTable<u32>,
     /// The cells of the first level that hold open nodes.
     first: Vec<u32>,
-    /// Of each node, its cell and its place in it.
-    homes: Vec<(u32, u32)>,
+    /// For each node, its cell and its index in it.
+    locations: Vec<(u32, u32)>,
 }
 
 impl Cells {
-    /// Forgets all.
+    /// Removes everything.
     pub fn clear(&mut self) {
         self.cells.clear();
         self.known.clear();
         self.first.clear();
-        self.homes.clear();
+        self.locations.clear();
     }
 
     /// The open cells of the first level.
@@ -52,12 +52,12 @@ impl Cells {
         &self.first
     }
 
-    /// The cells that are open in a cell; in one of the last level, the nodes.
+    /// The open cells in a cell; for the last level, its nodes.
     pub fn inside(&self, cell: u32) -> &[u32] {
         &self.cells[cell as usize].inside
     }
 
-    /// How often a cell was chosen.
+    /// Number of times a cell was chosen.
     pub fn chosen(&self, cell: u32) -> u32 {
         self.cells[cell as usize].chosen
     }
@@ -74,8 +74,8 @@ impl Cells {
         }
     }
 
-    /// Adds a node by the keys of its cells, from the first level to the last, each of which names those before it. Gives
-    /// its cell of the first level, and whether that was not open before.
+    /// Adds a node by the keys of its cells, from the first level to the last; each key includes those before it.
+    /// Returns its cell of the first level, and whether that was closed before.
     pub fn add(&mut self, node: NodeId, keys: &[u64]) -> (u32, bool) {
         let mut parent = NONE;
         let mut outermost = None;
@@ -90,7 +90,7 @@ impl Cells {
             });
             let was_shut = self.cells[id as usize].place == NONE;
             if was_shut {
-                // It is new, or comes back to life.
+                // It is new, or open again.
                 let siblings = self.inside_mut(parent);
                 siblings.push(id);
                 let place = siblings.len() as u32 - 1;
@@ -103,18 +103,18 @@ impl Cells {
         let home = self.inside_mut(parent);
         home.push(node.0);
         let place = home.len() as u32 - 1;
-        self.homes.resize(node.index() + 1, (NONE, NONE));
-        self.homes[node.index()] = (parent, place);
+        self.locations.resize(node.index() + 1, (NONE, NONE));
+        self.locations[node.index()] = (parent, place);
         outermost.unwrap_or((NONE, false))
     }
 
-    /// Takes out a node that is done with, and cells that hold nothing any more.
+    /// Removes a finished node, and cells that become empty.
     pub fn remove(&mut self, node: NodeId) {
-        let (mut cell, place) = self.homes[node.index()];
+        let (mut cell, place) = self.locations[node.index()];
         let inside = &mut self.cells[cell as usize].inside;
         inside.swap_remove(place as usize);
         if let Some(moved) = inside.get(place as usize) {
-            self.homes[*moved as usize].1 = place;
+            self.locations[*moved as usize].1 = place;
         }
         while cell != NONE && self.cells[cell as usize].inside.is_empty() {
             let (parent, place) = (self.cells[cell as usize].parent, self.cells[cell as usize].place as usize);
@@ -128,7 +128,7 @@ impl Cells {
         }
     }
 
-    /// The most important of a few cells: a cell counts the less, the more often it was chosen and the more it holds.
+    /// The most important of a few random cells: importance decreases with the number of choices and of nodes.
     pub fn draw(&self, context: &mut SearchContext<'_>, of: &[u32]) -> Option<u32> {
         let importance = |id: u32| {
             let cell = &self.cells[id as usize];
@@ -138,7 +138,7 @@ impl Cells {
             return None;
         }
         let mut best = of[context.rng.random_range(0..of.len())];
-        for _ in 1..DRAWN.min(of.len()) {
+        for _ in 1..CANDIDATES.min(of.len()) {
             let other = of[context.rng.random_range(0..of.len())];
             if importance(other) > importance(best) {
                 best = other;
@@ -147,8 +147,8 @@ impl Cells {
         Some(best)
     }
 
-    /// A node of a cell of the last level. What came last is likelier, as in KPIECE: the least of two drawn distances from
-    /// the end.
+    /// A node of a cell of the last level. Recent nodes are likelier, as in KPIECE: the minimum of two random distances
+    /// from the end.
     pub fn draw_node(&self, context: &mut SearchContext<'_>, cell: u32) -> NodeId {
         let nodes = self.inside(cell);
         let back = |context: &mut SearchContext<'_>| context.rng.random_range(0..nodes.len());
@@ -156,9 +156,9 @@ impl Cells {
         NodeId(nodes[nodes.len() - 1 - from_end])
     }
 
-    /// The memory that it takes, bytes.
+    /// Memory use, bytes.
     pub fn bytes(&self) -> usize {
         let cells = self.cells.capacity() * (size_of::<Cell>() + size_of::<u32>());
-        cells + self.known.capacity() * 5 + self.homes.capacity() * 12
+        cells + self.known.capacity() * 5 + self.locations.capacity() * 12
     }
 }

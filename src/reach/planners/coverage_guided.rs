@@ -1,15 +1,15 @@
-//! Coverage-guided: grows what little is covered, without asking for neighbours.
+//! Coverage-guided: extends nodes in sparsely covered cells, without nearest-neighbour queries.
 //!
-//! After KPIECE, Şucan and Kavraki, *Kinodynamic Motion Planning by Interior-Exterior Cell Exploration*, 2009, and EST, Hsu,
-//! Latombe and Motwani, *Path Planning in Expansive Configuration Spaces*, 1997. From KPIECE it has the levels of cells over
-//! a projection and the importance of a cell; from EST that a cell counts the less, the more it holds. Where KPIECE sorts
-//! its cells, a few are drawn here and the most important of them is taken; that needs no order to be kept.
+//! After KPIECE, Şucan and Kavraki, *Kinodynamic Motion Planning by Interior-Exterior Cell Exploration*, 2009, and EST,
+//! Hsu, Latombe and Motwani, *Path Planning in Expansive Configuration Spaces*, 1997. From KPIECE it takes the levels
+//! of cells over a projection and the importance of a cell; from EST, that fuller cells count less. Where KPIECE sorts
+//! its cells, here a few are drawn and the most important is taken, so no order has to be maintained.
 //!
-//! The projections follow from the analysis and from what is seen. The first is what seldom changes: modes, spawned
-//! instances and counts that few extensions change are what has been achieved (a door is open, a key is held). The second
-//! is where the players are, the third everything else that varies.
+//! The projections follow from the analysis and from observation. The first level holds what changes rarely: modes,
+//! spawned instances and counters that few extensions change show progress (a door is open, a key is held). The second
+//! is the position of the players, the third everything else that varies.
 
-use crate::reach::coverage::mixed;
+use crate::reach::coverage::mix;
 use crate::reach::metric::{Metric, Point, Projected};
 use crate::reach::search_context::SearchContext;
 use crate::reach::strategy::{Choice, Growth, Strategy};
@@ -19,21 +19,21 @@ use super::cells::Cells;
 
 /// The levels of cells.
 const LEVELS: usize = 3;
-/// A variable changes seldom if fewer than one extension in this number changes it.
-const SELDOM: u64 = 40;
-/// The number of extensions after which it is first looked at what seldom changes; then at each doubling.
-const FIRST_LOOK: u64 = 256;
+/// A variable changes rarely if fewer than one extension in this number changes it.
+const RARE_ONE_IN: u64 = 40;
+/// Number of extensions before the first update of the levels; then at each doubling.
+const FIRST_UPDATE: u64 = 256;
 
-/// A coordinate or a mode, and the cells that it makes.
+/// A coordinate or a mode, and its cells.
 #[derive(Debug, Clone, Copy)]
 struct Axis {
     level: usize,
-    /// Cells along a distance of 1, and where the first one begins; of a mode each value is a cell.
+    /// Cells per unit of distance, and the offset of the first; `None` for a mode: each value is a cell.
     cells: Option<(f32, f32)>,
-    /// Whether it can be something that is achieved: the level it has if it seldom changes, and the other.
+    /// Whether it can show progress: then it is on the first level if it changes rarely, else on `otherwise`.
     counts: bool,
     otherwise: usize,
-    /// How many extensions changed it.
+    /// Number of extensions that changed it.
     changes: u64,
 }
 
@@ -46,13 +46,13 @@ impl Axis {
     }
 }
 
-/// Grows where little is covered.
+/// A strategy that extends sparsely covered cells.
 #[derive(Debug)]
 pub struct CoverageGuided {
     /// The coordinates, then the modes.
     axes: Vec<Axis>,
     extensions: u64,
-    next_look: u64,
+    next_update: u64,
     cells: Cells,
     before: Point,
 }
@@ -70,13 +70,13 @@ impl CoverageGuided {
         CoverageGuided {
             axes: metric.projection().into_iter().map(axis).collect(),
             extensions: 0,
-            next_look: FIRST_LOOK,
+            next_update: FIRST_UPDATE,
             cells: Cells::default(),
             before: Point::default(),
         }
     }
 
-    /// Notes what an extension changed.
+    /// Counts the changes of an extension.
     fn compare(&mut self, context: &SearchContext<'_>, from: NodeId, point: &Point) {
         context.point(from, &mut self.before);
         let before = self.before.reals.iter().chain(&self.before.modes);
@@ -86,17 +86,17 @@ impl CoverageGuided {
         self.extensions += 1;
     }
 
-    /// Determines again what seldom changes, and sorts all nodes accordingly.
-    fn look(&mut self, context: &SearchContext<'_>) {
-        self.next_look = self.extensions * 2;
-        let mut is_other = false;
+    /// Updates the levels, and sorts all nodes into cells again if they changed.
+    fn update_levels(&mut self, context: &SearchContext<'_>) {
+        self.next_update = self.extensions * 2;
+        let mut has_changed = false;
         for axis in &mut self.axes {
-            let seldom = axis.changes * SELDOM < self.extensions;
-            let level = if axis.counts && seldom { 0 } else { axis.otherwise };
-            is_other |= level != axis.level;
+            let is_rare = axis.changes * RARE_ONE_IN < self.extensions;
+            let level = if axis.counts && is_rare { 0 } else { axis.otherwise };
+            has_changed |= level != axis.level;
             axis.level = level;
         }
-        if !is_other {
+        if !has_changed {
             return;
         }
         self.cells.clear();
@@ -113,10 +113,10 @@ impl CoverageGuided {
         let mut keys = [0; LEVELS];
         let mut key = 0;
         for (level, out) in keys.iter_mut().enumerate() {
-            key = mixed(key, level as u64);
+            key = mix(key, level as u64);
             for (axis, value) in self.axes.iter().zip(point.reals.iter().chain(&point.modes)) {
                 if axis.level == level {
-                    key = mixed(key, axis.cell(*value));
+                    key = mix(key, axis.cell(*value));
                 }
             }
             *out = key;
@@ -150,8 +150,8 @@ impl Strategy for CoverageGuided {
             (Growth::Added(node, point), Some(choice)) => {
                 self.compare(context, choice.node, point);
                 self.cells.add(node, &self.keys(point));
-                if self.extensions >= self.next_look {
-                    self.look(context);
+                if self.extensions >= self.next_update {
+                    self.update_levels(context);
                 }
             }
             _ => {}

@@ -1,9 +1,10 @@
-//! A*-guided: where the planner below grows one node, a bounded best-first search goes on from it towards the same sample.
+//! A*-guided: when the base planner extends a node, a bounded best-first search continues from it towards the same
+//! sample.
 //!
 //! After the local planners that Tremblay, Borodovski and Verbrugge, *I Can Jump! Exploring Search Algorithms for
-//! Simulating Platformer Players*, 2014, compare; Osborn, Lambrigger and Mateas name it as future work. All that the
-//! local search visits stays in the tree. Costs and estimates are in extensions: an estimate is the distance to the
-//! sample by how far an extension goes, on average.
+//! Simulating Platformer Players*, 2014, compare; Osborn, Lambrigger and Mateas name it as future work. Everything that
+//! the local search visits stays in the tree. Costs and estimates are numbers of extensions: an estimate is the
+//! distance to the sample divided by the average length of an extension.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -13,21 +14,21 @@ use crate::reach::search_context::SearchContext;
 use crate::reach::strategy::{Choice, Growth, Strategy};
 use crate::reach::tree::NodeId;
 
-/// The most extensions of a local search.
+/// Maximum number of extensions of a local search.
 const MAX_EXTENSIONS: u32 = 24;
 
 /// A strategy with a best-first search as local planner.
 #[derive(Debug)]
 pub struct Guided<S> {
-    below: S,
+    base: S,
     open: BinaryHeap<Ranked>,
     toward: Point,
-    /// How many extensions are left of the local search.
+    /// Number of extensions left for the local search.
     left: u32,
-    /// The squared distance at which the sample counts as reached: less than this there is nothing to gain.
+    /// Squared distance at which the sample counts as reached.
     near: f32,
-    /// How far an extension goes on average: the sum and the number.
-    gone: (f64, u64),
+    /// Average length of an extension: the sum and the number.
+    extension_length: (f64, u64),
     point: Point,
 }
 
@@ -55,15 +56,15 @@ impl PartialOrd for Ranked {
 }
 
 impl<S: Strategy> Guided<S> {
-    /// Over a strategy.
-    pub fn new(below: S) -> Self {
+    /// Wraps a strategy.
+    pub fn new(base: S) -> Self {
         Guided {
-            below,
+            base,
             open: BinaryHeap::new(),
             toward: Point::default(),
             left: 0,
             near: 0.0,
-            gone: (0.0, 0),
+            extension_length: (0.0, 0),
             point: Point::default(),
         }
     }
@@ -71,11 +72,11 @@ impl<S: Strategy> Guided<S> {
     fn rank(&mut self, node: NodeId, so_far: u32, at: &Point) {
         let distance = self.toward.distance(at, MODE_PENALTY);
         if distance <= self.near {
-            // As near as an extension can tell.
+            // As close as an extension can get.
             self.left = 0;
             return;
         }
-        let step = (self.gone.0 / self.gone.1.max(1) as f64).max(1e-6) as f32;
+        let step = (self.extension_length.0 / self.extension_length.1.max(1) as f64).max(1e-6) as f32;
         self.open.push(Ranked { cost: so_far as f32 + distance.sqrt() / step, so_far, node });
     }
 }
@@ -90,7 +91,7 @@ impl<S: Strategy> Strategy for Guided<S> {
             }
             self.open.pop();
         }
-        let choice = self.below.choose(context, toward)?;
+        let choice = self.base.choose(context, toward)?;
         self.open.clear();
         self.left = MAX_EXTENSIONS;
         self.toward.clone_from(toward);
@@ -109,10 +110,10 @@ impl<S: Strategy> Strategy for Guided<S> {
             }
             (Growth::Added(node, point), Some(choice)) => {
                 context.point(choice.node, &mut self.point);
-                let gone = self.point.distance(point, MODE_PENALTY);
-                self.gone.0 += f64::from(gone.sqrt());
-                self.gone.1 += 1;
-                self.near = gone / 4.0;
+                let extension_length = self.point.distance(point, MODE_PENALTY);
+                self.extension_length.0 += f64::from(extension_length.sqrt());
+                self.extension_length.1 += 1;
+                self.near = extension_length / 4.0;
                 let so_far = self.open.peek().map_or(0, |best| best.so_far) + 1;
                 if self.left > 0 {
                     self.rank(node, so_far, point);
@@ -120,10 +121,10 @@ impl<S: Strategy> Strategy for Guided<S> {
             }
             _ => {}
         }
-        self.below.learn(context, choice, growth);
+        self.base.learn(context, choice, growth);
     }
 
     fn bytes(&self) -> usize {
-        self.below.bytes() + self.open.capacity() * size_of::<Ranked>()
+        self.base.bytes() + self.open.capacity() * size_of::<Ranked>()
     }
 }

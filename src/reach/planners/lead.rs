@@ -1,15 +1,15 @@
-//! Led by distances: grows where the players are nearest to the goal through the level, the more reluctantly the oftener
-//! that was tried.
+//! Guided by distances: extends the places nearest to the goal through the level, less often the more often they were
+//! tried.
 //!
 //! After SyCLoP, Plaku, Kavraki and Vardi, *Motion Planning With Dynamics by a Synergistic Combination of Layers of
-//! Planning*, 2010, whose leads are ways through a decomposition of the workspace, and the archive of Ecoffet, Huizinga,
-//! Lehman, Stanley and Clune, *First Return, Then Explore*, 2021. A place of the players costs its distance to the goal
-//! (`distance.rs`) and something for each time that it was chosen, and the cheapest place grows. So a way that is open is
-//! followed at once, and where it is not, what lies before it is tried again and again, farther and farther back.
+//! Planning*, 2010, whose leads are paths through a decomposition of the workspace, and the archive of Ecoffet,
+//! Huizinga, Lehman, Stanley and Clune, *First Return, Then Explore*, 2021. The cost of a place is its distance to the
+//! goal (`distance.rs`) plus a penalty per choice, and the cheapest place is extended. So an open path is followed at
+//! once; at an obstacle, the places before it are tried again and again, farther and farther back.
 //!
-//! Where there is a time to keep, a place costs instead the steps that lead to it and the least that the rest takes, as in a
-//! weighted A* (Pohl 1970), and of what comes to a place with about the same velocity only the soonest is kept, as the
-//! archive of Ecoffet and others keeps the shortest way to each cell.
+//! With a time limit, the cost is the number of steps to the place plus a lower bound of the rest, as in a weighted A*
+//! (Pohl 1970), and of the nodes with a similar velocity at a place only the earliest are kept, as the archive of
+//! Ecoffet et al. keeps the shortest path to each cell.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -18,8 +18,8 @@ use hashbrown::HashMap;
 use rand::RngExt;
 
 use crate::ir::{SlotId, VarId};
-use crate::reach::coverage::{PLACE, mixed};
-use crate::reach::distance::Distances;
+use crate::reach::coverage::{PLACE, mix};
+use crate::reach::distance::DistanceField;
 use crate::reach::metric::{Metric, Point, Quantity};
 use crate::reach::problem::Problem;
 use crate::reach::search_context::SearchContext;
@@ -28,53 +28,53 @@ use crate::reach::tree::NodeId;
 
 use super::cells::Cells;
 
-/// What a place costs for each place on the way from it to the goal, and for each time that it was chosen.
+/// Cost of a place per place on the path to the goal, and per choice.
 const DISTANCE: u64 = 4;
 const CHOSEN: u64 = 1;
-/// Where there is a time to keep, a place costs the steps to it, the rest of the way, in quarters of the least steps, and so
-/// much for each time that it was chosen.
+/// With a time limit: weight of the remaining steps, in quarters, and cost per choice; the steps to the place have
+/// weight 1.
 const REST: u64 = 6;
-const TRIED: u64 = 2;
-/// A node that comes this number of steps later to a place than another with about the same velocity is given up.
-const LATE: u32 = 8;
-/// One choice in this number is of any place.
-const ANY: u32 = 8;
-/// The number of cells that the range of velocities is divided into.
+const CHOSEN_TIMED: u64 = 2;
+/// Maximum delay of a node, in steps, after another at the same place with a similar velocity.
+const MAX_DELAY: u32 = 8;
+/// One choice in this number is a random place.
+const RANDOM_ONE_IN: u32 = 8;
+/// Number of cells for the range of velocities.
 const VELOCITIES: f64 = 8.0;
 
-/// A place in the queue: what it costs, a number that breaks ties, and the place.
+/// A queue entry: cost, tie-breaking number, place.
 type Queued = Reverse<(u64, u32, u32)>;
 
-/// How far away a place is.
+/// Estimates for a place.
 #[derive(Debug, Clone, Copy, Default)]
-struct Far {
-    /// How many places from the goal.
+struct Estimate {
+    /// Distance to the goal, in places.
     places: u32,
-    /// The least steps to it, where there is a time to keep.
+    /// A lower bound of the steps to the goal, with a time limit.
     rest: u32,
-    /// After how many steps it was reached at the soonest.
+    /// Minimum number of steps to it so far.
     soonest: u32,
 }
 
-/// Grows the places nearest to the goal.
+/// A strategy that extends the places nearest to the goal.
 #[derive(Debug)]
 pub struct Lead<'m> {
-    distances: Option<&'m Distances>,
-    /// The players' velocities: the coordinates, with their cells along a distance of 1 and where the first begins.
+    distances: Option<&'m DistanceField>,
+    /// The coordinates of the players' velocities, with their cells per unit of distance and the offset of the first.
     velocities: Vec<(usize, f32, f32)>,
-    /// The players' groups, by their places among the modes.
+    /// The players' groups, as indices of modes.
     modes: Vec<usize>,
     cells: Cells,
-    /// Of each place that was ever open.
-    far: Vec<Far>,
-    /// Where there is a time to keep: of each innermost cell, after how many steps it was reached at the soonest.
+    /// For each place that was ever open.
+    estimates: Vec<Estimate>,
+    /// With a time limit: minimum number of steps to each innermost cell.
     soonest: HashMap<u64, u32>,
     queue: BinaryHeap<Queued>,
 }
 
 impl<'m> Lead<'m> {
-    /// A strategy for a problem, with the distances in its level if there are any.
-    pub fn new(problem: &Problem<'_>, metric: &Metric, distances: Option<&'m Distances>) -> Self {
+    /// A strategy for a problem, with its distance field if there is one.
+    pub fn new(problem: &Problem<'_>, metric: &Metric, distances: Option<&'m DistanceField>) -> Self {
         let is_player = |slot: SlotId| problem.players().contains(&slot);
         let velocity = |(index, c): (usize, &crate::reach::metric::Coordinate)| match c.quantity {
             Quantity::Var(slot, var, 1) if is_player(slot) && var.is_position() => {
@@ -93,13 +93,13 @@ impl<'m> Lead<'m> {
             velocities: metric.coordinates().iter().enumerate().filter_map(velocity).collect(),
             modes: groups.collect(),
             cells: Cells::default(),
-            far: Vec::new(),
+            estimates: Vec::new(),
             soonest: HashMap::default(),
             queue: BinaryHeap::new(),
         }
     }
 
-    /// The cell of a node's place and of what the players do there.
+    /// The keys of a node's place and of its inner cell: velocities and modes.
     fn keys(&self, context: &SearchContext<'_>, node: NodeId, point: &Point) -> [u64; 2] {
         let state = context.tree.state(node);
         let world = context.problem.sim.world();
@@ -108,18 +108,18 @@ impl<'m> Lead<'m> {
             let layout = &world.layout.slots[slot];
             let (x, y) = (layout.var(state, VarId::X, 0), layout.var(state, VarId::Y, 0));
             for number in [f64::from(layout.space(state).0), (x / PLACE).floor(), (y / PLACE).floor()] {
-                place = mixed(place, number as i64 as u64);
+                place = mix(place, number as i64 as u64);
             }
             for id in context.problem.sim.program().entities[world.slots[slot].entity].discretes.ids() {
-                place = mixed(place, layout.discrete(state, id) as u64);
+                place = mix(place, layout.discrete(state, id) as u64);
             }
         }
-        let mut inner = mixed(place, 1);
+        let mut inner = mix(place, 1);
         for &(index, scale, offset) in &self.velocities {
-            inner = mixed(inner, ((point.reals[index] - offset) * scale).floor() as i64 as u64);
+            inner = mix(inner, ((point.reals[index] - offset) * scale).floor() as i64 as u64);
         }
         for &index in &self.modes {
-            inner = mixed(inner, u64::from(point.modes[index].to_bits()));
+            inner = mix(inner, u64::from(point.modes[index].to_bits()));
         }
         [place, inner]
     }
@@ -129,21 +129,21 @@ impl<'m> Lead<'m> {
         let (depth, is_timed) = (context.tree.depth(node), context.problem.time().is_some());
         if is_timed {
             let soonest = self.soonest.entry(keys[1]).or_insert(depth);
-            if depth > *soonest + LATE {
+            if depth > *soonest + MAX_DELAY {
                 return;
             }
             *soonest = depth.min(*soonest);
         }
         let (place, is_new) = self.cells.add(node, &keys);
-        if place as usize >= self.far.len() {
-            let far = self.distances.map_or(Far::default(), |distances| {
+        if place as usize >= self.estimates.len() {
+            let estimates = self.distances.map_or(Estimate::default(), |distances| {
                 let (sim, state) = (context.problem.sim, context.tree.state(node));
                 let ((x, y), space) = (sim.position(state, distances.player), sim.space(state, distances.player));
-                Far { places: distances.of(space, x, y), rest: distances.least_steps(space, x, y), soonest: depth }
+                Estimate { places: distances.of(space, x, y), rest: distances.least_steps(space, x, y), soonest: depth }
             });
-            self.far.resize(place as usize + 1, far);
+            self.estimates.resize(place as usize + 1, estimates);
         }
-        let soonest = &mut self.far[place as usize].soonest;
+        let soonest = &mut self.estimates[place as usize].soonest;
         let is_sooner = is_timed && depth < *soonest;
         *soonest = depth.min(*soonest);
         if is_new || is_sooner {
@@ -152,16 +152,16 @@ impl<'m> Lead<'m> {
     }
 
     fn cost(&self, place: u32, is_timed: bool) -> u64 {
-        let far = &self.far[place as usize];
+        let estimates = &self.estimates[place as usize];
         let chosen = u64::from(self.cells.chosen(place));
         if is_timed {
-            u64::from(far.soonest) + u64::from(far.rest) * REST / 4 + chosen * TRIED
+            u64::from(estimates.soonest) + u64::from(estimates.rest) * REST / 4 + chosen * CHOSEN_TIMED
         } else {
-            u64::from(far.places) * DISTANCE + chosen * CHOSEN
+            u64::from(estimates.places) * DISTANCE + chosen * CHOSEN
         }
     }
 
-    /// Puts an open place into the queue, by what it costs now.
+    /// Queues an open place by its current cost.
     fn enqueue(&mut self, context: &mut SearchContext<'_>, place: u32) {
         let cost = self.cost(place, context.problem.time().is_some());
         self.queue.push(Reverse((cost, context.rng.random(), place)));
@@ -170,7 +170,7 @@ impl<'m> Lead<'m> {
     /// The cheapest open place.
     fn cheapest(&mut self, is_timed: bool) -> Option<u32> {
         while let Some(Reverse((cost, _, place))) = self.queue.pop() {
-            // What was put in again since, or is done with, is no longer there.
+            // Skip entries that are outdated or closed.
             if self.cost(place, is_timed) == cost && !self.cells.inside(place).is_empty() {
                 return Some(place);
             }
@@ -181,7 +181,7 @@ impl<'m> Lead<'m> {
 
 impl Strategy for Lead<'_> {
     fn choose(&mut self, context: &mut SearchContext<'_>, _toward: &Point) -> Option<Choice> {
-        let place = if context.rng.random_ratio(1, ANY) {
+        let place = if context.rng.random_ratio(1, RANDOM_ONE_IN) {
             let open = self.cells.first();
             if open.is_empty() {
                 return None;
@@ -208,7 +208,7 @@ impl Strategy for Lead<'_> {
         match growth {
             Growth::Rooted(root, point) => {
                 self.cells.clear();
-                self.far.clear();
+                self.estimates.clear();
                 self.soonest.clear();
                 self.queue.clear();
                 self.add(context, root, point);
@@ -220,7 +220,7 @@ impl Strategy for Lead<'_> {
 
     fn bytes(&self) -> usize {
         self.cells.bytes()
-            + self.far.capacity() * size_of::<Far>()
+            + self.estimates.capacity() * size_of::<Estimate>()
             + self.soonest.capacity() * 16
             + self.queue.capacity() * size_of::<Queued>()
     }

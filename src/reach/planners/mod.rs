@@ -1,10 +1,10 @@
-//! The planners, as one table of specifications. What samples is a [`Strategy`] of the planning loop (`sampler.rs`); RC, RG
-//! and EG are two ideas and their composition: `blame.rs` (failure feedback) and `reachable.rs` (reachable states).
+//! The planners, as one table of specifications. A sampling planner is a [`Strategy`] of the planning loop
+//! (`sampler.rs`); RC, RG and EG are two ideas and their combination: `violation_frequency.rs` (failure feedback) and
+//! `reachable.rs` (reachable states).
 //!
-//! A new planner is a file with its strategy, a variant of [`Planner`] and an entry of `SPECS`.
+//! To add a planner, add a file with its strategy, a variant of [`Planner`] and an entry of `SPECS`.
 
 mod adaptive;
-mod blame;
 mod cells;
 mod coverage_guided;
 mod eg;
@@ -14,13 +14,14 @@ mod rc;
 mod reachable;
 mod rg;
 mod rrt;
+mod violation_frequency;
 
-use super::distance::Distances;
+use super::distance::DistanceField;
 use super::metric::Metric;
 use super::problem::Problem;
 use super::strategy::Strategy;
 
-/// A planner. What it does is in its [`Planner::summary`].
+/// A planner, described by its [`Planner::summary`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 #[expect(missing_docs, reason = "each is described in the table")]
 pub enum Planner {
@@ -39,47 +40,47 @@ pub enum Planner {
     BestFirst,
 }
 
-/// What a planner is.
+/// The specification of a planner.
 struct Spec {
     planner: Planner,
     name: &'static str,
-    /// What it does, in a few words, with its paper.
+    /// A short description, with its paper.
     summary: &'static str,
-    /// The number of steps for which it holds an input, drawn between both.
+    /// Range of the number of steps for which it holds an input.
     hold: (u16, u16),
-    /// The number of nodes of its shortest tree before a restart.
+    /// Number of nodes of its shortest tree before a restart.
     restart: u64,
-    /// Whether it looks at distances to the goal through the level.
-    is_led: bool,
+    /// Whether it uses the distance field of the goal.
+    uses_distances: bool,
     method: Method,
 }
 
 /// How a planner grows its trees.
 #[derive(Clone, Copy)]
 pub(super) enum Method {
-    /// Several planners take turns.
+    /// Alternates several planners.
     Portfolio,
-    /// The planning loop with a strategy; `samples` if the strategy looks at samples at all.
+    /// The planning loop with a strategy; `samples` if the strategy uses samples.
     Sampling { samples: bool, strategy: BuildStrategy },
-    /// Visits each state once, in the order of time or the nearest to the goal first.
+    /// Visits each state once, breadth first or best first.
     Exhaustive { is_best_first: bool },
 }
 
-/// Builds a strategy for a problem, a metric and, if the planner is led, distances to the goal.
+/// Builds a strategy for a problem, a metric and the distance field, if the planner uses one.
 pub(super) type BuildStrategy =
-    for<'m> fn(&Problem<'_>, &'m Metric, Option<&'m Distances>) -> Box<dyn Strategy + Send + 'm>;
+    for<'m> fn(&Problem<'_>, &'m Metric, Option<&'m DistanceField>) -> Box<dyn Strategy + Send + 'm>;
 
 impl Spec {
-    /// A planner that samples, with the settings that most of them share.
+    /// A sampling planner with the default settings.
     const fn sampling(planner: Planner, name: &'static str, summary: &'static str, strategy: BuildStrategy) -> Self {
         let method = Method::Sampling { samples: true, strategy };
-        Spec { planner, name, summary, hold: (10, 10), restart: 2_000, is_led: false, method }
+        Spec { planner, name, summary, hold: (10, 10), restart: 2_000, uses_distances: false, method }
     }
 
-    /// A planner that visits each state once. It holds inputs as shortly as the question allows.
+    /// An exhaustive planner. It holds inputs as briefly as the question allows.
     const fn exhaustive(planner: Planner, name: &'static str, summary: &'static str, is_best_first: bool) -> Self {
         let method = Method::Exhaustive { is_best_first };
-        Spec { planner, name, summary, hold: (1, 1), restart: 2_000, is_led: false, method }
+        Spec { planner, name, summary, hold: (1, 1), restart: 2_000, uses_distances: false, method }
     }
 }
 
@@ -91,7 +92,7 @@ const SPECS: [Spec; 12] = [
         summary: "several in turns, chosen by measurement",
         hold: (10, 10),
         restart: 2_000,
-        is_led: true,
+        uses_distances: true,
         method: Method::Portfolio,
     },
     Spec::sampling(Planner::Rrt, "rrt", "rapidly-exploring random tree (LaValle 1998)", |_, metric, _| {
@@ -126,9 +127,9 @@ const SPECS: [Spec; 12] = [
         name: "coverage",
         summary: "guided by what is covered, without neighbours (after KPIECE and EST)",
         hold: (4, 60),
-        // It comes back to what it passed by.
+        // It returns to places that it passed.
         restart: 20_000,
-        is_led: false,
+        uses_distances: false,
         method: Method::Sampling {
             samples: false,
             strategy: |_, metric, _| Box::new(coverage_guided::CoverageGuided::new(metric)),
@@ -140,7 +141,7 @@ const SPECS: [Spec; 12] = [
         summary: "led by the distance to the goal through the level (after SyCLoP)",
         hold: (4, 60),
         restart: 100_000,
-        is_led: true,
+        uses_distances: true,
         method: Method::Sampling {
             samples: false,
             strategy: |problem, metric, distances| Box::new(lead::Lead::new(problem, metric, distances)),
@@ -182,7 +183,7 @@ impl Planner {
         self.spec().name
     }
 
-    /// What it does, in a few words.
+    /// A short description.
     pub fn summary(self) -> &'static str {
         self.spec().summary
     }
@@ -192,12 +193,12 @@ impl Planner {
         Planner::ALL.into_iter().find(|p| p.name() == name)
     }
 
-    /// The number of steps for which it holds an input by default: drawn between both, ends included.
+    /// Default range of the number of steps for which it holds an input, ends included.
     pub fn hold(self) -> (u16, u16) {
         self.spec().hold
     }
 
-    /// The number of nodes of its shortest tree before a restart by default.
+    /// Default number of nodes of its shortest tree before a restart.
     pub fn restart(self) -> u64 {
         self.spec().restart
     }
@@ -207,9 +208,9 @@ impl Planner {
         !matches!(self.spec().method, Method::Exhaustive { .. })
     }
 
-    /// Whether it looks at distances to the goal through the level.
-    pub(super) fn is_led(self) -> bool {
-        self.spec().is_led
+    /// Whether it uses the distance field of the goal.
+    pub(super) fn uses_distances(self) -> bool {
+        self.spec().uses_distances
     }
 
     /// How it grows its trees.

@@ -1,5 +1,5 @@
-//! RG-RRT: what is nearest to a sample is looked for among the states that nodes can reach (`reachable.rs`), and the
-//! input that leads there is taken.
+//! RG-RRT: finds the nearest neighbour of a sample among the successors of all nodes (`reachable.rs`) and applies the
+//! input that leads there.
 //!
 //! Shkolnik, Walter and Tedrake, *Reachability-Guided Sampling for Planning Under Differential Constraints*, 2009.
 

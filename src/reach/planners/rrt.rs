@@ -1,7 +1,7 @@
-//! RRT: sample, the nearest node with an untried input, one of its untried inputs.
+//! RRT: draws a sample and extends the nearest node that has an untried input.
 //!
-//! LaValle, *Rapidly-Exploring Random Trees: A New Tool for Path Planning*, 1998. Inputs are finitely many here, and
-//! each is tried at most once at a node; a node without untried inputs is no longer looked at.
+//! LaValle, *Rapidly-Exploring Random Trees: A New Tool for Path Planning*, 1998. Here the inputs are finite, and each
+//! is tried at most once per node; nodes without untried inputs are removed from the index.
 
 use crate::reach::metric::{MODE_PENALTY, Metric, Point};
 use crate::reach::nearest::Index;
@@ -12,7 +12,7 @@ use crate::reach::tree::NodeId;
 /// The plain RRT.
 #[derive(Debug)]
 pub struct Rrt {
-    /// The tree's nodes, without those that are done with.
+    /// The nodes with untried inputs.
     open: Index,
 }
 

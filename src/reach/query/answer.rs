@@ -1,5 +1,5 @@
-//! The answer to one question, as one record of plain data: what results and rows keep, and what text is made of. Nothing in
-//! it depends on the machine, unless a limit of seconds ended the search.
+//! The answer to one question, as a record of plain data, from which results, rows and text are made. It does not
+//! depend on the machine, unless a limit of seconds ended the search.
 
 use serde::{Deserialize, Serialize};
 
@@ -222,7 +222,7 @@ pub struct Answer {
 
 impl Answer {
     /// The record of a question that could not be asked.
-    pub fn unasked(kind: Kind, goal: String) -> Self {
+    pub fn failed(kind: Kind, goal: String) -> Self {
         Answer {
             kind,
             goal,
@@ -311,7 +311,7 @@ impl Answer {
             },
             violations: Vec::new(),
             inputs_left_out: outcome.truncated,
-            ..Answer::unasked(target.kind(), target.name(world).to_string())
+            ..Answer::failed(target.kind(), target.name(world).to_string())
         }
     }
 }

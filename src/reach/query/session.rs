@@ -1,5 +1,5 @@
-//! A session asks questions about one world: it analyses the world once, searches for each target, lets what is found for
-//! one target answer others, and checks every state that is made on the way against what proofs rest on.
+//! A session answers questions about one world: it analyses the world once, searches for each target, reuses paths
+//! between targets, and checks every state created on the way against the analysis.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -10,9 +10,9 @@ use crate::sim::{Fault, Script, Simulator};
 use crate::source::SourceMap;
 use crate::watch::Watch;
 
-use super::super::exchange::passed;
-use super::super::guard::{Guard, Refutation};
+use super::super::exchange::plan_from_script;
 use super::super::improve_duration::improve_duration;
+use super::super::monitor::{Monitor, Refutation};
 use super::super::outcome::{End, Outcome, Plan, Verdict};
 use super::super::problem::{BadStart, Problem, Target, Termination};
 use super::super::reach;
@@ -20,29 +20,29 @@ use super::super::search::{Limits, Settings};
 use super::super::shorten::shorten;
 use super::answer::{Answer, Counterexample};
 
-/// What is asked of a world, and how to search for it.
+/// The questions about a world, and the search settings.
 #[derive(Debug, Clone)]
 pub struct Query {
     /// The goals to reach and the `never`s to break, in the order of the answers.
     pub targets: Vec<Target>,
-    /// How to search.
+    /// Search settings.
     pub settings: Settings,
-    /// What each search may cost.
+    /// Limits of each search.
     pub limits: Limits,
-    /// The number of steps for which each input is held at least.
+    /// Minimum number of steps for which each input is held.
     pub least_hold: u16,
-    /// The most steps a way may take, from where the search begins; none: no limit.
+    /// Maximum number of steps of a path from the start of the search; `None`: no limit.
     pub within: Option<u32>,
-    /// A way must not break these `never`s, and counterexamples to them are not reported.
+    /// `never`s that a path must not break; counterexamples to them are not reported.
     pub without: Vec<NeverId>,
-    /// Where searches begin: where each of these scripts ends; if there is none, in the initial state.
+    /// Scripts whose ends are the starts of searches; if empty, the initial state.
     pub after: Vec<Script>,
-    /// Whether found ways are made faster and simpler.
+    /// Whether paths are made faster and simpler.
     pub minimizes: bool,
 }
 
 impl Query {
-    /// Asks for targets with the default settings and limits.
+    /// A query with the default settings and limits.
     pub fn new(targets: Vec<Target>) -> Self {
         Query {
             targets,
@@ -57,9 +57,9 @@ impl Query {
     }
 }
 
-/// Why a question cannot be asked.
+/// Why a question cannot be answered at all.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Unasked {
+pub enum QueryError {
     /// A run-time error at a step, 0 in the initial state.
     Fault(Fault, u64),
     /// The run of one of the scripts in [`Query::after`] is over at a step.
@@ -73,20 +73,20 @@ pub enum Unasked {
     },
 }
 
-/// What a session is doing.
+/// The current activity of a session.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Phase {
     /// Searches for a target.
     Search(Target),
-    /// Replays what was found for one target to answer others.
+    /// Replays the path to one target to answer others.
     Exchange,
-    /// Makes a way faster and simpler.
+    /// Makes a path faster and simpler.
     Minimize(Target),
 }
 
-/// Brings a watch to each phase of a session, and takes the time if it wants to.
+/// Provides a watch for each phase of a session, and may measure its time.
 pub trait Supervisor {
-    /// Does the work of a phase under a watch. Breaks if the session is to end after it.
+    /// Runs the work of a phase under a watch. Breaks if the session should end after it.
     fn supervise(&mut self, phase: Phase, work: &mut dyn FnMut(&dyn Watch)) -> ControlFlow<()>;
 }
 
@@ -98,22 +98,22 @@ impl Supervisor for &dyn Watch {
     }
 }
 
-/// A world with all that the questions about it have in common.
+/// A world with everything that the questions about it share.
 pub struct Session {
     query: Query,
     sim: Simulator,
     space: ConfigurationSpace,
-    /// Checks the states that are made for any of the questions against the space.
-    guard: Option<Guard>,
+    /// Checks the states created for any of the questions.
+    monitor: Option<Monitor>,
 }
 
-/// What was found for a target.
+/// The result for a target.
 pub struct Found<'s> {
     /// The target.
     pub target: Target,
-    /// What came of the search.
+    /// The outcome of the search.
     pub outcome: Outcome,
-    /// None if the search was stopped before it began.
+    /// `None` if the search was stopped before it started.
     problem: Option<Problem<'s>>,
 }
 
@@ -127,7 +127,7 @@ impl Found<'_> {
 }
 
 impl Session {
-    /// Analyses a world until the watch stops it; what is not known by then counts as possible.
+    /// Analyses a world; if the watch stops it, everything counts as possible.
     pub fn new(program: &Arc<Program>, world: WorldId, query: Query, watch: &dyn Watch) -> Self {
         // A run is over where a `never` holds.
         let nevers: Vec<ExprId> = program.worlds[world].nevers.iter().map(|never| never.holds).collect();
@@ -135,13 +135,13 @@ impl Session {
         Session::with_space(program, world, query, space)
     }
 
-    /// Rests its proofs on a space that was computed before.
+    /// Uses a configuration space that was computed before.
     pub fn with_space(program: &Arc<Program>, world: WorldId, query: Query, space: ConfigurationSpace) -> Self {
-        let guard = query.settings.checks.then(|| Guard::new(&space, program, world));
-        Session { query, sim: Simulator::new(program, world), space, guard }
+        let monitor = query.settings.checks.then(|| Monitor::new(&space, program, world));
+        Session { query, sim: Simulator::new(program, world), space, monitor }
     }
 
-    /// What is asked.
+    /// The query.
     pub fn query(&self) -> &Query {
         &self.query
     }
@@ -151,21 +151,20 @@ impl Session {
         &self.sim
     }
 
-    /// What proofs rest on.
+    /// The configuration space on which proofs rest.
     pub fn space(&self) -> &ConfigurationSpace {
         &self.space
     }
 
-    /// A run into a state that the analysis rules out, if a search has met one: the analysis is wrong about this world.
+    /// A run into a state that the analysis excludes, if a search has met one: the analysis is wrong about this world.
     pub fn refutation(&self) -> Option<Refutation> {
-        self.guard.as_ref().and_then(Guard::refutation)
+        self.monitor.as_ref().and_then(Monitor::refutation)
     }
 
-    /// Searches for all targets until the supervisor ends it; there may be fewer results than targets then.
+    /// Searches for all targets; fewer results than targets if the supervisor ends it.
     ///
-    /// # Errors
-    /// [`Unasked`] if there is nothing to ask for any of them.
-    pub fn find_all(&self, supervisor: &mut dyn Supervisor) -> Result<Vec<Found<'_>>, Unasked> {
+    /// [`QueryError`] if no target can be searched for.
+    pub fn find_all(&self, supervisor: &mut dyn Supervisor) -> Result<Vec<Found<'_>>, QueryError> {
         let mut all: Vec<Found<'_>> = Vec::new();
         for &target in &self.query.targets {
             let mut found = None;
@@ -186,7 +185,7 @@ impl Session {
             let _ = supervisor.supervise(Phase::Minimize(found.target), &mut |watch| self.minimize(found, watch));
         }
         let _ = supervisor.supervise(Phase::Exchange, &mut |watch| {
-            // Each round makes a way shorter.
+            // Each round shortens a path.
             while self.exchange(&mut all, watch) {
                 all.iter_mut().for_each(|found| self.shorten(found, watch));
             }
@@ -194,11 +193,10 @@ impl Session {
         Ok(all)
     }
 
-    /// Searches for one target, whatever else is asked.
+    /// Searches for one target independently of the others.
     ///
-    /// # Errors
-    /// [`Unasked`] if there is nothing to ask.
-    pub fn find(&self, target: Target, watch: &dyn Watch) -> Result<Found<'_>, Unasked> {
+    /// [`QueryError`] if the target cannot be searched for.
+    pub fn find(&self, target: Target, watch: &dyn Watch) -> Result<Found<'_>, QueryError> {
         let mut found = self.search(target, watch)?;
         if self.query.minimizes {
             self.minimize(&mut found, watch);
@@ -206,7 +204,7 @@ impl Session {
         Ok(found)
     }
 
-    /// The answer, once all targets have been searched for: what one search met can withdraw what was proven before.
+    /// The answer. Call it after all targets have been searched for: one search can withdraw the proof of another.
     pub fn answer(&self, found: &mut Found<'_>, sources: &SourceMap) -> Answer {
         if let Some(refutation) = self.refutation() {
             found.outcome.refute(&refutation);
@@ -222,16 +220,16 @@ impl Session {
         Answer { violations, ..Answer::new(&self.sim, sources, found.target, &found.outcome) }
     }
 
-    fn search(&self, target: Target, watch: &dyn Watch) -> Result<Found<'_>, Unasked> {
+    fn search(&self, target: Target, watch: &dyn Watch) -> Result<Found<'_>, QueryError> {
         let Query { settings, limits, .. } = &self.query;
         let Some(problem) = self.problem(target, watch)? else {
             return Ok(Found { target, problem: None, outcome: Outcome::stopped(settings.planner) });
         };
-        let outcome = reach(&problem, &self.space, settings, limits, watch).map_err(|f| Unasked::Fault(f, 0))?;
+        let outcome = reach(&problem, &self.space, settings, limits, watch).map_err(|f| QueryError::Fault(f, 0))?;
         Ok(Found { target, problem: Some(problem), outcome })
     }
 
-    /// Makes a way faster and simpler.
+    /// Makes a path faster and simpler.
     fn minimize(&self, found: &mut Found<'_>, watch: &dyn Watch) {
         if let (Some(problem), Some(plan)) = (&found.problem, found.plan()) {
             let Query { settings, limits, .. } = &self.query;
@@ -240,37 +238,37 @@ impl Session {
         }
     }
 
-    /// Simplifies a way that may come from another target.
+    /// Simplifies a path that may come from another target.
     fn shorten(&self, found: &mut Found<'_>, watch: &dyn Watch) {
         if let (Some(problem), Some(plan)) = (&found.problem, found.plan()) {
             found.outcome.verdict = Verdict::Reached(shorten(problem, plan, watch));
         }
     }
 
-    /// Takes for each target the shortest way that was found for any: what a way to a goal passes is reached, too. Returns
-    /// whether that changed anything.
+    /// Uses for each target the shortest path found for any: a path may pass several targets. Returns whether anything
+    /// changed.
     fn exchange(&self, all: &mut [Found<'_>], watch: &dyn Watch) -> bool {
         if all.len() < 2 {
             return false;
         }
-        let mut ways: Vec<(Script, u64, &'static str)> = Vec::new();
+        let mut scripts: Vec<(Script, u64, &'static str)> = Vec::new();
         for found in all.iter() {
             let violations = found.outcome.violations.iter().map(|(_, script)| script);
             for script in found.plan().map(|plan| &plan.script).into_iter().chain(violations) {
                 if let Some(after) = self.given_steps(script)
-                    && !ways.iter().any(|(known, ..)| known == script)
+                    && !scripts.iter().any(|(known, ..)| known == script)
                 {
-                    ways.push((script.clone(), after, found.outcome.planner));
+                    scripts.push((script.clone(), after, found.outcome.planner));
                 }
             }
         }
         let mut has_changed = false;
         for found in all {
             let Some(problem) = &found.problem else { continue };
-            for (script, after, planner) in &ways {
+            for (script, after, planner) in &scripts {
                 let steps = |plan: &Plan| plan.steps - plan.after;
                 let known = found.plan().map(steps);
-                let plan = passed(problem, script, *after, watch);
+                let plan = plan_from_script(problem, script, *after, watch);
                 let Some(plan) = plan.filter(|plan| known.is_none_or(|known| steps(plan) < known)) else { continue };
                 let outcome = &mut found.outcome;
                 (outcome.verdict, outcome.end, outcome.planner) = (Verdict::Reached(plan), End::Answered, *planner);
@@ -281,7 +279,7 @@ impl Session {
         has_changed
     }
 
-    /// The number of first steps of a found script that were given with the query; none if it begins elsewhere.
+    /// Number of steps at the start of a script that were given with the query; `None` if it starts elsewhere.
     fn given_steps(&self, script: &Script) -> Option<u64> {
         let after = &self.query.after;
         if after.is_empty() {
@@ -290,12 +288,12 @@ impl Session {
         after.iter().filter(|given| script.first(given.len()) == **given).map(Script::len).max()
     }
 
-    /// The problem of a target; none if the watch stopped a script that leads to where it begins.
-    fn problem(&self, target: Target, watch: &dyn Watch) -> Result<Option<Problem<'_>>, Unasked> {
+    /// The problem for a target; `None` if the watch stopped the replay of a start.
+    fn problem(&self, target: Target, watch: &dyn Watch) -> Result<Option<Problem<'_>>, QueryError> {
         let Query { least_hold, within, without, after, .. } = &self.query;
         let mut problem = Problem::asking(&self.sim, target).holding(*least_hold);
-        if let Some(guard) = &self.guard {
-            problem = problem.guarded(guard);
+        if let Some(monitor) = &self.monitor {
+            problem = problem.monitored(monitor);
         }
         for never in without {
             problem = problem.without(self.sim.world().nevers[*never].holds);
@@ -307,8 +305,8 @@ impl Session {
             problem = match problem.after_watched(script.clone(), watch) {
                 Ok(problem) => problem,
                 Err(BadStart::Stopped) => return Ok(None),
-                Err(BadStart::Fault(fault, step)) => return Err(Unasked::Fault(fault, step)),
-                Err(BadStart::Over(reason, step)) => return Err(Unasked::Over { script: index, reason, step }),
+                Err(BadStart::Fault(fault, step)) => return Err(QueryError::Fault(fault, step)),
+                Err(BadStart::Over(reason, step)) => return Err(QueryError::Over { script: index, reason, step }),
             };
         }
         Ok(Some(problem))

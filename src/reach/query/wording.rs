@@ -1,5 +1,4 @@
-//! Why there is no way, in sentences: what the analysis says of the parts of a predicate, how far away a goal is, what was
-//! visited.
+//! Sentences that explain a "no": values of the parts of a predicate, the distance to a goal, the visited states.
 
 use crate::analysis::wording::relation;
 use crate::analysis::{Interval, Values};
@@ -10,7 +9,7 @@ use super::super::metric::Quantity;
 use super::super::outcome::{Argument, Exhaustion, Verdict};
 use super::super::proof::{Proof, TooFar};
 
-/// The reasons that a verdict gives for a "no"; none if it is no "no".
+/// The reasons for a "no"; empty for any other verdict.
 pub(super) fn reasons(sources: &SourceMap, program: &Program, world: &World, verdict: &Verdict) -> Vec<String> {
     match verdict {
         Verdict::Unreachable(argument) => argument_reasons(sources, program, world, argument),
@@ -39,7 +38,7 @@ fn argument_reasons(sources: &SourceMap, program: &Program, world: &World, argum
     }
 }
 
-/// What an exhaustive search visited.
+/// Describes the states that an exhaustive search visited.
 fn visited(Exhaustion { states, least_hold }: Exhaustion) -> String {
     let held = match least_hold {
         1 => "that can change at every step".to_string(),
@@ -49,8 +48,7 @@ fn visited(Exhaustion { states, least_hold }: Exhaustion) -> String {
     format!("{states} visited to which inputs lead {held}: all buttons, axes at -1, 0 and 1")
 }
 
-/// Why a goal cannot hold: one reason for each part of its predicate that would have to turn out otherwise. `sources` hold
-/// the text of the predicates.
+/// One reason for each part of a predicate that cannot hold. `sources` hold the text of the predicates.
 pub fn proof_reasons(sources: &SourceMap, program: &Program, world: &World, proof: &Proof) -> Vec<String> {
     let mut out: Vec<String> = Vec::new();
     for part in &proof.parts {
@@ -80,7 +78,7 @@ fn entity<'p>(program: &'p Program, world: &World, slot: SlotId) -> &'p Entity {
     &program.entities[world.slots[slot].entity]
 }
 
-/// Whether a run ends where a player leaves the bounds of its space: every proof about such a world assumes it.
+/// Whether a run ends when a player leaves the bounds of its space: all proofs about such a world assume it.
 pub fn is_bounded(world: &World) -> bool {
     !world.players.is_empty() && world.spaces.iter().any(|s| s.bounds.is_some())
 }

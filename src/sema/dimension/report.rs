@@ -1,5 +1,5 @@
-//! What the solver found wrong, put into facts: two uses of one name, two terms that do not go together, a term in a place
-//! that asks for another dimension.
+//! Reports conflicts of the solver: two uses of one name, two terms that do not agree, a term in a context that needs
+//! another dimension.
 
 use crate::ir::{Arithmetic, EntityId, Function, Subject};
 
@@ -8,9 +8,9 @@ use crate::diagnostic::{Diagnostics, similar};
 use crate::source::{SourceMap, Span};
 
 use super::super::checked::{Term, TermKind};
-use super::{Beside, Conflict, Dim, Joint, Named, Ratio, Solver};
+use super::{Conflict, ConflictSite, Dim, Named, Ratio, Relation, Solver};
 
-/// The number of characters of an expression that are shown.
+/// Maximum number of characters of an expression in a message.
 const SHOWN: usize = 40;
 
 impl Solver<'_> {
@@ -35,7 +35,7 @@ impl Solver<'_> {
             envelope.map(|at| (at, "of this envelope".to_string())).into_iter().collect();
         let this = Dimensioned { text: shown(sources, term.span), at: Some(term.span), dimension: found.words() };
         match beside {
-            Beside::Place => {
+            ConflictSite::Place => {
                 let reason = named.as_ref().and_then(|(n, _)| self.named.get(n)).and_then(|&u| self.solved[u].as_ref());
                 if let (Some((_, name)), Some((_, reason))) = (&named, reason) {
                     let (what, at) = (format!("`{name}`"), (term.span, needed.words()));
@@ -47,7 +47,7 @@ impl Solver<'_> {
                 let help = plain_factor(sources, term, found, needed);
                 diagnostics.report(WrongDimension { this, needed: needed.words(), also, near, help });
             }
-            Beside::Term(first, joint) => {
+            ConflictSite::Term(first, joint) => {
                 let culprits = [first, term].into_iter().filter_map(|t| self.culprit((*entity)?, t));
                 for culprit in culprits.collect::<Vec<_>>() {
                     if !also.contains(&culprit) {
@@ -62,7 +62,7 @@ impl Solver<'_> {
                 let first = Dimensioned { text, at, dimension: needed.words() };
                 diagnostics.report(Unjoinable { first, second: this, how: joint.words(), also, near, help });
             }
-            Beside::Driven { first, other, degree } => {
+            ConflictSite::Driven { first, other, degree } => {
                 let Some(entity) = entity.map(|e| &self.program.entities[e]) else { return };
                 let of = |var, dim: &Dim, at| {
                     let text = format!("`{}{}`", entity.vars[var].name.text, "'".repeat(usize::from(*degree)));
@@ -75,7 +75,7 @@ impl Solver<'_> {
         }
     }
 
-    /// The name that a term is, and how it is written.
+    /// The name and its text, if a term is a name.
     fn named(&self, entity: Option<EntityId>, term: &Term) -> Option<(Named, String)> {
         let e = entity?;
         match &term.kind {
@@ -90,7 +90,7 @@ impl Solver<'_> {
         }
     }
 
-    /// Inside of a term: what first gave one of its names its dimension; else a name that never has one.
+    /// The name in a term whose first use determined its dimension; else a name with a fixed dimension.
     fn culprit(&mut self, id: EntityId, term: &Term) -> Option<(Span, String)> {
         let mut names = Vec::new();
         leaves(term, &mut names);
@@ -103,7 +103,7 @@ impl Solver<'_> {
             };
             let (dim, at) = self.named.get(&named).and_then(|&u| self.solved[u].clone())?;
             let dim = self.reduce(&dim);
-            (at != leaf.span && !dim.is_lost).then(|| (at, format!("by this, `{name}` is {}", dim.words())))
+            (at != leaf.span && !dim.is_unknown).then(|| (at, format!("by this, `{name}` is {}", dim.words())))
         });
         given.or_else(|| {
             names.iter().find_map(|leaf| {
@@ -117,7 +117,7 @@ impl Solver<'_> {
         })
     }
 
-    /// A parameter of an entity that has a dimension; the most similar to `name` if there are several.
+    /// A parameter of an entity with a dimension; the most similar to `name` if there are several.
     fn of_dimension(&mut self, entity: EntityId, dim: &Dim, name: &str) -> Option<String> {
         let mut fitting: Vec<&str> = Vec::new();
         for (p, param) in self.program.entities[entity].params.pairs() {
@@ -130,20 +130,19 @@ impl Solver<'_> {
     }
 }
 
-impl Joint {
+impl Relation {
     fn words(self) -> String {
         match self {
-            Joint::Added => "added".into(),
-            Joint::Subtracted => "subtracted".into(),
-            Joint::Compared => "compared".into(),
-            Joint::Given(Function::If) => "the values of one `if`".into(),
-            Joint::Given(function) => format!("given to one `{function:?}`").to_lowercase(),
+            Relation::Added => "added".into(),
+            Relation::Subtracted => "subtracted".into(),
+            Relation::Compared => "compared".into(),
+            Relation::Given(Function::If) => "the values of one `if`".into(),
+            Relation::Given(function) => format!("given to one `{function:?}`").to_lowercase(),
         }
     }
 }
 
-/// A plain number that makes a pure number of a term because it is beside `*` or `/`: the way out is to give it a
-/// name.
+/// A plain factor that makes a term dimensionless; the fix is to give it a name.
 fn plain_factor(sources: &SourceMap, term: &Term, found: &Dim, needed: &Dim) -> Option<String> {
     let number = factor(term)?;
     let text = sources.slice(number.span);
@@ -180,13 +179,13 @@ fn factor(term: &Term) -> Option<&Term> {
 fn leaves<'t>(term: &'t Term, out: &mut Vec<&'t Term>) {
     match &term.kind {
         TermKind::Param(..) | TermKind::Var(..) | TermKind::Discrete(..) | TermKind::Axis(_) => out.push(term),
-        // Truth values and places have none.
+        // Truth values and references have none.
         TermKind::And(_) | TermKind::Or(_) | TermKind::Near(_) => {}
         _ => term.operands().iter().for_each(|operand| leaves(operand, out)),
     }
 }
 
-/// An expression as it is written, on one line; only its beginning and its end if it is long.
+/// The source text of an expression on one line, shortened in the middle.
 fn shown(sources: &SourceMap, at: Span) -> String {
     let words: Vec<&str> = sources.slice(at).split_whitespace().collect();
     let text = words.join(" ");

@@ -1,15 +1,15 @@
-//! Where an instance can get that moves in small steps among what never moves: the free places that hang together with
-//! those where it is put, found by flooding the plane of its positions (Lozano-Pérez, *Spatial planning: a configuration
-//! space approach*, IEEE Transactions on Computers 1983: what blocks it grows by the size of its collider).
+//! The region that an instance reaches in small steps among static obstacles: the free space connected to its seeds,
+//! found by flood fill in its configuration space (Lozano-Pérez, *Spatial planning: a configuration space approach*,
+//! IEEE Transactions on Computers 1983: obstacles grow by the size of the collider).
 //!
-//! It is never inside of what blocks it, if it does not begin there. A step moves it by at most `far` px along each axis,
-//! so that it is no deeper than that inside of what it meets, and is pushed out by no more than that: free places hang
-//! together that are not further apart than two such steps, and thicker walls are not passed.
+//! The instance is never inside a blocking obstacle unless it starts there. A step moves it by at most `far` px along
+//! each axis, so it penetrates an obstacle by at most that and is pushed out by at most that. Free cells are connected
+//! if they are at most two such steps apart; thicker walls separate them.
 //!
-//! Where several colliders take turns, what lies within all of them is kept out of what blocks while one of them is there.
+//! If several colliders alternate, their intersection is kept out of blocking obstacles while one of them is active.
 //!
-//! That fails where a push ends inside of something else, or where two things push against each other: between two things
-//! that leave a gap which is too narrow by up to two steps. Where it could come near to one, nothing is reported.
+//! This fails where a push ends inside another obstacle, or where two obstacles push against each other: at a gap that
+//! is too narrow by up to two steps. No region is reported if it comes near such a gap.
 
 use crate::ir::{Bounds, Push, SpaceId, TagSet};
 
@@ -22,14 +22,14 @@ use crate::analysis::geometry::tiles::Tiles;
 
 use super::Scene;
 
-/// More cells than that are not looked at: everything is free.
+/// Maximum number of cells; above it, no region is computed.
 const MAX_CELLS: usize = 1 << 22;
 
 impl Scene<'_> {
-    /// Where instances of a kind that begin in some boxes can get in a space, if a step moves them by at most `far` px
-    /// along each axis, while they are kept out of what blocks. None if there is too much to look at, or if pushes could
-    /// leave them inside of something.
-    pub fn flooded(
+    /// The region that instances of a kind reach from some boxes in a space, if a step moves them by at most `far` px
+    /// along each axis, while they are kept out of blocking obstacles. `None` if there is too much to examine, or if
+    /// pushes could leave them inside an obstacle.
+    pub fn flood_region(
         &self,
         kind: usize,
         space: SpaceId,
@@ -42,7 +42,7 @@ impl Scene<'_> {
         let bounds = self.world.spaces[space].bounds.filter(|_| players);
         let mut blocking = Vec::new();
         for (tags, extent) in of.cores() {
-            let blockers = self.blockers((tags, extent), space, obstacles.iter().filter(|o| o.is_sure));
+            let blockers = self.blockers((tags, extent), space, obstacles.iter().filter(|o| o.is_always_present));
             blocking.extend(blockers.into_iter().filter(|(_, push)| *push == Push::Block).map(|(sides, _)| sides));
         }
         let plane = Plane::new(&blocking, bounds, &self.meter)?;
@@ -68,14 +68,14 @@ impl Scene<'_> {
         Region::new(reached.into_iter().map(|strip| strip.map(wide)).collect())
     }
 
-    /// The positions at which a covered instance would lie inside of what blocks it and never moves.
+    /// The positions at which an instance that is kept out would overlap a static blocking obstacle.
     pub fn blocking(&self, kind: &Kind, space: SpaceId) -> Vec<[Interval; 2]> {
         let of = |core| self.blockers(core, space, [].iter()).into_iter();
         let blockers = kind.cores().into_iter().flat_map(of);
         blockers.filter(|(_, push)| *push == Push::Block).map(|(sides, _)| sides).collect()
     }
 
-    /// The positions at which a box lies inside of what pushes it and never moves, and to which sides that does.
+    /// The positions at which a box overlaps an obstacle that pushes it, with the kind of push.
     fn blockers<'o>(
         &self,
         (tags, extent): (TagSet, Extent),
@@ -96,7 +96,7 @@ impl Scene<'_> {
         out
     }
 
-    /// Whether something is put so that a collider of it can lie inside of an obstacle.
+    /// Whether a collider can overlap an obstacle at one of the seeds.
     pub fn is_inside_of(&self, kind: usize, space: SpaceId, obstacles: &[Obstacle]) -> bool {
         self.kinds[kind].kept_out().any(|body| {
             let Some(extent) = body.extent else { return true };
@@ -104,19 +104,19 @@ impl Scene<'_> {
                 |o: &&Obstacle| self.world.meeting(body.tags, o.tags).is_some_and(|m| m.response.push != Push::Sense);
             obstacles.iter().filter(pushes).any(|o| {
                 let sides = grown(o.bounds, extent);
-                self.put(kind, space).any(|at| (0..2).all(|axis| at[axis].and(sides[axis]).is_some()))
+                self.all_seeds(kind, space).any(|at| (0..2).all(|axis| at[axis].and(sides[axis]).is_some()))
             })
         })
     }
 }
 
-/// Whether two intervals are no further apart than so much.
+/// Whether two intervals are at most `apart` from each other.
 fn near(a: Interval, b: Interval, apart: f64) -> bool {
     a.low - apart <= b.high && b.low - apart <= a.high
 }
 
-/// Whether two things leave a gap that is too narrow by no more than two steps, near to what is reached: they push against
-/// each other, or a push by one of them ends inside of the other; so, too, where the meter stops the search for one.
+/// Whether two obstacles near the reached region leave a gap that is too narrow by at most two steps: they push against
+/// each other, or a push by one ends inside the other. Also true if the meter runs out.
 fn has_narrow_gap(
     blockers: &[[Interval; 2]],
     reached: &[[Interval; 2]],
@@ -148,9 +148,9 @@ fn has_narrow_gap(
     })
 }
 
-/// Whether something covers a face of another and is no thicker there than a step, near to what is reached: a step can lead
-/// through it into the other, whose face gives no side, so that the push goes to another side, however far that is. So, too,
-/// where the meter stops the search for one.
+/// Whether an obstacle near the reached region covers a face of another and is no thicker there than a step: a step can
+/// pass through it into the other, whose covered face gives no side, so that the push goes to another side by any
+/// distance. Also true if the meter runs out.
 fn has_ledge(
     blockers: &[[Interval; 2]],
     reached: &[[Interval; 2]],
@@ -183,7 +183,7 @@ fn has_ledge(
     })
 }
 
-/// The positions at which a box lies inside of another.
+/// The positions at which a box overlaps another.
 fn grown(b: Bounds, extent: Extent) -> [Interval; 2] {
     let axis = |low: f64, high: f64, own: Interval| Interval {
         low: low - own.high + ROUNDING,
@@ -192,7 +192,7 @@ fn grown(b: Bounds, extent: Extent) -> [Interval; 2] {
     [axis(b.left, b.right, extent[0]), axis(b.bottom, b.top, extent[1])]
 }
 
-/// The plane of positions, cut into cells by the sides of what blocks.
+/// The plane of positions, cut into cells by the sides of blocking obstacles.
 struct Plane {
     /// The sides, in order; a cell lies between two of them.
     lines: [Vec<f64>; 2],
@@ -201,7 +201,7 @@ struct Plane {
 }
 
 impl Plane {
-    /// None if there is too much to look at, or if the meter stops it.
+    /// `None` if there is too much to examine, or if the meter runs out.
     fn new(blocking: &[[Interval; 2]], bounds: Option<Bounds>, meter: &Meter<'_>) -> Option<Plane> {
         let bounds = bounds.map_or([Interval::ALL; 2], |b| {
             [Interval { low: b.left, high: b.right }, Interval { low: b.bottom, high: f64::INFINITY }]
@@ -223,12 +223,12 @@ impl Plane {
             let range = |axis: usize| {
                 let first = lines[axis].partition_point(|x| *x < b[axis].low);
                 let after = lines[axis].partition_point(|x| *x < b[axis].high);
-                // What blocks may lie beyond the bounds.
+                // Obstacles may lie beyond the bounds.
                 let after = after.min(count(axis));
                 first.min(after)..after
             };
             let (across, up) = (range(0), range(1));
-            // A row costs a call at least.
+            // Each row costs at least one call.
             if meter.spend(((across.len() / 16 + 4) * up.len()) as u64) {
                 return None;
             }
@@ -239,7 +239,7 @@ impl Plane {
         Some(Plane { lines, is_blocked })
     }
 
-    /// The free cells of a row that lie side by side, as one box each.
+    /// The runs of free cells of a row, one box each.
     fn strips(&self, row: usize) -> Vec<[Interval; 2]> {
         let [x, y] = &self.lines;
         let across = x.len() - 1;
@@ -256,8 +256,8 @@ impl Plane {
         out
     }
 
-    /// The free strips that hang together with some boxes, where two do that are no further apart than so much; not all of
-    /// them if the meter stops it.
+    /// The free strips connected to some boxes, where strips at most `apart` from each other are connected; incomplete
+    /// if the meter runs out.
     fn flood(&self, seeds: &[[Interval; 2]], apart: f64, meter: &Meter<'_>) -> Vec<[Interval; 2]> {
         let rows = self.lines[1].len() - 1;
         let mut starts = Vec::with_capacity(rows + 1);

@@ -1,8 +1,8 @@
-//! What the colliders of a world can meet, as far as it never changes: bodies of one kind share it, per space. It is found
-//! when it is asked for (`look`, `flood`), and kept.
+//! The static facts about the colliders of a world, shared by all instances of a kind and cached per space. They are
+//! computed on demand (`scan`, `flood`).
 
 mod flood;
-mod look;
+mod scan;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -22,13 +22,13 @@ use crate::analysis::geometry::presence::Presence;
 use crate::analysis::geometry::region::{Obstacle, Region};
 use crate::analysis::geometry::statics::Statics;
 
-/// More places than that where instances are put are not distinguished.
+/// Maximum number of seeds that are kept apart.
 const MAX_SEEDS: usize = 64;
 
-/// Beyond this coordinates are too coarse for what is known of pushes to hold, px.
+/// Above this coordinate floating-point numbers are too coarse for exact facts about pushes, px.
 const MAX_COORDINATE: f64 = (1_u64 << 26) as f64;
 
-/// Where instances of a kind can get in a space, and what that was found from.
+/// The region that instances of a kind reach in a space, with the inputs of its computation.
 #[derive(Debug)]
 struct Flooded {
     /// The length of their steps, px.
@@ -39,38 +39,39 @@ struct Flooded {
     found: Option<Region>,
 }
 
-/// The kinds of a world, and what they meet.
+/// The kinds of a world and what they can touch.
 #[derive(Debug)]
 pub(in crate::analysis) struct Scene<'a> {
     pub program: &'a Program,
     pub world: &'a World,
     pub kinds: Vec<Kind>,
-    /// Of each entity, the groups whose leaves decide how its variables flow; none if time does, too.
-    pub flowing: IdVec<EntityId, Option<Vec<bool>>>,
-    /// Of each entity, the groups whose leaves decide which of its colliders are pushed.
-    pub covering: IdVec<EntityId, Vec<bool>>,
-    /// Of each entity, the edges whose way depends on where the instance is and how it moves.
-    pub moving: IdVec<EntityId, IdVec<EdgeId, bool>>,
-    /// Of each kind, where its instances are distinguished.
+    /// For each entity, the groups whose leaves determine the flows of its variables; `None` if they also depend on
+    /// time.
+    pub flow_groups: IdVec<EntityId, Option<Vec<bool>>>,
+    /// For each entity, the groups whose leaves determine which of its colliders are pushed.
+    pub collider_groups: IdVec<EntityId, Vec<bool>>,
+    /// For each entity, the edges whose effect depends on position or motion.
+    pub motion_edges: IdVec<EntityId, IdVec<EdgeId, bool>>,
+    /// For each kind, the cells that distinguish its instances.
     pub cells: Vec<Cells>,
-    /// Of each kind whose cells are fine: what never moves, in each space.
+    /// For each kind with fine cells: the static obstacles of each space.
     pub surfaces: Vec<Vec<(SpaceId, Arc<Surfaces>)>>,
     /// The kind of each slot.
     pub of: IdVec<SlotId, usize>,
-    /// Of each kind, what its bodies meet of others.
+    /// For each kind, the pairs of its bodies with others.
     pub pairs: Vec<Vec<Pair>>,
-    /// Counts the work of finding all this. Once it is stopped, what is known is not all there is.
+    /// Limits the work. Once it is stopped, the results are incomplete.
     pub meter: Meter<'a>,
     statics: BTreeMap<(usize, SpaceId), Statics>,
-    /// Where instances of a kind are put.
+    /// Positions at which instances of a kind are placed.
     seeds: BTreeMap<(usize, SpaceId), Vec<[Interval; 2]>>,
-    /// Where they are as colliders of theirs appear.
-    uncovered: BTreeMap<(usize, SpaceId), Vec<[Interval; 2]>>,
-    /// Where those of a kind get from where they are put.
+    /// Positions at which a collider is switched on.
+    collider_seeds: BTreeMap<(usize, SpaceId), Vec<[Interval; 2]>>,
+    /// The regions reached from the seeds.
     regions: BTreeMap<(usize, SpaceId), Flooded>,
 }
 
-/// How far a step goes, px, rounded up, so that results are not recomputed for each growth.
+/// The length of a step, px, rounded up so that small growth does not trigger a recomputation.
 pub(in crate::analysis) fn rounded_step(far: f64) -> f64 {
     (2.0 * far).ceil() / 2.0
 }
@@ -82,9 +83,9 @@ impl<'a> Scene<'a> {
             program,
             world,
             kinds: Vec::new(),
-            moving: program.entities.iter().map(|entity| moving(entity)).collect(),
-            flowing: program.entities.ids().map(|e| flowing(program, e)).collect(),
-            covering: program.entities.iter().map(|e| covering(program, e)).collect(),
+            motion_edges: program.entities.iter().map(|entity| motion_edges(entity)).collect(),
+            flow_groups: program.entities.ids().map(|e| flow_groups(program, e)).collect(),
+            collider_groups: program.entities.iter().map(|e| collider_groups(program, e)).collect(),
             cells: Vec::new(),
             surfaces: Vec::new(),
             of: IdVec::new(),
@@ -92,7 +93,7 @@ impl<'a> Scene<'a> {
             meter: Meter::new(watch),
             statics: BTreeMap::new(),
             seeds: BTreeMap::new(),
-            uncovered: BTreeMap::new(),
+            collider_seeds: BTreeMap::new(),
             regions: BTreeMap::new(),
         };
         for (slot, s) in world.slots.pairs() {
@@ -101,9 +102,9 @@ impl<'a> Scene<'a> {
             let number = *numbers.entry((s.entity, s.origin == Origin::Named, params)).or_insert(next);
             if number == scene.kinds.len() {
                 let bodies = scene.bodies(s.entity, &s.params.iter().map(|p| Values::point(*p)).collect());
-                let jumps = drives_position(program, s.entity);
+                let can_be_inside = drives_position(program, s.entity);
                 let (slots, appears) = (Vec::new(), false);
-                scene.kinds.push(Kind { entity: s.entity, slots, bodies, jumps, appears, near: None });
+                scene.kinds.push(Kind { entity: s.entity, slots, bodies, can_be_inside, appears, near: None });
             }
             scene.kinds[number].slots.push(slot);
             scene.of.push(number);
@@ -117,7 +118,7 @@ impl<'a> Scene<'a> {
         scene
     }
 
-    /// Around the positions at which a kind can meet what never moves: instances that nothing can move, too.
+    /// The hull of the positions at which a kind can touch static obstacles, including instances that nothing can move.
     fn near(&self, kind: usize) -> Option<Extent> {
         let mut hull = near_statics(self.world, &self.kinds[kind], &self.meter);
         for pair in self.pairs[kind].iter().filter(|pair| pair.meeting.response.push != Push::Sense) {
@@ -137,7 +138,7 @@ impl<'a> Scene<'a> {
         hull
     }
 
-    /// Some leaves can be active together; returns whether a collider can be there for the first time.
+    /// Marks leaves that can be active together; returns true if a collider can be active for the first time.
     pub fn activate(&mut self, kind: usize, leaves: &[LeafId]) -> bool {
         let mut is_new = false;
         for body in self.kinds[kind].bodies.iter_mut().filter(|b| !b.is_live) {
@@ -151,20 +152,20 @@ impl<'a> Scene<'a> {
         is_new
     }
 
-    /// Nothing is known of the modes of a kind.
+    /// Assumes that all modes of a kind are possible.
     pub fn activate_all(&mut self, kind: usize) {
         self.kinds[kind].bodies.iter_mut().for_each(|b| b.is_live = true);
         self.kinds[kind].appears = true;
         self.forget(kind);
     }
 
-    /// What a kind meets must be recomputed.
+    /// Drops cached results about a kind.
     fn forget(&mut self, kind: usize) {
         self.statics.retain(|(k, _), _| *k != kind);
         self.regions.retain(|(k, _), _| *k != kind);
     }
 
-    /// Tells players apart by place; returns false if there are none of whom that can be done.
+    /// Distinguishes players by place where possible; returns true if it is possible for any.
     pub fn refine(&mut self) -> bool {
         let mut is_refined = false;
         for number in 0..self.kinds.len() {
@@ -175,7 +176,7 @@ impl<'a> Scene<'a> {
             let surfaces =
                 self.world.spaces.ids().map(|s| Some((s, Arc::new(Surfaces::new(self.world, kind, s, &self.meter)?))));
             let Some(surfaces) = surfaces.collect::<Option<Vec<_>>>() else { continue };
-            // Which of its colliders can be there is not known yet.
+            // It is not yet known which of its colliders can be active.
             let mut whole = kind.clone();
             whole.bodies.iter_mut().for_each(|b| b.is_live = true);
             let blocking = |space| self.blocking(&whole, space);
@@ -189,7 +190,7 @@ impl<'a> Scene<'a> {
         is_refined
     }
 
-    /// The parameters of the slots of a kind can be more than before.
+    /// Recomputes the bodies of a kind after the parameters of its slots have grown.
     pub fn reshape(&mut self, slot: SlotId, params: &IdVec<ParamId, Values>) {
         let kind = self.of[slot];
         let mut bodies = self.bodies(self.kinds[kind].entity, params);
@@ -201,20 +202,20 @@ impl<'a> Scene<'a> {
         self.forget(kind);
     }
 
-    /// Finds out what a kind meets in a space, if that is not known yet.
+    /// Scans the static obstacles of a space for a kind, unless that was done before.
     pub fn prepare(&mut self, kind: usize, space: SpaceId) {
         if !self.statics.contains_key(&(kind, space)) {
-            let found = self.look(&self.kinds[kind], space);
+            let found = self.scan_statics(&self.kinds[kind], space);
             self.statics.insert((kind, space), found);
         }
     }
 
-    /// What a kind meets in a space; none if that has not been prepared.
+    /// The static obstacles of a space for a kind; `None` before [`Scene::prepare`].
     pub fn statics(&self, kind: usize, space: SpaceId) -> Option<&Statics> {
         self.statics.get(&(kind, space))
     }
 
-    /// Something puts instances of a kind somewhere; returns whether that is new.
+    /// Adds a seed; returns true if it is new.
     pub fn seed(&mut self, kind: usize, space: SpaceId, at: [Interval; 2]) -> bool {
         let known = self.seeds.entry((kind, space)).or_default();
         let is_new = add(known, at);
@@ -224,18 +225,18 @@ impl<'a> Scene<'a> {
         is_new
     }
 
-    /// A collider of instances of a kind appears somewhere; returns whether that is new.
-    pub fn uncover(&mut self, kind: usize, space: SpaceId, at: [Interval; 2]) -> bool {
-        add(self.uncovered.entry((kind, space)).or_default(), at)
+    /// Adds a position at which a collider is switched on; returns true if it is new.
+    pub fn seed_collider(&mut self, kind: usize, space: SpaceId, at: [Interval; 2]) -> bool {
+        add(self.collider_seeds.entry((kind, space)).or_default(), at)
     }
 
-    /// Where instances of a kind are put in a space, or have colliders that appear.
-    pub fn put(&self, kind: usize, space: SpaceId) -> impl Iterator<Item = &[Interval; 2]> {
-        [&self.seeds, &self.uncovered].into_iter().filter_map(move |m| m.get(&(kind, space))).flatten()
+    /// All seeds of a kind in a space, including those of colliders.
+    pub fn all_seeds(&self, kind: usize, space: SpaceId) -> impl Iterator<Item = &[Interval; 2]> {
+        [&self.seeds, &self.collider_seeds].into_iter().filter_map(move |m| m.get(&(kind, space))).flatten()
     }
 
-    /// Where instances of a kind can get in a space among what never moves and some obstacles, if a step moves them by at
-    /// most `far` px along each axis. None if that is not known.
+    /// The region that instances of a kind reach in a space among static obstacles and `obstacles`, if a step moves
+    /// them by at most `far` px along each axis. `None` if it is not known.
     pub fn region(&mut self, kind: usize, space: SpaceId, far: f64, obstacles: &[Obstacle]) -> Option<&Region> {
         if !far.is_finite() {
             return None;
@@ -244,14 +245,14 @@ impl<'a> Scene<'a> {
         let seeds = self.seeds.get(&(kind, space)).map_or(&[][..], Vec::as_slice);
         let is_known = |f: &Flooded| f.far == far && f.seeds == seeds.len() && f.obstacles == obstacles;
         if !self.regions.get(&(kind, space)).is_some_and(is_known) {
-            let found = self.flooded(kind, space, seeds, far, obstacles);
-            let flooded = Flooded { far, seeds: seeds.len(), obstacles: obstacles.to_vec(), found };
-            self.regions.insert((kind, space), flooded);
+            let found = self.flood_region(kind, space, seeds, far, obstacles);
+            let flood_region = Flooded { far, seeds: seeds.len(), obstacles: obstacles.to_vec(), found };
+            self.regions.insert((kind, space), flood_region);
         }
         self.regions.get(&(kind, space))?.found.as_ref()
     }
 
-    /// All edges that are known.
+    /// All known ends of pushes.
     pub fn edges(&self) -> impl Iterator<Item = Interval> + '_ {
         self.statics.values().flat_map(|s| s.edges.iter().flatten().flatten().copied())
     }
@@ -293,7 +294,7 @@ impl<'a> Scene<'a> {
         self.program.entities[entity].colliders.iter().map(body).collect()
     }
 
-    /// Whether anything of the world pushes what has some tags.
+    /// Whether anything in the world pushes a body with some tags.
     fn is_pushed(&self, tags: TagSet) -> bool {
         let pushes = |t: TagSet| self.world.meeting(tags, t).is_some_and(|m| m.response.push != Push::Sense);
         self.world.spaces.iter().any(|space| {
@@ -302,14 +303,15 @@ impl<'a> Scene<'a> {
         }) || self.program.entities.iter().flat_map(|e| e.colliders.iter()).any(|c| pushes(c.tags))
     }
 
-    /// Whether coordinates are small enough everywhere for what is known of pushes to hold to the last bit.
+    /// Whether all coordinates are small enough for exact facts about pushes.
     pub fn is_precise(&self, kind: usize) -> bool {
         let near = self.kinds[kind].near.iter().flatten();
         near.flat_map(|i| [i.low, i.high]).all(|x| x.abs() < MAX_COORDINATE)
     }
 }
 
-/// Adds a box to others, unless it lies in one of them; returns whether it does not. There are never too many.
+/// Adds a box unless another contains it; returns true if it was added. Replaces all by their hull if there are too
+/// many.
 fn add(known: &mut Vec<[Interval; 2]>, at: [Interval; 2]) -> bool {
     let is_known = known.iter().any(|k| (0..2).all(|a| k[a].low <= at[a].low && at[a].high <= k[a].high));
     if !is_known {
@@ -323,8 +325,8 @@ fn add(known: &mut Vec<[Interval; 2]>, at: [Interval; 2]) -> bool {
     !is_known
 }
 
-/// The groups whose leaves decide which colliders of an entity can be pushed.
-fn covering(program: &Program, entity: &Entity) -> Vec<bool> {
+/// The groups whose leaves determine which colliders of an entity can be pushed.
+fn collider_groups(program: &Program, entity: &Entity) -> Vec<bool> {
     let mut groups = BTreeSet::new();
     for collider in entity.colliders.iter().filter(|c| !c.kinematic) {
         if let Some(presence) = Presence::of(program, entity, collider.guard) {
@@ -334,9 +336,9 @@ fn covering(program: &Program, entity: &Entity) -> Vec<bool> {
     entity.groups.ids().map(|group| groups.contains(&group)).collect()
 }
 
-/// The groups whose leaves decide how an entity's variables flow: those that drive them, or all where what drives them
-/// asks for modes. None if it reads timers.
-fn flowing(program: &Program, entity: EntityId) -> Option<Vec<bool>> {
+/// The groups whose leaves determine the flows of an entity: those that drive its variables, or all if a flow reads
+/// modes. `None` if a flow reads timers.
+fn flow_groups(program: &Program, entity: EntityId) -> Option<Vec<bool>> {
     let entity = &program.entities[entity];
     let mut asks_for_modes = false;
     for id in program.with_operands(entity.flow_exprs()) {
@@ -354,7 +356,7 @@ fn flowing(program: &Program, entity: EntityId) -> Option<Vec<bool>> {
     Some(entity.groups.iter().map(of).collect())
 }
 
-/// Whether nothing of an entity drives or sets its position or its velocity.
+/// Whether an entity never drives or sets its position or velocity.
 fn stays(entity: &Entity) -> bool {
     let drives = entity.free.iter().chain(entity.leaves.iter().flat_map(|l| &l.drives));
     let is_driven = |drive: &Drive| match *drive {
@@ -366,8 +368,8 @@ fn stays(entity: &Entity) -> bool {
     !drives.into_iter().any(is_driven) && !updates.any(|u| matches!(u.place, Place::Var(VarId::X | VarId::Y, _)))
 }
 
-/// The edges of groups that drive variables, and those that set them or spawn something.
-fn moving(entity: &Entity) -> IdVec<EdgeId, bool> {
+/// For each edge, whether its group drives variables or whether it sets variables or spawns.
+fn motion_edges(entity: &Entity) -> IdVec<EdgeId, bool> {
     let sets = |a: &Actions| !a.spawns.is_empty() || a.updates.iter().any(|u| matches!(u.place, Place::Var(..)));
     let group_moves = |group: &Group| {
         let inside = group.modes;

@@ -1,4 +1,4 @@
-//! Looking at all that never moves in a space: which contacts a kind can have with it, and where its pushes end.
+//! Scans all static obstacles of a space for the contacts that a kind can have and the ends of its pushes.
 
 use std::collections::BTreeSet;
 
@@ -6,20 +6,20 @@ use crate::ir::{Bounds, Id, Meeting, Push, SpaceId, TagSet};
 
 use crate::analysis::domain::values::Interval;
 use crate::analysis::geometry::body::{Body, Kind, along, disjoin, edge, face, near, rounding, sides_of};
-use crate::analysis::geometry::landing::{Landing, Whose};
+use crate::analysis::geometry::placement::{PlacedColliders, Placement};
 use crate::analysis::geometry::statics::Statics;
 use crate::analysis::geometry::tiles::Tiles;
 
 use super::Scene;
 
 impl Scene<'_> {
-    /// Looks at all that never moves; not at all of it if the meter stops it.
-    pub fn look(&self, kind: &Kind, space: SpaceId) -> Statics {
+    /// Scans all static obstacles; incomplete if the meter runs out.
+    pub fn scan_statics(&self, kind: &Kind, space: SpaceId) -> Statics {
         let (world, entity) = (self.world, &self.program.entities[kind.entity]);
         let mut out = Statics::default();
         let tiles = Tiles::new(world, space);
         let solids = &world.spaces[space].solids;
-        // Many have the same.
+        // Many tiles have the same tags.
         let tags: BTreeSet<TagSet> = tiles.tags.iter().copied().chain(solids.iter().map(|s| s.tags)).collect();
         for touch in entity.touches.iter() {
             let asking: Vec<&Body> = kind.bodies.iter().filter(|b| b.is_live && b.tags.meets(touch.mine)).collect();
@@ -56,7 +56,7 @@ impl Scene<'_> {
         out
     }
 
-    /// What never moves and pushes a body.
+    /// Adds the static obstacles that push a body.
     fn pushes(&self, body: &Body, space: SpaceId, tiles: &Tiles<'_>, out: &mut Statics) {
         let pushing = |t: TagSet| self.world.meeting(body.tags, t).filter(|m| m.response.push != Push::Sense);
         let own = body.size();
@@ -95,8 +95,8 @@ impl Scene<'_> {
             for side in sides_of(meeting) {
                 let (axis, end) = face(side);
                 let all = tiles.lines(|at| tiles.kind(at) == Some(kind), &self.meter);
-                // What is open from one side pushes whatever covers it. Beside a rectangle, what goes into a corner can be
-                // pushed to a face that is covered.
+                // A one-way obstacle pushes even if it is covered. Beside a rectangle, a body in a corner can be pushed
+                // to a covered face.
                 let covers = |at| tiles.neighbour(at, side).is_some_and(|k| blocks[k]);
                 let covered = |at| meeting.response.push == Push::Block && !beside_solids && covers(at);
                 let open = tiles.lines(|at| tiles.kind(at) == Some(kind) && !covered(at), &self.meter);
@@ -108,14 +108,14 @@ impl Scene<'_> {
         }
     }
 
-    /// Whether what is put somewhere in a space can lie inside of what never moves and pushes it.
-    pub fn is_inside(&self, kind: usize, space: SpaceId, landing: &Landing) -> bool {
-        let [x, y] = landing.at;
+    /// Whether an instance at a placement can overlap a static obstacle that pushes it.
+    pub fn is_inside(&self, kind: usize, space: SpaceId, placement: &Placement) -> bool {
+        let [x, y] = placement.at;
         let tiles = Tiles::new(self.world, space);
-        let is_meant = |id: usize, body: &Body| match &landing.whose {
-            Whose::All => true,
-            Whose::While(leaves) => body.presence.as_ref().is_none_or(|p| p.is_there(leaves)),
-            Whose::One { collider, .. } => collider.index() == id,
+        let is_meant = |id: usize, body: &Body| match &placement.colliders {
+            PlacedColliders::All => true,
+            PlacedColliders::While(leaves) => body.presence.as_ref().is_none_or(|p| p.is_there(leaves)),
+            PlacedColliders::One { collider, .. } => collider.index() == id,
         };
         let bodies = self.kinds[kind].bodies.iter().enumerate();
         let mut meant = bodies.filter(|(id, body)| !body.kinematic && is_meant(*id, body));
@@ -126,8 +126,8 @@ impl Scene<'_> {
             self.meter.spend(self.world.spaces[space].solids.len() as u64);
             let kinds: Vec<bool> = tiles.tags.iter().map(|t| blocks(*t)).collect();
             let Some(extent) = body.extent else { return kinds.contains(&true) || solids.count() > 0 };
-            // Cells that share a line with what blocks overlap it by the rounding of both.
-            let slack = if matches!(landing.whose, Whose::One { .. }) { 4.0 } else { 1.0 };
+            // Cells that share a line with an obstacle overlap it by the rounding error of both.
+            let slack = if matches!(placement.colliders, PlacedColliders::One { .. }) { 4.0 } else { 1.0 };
             let wide = |at: Interval, e: Interval| Interval {
                 low: at.low + e.low + slack * rounding(at.low),
                 high: at.high + e.high - slack * rounding(at.high),

@@ -1,7 +1,7 @@
-//! The broad phase: which boxes may meet. A world of few pairs keeps them as a list. In others the boxes that are there
-//! are compared kind by kind, as long as this makes few pairs; else they are swept in strips (after Baraff, *Dynamic
-//! Simulation of Non-Penetrating Rigid Bodies*, 1992, who sweeps them all at once), so that the cost grows with the boxes
-//! and their neighbours, not with their square.
+//! The broad phase: finds pairs of boxes that may touch. A world with few pairs stores them as a list. Otherwise the
+//! active boxes are compared kind by kind as long as this makes few pairs; else they are swept in strips (after Baraff,
+//! *Dynamic Simulation of Non-Penetrating Rigid Bodies*, 1992, who sweeps them all at once), so that the cost grows
+//! with the number of boxes and neighbours, not quadratically.
 
 use crate::ir::SlotId;
 
@@ -9,37 +9,36 @@ use crate::watch::Meter;
 
 use super::contact::Rect;
 
-/// The most pairs that are kept as a list.
+/// Maximum number of pairs that are stored as a list.
 const MAX_LISTED: usize = 64;
 
-/// Pairs of bodies that can meet.
+/// Pairs of bodies that can touch.
 #[derive(Debug)]
-pub(super) enum Broad {
-    /// All of them.
+pub(super) enum BroadPhase {
+    /// All pairs.
     Listed(Vec<(u32, u32)>),
-    /// Found in every step, from the kinds that can meet; the first is not above the second.
+    /// Found in each step, from the pairs of kinds that can touch; the first index is not above the second.
     Kinds(Kinds),
 }
 
-/// The kinds of bodies that can meet.
+/// The kinds of bodies that can touch.
 #[derive(Debug)]
 pub(super) struct Kinds {
     pairs: Vec<(usize, usize)>,
-    /// Of each kind, whether it is in any of the pairs.
+    /// For each kind, whether it is in any of the pairs.
     pub meets: Vec<bool>,
-    /// How many bodies there are of each kind.
+    /// Number of bodies of each kind.
     counts: Vec<usize>,
 }
 
-/// What a pair in a crowd costs that may meet, in units of work.
+/// Cost of a candidate pair in a sweep, in units of work.
 const CONTACT: u64 = 4;
 
-/// Comparing two boxes costs so much less than sorting one.
+/// The cost of sorting one box, in comparisons.
 const PAIRS_PER_BOX: usize = 12;
 
-impl Broad {
-    /// Prepares bodies, of each of which are given its kind, below `kinds`, and its slot; `meet` tells whether two kinds
-    /// can.
+impl BroadPhase {
+    /// Prepares bodies, given as their kind, below `kinds`, and their slot; `meet` tells whether two kinds can touch.
     pub fn new(bodies: &[(usize, SlotId)], kinds: usize, meet: impl Fn(usize, usize) -> bool) -> Self {
         let mut of_kinds: Vec<Vec<usize>> = vec![Vec::new(); kinds];
         for (at, body) in bodies.iter().enumerate() {
@@ -54,25 +53,25 @@ impl Broad {
                 listed.extend(others.map(|&j| (i.min(j) as u32, i.max(j) as u32)).take(MAX_LISTED + 1));
                 if listed.len() > MAX_LISTED {
                     let meets = (0..kinds).map(|kind| pairs.iter().any(|(a, b)| *a == kind || *b == kind)).collect();
-                    return Broad::Kinds(Kinds { pairs, meets, counts: of_kinds.iter().map(Vec::len).collect() });
+                    return BroadPhase::Kinds(Kinds { pairs, meets, counts: of_kinds.iter().map(Vec::len).collect() });
                 }
             }
         }
-        // As they would be met body by body.
+        // In the order of bodies.
         listed.sort_unstable();
-        Broad::Listed(listed)
+        BroadPhase::Listed(listed)
     }
 
-    /// Room for the bodies of each kind.
-    pub fn room(&self) -> Vec<Vec<u32>> {
+    /// Buffers for the bodies of each kind.
+    pub fn buffers(&self) -> Vec<Vec<u32>> {
         match self {
-            Broad::Listed(_) => Vec::new(),
-            Broad::Kinds(kinds) => kinds.counts.iter().map(|count| Vec::with_capacity(*count)).collect(),
+            BroadPhase::Listed(_) => Vec::new(),
+            BroadPhase::Kinds(kinds) => kinds.counts.iter().map(|count| Vec::with_capacity(*count)).collect(),
         }
     }
 }
 
-/// The number of pairs among the bodies of each kind, if there are so few that comparing them all costs less than sorting.
+/// The number of pairs among the bodies of each kind, if comparing them all costs less than sorting.
 pub(super) fn is_few(kinds: &Kinds, active: &[Vec<u32>]) -> Option<usize> {
     let pairs = |&(a, b): &(usize, usize)| match a == b {
         true => active[a].len() * active[a].len().saturating_sub(1) / 2,
@@ -82,7 +81,7 @@ pub(super) fn is_few(kinds: &Kinds, active: &[Vec<u32>]) -> Option<usize> {
     Some(kinds.pairs.iter().map(pairs).sum::<usize>()).filter(|pairs| *pairs <= boxes * PAIRS_PER_BOX)
 }
 
-/// Calls `visit` with every pair of active boxes of one space and of kinds that can meet that overlap or touch, the lower
+/// Calls `visit` with every pair of active boxes of one space that overlap or touch and whose kinds can, the lower
 /// index first.
 pub(super) fn each(kinds: &Kinds, active: &[Vec<u32>], boxes: &[Rect], visit: &mut impl FnMut(usize, usize)) {
     for &(a, b) in &kinds.pairs {
@@ -98,12 +97,12 @@ pub(super) fn each(kinds: &Kinds, active: &[Vec<u32>], boxes: &[Rect], visit: &m
     }
 }
 
-/// A box in a strip that it touches; in the order of the sweep.
+/// A box in a strip that it touches; ordered for the sweep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Entry {
     space: u32,
     strip: u32,
-    /// The left edge, as a number that orders as the edge does.
+    /// The left edge, as an integer in the same order.
     left: u64,
     body: u32,
     /// The lowest strip that the box touches.
@@ -117,15 +116,15 @@ pub(super) struct Sweep {
 }
 
 impl Sweep {
-    /// For a number of boxes.
-    pub fn with_room(boxes: usize) -> Self {
-        // With strips as high as a box on average, all boxes together span as many strips as there are boxes; a
-        // box also touches those where it begins and ends.
+    /// With capacity for a number of boxes.
+    pub fn with_capacity(boxes: usize) -> Self {
+        // With strips of the average box height, all boxes together span about as many strips as there are boxes, plus
+        // the strips at both of their ends.
         Sweep { entries: Vec::with_capacity(3 * boxes) }
     }
 
-    /// Calls `visit` with every pair of active boxes of one space that overlap or touch, the lower index first, of those
-    /// that can meet anything, until the meter stops it. Returns how many pairs were looked at.
+    /// Calls `visit` with every pair of active boxes of one space that overlap or touch and for which `meets` holds,
+    /// the lower index first, until the meter stops it. Returns the number of comparisons.
     pub fn pairs(
         &mut self,
         boxes: &[Rect],
@@ -138,7 +137,7 @@ impl Sweep {
         let active = || boxes.iter().enumerate().filter(|(body, b)| b.active && meets(*body)).map(|(_, b)| b);
         let floor = active().fold(f64::INFINITY, |low, b| low.min(b.bottom));
         let height = active().map(|b| b.top - b.bottom).sum::<f64>() / active().count() as f64;
-        // A cast stops at the ends of its type: what is very far up shares the last strip.
+        // The cast saturates: boxes that are very far up share the last strip.
         let strip = |y: f64| ((y - floor) / height) as u32;
         for (body, b) in (0..).zip(boxes).filter(|(body, b)| b.active && meets(*body as usize)) {
             let (lowest, left) = (strip(b.bottom), ordered(b.left));
@@ -155,14 +154,14 @@ impl Sweep {
                     break;
                 }
                 seen += 1;
-                // Two boxes may share several strips; the lowest of these tells of them.
+                // Two boxes may share several strips; the lowest one reports them.
                 let (i, j) = (a.body as usize, b.body as usize);
                 if a.strip == a.lowest.max(b.lowest) && boxes[i].is_near(&boxes[j]) {
                     visit(i.min(j), i.max(j));
                 }
             }
             compared += seen;
-            // Boxes in one place are all near to each other: of thousands there are millions of pairs.
+            // Boxes at one place are all neighbours: thousands of them make millions of pairs.
             if meter.spend(CONTACT * seen as u64) {
                 break;
             }
@@ -171,7 +170,7 @@ impl Sweep {
     }
 }
 
-/// A whole number that orders as a real one does.
+/// An integer in the same order as a real number.
 fn ordered(x: f64) -> u64 {
     let bits = (x + 0.0).to_bits();
     if bits >> 63 == 1 { !bits } else { bits | 1 << 63 }
@@ -209,10 +208,10 @@ mod tests {
                 }
             }
             let mut found = Vec::new();
-            let mut sweep = Sweep::with_room(boxes.len());
-            let room = sweep.entries.capacity();
+            let mut sweep = Sweep::with_capacity(boxes.len());
+            let buffers = sweep.entries.capacity();
             sweep.pairs(&boxes, |_| true, &Meter::new(&Unwatched), |i, j| found.push((i, j)));
-            prop_assert_eq!(sweep.entries.capacity(), room);
+            prop_assert_eq!(sweep.entries.capacity(), buffers);
             found.sort_unstable();
             expected.sort_unstable();
             prop_assert_eq!(found, expected);

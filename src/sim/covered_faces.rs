@@ -1,8 +1,8 @@
-//! Where rectangles and tiles meet: they form one surface, so that a face which another one covers gives no side.
+//! Adjacent rectangles and tiles form one surface, so a face that a neighbour covers gives no side to a contact.
 //!
-//! A face is asked about only where a body touches it, and only in the part that lies beside the body. It is covered if
-//! what blocks the same body lies on all of that part, right outside of it. Which rectangles have others beside them, and
-//! which tiles have rectangles beside them, is known beforehand: the rest costs nothing.
+//! A face matters only where a body touches it, and only in the part beside the body. It is covered if obstacles that
+//! block the same body lie along all of that part, directly outside of it. Which rectangles have adjacent ones, and
+//! which tiles have adjacent rectangles, is precomputed: all others cost nothing.
 
 use crate::ir::{Bounds, Push, Side, Solid, Space, SpaceId};
 
@@ -10,37 +10,37 @@ use super::collision::{Encounter, Kind};
 use super::contact::{Overlap, Rect, TOLERANCE};
 use super::simulator::Simulator;
 
-/// What touches in a space, as far as it never moves.
+/// Adjacent static obstacles of a space.
 #[derive(Debug)]
-pub(super) struct Seams {
-    /// Of each rectangle, whether another one touches or overlaps it.
+pub(super) struct Adjacency {
+    /// For each rectangle, whether another one touches or overlaps it.
     rects: Vec<bool>,
-    /// Of each cell of the map, whether a rectangle is near; empty if there are no rectangles.
+    /// For each cell of the map, whether a rectangle is near; empty if there are no rectangles.
     cells: Vec<bool>,
 }
 
-/// The part of a face that lies beside a body.
+/// The part of a face beside a body.
 #[derive(Debug, Clone, Copy)]
 struct Face {
-    /// Whether it is a left or a right one.
-    is_upright: bool,
-    /// Where it lies across, px.
+    /// Whether it is a left or right face.
+    is_vertical: bool,
+    /// Its coordinate across, px.
     at: f64,
-    /// Whether it looks towards larger coordinates.
-    looks_up: bool,
-    /// From where to where it goes, px.
+    /// Whether it faces larger coordinates.
+    faces_up: bool,
+    /// Its extent along, px.
     low: f64,
     high: f64,
 }
 
-impl Seams {
+impl Adjacency {
     pub fn new(space: &Space) -> Self {
-        Seams { rects: with_neighbours(&space.solids), cells: cells(space) }
+        Adjacency { rects: with_neighbours(&space.solids), cells: cells(space) }
     }
 }
 
-/// Of each rectangle, whether another one touches or overlaps it: in the order of their left ends, each asks what has come
-/// before it at its height how far that goes, and what comes after it where that begins.
+/// For each rectangle, whether another one touches or overlaps it: a sweep from left to right, and one back, over the
+/// maximum reach at each height.
 fn with_neighbours(solids: &[Solid]) -> Vec<bool> {
     let bounds = |at: usize| solids[at].bounds;
     let mut order: Vec<usize> = (0..solids.len()).collect();
@@ -52,7 +52,7 @@ fn with_neighbours(solids: &[Solid]) -> Vec<bool> {
     let rank = |at: f64| heights.partition_point(|h| *h < at);
     let ranks = |at: usize| (rank(ends(at).0), rank(ends(at).1) + 1);
     let mut found = vec![false; order.len()];
-    let (mut before, mut after) = (Greatest::new(heights.len()), Greatest::new(heights.len()));
+    let (mut before, mut after) = (MaxTree::new(heights.len()), MaxTree::new(heights.len()));
     for &at in &order {
         found[at] |= before.within(ranks(at)) >= bounds(at).left;
         before.raise(ranks(at), bounds(at).right + TOLERANCE);
@@ -64,18 +64,18 @@ fn with_neighbours(solids: &[Solid]) -> Vec<bool> {
     found
 }
 
-/// The greatest of the numbers that ranges of places were given: a segment tree.
-struct Greatest {
-    /// Of each node, what was given to all below it, and the greatest that was given to any.
+/// A segment tree with range updates and range queries of the maximum.
+struct MaxTree {
+    /// For each node, the maximum given to its whole range, and the maximum given to any part.
     nodes: Vec<(f64, f64)>,
 }
 
-impl Greatest {
+impl MaxTree {
     fn new(places: usize) -> Self {
-        Greatest { nodes: vec![(f64::NEG_INFINITY, f64::NEG_INFINITY); 2 * places.next_power_of_two()] }
+        MaxTree { nodes: vec![(f64::NEG_INFINITY, f64::NEG_INFINITY); 2 * places.next_power_of_two()] }
     }
 
-    /// Calls `visit` with the nodes that make up a range, and with those on the way to them, which reach beyond it.
+    /// Calls `visit` with the nodes that form a range, and with their ancestors, which extend beyond it.
     fn cover(
         &mut self,
         (node, span): (usize, (usize, usize)),
@@ -107,7 +107,7 @@ impl Greatest {
         });
     }
 
-    /// Of what was given to any place of a range.
+    /// The maximum over a range.
     fn within(&mut self, range: (usize, usize)) -> f64 {
         let mut greatest = f64::NEG_INFINITY;
         self.cover(self.root(), range, &mut |(all, any), is_whole| {
@@ -117,7 +117,7 @@ impl Greatest {
     }
 }
 
-/// The cells of a map that rectangles touch, by the sums of what begins and ends in each row and column.
+/// The cells of a map near rectangles, by two-dimensional prefix sums.
 fn cells(space: &Space) -> Vec<bool> {
     let Some(map) = space.map.as_ref().filter(|_| !space.solids.is_empty()) else { return Vec::new() };
     let across = map.columns + 1;
@@ -149,31 +149,31 @@ fn cells(space: &Space) -> Vec<bool> {
 }
 
 impl Face {
-    /// The faces of a box that are turned to a body, the upright one and the level one.
+    /// The vertical and the horizontal face of a box that are turned to a body.
     fn turned(body: &Rect, other: &Rect, overlap: &Overlap) -> [Face; 2] {
         let (left, right) = (body.left.max(other.left), body.right.min(other.right));
         let (bottom, top) = (body.bottom.max(other.bottom), body.top.min(other.top));
         let (across, up) = (overlap.x_side != Side::Right, overlap.y_side != Side::Above);
-        let at = |looks_up: bool, low: f64, high: f64| if looks_up { high } else { low };
+        let at = |faces_up: bool, low: f64, high: f64| if faces_up { high } else { low };
         [
             Face {
-                is_upright: true,
+                is_vertical: true,
                 at: at(across, other.left, other.right),
-                looks_up: across,
+                faces_up: across,
                 low: bottom,
                 high: top,
             },
-            Face { is_upright: false, at: at(up, other.bottom, other.top), looks_up: up, low: left, high: right },
+            Face { is_vertical: false, at: at(up, other.bottom, other.top), faces_up: up, low: left, high: right },
         ]
     }
 
-    /// What a box covers of the line of the face, if it lies right outside.
+    /// The interval of the face's line that a box covers, if it lies directly outside.
     fn covered_by(&self, b: &Bounds) -> Option<(f64, f64)> {
-        let (across, along) = match self.is_upright {
+        let (across, along) = match self.is_vertical {
             true => ((b.left, b.right), (b.bottom, b.top)),
             false => ((b.bottom, b.top), (b.left, b.right)),
         };
-        let is_outside = match self.looks_up {
+        let is_outside = match self.faces_up {
             true => across.0 <= self.at + TOLERANCE && across.1 > self.at + TOLERANCE,
             false => across.1 >= self.at - TOLERANCE && across.0 < self.at - TOLERANCE,
         };
@@ -182,8 +182,8 @@ impl Face {
 }
 
 impl Simulator {
-    /// Of the upright and the level face of something that are turned to a body, whether neighbours cover them, as far as
-    /// that matters: the one along which the overlap is least, and the other one if that is covered.
+    /// Whether neighbours cover the vertical and the horizontal face turned to a body, as far as it matters: the face
+    /// along which the overlap is least, and the other one if that is covered.
     pub(super) fn covered(
         &self,
         (kind, space): (&Kind, usize),
@@ -191,9 +191,9 @@ impl Simulator {
         overlap: &Overlap,
         by_neighbour: (bool, bool),
     ) -> (bool, bool) {
-        let [upright, level] = Face::turned(body, other, overlap);
-        let beside = || by_neighbour.0 || self.is_covered(kind, space, upright);
-        let over = || by_neighbour.1 || self.is_covered(kind, space, level);
+        let [vertical, horizontal] = Face::turned(body, other, overlap);
+        let beside = || by_neighbour.0 || self.is_covered(kind, space, vertical);
+        let over = || by_neighbour.1 || self.is_covered(kind, space, horizontal);
         match matches!(overlap.least().side, Side::Left | Side::Right) {
             true if beside() => (true, over()),
             true => (false, false),
@@ -203,13 +203,13 @@ impl Simulator {
     }
 
     /// Whether anything can cover the faces of a rectangle.
-    pub(super) fn has_seam(&self, (kind, space): (&Kind, usize), solid: usize) -> bool {
-        self.collision.seams[space].rects[solid] || kind.meets_tiles[space]
+    pub(super) fn can_be_covered(&self, (kind, space): (&Kind, usize), solid: usize) -> bool {
+        self.collision.adjacency[space].rects[solid] || kind.meets_tiles[space]
     }
 
     /// Whether a rectangle can cover the faces of the tile of a cell.
     pub(super) fn is_beside_rect(&self, space: usize, cell: usize) -> bool {
-        self.collision.seams[space].cells.get(cell).copied().unwrap_or(false)
+        self.collision.adjacency[space].cells.get(cell).copied().unwrap_or(false)
     }
 
     #[cold]
@@ -228,19 +228,19 @@ impl Simulator {
             let blocking = table.solids.iter().zip(&kind.solids[space]).filter(|(_, met)| blocks(met));
             blocking.filter_map(|(solid, _)| face.covered_by(&solid.bounds)).for_each(&mut add);
             if let Some(map) = table.map.as_ref().filter(|_| kind.meets_tiles[space]) {
-                let (across, along) = match face.is_upright {
+                let (across, along) = match face.is_vertical {
                     true => ((map.tile.0, map.columns), (map.tile.1, map.rows)),
                     false => ((map.tile.1, map.rows), (map.tile.0, map.columns)),
                 };
-                // The line of cells right outside of the face, and those of them that lie beside the body.
-                let line = match face.looks_up {
+                // The cells directly outside the face and beside the body.
+                let line = match face.faces_up {
                     true => ((face.at + TOLERANCE) / across.0).floor(),
                     false => ((face.at - TOLERANCE) / across.0).ceil() - 1.0,
                 };
                 let cut = |at: f64| (at / along.0).floor().clamp(-1.0, along.1 as f64) as i64;
                 if line >= 0.0 && line < across.1 as f64 {
                     for nth in (cut(face.low) - 1).max(0)..(cut(face.high) + 1).min(along.1 as i64) {
-                        let (column, row) = if face.is_upright { (line as i64, nth) } else { (nth, line as i64) };
+                        let (column, row) = if face.is_vertical { (line as i64, nth) } else { (nth, line as i64) };
                         if map.kind(column, row).is_some_and(|tile| blocks(&kind.tiles[space][tile])) {
                             add((nth as f64 * along.0, (nth + 1) as f64 * along.0));
                         }

@@ -15,10 +15,10 @@ pub(super) fn interrupted() -> &'static Arc<AtomicBool> {
     INTERRUPTED.get_or_init(|| {
         let flag = Arc::new(AtomicBool::new(false));
         let seen = Arc::clone(&flag);
-        // Without a handler ctrl-C ends the process as usual, which is not wrong either.
+        // Without a handler, ctrl-C ends the process as usual, which is fine, too.
         let _ = ctrlc::set_handler(move || {
             if seen.swap(true, Ordering::SeqCst) {
-                // The second one is meant.
+                // The second ctrl-C forces the exit.
                 std::process::exit(130);
             }
         });
@@ -26,7 +26,7 @@ pub(super) fn interrupted() -> &'static Arc<AtomicBool> {
     })
 }
 
-/// Watches what only ctrl-C ends.
+/// A watch that only ctrl-C stops.
 pub(super) struct Interrupt(&'static AtomicBool);
 
 impl Interrupt {
@@ -41,7 +41,7 @@ impl Watch for Interrupt {
     }
 }
 
-/// Watches one search.
+/// A watch over one search, with a time limit and a progress line.
 pub(super) struct CommandWatch {
     interrupted: &'static AtomicBool,
     started: Instant,
@@ -72,7 +72,7 @@ impl CommandWatch {
         self.interrupted.load(Ordering::SeqCst)
     }
 
-    /// Takes the progress line away.
+    /// Removes the progress line.
     pub fn finish(&self) {
         self.bar.finish_and_clear();
     }
@@ -96,7 +96,7 @@ impl Watch for CommandWatch {
         self.bar.set_position(progress.nodes);
         let elapsed = self.seconds();
         let speed = progress.nodes as f64 / elapsed.max(1e-3);
-        // Whichever budget ends first; one of nodes that cannot be spent is none.
+        // The budget that ends first; an unlimited one does not count.
         let by_nodes = progress.budget.saturating_sub(progress.nodes) as f64 / speed.max(1e-3);
         let left = self.seconds.map_or(by_nodes, |limit| by_nodes.min(limit - elapsed)).max(0.0);
         self.bar

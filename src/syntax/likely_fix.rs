@@ -1,5 +1,5 @@
-//! Slips of the hand, and habits from other languages: what a token that does not fit was probably meant to be, so that a
-//! syntax error has a way out. `message` asks for it and takes for meant what makes the statement readable.
+//! Typos and syntax of other languages: guesses the intended token, so that a syntax error has a fix. `message` accepts
+//! a fix as certain if the statement then parses.
 
 use std::ops::Range;
 
@@ -7,48 +7,48 @@ use crate::diagnostic::similar;
 
 use super::Rule;
 
-/// Where a slice stopped fitting its rule.
-pub(super) struct Failed<'a> {
+/// The point where a part stopped matching its rule.
+pub(super) struct Failure<'a> {
     /// The rule.
     pub rule: Rule,
-    /// What was to fit it, without white space at its end.
+    /// The part, without trailing white space.
     pub slice: &'a str,
-    /// Where the token that does not fit begins in it.
+    /// The offset of the unexpected token in it.
     pub at: usize,
     /// The token; empty at the end.
     pub found: &'a str,
-    /// What could have been there, in words.
+    /// Descriptions of the expected tokens.
     pub expected: &'a [String],
 }
 
-/// What was probably meant.
+/// A likely fix.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) struct Slip {
-    /// What to do.
+pub(super) struct LikelyFix {
+    /// The advice.
     pub help: String,
-    /// Which bytes of the slice would become what, if that can be said.
-    pub instead: Option<(Range<usize>, String)>,
-    /// Whether it is the first word that does not fit, although more could be read.
+    /// The range of the part to replace, and the replacement, if they are known.
+    pub replacement: Option<(Range<usize>, String)>,
+    /// Whether the first word is wrong, although more could be parsed.
     pub is_first: bool,
 }
 
-impl Slip {
+impl LikelyFix {
     fn new(help: impl Into<String>) -> Self {
-        Slip { help: help.into(), instead: None, is_first: false }
+        LikelyFix { help: help.into(), replacement: None, is_first: false }
     }
 
-    fn instead(help: impl Into<String>, range: Range<usize>, text: impl Into<String>) -> Self {
-        Slip { help: help.into(), instead: Some((range, text.into())), is_first: false }
+    fn replacement(help: impl Into<String>, range: Range<usize>, text: impl Into<String>) -> Self {
+        LikelyFix { help: help.into(), replacement: Some((range, text.into())), is_first: false }
     }
 }
 
-/// What is called with its argument in parentheses.
+/// Functions whose argument is in parentheses.
 const CALLS: [&str; 9] = ["pressed", "held", "released", "touching", "entering", "exiting", "lost", "inside", "timer"];
 
-/// First words of other languages, what stands for them, and the help; none: it takes more than a word.
-type Habit = (&'static [&'static str], Option<&'static str>, &'static str);
+/// Keywords of other languages, the equivalent (`None` if it takes more than a word), and the advice.
+type ForeignWords = (&'static [&'static str], Option<&'static str>, &'static str);
 
-const MEMBERS: &[Habit] = &[
+const MEMBERS: &[ForeignWords] = &[
     (&["state", "phase"], Some("mode"), "a state of an entity is a `mode`"),
     (
         &["if", "on", "transition", "edge", "rule", "event"],
@@ -82,7 +82,7 @@ const MEMBERS: &[Habit] = &[
     (&["parallel", "concurrent", "region"], Some("group"), "modes that run beside others are in a `group`"),
 ];
 
-const ITEMS: &[Habit] = &[
+const ITEMS: &[ForeignWords] = &[
     (
         &["class", "object", "actor", "struct", "automaton", "character", "agent", "prefab"],
         Some("entity"),
@@ -94,7 +94,7 @@ const ITEMS: &[Habit] = &[
     (&["trait", "mixin", "template", "component"], Some("behavior"), "what several entities share is a `behavior`"),
 ];
 
-const WORLD_ITEMS: &[Habit] = &[
+const WORLD_ITEMS: &[ForeignWords] = &[
     (&["room", "scene", "stage", "area"], Some("space"), "a room of a world is a `space`"),
     (&["timestep", "dt", "tick", "fps"], None, "`step 1/60` says how long a step is, s"),
     (&["tileset", "legend"], Some("tiles"), "what the characters of maps mean is in `tiles NAME 16 x 16 { … }`"),
@@ -104,17 +104,17 @@ const WORLD_ITEMS: &[Habit] = &[
     (&["map", "place", "rect", "bounds", "link"], None, "this belongs in a space: `space main { … }`"),
 ];
 
-const SPACE_ITEMS: &[Habit] = &[
+const SPACE_ITEMS: &[ForeignWords] = &[
     (&["spawn", "instance", "object", "put", "add"], None, "an instance is placed by `place hero: Hero at (0, 0)`"),
     (&["door", "portal", "exit", "warp"], None, "`link rect(…) -> SPACE at rect(…)` leads into another space"),
     (&["wall", "solid", "platform", "box"], None, "what never moves is `rect TAG (x, y, width, height)`, or a tile"),
     (&["goal", "never", "player", "collide", "tiles", "step"], None, "this belongs in the world, outside of spaces"),
 ];
 
-const RAMPS: &[Habit] = &[(&["peak", "hold"], Some("sustain"), "a level that is kept is a `sustain`")];
+const RAMPS: &[ForeignWords] = &[(&["peak", "hold"], Some("sustain"), "a level that is kept is a `sustain`")];
 
-/// The slip that is likely.
-pub(super) fn slip(failed: &Failed<'_>, opening: &[&'static str]) -> Option<Slip> {
+/// The most likely fix.
+pub(super) fn likely_fix(failed: &Failure<'_>, opening: &[&'static str]) -> Option<LikelyFix> {
     comment(failed)
         .or_else(|| condition(failed))
         .or_else(|| update(failed))
@@ -127,7 +127,7 @@ pub(super) fn slip(failed: &Failed<'_>, opening: &[&'static str]) -> Option<Slip
         .or_else(|| opener(failed, opening))
 }
 
-impl<'a> Failed<'a> {
+impl<'a> Failure<'a> {
     fn rest(&self) -> &'a str {
         self.slice.get(self.at..).unwrap_or_default()
     }
@@ -140,7 +140,7 @@ impl<'a> Failed<'a> {
         self.expected.iter().any(|expected| expected == word)
     }
 
-    /// A word in place of a number of bytes that do not fit, apart from what is beside them.
+    /// Replaces some bytes by a word, with spaces around it.
     fn spaced(&self, length: usize, word: &str) -> (Range<usize>, String) {
         let space = |c: Option<char>| if c.is_none_or(char::is_whitespace) { "" } else { " " };
         let after = self.rest().get(length..).and_then(|rest| rest.chars().next());
@@ -148,7 +148,7 @@ impl<'a> Failed<'a> {
         (self.at..self.at + length, text)
     }
 
-    /// What is in place of all the rest, apart from what is before it.
+    /// Replaces all the rest, with a space before it.
     fn to_the_end(&self, text: &str) -> (Range<usize>, String) {
         let (Range { start, .. }, text) = self.spaced(0, text);
         (start..self.slice.len(), text.trim_end().to_string())
@@ -159,33 +159,33 @@ impl<'a> Failed<'a> {
     }
 }
 
-/// The word that a text begins with.
+/// The first word of a text.
 fn word(text: &str) -> &str {
     let end = text.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(text.len());
     text.get(..end).unwrap_or_default()
 }
 
-fn comment(failed: &Failed<'_>) -> Option<Slip> {
+fn comment(failed: &Failure<'_>) -> Option<LikelyFix> {
     let help = "a comment begins with `//` and goes to the end of the line";
     let rest = failed.rest();
     match rest {
         _ if failed.at > 0 && !failed.expects("the end of the statement") => None,
-        _ if ["#include", "#define", "#import"].iter().any(|word| rest.starts_with(word)) => {
-            Some(Slip::new("files are included with `import \"file.hyped\"`, numbers get names by `const NAME = 3`"))
-        }
-        _ if rest.starts_with('#') => Some(Slip::instead(help, failed.at..failed.at + 1, "//")),
-        _ if rest.starts_with("--") => Some(Slip::instead(help, failed.at..failed.at + 2, "//")),
-        _ if rest.starts_with("/*") => Some(Slip::new(help)),
+        _ if ["#include", "#define", "#import"].iter().any(|word| rest.starts_with(word)) => Some(LikelyFix::new(
+            "files are included with `import \"file.hyped\"`, numbers get names by `const NAME = 3`",
+        )),
+        _ if rest.starts_with('#') => Some(LikelyFix::replacement(help, failed.at..failed.at + 1, "//")),
+        _ if rest.starts_with("--") => Some(LikelyFix::replacement(help, failed.at..failed.at + 2, "//")),
+        _ if rest.starts_with("/*") => Some(LikelyFix::new(help)),
         _ => None,
     }
 }
 
-/// Logic as C writes it.
-fn condition(failed: &Failed<'_>) -> Option<Slip> {
+/// Logical operators of C.
+fn condition(failed: &Failure<'_>) -> Option<LikelyFix> {
     let rest = failed.rest();
     let put = |signs: &str, word: &str, help: &str| {
         let (range, text) = failed.spaced(signs.len(), word);
-        Some(Slip::instead(help, range, text))
+        Some(LikelyFix::replacement(help, range, text))
     };
     let joined = "conditions are joined by `and` and `or`";
     match () {
@@ -200,8 +200,8 @@ fn condition(failed: &Failed<'_>) -> Option<Slip> {
     }
 }
 
-/// An update as C writes it.
-fn update(failed: &Failed<'_>) -> Option<Slip> {
+/// Assignments of C.
+fn update(failed: &Failure<'_>) -> Option<LikelyFix> {
     if !failed.expects("`:=`") {
         return None;
     }
@@ -213,23 +213,23 @@ fn update(failed: &Failed<'_>) -> Option<Slip> {
     if let (Some(sign), Some(value)) = (sign, value.filter(|value| !value.is_empty())) {
         if failed.rule != Rule::only_update {
             let help = "while a mode lasts, `y' = …` says what flows; `:=` belongs in the `{ }` of an edge";
-            return Some(Slip::new(help));
+            return Some(LikelyFix::new(help));
         }
         let is_sum = value.trim_start_matches('-').contains(['+', '-', '*', '/', ' ']);
         let value = if is_sum && sign != '+' { format!("({value})") } else { value.to_string() };
         let text = format!(":= {target} {sign} {value}");
         let help = format!("an update names the new value: `{target} {text}`");
         let (range, text) = failed.to_the_end(&text);
-        return Some(Slip::instead(help, range, text));
+        return Some(LikelyFix::replacement(help, range, text));
     }
     (failed.found == "=").then(|| {
         let help = "inside `{ }` of an edge an update is written with `:=`";
-        Slip::instead(help, failed.at..failed.at + 1, ":=")
+        LikelyFix::replacement(help, failed.at..failed.at + 1, ":=")
     })
 }
 
-/// An edge whose parts are joined otherwise.
-fn edge(failed: &Failed<'_>) -> Option<Slip> {
+/// An edge with wrong connecting words.
+fn edge(failed: &Failure<'_>) -> Option<LikelyFix> {
     let rest = failed.rest();
     if failed.expects("`->`") {
         let help = "the target of an edge follows `->`";
@@ -240,7 +240,7 @@ fn edge(failed: &Failed<'_>) -> Option<Slip> {
         };
         if length > 0 {
             let (range, text) = failed.spaced(length, "->");
-            return Some(Slip::instead(help, range, text));
+            return Some(LikelyFix::replacement(help, range, text));
         }
     }
     let is_edge = failed.first_word() == "when" && failed.before().contains("->") && failed.expects("`{`");
@@ -250,12 +250,12 @@ fn edge(failed: &Failed<'_>) -> Option<Slip> {
     (is_edge && !updates.starts_with('{') && updates.contains('=')).then(|| {
         let help = "updates are in braces after the mode: `-> MODE { x := 1 }`";
         let (range, text) = failed.to_the_end(&format!("{{ {updates} }}"));
-        Slip::instead(help, range, text)
+        LikelyFix::replacement(help, range, text)
     })
 }
 
-/// A unit that is apart from its number, or is none.
-fn unit(failed: &Failed<'_>) -> Option<Slip> {
+/// A unit separated from its number, or an unknown unit.
+fn unit(failed: &Failure<'_>) -> Option<LikelyFix> {
     // `2sec` is one token, `2px` two.
     let digits = failed.found.bytes().take_while(u8::is_ascii_digit).count();
     let number = failed.slice.get(..failed.at + digits)?.trim_end();
@@ -266,27 +266,33 @@ fn unit(failed: &Failed<'_>) -> Option<Slip> {
     let is_apart = first < failed.at;
     match failed.found.get(digits..)? {
         "px" | "pixel" | "pixels" | "tiles" | "m" | "units" => {
-            // What may follow is not to become a factor.
+            // A following `(` must not become a factor.
             let rest = failed.slice.get(last..).unwrap_or_default();
             let help = "lengths are in px: their numbers have no unit";
-            Some(if rest.starts_with('/') { Slip::new(help) } else { Slip::instead(help, first..last, "") })
+            Some(if rest.starts_with('/') {
+                LikelyFix::new(help)
+            } else {
+                LikelyFix::replacement(help, first..last, "")
+            })
         }
         "s" | "sec" | "secs" | "second" | "seconds" if failed.first_word() == "step" => {
-            Some(Slip::instead("a step is in seconds, without a unit", first..last, ""))
+            Some(LikelyFix::replacement("a step is in seconds, without a unit", first..last, ""))
         }
         "s" | "ms" | "frames" if is_apart => {
             let digits = number.rfind(|c: char| !(c.is_ascii_digit() || c == '.')).map_or(0, |at| at + 1);
             let text = format!("{}{}", number.get(digits..)?, failed.found);
-            Some(Slip::instead(format!("a unit directly follows its number: `{text}`"), first..failed.at, ""))
+            Some(LikelyFix::replacement(format!("a unit directly follows its number: `{text}`"), first..failed.at, ""))
         }
-        "sec" | "secs" | "second" | "seconds" => Some(Slip::instead("seconds are written `2s`", first..last, "s")),
-        "frame" => Some(Slip::instead("a time in steps is written `2frames`", first..last, "frames")),
+        "sec" | "secs" | "second" | "seconds" => {
+            Some(LikelyFix::replacement("seconds are written `2s`", first..last, "s"))
+        }
+        "frame" => Some(LikelyFix::replacement("a time in steps is written `2frames`", first..last, "frames")),
         _ => None,
     }
 }
 
 /// An argument without parentheses.
-fn call(failed: &Failed<'_>) -> Option<Slip> {
+fn call(failed: &Failure<'_>) -> Option<LikelyFix> {
     let before = failed.before().trim_end();
     let callee = *CALLS.iter().find(|callee| {
         before.strip_suffix(**callee).is_some_and(|rest| !rest.ends_with(|c: char| c.is_alphanumeric() || c == '_'))
@@ -308,45 +314,45 @@ fn call(failed: &Failed<'_>) -> Option<Slip> {
     }
     let text = format!("({})", arguments.join(", "));
     let help = format!("the argument is in parentheses: `{callee}{text}`");
-    Some(Slip::instead(help, before.len()..end, text))
+    Some(LikelyFix::replacement(help, before.len()..end, text))
 }
 
 /// Arguments without commas.
-fn comma(failed: &Failed<'_>) -> Option<Slip> {
+fn comma(failed: &Failure<'_>) -> Option<LikelyFix> {
     let is_name = failed.found.starts_with(|c: char| c.is_alphanumeric() || c == '_');
     let is_list = failed.expects("`,`") && failed.expects("`)`") && !["and", "or", "in", "is"].contains(&failed.found);
     (is_name && is_list).then(|| {
         let gap = failed.before().trim_end().len()..failed.at;
-        Slip::instead("arguments are separated by commas", gap, ", ")
+        LikelyFix::replacement("arguments are separated by commas", gap, ", ")
     })
 }
 
-fn equality(failed: &Failed<'_>) -> Option<Slip> {
-    // Elsewhere than in a condition a second `=` may be the start of something else.
+fn equality(failed: &Failure<'_>) -> Option<LikelyFix> {
+    // Outside a condition, a second `=` may start something else.
     let is_condition = ["when", "invariant", "goal", "never"].contains(&failed.first_word());
-    (failed.found == "=" && failed.expects("an operator")).then(|| Slip {
+    (failed.found == "=" && failed.expects("an operator")).then(|| LikelyFix {
         help: "two values are compared with `==`".into(),
-        instead: is_condition.then(|| (failed.at..failed.at + 1, "==".to_string())),
+        replacement: is_condition.then(|| (failed.at..failed.at + 1, "==".to_string())),
         is_first: false,
     })
 }
 
-/// A block as Python or a label opens it.
-fn block(failed: &Failed<'_>) -> Option<Slip> {
+/// A block opened by a colon, as in Python.
+fn block(failed: &Failure<'_>) -> Option<LikelyFix> {
     let rest = failed.rest().strip_prefix(':').filter(|_| failed.expects("`{`"))?;
     let help = "a block is in braces: `{ … }`, without `:`";
     let is_braced = rest.trim_start().starts_with('{');
-    let instead = is_braced.then(|| (failed.at..failed.at + 1, String::new()));
-    Some(Slip { help: help.into(), instead, is_first: false })
+    let replacement = is_braced.then(|| (failed.at..failed.at + 1, String::new()));
+    Some(LikelyFix { help: help.into(), replacement, is_first: false })
 }
 
-/// A first word that is nearly one of those that can open what the rule describes, or has another one here.
-fn opener(failed: &Failed<'_>, opening: &[&'static str]) -> Option<Slip> {
+/// A first word that is similar to a keyword of the rule, or has an equivalent here.
+fn opener(failed: &Failure<'_>, opening: &[&'static str]) -> Option<LikelyFix> {
     let first = failed.first_word();
     if first == "initial" && failed.rule == Rule::only_member && failed.expects("`mode`") {
-        return Some(Slip::new("the mode that an entity begins in is marked in place: `initial mode NAME { … }`"));
+        return Some(LikelyFix::new("the mode that an entity begins in is marked in place: `initial mode NAME { … }`"));
     }
-    let habits: &[Habit] = match failed.rule {
+    let habits: &[ForeignWords] = match failed.rule {
         Rule::only_item => ITEMS,
         Rule::only_member => MEMBERS,
         Rule::only_world_item => WORLD_ITEMS,
@@ -359,10 +365,10 @@ fn opener(failed: &Failed<'_>, opening: &[&'static str]) -> Option<Slip> {
         return None;
     }
     if let Some((_, word, help)) = habits.iter().find(|(words, ..)| words.contains(&first)) {
-        let instead = word.map(|word| (0..first.len(), word.to_string()));
-        return Some(Slip { help: (*help).into(), instead, is_first: true });
+        let replacement = word.map(|word| (0..first.len(), word.to_string()));
+        return Some(LikelyFix { help: (*help).into(), replacement, is_first: true });
     }
     let word = similar(first, opening.iter().copied())?;
-    let instead = Some((0..first.len(), word.to_string()));
-    Some(Slip { help: format!("did you mean `{word}`?"), instead, is_first: true })
+    let replacement = Some((0..first.len(), word.to_string()));
+    Some(LikelyFix { help: format!("did you mean `{word}`?"), replacement, is_first: true })
 }

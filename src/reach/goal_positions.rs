@@ -1,5 +1,5 @@
-//! Where a player has to be for a goal to hold, as far as its predicate says so: boxes of its position, space by space.
-//! What distances to the goal are measured to (`distance.rs`).
+//! The positions of a player at which a goal can hold, derived from its predicate: boxes per space. The distance field
+//! (`distance.rs`) starts from them.
 
 use crate::ir::{
     Arithmetic, Bounds, Collider, CompareOp, Expr, ExprId, Origin, SlotId, Space, SpaceId, Subject, TagSet, TouchId,
@@ -8,44 +8,44 @@ use crate::ir::{
 
 use super::problem::Problem;
 
-/// The most boxes a goal is cut into.
+/// Maximum number of boxes per goal.
 const MAX_BOXES: usize = 4096;
 
-/// Positions of a player, px.
+/// A box of positions of a player, px.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Place {
-    /// In this space; none: in any.
+pub(super) struct PositionBox {
+    /// The space; `None`: any.
     pub space: Option<SpaceId>,
-    /// From the least to the greatest x.
+    /// The range of x.
     pub x: (f64, f64),
-    /// From the least to the greatest y.
+    /// The range of y.
     pub y: (f64, f64),
 }
 
-impl Place {
-    const ANYWHERE: Place =
-        Place { space: None, x: (f64::NEG_INFINITY, f64::INFINITY), y: (f64::NEG_INFINITY, f64::INFINITY) };
+impl PositionBox {
+    const ANYWHERE: PositionBox =
+        PositionBox { space: None, x: (f64::NEG_INFINITY, f64::INFINITY), y: (f64::NEG_INFINITY, f64::INFINITY) };
 
-    fn and(self, other: Place) -> Option<Place> {
+    fn and(self, other: PositionBox) -> Option<PositionBox> {
         let space = match (self.space, other.space) {
             (Some(a), Some(b)) if a != b => return None,
             (a, b) => a.or(b),
         };
         let both = |a: (f64, f64), b: (f64, f64)| (a.0.max(b.0), a.1.min(b.1));
-        let place = Place { space, x: both(self.x, other.x), y: both(self.y, other.y) };
+        let place = PositionBox { space, x: both(self.x, other.x), y: both(self.y, other.y) };
         (place.x.0 <= place.x.1 && place.y.0 <= place.y.1).then_some(place)
     }
 }
 
-/// A player and the places where it has to be for the goal to hold, the first player for whom the goal says so.
-pub(super) fn wanted(problem: &Problem<'_>) -> Option<(SlotId, Vec<Place>)> {
+/// The first player whose position the goal restricts, with the boxes.
+pub(super) fn goal_positions(problem: &Problem<'_>) -> Option<(SlotId, Vec<PositionBox>)> {
     problem.players().iter().find_map(|&player| {
         let places = Finder { problem, player }.places(problem.predicate())?;
         Some((player, places))
     })
 }
 
-/// The box of a collider of a slot relative to its position; none if it is not fixed.
+/// The box of a collider of a slot relative to its position; `None` if it is not constant.
 pub(super) fn extent(problem: &Problem<'_>, slot: SlotId, collider: &Collider) -> Option<Bounds> {
     let world = problem.sim.world();
     let params = &world.slots[slot].params;
@@ -53,8 +53,8 @@ pub(super) fn extent(problem: &Problem<'_>, slot: SlotId, collider: &Collider) -
     collider.shape.sides(number).map(Bounds::new)
 }
 
-/// The boxes of what has one of some tags and never moves in a space, rectangles first; the number of boxes of tiles is limited.
-pub(super) fn unmoving(space: &Space, tags: TagSet, most: usize) -> impl Iterator<Item = Bounds> {
+/// The boxes of static obstacles with some tags in a space, rectangles first; at most `most` tiles.
+pub(super) fn static_boxes(space: &Space, tags: TagSet, most: usize) -> impl Iterator<Item = Bounds> {
     let solids = space.solids.iter().filter(move |solid| solid.tags.meets(tags)).map(|solid| solid.bounds);
     let tiles = space.map.iter().flat_map(move |map| {
         let has: Vec<bool> = map.kinds.iter().map(|k| k.tags.iter().copied().collect::<TagSet>().meets(tags)).collect();
@@ -64,7 +64,7 @@ pub(super) fn unmoving(space: &Space, tags: TagSet, most: usize) -> impl Iterato
     solids.chain(tiles)
 }
 
-/// From the least to the greatest x, and the same of y, at which a box that goes with a position lies over another.
+/// The ranges of x and y at which a box relative to a position overlaps another.
 pub(super) fn overlapping(mine: &Bounds, other: &Bounds) -> [(f64, f64); 2] {
     [(other.left - mine.right, other.right - mine.left), (other.bottom - mine.top, other.top - mine.bottom)]
 }
@@ -75,8 +75,8 @@ struct Finder<'a> {
 }
 
 impl Finder<'_> {
-    /// Places of which the player must be in one for an expression to hold; none if it may be anywhere.
-    fn places(&self, id: ExprId) -> Option<Vec<Place>> {
+    /// Boxes of which the player must be in one for an expression to hold; `None` if it is unrestricted.
+    fn places(&self, id: ExprId) -> Option<Vec<PositionBox>> {
         let is_mine = |of: Subject| of == Subject::Slot(self.player);
         match self.problem.sim.program().exprs[id] {
             Expr::Bool(false) => Some(Vec::new()),
@@ -95,16 +95,18 @@ impl Finder<'_> {
             }
             Expr::Near { of, x, y, radius } if is_mine(of) => {
                 let (x, y, r) = (self.value(x)?, self.value(y)?, self.value(radius)?.max(0.0));
-                Some(vec![Place { space: None, x: (x - r, x + r), y: (y - r, y + r) }])
+                Some(vec![PositionBox { space: None, x: (x - r, x + r), y: (y - r, y + r) }])
             }
             Expr::Compare(op, a, b) => self.comparison(op, a, b).map(|place| vec![place]),
-            Expr::InSpace(of, space) if is_mine(of) => Some(vec![Place { space: Some(space), ..Place::ANYWHERE }]),
+            Expr::InSpace(of, space) if is_mine(of) => {
+                Some(vec![PositionBox { space: Some(space), ..PositionBox::ANYWHERE }])
+            }
             Expr::Touching(of, touch) if is_mine(of) => self.touching(touch),
             _ => None,
         }
     }
 
-    /// An expression as `a·x + b·y + c` of the player's position; others are where they begin.
+    /// An expression as `a·x + b·y + c` of the player's position; other instances are at their initial positions.
     fn linear(&self, id: ExprId) -> Option<[f64; 3]> {
         let (program, world) = (self.problem.sim.program(), self.problem.sim.world());
         let constant = |c: f64| Some([0.0, 0.0, c]);
@@ -139,8 +141,8 @@ impl Finder<'_> {
         (a == 0.0 && b == 0.0 && c.is_finite()).then_some(c)
     }
 
-    /// `a·x + c` against 0, or the same of y.
-    fn comparison(&self, op: CompareOp, left: ExprId, right: ExprId) -> Option<Place> {
+    /// A comparison of `a·x + c` or `b·y + c` with 0.
+    fn comparison(&self, op: CompareOp, left: ExprId, right: ExprId) -> Option<PositionBox> {
         let (l, r) = (self.linear(left)?, self.linear(right)?);
         let [a, b, c] = [l[0] - r[0], l[1] - r[1], l[2] - r[2]];
         let range = |factor: f64| {
@@ -154,22 +156,22 @@ impl Finder<'_> {
             }
         };
         match (a != 0.0, b != 0.0) {
-            (true, false) => range(a).map(|x| Place { x, ..Place::ANYWHERE }),
-            (false, true) => range(b).map(|y| Place { y, ..Place::ANYWHERE }),
+            (true, false) => range(a).map(|x| PositionBox { x, ..PositionBox::ANYWHERE }),
+            (false, true) => range(b).map(|y| PositionBox { y, ..PositionBox::ANYWHERE }),
             _ => None,
         }
     }
 
-    /// The positions at which a collider of the player lies over something with the tag: a tile, a rectangle, or an
-    /// instance where it begins.
-    fn touching(&self, touch: TouchId) -> Option<Vec<Place>> {
+    /// The positions at which a collider of the player overlaps something with the tag: a tile, a rectangle, or an
+    /// instance at its initial position.
+    fn touching(&self, touch: TouchId) -> Option<Vec<PositionBox>> {
         let (program, world) = (self.problem.sim.program(), self.problem.sim.world());
         let entity = &program.entities[world.slots[self.player].entity];
         let touch = entity.touches[touch];
         let wanted = TagSet::of(touch.other);
         let mut targets: Vec<(SpaceId, Bounds)> = Vec::new();
         for (id, space) in world.spaces.pairs() {
-            targets.extend(unmoving(space, wanted, MAX_BOXES).map(|bounds| (id, bounds)));
+            targets.extend(static_boxes(space, wanted, MAX_BOXES).map(|bounds| (id, bounds)));
         }
         for (id, slot) in world.slots.pairs().filter(|(_, s)| s.origin != Origin::Free) {
             let (x, y) = (slot.vars[VarId::X][0], slot.vars[VarId::Y][0]);
@@ -184,7 +186,7 @@ impl Finder<'_> {
             let mine = extent(self.problem, self.player, collider)?;
             places.extend(targets.iter().map(|(space, target)| {
                 let [x, y] = overlapping(&mine, target);
-                Place { space: Some(*space), x, y }
+                PositionBox { space: Some(*space), x, y }
             }));
         }
         places.truncate(MAX_BOXES);

@@ -1,11 +1,11 @@
-//! Values in words: what the variables that an expression reads can be, in which mode.
+//! Text of the values of the variables that an expression reads, by mode.
 
 use std::collections::BTreeMap;
 
 use crate::ir::{DiscreteId, Domain, Entity, LeafId, ParamId, TimerId, VarId};
 
-use super::account::Occurrence;
-use super::judge::Reads;
+use super::atoms::Reads;
+use super::summary::Occurrence;
 use crate::analysis::domain::configuration::Configuration;
 use crate::analysis::domain::values::{Interval, Values};
 use crate::analysis::domain::wording::number;
@@ -20,7 +20,7 @@ pub(super) fn values(values: &Values, unit: &str) -> String {
         (false, false) => "any number".to_string(),
     };
     let parts: Vec<String> = match values.intervals() {
-        // Many are no help, but for a few numbers.
+        // A long list does not help, unless it is a few numbers.
         all if all.len() > 4 || (all.len() > 2 && !all.iter().all(|i| i.is_point())) => {
             values.hull().iter().map(one).collect()
         }
@@ -34,7 +34,7 @@ pub(super) fn values(values: &Values, unit: &str) -> String {
     }
 }
 
-/// What a whole number stands for.
+/// The values of a discrete variable, by name where they have names.
 fn discrete(domain: &Domain, found: &Values) -> String {
     let named = |names: &[&str]| {
         let can: Vec<String> = names
@@ -53,7 +53,7 @@ fn discrete(domain: &Domain, found: &Values) -> String {
 }
 
 fn unit(entity: &Entity, var: VarId, degree: u8) -> &'static str {
-    // Of others the unit is not kept.
+    // The units of other variables are not known here.
     let is_position = entity.vars.get(var).is_some_and(|name| name == "x" || name == "y");
     match degree {
         0 if is_position => "px",
@@ -63,7 +63,7 @@ fn unit(entity: &Entity, var: VarId, degree: u8) -> &'static str {
     }
 }
 
-/// What is read of an instance itself.
+/// A number of the instance itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Part {
     Var(VarId, u8),
@@ -73,22 +73,22 @@ enum Part {
     Param(ParamId),
 }
 
-/// What parts of an instance can be in some cases together.
+/// Observed values of numbers of an instance, joined over some cases.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Seen(BTreeMap<Part, Vec<Interval>>);
+pub(super) struct Observed(BTreeMap<Part, Vec<Interval>>);
 
-/// The leaves that are active, and what was seen while they are.
-pub(super) type Case<'a> = (&'a [LeafId], &'a Seen);
+/// The active leaves, and the values observed in them.
+pub(super) type Case<'a> = (&'a [LeafId], &'a Observed);
 
-impl Seen {
-    /// What is read in one case.
-    pub fn of(reads: &Reads, o: &Occurrence<'_>, at: &Configuration) -> Seen {
-        let mut seen = Seen::default();
+impl Observed {
+    /// The values that are read in one case.
+    pub fn of(reads: &Reads, o: &Occurrence<'_>, at: &Configuration) -> Observed {
+        let mut seen = Observed::default();
         seen.add(reads, o, at);
         seen
     }
 
-    /// Adds what is read in a case.
+    /// Adds the values that are read in a case.
     pub fn add(&mut self, reads: &Reads, o: &Occurrence<'_>, at: &Configuration) {
         for &(var, degree) in &reads.vars {
             self.join(Part::Var(var, degree), &at.vars[var][usize::from(degree)]);
@@ -99,7 +99,7 @@ impl Seen {
         for &id in &reads.timers {
             let step = o.world.step.seconds();
             let Interval { low, high } = at.timers[id];
-            // A count that stays at its limit stands for all times from there on.
+            // A count at its limit stands for all later times.
             let high = if high >= f64::from(o.world.slots[o.slot].timer_limits[id]) { f64::INFINITY } else { high };
             self.join(Part::Timer(id), &Values::from(Interval { low: low * step, high: high * step }));
         }
@@ -111,7 +111,7 @@ impl Seen {
     fn join(&mut self, part: Part, values: &Values) {
         let known = self.0.entry(part).or_default();
         for new in values.intervals() {
-            // What it overlaps or touches is `from..to`.
+            // The intervals that it overlaps or touches are `from..to`.
             let from = known.partition_point(|i| i.high < new.low);
             let to = known.partition_point(|i| i.low <= new.high);
             let joined = known[from..to].iter().fold(*new, |all, i| all.or(*i));
@@ -123,10 +123,10 @@ impl Seen {
     }
 }
 
-/// The most intervals that are kept apart while they are gathered.
+/// Maximum number of intervals while they are collected.
 const MAX_APART: usize = 64;
 
-/// Each variable that is read, with its name and what it can be.
+/// A text for each variable that is read, with its values.
 pub(super) fn read(entity: &Entity, reads: &Reads, at: &[Case<'_>]) -> Vec<String> {
     let all = |part: Part| Values::any(at.iter().filter_map(|(_, seen)| seen.0.get(&part)).flatten().copied());
     let mut out = Vec::new();
@@ -139,7 +139,7 @@ pub(super) fn read(entity: &Entity, reads: &Reads, at: &[Case<'_>]) -> Vec<Strin
         out.push(format!("`{}` {}", entity.discretes[id].name, discrete(&entity.discretes[id].domain, &found)));
     }
     for &id in &reads.timers {
-        // As it is written where the mode is the innermost one.
+        // As written in the source when the mode is the innermost one.
         let mode = entity.timers[id].mode;
         let is_own = at.iter().all(|(leaves, _)| leaves.iter().any(|l| entity.leaves[*l].mode == mode));
         let name = if is_own { "timer".to_string() } else { format!("timer({})", entity.modes[mode].path) };
@@ -160,7 +160,7 @@ pub(super) fn listed(parts: &[String]) -> String {
     }
 }
 
-/// What is read can be, in all the cases together, and mode by mode where that says more.
+/// Text of the values over all cases, and notes by mode where those differ.
 pub(super) fn reason(
     entity: &Entity,
     reads: &Reads,

@@ -1,8 +1,8 @@
 //! How far an instance can get in a number of steps.
 //!
-//! Along an axis it moves by at most its greatest velocity in a step, or is pushed to where edges meet
-//! (`surroundings`). A push can help it over a distance before each such place; what is left of the way it has to go by itself.
-//! Nothing is known of what something can put elsewhere: an update of the position, a link, a carrier, a spawn.
+//! Along an axis, an instance moves by at most its maximum velocity in a step, or is pushed to an end of a push
+//! (`surroundings`). Each push can take it over a known distance; it has to travel the rest by itself. Nothing is known
+//! if anything can move it elsewhere: an update of the position, a link, a carrier, a spawn.
 
 use crate::ir::{Entity, ExprId, Origin, Place, Program, SlotId, SpaceId, VarId, World, WorldId};
 
@@ -10,11 +10,11 @@ use crate::analysis::ConfigurationSpace;
 use crate::analysis::domain::values::Interval;
 use crate::analysis::step::evaluate::{Pinned, Reader};
 
-/// More than a step can differ from what it should be by rounding, px.
+/// Upper bound of the rounding error of a step, px.
 const ROUNDED: f64 = 1e-6;
 
 impl ConfigurationSpace {
-    /// Of both axes, where an instance can be at most `steps` steps after it was at a position; none if it can be anywhere.
+    /// The positions that an instance can have at most `steps` steps after a position, per axis; `None` if unbounded.
     pub fn within_steps(
         &self,
         program: &Program,
@@ -35,18 +35,22 @@ impl ConfigurationSpace {
         let step = table.step.seconds();
         let speed = self.overall[slot].speed;
         let far = [0, 1].map(|axis| {
-            let helped = self.surroundings.of(slot).helped(axis, speed, step).filter(|_| !is_put(entity, axis))?;
+            let push_reach = self
+                .surroundings
+                .of(slot)
+                .push_reach(axis, speed, step)
+                .filter(|_| !has_position_update(entity, axis))?;
             let own = (speed[axis] * step + ROUNDED) * steps as f64;
-            // What a push helps towards lower coordinates is the same mirrored.
-            let [up, down] = helped;
+            // Pushes towards lower coordinates are the mirror image.
+            let [up, down] = push_reach;
             let down = down.into_iter().map(|i| Interval { low: -i.high, high: -i.low }).collect();
-            Some(Interval { low: -end(down, -from[axis], own), high: end(up, from[axis], own) })
+            Some(Interval { low: -travel_end(down, -from[axis], own), high: travel_end(up, from[axis], own) })
         });
         let all = far.iter().all(|axis| axis.is_none_or(|i| i.low.is_infinite() && i.high.is_infinite()));
         (!all).then(|| far.map(|axis| axis.unwrap_or(Interval::ALL)))
     }
 
-    /// Whether a predicate of the world can hold while an instance is in a part of a space.
+    /// Whether a predicate of the world can hold while an instance is in a box of a space.
     pub fn can_hold_in(
         &self,
         program: &Program,
@@ -58,7 +62,7 @@ impl ConfigurationSpace {
         let reader = self.reader(program, table, None);
         let can = |part| Reader { pinned: Some((slot, Pinned::Part(space, part))), ..reader }.truth(predicate).can_hold;
         let regions = self.surroundings.regions(slot);
-        if regions.is_empty() || self.overall[slot].can_be_absent || self.bare(slot).next().is_some() {
+        if regions.is_empty() || self.overall[slot].can_be_absent || self.not_kept_out(slot).next().is_some() {
             return can(part);
         }
         let boxes = regions.iter().filter(|(s, _)| *s == space).flat_map(|(_, region)| region.boxes());
@@ -67,17 +71,18 @@ impl ConfigurationSpace {
     }
 }
 
-/// Whether an update can put an instance of an entity elsewhere along an axis.
-fn is_put(entity: &Entity, axis: usize) -> bool {
+/// Whether an update can set the position of an instance along an axis.
+fn has_position_update(entity: &Entity, axis: usize) -> bool {
     let is_position = |place: Place| matches!(place, Place::Var(var, 0) if var == VarId::XY[axis]);
     entity.action_lists().flat_map(|actions| &actions.updates).any(|update| is_position(update.place))
 }
 
-/// How far towards higher coordinates something comes that moves so far by itself, and is helped over some intervals.
-fn end(mut helped: Vec<Interval>, from: f64, mut own: f64) -> f64 {
-    helped.sort_by(|a, b| a.low.total_cmp(&b.low));
+/// The highest coordinate that a body reaches from `from`, if it travels `own` px by itself and pushes take it over
+/// some intervals.
+fn travel_end(mut push_reach: Vec<Interval>, from: f64, mut own: f64) -> f64 {
+    push_reach.sort_by(|a, b| a.low.total_cmp(&b.low));
     let mut at = from;
-    for over in helped {
+    for over in push_reach {
         if over.high <= at {
             continue;
         }
@@ -96,12 +101,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_helps_does_not_count() {
+    fn pushes_cost_no_travel() {
         let over = |low, high| Interval { low, high };
-        assert_eq!(end(vec![], 10.0, 5.0), 15.0);
-        assert_eq!(end(vec![over(12.0, 20.0)], 10.0, 5.0), 23.0);
-        assert_eq!(end(vec![over(16.0, 20.0)], 10.0, 5.0), 15.0, "it does not get there");
-        assert_eq!(end(vec![over(0.0, 8.0), over(8.0, 11.0)], 10.0, 5.0), 16.0);
-        assert_eq!(end(vec![over(14.0, 20.0), over(12.0, 13.0), over(12.5, 15.0)], 10.0, 5.0), 23.0);
+        assert_eq!(travel_end(vec![], 10.0, 5.0), 15.0);
+        assert_eq!(travel_end(vec![over(12.0, 20.0)], 10.0, 5.0), 23.0);
+        assert_eq!(travel_end(vec![over(16.0, 20.0)], 10.0, 5.0), 15.0, "it does not get there");
+        assert_eq!(travel_end(vec![over(0.0, 8.0), over(8.0, 11.0)], 10.0, 5.0), 16.0);
+        assert_eq!(travel_end(vec![over(14.0, 20.0), over(12.0, 13.0), over(12.5, 15.0)], 10.0, 5.0), 23.0);
     }
 }

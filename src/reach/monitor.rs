@@ -1,8 +1,8 @@
-//! Holds every state that a search makes against the configuration space that proofs rest on. The simulator shows what a
-//! world does: a state outside refutes the analysis, and with it every proof that rests on it.
+//! Checks every state that a search creates against the configuration space on which proofs rest. The simulator defines
+//! what happens: a state outside refutes the analysis, and with it every proof that rests on it.
 //!
-//! Looked at are the nodes of trees and of exhaustions, the states of replayed ways, and those on the way to where a search
-//! begins. What a run does once it is over (a `never` holds, a player is out of bounds) is no part of the space.
+//! Checked are the nodes of trees and exhaustive searches, the states of replayed paths, and those on the way to a
+//! start. States after the end of a run (a `never` holds, a player is out of bounds) are not part of the space.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -16,31 +16,31 @@ use crate::watch::Meter;
 use super::problem::Problem;
 use super::search::Settings;
 
-/// A run into a state which the analysis says that there is not.
+/// A run into a state that the analysis excludes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Refutation {
     /// The inputs from the initial state on.
     pub script: Script,
-    /// How many steps they last.
+    /// Their number of steps.
     pub steps: u64,
-    /// What of the state is outside.
+    /// The part of the state that is outside.
     pub outside: Outside,
 }
 
-/// Tells whether states are inside of what a world can be, and keeps a run that has led outside.
+/// Checks states against a configuration space, and keeps the shortest run that led outside.
 #[derive(Debug)]
-pub struct Guard {
+pub struct Monitor {
     membership: Membership,
     refutation: Mutex<Option<Refutation>>,
 }
 
-impl Guard {
-    /// Against what a world can be.
+impl Monitor {
+    /// Checks against a configuration space.
     pub fn new(space: &ConfigurationSpace, program: &Program, world: WorldId) -> Self {
-        Guard { membership: space.membership(program, world), refutation: Mutex::new(None) }
+        Monitor { membership: space.membership(program, world), refutation: Mutex::new(None) }
     }
 
-    /// What of a state is outside, if anything is.
+    /// The part of a state that is outside, if any.
     pub fn outside(&self, sim: &Simulator, state: &[u8]) -> Option<Outside> {
         let (program, world) = (sim.program(), sim.world_id());
         sim.world().layout.slots.pairs().find_map(|(slot, layout)| {
@@ -54,7 +54,7 @@ impl Guard {
         self.contains_changed(world, state, |_| true)
     }
 
-    /// Whether a state is inside, if the one before it is: of that, it keeps what it has.
+    /// Whether a state is inside, given that the previous one is: unchanged slots are skipped.
     pub(super) fn contains_after(&self, world: &World, state: &[u8], before: &[u8]) -> bool {
         self.contains_changed(world, state, |layout| {
             let (from, to) = layout.block;
@@ -73,8 +73,8 @@ impl Guard {
         })
     }
 
-    /// Runs a script and looks at each state as long as the run is not over; keeps what is outside. Stops when it is told
-    /// to, and says nothing then.
+    /// Runs a script and checks each state until the run is over; records a state outside. Records nothing if the meter
+    /// stops it.
     pub(super) fn follow(&self, problem: &Problem<'_>, script: &Script, meter: &Meter<'_>) {
         let (sim, mut scratch) = (problem.sim, problem.sim.scratch());
         let Ok(mut state) = sim.metered_initial(&mut scratch, meter) else { return };
@@ -84,7 +84,7 @@ impl Guard {
         let mut done = Script::default();
         let mut inputs = script.inputs();
         loop {
-            if problem.judge(&state).map_or(true, |standing| standing.is_over(problem.target)) {
+            if problem.judge(&state).map_or(true, |status| status.is_over(problem.target)) {
                 return;
             }
             if !self.contains(sim.world(), &state) {
@@ -101,8 +101,8 @@ impl Guard {
         }
     }
 
-    /// Told of a script that leads to a state which is outside: keeps the first state on its way that is; where it is
-    /// stopped before it has found that, the state that it is reported.
+    /// Records a run whose last state is outside, cut at the first state that is; the whole run if the meter stops the
+    /// replay.
     pub(super) fn refute(&self, problem: &Problem<'_>, script: Script, state: &[u8], meter: &Meter<'_>) {
         self.follow(problem, &script, meter);
         if meter.is_stopped()
@@ -112,7 +112,7 @@ impl Guard {
         }
     }
 
-    /// Keeps the shortest, so that it does not matter which thread comes first.
+    /// Keeps the shortest, so that the result does not depend on the order of threads.
     pub(super) fn note(&self, new: Refutation) {
         let mut known = self.refutation.lock().unwrap_or_else(PoisonError::into_inner);
         let order = |r: &Refutation| (r.steps, format!("{:?}", r.script));
@@ -127,18 +127,18 @@ impl Guard {
     }
 }
 
-/// A question with a guard, if states are to be checked.
-pub(super) fn guarded<T>(
+/// Runs `then` with a monitored problem, if states are to be checked.
+pub(super) fn monitored<T>(
     problem: &Problem<'_>,
     space: &ConfigurationSpace,
     settings: &Settings,
     then: impl FnOnce(&Problem<'_>) -> T,
 ) -> T {
-    if problem.guard().is_some() || !settings.checks {
+    if problem.monitor().is_some() || !settings.checks {
         return then(problem);
     }
-    let guard = Guard::new(space, problem.sim.program(), problem.sim.world_id());
-    then(&problem.clone().guarded(&guard))
+    let monitor = Monitor::new(space, problem.sim.program(), problem.sim.world_id());
+    then(&problem.clone().monitored(&monitor))
 }
 
 /// An instance in a state.
@@ -170,7 +170,7 @@ impl Reading for Instance<'_> {
 
     #[inline]
     fn param(&self, id: ParamId) -> f64 {
-        // Only where parameters can change does a table ask for one; else every answer is right.
+        // Tables check parameters only if they can change; otherwise the value is unused.
         self.layout.params.map_or(f64::NAN, |at| state::real(self.state, at + 8 * id.index()))
     }
 

@@ -1,5 +1,5 @@
-//! Mending braces that do not match, by indentation: one lost brace is one diagnostic, and what is around it is
-//! still checked. Used by the scan, before the grammar sees the text.
+//! Repairs unbalanced braces by indentation: one missing brace gives one diagnostic, and everything around it is still
+//! checked. Used by the scan, before parsing.
 
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::syntax::{MissingOpenBrace, StrayBrace, TooManyErrors, UnclosedBrace};
@@ -10,11 +10,11 @@ use crate::source::{FileId, Span};
 pub(super) struct Brace {
     pub at: usize,
     pub open: bool,
-    /// Width of the white space its line begins with.
+    /// The indentation of its line.
     pub indent: usize,
-    /// Whether nothing is before it on its line.
+    /// Whether it is the first token of its line.
     pub leads: bool,
-    /// Where its line begins.
+    /// The start of its line.
     pub line: usize,
 }
 
@@ -26,25 +26,25 @@ pub(super) struct LineStart {
     pub indent: usize,
     /// One past the last token of the line.
     pub end: usize,
-    /// Whether it begins a block and has no brace.
+    /// Whether it is the header of a block and has no brace.
     pub bare_header: bool,
 }
 
-/// What is put into the text before a byte to mend it.
+/// Text to insert before a byte.
 pub(super) struct Insert {
     pub at: usize,
     pub text: &'static str,
 }
 
-/// How many braces that close nothing are shown.
+/// Maximum number of reported unmatched closing braces.
 const MAX_STRAYS: usize = 100;
 
 const CLOSE: &str = "\n}\n";
 const OPEN: &str = " {";
 
-/// Finds braces without a partner and where the missing ones belong; blanks stray ones out of `text`.
-/// Returns what is to be inserted, in order.
-pub(super) fn mend_braces(
+/// Finds unmatched braces and the positions of missing ones; replaces extra ones in `text` by blanks. Returns the
+/// insertions in order.
+pub(super) fn repair_braces(
     file: FileId,
     length: usize,
     braces: &[Brace],
@@ -53,7 +53,7 @@ pub(super) fn mend_braces(
     diagnostics: &mut Diagnostics,
 ) -> Vec<Insert> {
     let mut mender =
-        Mender { file, text, diagnostics, inserts: Vec::new(), open: Vec::new(), strays: 0, candidate: None };
+        BraceRepairer { file, text, diagnostics, inserts: Vec::new(), open: Vec::new(), strays: 0, candidate: None };
     let mut lines = lines.iter().peekable();
     for brace in braces {
         while let Some(line) = lines.next_if(|l| l.token < brace.at) {
@@ -65,12 +65,12 @@ pub(super) fn mend_braces(
         mender.line(*line);
     }
     mender.end(length);
-    // A brace missed at an earlier line can be noticed later.
+    // A brace missing at an earlier line may be noticed only later.
     mender.inserts.sort_by_key(|insert| insert.at);
     mender.inserts
 }
 
-struct Mender<'a> {
+struct BraceRepairer<'a> {
     file: FileId,
     text: &'a mut [u8],
     diagnostics: &'a mut Diagnostics,
@@ -81,12 +81,12 @@ struct Mender<'a> {
     candidate: Option<(Brace, Brace)>,
 }
 
-impl Mender<'_> {
+impl BraceRepairer<'_> {
     fn at(&self, byte: usize) -> Span {
         Span::new(self.file, byte, byte + 1)
     }
 
-    /// Closes what is open and should not be, up to where `keep` holds.
+    /// Closes open braces, until `keep` holds.
     fn close_until(&mut self, at: usize, seen: usize, keep: impl Fn(&Brace) -> bool) {
         while let Some(top) = self.open.last().copied().filter(|top| !keep(top)) {
             self.unclosed(top, Some(seen));
@@ -105,7 +105,7 @@ impl Mender<'_> {
         self.candidate = None;
         self.close_until(line.line, line.token, |top| line.indent > top.indent);
         if line.bare_header {
-            // The last character, which may be of several bytes.
+            // The last character, which may have several bytes.
             let last = self.text[..line.end].iter().rposition(|byte| byte & 0xc0 != 0x80);
             let end = Span::new(self.file, last.unwrap_or(0), line.end);
             self.diagnostics.report(MissingOpenBrace { header: end });
@@ -120,13 +120,13 @@ impl Mender<'_> {
             return;
         }
         if brace.leads && self.open.iter().any(|o| o.indent == brace.indent) {
-            // The brace is under its opener: what is open inside it has lost its own.
+            // The brace is aligned with its opener: braces opened inside it are missing theirs.
             self.close_until(brace.at, brace.at, |top| top.indent <= brace.indent);
         }
         if let Some((stray, _)) = self.candidate.filter(|(_, opener)| brace.leads && opener.indent == brace.indent)
             && self.open.last().is_none_or(|top| top.indent < brace.indent)
         {
-            // This one is the partner of what the candidate closed.
+            // This one matches the opener that the candidate closed.
             self.stray(stray);
             self.candidate = None;
             return;
@@ -140,7 +140,7 @@ impl Mender<'_> {
         }
     }
 
-    /// Reports an opener, unless it is one that was put in and reported as missing.
+    /// Reports an opener, unless it was inserted and already reported as missing.
     fn unclosed(&mut self, opener: Brace, here: Option<usize>) {
         if self.text.get(opener.at) == Some(&b'{') {
             let here = here.map(|byte| self.at(last(&self.text[..byte])));
@@ -167,7 +167,7 @@ impl Mender<'_> {
     }
 }
 
-/// The last byte of a text that is neither white space nor part of a line with a comment alone.
+/// The last byte of a text that is neither white space nor in a comment-only line.
 fn last(text: &[u8]) -> usize {
     let mut end = text.len();
     while end > 0 {

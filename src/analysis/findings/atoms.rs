@@ -1,11 +1,11 @@
-//! How a guard turns out by the values of the instance itself. What depends on inputs, contacts, other instances, on
-//! parameters alone or on where the instance is is left open: that is a matter of the level, not of the guard.
+//! Outcomes of a guard as far as the instance's own values decide them. Inputs, contacts, other instances, position,
+//! and guards of parameters alone are left undecided: they depend on the level, not on the guard.
 
 use std::collections::BTreeSet;
 
 use crate::ir::{DiscreteId, Entity, Expr, ExprId, IdVec, ParamId, Program, TimerId, VarId};
 
-use super::account::{Account, Occurrence};
+use super::summary::{EntitySummary, Occurrence};
 use crate::analysis::domain::truth::Truth;
 use crate::analysis::step::evaluate::Reader;
 
@@ -16,13 +16,13 @@ pub(super) struct Reads {
     pub discretes: BTreeSet<DiscreteId>,
     pub timers: BTreeSet<TimerId>,
     pub params: BTreeSet<ParamId>,
-    /// Modes of its own.
+    /// Modes of the instance itself.
     pub modes: bool,
     /// Inputs.
     pub inputs: bool,
-    /// Contacts, other instances, what other groups do.
+    /// Contacts, other instances, joint transitions.
     pub others: bool,
-    /// Positions, speeds or accelerations, whosever.
+    /// Positions, speeds or accelerations of any instance.
     pub motion: bool,
 }
 
@@ -33,7 +33,7 @@ impl Reads {
         reads
     }
 
-    /// What another expression reads, too.
+    /// Adds everything that another expression reads.
     pub fn add(&mut self, program: &Program, id: ExprId) {
         use crate::ir::Subject::Me;
         match program.exprs[id] {
@@ -83,35 +83,35 @@ impl Reads {
         }
     }
 
-    /// Whether there is nothing to tell of what is read.
+    /// Whether nothing is read whose values can be shown.
     pub fn is_empty(&self) -> bool {
         self.vars.is_empty() && self.discretes.is_empty() && self.timers.is_empty() && self.params.is_empty()
     }
 
-    /// Whether it reads a coordinate that the entity itself does not bound.
-    fn asks_where(&self, entity: &Entity) -> bool {
+    /// Whether it reads a coordinate that the entity itself does not clamp.
+    fn reads_position(&self, entity: &Entity) -> bool {
         let own = |var: VarId| entity.clamps.iter().any(|c| c.var == var && c.degree == 0);
         self.vars.iter().any(|(var, degree)| *degree == 0 && var.is_position() && !own(*var))
     }
 
-    /// Whether anything that it reads changes while a world runs.
+    /// Whether anything that it reads can change during a run.
     fn changes(&self) -> bool {
         let counted = self.vars.len() + self.discretes.len() + self.timers.len();
         counted > 0 || self.modes || self.inputs
     }
 }
 
-/// What a parameter is given in all slots.
+/// The values of a parameter over all slots.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Given {
-    /// The first value that is known.
+pub(super) struct ParamUse {
+    /// The first known value, as bits.
     first: Option<u64>,
-    /// Whether it is more than the choice of one instance: there are several values, or it is the default.
+    /// Whether the value is not specific to one instance: there are several values, or it is the default.
     is_general: bool,
 }
 
-impl Given {
-    /// Adds what it is in a slot.
+impl ParamUse {
+    /// Adds the value in a slot.
     pub fn add(&mut self, program: &Program, entity: &Entity, o: &Occurrence<'_>, id: ParamId) {
         let Some(value) = o.space.overall[o.slot].params[id].constant() else { return };
         let default = program.constant(entity.params[id].default, &o.world.slots[o.slot].params, o.world.step);
@@ -120,13 +120,13 @@ impl Given {
     }
 }
 
-/// A part of a guard without `and`, `or` and `not`, of which values may tell how it turns out.
+/// A part of a guard without `and`, `or` and `not` that values may decide.
 pub(super) struct Atom {
     id: ExprId,
     params: BTreeSet<ParamId>,
 }
 
-/// The atoms of a guard, in order of their ids; of its other parts nothing is ever told.
+/// The atoms of a guard, in order of their ids; all other parts are undecided.
 pub(super) fn atoms(program: &Program, entity: &Entity, guard: ExprId) -> Vec<Atom> {
     let mut out = Vec::new();
     let mut left = vec![guard];
@@ -137,7 +137,7 @@ pub(super) fn atoms(program: &Program, entity: &Entity, guard: ExprId) -> Vec<At
             Expr::And(a, b) | Expr::Or(a, b) => left.extend([a, b]),
             _ => {
                 let reads = Reads::of(program, id);
-                if !reads.others && reads.changes() && !reads.asks_where(entity) {
+                if !reads.others && reads.changes() && !reads.reads_position(entity) {
                     out.push(Atom { id, params: reads.params });
                 }
             }
@@ -148,41 +148,41 @@ pub(super) fn atoms(program: &Program, entity: &Entity, guard: ExprId) -> Vec<At
     out
 }
 
-/// How the atoms of a guard turn out in a case: a byte for each.
+/// The outcomes of the atoms in a case, one byte each.
 pub(super) fn case(atoms: &[Atom], reader: &Reader<'_>) -> Vec<u8> {
     atoms.iter().map(|a| reader.truth(a.id).packed()).collect()
 }
 
-/// Judges the guards of an entity.
+/// Evaluates the guards of an entity.
 pub(super) struct Judge<'a> {
     program: &'a Program,
-    /// What parameters are given; none as long as any of them may turn out to be general.
-    params: Option<&'a IdVec<ParamId, Given>>,
+    /// The parameter values; `None` until all worlds are examined, as any parameter may still turn out to be general.
+    params: Option<&'a IdVec<ParamId, ParamUse>>,
 }
 
 impl<'a> Judge<'a> {
-    /// By what all worlds tell.
-    pub fn new(subject: &'a Account<'_>) -> Self {
-        Judge { program: subject.scene.program, params: Some(&subject.params) }
+    /// With the parameter values of all worlds.
+    pub fn new(subject: &'a EntitySummary<'_>) -> Self {
+        Judge { program: subject.context.program, params: Some(&subject.params) }
     }
 
-    /// While the worlds are examined: what it leaves open stays open.
+    /// While the worlds are being examined; outcomes can only become more precise later.
     pub fn early(program: &'a Program) -> Self {
         Judge { program, params: None }
     }
 
-    /// The ways a guard or a part of it can turn out in a case.
+    /// The possible outcomes of a guard, or of a part of it, in a case.
     pub fn truth(&self, atoms: &[Atom], case: &[u8], id: ExprId) -> Truth {
-        self.turned(atoms, case, id, true)
+        self.outcome(atoms, case, id, true)
     }
 
-    fn turned(&self, atoms: &[Atom], case: &[u8], id: ExprId, positive: bool) -> Truth {
-        let turned = |id, positive| self.turned(atoms, case, id, positive);
+    fn outcome(&self, atoms: &[Atom], case: &[u8], id: ExprId, positive: bool) -> Truth {
+        let outcome = |id, positive| self.outcome(atoms, case, id, positive);
         match self.program.exprs[id] {
             Expr::Bool(b) => Truth::of(b),
-            Expr::Not(a) => turned(a, !positive).negated(),
-            Expr::And(a, b) => turned(a, positive).and(turned(b, positive)),
-            Expr::Or(a, b) => turned(a, positive).or(turned(b, positive)),
+            Expr::Not(a) => outcome(a, !positive).negated(),
+            Expr::And(a, b) => outcome(a, positive).and(outcome(b, positive)),
+            Expr::Or(a, b) => outcome(a, positive).or(outcome(b, positive)),
             _ => {
                 let Ok(at) = atoms.binary_search_by_key(&id, |a| a.id) else { return Truth::EITHER };
                 let params = &atoms[at].params;
@@ -190,7 +190,7 @@ impl<'a> Judge<'a> {
                     return Truth::EITHER;
                 }
                 let truth = case.get(at).map_or(Truth::EITHER, |packed| Truth::unpacked(*packed));
-                // That a parameter lets something always hold may be what it is for.
+                // A parameter may be meant to switch something on or off for good.
                 match (params.is_empty(), positive) {
                     (true, _) => truth,
                     (false, true) => Truth { can_fail: true, ..truth },
@@ -214,17 +214,17 @@ impl Truth {
         Truth { can_hold: self.can_fail, can_fail: self.can_hold }
     }
 
-    /// Of both.
+    /// Conjunction.
     pub(super) fn and(self, other: Truth) -> Truth {
         Truth { can_hold: self.can_hold && other.can_hold, can_fail: self.can_fail || other.can_fail }
     }
 
-    /// Of one of both.
+    /// Disjunction.
     pub(super) fn or(self, other: Truth) -> Truth {
         Truth { can_hold: self.can_hold || other.can_hold, can_fail: self.can_fail && other.can_fail }
     }
 
-    /// Of either case.
+    /// The join of two cases.
     pub(super) fn joined(self, other: Truth) -> Truth {
         Truth { can_hold: self.can_hold || other.can_hold, can_fail: self.can_fail || other.can_fail }
     }

@@ -113,11 +113,11 @@ pub enum Place {
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Push {
-    /// It is noticed.
+    /// Contacts are reported; nothing is pushed.
     Sense,
-    /// What came from above is held up by what is below.
+    /// One way: only a body that was above is pushed, up.
     FromAbove,
-    /// The one that can move is pushed out.
+    /// Movable bodies are pushed out.
     Block,
 }
 

@@ -17,7 +17,7 @@ pub(super) struct Rect {
     pub space: u32,
     /// The offset from its position to its position at the start of the continuous phase.
     pub back: (f64, f64),
-    /// A disc inside its box; only sensors treat it differently.
+    /// A circle inside its box; only sensors treat it differently.
     pub round: bool,
 }
 
@@ -148,7 +148,7 @@ pub(super) fn meet(
             let mut held = sides.into_iter().filter(|(may, (was, ..))| *may && *was <= TOLERANCE);
             held.next().map(|(_, (_, side, depth))| Contact { side, depth })
         }
-        Push::Sense if (a.round || b.round) && !discs_meet(a, b) => None,
+        Push::Sense if (a.round || b.round) && !circles_meet(a, b) => None,
         Push::Block | Push::Sense => Some(match covered(&overlap) {
             (true, false) => overlap.vertical(),
             (false, true) => overlap.horizontal(),
@@ -157,12 +157,12 @@ pub(super) fn meet(
     }
 }
 
-/// Whether two shapes touch of which at least one is a disc; touching only the corner of a box does not count.
-fn discs_meet(a: &Rect, b: &Rect) -> bool {
-    let (disc, other) = if a.round { (a, b) } else { (b, a) };
+/// Whether two shapes touch of which at least one is a circle; touching only the corner of a box does not count.
+fn circles_meet(a: &Rect, b: &Rect) -> bool {
+    let (circle, other) = if a.round { (a, b) } else { (b, a) };
     let centre = |r: &Rect| ((r.left + r.right) / 2.0, (r.bottom + r.top) / 2.0);
-    let (x, y) = centre(disc);
-    let radius = (disc.right - disc.left) / 2.0;
+    let (x, y) = centre(circle);
+    let radius = (circle.right - circle.left) / 2.0;
     if other.round {
         let (ox, oy) = centre(other);
         let both = radius + (other.right - other.left) / 2.0;

@@ -18,10 +18,9 @@
 //! compiled the documents as the request saw them. What broken texts do not tell is taken from the last snapshot that was
 //! free of errors.
 
-mod client;
-mod diagnostics;
 mod documents;
 mod features;
+mod location;
 mod protocol;
 mod snapshot;
 mod text;

@@ -2,69 +2,92 @@
 //! snippets. What the text does not tell while it is broken is taken from its last state without errors.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 use std::path::{Component, Path};
-
-use gen_lsp_types as types;
-use gen_lsp_types::{CompletionItem, CompletionItemKind, InsertTextFormat, TextEdit};
 
 use crate::sema::checked::{Checked, Entity, Type, World};
 use crate::source::FileId;
 use crate::syntax::occurrence::{NameKind, Occurrence, Role};
 
+use crate::lsp::location::FileOffset;
 use crate::lsp::snapshot::Snapshot;
 use crate::lsp::text::following::{after_operand, ends_operand, given};
 use crate::lsp::text::place::{Block, Place};
-use crate::lsp::text::uri::path_of;
 use crate::lsp::text::words::{SIGNATURES, Snippet, begins};
-use crate::lsp::view::{Failure, View};
+use crate::lsp::view::View;
 
-/// A name that is offered.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub(in crate::lsp) struct Offer {
-    /// Nearer things come first.
-    rank: u8,
-    label: String,
-    kind: u32,
-    detail: String,
-    /// What is put in, with places to fill in, if that is not the label.
-    snippet: Option<String>,
+/// What is offered. Offers of one name are in this order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(in crate::lsp) enum CompletionKind {
+    Mode,
+    /// A function of the language, a goal or a `never`.
+    Function,
+    /// A continuous or discrete variable, or a reference.
+    Variable,
+    /// An instance, or what is touched.
+    Instance,
+    Entity,
+    Behavior,
+    /// A space or a world.
+    Space,
+    /// A parameter of a behaviour, or a size of a space.
+    Property,
+    /// A group or a tile set.
+    Group,
+    Keyword,
+    /// A text with places to fill in.
+    Snippet,
+    File,
+    /// A value of a discrete variable, a tag or a side.
+    Value,
+    /// A constant, or a parameter of an entity.
+    Constant,
+    /// A button or an axis.
+    Input,
 }
 
-impl View {
-    pub(in crate::lsp) fn completion(
-        &self,
-        params: types::CompletionParams,
-    ) -> Result<Option<types::CompletionResponse>, Failure> {
-        let at = params.text_document_position_params;
-        let path = path_of(&at.text_document.uri);
-        let Some(document) = self.documents.get(&path) else { return Ok(None) };
-        let encoding = self.client.encoding;
-        let code = document.text.code();
-        let byte = document.text.byte(at.position, encoding);
-        let place = Place::of(code, byte);
-        let mut offers = Offers::new(self, &path, code);
-        if !place.is_quoted {
-            offers.at(&place);
-        } else if place.statement == ["import"] {
-            offers.files(self.known.keys().filter_map(|other| relative(&path, other)));
-        }
-        let range = document.text.range(place.word.start..place.word.end.max(byte), encoding);
-        let all: BTreeSet<Offer> = offers.list.into_iter().collect();
-        let items = all.into_iter().map(|offer| {
-            let is_snippet = offer.snippet.is_some() && self.client.has_snippets;
-            let new_text = offer.snippet.filter(|_| is_snippet).unwrap_or_else(|| offer.label.clone());
-            CompletionItem {
-                sort_text: Some(format!("{}{}", offer.rank, offer.label)),
-                label: offer.label,
-                kind: Some(CompletionItemKind::from(offer.kind)),
-                detail: (!offer.detail.is_empty()).then_some(offer.detail),
-                insert_text_format: is_snippet.then_some(InsertTextFormat::Snippet),
-                text_edit: Some(TextEdit { range, new_text }.into()),
-                ..CompletionItem::default()
-            }
-        });
-        Ok(Some(items.collect::<Vec<_>>().into()))
+/// What is put in.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(in crate::lsp) enum Insert {
+    /// The label.
+    Label,
+    /// A text with places to fill in, as `$1`; for editors without such texts the label.
+    Snippet(String),
+}
+
+/// A name or word that is offered. They are ordered by their fields.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(in crate::lsp) struct Completion {
+    /// Nearer things come first.
+    pub rank: u8,
+    pub label: String,
+    pub kind: CompletionKind,
+    /// May be empty.
+    pub detail: String,
+    pub insert: Insert,
+}
+
+/// All that is offered at a place.
+#[derive(Debug)]
+pub(in crate::lsp) struct Completions {
+    /// The bytes that an offer takes the place of.
+    pub replaces: Range<usize>,
+    pub offers: BTreeSet<Completion>,
+}
+
+/// What can be at a place of an open document.
+pub(in crate::lsp) fn completion(view: &View, at: &FileOffset) -> Option<Completions> {
+    let document = view.documents.get(&at.path)?;
+    let code = document.text.code();
+    let place = Place::of(code, at.byte);
+    let mut offers = Offers::new(view, &at.path, code);
+    if !place.is_quoted {
+        offers.at(&place);
+    } else if place.statement == ["import"] {
+        offers.files(view.known.keys().filter_map(|other| relative(&at.path, other)));
     }
+    let replaces = place.word.start..place.word.end.max(at.byte);
+    Some(Completions { replaces, offers: offers.list.into_iter().collect() })
 }
 
 /// Gathers what is offered.
@@ -73,38 +96,36 @@ struct Offers<'a> {
     programs: Vec<&'a Snapshot>,
     file: Option<FileId>,
     code: &'a str,
-    list: Vec<Offer>,
+    list: Vec<Completion>,
 }
 
-const KEYWORD: CompletionItemKind = CompletionItemKind::Keyword;
-
 impl<'a> Offers<'a> {
-    fn new(server: &'a View, path: &Path, code: &'a str) -> Self {
-        let known: Vec<_> = server.programs(path).collect();
+    fn new(view: &'a View, path: &Path, code: &'a str) -> Self {
+        let known: Vec<_> = view.programs(path).collect();
         let now = known.iter().map(|k| &*k.now);
         let programs: Vec<&Snapshot> = now.chain(known.iter().filter_map(|k| k.good.as_deref())).collect();
         let file = programs.first().and_then(|p| p.file(path));
         Offers { programs, file, code, list: Vec::new() }
     }
 
-    fn add(&mut self, rank: u8, label: &str, kind: CompletionItemKind, detail: &str) {
+    fn add(&mut self, rank: u8, label: &str, kind: CompletionKind, detail: &str) {
         let (label, detail) = (label.to_string(), detail.to_string());
-        self.list.push(Offer { rank, label, kind: u32::from(kind), detail, snippet: None });
+        self.list.push(Completion { rank, label, kind, detail, insert: Insert::Label });
     }
 
     fn files(&mut self, paths: impl Iterator<Item = String>) {
-        paths.for_each(|path| self.add(0, &path, CompletionItemKind::File, ""));
+        paths.for_each(|path| self.add(0, &path, CompletionKind::File, ""));
     }
 
     fn words(&mut self, words: &[&str]) {
-        words.iter().for_each(|word| self.add(2, word, KEYWORD, ""));
+        words.iter().for_each(|word| self.add(2, word, CompletionKind::Keyword, ""));
     }
 
     fn snippets(&mut self, snippets: &[Snippet]) {
         for Snippet { label, text, detail } in snippets {
-            self.add(3, label, CompletionItemKind::Snippet, detail);
+            self.add(3, label, CompletionKind::Snippet, detail);
             if let Some(last) = self.list.last_mut() {
-                last.snippet = Some((*text).to_string());
+                last.insert = Insert::Snippet((*text).to_string());
             }
         }
     }
@@ -141,7 +162,7 @@ impl<'a> Offers<'a> {
 
     fn entities(&mut self) {
         for entity in self.checked().flat_map(|c| c.entities.iter()) {
-            self.add(0, &entity.name.text, CompletionItemKind::Class, "entity");
+            self.add(0, &entity.name.text, CompletionKind::Entity, "entity");
         }
     }
 
@@ -168,20 +189,20 @@ impl<'a> Offers<'a> {
                 // The shortest path that fits one mode alone.
                 let short = last(&mode.name.text) == 1;
                 let label = if short { mode.name.text.to_string() } else { mode.path.join(".") };
-                self.add(0, &label, CompletionItemKind::Method, "mode");
+                self.add(0, &label, CompletionKind::Mode, "mode");
             } else if let Some((name, outer)) = path.split_last()
                 && outer.ends_with(prefix)
             {
-                self.add(0, name, CompletionItemKind::Method, "mode");
+                self.add(0, name, CompletionKind::Mode, "mode");
             }
         }
     }
 
     /// What can be read of an instance of an entity.
     fn members(&mut self, entity: &Entity) {
-        entity.vars.iter().for_each(|v| self.add(0, &v.name.text, CompletionItemKind::Field, "continuous"));
-        entity.discretes.iter().for_each(|d| self.add(0, &d.name.text, CompletionItemKind::Field, "discrete"));
-        entity.params.iter().for_each(|p| self.add(0, &p.name.text, CompletionItemKind::Constant, "param"));
+        entity.vars.iter().for_each(|v| self.add(0, &v.name.text, CompletionKind::Variable, "continuous"));
+        entity.discretes.iter().for_each(|d| self.add(0, &d.name.text, CompletionKind::Variable, "discrete"));
+        entity.params.iter().for_each(|p| self.add(0, &p.name.text, CompletionKind::Constant, "param"));
     }
 
     /// What an instance of an entity can be given: those of its values that nothing is given yet, each ready to be set.
@@ -196,7 +217,7 @@ impl<'a> Offers<'a> {
     fn as_assignments(&mut self, from: usize, given: &[&str]) {
         let offered = self.list.split_off(from);
         for mut offer in offered.into_iter().filter(|offer| !given.contains(&offer.label.as_str())) {
-            offer.snippet = Some(format!("{} = $1", offer.label));
+            offer.insert = Insert::Snippet(format!("{} = $1", offer.label));
             self.list.push(offer);
         }
     }
@@ -208,9 +229,9 @@ impl<'a> Offers<'a> {
             if std::mem::replace(&mut last_name, s.name) == s.name {
                 continue;
             }
-            self.add(1, s.name, CompletionItemKind::Function, s.doc);
+            self.add(1, s.name, CompletionKind::Function, s.doc);
             if let Some(last) = self.list.last_mut() {
-                last.snippet = Some(format!("{}($1)", s.name));
+                last.insert = Insert::Snippet(format!("{}($1)", s.name));
             }
         }
     }
@@ -259,7 +280,7 @@ impl<'a> Offers<'a> {
             });
             match referred.or(tested) {
                 Some(entity) => self.members(entity),
-                None => ["x", "y"].iter().for_each(|v| self.add(0, v, CompletionItemKind::Field, "continuous")),
+                None => ["x", "y"].iter().for_each(|v| self.add(0, v, CompletionKind::Variable, "continuous")),
             }
             return;
         }
@@ -269,7 +290,7 @@ impl<'a> Offers<'a> {
             return asked.into_iter().for_each(|entity| self.modes(entity, &prefix));
         }
         if world.spaces.iter().any(|s| s.name.text == first) {
-            ["width", "height"].iter().for_each(|m| self.add(0, m, CompletionItemKind::Property, "px"));
+            ["width", "height"].iter().for_each(|m| self.add(0, m, CompletionKind::Property, "px"));
         }
         if let Some(entity) = self.instance(world, first) {
             self.members(entity);
@@ -289,12 +310,12 @@ impl<'a> Offers<'a> {
     fn instances(&mut self, world: Option<&World>) {
         let named = world.into_iter().flat_map(|w| w.instances.iter()).filter(|i| !i.name.text.contains('#'));
         let names: Vec<String> = named.map(|i| i.name.text.to_string()).collect();
-        names.iter().for_each(|name| self.add(0, name, CompletionItemKind::Variable, "instance"));
+        names.iter().for_each(|name| self.add(0, name, CompletionKind::Instance, "instance"));
     }
 
     fn refs(&mut self, own: Option<&Entity>) {
         let refs = own.into_iter().flat_map(|e| e.refs.iter());
-        refs.for_each(|r| self.add(0, &r.name.text, CompletionItemKind::Field, "ref"));
+        refs.for_each(|r| self.add(0, &r.name.text, CompletionKind::Variable, "ref"));
     }
 
     /// What is offered as an argument; returns whether the place is one of a kind of its own.
@@ -311,7 +332,7 @@ impl<'a> Offers<'a> {
         match name {
             "pressed" | "held" | "released" => {
                 let buttons = own.into_iter().flat_map(|e| e.buttons.iter());
-                buttons.for_each(|b| self.add(0, &b.text, CompletionItemKind::Event, "button"));
+                buttons.for_each(|b| self.add(0, &b.text, CompletionKind::Input, "button"));
                 if let Some(from) = in_behavior {
                     self.declared(from, &[NameKind::Button, NameKind::Argument]);
                 }
@@ -322,7 +343,7 @@ impl<'a> Offers<'a> {
                 }
                 if argument > 0 {
                     let sides = ["left", "right", "above", "below"];
-                    sides.iter().for_each(|s| self.add(1, s, CompletionItemKind::EnumMember, "side"));
+                    sides.iter().for_each(|s| self.add(1, s, CompletionKind::Value, "side"));
                 }
             }
             "timer" | "entering" | "exiting" => {
@@ -342,7 +363,7 @@ impl<'a> Offers<'a> {
             }
             "inside" => {
                 let spaces = world.into_iter().flat_map(|w| w.spaces.iter());
-                spaces.for_each(|s| self.add(0, &s.name.text, CompletionItemKind::Module, "space"));
+                spaces.for_each(|s| self.add(0, &s.name.text, CompletionKind::Space, "space"));
             }
             _ if before == "spawn" && matches!(place.back(1), "(" | ",") => {
                 if let Some(entity) = self.entity(name) {
@@ -353,7 +374,7 @@ impl<'a> Offers<'a> {
                 let from = self.list.len();
                 if let Some(behavior) = self.programs.iter().find_map(|program| program.behavior(name)) {
                     let parameters = behavior.parameters.iter();
-                    parameters.for_each(|p| self.add(0, &p.text, CompletionItemKind::Property, "parameter"));
+                    parameters.for_each(|p| self.add(0, &p.text, CompletionKind::Property, "parameter"));
                 }
                 self.as_assignments(from, &given(self.code, place.word.start, "("));
             }
@@ -370,7 +391,7 @@ impl<'a> Offers<'a> {
         match (last, first) {
             ("->", "link") => {
                 let spaces = world.into_iter().flat_map(|w| w.spaces.iter());
-                spaces.for_each(|s| self.add(0, &s.name.text, CompletionItemKind::Module, "space"));
+                spaces.for_each(|s| self.add(0, &s.name.text, CompletionKind::Space, "space"));
             }
             ("->", _) => {
                 // An edge stays in its group.
@@ -416,7 +437,7 @@ impl<'a> Offers<'a> {
             }
             ("by", "envelope") => {
                 let axes = own.into_iter().flat_map(|e| e.axes.iter());
-                axes.for_each(|a| self.add(0, &a.text, CompletionItemKind::Event, "axis"));
+                axes.for_each(|a| self.add(0, &a.text, CompletionKind::Input, "axis"));
                 self.functions(|name| name == "held");
             }
             ("map", _) if place.block() == Some(Block::Space) => {
@@ -435,7 +456,7 @@ impl<'a> Offers<'a> {
             ("directions", "envelope") => self.words(&["any"]),
             ("envelope" | "clamp", _) => {
                 let vars = own.into_iter().flat_map(|e| e.vars.iter());
-                vars.for_each(|v| self.add(0, &v.name.text, CompletionItemKind::Field, "continuous"));
+                vars.for_each(|v| self.add(0, &v.name.text, CompletionKind::Variable, "continuous"));
                 if let Some(from) = in_behavior {
                     self.declared(from, &[NameKind::Variable]);
                 }
@@ -474,11 +495,11 @@ impl<'a> Offers<'a> {
             }
             Some(Block::Entity | Block::Mode | Block::Updates | Block::Behavior) => {
                 if let Some(entity) = own {
-                    entity.vars.iter().for_each(|v| self.add(1, &v.name.text, CompletionItemKind::Field, "continuous"));
+                    entity.vars.iter().for_each(|v| self.add(1, &v.name.text, CompletionKind::Variable, "continuous"));
                     let discretes = entity.discretes.iter().map(|d| (&d.name.text, "discrete"));
                     for (name, detail) in discretes.chain(entity.refs.iter().map(|r| (&r.name.text, "ref"))) {
                         if block != Some(Block::Entity) {
-                            self.add(1, name, CompletionItemKind::Field, detail);
+                            self.add(1, name, CompletionKind::Variable, detail);
                         }
                     }
                 }
@@ -507,19 +528,19 @@ impl<'a> Offers<'a> {
         let compared = if matches!(place.back(1), "==" | "!=" | ":=" | "=") { place.back(2) } else { "" };
         let chosen = set.or(own).and_then(|e| e.discretes.iter().find(|d| d.name.text == compared));
         if let Some(values) = chosen.filter(|d| matches!(d.ty, Type::Set(_))).map(|d| &d.values) {
-            values.iter().for_each(|v| self.add(0, v, CompletionItemKind::EnumMember, "value"));
+            values.iter().for_each(|v| self.add(0, v, CompletionKind::Value, "value"));
             let same = own.into_iter().flat_map(|e| e.discretes.iter());
             let same = same.filter(|d| d.name.text != compared && d.values == *values);
-            same.for_each(|d| self.add(1, &d.name.text, CompletionItemKind::Field, "discrete"));
+            same.for_each(|d| self.add(1, &d.name.text, CompletionKind::Variable, "discrete"));
             return self.functions(|name| name == "if");
         }
         let is_fixed = place.statement.first() == Some(&"param");
         if let (Some(entity), true) = (own, is_fixed) {
-            entity.params.iter().for_each(|p| self.add(0, &p.name.text, CompletionItemKind::Constant, "param"));
+            entity.params.iter().for_each(|p| self.add(0, &p.name.text, CompletionKind::Constant, "param"));
         } else if let Some(entity) = own {
             self.members(entity);
             self.refs(Some(entity));
-            entity.axes.iter().for_each(|a| self.add(0, &a.text, CompletionItemKind::Event, "axis"));
+            entity.axes.iter().for_each(|a| self.add(0, &a.text, CompletionKind::Input, "axis"));
         }
         if let Some(from) = place.around(Block::Behavior).map(|b| b.start) {
             let kinds = [NameKind::Argument, NameKind::Parameter, NameKind::Variable, NameKind::Discrete];
@@ -559,19 +580,19 @@ fn relative(from: &Path, to: &Path) -> Option<String> {
     Some(up.chain(down).collect::<Vec<_>>().join("/"))
 }
 
-fn kind_of(kind: NameKind) -> CompletionItemKind {
+fn kind_of(kind: NameKind) -> CompletionKind {
     match kind {
-        NameKind::Constant | NameKind::Parameter => CompletionItemKind::Constant,
-        NameKind::Entity => CompletionItemKind::Class,
-        NameKind::Behavior => CompletionItemKind::Interface,
-        NameKind::Argument => CompletionItemKind::Property,
-        NameKind::World | NameKind::Space => CompletionItemKind::Module,
-        NameKind::Group | NameKind::TileSet => CompletionItemKind::Enum,
-        NameKind::Mode => CompletionItemKind::Method,
-        NameKind::Variable | NameKind::Discrete | NameKind::Reference => CompletionItemKind::Field,
-        NameKind::Value | NameKind::Tag => CompletionItemKind::EnumMember,
-        NameKind::Touched | NameKind::Instance => CompletionItemKind::Variable,
-        NameKind::Button | NameKind::Axis => CompletionItemKind::Event,
-        NameKind::Goal | NameKind::Never => CompletionItemKind::Function,
+        NameKind::Constant | NameKind::Parameter => CompletionKind::Constant,
+        NameKind::Entity => CompletionKind::Entity,
+        NameKind::Behavior => CompletionKind::Behavior,
+        NameKind::Argument => CompletionKind::Property,
+        NameKind::World | NameKind::Space => CompletionKind::Space,
+        NameKind::Group | NameKind::TileSet => CompletionKind::Group,
+        NameKind::Mode => CompletionKind::Mode,
+        NameKind::Variable | NameKind::Discrete | NameKind::Reference => CompletionKind::Variable,
+        NameKind::Value | NameKind::Tag => CompletionKind::Value,
+        NameKind::Touched | NameKind::Instance => CompletionKind::Instance,
+        NameKind::Button | NameKind::Axis => CompletionKind::Input,
+        NameKind::Goal | NameKind::Never => CompletionKind::Function,
     }
 }

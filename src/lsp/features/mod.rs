@@ -7,6 +7,7 @@ pub(super) mod hierarchy;
 pub(super) mod hints;
 pub(super) mod hover;
 pub(super) mod navigate;
+pub(super) mod offers;
 pub(super) mod rename;
 pub(super) mod signature;
 pub(super) mod structure;

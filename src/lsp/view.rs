@@ -46,8 +46,7 @@ impl View {
         own.into_iter().chain(others.map(|(_, known)| known))
     }
 
-    /// The text of a file that offsets in requests count in: of the open document, or else of the first program that has
-    /// the file.
+    /// The text that offsets in a file count in: of the open document, or else of the first program that has the file.
     pub fn text(&self, path: &Path) -> Option<Arc<Text>> {
         match self.documents.get(path) {
             Some(document) => Some(Arc::clone(&document.text)),
@@ -55,8 +54,8 @@ impl View {
         }
     }
 
-    /// The byte of a file as a program has it, for a byte of [`text`](Self::text). The program may not be compiled with the
-    /// newest text: then it is the same line and column.
+    /// A byte of [`text`](Self::text) in the text that a program was compiled from. If that is an older one, it is the byte
+    /// at the same line and column.
     pub fn byte_in(&self, snapshot: &Snapshot, file: FileId, byte: usize) -> usize {
         let text = snapshot.text(file);
         match self.text(snapshot.path(file)) {

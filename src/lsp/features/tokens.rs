@@ -33,7 +33,8 @@ pub(in crate::lsp) struct Token {
     pub kind: TokenKind,
 }
 
-/// The tokens of some bytes of an open document, in order; `names_only` for an editor that colours the rest itself, and finer.
+/// The tokens of some bytes of an open document, in order; `names_only` for an editor that colours the rest itself, and
+/// finer.
 pub(in crate::lsp) fn semantic_tokens(
     view: &View,
     path: &Path,

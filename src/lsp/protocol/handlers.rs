@@ -1,9 +1,12 @@
-//! The requests, one function each: what the editor says in plain terms, to the feature, and its answer in the protocol's
-//! terms. [`requests`](super::requests) is their table.
+//! The requests, one function each: reads the parameters, asks the feature, writes its answer.
+//! [`requests`](super::requests) is their table.
+
+use std::ops::Range;
+use std::path::PathBuf;
 
 use gen_lsp_types as types;
 
-use super::from_protocol::{file_bytes, mode_name, offset};
+use super::from_protocol::{file_bytes, mode_name, offset, position};
 use super::server::{Failure, Server};
 use super::to_protocol::{self, ToProtocol};
 use super::uri::path_of;
@@ -22,6 +25,14 @@ impl Server {
 
     fn offset(&self, at: &types::TextDocumentPositionParams) -> FileOffset {
         offset(&self.view, self.client.encoding, at)
+    }
+
+    pub(super) fn file_bytes(
+        &self,
+        document: &types::TextDocumentIdentifier,
+        range: types::Range,
+    ) -> (PathBuf, Range<usize>) {
+        file_bytes(&self.view, self.client.encoding, document, range)
     }
 
     fn document(&self, document: &types::TextDocumentIdentifier) -> Option<&Document> {
@@ -66,7 +77,7 @@ pub(super) fn prepare_calls(
 }
 
 pub(super) fn code_actions(server: &Server, params: types::CodeActionParams) -> Answer<types::CodeActionRequest> {
-    let (path, bytes) = file_bytes(&server.view, server.client.encoding, &params.text_document, params.range);
+    let (path, bytes) = server.file_bytes(&params.text_document, params.range);
     let wanted = |action: &types::CodeAction| {
         let kind = action.kind.as_ref().map(ToString::to_string).unwrap_or_default();
         let only = params.context.only.as_ref();
@@ -157,7 +168,7 @@ pub(super) fn hover(server: &Server, params: types::HoverParams) -> Answer<types
 }
 
 pub(super) fn inlay_hints(server: &Server, params: types::InlayHintParams) -> Answer<types::InlayHintRequest> {
-    let (path, bytes) = file_bytes(&server.view, server.client.encoding, &params.text_document, params.range);
+    let (path, bytes) = server.file_bytes(&params.text_document, params.range);
     let to = server.to_protocol();
     let found = hints::inlay_hints(&server.view, &path, &bytes);
     Ok(found.map(|(text, hints)| hints.into_iter().map(|hint| to.hint(&text, hint)).collect()))
@@ -194,8 +205,7 @@ pub(super) fn selection_ranges(
 ) -> Answer<types::SelectionRangeRequest> {
     let Some(Document { text, .. }) = server.document(&params.text_document) else { return Ok(None) };
     let positions = params.positions;
-    let bytes: Vec<usize> =
-        positions.iter().map(|at| text.byte(super::from_protocol::position(*at), server.client.encoding)).collect();
+    let bytes: Vec<usize> = positions.iter().map(|at| text.byte(position(*at), server.client.encoding)).collect();
     let to = server.to_protocol();
     let found = structure::selection_ranges(text, &bytes);
     Ok(Some(positions.into_iter().zip(&found).map(|(at, around)| to.selection(text, at, around)).collect()))

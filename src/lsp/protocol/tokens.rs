@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 use gen_lsp_types as types;
 use gen_lsp_types::{SemanticToken, SemanticTokens, SemanticTokensDelta, SemanticTokensEdit, SemanticTokensLegend};
 
-use super::from_protocol::file_bytes;
 use super::handlers::Answer;
 use super::server::Server;
 use super::to_protocol::range;
@@ -161,7 +160,7 @@ pub(super) fn tokens_in_range(
     server: &Server,
     params: types::SemanticTokensRangeParams,
 ) -> Answer<types::SemanticTokensRangeRequest> {
-    let (path, bytes) = file_bytes(&server.view, server.client.encoding, &params.text_document, params.range);
+    let (path, bytes) = server.file_bytes(&params.text_document, params.range);
     let data = server.tokens_of(&path, &bytes);
     Ok(data.map(|data| SemanticTokens { result_id: None, data }))
 }

@@ -61,13 +61,17 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("analysis/geometry", &["analysis::step", "analysis::fixpoint", "analysis::membership", "analysis::findings"]),
     ("analysis/step", &["analysis::fixpoint", "analysis::membership", "analysis::findings"]),
     ("analysis/fixpoint", &["analysis::membership", "analysis::findings"]),
-    ("lsp/text", &["lsp::view", "lsp::snapshot", "lsp::documents", "lsp::features", "lsp::protocol"]),
+    ("lsp/text", &["lsp::view", "lsp::snapshot", "lsp::documents", "lsp::location", "lsp::features", "lsp::protocol"]),
     ("lsp/features", &["lsp::protocol"]),
     ("lsp/view", &["lsp::features", "lsp::protocol"]),
+    ("lsp/values", &["lsp::view", "lsp::snapshot", "lsp::documents", "lsp::features", "lsp::protocol"]),
     ("lsp/snapshot", &["lsp::view", "lsp::features", "lsp::protocol"]),
     ("lsp/documents", &["lsp::view", "lsp::snapshot", "lsp::features", "lsp::protocol"]),
-    ("lsp/diagnostics", &["lsp::view", "lsp::features", "lsp::protocol"]),
+    ("lsp/location", &["lsp::snapshot", "lsp::documents", "lsp::features", "lsp::protocol"]),
 ];
+
+/// Crates that are for one folder of a module: the module, the folder, the crates.
+const FOREIGN: &[(&str, &str, &[&str])] = &[("lsp", "lsp/protocol", &["gen_lsp_types", "lsp_server", "serde_json"])];
 
 /// The longest a source file may be before it is time to look for the seam.
 const MAX_LINES: usize = 620;
@@ -119,6 +123,22 @@ fn rooms_of_a_module_have_arrows_of_their_own() {
             let text = std::fs::read_to_string(&path).unwrap();
             let used = forbidden.iter().find(|used| text.contains(&format!("crate::{used}::")));
             assert_eq!(used, None, "{} uses what comes after it", path.display());
+        }
+    }
+}
+
+#[test]
+fn crates_stay_in_their_rooms() {
+    for (module, room, crates) in FOREIGN {
+        let (inside, outside): (Vec<_>, Vec<_>) = files(&format!("src/{module}"), "rs")
+            .into_iter()
+            .partition(|path| path.starts_with(Path::new("src").join(room)));
+        assert!(!outside.is_empty(), "{module} has no file outside of {room}");
+        for used in *crates {
+            let names = |path: &std::path::PathBuf| std::fs::read_to_string(path).unwrap().contains(used);
+            assert!(inside.iter().any(names), "{room} does not use {used}");
+            let stray = outside.iter().find(|path| names(path));
+            assert_eq!(stray, None, "{used} is used outside of {room}");
         }
     }
 }

@@ -1,25 +1,31 @@
 //! The documents that are open in the editor: their texts and versions, as the editor has them.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::ops::Range;
+use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
-use gen_lsp_types::{TextDocumentContentChangeEvent, Uri};
-
-use crate::lsp::text::document_text::{Encoding, Text};
-use crate::lsp::text::uri::path_of;
+use crate::lsp::text::document_text::{Encoding, Position, Text};
 
 /// An open document.
 #[derive(Debug, Clone)]
 pub(in crate::lsp) struct Document {
     /// As the editor calls it.
-    pub uri: Uri,
+    pub uri: String,
     /// The editor's own count of changes.
     pub version: i32,
     /// Whether it is a program, and not a level or a legend.
     pub is_program: bool,
     /// What is in it.
     pub text: Arc<Text>,
+}
+
+/// A change of a text.
+#[derive(Debug, Clone)]
+pub(in crate::lsp) struct Change {
+    /// Where; without a range everything changes.
+    pub range: Option<Range<Position>>,
+    pub new_text: String,
 }
 
 /// All open documents, by their paths.
@@ -33,40 +39,27 @@ pub(in crate::lsp) struct Documents {
 
 impl Documents {
     /// Opens a document, or reopens it.
-    pub fn open(&mut self, uri: Uri, version: i32, text: String, language: &str) -> PathBuf {
-        let path = path_of(&uri);
+    pub fn open(&mut self, path: PathBuf, uri: String, version: i32, text: String, language: &str) {
         let is_program = language == "hyped" || path.extension().is_some_and(|e| e == "hyped");
         let document = Document { uri, version, is_program, text: Arc::new(Text::new(text)) };
-        Arc::make_mut(&mut self.open).insert(path.clone(), document);
-        path
+        Arc::make_mut(&mut self.open).insert(path, document);
     }
 
-    /// Changes an open document; returns its path if it is one.
-    pub fn change(
-        &mut self,
-        uri: &Uri,
-        version: i32,
-        changes: Vec<TextDocumentContentChangeEvent>,
-        encoding: Encoding,
-    ) -> Option<PathBuf> {
-        let path = path_of(uri);
-        let document = Arc::make_mut(&mut self.open).get_mut(&path)?;
+    /// Changes an open document; returns whether it is one. The range of each change counts in the text that the changes
+    /// before it left.
+    pub fn change(&mut self, path: &Path, version: i32, changes: &[Change], encoding: Encoding) -> bool {
+        let Some(document) = Arc::make_mut(&mut self.open).get_mut(path) else { return false };
         document.version = version;
         let text = Arc::make_mut(&mut document.text);
-        for change in changes {
-            use TextDocumentContentChangeEvent as Change;
-            match change {
-                Change::TextDocumentContentChangePartial(part) => text.change(Some(part.range), &part.text, encoding),
-                Change::TextDocumentContentChangeWholeDocument(whole) => text.change(None, &whole.text, encoding),
-            }
+        for Change { range, new_text } in changes {
+            text.change(range.clone(), new_text, encoding);
         }
-        Some(path)
+        true
     }
 
-    /// Closes a document; returns its path if it was open.
-    pub fn close(&mut self, uri: &Uri) -> Option<PathBuf> {
-        let path = path_of(uri);
-        Arc::make_mut(&mut self.open).remove(&path).map(|_| path)
+    /// Closes a document; returns whether it was open.
+    pub fn close(&mut self, path: &Path) -> bool {
+        Arc::make_mut(&mut self.open).remove(path).is_some()
     }
 
     /// An open document.
@@ -78,4 +71,19 @@ impl Documents {
     pub fn all(&self) -> &Arc<Open> {
         &self.open
     }
+}
+
+/// A path without `.` and `..`, whatever the disk says of links.
+pub(in crate::lsp) fn clean(path: &Path) -> PathBuf {
+    let mut out = PathBuf::new();
+    for component in path.components() {
+        match component {
+            Component::CurDir => {}
+            Component::ParentDir if matches!(out.components().next_back(), Some(Component::Normal(_))) => {
+                out.pop();
+            }
+            other => out.push(other),
+        }
+    }
+    out
 }

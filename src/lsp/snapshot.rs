@@ -1,12 +1,10 @@
 //! What is known of a program at one moment: what compiling found, where names occur, and the texts that it was
-//! compiled from, so that places are positions of the editor. It never changes; a new one takes its place.
+//! compiled from, so that places can be shown in them. It never changes; a new one takes its place.
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
-
-use gen_lsp_types::{Location, Range, Uri};
 
 use crate::compile::{IdeCompilation, compile_for_ide};
 use crate::source::{FileId, Files, ReadError, Span, decode};
@@ -15,9 +13,9 @@ use crate::syntax::ast::{Behavior, Item};
 use crate::syntax::occurrence::{NameKind, Occurrence};
 
 use crate::lsp::Workspace;
-use crate::lsp::documents::Open;
-use crate::lsp::text::document_text::{Encoding, Text};
-use crate::lsp::text::uri::{clean, uri_of};
+use crate::lsp::documents::{Document, Open, clean};
+use crate::lsp::location::Location;
+use crate::lsp::text::document_text::Text;
 
 /// Reads what is open from the editor, all else from the disk, and remembers what was asked for.
 struct Overlay<'a> {
@@ -93,20 +91,9 @@ impl Snapshot {
         self.paths.get(file.0 as usize).unwrap_or(&self.root)
     }
 
-    /// The document of a file, as the editor calls it.
-    pub fn uri(&self, file: FileId) -> Uri {
-        let path = self.path(file);
-        self.open.get(path).map_or_else(|| uri_of(path), |document| document.uri.clone())
-    }
-
-    /// The document that was compiled, as the editor calls it.
-    pub fn root_uri(&self) -> Uri {
-        self.open.get(&self.root).map_or_else(|| uri_of(&self.root), |document| document.uri.clone())
-    }
-
-    /// The version of a file that the program was compiled from, if the file is open.
-    pub fn version(&self, file: FileId) -> Option<i32> {
-        self.open.get(self.path(file)).map(|document| document.version)
+    /// The document of a path as it was compiled, if it was open then.
+    pub fn document(&self, path: &Path) -> Option<&Document> {
+        self.open.get(path)
     }
 
     /// The text of a file.
@@ -121,14 +108,9 @@ impl Snapshot {
         }
     }
 
-    /// The range of a place.
-    pub fn range(&self, at: Span, encoding: Encoding) -> Range {
-        self.text(at.file()).range(at.range(), encoding)
-    }
-
-    /// The range of a place in its document.
-    pub fn location(&self, at: Span, encoding: Encoding) -> Location {
-        Location { uri: self.uri(at.file()), range: self.range(at, encoding) }
+    /// A place, with the text that was compiled.
+    pub fn location(&self, at: Span) -> Location {
+        Location { path: self.path(at.file()).to_path_buf(), text: self.text(at.file()), bytes: at.range() }
     }
 
     /// The names at a byte of a file: those that hold it, or else those that end there.
@@ -151,6 +133,27 @@ impl Snapshot {
         let declared = (self.path(o.declared.file()).to_path_buf(), o.declared.start());
         let name = self.name(o).to_string();
         Key { kind: o.kind, name, declared: Some(declared).filter(|_| o.kind != NameKind::Tag) }
+    }
+
+    /// Where some names occur.
+    pub fn matching(&self, keys: &BTreeSet<Key>) -> std::vec::IntoIter<Occurrence> {
+        // Places are compared by their numbers here.
+        let local = keys.iter().filter_map(|key| {
+            let declared = match &key.declared {
+                Some((path, start)) => Some((self.file(path)?, *start)),
+                None => None,
+            };
+            Some((key.kind, declared, key.name.as_str()))
+        });
+        let local: Vec<_> = local.collect();
+        let fits = move |o: &&Occurrence| {
+            local.iter().any(|(kind, declared, name)| {
+                *kind == o.kind
+                    && declared.is_none_or(|(file, start)| o.declared.file() == file && o.declared.start() == start)
+                    && self.name(o) == *name
+            })
+        };
+        self.ide.occurrences.iter().filter(fits).copied().collect::<Vec<_>>().into_iter()
     }
 
     /// A behaviour of the program.

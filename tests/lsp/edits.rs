@@ -261,6 +261,24 @@ fn a_failure_of_the_compiler_is_told_and_loses_nothing() {
     assert!(client.stop());
 }
 
+#[test]
+fn while_the_compiler_fails_places_are_the_same_lines_and_columns_of_the_text_before() {
+    let mut client = Client::start(&[], json!({}));
+    client.open(URI, "entity Pear { }\nentity Apple { }\n");
+    client.settle();
+    client.change(URI, json!([{ "text": "import \"fails.hyped\" // é\nentity Apple { }\n" }]));
+    client.settle();
+    for (character, range) in [(7, true), (12, true), (13, false), (99, false)] {
+        let at = json!({ "line": 1, "character": character });
+        let params = json!({ "textDocument": { "uri": URI }, "position": at });
+        let renamed = client.request("textDocument/prepareRename", params).unwrap();
+        let (start, end) = (json!({ "line": 1, "character": 7 }), json!({ "line": 1, "character": 12 }));
+        let name = json!({ "range": { "start": start, "end": end }, "placeholder": "Apple" });
+        assert_eq!(renamed, if range { name } else { Value::Null }, "column {character}");
+    }
+    assert!(client.stop());
+}
+
 /// The memory that the process has, bytes.
 #[cfg(target_os = "linux")]
 fn resident() -> u64 {

@@ -2,219 +2,43 @@
 //! snippets. What the text does not tell while it is broken is taken from its last state without errors.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 use std::path::{Component, Path};
 
-use gen_lsp_types as types;
-use gen_lsp_types::{CompletionItem, CompletionItemKind, InsertTextFormat, TextEdit};
+use crate::sema::checked::{Entity, Type, World};
+use crate::syntax::occurrence::NameKind;
 
-use crate::sema::checked::{Checked, Entity, Type, World};
-use crate::source::FileId;
-use crate::syntax::occurrence::{NameKind, Occurrence, Role};
-
-use crate::lsp::snapshot::Snapshot;
+use super::offers::{Completion, CompletionKind, Offers};
+use crate::lsp::location::FileOffset;
 use crate::lsp::text::following::{after_operand, ends_operand, given};
 use crate::lsp::text::place::{Block, Place};
-use crate::lsp::text::uri::path_of;
-use crate::lsp::text::words::{SIGNATURES, Snippet, begins};
-use crate::lsp::view::{Failure, View};
+use crate::lsp::text::words::begins;
+use crate::lsp::view::View;
 
-/// A name that is offered.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub(in crate::lsp) struct Offer {
-    /// Nearer things come first.
-    rank: u8,
-    label: String,
-    kind: u32,
-    detail: String,
-    /// What is put in, with places to fill in, if that is not the label.
-    snippet: Option<String>,
+/// All that is offered at a place.
+#[derive(Debug)]
+pub(in crate::lsp) struct Completions {
+    /// The bytes that an offer takes the place of.
+    pub replaces: Range<usize>,
+    pub offers: BTreeSet<Completion>,
 }
 
-impl View {
-    pub(in crate::lsp) fn completion(
-        &self,
-        params: types::CompletionParams,
-    ) -> Result<Option<types::CompletionResponse>, Failure> {
-        let at = params.text_document_position_params;
-        let path = path_of(&at.text_document.uri);
-        let Some(document) = self.documents.get(&path) else { return Ok(None) };
-        let encoding = self.client.encoding;
-        let code = document.text.code();
-        let byte = document.text.byte(at.position, encoding);
-        let place = Place::of(code, byte);
-        let mut offers = Offers::new(self, &path, code);
-        if !place.is_quoted {
-            offers.at(&place);
-        } else if place.statement == ["import"] {
-            offers.files(self.known.keys().filter_map(|other| relative(&path, other)));
-        }
-        let range = document.text.range(place.word.start..place.word.end.max(byte), encoding);
-        let all: BTreeSet<Offer> = offers.list.into_iter().collect();
-        let items = all.into_iter().map(|offer| {
-            let is_snippet = offer.snippet.is_some() && self.client.has_snippets;
-            let new_text = offer.snippet.filter(|_| is_snippet).unwrap_or_else(|| offer.label.clone());
-            CompletionItem {
-                sort_text: Some(format!("{}{}", offer.rank, offer.label)),
-                label: offer.label,
-                kind: Some(CompletionItemKind::from(offer.kind)),
-                detail: (!offer.detail.is_empty()).then_some(offer.detail),
-                insert_text_format: is_snippet.then_some(InsertTextFormat::Snippet),
-                text_edit: Some(TextEdit { range, new_text }.into()),
-                ..CompletionItem::default()
-            }
-        });
-        Ok(Some(items.collect::<Vec<_>>().into()))
+/// What can be at a place of an open document.
+pub(in crate::lsp) fn completion(view: &View, at: &FileOffset) -> Option<Completions> {
+    let document = view.documents.get(&at.path)?;
+    let code = document.text.code();
+    let place = Place::of(code, at.byte);
+    let mut offers = Offers::new(view, &at.path, code);
+    if !place.is_quoted {
+        offers.at(&place);
+    } else if place.statement == ["import"] {
+        offers.files(view.known.keys().filter_map(|other| relative(&at.path, other)));
     }
+    let replaces = place.word.start..place.word.end.max(at.byte);
+    Some(Completions { replaces, offers: offers.list.into_iter().collect() })
 }
 
-/// Gathers what is offered.
-struct Offers<'a> {
-    /// The program as it is, and as it was last without errors.
-    programs: Vec<&'a Snapshot>,
-    file: Option<FileId>,
-    code: &'a str,
-    list: Vec<Offer>,
-}
-
-const KEYWORD: CompletionItemKind = CompletionItemKind::Keyword;
-
-impl<'a> Offers<'a> {
-    fn new(server: &'a View, path: &Path, code: &'a str) -> Self {
-        let known: Vec<_> = server.programs(path).collect();
-        let now = known.iter().map(|k| &*k.now);
-        let programs: Vec<&Snapshot> = now.chain(known.iter().filter_map(|k| k.good.as_deref())).collect();
-        let file = programs.first().and_then(|p| p.file(path));
-        Offers { programs, file, code, list: Vec::new() }
-    }
-
-    fn add(&mut self, rank: u8, label: &str, kind: CompletionItemKind, detail: &str) {
-        let (label, detail) = (label.to_string(), detail.to_string());
-        self.list.push(Offer { rank, label, kind: u32::from(kind), detail, snippet: None });
-    }
-
-    fn files(&mut self, paths: impl Iterator<Item = String>) {
-        paths.for_each(|path| self.add(0, &path, CompletionItemKind::File, ""));
-    }
-
-    fn words(&mut self, words: &[&str]) {
-        words.iter().for_each(|word| self.add(2, word, KEYWORD, ""));
-    }
-
-    fn snippets(&mut self, snippets: &[Snippet]) {
-        for Snippet { label, text, detail } in snippets {
-            self.add(3, label, CompletionItemKind::Snippet, detail);
-            if let Some(last) = self.list.last_mut() {
-                last.snippet = Some((*text).to_string());
-            }
-        }
-    }
-
-    fn checked(&self) -> impl Iterator<Item = &'a Checked> + use<'a> {
-        self.programs.clone().into_iter().map(|p| &p.ide.checked)
-    }
-
-    /// An entity by its name, as it is, or as it was if nothing of it can be read.
-    fn entity(&self, name: &str) -> Option<&'a Entity> {
-        let all = || self.checked().flat_map(|c| c.entities.iter()).filter(|e| e.name.text == name);
-        all().find(|e| e.modes.len() + e.params.len() + e.buttons.len() > 0).or_else(|| all().next()).map(|e| &**e)
-    }
-
-    fn world(&self, name: &str) -> Option<&'a World> {
-        let all = || self.checked().flat_map(|c| c.worlds.iter()).filter(|w| w.name.text == name);
-        all().find(|w| !w.instances.is_empty()).or_else(|| all().next())
-    }
-
-    /// Names of some kinds that are declared in this file from a byte on: those of a behaviour, which is no entity.
-    fn declared(&mut self, from: usize, kinds: &[NameKind]) {
-        let Some((program, file)) = self.programs.first().copied().zip(self.file) else { return };
-        let all = &program.ide.occurrences;
-        let first = all.partition_point(|o| (o.at.file(), o.at.range().start) < (file, from));
-        let here = all.iter().skip(first).take_while(|o| o.at.file() == file).filter(|o| o.role == Role::Declared);
-        // The behaviour's own name comes first; the next item ends it.
-        let is_item = |o: &&Occurrence| {
-            matches!(o.kind, NameKind::Entity | NameKind::Behavior | NameKind::World | NameKind::Constant)
-        };
-        for o in here.skip(1).take_while(|o| !is_item(o)).filter(|o| kinds.contains(&o.kind)) {
-            self.add(0, program.name(o), kind_of(o.kind), super::hover::called(o.kind));
-        }
-    }
-
-    fn entities(&mut self) {
-        for entity in self.checked().flat_map(|c| c.entities.iter()) {
-            self.add(0, &entity.name.text, CompletionItemKind::Class, "entity");
-        }
-    }
-
-    fn named(&mut self, kind: NameKind) {
-        for program in self.programs.clone() {
-            let all = program.ide.occurrences.iter();
-            for o in all.filter(|o| o.kind == kind && (o.role == Role::Declared || kind == NameKind::Tag)) {
-                self.add(0, program.name(o), kind_of(kind), super::hover::called(kind));
-            }
-        }
-    }
-
-    /// The modes of an entity, or those below a path.
-    fn modes(&mut self, entity: &Entity, prefix: &[&str]) {
-        self.modes_of(entity, prefix, |_| true);
-    }
-
-    /// Those of its modes whose group is wanted.
-    fn modes_of(&mut self, entity: &Entity, prefix: &[&str], wanted: impl Fn(&str) -> bool) {
-        let last = |name: &str| entity.modes.iter().filter(|m| m.name.text == name).count();
-        for mode in entity.modes.iter().filter(|m| m.path.first().is_some_and(|group| wanted(group))) {
-            let path: Vec<&str> = mode.path.iter().map(String::as_str).collect();
-            if prefix.is_empty() {
-                // The shortest path that fits one mode alone.
-                let short = last(&mode.name.text) == 1;
-                let label = if short { mode.name.text.to_string() } else { mode.path.join(".") };
-                self.add(0, &label, CompletionItemKind::Method, "mode");
-            } else if let Some((name, outer)) = path.split_last()
-                && outer.ends_with(prefix)
-            {
-                self.add(0, name, CompletionItemKind::Method, "mode");
-            }
-        }
-    }
-
-    /// What can be read of an instance of an entity.
-    fn members(&mut self, entity: &Entity) {
-        entity.vars.iter().for_each(|v| self.add(0, &v.name.text, CompletionItemKind::Field, "continuous"));
-        entity.discretes.iter().for_each(|d| self.add(0, &d.name.text, CompletionItemKind::Field, "discrete"));
-        entity.params.iter().for_each(|p| self.add(0, &p.name.text, CompletionItemKind::Constant, "param"));
-    }
-
-    /// What an instance of an entity can be given: those of its values that nothing is given yet, each ready to be set.
-    fn settings(&mut self, entity: &Entity, given: &[&str]) {
-        let from = self.list.len();
-        self.members(entity);
-        self.refs(Some(entity));
-        self.as_assignments(from, given);
-    }
-
-    /// Makes what was offered from some place in the list on an assignment, and leaves out what is given already.
-    fn as_assignments(&mut self, from: usize, given: &[&str]) {
-        let offered = self.list.split_off(from);
-        for mut offer in offered.into_iter().filter(|offer| !given.contains(&offer.label.as_str())) {
-            offer.snippet = Some(format!("{} = $1", offer.label));
-            self.list.push(offer);
-        }
-    }
-
-    fn functions(&mut self, wanted: impl Fn(&str) -> bool) {
-        let mut last_name = "";
-        for s in SIGNATURES.iter().filter(|s| wanted(s.name)) {
-            // The ways to call one thing are one after the other.
-            if std::mem::replace(&mut last_name, s.name) == s.name {
-                continue;
-            }
-            self.add(1, s.name, CompletionItemKind::Function, s.doc);
-            if let Some(last) = self.list.last_mut() {
-                last.snippet = Some(format!("{}($1)", s.name));
-            }
-        }
-    }
-
+impl Offers<'_> {
     /// What is offered at a place.
     fn at(&mut self, place: &Place<'_>) {
         let own = place.around(Block::Entity).and_then(|b| self.entity(b.name));
@@ -259,7 +83,7 @@ impl<'a> Offers<'a> {
             });
             match referred.or(tested) {
                 Some(entity) => self.members(entity),
-                None => ["x", "y"].iter().for_each(|v| self.add(0, v, CompletionItemKind::Field, "continuous")),
+                None => ["x", "y"].iter().for_each(|v| self.add(0, v, CompletionKind::Variable, "continuous")),
             }
             return;
         }
@@ -269,32 +93,11 @@ impl<'a> Offers<'a> {
             return asked.into_iter().for_each(|entity| self.modes(entity, &prefix));
         }
         if world.spaces.iter().any(|s| s.name.text == first) {
-            ["width", "height"].iter().for_each(|m| self.add(0, m, CompletionItemKind::Property, "px"));
+            ["width", "height"].iter().for_each(|m| self.add(0, m, CompletionKind::Property, "px"));
         }
         if let Some(entity) = self.instance(world, first) {
             self.members(entity);
         }
-    }
-
-    /// The entity of an instance.
-    fn instance(&self, world: &World, name: &str) -> Option<&'a Entity> {
-        let instance = world.instances.iter().find(|i| i.name.text == name)?;
-        // The entity's id is of the program that the world is of.
-        self.checked().filter(|c| c.worlds.iter().any(|w| w.span == world.span)).find_map(|c| {
-            let entity = c.entities.get(instance.entity)?;
-            Some(&**entity)
-        })
-    }
-
-    fn instances(&mut self, world: Option<&World>) {
-        let named = world.into_iter().flat_map(|w| w.instances.iter()).filter(|i| !i.name.text.contains('#'));
-        let names: Vec<String> = named.map(|i| i.name.text.to_string()).collect();
-        names.iter().for_each(|name| self.add(0, name, CompletionItemKind::Variable, "instance"));
-    }
-
-    fn refs(&mut self, own: Option<&Entity>) {
-        let refs = own.into_iter().flat_map(|e| e.refs.iter());
-        refs.for_each(|r| self.add(0, &r.name.text, CompletionItemKind::Field, "ref"));
     }
 
     /// What is offered as an argument; returns whether the place is one of a kind of its own.
@@ -311,7 +114,7 @@ impl<'a> Offers<'a> {
         match name {
             "pressed" | "held" | "released" => {
                 let buttons = own.into_iter().flat_map(|e| e.buttons.iter());
-                buttons.for_each(|b| self.add(0, &b.text, CompletionItemKind::Event, "button"));
+                buttons.for_each(|b| self.add(0, &b.text, CompletionKind::Input, "button"));
                 if let Some(from) = in_behavior {
                     self.declared(from, &[NameKind::Button, NameKind::Argument]);
                 }
@@ -322,7 +125,7 @@ impl<'a> Offers<'a> {
                 }
                 if argument > 0 {
                     let sides = ["left", "right", "above", "below"];
-                    sides.iter().for_each(|s| self.add(1, s, CompletionItemKind::EnumMember, "side"));
+                    sides.iter().for_each(|s| self.add(1, s, CompletionKind::Value, "side"));
                 }
             }
             "timer" | "entering" | "exiting" => {
@@ -342,7 +145,7 @@ impl<'a> Offers<'a> {
             }
             "inside" => {
                 let spaces = world.into_iter().flat_map(|w| w.spaces.iter());
-                spaces.for_each(|s| self.add(0, &s.name.text, CompletionItemKind::Module, "space"));
+                spaces.for_each(|s| self.add(0, &s.name.text, CompletionKind::Space, "space"));
             }
             _ if before == "spawn" && matches!(place.back(1), "(" | ",") => {
                 if let Some(entity) = self.entity(name) {
@@ -353,7 +156,7 @@ impl<'a> Offers<'a> {
                 let from = self.list.len();
                 if let Some(behavior) = self.programs.iter().find_map(|program| program.behavior(name)) {
                     let parameters = behavior.parameters.iter();
-                    parameters.for_each(|p| self.add(0, &p.text, CompletionItemKind::Property, "parameter"));
+                    parameters.for_each(|p| self.add(0, &p.text, CompletionKind::Property, "parameter"));
                 }
                 self.as_assignments(from, &given(self.code, place.word.start, "("));
             }
@@ -370,7 +173,7 @@ impl<'a> Offers<'a> {
         match (last, first) {
             ("->", "link") => {
                 let spaces = world.into_iter().flat_map(|w| w.spaces.iter());
-                spaces.for_each(|s| self.add(0, &s.name.text, CompletionItemKind::Module, "space"));
+                spaces.for_each(|s| self.add(0, &s.name.text, CompletionKind::Space, "space"));
             }
             ("->", _) => {
                 // An edge stays in its group.
@@ -416,7 +219,7 @@ impl<'a> Offers<'a> {
             }
             ("by", "envelope") => {
                 let axes = own.into_iter().flat_map(|e| e.axes.iter());
-                axes.for_each(|a| self.add(0, &a.text, CompletionItemKind::Event, "axis"));
+                axes.for_each(|a| self.add(0, &a.text, CompletionKind::Input, "axis"));
                 self.functions(|name| name == "held");
             }
             ("map", _) if place.block() == Some(Block::Space) => {
@@ -435,7 +238,7 @@ impl<'a> Offers<'a> {
             ("directions", "envelope") => self.words(&["any"]),
             ("envelope" | "clamp", _) => {
                 let vars = own.into_iter().flat_map(|e| e.vars.iter());
-                vars.for_each(|v| self.add(0, &v.name.text, CompletionItemKind::Field, "continuous"));
+                vars.for_each(|v| self.add(0, &v.name.text, CompletionKind::Variable, "continuous"));
                 if let Some(from) = in_behavior {
                     self.declared(from, &[NameKind::Variable]);
                 }
@@ -474,11 +277,11 @@ impl<'a> Offers<'a> {
             }
             Some(Block::Entity | Block::Mode | Block::Updates | Block::Behavior) => {
                 if let Some(entity) = own {
-                    entity.vars.iter().for_each(|v| self.add(1, &v.name.text, CompletionItemKind::Field, "continuous"));
+                    entity.vars.iter().for_each(|v| self.add(1, &v.name.text, CompletionKind::Variable, "continuous"));
                     let discretes = entity.discretes.iter().map(|d| (&d.name.text, "discrete"));
                     for (name, detail) in discretes.chain(entity.refs.iter().map(|r| (&r.name.text, "ref"))) {
                         if block != Some(Block::Entity) {
-                            self.add(1, name, CompletionItemKind::Field, detail);
+                            self.add(1, name, CompletionKind::Variable, detail);
                         }
                     }
                 }
@@ -507,19 +310,19 @@ impl<'a> Offers<'a> {
         let compared = if matches!(place.back(1), "==" | "!=" | ":=" | "=") { place.back(2) } else { "" };
         let chosen = set.or(own).and_then(|e| e.discretes.iter().find(|d| d.name.text == compared));
         if let Some(values) = chosen.filter(|d| matches!(d.ty, Type::Set(_))).map(|d| &d.values) {
-            values.iter().for_each(|v| self.add(0, v, CompletionItemKind::EnumMember, "value"));
+            values.iter().for_each(|v| self.add(0, v, CompletionKind::Value, "value"));
             let same = own.into_iter().flat_map(|e| e.discretes.iter());
             let same = same.filter(|d| d.name.text != compared && d.values == *values);
-            same.for_each(|d| self.add(1, &d.name.text, CompletionItemKind::Field, "discrete"));
+            same.for_each(|d| self.add(1, &d.name.text, CompletionKind::Variable, "discrete"));
             return self.functions(|name| name == "if");
         }
         let is_fixed = place.statement.first() == Some(&"param");
         if let (Some(entity), true) = (own, is_fixed) {
-            entity.params.iter().for_each(|p| self.add(0, &p.name.text, CompletionItemKind::Constant, "param"));
+            entity.params.iter().for_each(|p| self.add(0, &p.name.text, CompletionKind::Constant, "param"));
         } else if let Some(entity) = own {
             self.members(entity);
             self.refs(Some(entity));
-            entity.axes.iter().for_each(|a| self.add(0, &a.text, CompletionItemKind::Event, "axis"));
+            entity.axes.iter().for_each(|a| self.add(0, &a.text, CompletionKind::Input, "axis"));
         }
         if let Some(from) = place.around(Block::Behavior).map(|b| b.start) {
             let kinds = [NameKind::Argument, NameKind::Parameter, NameKind::Variable, NameKind::Discrete];
@@ -557,21 +360,4 @@ fn relative(from: &Path, to: &Path) -> Option<String> {
     let up = folder.iter().skip(same).map(|_| "..");
     let down = target.iter().skip(same).filter_map(|part| part.as_os_str().to_str());
     Some(up.chain(down).collect::<Vec<_>>().join("/"))
-}
-
-fn kind_of(kind: NameKind) -> CompletionItemKind {
-    match kind {
-        NameKind::Constant | NameKind::Parameter => CompletionItemKind::Constant,
-        NameKind::Entity => CompletionItemKind::Class,
-        NameKind::Behavior => CompletionItemKind::Interface,
-        NameKind::Argument => CompletionItemKind::Property,
-        NameKind::World | NameKind::Space => CompletionItemKind::Module,
-        NameKind::Group | NameKind::TileSet => CompletionItemKind::Enum,
-        NameKind::Mode => CompletionItemKind::Method,
-        NameKind::Variable | NameKind::Discrete | NameKind::Reference => CompletionItemKind::Field,
-        NameKind::Value | NameKind::Tag => CompletionItemKind::EnumMember,
-        NameKind::Touched | NameKind::Instance => CompletionItemKind::Variable,
-        NameKind::Button | NameKind::Axis => CompletionItemKind::Event,
-        NameKind::Goal | NameKind::Never => CompletionItemKind::Function,
-    }
 }

@@ -1,98 +1,115 @@
 //! Edges as calls: which modes lead into a mode, and where a mode leads.
 
-use crate::ir::ModeId;
-use gen_lsp_types as types;
-use gen_lsp_types::{CallHierarchyIncomingCall, CallHierarchyItem, CallHierarchyOutgoingCall, SymbolKind};
-use serde_json::{Value, json};
+use std::ops::Range;
+use std::path::PathBuf;
 
+use crate::ir::ModeId;
 use crate::sema::checked::Entity;
+use crate::source::Span;
 use crate::syntax::occurrence::NameKind;
 
 use super::hover::owners;
+use super::navigate::positions;
+use crate::lsp::location::{FileOffset, Location};
 use crate::lsp::snapshot::Snapshot;
-use crate::lsp::view::{Failure, View};
+use crate::lsp::view::View;
 
-impl View {
-    pub(in crate::lsp) fn prepare_calls(
-        &self,
-        params: types::CallHierarchyPrepareParams,
-    ) -> Result<Option<Vec<CallHierarchyItem>>, Failure> {
-        let mut out: Vec<CallHierarchyItem> = Vec::new();
-        for position in self.positions(&params.text_document_position_params) {
-            let snapshot = position.snapshot;
-            for o in position.names.iter().filter(|o| o.kind == NameKind::Mode) {
-                for (_, entity) in owners(&snapshot.ide.checked, snapshot, o, snapshot.name(o)) {
-                    let trace = |span| snapshot.ide.compilation.sources.trace(span).0;
-                    let Some(mode) = entity.modes.find(|m| trace(m.name.span) == o.declared) else { continue };
-                    let item = self.item(snapshot, entity, mode);
-                    if !out.iter().any(|known| known.data == item.data) {
-                        out.push(item);
-                    }
+/// A mode by names, which a later snapshot knows, too.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(in crate::lsp) struct ModeName {
+    /// The path of the program.
+    pub root: PathBuf,
+    pub entity: String,
+    /// With dots.
+    pub mode: String,
+}
+
+/// A mode that calls or is called.
+#[derive(Debug)]
+pub(in crate::lsp) struct CallItem {
+    pub name: ModeName,
+    /// The whole mode.
+    pub at: Location,
+    /// Its name, in the same text.
+    pub name_at: Range<usize>,
+}
+
+/// The edges between a mode and the one that was asked about.
+#[derive(Debug)]
+pub(in crate::lsp) struct Call {
+    pub other: CallItem,
+    pub edges: Vec<Location>,
+}
+
+/// The modes that are named at a place.
+pub(in crate::lsp) fn prepare_calls(view: &View, at: &FileOffset) -> Vec<CallItem> {
+    let mut out: Vec<CallItem> = Vec::new();
+    for position in positions(view, at) {
+        let snapshot = position.snapshot;
+        for o in position.names.iter().filter(|o| o.kind == NameKind::Mode) {
+            for (_, entity) in owners(&snapshot.ide.checked, snapshot, o, snapshot.name(o)) {
+                let Some(mode) = entity.modes.find(|m| traced(snapshot, m.name.span) == o.declared) else { continue };
+                let item = item(snapshot, entity, mode);
+                if !out.iter().any(|known| known.name == item.name) {
+                    out.push(item);
                 }
             }
         }
-        Ok((!out.is_empty()).then_some(out))
     }
+    out
+}
 
-    pub(in crate::lsp) fn incoming_calls(
-        &self,
-        params: types::CallHierarchyIncomingCallsParams,
-    ) -> Result<Option<Vec<CallHierarchyIncomingCall>>, Failure> {
-        let Some((snapshot, entity, mode)) = self.mode_of(&params.item) else { return Ok(None) };
-        let into = |id: &ModeId| entity.edges.iter().any(|e| e.source == *id && e.target == Some(mode));
-        let calls = entity.modes.ids().filter(into).map(|source| CallHierarchyIncomingCall {
-            from: self.item(snapshot, entity, source),
-            from_ranges: self.edges(snapshot, entity, source, mode),
-        });
-        Ok(Some(calls.collect()))
-    }
+/// The modes that lead into a mode; none if it is not there any more.
+pub(in crate::lsp) fn incoming_calls(view: &View, name: &ModeName) -> Option<Vec<Call>> {
+    let (snapshot, entity, mode) = mode_of(view, name)?;
+    let into = |id: &ModeId| entity.edges.iter().any(|e| e.source == *id && e.target == Some(mode));
+    let calls = entity
+        .modes
+        .ids()
+        .filter(into)
+        .map(|source| Call { other: item(snapshot, entity, source), edges: edges(snapshot, entity, source, mode) });
+    Some(calls.collect())
+}
 
-    pub(in crate::lsp) fn outgoing_calls(
-        &self,
-        params: types::CallHierarchyOutgoingCallsParams,
-    ) -> Result<Option<Vec<CallHierarchyOutgoingCall>>, Failure> {
-        let Some((snapshot, entity, mode)) = self.mode_of(&params.item) else { return Ok(None) };
-        let from = |id: &ModeId| entity.edges.iter().any(|e| e.source == mode && e.target == Some(*id));
-        let calls = entity.modes.ids().filter(from).map(|target| CallHierarchyOutgoingCall {
-            to: self.item(snapshot, entity, target),
-            from_ranges: self.edges(snapshot, entity, mode, target),
-        });
-        Ok(Some(calls.collect()))
-    }
+/// The modes that a mode leads to; none if it is not there any more.
+pub(in crate::lsp) fn outgoing_calls(view: &View, name: &ModeName) -> Option<Vec<Call>> {
+    let (snapshot, entity, mode) = mode_of(view, name)?;
+    let from = |id: &ModeId| entity.edges.iter().any(|e| e.source == mode && e.target == Some(*id));
+    let calls = entity
+        .modes
+        .ids()
+        .filter(from)
+        .map(|target| Call { other: item(snapshot, entity, target), edges: edges(snapshot, entity, mode, target) });
+    Some(calls.collect())
+}
 
-    fn item(&self, snapshot: &Snapshot, entity: &Entity, mode: ModeId) -> CallHierarchyItem {
-        let mode = &entity.modes[mode];
-        let trace = |span| snapshot.ide.compilation.sources.trace(span).0;
-        let (name, whole) = (trace(mode.name.span), trace(mode.span));
-        let whole = if whole.contains(name) { whole } else { name };
-        CallHierarchyItem {
-            name: mode.path.join("."),
-            kind: SymbolKind::Method,
-            tags: None,
-            detail: Some(entity.name.text.to_string()),
-            uri: snapshot.uri(name.file()),
-            range: snapshot.range(whole, self.client.encoding),
-            selection_range: snapshot.range(name, self.client.encoding),
-            data: Some(json!({
-                "root": snapshot.root, "entity": entity.name.text, "mode": mode.path.join("."),
-            })),
-        }
+fn item(snapshot: &Snapshot, entity: &Entity, mode: ModeId) -> CallItem {
+    let mode = &entity.modes[mode];
+    let (name, whole) = (traced(snapshot, mode.name.span), traced(snapshot, mode.span));
+    let whole = if whole.contains(name) { whole } else { name };
+    let (root, path) = (snapshot.root.clone(), mode.path.join("."));
+    CallItem {
+        name: ModeName { root, entity: entity.name.text.to_string(), mode: path },
+        at: snapshot.location(whole),
+        name_at: name.range(),
     }
+}
 
-    /// The mode of an item that was given out before, if it is still there.
-    fn mode_of(&self, item: &CallHierarchyItem) -> Option<(&Snapshot, &Entity, ModeId)> {
-        let data = item.data.as_ref()?;
-        let text = |key: &str| data.get(key).and_then(Value::as_str);
-        let snapshot = &*self.known.get(std::path::Path::new(text("root")?))?.now;
-        let entity = snapshot.ide.checked.entities.iter().find(|e| Some(&*e.name.text) == text("entity"))?;
-        let mode = entity.modes.find(|m| Some(m.path.join(".").as_str()) == text("mode"))?;
-        Some((snapshot, entity, mode))
-    }
+/// The mode that has a name now, if there is one.
+fn mode_of<'v>(view: &'v View, name: &ModeName) -> Option<(&'v Snapshot, &'v Entity, ModeId)> {
+    let snapshot = &*view.known.get(&name.root)?.now;
+    let entity = snapshot.ide.checked.entities.iter().find(|e| e.name.text == name.entity)?;
+    let mode = entity.modes.find(|m| m.path.join(".") == name.mode)?;
+    Some((snapshot, entity, mode))
+}
 
-    /// The edges from a mode to another.
-    fn edges(&self, snapshot: &Snapshot, entity: &Entity, source: ModeId, target: ModeId) -> Vec<types::Range> {
-        let edges = entity.edges.iter().filter(|e| e.source == source && e.target == Some(target));
-        let trace = |span| snapshot.ide.compilation.sources.trace(span).0;
-        edges.map(|e| snapshot.range(trace(e.span), self.client.encoding)).collect()
-    }
+/// The edges from a mode to another.
+fn edges(snapshot: &Snapshot, entity: &Entity, source: ModeId, target: ModeId) -> Vec<Location> {
+    let edges = entity.edges.iter().filter(|e| e.source == source && e.target == Some(target));
+    edges.map(|e| snapshot.location(traced(snapshot, e.span))).collect()
+}
+
+/// Where something is in the file that it was written in.
+fn traced(snapshot: &Snapshot, at: Span) -> Span {
+    snapshot.ide.compilation.sources.trace(at).0
 }

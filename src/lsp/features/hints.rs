@@ -1,12 +1,11 @@
 //! What is shown between the words: dimensions of parameters, what variables can be, how high and how long a jump goes;
 //! and above worlds and goals, what can be run.
 
+use std::ops::Range;
+use std::path::Path;
+use std::sync::Arc;
+
 use crate::ir::{EntityId, Id, IdVec, ModeId, ParamId, Place, VarId};
-
-use gen_lsp_types as types;
-use gen_lsp_types::{CodeLens, Command, InlayHint, InlayHintKind};
-use serde_json::json;
-
 use crate::sema::checked::{Action, Checked, DriveBy, Edge, Entity, Term, TermKind};
 use crate::sema::{ConstantContext, evaluate};
 use crate::source::{FileId, Span};
@@ -14,73 +13,80 @@ use crate::syntax::ast::{Item, Name, WorldItem};
 use crate::syntax::{self};
 
 use crate::lsp::snapshot::Snapshot;
-use crate::lsp::text::uri::path_of;
+use crate::lsp::text::document_text::Text;
 use crate::lsp::values::written;
-use crate::lsp::view::{Failure, Known, View};
+use crate::lsp::view::{Known, View};
 
-impl View {
-    pub(in crate::lsp) fn inlay_hints(
-        &self,
-        params: types::InlayHintParams,
-    ) -> Result<Option<Vec<InlayHint>>, Failure> {
-        let path = path_of(&params.text_document.uri);
-        let encoding = self.client.encoding;
-        let Some((known, file)) = self.programs(&path).find_map(|known| Some((known, known.now.file(&path)?))) else {
-            return Ok(None);
-        };
-        let snapshot = &*known.now;
-        let bytes = snapshot.text(file).bytes(params.range, encoding);
-        let mut hints = Hints { known, snapshot, file, found: Vec::new() };
-        for (id, entity) in snapshot.ide.checked.entities.pairs() {
-            hints.entity(&snapshot.ide.checked, id, entity);
-        }
-        hints.found.sort();
-        hints.found.dedup();
-        let inside = hints.found.into_iter().filter(|(at, _)| bytes.start <= *at && *at <= bytes.end);
-        let text = snapshot.text(file);
-        let hints = inside.map(|(at, label)| InlayHint {
-            position: text.position(at, encoding),
-            kind: label.starts_with(':').then_some(InlayHintKind::Type),
-            padding_left: Some(!label.starts_with(':')),
-            label: label.into(),
-            text_edits: None,
-            tooltip: None,
-            padding_right: None,
-            data: None,
-        });
-        Ok(Some(hints.collect()))
-    }
+/// What a hint shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(in crate::lsp) enum HintKind {
+    /// The dimension of what is declared.
+    Dimension,
+    /// The values that a variable can have.
+    Bounds,
+    /// How high and how long a jump goes.
+    Jump,
+}
 
-    pub(in crate::lsp) fn code_lenses(&self, params: types::CodeLensParams) -> Result<Option<Vec<CodeLens>>, Failure> {
-        let path = path_of(&params.text_document.uri);
-        let Some(document) = self.documents.get(&path) else { return Ok(None) };
-        let (tree, _) = syntax::parse(FileId(0), document.text.code());
-        let uri = &document.uri.0;
-        let mut out = Vec::new();
-        let mut lens = |at: Span, title: &str, command: &str, arguments: Vec<serde_json::Value>| {
-            out.push(CodeLens {
-                range: document.text.range(at.range(), self.client.encoding),
-                command: Some(Command {
-                    title: title.into(),
-                    tooltip: None,
-                    command: command.into(),
-                    arguments: Some(arguments),
-                }),
-                data: None,
-            });
-        };
-        for item in &tree.items {
-            let Item::World(world) = item else { continue };
-            let name = &world.name.text;
-            lens(world.name.span, "▶ simulate", "hypedc.sim", vec![json!(uri), json!(name)]);
-            let goals = world.items.iter().filter_map(|i| if let WorldItem::Goal(q) = i { Some(q) } else { None });
-            for goal in goals {
-                let arguments = vec![json!(uri), json!(name), json!(goal.name.text)];
-                lens(goal.name.span, "▶ can it be reached?", "hypedc.reach", arguments);
-            }
-        }
-        Ok(Some(out))
+/// A text between the words.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(in crate::lsp) struct InlayHint {
+    pub byte: usize,
+    pub label: String,
+    pub kind: HintKind,
+}
+
+/// The hints of some bytes of a file, in order, and the text that their bytes count in; none if no program has the file.
+pub(in crate::lsp) fn inlay_hints(
+    view: &View,
+    path: &Path,
+    bytes: &Range<usize>,
+) -> Option<(Arc<Text>, Vec<InlayHint>)> {
+    let (known, file) = view.programs(path).find_map(|known| Some((known, known.now.file(path)?)))?;
+    let snapshot = &*known.now;
+    let (start, end) = (view.byte_in(snapshot, file, bytes.start), view.byte_in(snapshot, file, bytes.end));
+    let mut hints = Hints { known, snapshot, file, found: Vec::new() };
+    for (id, entity) in snapshot.ide.checked.entities.pairs() {
+        hints.entity(&snapshot.ide.checked, id, entity);
     }
+    hints.found.sort();
+    hints.found.dedup();
+    hints.found.retain(|hint| start <= hint.byte && hint.byte <= end);
+    Some((snapshot.text(file), hints.found))
+}
+
+/// What can be run, above its declaration.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(in crate::lsp) struct CodeLens {
+    /// The name of what is run.
+    pub bytes: Range<usize>,
+    pub run: Run,
+}
+
+/// A command of `hypedc`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(in crate::lsp) enum Run {
+    /// `hypedc sim`
+    Simulate { world: String },
+    /// `hypedc reach`
+    Reach { world: String, goal: String },
+}
+
+/// What can be run of the worlds of a text.
+pub(in crate::lsp) fn code_lenses(text: &Text) -> Vec<CodeLens> {
+    let (tree, _) = syntax::parse(FileId(0), text.code());
+    let mut out = Vec::new();
+    for item in &tree.items {
+        let Item::World(world) = item else { continue };
+        let name = world.name.text.to_string();
+        out.push(CodeLens { bytes: world.name.span.range(), run: Run::Simulate { world: name.clone() } });
+        let goals = world.items.iter().filter_map(|i| if let WorldItem::Goal(q) = i { Some(q) } else { None });
+        out.extend(goals.map(|goal| CodeLens {
+            bytes: goal.name.span.range(),
+            run: Run::Reach { world: name.clone(), goal: goal.name.text.to_string() },
+        }));
+    }
+    out
 }
 
 /// Gathers the hints of a file.
@@ -88,27 +94,26 @@ struct Hints<'a> {
     known: &'a Known,
     snapshot: &'a Snapshot,
     file: FileId,
-    /// The byte at which each is shown, and its words.
-    found: Vec<(usize, String)>,
+    found: Vec<InlayHint>,
 }
 
 impl Hints<'_> {
-    fn add(&mut self, at: Span, label: String) {
+    fn add(&mut self, at: Span, kind: HintKind, label: String) {
         // What is in a behaviour means different things where it is put.
         if at.file() == self.file {
-            self.found.push((at.range().end, label));
+            self.found.push(InlayHint { byte: at.range().end, label, kind });
         }
     }
 
     fn entity(&mut self, checked: &Checked, id: EntityId, entity: &Entity) {
         for (param, p) in entity.params.pairs().filter(|(_, p)| p.dimension.is_none()) {
             if let Some(dimension) = checked.dimensions.params.get(&(id, param)).filter(|d| *d != "1") {
-                self.add(p.name.span, format!(": {dimension}"));
+                self.add(p.name.span, HintKind::Dimension, format!(": {dimension}"));
             }
         }
         for (var, v) in entity.vars.pairs().filter(|(_, v)| v.dimension.is_none() && v.name.span != entity.name.span) {
             if let Some(dimension) = checked.dimensions.vars.get(&(id, var)).filter(|d| *d != "1") {
-                self.add(v.name.span, format!(": {dimension}"));
+                self.add(v.name.span, HintKind::Dimension, format!(": {dimension}"));
             }
         }
         let bounded = entity.vars.iter().map(|v| &v.name).filter(|name| name.span != entity.name.span);
@@ -130,7 +135,7 @@ impl Hints<'_> {
         let Some(hull) = all.reduce(crate::analysis::Interval::or) else { return };
         let is_news = declared.is_none_or(|(low, high)| (f64::from(low), f64::from(high)) != (hull.low, hull.high));
         if is_news && (hull.low.is_finite() || hull.high.is_finite()) {
-            self.add(self.line_end(name.span), format!("is {}", written(&hull.into())));
+            self.add(self.line_end(name.span), HintKind::Bounds, format!("is {}", written(&hull.into())));
         }
     }
 
@@ -162,7 +167,7 @@ impl Hints<'_> {
             if ends_by_contact(entity, leaf) {
                 label = format!("{label}, {} s in the air", short(2.0 * time));
             }
-            self.add(update.span, label);
+            self.add(update.span, HintKind::Jump, label);
         }
     }
 }

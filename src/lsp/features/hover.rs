@@ -2,108 +2,107 @@
 //! mode as far as the analysis knows.
 
 use std::collections::BTreeSet;
-
-use crate::ir::EntityId;
-use gen_lsp_types as types;
-use gen_lsp_types::{Hover, MarkupContent, MarkupKind, Range};
+use std::sync::Arc;
 
 use crate::analysis::Values;
 use crate::diagnostic::page::{Page, Part};
 use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
+use crate::ir::EntityId;
 use crate::sema::checked::{Checked, Entity, Type};
 use crate::source::{FileId, Span};
 use crate::syntax;
 use crate::syntax::occurrence::{NameKind, Occurrence, Role};
 
-use super::navigate::{ProgramPosition, word_at};
+use super::navigate::{ProgramPosition, last_known_positions, word_at};
+use crate::lsp::location::{FileOffset, Location};
 use crate::lsp::snapshot::Snapshot;
 use crate::lsp::text::meanings::{Meaning, meaning};
 use crate::lsp::text::place::Place;
-use crate::lsp::text::uri::path_of;
 use crate::lsp::text::words::{SIGNATURES, begins};
 use crate::lsp::values::written;
-use crate::lsp::view::{Failure, View};
+use crate::lsp::view::View;
 
 /// The most lines of worlds with a tag that are listed.
 const MAX_CARRIERS: usize = 5;
 /// The most modes that are listed.
 const MAX_MODES: usize = 12;
 
-impl View {
-    pub(in crate::lsp) fn hover(&self, params: types::HoverParams) -> Result<Option<Hover>, Failure> {
-        let at = params.text_document_position_params;
-        let known = self.hover_name(&at).or_else(|| self.hover_word(&at));
-        let found = self.hover_finding(&at);
-        let parts = known.into_iter().chain(found).collect::<Vec<(String, Range)>>();
-        let range = parts.first().map(|(_, range)| *range);
-        let value = parts.into_iter().map(|(value, _)| value).collect::<Vec<_>>().join("\n\n---\n\n");
-        Ok(range.map(|range| Hover { contents: markdown(value).into(), range: Some(range) }))
-    }
+/// What is shown of a place.
+#[derive(Debug)]
+pub(in crate::lsp) struct Hover {
+    pub at: Location,
+    pub markdown: String,
+}
 
-    /// A name of the program.
-    fn hover_name(&self, at: &types::TextDocumentPositionParams) -> Option<(String, Range)> {
-        let positions = self.last_known_positions(at);
-        let position = positions.iter().find(|position| !position.names.is_empty())?;
-        let o = *position.names.first()?;
-        let value = About { position, snapshot: position.snapshot, o }.text();
-        let encoding = self.client.encoding;
-        if std::ptr::eq(position.snapshot, &*position.known.now) {
-            return Some((value, position.snapshot.range(o.at, encoding)));
-        }
-        let text = &self.documents.get(&path_of(&at.text_document.uri))?.text;
-        Some((value, text.range(word_at(text.code(), text.byte(at.position, encoding))?, encoding)))
-    }
+/// What is known of a name or a word of the language, and of what was found there.
+pub(in crate::lsp) fn hover(view: &View, at: &FileOffset) -> Option<Hover> {
+    let known = hover_name(view, at).or_else(|| hover_word(view, at));
+    let parts: Vec<Hover> = known.into_iter().chain(hover_finding(view, at)).collect();
+    let markdown = parts.iter().map(|part| part.markdown.as_str()).collect::<Vec<_>>().join("\n\n---\n\n");
+    Some(Hover { markdown, ..parts.into_iter().next()? })
+}
 
-    /// What the code means of what was found here, as far as its page begins with it; errors before warnings.
-    fn hover_finding(&self, at: &types::TextDocumentPositionParams) -> Option<(String, Range)> {
-        let path = path_of(&at.text_document.uri);
-        let encoding = self.client.encoding;
-        let mut found: Option<(&Diagnostic, Range)> = None;
-        for known in self.programs(&path) {
-            let Some(file) = known.now.file(&path) else { continue };
-            let byte = known.now.text(file).byte(at.position, encoding) as u32;
-            let said = known.now.ide.compilation.diagnostics.iter();
-            for finding in said.chain(known.findings.iter().flat_map(Diagnostics::iter)) {
-                let Some(place) = finding.primary.as_ref().map(|label| label.span) else { continue };
-                let is_here = place.file() == file && place.start() <= byte && byte <= place.end();
-                let is_first = found.is_none_or(|(other, _)| {
-                    other.severity == Severity::Warning && finding.severity == Severity::Error
-                });
-                if is_here && is_first {
-                    found = Some((finding, known.now.range(place, encoding)));
-                }
+/// A name of the program.
+fn hover_name(view: &View, at: &FileOffset) -> Option<Hover> {
+    let positions = last_known_positions(view, at);
+    let position = positions.iter().find(|position| !position.names.is_empty())?;
+    let o = *position.names.first()?;
+    let markdown = About { position, snapshot: position.snapshot, o }.text();
+    if std::ptr::eq(position.snapshot, &*position.known.now) {
+        return Some(Hover { at: position.snapshot.location(o.at), markdown });
+    }
+    let text = Arc::clone(&view.documents.get(&at.path)?.text);
+    let bytes = word_at(text.code(), at.byte)?;
+    Some(Hover { at: Location { path: at.path.clone(), text, bytes }, markdown })
+}
+
+/// What the code means of what was found here, as far as its page begins with it; errors before warnings.
+fn hover_finding(view: &View, at: &FileOffset) -> Option<Hover> {
+    let mut found: Option<(&Diagnostic, &Snapshot, Span)> = None;
+    for known in view.programs(&at.path) {
+        let snapshot = &*known.now;
+        let Some(file) = snapshot.file(&at.path) else { continue };
+        let byte = view.byte_in(snapshot, file, at.byte) as u32;
+        let said = snapshot.ide.compilation.diagnostics.iter();
+        for finding in said.chain(known.findings.iter().flat_map(Diagnostics::iter)) {
+            let Some(span) = finding.primary.as_ref().map(|label| label.span) else { continue };
+            let is_here = span.file() == file && span.start() <= byte && byte <= span.end();
+            let is_first = found
+                .is_none_or(|(other, ..)| other.severity == Severity::Warning && finding.severity == Severity::Error);
+            if is_here && is_first {
+                found = Some((finding, snapshot, span));
             }
         }
-        let (finding, range) = found?;
-        let page = Page::of(finding.code);
-        let prose = page.parts.iter().find_map(|part| match part {
-            Part::Prose(lines) => Some(lines.join(" ")),
-            Part::Example(_) => None,
-        });
-        let code = finding.code.text();
-        let prose = prose.unwrap_or_default();
-        Some((format!("**{}**\n\n{prose} `hypedc explain {code}` tells more.", page.title), range))
     }
+    let (finding, snapshot, span) = found?;
+    let page = Page::of(finding.code);
+    let prose = page.parts.iter().find_map(|part| match part {
+        Part::Prose(lines) => Some(lines.join(" ")),
+        Part::Example(_) => None,
+    });
+    let code = finding.code.text();
+    let prose = prose.unwrap_or_default();
+    let markdown = format!("**{}**\n\n{prose} `hypedc explain {code}` tells more.", page.title);
+    Some(Hover { at: snapshot.location(span), markdown })
+}
 
-    /// A word of the language.
-    fn hover_word(&self, at: &types::TextDocumentPositionParams) -> Option<(String, Range)> {
-        let document = self.documents.get(&path_of(&at.text_document.uri))?;
-        let (text, encoding) = (&document.text, self.client.encoding);
-        let code = text.code();
-        let bytes = word_at(code, text.byte(at.position, encoding))?;
-        let word = code.get(bytes.clone())?;
-        let is_called = code.get(bytes.end..)?.trim_start_matches([' ', '\t']).starts_with('(');
-        let ways = SIGNATURES.iter().filter(|s| is_called && s.name == word);
-        let ways: Vec<String> = ways.map(|s| format!("`{word}({})`: {}", s.parameters.join(", "), s.doc)).collect();
-        let shape = || matches!(word, "rect") && is_word(code, &bytes);
-        let value = if ways.is_empty() || shape() {
-            let Meaning { says, example, .. } = meaning(word).filter(|_| is_word(code, &bytes))?;
-            format!("`{word}`: {says}\n\n```hyped\n{example}\n```")
-        } else {
-            ways.join("\n\n")
-        };
-        Some((value, text.range(bytes, encoding)))
-    }
+/// A word of the language.
+fn hover_word(view: &View, at: &FileOffset) -> Option<Hover> {
+    let text = Arc::clone(&view.documents.get(&at.path)?.text);
+    let code = text.code();
+    let bytes = word_at(code, at.byte)?;
+    let word = code.get(bytes.clone())?;
+    let is_called = code.get(bytes.end..)?.trim_start_matches([' ', '\t']).starts_with('(');
+    let ways = SIGNATURES.iter().filter(|s| is_called && s.name == word);
+    let ways: Vec<String> = ways.map(|s| format!("`{word}({})`: {}", s.parameters.join(", "), s.doc)).collect();
+    let shape = || matches!(word, "rect") && is_word(code, &bytes);
+    let markdown = if ways.is_empty() || shape() {
+        let Meaning { says, example, .. } = meaning(word).filter(|_| is_word(code, &bytes))?;
+        format!("`{word}`: {says}\n\n```hyped\n{example}\n```")
+    } else {
+        ways.join("\n\n")
+    };
+    Some(Hover { at: Location { path: at.path.clone(), text, bytes }, markdown })
 }
 
 /// Whether a word is one of the language where it is, and no name.
@@ -124,13 +123,8 @@ fn is_word(code: &str, bytes: &std::ops::Range<usize>) -> bool {
     place.statement.is_empty() && begins(place.block()).0.contains(&word) && !goes_on.starts_with(['=', ':', '\'', '.'])
 }
 
-/// Text with marks.
-pub(in crate::lsp) fn markdown(value: String) -> MarkupContent {
-    MarkupContent { kind: MarkupKind::Markdown, value }
-}
-
 /// What a kind of names is called.
-pub(in crate::lsp) fn called(kind: NameKind) -> &'static str {
+pub(super) fn called(kind: NameKind) -> &'static str {
     match kind {
         NameKind::Constant => "constant",
         NameKind::Entity => "entity",
@@ -157,7 +151,7 @@ pub(in crate::lsp) fn called(kind: NameKind) -> &'static str {
 }
 
 /// The entities whose value, mode or input a name is: several if it is in a behaviour.
-pub(in crate::lsp) fn owners<'c>(
+pub(super) fn owners<'c>(
     checked: &'c Checked,
     snapshot: &Snapshot,
     o: &Occurrence,

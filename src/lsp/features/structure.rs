@@ -1,17 +1,15 @@
 //! What the shape of one text gives: the outline, what can be folded, what grows when a selection grows. Read from the
 //! syntax tree of the text as it is; what is broken is left out.
 
-use gen_lsp_types as types;
-use gen_lsp_types::{DocumentSymbol, FoldingRange, FoldingRangeKind, SelectionRange, SymbolKind};
+use std::ops::Range;
 
 use crate::source::{FileId, Span};
 use crate::syntax::ast::{Domain, Edge, Item, Kinds, MapSource, Member, SpaceItem, Tile, TileSpawn, Update, WorldItem};
+use crate::syntax::occurrence::NameKind;
 use crate::syntax::{self, ast};
 
 use crate::lsp::text::document_text::{Encoding, Text};
 use crate::lsp::text::lexer::{Kind, tokens};
-use crate::lsp::text::uri::path_of;
-use crate::lsp::view::{Failure, View};
 
 /// The number of characters of a guard that are shown.
 const MAX_DETAIL: usize = 60;
@@ -19,76 +17,100 @@ const MAX_DETAIL: usize = 60;
 /// A text is examined by itself.
 const ONLY: FileId = FileId(0);
 
-impl View {
-    pub(in crate::lsp) fn document_symbols(
-        &self,
-        params: types::DocumentSymbolParams,
-    ) -> Result<Option<types::DocumentSymbolResponse>, Failure> {
-        let Some(document) = self.documents.get(&path_of(&params.text_document.uri)) else { return Ok(None) };
-        let (tree, _) = syntax::parse(ONLY, document.text.code());
-        let outline = Outline { text: &document.text, encoding: self.client.encoding };
-        Ok(Some(tree.items.iter().map(|item| outline.item(item)).collect::<Vec<_>>().into()))
-    }
+/// What a part of the outline is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::lsp) enum SymbolKind {
+    /// A declaration, or what uses one by its name.
+    Name(NameKind),
+    /// A file that is imported, or holds a map.
+    File,
+    /// A collider, or a rectangle of a space.
+    Shape,
+    /// An edge to a mode, or a link to a space.
+    Edge,
+    /// A `spawn`.
+    Spawn,
+    /// A character or a name of a level.
+    Tile,
+    /// A `player`.
+    Player,
+    /// A `limit`.
+    Limit,
+}
 
-    pub(in crate::lsp) fn folding_ranges(
-        &self,
-        params: types::FoldingRangeParams,
-    ) -> Result<Option<Vec<FoldingRange>>, Failure> {
-        let Some(document) = self.documents.get(&path_of(&params.text_document.uri)) else { return Ok(None) };
-        Ok(Some(folds(&document.text, self.client.encoding)))
-    }
+/// A part of the outline.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(in crate::lsp) struct Symbol {
+    pub name: String,
+    pub detail: Option<String>,
+    pub kind: SymbolKind,
+    pub whole: Range<usize>,
+    /// Inside of the whole.
+    pub name_at: Range<usize>,
+    pub children: Vec<Symbol>,
+}
 
-    pub(in crate::lsp) fn selection_ranges(
-        &self,
-        params: types::SelectionRangeParams,
-    ) -> Result<Option<Vec<SelectionRange>>, Failure> {
-        let Some(document) = self.documents.get(&path_of(&params.text_document.uri)) else { return Ok(None) };
-        let (text, encoding) = (&document.text, self.client.encoding);
-        let mut spans: Vec<(usize, usize)> = Vec::new();
-        for pair in syntax::pairs(ONLY, text.code()).into_iter().flat_map(pest::iterators::Pairs::flatten) {
-            let inside = pair.as_str().trim_end().len();
-            spans.push((pair.as_span().start(), pair.as_span().start() + inside));
-        }
-        // Where braces are missing there are words and lines at least.
-        spans.extend(tokens(text.code()).iter().map(|t| (t.at.start, t.at.end)));
-        spans.push((0, text.code().len()));
-        let of = |position: &types::Position| {
-            let byte = text.byte(*position, encoding);
-            let mut around: Vec<(usize, usize)> =
-                spans.iter().copied().filter(|(start, end)| *start <= byte && byte <= *end).collect();
-            around.sort_by_key(|(start, end)| (std::cmp::Reverse(end - start), *start));
-            around.dedup();
-            let mut outer: Option<SelectionRange> = None;
-            let mut last = (0, usize::MAX);
-            for (start, end) in around {
-                if start < last.0 || end > last.1 {
-                    continue; // beside the one before: two words that meet at the cursor
-                }
-                last = (start, end);
-                let range = text.range(start..end, encoding);
-                outer = Some(SelectionRange { range, parent: outer.map(Box::new) });
+/// The outline of a text.
+pub(in crate::lsp) fn document_symbols(text: &Text) -> Vec<Symbol> {
+    let code = text.code();
+    let (tree, _) = syntax::parse(ONLY, code);
+    let outline = Outline { code };
+    tree.items.iter().map(|item| outline.item(item)).collect()
+}
+
+/// What grows when a selection grows: around each byte the ranges that hold it, outermost first.
+pub(in crate::lsp) fn selection_ranges(text: &Text, bytes: &[usize]) -> Vec<Vec<Range<usize>>> {
+    let mut spans: Vec<(usize, usize)> = Vec::new();
+    for pair in syntax::pairs(ONLY, text.code()).into_iter().flat_map(pest::iterators::Pairs::flatten) {
+        let inside = pair.as_str().trim_end().len();
+        spans.push((pair.as_span().start(), pair.as_span().start() + inside));
+    }
+    // Where braces are missing there are words and lines at least.
+    spans.extend(tokens(text.code()).iter().map(|t| (t.at.start, t.at.end)));
+    spans.push((0, text.code().len()));
+    let around = |byte: &usize| {
+        let mut around: Vec<(usize, usize)> =
+            spans.iter().copied().filter(|(start, end)| start <= byte && byte <= end).collect();
+        around.sort_by_key(|(start, end)| (std::cmp::Reverse(end - start), *start));
+        around.dedup();
+        let mut out: Vec<Range<usize>> = Vec::new();
+        for (start, end) in around {
+            // Not beside the one before: two words that meet at the cursor.
+            if out.last().is_none_or(|last| last.start <= start && end <= last.end) {
+                out.push(start..end);
             }
-            let here = types::Range { start: *position, end: *position };
-            outer.unwrap_or(SelectionRange { range: here, parent: None })
-        };
-        Ok(Some(params.positions.iter().map(of).collect()))
-    }
+        }
+        out
+    };
+    bytes.iter().map(around).collect()
+}
+
+/// What a fold hides.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::lsp) enum FoldKind {
+    /// A block in braces, or the rows of a map.
+    Block,
+    Comments,
+    Imports,
+}
+
+/// Lines that can be folded.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(in crate::lsp) struct Fold {
+    pub first_line: u32,
+    pub last_line: u32,
+    pub kind: FoldKind,
 }
 
 /// Blocks, maps, runs of comments and of imports that are over several lines.
-fn folds(text: &Text, encoding: Encoding) -> Vec<FoldingRange> {
+pub(in crate::lsp) fn folding_ranges(text: &Text) -> Vec<Fold> {
     let code = text.code();
-    let line = |byte: usize| text.position(byte, encoding).line;
-    let fold = |start: u32, end: u32, kind: Option<FoldingRangeKind>| FoldingRange {
-        start_line: start,
-        end_line: end,
-        kind,
-        ..FoldingRange::default()
-    };
-    let (mut out, mut open): (Vec<FoldingRange>, Vec<u32>) = (Vec::new(), Vec::new());
+    let line = |byte: usize| text.position(byte, Encoding::Utf8).line;
+    let fold = |first_line: u32, last_line: u32, kind: FoldKind| Fold { first_line, last_line, kind };
+    let (mut out, mut open): (Vec<Fold>, Vec<u32>) = (Vec::new(), Vec::new());
     // The first and the last line of a run of comments, and of imports.
     let mut runs: [Option<(u32, u32)>; 2] = [None, None];
-    let kinds = [FoldingRangeKind::Comment, FoldingRangeKind::Imports];
+    let kinds = [FoldKind::Comments, FoldKind::Imports];
     let mut is_first = true;
     for token in tokens(code) {
         let at = line(token.at.start);
@@ -102,7 +124,7 @@ fn folds(text: &Text, encoding: Encoding) -> Vec<FoldingRange> {
                 Some((_, last)) if *last + 1 == at => *last = at,
                 other => {
                     let ended = other.replace((at, at)).filter(|(first, last)| first < last);
-                    out.extend(ended.map(|(first, last)| fold(first, last, Some(kinds[kind].clone()))));
+                    out.extend(ended.map(|(first, last)| fold(first, last, kinds[kind])));
                 }
             }
         }
@@ -112,13 +134,13 @@ fn folds(text: &Text, encoding: Encoding) -> Vec<FoldingRange> {
             "}" => {
                 if let Some(start) = open.pop().filter(|start| *start + 1 < at) {
                     // The closing brace stays to be seen.
-                    out.push(fold(start, at - 1, None));
+                    out.push(fold(start, at - 1, FoldKind::Block));
                 }
             }
             _ if token.kind == Kind::Text => {
                 let end = line(token.at.end);
                 if end > at + 1 {
-                    out.push(fold(at, end - 1, None));
+                    out.push(fold(at, end - 1, FoldKind::Block));
                 }
             }
             _ => {}
@@ -126,16 +148,15 @@ fn folds(text: &Text, encoding: Encoding) -> Vec<FoldingRange> {
     }
     for (run, kind) in runs.into_iter().zip(kinds) {
         let ended = run.filter(|(first, last)| first < last);
-        out.extend(ended.map(|(first, last)| fold(first, last, Some(kind))));
+        out.extend(ended.map(|(first, last)| fold(first, last, kind)));
     }
-    out.sort_by_key(|f| (f.start_line, f.end_line));
+    out.sort_by_key(|f| (f.first_line, f.last_line));
     out
 }
 
 /// The outline of a text.
 struct Outline<'a> {
-    text: &'a Text,
-    encoding: Encoding,
+    code: &'a str,
 }
 
 impl Outline<'_> {
@@ -145,15 +166,14 @@ impl Outline<'_> {
         kind: SymbolKind,
         whole: Span,
         detail: Option<&str>,
-        children: Vec<DocumentSymbol>,
-    ) -> DocumentSymbol {
+        children: Vec<Symbol>,
+    ) -> Symbol {
         // A name that is still to be written must not be empty.
         let name_text = if name.text.is_empty() { "?" } else { &name.text };
         self.called(name_text, name.span, kind, whole, detail, children)
     }
 
     /// A part of the outline that is called otherwise than by one name of the text.
-    #[allow(deprecated, reason = "a field must be named to be left out")]
     fn called(
         &self,
         name: &str,
@@ -161,95 +181,112 @@ impl Outline<'_> {
         kind: SymbolKind,
         whole: Span,
         detail: Option<&str>,
-        children: Vec<DocumentSymbol>,
-    ) -> DocumentSymbol {
+        children: Vec<Symbol>,
+    ) -> Symbol {
         let whole = if whole.contains(at) { whole } else { at };
-        DocumentSymbol {
-            name: name.into(),
-            detail: detail.map(str::to_string),
-            kind,
-            range: self.text.range(whole.range(), self.encoding),
-            selection_range: self.text.range(at.range(), self.encoding),
-            children: (!children.is_empty()).then_some(children),
-            tags: None,
-            deprecated: None,
-        }
+        let detail = detail.map(str::to_string);
+        Symbol { name: name.into(), detail, kind, whole: whole.range(), name_at: at.range(), children }
     }
 
-    fn item(&self, item: &Item) -> DocumentSymbol {
+    fn item(&self, item: &Item) -> Symbol {
         match item {
             Item::Import(i) => self.symbol(&i.path, SymbolKind::File, i.path.span, Some("import"), Vec::new()),
-            Item::Constant(c) => {
-                self.symbol(&c.name, SymbolKind::Constant, c.name.span.to(c.value.span), Some("const"), Vec::new())
-            }
-            Item::Entity(e) => {
-                self.symbol(&e.name, SymbolKind::Class, e.span, Some("entity"), self.members(&e.members))
-            }
+            Item::Constant(c) => self.symbol(
+                &c.name,
+                SymbolKind::Name(NameKind::Constant),
+                c.name.span.to(c.value.span),
+                Some("const"),
+                Vec::new(),
+            ),
+            Item::Entity(e) => self.symbol(
+                &e.name,
+                SymbolKind::Name(NameKind::Entity),
+                e.span,
+                Some("entity"),
+                self.members(&e.members),
+            ),
             Item::Behavior(b) => {
-                let leaf = |p| self.symbol(p, SymbolKind::TypeParameter, p.span, Some("parameter"), Vec::new());
+                let leaf =
+                    |p| self.symbol(p, SymbolKind::Name(NameKind::Argument), p.span, Some("parameter"), Vec::new());
                 let inside = b.parameters.iter().map(leaf).chain(self.members(&b.members)).collect();
-                self.symbol(&b.name, SymbolKind::Interface, b.span, Some("behavior"), inside)
+                self.symbol(&b.name, SymbolKind::Name(NameKind::Behavior), b.span, Some("behavior"), inside)
             }
             Item::World(w) => {
                 let inside = w.items.iter().filter_map(|i| self.world_item(i)).collect();
-                self.symbol(&w.name, SymbolKind::Module, w.span, Some("world"), inside)
+                self.symbol(&w.name, SymbolKind::Name(NameKind::World), w.span, Some("world"), inside)
             }
         }
     }
 
-    fn members(&self, members: &[Member]) -> Vec<DocumentSymbol> {
+    fn members(&self, members: &[Member]) -> Vec<Symbol> {
         let mut out = Vec::new();
         for member in members {
             let leaf = |name: &ast::Name, kind, to: Span, detail| {
                 self.symbol(name, kind, name.span.to(to), Some(detail), Vec::new())
             };
             match member {
-                Member::Parameter(p) => out.push(leaf(&p.name, SymbolKind::Constant, p.value.span, "param")),
+                Member::Parameter(p) => {
+                    out.push(leaf(&p.name, SymbolKind::Name(NameKind::Parameter), p.value.span, "param"))
+                }
                 Member::Continuous(c) => {
                     let end = c.initial.as_ref().map_or(c.name.span, |e| e.span);
-                    out.push(leaf(&c.name, SymbolKind::Variable, end, "continuous"));
+                    out.push(leaf(&c.name, SymbolKind::Name(NameKind::Variable), end, "continuous"));
                 }
                 Member::Discrete(d) => {
-                    let value = |n| self.symbol(n, SymbolKind::EnumMember, n.span, None, Vec::new());
+                    let value = |n| self.symbol(n, SymbolKind::Name(NameKind::Value), n.span, None, Vec::new());
                     let values =
                         if let Domain::Set(names) = &d.domain { names.iter().map(value).collect() } else { Vec::new() };
                     let whole = d.name.span.to(d.initial.span);
-                    out.push(self.symbol(&d.name, SymbolKind::Variable, whole, Some("discrete"), values));
+                    out.push(self.symbol(
+                        &d.name,
+                        SymbolKind::Name(NameKind::Discrete),
+                        whole,
+                        Some("discrete"),
+                        values,
+                    ));
                 }
-                Member::Reference(r) => out.push(leaf(&r.name, SymbolKind::Field, r.entity.span, "ref")),
+                Member::Reference(r) => {
+                    out.push(leaf(&r.name, SymbolKind::Name(NameKind::Reference), r.entity.span, "ref"))
+                }
                 Member::Buttons(list) => {
-                    out.extend(list.0.iter().map(|n| leaf(n, SymbolKind::Event, n.span, "button")));
+                    out.extend(list.0.iter().map(|n| leaf(n, SymbolKind::Name(NameKind::Button), n.span, "button")));
                 }
                 Member::Axes(list) => {
-                    out.extend(list.0.iter().map(|n| leaf(n, SymbolKind::Event, n.span, "axis")));
+                    out.extend(list.0.iter().map(|n| leaf(n, SymbolKind::Name(NameKind::Axis), n.span, "axis")));
                 }
                 Member::Collider(c) => {
                     if let Some(first) = c.tags.first() {
                         let name = listed(&c.tags);
                         let detail = Some(if c.kinematic { "kinematic collider" } else { "collider" });
-                        out.push(self.called(&name, first.span, SymbolKind::Object, c.span, detail, Vec::new()));
+                        out.push(self.called(&name, first.span, SymbolKind::Shape, c.span, detail, Vec::new()));
                     }
                 }
                 Member::Group(g) => {
                     let inside = self.members(&g.members);
-                    out.push(self.symbol(&g.name, SymbolKind::Enum, g.span, Some("group"), inside));
+                    out.push(self.symbol(&g.name, SymbolKind::Name(NameKind::Group), g.span, Some("group"), inside));
                 }
                 Member::Mode(m) => {
                     let inside = self.members(&m.members);
-                    out.push(self.symbol(&m.name, SymbolKind::Method, m.span, Some("mode"), inside));
+                    out.push(self.symbol(&m.name, SymbolKind::Name(NameKind::Mode), m.span, Some("mode"), inside));
                 }
                 Member::Use(u) => {
-                    out.push(self.symbol(&u.behavior, SymbolKind::Interface, u.span, Some("use"), Vec::new()));
+                    out.push(self.symbol(
+                        &u.behavior,
+                        SymbolKind::Name(NameKind::Behavior),
+                        u.span,
+                        Some("use"),
+                        Vec::new(),
+                    ));
                 }
                 Member::Edge(edge) => {
                     let Edge { guard, target: Some(target), span, .. } = &**edge else { continue };
                     let guard = self.slice(guard.span);
                     let name = format!("-> {}", self.slice(target.span()));
-                    out.push(self.called(&name, target.span(), SymbolKind::Operator, *span, Some(&guard), Vec::new()));
+                    out.push(self.called(&name, target.span(), SymbolKind::Edge, *span, Some(&guard), Vec::new()));
                 }
                 Member::Entry(update) => {
                     let Update::Spawn(s) = &**update else { continue };
-                    out.push(self.symbol(&s.entity, SymbolKind::Constructor, s.span, Some("spawn"), Vec::new()));
+                    out.push(self.symbol(&s.entity, SymbolKind::Spawn, s.span, Some("spawn"), Vec::new()));
                 }
                 _ => {}
             }
@@ -257,38 +294,43 @@ impl Outline<'_> {
         out
     }
 
-    fn world_item(&self, item: &WorldItem) -> Option<DocumentSymbol> {
+    fn world_item(&self, item: &WorldItem) -> Option<Symbol> {
         Some(match item {
-            WorldItem::Tiles(t) => self.symbol(&t.name, SymbolKind::Enum, t.span, Some("tiles"), self.tiles(&t.tiles)),
+            WorldItem::Tiles(t) => {
+                self.symbol(&t.name, SymbolKind::Name(NameKind::TileSet), t.span, Some("tiles"), self.tiles(&t.tiles))
+            }
             WorldItem::Space(s) => {
                 let inside = s.items.iter().filter_map(|i| self.space_item(i)).collect();
-                self.symbol(&s.name, SymbolKind::Namespace, s.span, Some("space"), inside)
+                self.symbol(&s.name, SymbolKind::Name(NameKind::Space), s.span, Some("space"), inside)
             }
             WorldItem::Goal(q) | WorldItem::Never(q) => {
-                let detail = if matches!(item, WorldItem::Goal(_)) { "goal" } else { "never" };
+                let is_goal = matches!(item, WorldItem::Goal(_));
+                let (kind, detail) = if is_goal { (NameKind::Goal, "goal") } else { (NameKind::Never, "never") };
                 let whole = q.name.span.to(q.predicate.span);
-                self.symbol(&q.name, SymbolKind::Boolean, whole, Some(detail), Vec::new())
+                self.symbol(&q.name, SymbolKind::Name(kind), whole, Some(detail), Vec::new())
             }
-            WorldItem::Player(p) => self.symbol(&p.instance, SymbolKind::Key, p.span, Some("player"), Vec::new()),
+            WorldItem::Player(p) => self.symbol(&p.instance, SymbolKind::Player, p.span, Some("player"), Vec::new()),
             WorldItem::Limit(l) => {
                 let detail = format!("limit {}", self.slice(l.count.span));
-                self.symbol(&l.entity, SymbolKind::Number, l.span, Some(&detail), Vec::new())
+                self.symbol(&l.entity, SymbolKind::Limit, l.span, Some(&detail), Vec::new())
             }
             WorldItem::Step(_) | WorldItem::Collide(_) => return None,
         })
     }
 
-    fn space_item(&self, item: &SpaceItem) -> Option<DocumentSymbol> {
+    fn space_item(&self, item: &SpaceItem) -> Option<Symbol> {
         Some(match item {
-            SpaceItem::Place(p) => self.symbol(&p.name, SymbolKind::Object, p.span, Some(&*p.entity.text), Vec::new()),
+            SpaceItem::Place(p) => {
+                self.symbol(&p.name, SymbolKind::Name(NameKind::Instance), p.span, Some(&*p.entity.text), Vec::new())
+            }
             SpaceItem::Link(l) => {
                 let name = format!("-> {}", l.space.text);
-                self.called(&name, l.space.span, SymbolKind::Operator, l.span, Some("link"), Vec::new())
+                self.called(&name, l.space.span, SymbolKind::Edge, l.span, Some("link"), Vec::new())
             }
             SpaceItem::Solid(s) => {
                 let first = s.tags.first()?.span;
                 let whole = first.to(s.rectangle.span);
-                self.called(&listed(&s.tags), first, SymbolKind::Object, whole, Some("rect"), Vec::new())
+                self.called(&listed(&s.tags), first, SymbolKind::Shape, whole, Some("rect"), Vec::new())
             }
             SpaceItem::Map(map) => {
                 let none = Kinds::default();
@@ -306,9 +348,9 @@ impl Outline<'_> {
                 let named = kinds.kinds.iter().map(|k| {
                     let detail = stands_for(&k.tags, k.spawn.as_ref());
                     let inside = self.instance(k.spawn.as_ref());
-                    self.symbol(&k.name, SymbolKind::EnumMember, k.name.span, Some(&detail), inside)
+                    self.symbol(&k.name, SymbolKind::Tile, k.name.span, Some(&detail), inside)
                 });
-                let inside: Vec<DocumentSymbol> = self.tiles(tiles).into_iter().chain(named).collect();
+                let inside: Vec<Symbol> = self.tiles(tiles).into_iter().chain(named).collect();
                 let (text, at) = name.map_or(("level", map.span), |name| (&*name.text, name.span));
                 self.called(text, at, SymbolKind::File, map.span, Some("map"), inside)
             }
@@ -317,30 +359,30 @@ impl Outline<'_> {
     }
 
     /// The characters of a tile set.
-    fn tiles(&self, tiles: &[Tile]) -> Vec<DocumentSymbol> {
+    fn tiles(&self, tiles: &[Tile]) -> Vec<Symbol> {
         let tile = |t: &Tile| {
             let detail = stands_for(&t.tags, t.spawn.as_ref());
             let name = format!("'{}'", t.symbol);
             let inside = self.instance(t.spawn.as_ref());
             let last = t.tags.last().map(|tag| tag.span).or(t.spawn.as_ref().map(|s| s.span));
             let whole = t.symbol_span.to(last.unwrap_or(t.symbol_span));
-            self.called(&name, t.symbol_span, SymbolKind::EnumMember, whole, Some(&detail), inside)
+            self.called(&name, t.symbol_span, SymbolKind::Tile, whole, Some(&detail), inside)
         };
         tiles.iter().map(tile).collect()
     }
 
     /// The instance that a tile names.
-    fn instance(&self, spawn: Option<&TileSpawn>) -> Vec<DocumentSymbol> {
+    fn instance(&self, spawn: Option<&TileSpawn>) -> Vec<Symbol> {
         let named = spawn.and_then(|s| Some((s.name.as_ref()?, &*s.entity.text)));
         named
-            .map(|(n, entity)| self.symbol(n, SymbolKind::Object, n.span, Some(entity), Vec::new()))
+            .map(|(n, entity)| self.symbol(n, SymbolKind::Name(NameKind::Instance), n.span, Some(entity), Vec::new()))
             .into_iter()
             .collect()
     }
 
     /// What is written at a place, in one line of no great length.
     fn slice(&self, at: Span) -> String {
-        let written = self.text.code().get(at.range()).unwrap_or_default();
+        let written = self.code.get(at.range()).unwrap_or_default();
         let words: Vec<&str> = written.split_whitespace().collect();
         let line = words.join(" ");
         match line.char_indices().nth(MAX_DETAIL) {

@@ -4,8 +4,8 @@ use gen_lsp_types as types;
 use gen_lsp_types::{PositionEncodingKind, ServerCapabilities};
 use serde_json::{Value, json};
 
-use crate::lsp::client::Client;
-use crate::lsp::features::tokens;
+use super::client::Client;
+use super::tokens;
 use crate::lsp::text::document_text::Encoding;
 
 /// What the server offers.

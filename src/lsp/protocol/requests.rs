@@ -1,12 +1,12 @@
-//! The table of requests: what each needs before it can be answered, and which feature answers it.
+//! The table of requests: what each needs before it can be answered, and the function that answers it.
 
 use gen_lsp_types as types;
 use lsp_server::Request;
 
-use crate::lsp::text::uri::path_of;
-use crate::lsp::view::{Failure, View};
-
+use super::handlers::{self, Answer};
 use super::server::Server;
+use super::tokens;
+use super::uri::path_of;
 
 /// What a request needs before it is answered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,9 +21,9 @@ pub(super) enum Needs {
     Idle,
 }
 
-/// Requests as rows: the method, what it needs, its type, and the function of the server or of its view that answers it.
+/// Requests as rows: the method, what it needs, its type, and the function that answers it.
 macro_rules! requests {
-    ($($method:literal $needs:ident $request:ident $of:ident::$feature:ident,)*) => {
+    ($($method:literal $needs:ident $request:ident $file:ident::$answer:ident,)*) => {
         /// What a request needs.
         pub(super) fn needs(method: &str) -> Needs {
             match method {
@@ -38,12 +38,11 @@ macro_rules! requests {
             pub(super) fn dispatch(&mut self, request: Request) {
                 match request.method.as_str() {
                     $($method => self.on::<types::$request>(request, |server, params| {
-                        $of::of(server).$feature(params)
+                        $file::$answer(server, params)
                     }),)*
                     // For scripts and tests: answered when all findings were sent.
                     "hypedc/idle" => self.nothing(request),
-                    // For scripts and tests: the text as the server has it.
-                    "hypedc/text" => self.on::<TextRequest>(request, Self::text),
+                    "hypedc/text" => self.on::<TextRequest>(request, |server, params| text(server, params)),
                     _ => self.unknown(request),
                 }
             }
@@ -52,60 +51,40 @@ macro_rules! requests {
 }
 
 requests! {
-    "callHierarchy/incomingCalls"               Open CallHierarchyIncomingCallsRequest View::incoming_calls,
-    "callHierarchy/outgoingCalls"               Open CallHierarchyOutgoingCallsRequest View::outgoing_calls,
-    "textDocument/codeAction"                   Open CodeActionRequest                 View::code_actions,
-    "textDocument/codeLens"                     Open CodeLensRequest                   View::code_lenses,
-    "textDocument/completion"                   Open CompletionRequest                 View::completion,
-    "textDocument/definition"                   Open DefinitionRequest                 View::definition,
-    "textDocument/documentHighlight"            Open DocumentHighlightRequest          View::highlights,
-    "textDocument/documentLink"                 Open DocumentLinkRequest               View::document_links,
-    "textDocument/documentSymbol"               Text DocumentSymbolRequest             View::document_symbols,
-    "textDocument/foldingRange"                 Text FoldingRangeRequest               View::folding_ranges,
-    "textDocument/formatting"                   Text DocumentFormattingRequest         View::formatting,
-    "textDocument/hover"                        Open HoverRequest                      View::hover,
-    "textDocument/inlayHint"                    Open InlayHintRequest                  View::inlay_hints,
-    "textDocument/prepareCallHierarchy"         Open CallHierarchyPrepareRequest       View::prepare_calls,
-    "textDocument/prepareRename"                Open PrepareRenameRequest              View::prepare_rename,
-    "textDocument/rangeFormatting"              Text DocumentRangeFormattingRequest    View::range_formatting,
-    "textDocument/references"                   All  ReferencesRequest                 View::references,
-    "textDocument/rename"                       All  RenameRequest                     Server::rename,
-    "textDocument/selectionRange"               Text SelectionRangeRequest             View::selection_ranges,
-    "textDocument/semanticTokens/full"          Open SemanticTokensRequest             Server::all_tokens,
-    "textDocument/semanticTokens/full/delta"    Open SemanticTokensDeltaRequest        Server::changed_tokens,
-    "textDocument/semanticTokens/range"         Open SemanticTokensRangeRequest        Server::tokens_in_range,
-    "textDocument/signatureHelp"                Open SignatureHelpRequest              View::signature_help,
-    "workspace/symbol"                          All  WorkspaceSymbolRequest            View::workspace_symbols,
+    "callHierarchy/incomingCalls"               Open CallHierarchyIncomingCallsRequest handlers::incoming_calls,
+    "callHierarchy/outgoingCalls"               Open CallHierarchyOutgoingCallsRequest handlers::outgoing_calls,
+    "textDocument/codeAction"                   Open CodeActionRequest                 handlers::code_actions,
+    "textDocument/codeLens"                     Open CodeLensRequest                   handlers::code_lenses,
+    "textDocument/completion"                   Open CompletionRequest                 handlers::completion,
+    "textDocument/definition"                   Open DefinitionRequest                 handlers::definition,
+    "textDocument/documentHighlight"            Open DocumentHighlightRequest          handlers::highlights,
+    "textDocument/documentLink"                 Open DocumentLinkRequest               handlers::document_links,
+    "textDocument/documentSymbol"               Text DocumentSymbolRequest             handlers::document_symbols,
+    "textDocument/foldingRange"                 Text FoldingRangeRequest               handlers::folding_ranges,
+    "textDocument/formatting"                   Text DocumentFormattingRequest         handlers::formatting,
+    "textDocument/hover"                        Open HoverRequest                      handlers::hover,
+    "textDocument/inlayHint"                    Open InlayHintRequest                  handlers::inlay_hints,
+    "textDocument/prepareCallHierarchy"         Open CallHierarchyPrepareRequest       handlers::prepare_calls,
+    "textDocument/prepareRename"                Open PrepareRenameRequest              handlers::prepare_rename,
+    "textDocument/rangeFormatting"              Text DocumentRangeFormattingRequest    handlers::range_formatting,
+    "textDocument/references"                   All  ReferencesRequest                 handlers::references,
+    "textDocument/rename"                       All  RenameRequest                     handlers::rename,
+    "textDocument/selectionRange"               Text SelectionRangeRequest             handlers::selection_ranges,
+    "textDocument/semanticTokens/full"          Open SemanticTokensRequest             tokens::all_tokens,
+    "textDocument/semanticTokens/full/delta"    Open SemanticTokensDeltaRequest        tokens::changed_tokens,
+    "textDocument/semanticTokens/range"         Open SemanticTokensRangeRequest        tokens::tokens_in_range,
+    "textDocument/signatureHelp"                Open SignatureHelpRequest              handlers::signature_help,
+    "workspace/symbol"                          All  WorkspaceSymbolRequest            handlers::workspace_symbols,
 }
 
-impl View {
-    /// The view of a server.
-    fn of(server: &mut Server) -> &View {
-        &server.view
-    }
-}
-
-impl Server {
-    /// The server itself.
-    fn of(server: &mut Server) -> &mut Server {
-        server
-    }
-
-    /// Renames, and remembers it: an editor may send its changes one document after the other.
-    fn rename(&mut self, params: types::RenameParams) -> Result<Option<types::WorkspaceEdit>, Failure> {
-        let renaming = self.view.rename(params)?;
-        self.view.renamed = Some((renaming.old, renaming.new));
-        Ok(Some(renaming.edit))
-    }
-
-    fn text(&mut self, params: types::DocumentSymbolParams) -> Result<Option<String>, Failure> {
-        let document = self.view.documents.get(&path_of(&params.text_document.uri));
-        Ok(document.map(|document| document.text.whole().to_string()))
-    }
+/// For scripts and tests: the text of an open document, as the server has it.
+fn text(server: &Server, params: types::DocumentSymbolParams) -> Answer<TextRequest> {
+    let document = server.view.documents.get(&path_of(&params.text_document.uri));
+    Ok(document.map(|document| document.text.whole().to_string()))
 }
 
 /// The text of an open document, as the server has it.
-pub(in crate::lsp) enum TextRequest {}
+enum TextRequest {}
 
 impl types::Request for TextRequest {
     const METHOD: types::LspRequestMethod<'static> = types::LspRequestMethod::new("hypedc/text");

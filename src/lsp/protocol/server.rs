@@ -3,7 +3,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -16,15 +16,35 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::capabilities::{capabilities, watchers};
+use super::client::Client;
+use super::findings::Published;
+use super::from_protocol::{changes, folders};
 use super::requests::{self, Needs};
-use super::token_updates::SentTokens;
+use super::tokens::SentTokens;
+use super::uri::path_of;
 use super::worker::{Event, Job, Worker};
 use crate::lsp::Workspace;
-use crate::lsp::client::Client;
-use crate::lsp::diagnostics::{ByDocument, Published, by_document, carried};
 use crate::lsp::documents::Documents;
-use crate::lsp::text::uri::path_of;
-use crate::lsp::view::{Failure, Known, View};
+use crate::lsp::view::{Known, Refusal, View};
+
+/// Why a request has no answer.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Failure {
+    code: i32,
+    message: String,
+}
+
+impl Failure {
+    fn new(code: ErrorCode, message: impl Into<String>) -> Self {
+        Failure { code: code as i32, message: message.into() }
+    }
+}
+
+impl From<Refusal> for Failure {
+    fn from(Refusal(why): Refusal) -> Self {
+        Failure::new(ErrorCode::RequestFailed, why)
+    }
+}
 
 /// How the server works.
 #[derive(Debug, Clone, Copy)]
@@ -42,6 +62,7 @@ impl Default for Settings {
 /// A language server.
 pub struct Server {
     pub(super) view: View,
+    pub(super) client: Client,
     /// The semantic tokens that were sent last.
     pub(super) tokens: SentTokens,
     sender: Sender<Message>,
@@ -92,7 +113,8 @@ impl Server {
         };
         let thread = std::thread::spawn(move || worker.run());
         let mut server = Server {
-            view: View { client, documents: Documents::default(), known: BTreeMap::new(), renamed: None, disk },
+            client,
+            view: View { documents: Documents::default(), known: BTreeMap::new(), renamed: None, disk },
             tokens: SentTokens::default(),
             sender,
             published: Published::default(),
@@ -159,11 +181,9 @@ impl Server {
         let _ = self.jobs.send(job);
     }
 
-    fn touch(&mut self, path: Option<PathBuf>) {
-        if let Some(path) = path {
-            self.changed.insert(path);
-            self.is_due = true;
-        }
+    fn touch(&mut self, path: PathBuf) {
+        self.changed.insert(path);
+        self.is_due = true;
     }
 
     /// Takes a message; returns whether to go on.
@@ -183,9 +203,8 @@ impl Server {
             return self.answer(request.id, Ok(()));
         }
         if self.has_shut_down || request.method == "initialize" {
-            let (code, message) =
-                (ErrorCode::InvalidRequest as i32, "the server has shut down, or runs already".into());
-            return self.answer::<()>(request.id, Err(Failure { code, message }));
+            let failure = Failure::new(ErrorCode::InvalidRequest, "the server has shut down, or runs already");
+            return self.answer::<()>(request.id, Err(failure));
         }
         let needs = requests::needs(&request.method);
         if self.is_ready(needs) { self.dispatch(request) } else { self.waiting.push((request, needs)) }
@@ -215,32 +234,37 @@ impl Server {
         }
         let Notification { method, params } = notification;
         match method.as_str() {
-            "initialized" if self.view.client.watches_files => self.ask("client/registerCapability", watchers()),
+            "initialized" if self.client.watches_files => self.ask("client/registerCapability", watchers()),
             "textDocument/didOpen" => {
                 let Some(params) = read::<types::DidOpenTextDocumentNotification>(params) else { return };
                 let document = params.text_document;
                 let language = document.language_id.to_string();
-                let path = self.view.documents.open(document.uri, document.version, document.text, &language);
-                self.touch(Some(path));
+                let path = path_of(&document.uri);
+                self.view.documents.open(path.clone(), document.uri.0, document.version, document.text, &language);
+                self.touch(path);
             }
             "textDocument/didChange" => {
                 let Some(params) = read::<types::DidChangeTextDocumentNotification>(params) else { return };
-                let types::DidChangeTextDocumentParams { text_document: document, content_changes } = params;
-                let (uri, encoding) = (&document.text_document_identifier.uri, self.view.client.encoding);
-                let path = self.view.documents.change(uri, document.version, content_changes, encoding);
-                self.touch(path);
+                let document = params.text_document;
+                let path = path_of(&document.text_document_identifier.uri);
+                let (changes, encoding) = (changes(params.content_changes), self.client.encoding);
+                if self.view.documents.change(&path, document.version, &changes, encoding) {
+                    self.touch(path);
+                }
             }
             "textDocument/didClose" => {
                 let Some(params) = read::<types::DidCloseTextDocumentNotification>(params) else { return };
-                self.tokens.forget(&path_of(&params.text_document.uri));
-                let path = self.view.documents.close(&params.text_document.uri);
-                self.touch(path);
+                let path = path_of(&params.text_document.uri);
+                self.tokens.forget(&path);
+                if self.view.documents.close(&path) {
+                    self.touch(path);
+                }
             }
             "workspace/didChangeWatchedFiles" => {
                 let Some(params) = read::<types::DidChangeWatchedFilesNotification>(params) else { return };
                 for change in params.changes {
                     self.rescan |= change.kind != types::FileChangeType::Changed;
-                    self.touch(Some(path_of(&change.uri)));
+                    self.touch(path_of(&change.uri));
                 }
             }
             "workspace/didChangeWorkspaceFolders" => {
@@ -259,8 +283,7 @@ impl Server {
                 };
                 if let Some(at) = self.waiting.iter().position(|(request, _)| request.id == id) {
                     self.waiting.remove(at);
-                    let (code, message) = (ErrorCode::RequestCanceled as i32, "cancelled".into());
-                    self.answer::<()>(id, Err(Failure { code, message }));
+                    self.answer::<()>(id, Err(Failure::new(ErrorCode::RequestCanceled, "cancelled")));
                 }
             }
             _ => {}
@@ -271,30 +294,13 @@ impl Server {
         match event {
             Event::Compiled(snapshot) => {
                 self.failed.remove(&snapshot.root);
-                let encoding = self.view.client.encoding;
+                let before = self.view.known.remove(&snapshot.root);
                 let is_open = self.view.documents.get(&snapshot.root).is_some();
-                let found = &snapshot.ide.compilation.diagnostics;
-                let compile_findings =
-                    if is_open { by_document(&snapshot, found, encoding) } else { ByDocument::new() };
-                let mut known = Known {
-                    now: Arc::clone(&snapshot),
-                    good: None,
-                    findings: None,
-                    ranges: None,
-                    compile_findings,
-                    value_findings: ByDocument::new(),
-                };
-                if let Some(before) = self.view.known.remove(&snapshot.root) {
-                    known.value_findings = if is_open {
-                        carried(&before.value_findings, &before.now, &snapshot)
-                    } else {
-                        ByDocument::new()
-                    };
-                    (known.good, known.ranges) = (before.good, before.ranges);
-                }
-                if snapshot.is_good() {
-                    known.good = Some(Arc::clone(&snapshot));
-                }
+                let old = before.as_ref().map(|known| &*known.now);
+                self.published.compiled(old, &snapshot, is_open, self.client.encoding);
+                let (good, ranges) = before.map_or((None, None), |known| (known.good, known.ranges));
+                let good = if snapshot.is_good() { Some(Arc::clone(&snapshot)) } else { good };
+                let known = Known { now: Arc::clone(&snapshot), good, findings: None, ranges };
                 self.view.known.insert(snapshot.root.clone(), known);
             }
             Event::Failed(path, why) => {
@@ -311,6 +317,7 @@ impl Server {
             }
             Event::Dropped(path) => {
                 self.view.known.remove(&path);
+                self.published.dropped(&path);
             }
             Event::Settled(revision) => {
                 self.settled = Some(revision);
@@ -326,16 +333,15 @@ impl Server {
                 self.resume();
             }
             Event::Examined(snapshot, found) => {
-                let encoding = self.view.client.encoding;
                 let known = self.view.known.get_mut(&snapshot.root).filter(|known| Arc::ptr_eq(&known.now, &snapshot));
                 let Some(known) = known else { return };
                 let (findings, ranges) = *found;
-                known.value_findings = by_document(&snapshot, &findings, encoding);
+                self.published.examined(&snapshot, &findings, self.client.encoding);
                 known.findings = Some(findings);
                 // Of a program with errors nothing is known.
                 known.ranges = ranges.or(known.ranges.take());
                 self.publish();
-                if self.view.client.refreshes_hints {
+                if self.client.refreshes_hints {
                     self.ask("workspace/inlayHint/refresh", Value::Null);
                 }
             }
@@ -350,15 +356,14 @@ impl Server {
 
     /// Tells the editor of findings that changed.
     fn publish(&mut self) {
-        let open = self.view.known.iter().filter(|(path, _)| self.view.documents.get(path).is_some());
+        let is_open = |path: &Path| self.view.documents.get(path).is_some();
         let version = |uri: &str| {
             let path = path_of(&Uri(uri.into()));
-            let of = |known: &Known| known.now.file(&path).and_then(|file| known.now.version(file));
-            self.view.known.get(&path).and_then(of)
+            let now = &self.view.known.get(&path)?.now;
+            now.file(&path)?;
+            Some(now.document(&path)?.version)
         };
-        for params in
-            self.published.update(open.flat_map(|(_, known)| [&known.compile_findings, &known.value_findings]), version)
-        {
+        for params in self.published.update(is_open, version) {
             let params = serde_json::to_value(params).unwrap_or_default();
             let method = String::from(types::PublishDiagnosticsNotification::METHOD);
             let _ = self.sender.send(Notification { method, params }.into());
@@ -381,40 +386,28 @@ impl Server {
     }
 
     /// Answers a request with what a feature makes of it. A feature that panics is no reason to end.
-    pub(in crate::lsp) fn on<R: types::Request>(
+    pub(super) fn on<R: types::Request>(
         &mut self,
         request: Request,
         feature: impl FnOnce(&mut Self, R::Params) -> Result<R::Result, Failure>,
     ) {
         let Request { id, params, .. } = request;
         let result = match serde_json::from_value::<R::Params>(params) {
-            Err(error) => Err(Failure { code: ErrorCode::InvalidParams as i32, message: error.to_string() }),
-            Ok(params) => catch_unwind(AssertUnwindSafe(|| feature(self, params))).unwrap_or_else(|_| {
-                let (code, message) = (ErrorCode::InternalError as i32, "this cannot be answered".into());
-                Err(Failure { code, message })
-            }),
+            Err(error) => Err(Failure::new(ErrorCode::InvalidParams, error.to_string())),
+            Ok(params) => catch_unwind(AssertUnwindSafe(|| feature(self, params)))
+                .unwrap_or_else(|_| Err(Failure::new(ErrorCode::InternalError, "this cannot be answered"))),
         };
         self.answer(id, result);
     }
 
     /// Answers a request with nothing.
-    pub(in crate::lsp) fn nothing(&self, request: Request) {
+    pub(super) fn nothing(&self, request: Request) {
         self.answer(request.id, Ok(()));
     }
 
     /// Says that a request is not known.
-    pub(in crate::lsp) fn unknown(&self, request: Request) {
-        let (code, message) = (ErrorCode::MethodNotFound as i32, format!("no method `{}`", request.method));
-        self.answer::<()>(request.id, Err(Failure { code, message }));
-    }
-}
-
-/// The folders that the editor has open; older editors name one alone. Read without the types of the protocol: a client
-/// that leaves out some field that should be there has folders all the same.
-fn folders(params: &Value) -> Vec<PathBuf> {
-    let path = |uri: &Value| uri.as_str().map(|uri| path_of(&Uri(uri.into())));
-    match params["workspaceFolders"].as_array() {
-        Some(list) => list.iter().filter_map(|folder| path(&folder["uri"])).collect(),
-        None => path(&params["rootUri"]).into_iter().collect(),
+    pub(super) fn unknown(&self, request: Request) {
+        let failure = Failure::new(ErrorCode::MethodNotFound, format!("no method `{}`", request.method));
+        self.answer::<()>(request.id, Err(failure));
     }
 }

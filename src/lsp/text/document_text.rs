@@ -1,8 +1,17 @@
-//! Texts of an editor: positions of the protocol to bytes and back, changes. Lines end with LF, CRLF or CR; columns count
-//! what was agreed on. Every position has a byte: what lies beyond is moved to the nearest place inside. The protocol ends
-//! lines with a carriage return alone, too, which `line-index` and its like do not know.
+//! Texts of an editor: lines and columns to bytes and back, changes. Lines end with LF, CRLF or CR; columns count what was
+//! agreed on. Every position has a byte: what lies beyond is moved to the nearest place inside. Editors end lines with a
+//! carriage return alone, too, which `line-index` and its like do not know.
 
-use gen_lsp_types::{Position, Range};
+use std::ops::Range;
+
+/// A place in a text as editors count it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::lsp) struct Position {
+    /// From 0.
+    pub line: u32,
+    /// From 0, in units of an [`Encoding`].
+    pub column: u32,
+}
 
 /// What columns count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -67,17 +76,12 @@ impl Text {
         let line = self.starts.partition_point(|&start| start as usize <= byte).saturating_sub(1);
         let start = self.starts.get(line).map_or(0, |&s| s as usize);
         let before = self.whole.get(start..byte).unwrap_or_default();
-        let character = if encoding == Encoding::Utf8 || before.is_ascii() {
+        let column = if encoding == Encoding::Utf8 || before.is_ascii() {
             before.len() as u32
         } else {
             before.chars().map(|c| encoding.width(c)).sum()
         };
-        Position { line: line as u32, character }
-    }
-
-    /// The range of some bytes of the code.
-    pub fn range(&self, bytes: std::ops::Range<usize>, encoding: Encoding) -> Range {
-        Range { start: self.position(bytes.start, encoding), end: self.position(bytes.end, encoding) }
+        Position { line: line as u32, column }
     }
 
     /// The byte of the code at a position, or at the nearest one that there is.
@@ -86,7 +90,7 @@ impl Text {
     }
 
     /// The bytes of the code between two positions, whichever comes first.
-    pub fn bytes(&self, range: Range, encoding: Encoding) -> std::ops::Range<usize> {
+    pub fn bytes(&self, range: Range<Position>, encoding: Encoding) -> Range<usize> {
         let (a, b) = (self.byte(range.start, encoding), self.byte(range.end, encoding));
         a.min(b)..a.max(b)
     }
@@ -95,7 +99,7 @@ impl Text {
         let Some(&start) = self.starts.get(position.line as usize) else { return self.whole.len() };
         let end = self.starts.get(position.line as usize + 1).map_or(self.whole.len(), |&e| e as usize);
         let line = self.whole.get(start as usize..end).unwrap_or_default().trim_end_matches(['\n', '\r']);
-        let mut left = position.character;
+        let mut left = position.column;
         for (at, c) in line.char_indices() {
             let width = encoding.width(c);
             // Inside of a character is before it.
@@ -108,7 +112,7 @@ impl Text {
     }
 
     /// Puts a text in place of a range, or of everything.
-    pub fn change(&mut self, range: Option<Range>, text: &str, encoding: Encoding) {
+    pub fn change(&mut self, range: Option<Range<Position>>, text: &str, encoding: Encoding) {
         match range {
             Some(range) => {
                 let (a, b) = (self.whole_byte(range.start, encoding), self.whole_byte(range.end, encoding));
@@ -134,8 +138,8 @@ fn line_starts(text: &str) -> Vec<u32> {
 mod tests {
     use super::*;
 
-    fn at(line: u32, character: u32) -> Position {
-        Position { line, character }
+    fn at(line: u32, column: u32) -> Position {
+        Position { line, column }
     }
 
     #[test]
@@ -170,7 +174,7 @@ mod tests {
     #[test]
     fn changes_are_put_in_place() {
         let mut text = Text::new("ab\r\ncd");
-        text.change(Some(Range { start: at(0, 2), end: at(1, 0) }), "\u{1f40a}\n", Encoding::Utf16);
+        text.change(Some(at(0, 2)..at(1, 0)), "\u{1f40a}\n", Encoding::Utf16);
         assert_eq!(text.whole(), "ab\u{1f40a}\ncd");
         assert_eq!(text.position(7, Encoding::Utf16), at(1, 0));
         text.change(None, "x", Encoding::Utf16);

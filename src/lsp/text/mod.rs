@@ -1,5 +1,4 @@
-//! Texts that may be broken: positions, words, where a cursor is. Nothing here knows of programs or of the protocol's
-//! messages.
+//! Texts that may be broken: positions, words, where a cursor is. Nothing here knows of programs or of the protocol.
 
 pub(super) mod alignment;
 pub(super) mod document_text;
@@ -7,5 +6,4 @@ pub(super) mod following;
 pub(super) mod lexer;
 pub(super) mod meanings;
 pub(super) mod place;
-pub(super) mod uri;
 pub(super) mod words;

@@ -1,9 +1,11 @@
 //! Names of documents: `file:` URIs to paths and back. A document of another scheme is called by its URI.
 
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use gen_lsp_types::Uri;
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, utf8_percent_encode};
+
+use crate::lsp::documents::clean;
 
 /// What is in no path of a URI (RFC 3986, 3.3).
 const OUTSIDE_OF_PATHS: &AsciiSet = &NON_ALPHANUMERIC
@@ -27,7 +29,7 @@ const OUTSIDE_OF_PATHS: &AsciiSet = &NON_ALPHANUMERIC
     .remove(b'\'');
 
 /// The path of a document, without `.` and `..`.
-pub(in crate::lsp) fn path_of(uri: &Uri) -> PathBuf {
+pub(super) fn path_of(uri: &Uri) -> PathBuf {
     let Some(rest) = uri.0.strip_prefix("file://") else { return PathBuf::from(&uri.0) };
     // What is before the first slash is a host; ours has no name.
     let path = rest.find('/').map_or("", |at| &rest[at..]);
@@ -38,28 +40,13 @@ pub(in crate::lsp) fn path_of(uri: &Uri) -> PathBuf {
 }
 
 /// The URI of a path.
-pub(in crate::lsp) fn uri_of(path: &Path) -> Uri {
+pub(super) fn uri_of(path: &Path) -> Uri {
     let text = path.to_string_lossy().replace('\\', "/");
     if !text.starts_with('/') && text.get(1..2).is_none_or(|colon| colon != ":") {
         return Uri(text);
     }
     let root = if text.starts_with('/') { "file://" } else { "file:///" };
     Uri(format!("{root}{}", utf8_percent_encode(&text, OUTSIDE_OF_PATHS)))
-}
-
-/// A path without `.` and `..`, whatever the disk says of links.
-pub(in crate::lsp) fn clean(path: &Path) -> PathBuf {
-    let mut out = PathBuf::new();
-    for component in path.components() {
-        match component {
-            Component::CurDir => {}
-            Component::ParentDir if matches!(out.components().next_back(), Some(Component::Normal(_))) => {
-                out.pop();
-            }
-            other => out.push(other),
-        }
-    }
-    out
 }
 
 #[cfg(test)]

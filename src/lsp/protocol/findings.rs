@@ -1,37 +1,48 @@
 //! Findings as the editor shows them: by document, each once, however many programs import it.
 
 use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use gen_lsp_types::{
     Code as WrittenCode, Diagnostic as Shown, DiagnosticRelatedInformation, DiagnosticSeverity, DiagnosticTag,
-    Position, PublishDiagnosticsParams, Range, Uri,
+    Location, Position, PublishDiagnosticsParams, Range, Uri,
 };
 
+use super::to_protocol;
+use super::uri::{path_of, uri_of};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Severity};
-use crate::source::FileId;
-
 use crate::lsp::snapshot::Snapshot;
 use crate::lsp::text::alignment::Alignment;
 use crate::lsp::text::document_text::Encoding;
-use crate::lsp::text::uri::path_of;
+use crate::source::Span;
 
 /// What is shown of one program, by document.
-pub(in crate::lsp) type ByDocument = BTreeMap<String, Vec<Shown>>;
+type ByDocument = BTreeMap<String, Vec<Shown>>;
+
+/// A document of a program, as the editor called it when that was compiled.
+fn uri(snapshot: &Snapshot, path: &Path) -> Uri {
+    snapshot.document(path).map_or_else(|| uri_of(path), |document| Uri(document.uri.clone()))
+}
+
+/// The range of a place in the text that was compiled.
+fn range_of(snapshot: &Snapshot, at: Span, encoding: Encoding) -> Range {
+    to_protocol::range(&snapshot.text(at.file()), &at.range(), encoding)
+}
 
 /// Some findings of a program, by document.
-pub(in crate::lsp) fn by_document(snapshot: &Snapshot, found: &Diagnostics, encoding: Encoding) -> ByDocument {
+fn by_document(snapshot: &Snapshot, found: &Diagnostics, encoding: Encoding) -> ByDocument {
     let mut out = ByDocument::new();
     for finding in found.iter() {
         let file = finding.primary.as_ref().map(|label| label.span.file());
-        let uri = file.map_or_else(|| snapshot.root_uri(), |file| snapshot.uri(file));
-        out.entry(uri.0).or_default().push(shown(finding, snapshot, encoding));
+        let path = file.map_or(snapshot.root.as_path(), |file| snapshot.path(file));
+        out.entry(uri(snapshot, path).0).or_default().push(shown(finding, snapshot, encoding));
     }
     out
 }
 
 /// What is left of the findings of an older state of a program: those whose lines are still there, at their new places.
-pub(in crate::lsp) fn carried(found: &ByDocument, old: &Snapshot, new: &Snapshot) -> ByDocument {
+fn carried(found: &ByDocument, old: &Snapshot, new: &Snapshot) -> ByDocument {
     let mut moves = Moves { old, new, known: BTreeMap::new() };
     let mut out = ByDocument::new();
     for (uri, findings) in found {
@@ -80,11 +91,14 @@ impl Moves<'_> {
 }
 
 /// One finding.
-pub(in crate::lsp) fn shown(finding: &Diagnostic, snapshot: &Snapshot, encoding: Encoding) -> Shown {
+pub(super) fn shown(finding: &Diagnostic, snapshot: &Snapshot, encoding: Encoding) -> Shown {
     let start = Position { line: 0, character: 0 };
-    let range = finding.primary.as_ref().map_or(Range { start, end: start }, |l| snapshot.range(l.span, encoding));
+    let range = finding.primary.as_ref().map_or(Range { start, end: start }, |l| range_of(snapshot, l.span, encoding));
     let related = finding.secondary.iter().map(|label| DiagnosticRelatedInformation {
-        location: snapshot.location(label.span, encoding),
+        location: Location {
+            uri: uri(snapshot, snapshot.path(label.span.file())),
+            range: range_of(snapshot, label.span, encoding),
+        },
         message: if label.text.is_empty() { "see here".into() } else { label.text.to_string() },
     });
     let related: Vec<DiagnosticRelatedInformation> = related.collect();
@@ -124,23 +138,55 @@ fn tag(code: Code) -> Option<DiagnosticTag> {
     without_effect.then_some(DiagnosticTag::Unnecessary)
 }
 
-/// What was sent, and what is to be sent next.
+/// What is shown of a program.
 #[derive(Debug, Default)]
-pub(in crate::lsp) struct Published {
+struct OfProgram {
+    /// What compiling found.
+    compiling: ByDocument,
+    /// What the analysis of values found: of the program as it is now or, until that is known, of its state before.
+    values: ByDocument,
+}
+
+/// What is known of the open programs, and what was sent of it.
+#[derive(Debug, Default)]
+pub(super) struct Published {
+    programs: BTreeMap<PathBuf, OfProgram>,
     /// With the version of the text that the places were counted in, for documents that are open.
     sent: BTreeMap<String, (Option<i32>, Vec<Shown>)>,
 }
 
 impl Published {
+    /// A program was compiled, after an older state of it.
+    pub fn compiled(&mut self, old: Option<&Snapshot>, new: &Snapshot, is_open: bool, encoding: Encoding) {
+        let before = self.programs.remove(&new.root);
+        if is_open {
+            let compiling = by_document(new, &new.ide.compilation.diagnostics, encoding);
+            let values = before.zip(old).map(|(before, old)| carried(&before.values, old, new)).unwrap_or_default();
+            self.programs.insert(new.root.clone(), OfProgram { compiling, values });
+        }
+    }
+
+    /// The values of a program were analysed.
+    pub fn examined(&mut self, snapshot: &Snapshot, found: &Diagnostics, encoding: Encoding) {
+        self.programs.entry(snapshot.root.clone()).or_default().values = by_document(snapshot, found, encoding);
+    }
+
+    /// A program is of no interest any more.
+    pub fn dropped(&mut self, root: &Path) {
+        self.programs.remove(root);
+    }
+
     /// The messages that bring the editor up to date: documents whose findings changed, those without any included, and
     /// those whose text changed around them: an editor may have kept places that it counted in the old text, as Eglot does.
-    pub fn update<'a>(
+    pub fn update(
         &mut self,
-        programs: impl IntoIterator<Item = &'a ByDocument>,
+        is_open: impl Fn(&Path) -> bool,
         version: impl Fn(&str) -> Option<i32>,
     ) -> Vec<PublishDiagnosticsParams> {
+        let programs = self.programs.iter().filter(|(root, _)| is_open(root));
+        let programs = programs.flat_map(|(_, of)| [&of.compiling, &of.values]);
         let mut all = ByDocument::new();
-        for (uri, found) in programs.into_iter().flatten() {
+        for (uri, found) in programs.flatten() {
             let known = all.entry(uri.clone()).or_default();
             for finding in found {
                 // A finding in a file that several programs import comes once.
@@ -167,20 +213,4 @@ impl Published {
         }
         messages
     }
-}
-
-/// The findings of a file that can be mended, and touch some bytes of it.
-pub(in crate::lsp) fn mendable<'a>(
-    snapshot: &'a Snapshot,
-    more: Option<&'a Diagnostics>,
-    file: FileId,
-    bytes: std::ops::Range<usize>,
-) -> impl Iterator<Item = &'a Diagnostic> {
-    let found = snapshot.ide.compilation.diagnostics.iter().chain(more.into_iter().flat_map(Diagnostics::iter));
-    found.filter(move |finding| {
-        let touches = |l: &crate::diagnostic::Label| {
-            l.span.file() == file && l.span.range().start <= bytes.end && bytes.start <= l.span.range().end
-        };
-        finding.fix.is_some() && finding.primary.as_ref().is_some_and(touches)
-    })
 }

@@ -6,7 +6,7 @@ use crate::lsp::text::document_text::Encoding;
 
 /// What matters of the editor.
 #[derive(Debug, Clone, Copy, Default)]
-pub(in crate::lsp) struct Client {
+pub(super) struct Client {
     /// What columns count.
     pub encoding: Encoding,
     /// Whether it tells of changed files if it is asked to.

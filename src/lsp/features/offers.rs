@@ -1,0 +1,250 @@
+//! What can be offered: names by what they name, words and functions of the language, files, snippets. What is offered
+//! where is in [`completion`](super::completion).
+
+use std::path::Path;
+
+use crate::sema::checked::{Checked, Entity, World};
+use crate::source::FileId;
+use crate::syntax::occurrence::{NameKind, Occurrence, Role};
+
+use super::hover::called;
+use crate::lsp::snapshot::Snapshot;
+use crate::lsp::text::words::{SIGNATURES, Snippet};
+use crate::lsp::view::View;
+
+/// What is offered. Offers of one name are in this order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(in crate::lsp) enum CompletionKind {
+    Mode,
+    /// A function of the language, a goal or a `never`.
+    Function,
+    /// A continuous or discrete variable, or a reference.
+    Variable,
+    /// An instance, or what is touched.
+    Instance,
+    Entity,
+    Behavior,
+    /// A space or a world.
+    Space,
+    /// A parameter of a behaviour, or a size of a space.
+    Property,
+    /// A group or a tile set.
+    Group,
+    Keyword,
+    /// A text with places to fill in.
+    Snippet,
+    File,
+    /// A value of a discrete variable, a tag or a side.
+    Value,
+    /// A constant, or a parameter of an entity.
+    Constant,
+    /// A button or an axis.
+    Input,
+}
+
+/// What is put in.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(in crate::lsp) enum Insert {
+    /// The label.
+    Label,
+    /// A text with places to fill in, as `$1`; for editors without such texts the label.
+    Snippet(String),
+}
+
+/// A name or word that is offered. They are ordered by their fields.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(in crate::lsp) struct Completion {
+    /// Nearer things come first.
+    pub rank: u8,
+    pub label: String,
+    pub kind: CompletionKind,
+    /// May be empty.
+    pub detail: String,
+    pub insert: Insert,
+}
+
+/// Gathers what is offered.
+pub(super) struct Offers<'a> {
+    /// The program as it is, and as it was last without errors.
+    pub programs: Vec<&'a Snapshot>,
+    file: Option<FileId>,
+    pub code: &'a str,
+    pub list: Vec<Completion>,
+}
+
+impl<'a> Offers<'a> {
+    pub fn new(view: &'a View, path: &Path, code: &'a str) -> Self {
+        let known: Vec<_> = view.programs(path).collect();
+        let now = known.iter().map(|k| &*k.now);
+        let programs: Vec<&Snapshot> = now.chain(known.iter().filter_map(|k| k.good.as_deref())).collect();
+        let file = programs.first().and_then(|p| p.file(path));
+        Offers { programs, file, code, list: Vec::new() }
+    }
+
+    pub fn add(&mut self, rank: u8, label: &str, kind: CompletionKind, detail: &str) {
+        let (label, detail) = (label.to_string(), detail.to_string());
+        self.list.push(Completion { rank, label, kind, detail, insert: Insert::Label });
+    }
+
+    pub fn files(&mut self, paths: impl Iterator<Item = String>) {
+        paths.for_each(|path| self.add(0, &path, CompletionKind::File, ""));
+    }
+
+    pub fn words(&mut self, words: &[&str]) {
+        words.iter().for_each(|word| self.add(2, word, CompletionKind::Keyword, ""));
+    }
+
+    pub fn snippets(&mut self, snippets: &[Snippet]) {
+        for Snippet { label, text, detail } in snippets {
+            self.add(3, label, CompletionKind::Snippet, detail);
+            if let Some(last) = self.list.last_mut() {
+                last.insert = Insert::Snippet((*text).to_string());
+            }
+        }
+    }
+
+    pub fn checked(&self) -> impl Iterator<Item = &'a Checked> + use<'a> {
+        self.programs.clone().into_iter().map(|p| &p.ide.checked)
+    }
+
+    /// An entity by its name, as it is, or as it was if nothing of it can be read.
+    pub fn entity(&self, name: &str) -> Option<&'a Entity> {
+        let all = || self.checked().flat_map(|c| c.entities.iter()).filter(|e| e.name.text == name);
+        all().find(|e| e.modes.len() + e.params.len() + e.buttons.len() > 0).or_else(|| all().next()).map(|e| &**e)
+    }
+
+    pub fn world(&self, name: &str) -> Option<&'a World> {
+        let all = || self.checked().flat_map(|c| c.worlds.iter()).filter(|w| w.name.text == name);
+        all().find(|w| !w.instances.is_empty()).or_else(|| all().next())
+    }
+
+    /// Names of some kinds that are declared in this file from a byte on: those of a behaviour, which is no entity.
+    pub fn declared(&mut self, from: usize, kinds: &[NameKind]) {
+        let Some((program, file)) = self.programs.first().copied().zip(self.file) else { return };
+        let all = &program.ide.occurrences;
+        let first = all.partition_point(|o| (o.at.file(), o.at.range().start) < (file, from));
+        let here = all.iter().skip(first).take_while(|o| o.at.file() == file).filter(|o| o.role == Role::Declared);
+        // The behaviour's own name comes first; the next item ends it.
+        let is_item = |o: &&Occurrence| {
+            matches!(o.kind, NameKind::Entity | NameKind::Behavior | NameKind::World | NameKind::Constant)
+        };
+        for o in here.skip(1).take_while(|o| !is_item(o)).filter(|o| kinds.contains(&o.kind)) {
+            self.add(0, program.name(o), kind_of(o.kind), called(o.kind));
+        }
+    }
+
+    pub fn entities(&mut self) {
+        for entity in self.checked().flat_map(|c| c.entities.iter()) {
+            self.add(0, &entity.name.text, CompletionKind::Entity, "entity");
+        }
+    }
+
+    pub fn named(&mut self, kind: NameKind) {
+        for program in self.programs.clone() {
+            let all = program.ide.occurrences.iter();
+            for o in all.filter(|o| o.kind == kind && (o.role == Role::Declared || kind == NameKind::Tag)) {
+                self.add(0, program.name(o), kind_of(kind), called(kind));
+            }
+        }
+    }
+
+    /// The modes of an entity, or those below a path.
+    pub fn modes(&mut self, entity: &Entity, prefix: &[&str]) {
+        self.modes_of(entity, prefix, |_| true);
+    }
+
+    /// Those of its modes whose group is wanted.
+    pub fn modes_of(&mut self, entity: &Entity, prefix: &[&str], wanted: impl Fn(&str) -> bool) {
+        let last = |name: &str| entity.modes.iter().filter(|m| m.name.text == name).count();
+        for mode in entity.modes.iter().filter(|m| m.path.first().is_some_and(|group| wanted(group))) {
+            let path: Vec<&str> = mode.path.iter().map(String::as_str).collect();
+            if prefix.is_empty() {
+                // The shortest path that fits one mode alone.
+                let short = last(&mode.name.text) == 1;
+                let label = if short { mode.name.text.to_string() } else { mode.path.join(".") };
+                self.add(0, &label, CompletionKind::Mode, "mode");
+            } else if let Some((name, outer)) = path.split_last()
+                && outer.ends_with(prefix)
+            {
+                self.add(0, name, CompletionKind::Mode, "mode");
+            }
+        }
+    }
+
+    /// What can be read of an instance of an entity.
+    pub fn members(&mut self, entity: &Entity) {
+        entity.vars.iter().for_each(|v| self.add(0, &v.name.text, CompletionKind::Variable, "continuous"));
+        entity.discretes.iter().for_each(|d| self.add(0, &d.name.text, CompletionKind::Variable, "discrete"));
+        entity.params.iter().for_each(|p| self.add(0, &p.name.text, CompletionKind::Constant, "param"));
+    }
+
+    /// What an instance of an entity can be given: those of its values that nothing is given yet, each ready to be set.
+    pub fn settings(&mut self, entity: &Entity, given: &[&str]) {
+        let from = self.list.len();
+        self.members(entity);
+        self.refs(Some(entity));
+        self.as_assignments(from, given);
+    }
+
+    /// Makes what was offered from some place in the list on an assignment, and leaves out what is given already.
+    pub fn as_assignments(&mut self, from: usize, given: &[&str]) {
+        let offered = self.list.split_off(from);
+        for mut offer in offered.into_iter().filter(|offer| !given.contains(&offer.label.as_str())) {
+            offer.insert = Insert::Snippet(format!("{} = $1", offer.label));
+            self.list.push(offer);
+        }
+    }
+
+    pub fn functions(&mut self, wanted: impl Fn(&str) -> bool) {
+        let mut last_name = "";
+        for s in SIGNATURES.iter().filter(|s| wanted(s.name)) {
+            // The ways to call one thing are one after the other.
+            if std::mem::replace(&mut last_name, s.name) == s.name {
+                continue;
+            }
+            self.add(1, s.name, CompletionKind::Function, s.doc);
+            if let Some(last) = self.list.last_mut() {
+                last.insert = Insert::Snippet(format!("{}($1)", s.name));
+            }
+        }
+    }
+
+    /// The entity of an instance.
+    pub fn instance(&self, world: &World, name: &str) -> Option<&'a Entity> {
+        let instance = world.instances.iter().find(|i| i.name.text == name)?;
+        // The entity's id is of the program that the world is of.
+        self.checked().filter(|c| c.worlds.iter().any(|w| w.span == world.span)).find_map(|c| {
+            let entity = c.entities.get(instance.entity)?;
+            Some(&**entity)
+        })
+    }
+
+    pub fn instances(&mut self, world: Option<&World>) {
+        let named = world.into_iter().flat_map(|w| w.instances.iter()).filter(|i| !i.name.text.contains('#'));
+        let names: Vec<String> = named.map(|i| i.name.text.to_string()).collect();
+        names.iter().for_each(|name| self.add(0, name, CompletionKind::Instance, "instance"));
+    }
+
+    pub fn refs(&mut self, own: Option<&Entity>) {
+        let refs = own.into_iter().flat_map(|e| e.refs.iter());
+        refs.for_each(|r| self.add(0, &r.name.text, CompletionKind::Variable, "ref"));
+    }
+}
+
+/// How a name is listed.
+fn kind_of(kind: NameKind) -> CompletionKind {
+    match kind {
+        NameKind::Constant | NameKind::Parameter => CompletionKind::Constant,
+        NameKind::Entity => CompletionKind::Entity,
+        NameKind::Behavior => CompletionKind::Behavior,
+        NameKind::Argument => CompletionKind::Property,
+        NameKind::World | NameKind::Space => CompletionKind::Space,
+        NameKind::Group | NameKind::TileSet => CompletionKind::Group,
+        NameKind::Mode => CompletionKind::Mode,
+        NameKind::Variable | NameKind::Discrete | NameKind::Reference => CompletionKind::Variable,
+        NameKind::Value | NameKind::Tag => CompletionKind::Value,
+        NameKind::Touched | NameKind::Instance => CompletionKind::Instance,
+        NameKind::Button | NameKind::Axis => CompletionKind::Input,
+        NameKind::Goal | NameKind::Never => CompletionKind::Function,
+    }
+}

@@ -1,0 +1,69 @@
+//! What the editor says, in plain terms: paths for URIs, bytes for lines and columns.
+
+use std::ops::Range;
+use std::path::PathBuf;
+
+use gen_lsp_types as types;
+use gen_lsp_types::{TextDocumentContentChangeEvent, Uri};
+use serde_json::Value;
+
+use super::uri::path_of;
+use crate::lsp::documents::Change;
+use crate::lsp::features::hierarchy::ModeName;
+use crate::lsp::location::FileOffset;
+use crate::lsp::text::document_text::{Encoding, Position};
+use crate::lsp::view::View;
+
+/// A line and a column.
+pub(super) fn position(at: types::Position) -> Position {
+    Position { line: at.line, column: at.character }
+}
+
+/// A place in a document; of one that nothing is known of, its first byte.
+pub(super) fn offset(view: &View, encoding: Encoding, at: &types::TextDocumentPositionParams) -> FileOffset {
+    let path = path_of(&at.text_document.uri);
+    let byte = view.text(&path).map_or(0, |text| text.byte(position(at.position), encoding));
+    FileOffset { path, byte }
+}
+
+/// A part of a document, whichever end comes first; of one that nothing is known of, nothing.
+pub(super) fn file_bytes(
+    view: &View,
+    encoding: Encoding,
+    document: &types::TextDocumentIdentifier,
+    range: types::Range,
+) -> (PathBuf, Range<usize>) {
+    let path = path_of(&document.uri);
+    let range = position(range.start)..position(range.end);
+    let bytes = view.text(&path).map_or(0..0, |text| text.bytes(range, encoding));
+    (path, bytes)
+}
+
+/// The changes of a document.
+pub(super) fn changes(changes: Vec<TextDocumentContentChangeEvent>) -> Vec<Change> {
+    use TextDocumentContentChangeEvent::{TextDocumentContentChangePartial, TextDocumentContentChangeWholeDocument};
+    let change = |change| match change {
+        TextDocumentContentChangePartial(part) => {
+            Change { range: Some(position(part.range.start)..position(part.range.end)), new_text: part.text }
+        }
+        TextDocumentContentChangeWholeDocument(whole) => Change { range: None, new_text: whole.text },
+    };
+    changes.into_iter().map(change).collect()
+}
+
+/// The mode of an item of a call hierarchy, as the server wrote it into its data.
+pub(super) fn mode_name(item: &types::CallHierarchyItem) -> Option<ModeName> {
+    let data = item.data.as_ref()?;
+    let text = |key: &str| Some(data.get(key)?.as_str()?.to_string());
+    Some(ModeName { root: text("root")?.into(), entity: text("entity")?, mode: text("mode")? })
+}
+
+/// The folders that the editor has open; older editors name one alone. Read without the types of the protocol: a client
+/// that leaves out some field that should be there has folders all the same.
+pub(super) fn folders(params: &Value) -> Vec<PathBuf> {
+    let path = |uri: &Value| uri.as_str().map(|uri| path_of(&Uri(uri.into())));
+    match params["workspaceFolders"].as_array() {
+        Some(list) => list.iter().filter_map(|folder| path(&folder["uri"])).collect(),
+        None => path(&params["rootUri"]).into_iter().collect(),
+    }
+}

@@ -1,0 +1,79 @@
+//! Kinds of names, symbols, offers and actions as the protocol's kinds, which editors show as icons.
+
+use gen_lsp_types::{CodeActionKind, CompletionItemKind, DocumentHighlightKind, SymbolKind};
+
+use crate::lsp::features::actions::ActionKind;
+use crate::lsp::features::offers::CompletionKind;
+use crate::lsp::features::structure::SymbolKind as PartKind;
+use crate::syntax::occurrence::{NameKind, Role};
+
+/// How a name is shown in lists of symbols.
+pub(super) fn of_name(kind: NameKind) -> SymbolKind {
+    match kind {
+        NameKind::Entity => SymbolKind::Class,
+        NameKind::Behavior => SymbolKind::Interface,
+        NameKind::Argument => SymbolKind::TypeParameter,
+        NameKind::World => SymbolKind::Module,
+        NameKind::Space => SymbolKind::Namespace,
+        NameKind::Group | NameKind::TileSet => SymbolKind::Enum,
+        NameKind::Mode => SymbolKind::Method,
+        NameKind::Constant | NameKind::Parameter => SymbolKind::Constant,
+        NameKind::Variable | NameKind::Discrete | NameKind::Touched => SymbolKind::Variable,
+        NameKind::Value | NameKind::Tag => SymbolKind::EnumMember,
+        NameKind::Reference => SymbolKind::Field,
+        NameKind::Button | NameKind::Axis => SymbolKind::Event,
+        NameKind::Instance => SymbolKind::Object,
+        NameKind::Goal | NameKind::Never => SymbolKind::Boolean,
+    }
+}
+
+/// How a part of an outline is shown.
+pub(super) fn of_symbol(kind: PartKind) -> SymbolKind {
+    match kind {
+        PartKind::Name(kind) => of_name(kind),
+        PartKind::File => SymbolKind::File,
+        PartKind::Shape => SymbolKind::Object,
+        PartKind::Edge => SymbolKind::Operator,
+        PartKind::Spawn => SymbolKind::Constructor,
+        PartKind::Tile => SymbolKind::EnumMember,
+        PartKind::Player => SymbolKind::Key,
+        PartKind::Limit => SymbolKind::Number,
+    }
+}
+
+/// How an offer is shown.
+pub(super) fn of_completion(kind: CompletionKind) -> CompletionItemKind {
+    match kind {
+        CompletionKind::Mode => CompletionItemKind::Method,
+        CompletionKind::Function => CompletionItemKind::Function,
+        CompletionKind::Variable => CompletionItemKind::Field,
+        CompletionKind::Instance => CompletionItemKind::Variable,
+        CompletionKind::Entity => CompletionItemKind::Class,
+        CompletionKind::Behavior => CompletionItemKind::Interface,
+        CompletionKind::Space => CompletionItemKind::Module,
+        CompletionKind::Property => CompletionItemKind::Property,
+        CompletionKind::Group => CompletionItemKind::Enum,
+        CompletionKind::Keyword => CompletionItemKind::Keyword,
+        CompletionKind::Snippet => CompletionItemKind::Snippet,
+        CompletionKind::File => CompletionItemKind::File,
+        CompletionKind::Value => CompletionItemKind::EnumMember,
+        CompletionKind::Constant => CompletionItemKind::Constant,
+        CompletionKind::Input => CompletionItemKind::Event,
+    }
+}
+
+/// Whether a use of a name reads or writes.
+pub(super) fn of_highlight(role: Role) -> DocumentHighlightKind {
+    match role {
+        Role::Read => DocumentHighlightKind::Read,
+        Role::Written | Role::Declared => DocumentHighlightKind::Write,
+    }
+}
+
+/// What editors ask for actions by.
+pub(super) fn of_action(kind: ActionKind) -> CodeActionKind {
+    match kind {
+        ActionKind::Fix => CodeActionKind::QuickFix,
+        ActionKind::FixAll => CodeActionKind::SourceFixAll,
+    }
+}

@@ -1,0 +1,263 @@
+//! Answers of features in the protocol's terms: URIs for paths, lines and columns for bytes, the protocol's kinds.
+
+use std::collections::HashMap;
+use std::ops::Range;
+use std::path::Path;
+
+use gen_lsp_types as types;
+use gen_lsp_types::Uri;
+use serde_json::json;
+
+use super::client::Client;
+use super::findings;
+use super::kinds;
+use super::uri::uri_of;
+use crate::lsp::documents::Documents;
+use crate::lsp::features::actions::{ActionKind, CodeAction};
+use crate::lsp::features::completion::Completions;
+use crate::lsp::features::hierarchy::CallItem;
+use crate::lsp::features::hints::{CodeLens, HintKind, InlayHint, Run};
+use crate::lsp::features::hover::Hover;
+use crate::lsp::features::navigate::{Definition, Highlight, Link, WorkspaceSymbol};
+use crate::lsp::features::offers::{Completion, Insert};
+use crate::lsp::features::rename::Renamable;
+use crate::lsp::features::signature::{CallSignature, SignatureHelp};
+use crate::lsp::features::structure::{Fold, FoldKind, Symbol};
+use crate::lsp::location::{Edit, Location};
+use crate::lsp::text::document_text::{Encoding, Position, Text};
+
+const START: types::Position = types::Position { line: 0, character: 0 };
+
+/// A line and a column.
+pub(super) fn position(at: Position) -> types::Position {
+    types::Position { line: at.line, character: at.column }
+}
+
+/// The range of some bytes of a text.
+pub(super) fn range(text: &Text, bytes: &Range<usize>, encoding: Encoding) -> types::Range {
+    let at = |byte| position(text.position(byte, encoding));
+    types::Range { start: at(bytes.start), end: at(bytes.end) }
+}
+
+/// Writes answers for an editor.
+#[derive(Clone, Copy)]
+pub(super) struct ToProtocol<'s> {
+    pub documents: &'s Documents,
+    pub client: &'s Client,
+}
+
+impl ToProtocol<'_> {
+    /// A file, as the editor calls it.
+    fn uri(self, path: &Path) -> Uri {
+        self.documents.get(path).map_or_else(|| uri_of(path), |document| Uri(document.uri.clone()))
+    }
+
+    fn range(self, text: &Text, bytes: &Range<usize>) -> types::Range {
+        range(text, bytes, self.client.encoding)
+    }
+
+    fn range_of(self, at: &Location) -> types::Range {
+        self.range(&at.text, &at.bytes)
+    }
+
+    pub fn location(self, at: &Location) -> types::Location {
+        types::Location { uri: self.uri(&at.path), range: self.range_of(at) }
+    }
+
+    pub fn definition(self, found: Definition) -> Option<types::DefinitionResponse> {
+        let locations = match found {
+            Definition::File(path) => {
+                vec![types::Location { uri: uri_of(&path), range: types::Range { start: START, end: START } }]
+            }
+            Definition::Declarations(declared) => declared.iter().map(|at| self.location(at)).collect(),
+        };
+        (!locations.is_empty()).then(|| types::Definition::from(locations).into())
+    }
+
+    pub fn highlight(self, highlight: &Highlight) -> types::DocumentHighlight {
+        let kind = kinds::of_highlight(highlight.role);
+        types::DocumentHighlight { range: self.range_of(&highlight.at), kind: Some(kind) }
+    }
+
+    pub fn workspace_symbol(self, symbol: WorkspaceSymbol) -> types::WorkspaceSymbol {
+        let WorkspaceSymbol { name, kind, at, container: container_name } = symbol;
+        let base = types::BaseSymbolInformation { name, kind: kinds::of_name(kind), tags: None, container_name };
+        types::WorkspaceSymbol { location: self.location(&at).into(), data: None, base_symbol_information: base }
+    }
+
+    pub fn link(self, text: &Text, link: &Link) -> types::DocumentLink {
+        let (range, target) = (self.range(text, &link.bytes), Some(uri_of(&link.target)));
+        types::DocumentLink { range, target, tooltip: None, data: None }
+    }
+
+    pub fn hover(self, hover: Hover) -> types::Hover {
+        let contents = types::MarkupContent { kind: types::MarkupKind::Markdown, value: hover.markdown };
+        types::Hover { contents: contents.into(), range: Some(self.range_of(&hover.at)) }
+    }
+
+    pub fn renamable(self, renamable: Renamable) -> types::PrepareRenameResult {
+        let range = self.range_of(&renamable.at);
+        types::PrepareRenamePlaceholder { range, placeholder: renamable.name }.into()
+    }
+
+    pub fn text_edits(self, text: &Text, edits: Vec<(Range<usize>, String)>) -> Vec<types::TextEdit> {
+        let edit = |(bytes, new_text)| types::TextEdit { range: self.range(text, &bytes), new_text };
+        edits.into_iter().map(edit).collect()
+    }
+
+    pub fn workspace_edit(self, edits: Vec<Edit>) -> types::WorkspaceEdit {
+        let mut changes: HashMap<Uri, Vec<types::TextEdit>> = HashMap::new();
+        for Edit { at, new_text } in edits {
+            let edit = types::TextEdit { range: self.range_of(&at), new_text };
+            changes.entry(self.uri(&at.path)).or_default().push(edit);
+        }
+        types::WorkspaceEdit { changes: Some(changes), ..types::WorkspaceEdit::default() }
+    }
+
+    pub fn code_action(self, action: CodeAction<'_>) -> types::CodeAction {
+        let shown = |(snapshot, finding)| vec![findings::shown(finding, snapshot, self.client.encoding)];
+        types::CodeAction {
+            title: action.title.into(),
+            kind: Some(kinds::of_action(action.kind)),
+            diagnostics: action.finding.map(shown),
+            is_preferred: (action.kind == ActionKind::Fix).then_some(true),
+            edit: Some(self.workspace_edit(action.edits)),
+            ..types::CodeAction::default()
+        }
+    }
+
+    pub fn completion(self, text: &Text, found: Completions) -> types::CompletionResponse {
+        let range = self.range(text, &found.replaces);
+        let item = |Completion { rank, label, kind, detail, insert }| {
+            let snippet = match insert {
+                Insert::Snippet(snippet) if self.client.has_snippets => Some(snippet),
+                Insert::Snippet(_) | Insert::Label => None,
+            };
+            types::CompletionItem {
+                sort_text: Some(format!("{rank}{label}")),
+                kind: Some(kinds::of_completion(kind)),
+                detail: (!detail.is_empty()).then_some(detail),
+                insert_text_format: snippet.is_some().then_some(types::InsertTextFormat::Snippet),
+                text_edit: Some(types::TextEdit { range, new_text: snippet.unwrap_or_else(|| label.clone()) }.into()),
+                label,
+                ..types::CompletionItem::default()
+            }
+        };
+        found.offers.into_iter().map(item).collect::<Vec<_>>().into()
+    }
+
+    #[allow(deprecated, reason = "a field must be named to be left out")]
+    pub fn symbol(self, text: &Text, symbol: Symbol) -> types::DocumentSymbol {
+        let children: Vec<_> = symbol.children.into_iter().map(|child| self.symbol(text, child)).collect();
+        types::DocumentSymbol {
+            name: symbol.name,
+            detail: symbol.detail,
+            kind: kinds::of_symbol(symbol.kind),
+            range: self.range(text, &symbol.whole),
+            selection_range: self.range(text, &symbol.name_at),
+            children: (!children.is_empty()).then_some(children),
+            tags: None,
+            deprecated: None,
+        }
+    }
+
+    /// Ranges around a position, outermost first.
+    pub fn selection(self, text: &Text, at: types::Position, around: &[Range<usize>]) -> types::SelectionRange {
+        let outer = around.iter().fold(None, |outer: Option<types::SelectionRange>, bytes| {
+            Some(types::SelectionRange { range: self.range(text, bytes), parent: outer.map(Box::new) })
+        });
+        outer.unwrap_or(types::SelectionRange { range: types::Range { start: at, end: at }, parent: None })
+    }
+
+    pub fn hint(self, text: &Text, hint: InlayHint) -> types::InlayHint {
+        let is_dimension = hint.kind == HintKind::Dimension;
+        types::InlayHint {
+            position: position(text.position(hint.byte, self.client.encoding)),
+            kind: is_dimension.then_some(types::InlayHintKind::Type),
+            padding_left: Some(!is_dimension),
+            label: hint.label.into(),
+            text_edits: None,
+            tooltip: None,
+            padding_right: None,
+            data: None,
+        }
+    }
+
+    pub fn lens(self, uri: &str, text: &Text, lens: &CodeLens) -> types::CodeLens {
+        let (title, command, arguments) = match &lens.run {
+            Run::Simulate { world } => ("▶ simulate", "hypedc.sim", vec![json!(uri), json!(world)]),
+            Run::Reach { world, goal } => {
+                ("▶ can it be reached?", "hypedc.reach", vec![json!(uri), json!(world), json!(goal)])
+            }
+        };
+        let (title, command, arguments) = (title.into(), command.into(), Some(arguments));
+        types::CodeLens {
+            range: self.range(text, &lens.bytes),
+            command: Some(types::Command { title, tooltip: None, command, arguments }),
+            data: None,
+        }
+    }
+
+    pub fn call_item(self, item: &CallItem) -> types::CallHierarchyItem {
+        let name = &item.name;
+        types::CallHierarchyItem {
+            name: name.mode.clone(),
+            kind: types::SymbolKind::Method,
+            tags: None,
+            detail: Some(name.entity.clone()),
+            uri: self.uri(&item.at.path),
+            range: self.range_of(&item.at),
+            selection_range: self.range(&item.at.text, &item.name_at),
+            data: Some(json!({ "root": name.root, "entity": name.entity, "mode": name.mode })),
+        }
+    }
+
+    /// The ranges of edges.
+    pub fn ranges(self, edges: &[Location]) -> Vec<types::Range> {
+        edges.iter().map(|at| self.range_of(at)).collect()
+    }
+}
+
+pub(super) fn fold(fold: &Fold) -> types::FoldingRange {
+    let kind = match fold.kind {
+        FoldKind::Block => None,
+        FoldKind::Comments => Some(types::FoldingRangeKind::Comment),
+        FoldKind::Imports => Some(types::FoldingRangeKind::Imports),
+    };
+    types::FoldingRange {
+        start_line: fold.first_line,
+        end_line: fold.last_line,
+        kind,
+        ..types::FoldingRange::default()
+    }
+}
+
+pub(super) fn signature_help(help: SignatureHelp) -> types::SignatureHelp {
+    types::SignatureHelp {
+        signatures: help.signatures.into_iter().map(signature).collect(),
+        active_signature: Some(help.active as u32),
+        active_parameter: Some((help.argument as u32).into()),
+    }
+}
+
+fn signature(CallSignature { name, parameters, doc }: CallSignature) -> types::SignatureInformation {
+    let mut label = format!("{name}(");
+    let mut places = Vec::new();
+    for (index, parameter) in parameters.iter().enumerate() {
+        if index > 0 {
+            label.push_str(", ");
+        }
+        // Places in a label count UTF-16 code units.
+        let start = label.encode_utf16().count() as u32;
+        label.push_str(parameter);
+        let end = label.encode_utf16().count() as u32;
+        places.push(types::ParameterInformation { label: (start, end).into(), documentation: None });
+    }
+    label.push(')');
+    types::SignatureInformation {
+        label,
+        documentation: (!doc.is_empty()).then(|| doc.into()),
+        parameters: Some(places),
+        active_parameter: None,
+    }
+}

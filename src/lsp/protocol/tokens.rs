@@ -1,0 +1,191 @@
+//! Semantic tokens as the protocol sends them: as numbers, whole or as the difference to what was sent before.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use gen_lsp_types as types;
+use gen_lsp_types::{SemanticToken, SemanticTokens, SemanticTokensDelta, SemanticTokensEdit, SemanticTokensLegend};
+
+use super::handlers::Answer;
+use super::server::Server;
+use super::to_protocol::range;
+use super::uri::path_of;
+use crate::lsp::features::tokens::{Token, TokenKind, semantic_tokens};
+use crate::lsp::text::document_text::{Encoding, Text};
+use crate::syntax::occurrence::{NameKind, Role};
+
+/// The kinds of tokens; their places in this list are what is sent.
+const TYPES: &[&str] = &[
+    "comment",
+    "string",
+    "number",
+    "keyword",
+    "operator",
+    "function",
+    "class",
+    "interface",
+    "namespace",
+    "enumMember",
+    "method",
+    "parameter",
+    "property",
+    "variable",
+    "event",
+    "label",
+    "macro",
+    "type",
+    "enum",
+];
+/// What else is reported a name, as bits.
+const MODIFIERS: &[&str] = &["declaration", "readonly", "modification", "defaultLibrary"];
+const DECLARATION: u32 = 1;
+const READ_ONLY: u32 = 2;
+const MODIFICATION: u32 = 4;
+const LIBRARY: u32 = 8;
+
+/// What the numbers of tokens mean.
+pub(super) fn legend() -> SemanticTokensLegend {
+    let words = |list: &[&str]| list.iter().map(|w| (*w).to_string()).collect();
+    SemanticTokensLegend { token_types: words(TYPES), token_modifiers: words(MODIFIERS) }
+}
+
+/// The type of a token, by its place in the legend, and its modifiers.
+fn numbers(kind: TokenKind) -> (u32, u32) {
+    let name = match kind {
+        TokenKind::Comment => "comment",
+        TokenKind::Text => "string",
+        TokenKind::Number => "number",
+        TokenKind::Keyword => "keyword",
+        TokenKind::Operator => "operator",
+        TokenKind::Function => "function",
+        TokenKind::Name(kind, _) => type_of_name(kind),
+    };
+    let type_index = TYPES.iter().position(|t| *t == name).unwrap_or_default() as u32;
+    let modifiers = match kind {
+        TokenKind::Function => LIBRARY,
+        TokenKind::Name(kind, role) => {
+            let is_fixed = matches!(kind, NameKind::Constant | NameKind::Parameter | NameKind::Argument);
+            let role = match role {
+                Role::Declared => DECLARATION,
+                Role::Written => MODIFICATION,
+                Role::Read => 0,
+            };
+            role | if is_fixed { READ_ONLY } else { 0 }
+        }
+        _ => 0,
+    };
+    (type_index, modifiers)
+}
+
+/// How a name is coloured.
+fn type_of_name(kind: NameKind) -> &'static str {
+    match kind {
+        NameKind::Entity => "class",
+        NameKind::Behavior => "interface",
+        NameKind::World | NameKind::Space => "namespace",
+        NameKind::Group => "enum",
+        NameKind::Mode => "method",
+        NameKind::Value => "enumMember",
+        NameKind::Argument | NameKind::Parameter => "parameter",
+        NameKind::Constant => "macro",
+        NameKind::Variable | NameKind::Discrete => "property",
+        NameKind::Reference | NameKind::Touched | NameKind::Instance => "variable",
+        NameKind::Button | NameKind::Axis => "event",
+        NameKind::Tag => "label",
+        NameKind::TileSet => "type",
+        NameKind::Goal | NameKind::Never => "function",
+    }
+}
+
+/// Tokens of a text, each counted from the one before.
+fn encoded(text: &Text, tokens: &[Token], encoding: Encoding) -> Vec<SemanticToken> {
+    let (mut out, mut line, mut column) = (Vec::new(), 0, 0);
+    for token in tokens {
+        let types::Range { start, end } = range(text, &token.bytes, encoding);
+        if start.line != end.line || end.character <= start.character {
+            continue;
+        }
+        let (token_type, modifiers) = numbers(token.kind);
+        out.push(SemanticToken {
+            delta_line: start.line - line,
+            delta_start: if start.line == line { start.character - column } else { start.character },
+            length: end.character - start.character,
+            token_type,
+            token_modifiers_bitset: modifiers,
+        });
+        (line, column) = (start.line, start.character);
+    }
+    out
+}
+
+/// What was sent last of each document, so that only changes need be sent.
+#[derive(Debug, Default)]
+pub(super) struct SentTokens {
+    last: BTreeMap<PathBuf, (u64, Vec<SemanticToken>)>,
+    count: u64,
+}
+
+impl SentTokens {
+    /// A document is closed.
+    pub fn forget(&mut self, path: &Path) {
+        self.last.remove(path);
+    }
+
+    fn keep(&mut self, path: PathBuf, data: Vec<SemanticToken>) -> SemanticTokens {
+        self.count += 1;
+        self.last.insert(path, (self.count, data.clone()));
+        SemanticTokens { result_id: Some(self.count.to_string()), data }
+    }
+}
+
+impl Server {
+    /// The tokens of some bytes of a document; none if it is not open.
+    fn tokens_of(&self, path: &Path, bytes: &Range<usize>) -> Option<Vec<SemanticToken>> {
+        let tokens = semantic_tokens(&self.view, path, bytes, self.client.has_grammar)?;
+        Some(encoded(&self.view.documents.get(path)?.text, &tokens, self.client.encoding))
+    }
+}
+
+pub(super) fn all_tokens(
+    server: &mut Server,
+    params: types::SemanticTokensParams,
+) -> Answer<types::SemanticTokensRequest> {
+    let path = path_of(&params.text_document.uri);
+    let Some(data) = server.tokens_of(&path, &(0..usize::MAX)) else { return Ok(None) };
+    Ok(Some(server.tokens.keep(path, data)))
+}
+
+pub(super) fn tokens_in_range(
+    server: &Server,
+    params: types::SemanticTokensRangeParams,
+) -> Answer<types::SemanticTokensRangeRequest> {
+    let (path, bytes) = server.file_bytes(&params.text_document, params.range);
+    let data = server.tokens_of(&path, &bytes);
+    Ok(data.map(|data| SemanticTokens { result_id: None, data }))
+}
+
+pub(super) fn changed_tokens(
+    server: &mut Server,
+    params: types::SemanticTokensDeltaParams,
+) -> Answer<types::SemanticTokensDeltaRequest> {
+    let path = path_of(&params.text_document.uri);
+    let Some(new) = server.tokens_of(&path, &(0..usize::MAX)) else { return Ok(None) };
+    let before = server.tokens.last.get(&path).filter(|(id, _)| id.to_string() == params.previous_result_id);
+    let Some(old) = before.map(|(_, old)| old.clone()) else {
+        return Ok(Some(server.tokens.keep(path, new).into()));
+    };
+    let same = old.iter().zip(&new).take_while(|(a, b)| a == b).count();
+    let left = old.len().min(new.len()) - same;
+    let same_end = old.iter().rev().zip(new.iter().rev()).take(left).take_while(|(a, b)| a == b).count();
+    let put = new.get(same..new.len() - same_end).unwrap_or_default();
+    let data = put.iter().flat_map(|t| [t.delta_line, t.delta_start, t.length, t.token_type, t.token_modifiers_bitset]);
+    let edit = SemanticTokensEdit {
+        start: 5 * same as u32,
+        delete_count: 5 * (old.len() - same - same_end) as u32,
+        data: Some(data.collect()),
+    };
+    let edits = if edit.delete_count == 0 && put.is_empty() { Vec::new() } else { vec![edit] };
+    let result_id = server.tokens.keep(path, new).result_id;
+    Ok(Some(SemanticTokensDelta { result_id, edits }.into()))
+}

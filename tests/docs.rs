@@ -477,3 +477,28 @@ fn the_book_colours_the_words_of_the_grammar() {
         assert_eq!(words_of(&script, name), words, "docs/hyped.js, {name}");
     }
 }
+
+/// Names come before the file in which they are declared.
+#[test]
+fn the_places_of_rules_exist() {
+    let text = read("docs/architecture.md");
+    let section = text.split_once("## Where a rule is\n").unwrap().1.split("\n## ").next().unwrap();
+    let mut places = 0;
+    for row in section.lines().filter(|line| line.starts_with("| ") && line.contains("`src/")) {
+        let mut names: Vec<&str> = Vec::new();
+        for word in row.rsplit_once(" | ").unwrap().1.split('`').skip(1).step_by(2) {
+            if !word.starts_with("src/") {
+                names.push(word.rsplit("::").next().unwrap());
+                continue;
+            }
+            let code = read(word);
+            for name in names.drain(..) {
+                let declarations = [format!("fn {name}("), format!("fn {name}<"), format!("pub {name}: ")];
+                assert!(declarations.iter().any(|d| code.contains(d)), "{word} declares no `{name}`: {row}");
+            }
+            places += 1;
+        }
+        assert!(names.is_empty(), "{row}: in which file?");
+    }
+    assert!(places > 10, "{places}");
+}

@@ -151,3 +151,62 @@ fn the_map_names_every_module() {
     }
     assert!(Path::new("grammar/hyped.pest").exists());
 }
+
+/// The code that a name in a table of documentation may be declared in.
+fn declares(folder: &str, name: &str) -> bool {
+    let forms = ["fn ", "struct ", "enum ", "mod ", "pub "].map(|word| format!("{word}{name}"));
+    files(folder, "rs").iter().any(|path| {
+        let text = std::fs::read_to_string(path).unwrap();
+        // The table itself declares nothing.
+        let mut lines = text.lines().filter(|line| !line.trim_start().starts_with("//"));
+        lines.any(|line| {
+            forms.iter().any(|form| {
+                let after = line.split_once(form.as_str()).and_then(|(_, rest)| rest.chars().next());
+                after.is_some_and(|c| !c.is_alphanumeric() && c != '_')
+            })
+        })
+    })
+}
+
+/// Each phase of the simulator beside its abstraction, in the documentation of the analysis.
+#[test]
+fn the_table_of_phases_names_what_there_is() {
+    let text = std::fs::read_to_string("src/analysis/mod.rs").unwrap();
+    let rows = text.lines().filter(|line| line.starts_with("//! | ") && line.matches(" | ").count() == 4);
+    let mut names = 0;
+    for row in rows {
+        let cells: Vec<&str> = row.split(" | ").collect();
+        let code = |cell: usize| cells[cell].split('`').skip(1).step_by(2);
+        for (cell, folder) in [(1, "src/sim"), (2, "src/analysis")] {
+            for name in code(cell).filter(|name| !["never", "goal"].contains(name)) {
+                // Of a variant its enumeration is looked up.
+                let is_variant = |part: &&str| part.starts_with(char::is_uppercase) && name.contains(':');
+                let last = name.rsplit(['.', ':']).find(|part| !part.is_empty() && !is_variant(part));
+                let last = last.unwrap_or_else(|| name.split(':').next().unwrap());
+                assert!(declares(folder, last), "{folder} declares no `{last}`: {row}");
+                names += 1;
+            }
+        }
+        for name in code(4) {
+            let exists = match name.rsplit_once('/') {
+                Some(("tests", file)) => Path::new("tests").join(file).exists(),
+                Some(("verdicts", pattern)) => some_file("tests/verdicts", pattern),
+                Some(("found", pattern)) => some_file("tests/analysis/found", pattern),
+                _ => some_file("tests/analysis/found", name) || Path::new("tests/analysis").join(name).exists(),
+            };
+            assert!(exists, "no test `{name}`: {row}");
+        }
+    }
+    assert!(names > 20, "{names}");
+}
+
+/// Whether a folder has a program whose name fits a pattern with `*` at its ends.
+fn some_file(folder: &str, pattern: &str) -> bool {
+    let middle = pattern.trim_matches('*');
+    files(folder, "hyped").iter().any(|path| {
+        let name = path.file_stem().unwrap().to_string_lossy().into_owned();
+        let starts = pattern.starts_with('*') || name.starts_with(middle);
+        let ends = pattern.ends_with('*') || name.ends_with(middle);
+        name.contains(middle) && starts && ends
+    })
+}

@@ -39,20 +39,20 @@
 //!
 //! | simulator | here | distinguished or given up | tests |
 //! |---|---|---|---|
-//! | `Simulator::initial`: contacts are found, nothing is pushed | `initial::begin`: the first positions are places of contacts | what begins inside of something is pushed anywhere beside it | `found/*initial*`, `*slight*` |
-//! | input: buttons, axes | `Reader::truth`, `number`: anything, if there is a player | – | oracle, exhaustive |
+//! | `Simulator::initial`: contacts are found, nothing is pushed | `begin`: the first positions are places of contacts | what begins inside of something is pushed anywhere beside it | `found/*initial*`, `*slight*` |
+//! | input: buttons, axes | `Reader::truth`, `Reader::number`: anything, if there is a player | – | oracle, exhaustive |
 //! | discrete: `decide`, edges in order, first guard that holds | `Stepper::choices`: refined by each guard in turn | others are read as the step began (`Phase::Discrete`) | `verdicts/*` |
 //! | discrete: `take`, entries, updates, timers restart | `Stepper::take`, `enter`, `act` | ways of groups are joined beyond 512 | `found.rs` |
-//! | `life::change`: destroy, spawn | `outcome.can_end`, `initial::spawn`: parameters are part of what a spawned instance can be | which slot is taken is not known | `found/spawnchain*`, `pair`, `home` |
+//! | `apply_changes`: destroy, spawn | `outcome.can_end`, `spawn`: parameters are part of what a spawned instance can be | which slot is taken is not known | `found/spawnchain*`, `pair`, `home` |
 //! | what dies is read until the step ends | `MidStep`: what the discrete phase makes of it, modes included | – | `found/*dying*` |
-//! | `life::change`: links | `Stepper::through` | – | `found/linkout`, `found.rs` |
-//! | continuous: flows, envelopes, clamps | `flow::flow`: contacts are those of the last collision (`Phase::Continuous`) | of others, all they are within a step | `found/*stale*`, `*clamp*` |
-//! | `collision::carry` | `Surroundings::collide`: near what carries it, moved by as much, carriers of carriers included | positions of the two are not related | `tests/semantics.rs`, oracle |
+//! | `apply_changes`: links | `Stepper::through_link` | – | `tests/border.rs`, `found.rs` |
+//! | continuous: flows, envelopes, clamps | `flow`: contacts are those of the last collision (`Phase::Continuous`) | of others, all they are within a step | `found/*stale*`, `*clamp*` |
+//! | `carry` | `Surroundings::collide`: near what carries it, moved by as much, carriers of carriers included | positions of the two are not related | `tests/semantics.rs`, oracle |
 //! | contacts, where everything is before pushes | `Overall::contact`, `places` | – | `found/false-pushed-pusher` |
 //! | pushes: along an axis the deepest counts | `Contacts::push_out`: it ends at an edge of what it meets | instances that move and push (`kind_summary`); colliders that appear inside of something (`Stepper::activations`); overlaps; gaps a little too narrow: anywhere beside it | `found/false-opposite-pushes`, `verdicts/slit*` |
 //! | velocities into surfaces become 0 | the same, beside the old one | energies: only of what never moves | `found/false-clamped*` |
-//! | `life::remove_destroyed`: references become none | references may always be none | – | oracle |
-//! | observation: `never`, then written bounds, then `goal` | `forbidden`, `widen::within_bounds`, `can_turn_out` | – | `tests/border.rs` |
+//! | `remove_destroyed`: references become none | references may always be none | – | oracle |
+//! | observation: `never`, then written bounds, then `goal` | `forbidden`, `within_bounds`, `can_turn_out` | – | `tests/border.rs` |
 
 mod domain;
 mod findings;

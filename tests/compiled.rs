@@ -13,7 +13,7 @@ use hypedc::compile::{LevelFile, compile_with};
 use hypedc::ir::{Program, WorldId};
 use hypedc::sim::{Input, Simulator, State};
 use hypedc::source::SourceMap;
-use hypedc::watch::Patience;
+use hypedc::watch::PollLimit;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde_json::Value;
@@ -131,7 +131,7 @@ fn any_number_changed_is_refused_or_runs() {
             Ok((program, _)) => {
                 for world in program.worlds.ids() {
                     states(&program, world, 60, seed);
-                    watched_space(&program, world, &[], &Patience::new(20));
+                    watched_space(&program, world, &[], &PollLimit::new(20));
                 }
                 true
             }

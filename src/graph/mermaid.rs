@@ -1,9 +1,9 @@
-//! Mermaid's `stateDiagram-v2`. Labels escape what Mermaid would read as its own.
+//! Writer of Mermaid's `stateDiagram-v2`. Labels escape Mermaid's syntax.
 
 use super::excerpt::short;
 use super::{Action, Chart, Edge, Initial, Mode};
 
-/// Characters of a guard and of all updates of an edge.
+/// Maximum number of characters of a guard, and of all updates of an edge.
 const WIDTH: usize = 80;
 
 /// Writes charts as one Mermaid diagram.
@@ -30,8 +30,8 @@ impl Writer<'_> {
         format!("{}_m{mode}", self.prefix)
     }
 
-    /// What edges of a mode hang on: of one that has modes inside, a state in it, as Mermaid draws no edge from a state
-    /// into itself.
+    /// The node for edges of a mode: with inner modes, a state inside it, as Mermaid draws no edge from a state into
+    /// itself.
     fn end(&self, mode: usize) -> String {
         if self.chart.modes[mode].initial.is_some() { format!("{}_self", self.node(mode)) } else { self.node(mode) }
     }
@@ -43,7 +43,7 @@ impl Writer<'_> {
             self.line(2, &format!("{prefix}_none : no modes"));
         }
         for (index, region) in chart.regions.iter().enumerate() {
-            // Mermaid's own regions, `--`, bear no names.
+            // Mermaid's own regions, `--`, have no names.
             let named = region.name.as_ref().map(|name| format!("state \"{}\" as {prefix}_g{index} {{", escaped(name)));
             let depth = if let Some(head) = named {
                 if index > 0 {
@@ -55,7 +55,7 @@ impl Writer<'_> {
                 2
             };
             self.initial(depth, &region.initial);
-            // Mermaid puts a state where it is named last, so the edges come before the states.
+            // Mermaid places a state where it is named last, so the edges come before the states.
             let inside = |edge: &&Edge| region.modes.contains(&self.outermost(edge.source));
             let edges: Vec<&Edge> = chart.edges.iter().filter(inside).collect();
             for edge in edges {
@@ -128,7 +128,7 @@ fn action_label(action: &Action) -> String {
     if action.updates.is_empty() { guard } else { format!("{guard} / {}", short(&action.updates.join(", "), WIDTH)) }
 }
 
-/// Characters that mean something to Mermaid or to HTML, as its numbered entities.
+/// Escapes special characters of Mermaid and HTML as numeric entities.
 fn escaped(text: &str) -> String {
     let mut out = String::new();
     for c in text.chars() {

@@ -1,5 +1,5 @@
-//! The stages in a row: files, syntax trees, checked program, flat IR. What every front door calls; who wants to know
-//! all that is wrong adds the analysis of values.
+//! The compiler driver: files, syntax trees, checked program, flat IR. All entry points use it; `check_with` adds the
+//! analysis of values.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::file::Unreadable;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::ir::{self, Program};
-use crate::level::{Format, read_beside};
+use crate::level::{Format, read_dependencies};
 use crate::lint;
 use crate::sema::checked::Checked;
 use crate::sema::{self, Level};
@@ -18,48 +18,48 @@ use crate::syntax;
 use crate::syntax::ast::{self, MapSource, Name, Question};
 use crate::syntax::occurrence::{Occurrence, Occurrences};
 
-/// What came of compiling a file and all that it imports.
+/// The result of compiling a file and its imports.
 #[derive(Debug, Clone)]
 pub struct Compilation {
     /// All files that were read.
     pub sources: SourceMap,
     /// The program; none if there are errors.
     pub program: Option<Arc<Program>>,
-    /// Everything that was found.
+    /// All findings.
     pub diagnostics: Diagnostics,
 }
 
-/// A predicate that may never hold, beside those of the program.
+/// A predicate that may never hold, in addition to those of the program.
 #[derive(Debug, Clone, Copy)]
 pub struct ExtraConstraint<'a> {
     /// The world; none: all of the file.
     pub world: Option<&'a str>,
-    /// What it is called.
+    /// Its name.
     pub name: &'a str,
     /// Its text.
     pub predicate: &'a str,
-    /// Where the text is, as findings call it.
+    /// The name of its source in findings.
     pub origin: &'a str,
 }
 
-/// What the command line says of the map of worlds that leave theirs open.
+/// The options of the command line for the maps of worlds that leave theirs open.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct LevelFile<'a> {
     /// The level; without one, worlds stay open. Of a project of LDtk, `world.ldtk#Level_0` is one level.
     pub map: Option<&'a Path>,
-    /// A legend for what the program does not say itself of the level's characters.
+    /// A legend for the characters of the level that the program does not define.
     pub legend: Option<&'a Path>,
-    /// Width and height of a tile, px, instead of what the program says.
+    /// Width and height of a tile, px; takes precedence over the program's.
     pub tile: Option<(f64, f64)>,
 }
 
 impl<'a> LevelFile<'a> {
-    /// A level that is read as the program says.
+    /// A level without further options.
     pub fn new(map: &'a Path) -> Self {
         LevelFile { map: Some(map), ..LevelFile::default() }
     }
 
-    /// The options that are given, as one writes them.
+    /// The options that are set, as written on the command line.
     fn options(&self) -> impl Iterator<Item = &'static str> {
         let given =
             [(self.map.is_some(), "--map"), (self.legend.is_some(), "--legend"), (self.tile.is_some(), "--tile")];
@@ -77,8 +77,8 @@ pub fn compile_with(root: &Path, level: LevelFile<'_>, files: &dyn Files) -> Com
     compile_constrained(root, level, None, files)
 }
 
-/// As [`compile_with`], with one more `never` in each world of the file that is named, or in all: a predicate that comes
-/// from the command line. It is the last one of its world.
+/// As [`compile_with`], with one more `never` in each world of the root file, or in the named world: a predicate of the
+/// command line. It is the last `never` of its world.
 pub fn compile_constrained(
     root: &Path,
     level: LevelFile<'_>,
@@ -88,18 +88,18 @@ pub fn compile_constrained(
     stages(root, level, constraint, files, Occurrences::default()).0.0
 }
 
-/// A compilation, and what its stages know of names: what an editor shows.
+/// A compilation with the names that its stages resolved: for editors.
 #[derive(Debug, Clone)]
 pub struct IdeCompilation {
-    /// What came of it.
+    /// The compilation.
     pub compilation: Compilation,
-    /// The checked program, as far as there is one.
+    /// The checked program; incomplete if there are errors.
     pub checked: Checked,
     /// Where names occur, in order.
     pub occurrences: Vec<Occurrence>,
 }
 
-/// As [`compile`], and keeps what its stages know of names.
+/// As [`compile`], and keeps the resolved names.
 pub fn compile_for_ide(root: &Path, files: &dyn Files) -> IdeCompilation {
     let ((mut compilation, mut checked), trees) = stages(root, LevelFile::default(), None, files, Occurrences::kept());
     let mut occurrences = std::mem::take(&mut checked.occurrences).sorted(&compilation.sources);
@@ -108,8 +108,8 @@ pub fn compile_for_ide(root: &Path, files: &dyn Files) -> IdeCompilation {
     IdeCompilation { compilation, checked, occurrences }
 }
 
-/// A compilation, the checked program, and the trees that it was made of, behaviours in place; no trees where there are no
-/// behaviours, or no caller wants to know of names.
+/// A compilation, the checked program, and its syntax trees with behaviours expanded; no trees if there are no
+/// behaviours or the caller does not need names.
 fn stages(
     root: &Path,
     level: LevelFile<'_>,
@@ -137,7 +137,7 @@ fn stages(
                 _ => continue,
             };
             if let Some((_, file)) = tree.texts.iter().find(|(at, _)| *at == path.span) {
-                read_beside(format, *file, part, &mut sources, files, &mut diagnostics);
+                read_dependencies(format, *file, part, &mut sources, files, &mut diagnostics);
             }
         }
     }
@@ -151,12 +151,12 @@ fn stages(
     };
     let (map, legend) = (path.and_then(&mut read), level.legend.and_then(&mut read));
     if let (Some(format), Some(file)) = (path.and_then(Format::of), map) {
-        read_beside(format, file, part, &mut sources, files, &mut diagnostics);
+        read_dependencies(format, file, part, &mut sources, files, &mut diagnostics);
     }
     let given = Level { map, part: part.map(str::to_string), legend, tile: level.tile };
     let is_kept = occurrences.are_kept();
     let first = trees.first().map(|root| root.id);
-    // Of a large program each of what the stages make is large: none stays longer than it is read.
+    // Each stage's result of a large program is large: it is dropped as soon as it is no longer read.
     let is_behavior = |item: &ast::Item| matches!(item, ast::Item::Behavior(_));
     let has_behaviors = trees.iter().flat_map(|tree| &tree.items).any(is_behavior);
     let kept = if is_kept && has_behaviors { trees.clone() } else { Vec::new() };
@@ -192,11 +192,11 @@ fn parted(path: &Path) -> Option<(Option<&Path>, Option<&str>)> {
     (Format::of(file) == Some(Format::Ldtk)).then_some((Some(file), Some(part)))
 }
 
-/// As [`compile_with`], and looks at what values can be while the worlds run.
+/// As [`compile_with`], with the analysis of the values in the running worlds.
 pub fn check_with(root: &Path, level: LevelFile<'_>, files: &dyn Files) -> Compilation {
     let mut compilation = compile_with(root, level, files);
     let Compilation { sources, program: Some(program), diagnostics } = &mut compilation else { return compilation };
-    // The root is the first file that is read.
+    // The root file is read first.
     diagnostics.append(analysis::findings(program, sources, FileId(0), diagnostics));
     diagnostics.sort();
     compilation

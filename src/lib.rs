@@ -7,33 +7,32 @@
 //!                  └── diagnostic ─┘               graph, view ◀──┴──▶ sim ◀── reach
 //! ```
 //!
-//! The modules below are in the order in which the data passes through them. Each stage is a function from
-//! borrowed input to owned output that returns what it found wrong beside what it made; none prints, reads a
-//! clock or ends the process. Only [`cli`] does.
+//! The modules below are in the order of the data flow. Each stage is a function from borrowed input to owned output
+//! that returns its findings next to its result; none prints, reads a clock or ends the process. Only [`cli`] does.
 //!
 //! | module | holds |
 //! |---|---|
 //! | [`source`] | files, spans, line and column look-up |
 //! | [`watch`] | progress and interruption of long work |
-//! | [`parallel`] | tasks done side by side |
+//! | [`parallel`] | tasks on several threads |
 //! | [`tabular`] | tables in plain text and as CSV |
-//! | [`diagnostic`] | what is wrong with a program: facts, wording, pages that explain it, renderers |
+//! | [`diagnostic`] | findings about a program: facts, messages, pages that explain them, renderers |
 //! | [`syntax`] | the grammar's pairs as an abstract syntax tree, with recovery |
 //! | [`format`] | the canonical layout of a text, comments kept |
-//! | [`import`] | what other systems describe, as text |
+//! | [`import`] | files of other systems, converted to program text |
 //! | [`level`] | tile maps: inline, from text files, from levels and legends of the VGLC, from Tiled and LDtk |
 //! | [`sema`] | names, types, structure: a program in which every name is an id |
-//! | [`lint`] | warnings: what has a meaning, but hardly the one that was meant |
-//! | [`ir`] | the flat tables that all consumers share, and the layout of a state |
-//! | [`analysis`] | what each part of a world can be: abstract interpretation of the flat tables, and what that tells |
-//! | [`compile`] | the stages up to here in a row |
+//! | [`lint`] | warnings: valid but probably wrong programs |
+//! | [`ir`] | the flat tables that all back ends share, and the layout of a state |
+//! | [`analysis`] | abstract interpretation of the flat tables: the reachable values, and findings from them |
+//! | [`compile`] | the driver of the stages above |
 //! | [`sim`] | one step of time, input scripts, traces |
-//! | [`reach`] | the way from a question to its answer: proofs, planners over the simulator, replay |
+//! | [`reach`] | reachability queries: proofs, planners over the simulator, replay |
 //! | [`graph`] | statecharts of entities as DOT, Mermaid and SVG |
-//! | [`view`] | pictures of what a search found |
-//! | [`experiment`] | planners run many times, and tables of what came of it |
-//! | [`corpus`] | one question asked of many levels: rows that a later run resumes from, JUnit, what changed since |
-//! | [`lsp`] | the language server: what editors ask of open texts |
+//! | [`view`] | pictures of searches |
+//! | [`experiment`] | experiments: planners run many times, and tables of the results |
+//! | [`corpus`] | one query on many levels: resumable rows, JUnit, comparison with a baseline |
+//! | [`lsp`] | the language server for editors |
 //! | [`cli`] | the subcommands |
 //!
 //! Time is in seconds (s), length in pixels (px), y points up.

@@ -1,12 +1,12 @@
-//! Work done side by side: threads take tasks in their order, and hand in what comes of them to the thread that asked for
-//! it. Which thread does what says nothing about the result.
+//! A pool of threads: they take tasks in order, and send results to the calling thread. Results do not depend on which
+//! thread does which task.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, Sender};
 use std::thread;
 
-/// What a task knows of the work it belongs to.
+/// The context of a task.
 pub struct TaskContext<'d, T> {
     task: usize,
     sender: &'d Sender<(usize, T)>,
@@ -14,22 +14,22 @@ pub struct TaskContext<'d, T> {
 }
 
 impl<T> TaskContext<'_, T> {
-    /// Whether all is to end; a task that leaves then may leave without a result.
+    /// Whether the work should stop; a task that then returns need not submit a result.
     pub fn is_over(&self) -> bool {
         (self.is_over)()
     }
 
-    /// Hands something in, as often as there is something.
+    /// Submits a result; a task may submit several.
     pub fn submit(&self, result: T) {
-        // The receiver lives as long as the threads do.
+        // Infallible: the receiver outlives the threads.
         let _ = self.sender.send((self.task, result));
     }
 }
 
-/// Does the tasks from 0 on, on a number of threads (at least one), each task on one of them.
+/// Runs the tasks `0..` on a number of threads (at least one), each task on one of them.
 ///
-/// Hands each result to `each` with the number of its task, on the calling thread, as they come. Once `stop` or `each` has
-/// said that it is enough no task is begun any more; what is handed in by those under way still comes to `each`.
+/// Calls `each` on the calling thread with each result and the number of its task, in the order of arrival. Once `stop`
+/// or `each` returns true no further task is started; results of running tasks are still passed to `each`.
 pub fn work<T: Send>(
     tasks: usize,
     threads: usize,
@@ -54,7 +54,7 @@ pub fn work<T: Send>(
         let mut is_alone = true;
         for _ in 0..threads.clamp(1, tasks.max(1)) {
             let sender = sender.clone();
-            // The threads that the system gives do it all, and without any this one does.
+            // If the system refuses threads, those that started do all tasks; without any, the calling thread does.
             if thread::Builder::new().spawn_scoped(scope, move || work(sender)).is_err() {
                 break;
             }

@@ -1,5 +1,5 @@
-//! Source files, byte spans, and the line index that turns a byte into a line and a column.
-//! First in the pipeline: every later stage points back here. Files are read through [`Files`].
+//! Source files, byte spans, and the line index from bytes to lines and columns. First in the pipeline: every later
+//! stage refers to it. Files are read through [`Files`].
 
 mod span;
 
@@ -11,13 +11,13 @@ use serde::{Deserialize, Serialize};
 use span::FIRST_COPY;
 pub use span::Span;
 
-/// The largest file that is read, in bytes: several hundred thousand lines. Each is checked within seconds.
+/// Maximum size of a file, in bytes: several hundred thousand lines. Each is checked within seconds.
 pub const MAX_FILE_BYTES: usize = (16 << 20) - 1;
-/// The most files that a program may name, levels and legends included.
+/// Maximum number of files of a program, levels and legends included.
 pub const MAX_SOURCES: usize = 15_000;
-/// The most files beside these: those of the command line.
+/// Maximum number of additional files: those of the command line.
 const OTHER_SOURCES: usize = 500;
-/// The most copies of what files hold, see [`SourceMap::copy`].
+/// Maximum number of copies of text, see [`SourceMap::copy`].
 pub const MAX_COPIES: usize = 50_000;
 
 /// A file of a [`SourceMap`].
@@ -34,16 +34,16 @@ impl fmt::Debug for FileId {
 /// One file's text and where its lines begin.
 #[derive(Debug, Clone)]
 pub struct SourceFile {
-    /// The path as the user or an `import` gave it; it is what diagnostics show.
+    /// The path as given by the user or an `import`; diagnostics show it.
     pub path: PathBuf,
     text: String,
     line_starts: Vec<u32>,
-    /// How many characters, and how many UTF-16 code units, are before each multiple of `MARK` bytes: a line may be
-    /// as long as a file.
+    /// Number of characters and of UTF-16 code units before each multiple of `MARK` bytes: a line may be as long as a
+    /// file.
     marks: Vec<(u32, u32)>,
 }
 
-/// The most bytes that are counted one by one.
+/// Distance of two marks: the maximum number of bytes that are counted one by one.
 const MARK: usize = 1 << 10;
 
 impl SourceFile {
@@ -65,7 +65,7 @@ impl SourceFile {
     pub fn line_column_utf16(&self, byte: usize) -> (usize, usize) {
         let (line, _) = self.line_column(byte);
         let start = self.line_range(line - 1).map_or(0, |range| range.start);
-        // Inside of a character is where it begins.
+        // A byte inside a character counts as its first byte.
         let mut byte = byte.min(self.text.len());
         while !self.text.is_char_boundary(byte) {
             byte -= 1;
@@ -73,7 +73,7 @@ impl SourceFile {
         (line, self.before(byte).1 - self.before(start).1 + 1)
     }
 
-    /// How many characters and how many UTF-16 code units begin before a byte.
+    /// Number of characters and of UTF-16 code units that begin before a byte.
     fn before(&self, byte: usize) -> (usize, usize) {
         let (characters, units) = self.marks.get(byte / MARK).copied().unwrap_or_default();
         let (more, twice) = counted(&self.text.as_bytes()[byte / MARK * MARK..byte]);
@@ -90,13 +90,13 @@ impl SourceFile {
     }
 }
 
-/// How many characters begin among some bytes, and how many of them are two UTF-16 code units.
+/// Number of characters that begin in a range of bytes, and the number of them with two UTF-16 code units.
 fn counted(bytes: &[u8]) -> (usize, usize) {
     let characters = bytes.iter().filter(|b| **b & 0xc0 != 0x80).count();
     (characters, bytes.iter().filter(|b| **b >= 0xf0).count())
 }
 
-/// What a [`SourceMap`] holds, as it is written.
+/// The serialised form of a [`SourceMap`].
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Texts {
@@ -104,7 +104,7 @@ pub struct Texts {
     copies: Vec<(FileId, Span)>,
 }
 
-/// A file, as it is written.
+/// The serialised form of a file.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 struct Text {
@@ -116,7 +116,7 @@ struct Text {
 #[derive(Debug, Clone, Default)]
 pub struct SourceMap {
     files: Vec<SourceFile>,
-    /// Copies of what a file holds, put in place elsewhere: the file, and where it was put.
+    /// Copies of a file's text that are expanded elsewhere: the file, and the place of the expansion.
     copies: Vec<(FileId, Span)>,
 }
 
@@ -126,17 +126,17 @@ impl SourceMap {
         Self::default()
     }
 
-    /// Whether it can take no more files that a program names; there is room for what the command line names.
+    /// Whether the limit of files that a program names is reached; files of the command line still fit.
     pub fn is_full(&self) -> bool {
         self.files.len() >= MAX_SOURCES
     }
 
-    /// Whether it can take no more copies.
+    /// Whether the limit of copies is reached.
     pub fn is_full_of_copies(&self) -> bool {
         self.copies.len() >= MAX_COPIES
     }
 
-    /// Adds a file and gives its id.
+    /// Adds a file and returns its id.
     pub fn add(&mut self, path: impl Into<PathBuf>, text: impl Into<String>) -> FileId {
         let text: String = text.into();
         let mut line_starts = vec![0];
@@ -153,7 +153,7 @@ impl SourceMap {
         id
     }
 
-    /// The file of an id that this map gave out; of a copy: what it is a copy of.
+    /// The file of an id of this map; of a copy: the original.
     pub fn file(&self, id: FileId) -> &SourceFile {
         &self.files[self.original(id).0 as usize]
     }
@@ -163,7 +163,7 @@ impl SourceMap {
         self.files.iter().position(|file| file.path == path).map(|index| FileId(index as u32))
     }
 
-    /// An id for a copy of what a file holds, put in place elsewhere.
+    /// A new id for a copy of a file's text that is expanded elsewhere.
     pub fn copy(&mut self, of: FileId, put_at: Span) -> FileId {
         let of = self.original(of);
         self.copies.push((of, put_at));
@@ -174,7 +174,7 @@ impl SourceMap {
         id.copy().and_then(|copy| self.copies.get(copy)).map_or(id, |(of, _)| *of)
     }
 
-    /// Where a span is in the text, and where what it is in was put in place, from the inside out.
+    /// The place of a span in the original text, and the places of the expansions around it, innermost first.
     pub fn trace(&self, span: Span) -> (Span, Vec<Span>) {
         let mut places = Vec::new();
         let mut at = span;
@@ -185,19 +185,19 @@ impl SourceMap {
         (span.in_file(self.original(span.file())), places)
     }
 
-    /// The text under a span, or nothing if the span is not of this map.
+    /// The text under a span; empty if the span is not of this map.
     pub fn slice(&self, span: Span) -> &str {
         self.files.get(self.original(span.file()).0 as usize).and_then(|f| f.text.get(span.range())).unwrap_or("")
     }
 
-    /// All that it holds, to be written and read back.
+    /// The serialised form.
     pub fn texts(&self) -> Texts {
         let text = |file: &SourceFile| Text { path: file.path.to_string_lossy().into_owned(), text: file.text.clone() };
         Texts { files: self.files.iter().map(text).collect(), copies: self.copies.clone() }
     }
 
-    /// The map that was written; none if it is larger than one may be, or a copy is of no file, or was not put into what
-    /// was there before it.
+    /// The deserialised map; none if it exceeds a limit, a copy is of no file, or a copy was not expanded into earlier
+    /// text.
     pub fn of(texts: Texts) -> Option<SourceMap> {
         let mut map = SourceMap::new();
         let is_too_long = |file: &Text| file.text.len() > MAX_FILE_BYTES;
@@ -231,18 +231,18 @@ impl SourceMap {
     }
 }
 
-/// Why a file's text is not to be had.
+/// The reason why a file cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ReadError {
-    /// The system refused; its own words.
+    /// An error of the system; its text.
     Unreadable(String),
-    /// Not UTF-8; the first bad byte.
+    /// Not UTF-8; the first invalid byte.
     NotUtf8(usize),
     /// Larger than [`MAX_FILE_BYTES`]; its size.
     TooLarge(u64),
 }
 
-/// Where text comes from: the disk, or the open buffers of an editor.
+/// A source of text: the disk, or the open buffers of an editor.
 pub trait Files {
     /// The text of a file.
     ///
@@ -250,7 +250,7 @@ pub trait Files {
     /// [`ReadError`] if it cannot be read, is not UTF-8 or is too large.
     fn read(&self, path: &Path) -> Result<String, ReadError>;
 
-    /// A path that is the same for all spellings of one file, to notice a second import of it.
+    /// A canonical path: the same for all spellings of one file, to detect a second import of it.
     fn identity(&self, path: &Path) -> PathBuf {
         path.to_path_buf()
     }
@@ -272,7 +272,7 @@ pub fn decode(bytes: Vec<u8>) -> Result<String, ReadError> {
     if !text.contains('\r') {
         return Ok(text);
     }
-    // A carriage return alone ended lines once; as a line feed it has the same length.
+    // A carriage return alone is an old line end; a line feed has the same length.
     Ok(text.replace("\r\n", "\u{0}\n").replace('\r', "\n").replace("\u{0}\n", "\r\n"))
 }
 

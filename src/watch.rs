@@ -1,31 +1,31 @@
-//! Watching long work: one trait for progress and for stopping (by ctrl-C, a time budget, an editor).
-//! Stages that can take long accept a [`Watch`]; the command line and the editor each bring their own. They count what they
-//! do with a [`Meter`], which asks the watch often enough whatever a unit of work costs.
+//! Progress and cancellation of long work (by ctrl-C, a time budget, an editor). Stages that can take long accept a
+//! [`Watch`]; the command line and the editor each have an implementation. Stages count work with a [`Meter`], which
+//! polls the watch often enough whatever a unit of work costs.
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// How far a search has come.
+/// The progress of a search.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Progress {
     /// Nodes added so far, over all restarts.
     pub nodes: u64,
-    /// The most nodes the budget allows.
+    /// The budget of nodes.
     pub budget: u64,
     /// Places covered so far.
     pub places: u64,
 }
 
-/// Asked now and then between two units of work, by any thread.
+/// The receiver of progress, and the source of cancellation. Polled between units of work, by any thread.
 pub trait Watch: Sync {
-    /// Whether the work should end and report what it has.
+    /// Whether the work should stop and return its partial result.
     fn stop(&self) -> bool;
 
-    /// Told how far the work has come.
+    /// Reports progress.
     fn progress(&self, _progress: Progress) {}
 }
 
-/// Never stops and shows nothing.
+/// Never stops, and ignores progress.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Unwatched;
 
@@ -35,62 +35,62 @@ impl Watch for Unwatched {
     }
 }
 
-/// Stops work that takes long: after it has been asked a number of times.
+/// Stops work after a number of polls.
 #[derive(Debug)]
-pub struct Patience(AtomicU32);
+pub struct PollLimit(AtomicU32);
 
-impl Patience {
-    /// Stops after it has been asked `times` times.
+impl PollLimit {
+    /// Stops at poll number `times`.
     pub fn new(times: u32) -> Self {
-        Patience(AtomicU32::new(times))
+        PollLimit(AtomicU32::new(times))
     }
 }
 
-impl Watch for Patience {
+impl Watch for PollLimit {
     fn stop(&self) -> bool {
         let less = |left: u32| left.checked_sub(1);
         self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, less).is_err()
     }
 }
 
-/// After so much work a watch is asked; a unit is about as much as comparing two boxes, some nanoseconds.
-pub const WORK: u64 = 1 << 18;
+/// Units of work between two polls; a unit costs about as much as the comparison of two boxes, some nanoseconds.
+pub const WORK_PER_POLL: u64 = 1 << 18;
 
-/// Counts work, and asks a watch each time that [`WORK`] of it is done.
+/// Counts work, and polls a watch after each [`WORK_PER_POLL`] units.
 pub struct Meter<'w> {
     watch: &'w dyn Watch,
-    /// Work since the watch was asked.
+    /// Work since the last poll.
     since: Cell<u64>,
     is_stopped: Cell<bool>,
 }
 
 impl<'w> Meter<'w> {
-    /// Asks this watch.
+    /// A meter that polls this watch.
     pub fn new(watch: &'w dyn Watch) -> Self {
         Meter { watch, since: Cell::new(0), is_stopped: Cell::new(false) }
     }
 
-    /// Counts work that was done or is about to be; returns whether all should end.
+    /// Counts work that was or will be done; returns whether to stop.
     pub fn spend(&self, work: u64) -> bool {
         let since = self.since.get().saturating_add(work);
-        if since < WORK {
+        if since < WORK_PER_POLL {
             self.since.set(since);
             return self.is_stopped.get();
         }
-        self.ask()
+        self.poll()
     }
 
-    /// Asks at once; returns whether all should end.
-    pub fn ask(&self) -> bool {
+    /// Polls at once; returns whether to stop.
+    pub fn poll(&self) -> bool {
         self.since.set(0);
-        // Once stopped, the watch need not be asked again.
+        // Once stopped, the watch is not polled again.
         if !self.is_stopped.get() && self.watch.stop() {
             self.is_stopped.set(true);
         }
         self.is_stopped.get()
     }
 
-    /// Whether the watch has said that all should end.
+    /// Whether a poll told the work to stop.
     pub fn is_stopped(&self) -> bool {
         self.is_stopped.get()
     }
@@ -106,7 +106,7 @@ impl std::fmt::Debug for Meter<'_> {
 mod tests {
     use super::*;
 
-    /// Stops when it is asked for the third time.
+    /// Stops at the third poll.
     struct Third(AtomicU32);
 
     impl Watch for Third {
@@ -120,8 +120,8 @@ mod tests {
         let watch = Third(AtomicU32::new(0));
         let meter = Meter::new(&watch);
         let spent = (1..).find(|_| meter.spend(1)).unwrap_or(0);
-        assert_eq!(spent, 3 * WORK);
-        assert!(meter.spend(0) && meter.ask(), "it stays stopped");
+        assert_eq!(spent, 3 * WORK_PER_POLL);
+        assert!(meter.spend(0) && meter.poll(), "it stays stopped");
         assert_eq!(watch.0.load(Ordering::Relaxed), 3, "and nobody is asked any more");
     }
 }

@@ -21,7 +21,7 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::soundness::patience;
+use crate::soundness::poll_limit;
 use crate::support::{Disk, compile_text, files};
 use hypedc::compile::compile;
 use hypedc::ir::WorldId;

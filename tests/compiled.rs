@@ -13,7 +13,7 @@ use hypedc::compile::{LevelFile, compile_with};
 use hypedc::ir::{Expr, GoalId, Program, WorldId, verify};
 use hypedc::sim::{Input, Simulator, State};
 use hypedc::source::{FileId, SourceMap, Span};
-use hypedc::watch::Patience;
+use hypedc::watch::PollLimit;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde_json::Value;
@@ -131,7 +131,7 @@ fn any_number_changed_is_refused_or_runs() {
             Ok((program, _)) => {
                 for world in program.worlds.ids() {
                     states(&program, world, 60, seed);
-                    watched_space(&program, world, &[], &Patience::new(20));
+                    watched_space(&program, world, &[], &PollLimit::new(20));
                 }
                 true
             }
@@ -244,7 +244,7 @@ fn deep(levels: usize) -> Program {
 fn what_is_nested_as_deep_as_can_be_is_read_on_a_small_stack() {
     let program = (0..).map(deep).step_by(64).take_while(|program| verify(program).is_ok()).last().unwrap();
     let look = move || {
-        let space = watched_space(&program, WorldId(0), &[], &Patience::new(1 << 20));
+        let space = watched_space(&program, WorldId(0), &[], &PollLimit::new(1 << 20));
         assert!(space.can_hold(&program, WorldId(0), GoalId(0)));
         let sim = Simulator::new(&Arc::new(program), WorldId(0));
         let mut scratch = sim.scratch();

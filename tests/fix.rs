@@ -9,7 +9,7 @@ use std::process::{Command, Output};
 use crate::support::{Disk, Text, compile_text, files};
 use hypedc::compile::{Compilation, compile};
 use hypedc::diagnostic::Code;
-use hypedc::diagnostic::fix::{by_file, mended};
+use hypedc::diagnostic::fix::{apply_edits, by_file};
 use hypedc::source::{Files, ReadError};
 
 /// The disk with other texts in place of some files.
@@ -34,7 +34,7 @@ fn each_fix_works(root: &Path, files: &dyn Files) -> Vec<Code> {
         let mut texts = BTreeMap::new();
         for (file, edits) in by_file([fix]) {
             let source = sources.file(file);
-            texts.insert(source.path.clone(), mended(source.text(), &edits).unwrap());
+            texts.insert(source.path.clone(), apply_edits(source.text(), &edits).unwrap());
         }
         let shown: Vec<String> = texts.values().cloned().collect();
         let overlay = Overlay(texts);
@@ -70,7 +70,7 @@ fn after_fix(text: &str) -> Option<String> {
     let found = compile_text(text);
     let fixes: Vec<_> = found.diagnostics.iter().filter_map(|d| d.fix.as_ref()).collect();
     let [fix] = fixes[..] else { return None };
-    mended(text, by_file([fix]).values().next()?)
+    apply_edits(text, by_file([fix]).values().next()?)
 }
 
 #[test]

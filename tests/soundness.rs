@@ -27,7 +27,7 @@ mod mutants;
 #[path = "mutation/mutate.rs"]
 #[allow(dead_code, reason = "the lines of changes are not told")]
 mod mutate;
-pub mod patience;
+pub mod poll_limit;
 mod run;
 mod shrink;
 mod situations;

@@ -15,19 +15,19 @@ use hypedc::ir::{GoalId, Program, WorldId};
 use hypedc::reach::{Limits, Planner, Problem, Settings, Verdict, reach};
 use hypedc::sim::{Input, Simulator};
 use hypedc::source::{Files, ReadError};
-use hypedc::watch::{Meter, WORK, Watch};
+use hypedc::watch::{Meter, WORK_PER_POLL, Watch};
 
 const WORLD: WorldId = WorldId(0);
 
 /// Counts how often it is asked, and stops the work after so many times.
 struct Counting {
     asked: AtomicU64,
-    patience: u64,
+    max_polls: u64,
 }
 
 impl Counting {
-    fn new(patience: u64) -> Self {
-        Counting { asked: AtomicU64::new(0), patience }
+    fn new(max_polls: u64) -> Self {
+        Counting { asked: AtomicU64::new(0), max_polls }
     }
 
     fn asked(&self) -> u64 {
@@ -37,7 +37,7 @@ impl Counting {
 
 impl Watch for Counting {
     fn stop(&self) -> bool {
-        self.asked.fetch_add(1, Ordering::Relaxed) + 1 >= self.patience
+        self.asked.fetch_add(1, Ordering::Relaxed) + 1 >= self.max_polls
     }
 }
 
@@ -72,7 +72,7 @@ fn a_step_counts_the_code_that_it_evaluates() {
         sim.metered_step(&mut state, &Input::nothing(0), &mut scratch, &meter).unwrap();
     }
     // At least a unit for each guard.
-    assert!(watch.asked() >= STEPS * EDGES / WORK, "{}", watch.asked());
+    assert!(watch.asked() >= STEPS * EDGES / WORK_PER_POLL, "{}", watch.asked());
 }
 
 #[test]
@@ -88,7 +88,7 @@ fn a_search_among_many_bodies_is_asked_by_work_done() {
         let outcome = reach(&problem, &space, &settings, &limits, &watch).unwrap();
         let compared = outcome.statistics.steps * 150 * 149 / 2;
         let between = compared / watch.asked().max(1);
-        assert!(between < 8 * WORK, "{}: {between} comparisons between two questions", planner.name());
+        assert!(between < 8 * WORK_PER_POLL, "{}: {between} comparisons between two questions", planner.name());
     }
 }
 
@@ -104,7 +104,7 @@ fn a_search_ends_soon_after_it_is_told() {
         let outcome = reach(&problem, &space, &settings, &Limits::default(), &watch).unwrap();
         assert!(matches!(outcome.verdict, Verdict::NotFound), "what is stopped proves nothing");
         let steps = outcome.statistics.steps * 150 * 149 / 2;
-        assert!(steps < 32 * WORK, "{}: {steps} comparisons after all", planner.name());
+        assert!(steps < 32 * WORK_PER_POLL, "{}: {steps} comparisons after all", planner.name());
     }
 }
 
@@ -114,13 +114,13 @@ fn an_analysis_that_is_stopped_knows_nothing() {
     let all = Counting::new(u64::MAX);
     watched_space(&p, WORLD, &[], &all);
     assert!(all.asked() > 2);
-    let patience = std::iter::successors(Some(1), |p| Some(p * 3)).take_while(|p| *p < all.asked());
-    for patience in patience.chain([all.asked()]) {
-        let watch = Counting::new(patience);
+    let max_polls = std::iter::successors(Some(1), |p| Some(p * 3)).take_while(|p| *p < all.asked());
+    for max_polls in max_polls.chain([all.asked()]) {
+        let watch = Counting::new(max_polls);
         let space = watched_space(&p, WORLD, &[], &watch);
-        assert!(space.slots.iter().all(|s| s.why == Some(GivenUp::Stopped)), "after {patience} questions");
+        assert!(space.slots.iter().all(|s| s.why == Some(GivenUp::Stopped)), "after {max_polls} questions");
         assert!(space.can_hold(&p, WORLD, GoalId(0)));
-        assert!(watch.asked() <= patience + 2, "it ends at once");
+        assert!(watch.asked() <= max_polls + 2, "it ends at once");
     }
 }
 
@@ -179,7 +179,7 @@ fn a_step_among_thousands_ends_soon_after_it_is_told() {
     let watch = Counting::new(u64::MAX);
     let meter = Meter::new(&watch);
     sim.metered_step(&mut state, &Input::nothing(1), &mut scratch, &meter).unwrap();
-    assert!(watch.asked() >= pairs / WORK, "{}", watch.asked());
+    assert!(watch.asked() >= pairs / WORK_PER_POLL, "{}", watch.asked());
 }
 
 #[test]
@@ -222,16 +222,16 @@ fn places_are_flooded_by_work_done() {
          world W {{ collide ball with wall: block; tiles t 16 x 16 {{ '.': empty\n'#': wall }}
             space main {{ map t \"\n{map}\"\nplace b: Ball at (4, 4) }}; player 1: b; goal far: b.x > 100000 }}"
     )));
-    let asked = |patience| {
-        let watch = Counting::new(patience);
+    let asked = |max_polls| {
+        let watch = Counting::new(max_polls);
         let space = watched_space(&p, WORLD, &[], &watch);
         (watch.asked(), space.slots.iter().all(|slot| slot.why == Some(GivenUp::Stopped)))
     };
     let (all, is_given_up) = asked(u64::MAX);
     assert!(all > 2 && !is_given_up, "{all} questions");
-    for patience in 1..all.min(8) {
-        let (asked, is_given_up) = asked(patience);
-        assert!(is_given_up && asked < patience + 4, "{asked} questions, told at {patience}");
+    for max_polls in 1..all.min(8) {
+        let (asked, is_given_up) = asked(max_polls);
+        assert!(is_given_up && asked < max_polls + 4, "{asked} questions, told at {max_polls}");
     }
 }
 

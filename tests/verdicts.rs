@@ -253,9 +253,9 @@ fn auto_finds_what_there_is_and_proves_what_it_can() {
 }
 
 /// Stops after it was asked so often.
-struct Patience(AtomicU32);
+struct PollLimit(AtomicU32);
 
-impl Watch for Patience {
+impl Watch for PollLimit {
     fn stop(&self) -> bool {
         self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| Some(left.saturating_sub(1))) == Ok(1)
             || self.0.load(Ordering::Relaxed) == 0
@@ -270,7 +270,7 @@ fn shortens(question: &Question<'_>, problem: &Problem<'_>, plan: &Plan) {
     };
     for least in [0, if plan.after == 0 { shortest(plan).min(10) } else { 0 }] {
         let held = problem.clone().holding(least as u16);
-        let short = shorten(&held, plan, &Patience(AtomicU32::new(12)));
+        let short = shorten(&held, plan, &PollLimit(AtomicU32::new(12)));
         question.replay(&short);
         let what = question.what;
         assert_eq!(short.after, plan.after, "{what}");

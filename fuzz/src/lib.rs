@@ -164,10 +164,10 @@ fn shown(compiled: &Compilation) {
 
 /// Fixes that go together can be made.
 fn mended(compiled: &Compilation) {
-    let chosen = fix::together(compiled.diagnostics.iter(), |_| true);
+    let chosen = fix::compatible_fixes(compiled.diagnostics.iter(), |_| true);
     for (file, edits) in fix::by_file(chosen.iter().map(|(_, fix)| *fix)) {
         let text = compiled.sources.file(file).text();
-        assert!(fix::mended(text, &edits).is_some_and(|new| new != text), "{edits:?}");
+        assert!(fix::apply_edits(text, &edits).is_some_and(|new| new != text), "{edits:?}");
     }
 }
 

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use crate::compile::{Compilation, LevelFile, compile_with};
-use crate::diagnostic::fix::{by_file, mended, together};
+use crate::diagnostic::fix::{apply_edits, by_file, compatible_fixes};
 use crate::source::{FileId, SourceMap, Span, decode};
 
 use super::disk::{Disk, bytes};
@@ -22,7 +22,7 @@ pub(super) fn apply_fixes(root: &Path, level: LevelFile<'_>) -> io::Result<bool>
     for _ in 0..MAX_ROUNDS {
         let Compilation { sources, diagnostics, .. } = compile_with(root, level, &Disk);
         let may = |file: FileId| is_ours(root, &sources.file(file).path);
-        let chosen = together(diagnostics.iter(), |fix| fix.edits.iter().all(|(span, _)| may(span.file())));
+        let chosen = compatible_fixes(diagnostics.iter(), |fix| fix.edits.iter().all(|(span, _)| may(span.file())));
         if chosen.is_empty() {
             break;
         }
@@ -64,7 +64,7 @@ fn write(sources: &SourceMap, file: FileId, edits: &[(Span, &str)]) -> Result<()
     }
     let (mark, rest) = if bytes.starts_with(MARK) { bytes.split_at(MARK.len()) } else { (&[][..], &bytes[..]) };
     let text = std::str::from_utf8(rest).map_err(|e| e.to_string())?;
-    let Some(text) = mended(text, edits) else {
+    let Some(text) = apply_edits(text, edits) else {
         return Err("its fixes do not go together".to_string());
     };
     replace(&path, &[mark, text.as_bytes()].concat(), &bytes).map_err(|e| e.to_string())

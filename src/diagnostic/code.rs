@@ -1,5 +1,5 @@
-//! The closed list of diagnostic codes. The first digit after the letter is the family: files and limits,
-//! syntax, names, types, structure, worlds, questions and runs, what values tell, imports.
+//! The closed list of diagnostic codes. The first digit after the letter is the family: files and limits, syntax,
+//! names, types, structure, worlds, questions and runs, values, imports.
 
 use std::fmt;
 
@@ -22,7 +22,7 @@ macro_rules! codes {
                 match self { $(Code::$variant => $text,)* }
             }
 
-            /// What the code stands for, in a few words.
+            /// The meaning of the code, in a few words.
             pub fn title(self) -> &'static str {
                 match self { $(Code::$variant => $title,)* }
             }
@@ -121,7 +121,7 @@ codes! {
 }
 
 impl Code {
-    /// The code of a text: `E0302`, in letters of either case.
+    /// Parses a code: `E0302`, in letters of either case.
     pub fn from_text(text: &str) -> Option<Code> {
         Code::ALL.iter().copied().find(|code| code.text().eq_ignore_ascii_case(text))
     }

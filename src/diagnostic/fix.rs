@@ -1,17 +1,17 @@
-//! Mending a text by the fixes of findings: which of them can be made together, and the text that comes of them.
+//! Applies the fixes of findings to texts: selects compatible fixes, and edits the text.
 
 use std::collections::BTreeMap;
 
 use super::{Diagnostic, Fix};
 use crate::source::{FileId, Span};
 
-/// The fixes of findings that can be made at once: of two that touch each other the first is taken. Those of which
-/// `may` does not hold are left out.
-pub fn together<'d>(
+/// The fixes that can be applied compatible_fixes: of two that touch each other the first is selected. Fixes that fail `may`
+/// are skipped.
+pub fn compatible_fixes<'d>(
     found: impl IntoIterator<Item = &'d Diagnostic>,
     may: impl Fn(&Fix) -> bool,
 ) -> Vec<(&'d Diagnostic, &'d Fix)> {
-    let mut taken = Taken::default();
+    let mut taken = DisjointSpans::default();
     let mut chosen = Vec::new();
     for d in found {
         let Some(fix) = d.fix.as_ref().filter(|fix| may(fix)) else { continue };
@@ -32,8 +32,8 @@ pub fn by_file<'d>(fixes: impl IntoIterator<Item = &'d Fix>) -> BTreeMap<FileId,
     files
 }
 
-/// A text with edits made; none if they overlap or do not fit it. The spans are places of this text.
-pub fn mended(text: &str, edits: &[(Span, &str)]) -> Option<String> {
+/// Applies edits to a text; none if they overlap or do not fit it. The spans are places in this text.
+pub fn apply_edits(text: &str, edits: &[(Span, &str)]) -> Option<String> {
     let mut edits = edits.to_vec();
     edits.sort_by_key(|(span, _)| (span.start(), span.end()));
     let mut out = String::with_capacity(text.len());
@@ -48,17 +48,17 @@ pub fn mended(text: &str, edits: &[(Span, &str)]) -> Option<String> {
     Some(out)
 }
 
-/// Places that are taken, none of which overlap: where they end, by where they start.
+/// Disjoint spans: their ends by their starts.
 #[derive(Default)]
-struct Taken(BTreeMap<(FileId, u32), u32>);
+struct DisjointSpans(BTreeMap<(FileId, u32), u32>);
 
-impl Taken {
+impl DisjointSpans {
     fn add(&mut self, span: Span) {
         let end = self.0.entry((span.file(), span.start())).or_default();
         *end = span.end().max(*end);
     }
 
-    /// Whether edits of this place and of one that is taken would disturb each other.
+    /// Whether a span overlaps or touches one of these.
     fn touches(&self, span: Span) -> bool {
         let before = self.0.range((span.file(), 0)..=(span.file(), span.end())).next_back();
         before.is_some_and(|(_, end)| *end >= span.start())
@@ -77,19 +77,19 @@ mod tests {
     #[test]
     fn edits_are_made_in_whatever_order() {
         let edits = [(at(4, 7), "two"), (at(0, 1), "one"), (at(7, 7), "!")];
-        assert_eq!(mended("1 + zwo.", &edits).as_deref(), Some("one + two!."));
-        assert_eq!(mended("abc", &[(at(0, 2), ""), (at(1, 3), "")]), None, "they overlap");
-        assert_eq!(mended("abc", &[(at(2, 9), "")]), None, "past the end");
-        assert_eq!(mended("é", &[(at(1, 2), "")]), None, "within a character");
+        assert_eq!(apply_edits("1 + zwo.", &edits).as_deref(), Some("one + two!."));
+        assert_eq!(apply_edits("abc", &[(at(0, 2), ""), (at(1, 3), "")]), None, "they overlap");
+        assert_eq!(apply_edits("abc", &[(at(2, 9), "")]), None, "past the end");
+        assert_eq!(apply_edits("é", &[(at(1, 2), "")]), None, "within a character");
     }
 
     #[test]
     fn of_fixes_that_touch_the_first_is_taken() {
         let finding = |start, end| Diagnostic::new(Code::UnknownName, "").fix("", at(start, end), "x");
         let found = [finding(0, 3), finding(3, 5), finding(6, 9), finding(6, 9)];
-        let chosen = together(&found, |_| true);
+        let chosen = compatible_fixes(&found, |_| true);
         assert_eq!(chosen.iter().map(|(_, fix)| fix.edits[0].0.start()).collect::<Vec<_>>(), [0, 6]);
-        assert!(together(&found, |_| false).is_empty());
+        assert!(compatible_fixes(&found, |_| false).is_empty());
         assert_eq!(by_file(chosen.iter().map(|(_, fix)| *fix))[&FileId(0)].len(), 2);
     }
 }

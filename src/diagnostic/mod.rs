@@ -1,7 +1,7 @@
-//! Diagnostics: what is wrong with a program, where, and what could be done about it.
+//! Diagnostics: the findings of checks, with places and suggested fixes.
 //!
-//! A check records a *fact* (a struct of [`catalogue`]); the fact words itself as a [`Diagnostic`], a plain value
-//! with byte spans; a renderer of [`render`] makes text of it. Codes are the closed enum [`Code`]; each is explained by a
+//! A check records a *fact* (a struct of [`catalogue`]); the fact becomes a [`Diagnostic`], a plain value with byte
+//! spans; a renderer of [`render`] makes text of it. Codes are the closed enum [`Code`]; each is explained by a
 //! [`page`].
 
 pub mod catalogue;
@@ -16,16 +16,16 @@ pub use similar::{MAX_CANDIDATES, only_similar, similar};
 
 use crate::source::{FileId, SourceMap, Span};
 
-/// How bad it is.
+/// The severity of a finding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Severity {
-    /// The program has no meaning, or not the one that was meant; it cannot be compiled.
+    /// The program is invalid; it cannot be compiled.
     Error,
-    /// The program has a meaning, but hardly the one that was meant.
+    /// The program is valid but probably wrong.
     Warning,
 }
 
-/// A place and what is to be said of it.
+/// A place with a text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Label {
     /// The place.
@@ -34,12 +34,12 @@ pub struct Label {
     pub text: String,
 }
 
-/// A change of the text that certainly mends what was found, and nothing else.
+/// A change of the text that is certain to repair the finding and has no other effect.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fix {
-    /// What it does, in a few words: `write `walking``.
+    /// A short description: `write `walking``.
     pub title: String,
-    /// What is put in place of what; the places do not overlap.
+    /// The replaced spans and their new texts; the spans do not overlap.
     pub edits: Vec<(Span, String)>,
 }
 
@@ -93,10 +93,10 @@ impl Diagnostic {
         self
     }
 
-    /// Moves labels from what was put in place by `use` to the text itself, and adds where it was put.
+    /// Moves labels from expanded text to the text itself, and adds the `use` that expanded it.
     #[must_use]
     pub fn traced(mut self, sources: &SourceMap) -> Self {
-        // The text of a behaviour means different things where it is put.
+        // The text of a behaviour has a different meaning for each `use`.
         self.fix = self.fix.filter(|fix| !fix.edits.iter().any(|(span, _)| span.is_copy()));
         let mut used: Vec<Span> = Vec::new();
         for label in self.primary.iter_mut().chain(&mut self.secondary) {
@@ -116,14 +116,14 @@ impl Diagnostic {
         self
     }
 
-    /// Adds a way out.
+    /// Adds a suggestion.
     #[must_use]
     pub fn help(mut self, text: impl Into<String>) -> Self {
         self.helps.push(text.into());
         self
     }
 
-    /// Says how to mend it: one text in place of another.
+    /// Adds a fix: one text in place of another.
     #[must_use]
     pub fn fix(mut self, title: impl Into<String>, span: Span, text: impl Into<String>) -> Self {
         self.fix = Some(Fix { title: title.into(), edits: vec![(span, text.into())] });
@@ -138,20 +138,20 @@ impl Diagnostic {
     }
 }
 
-/// What a check found, before it is put into words.
+/// The result of a check, before it becomes a message.
 pub trait Fact {
-    /// The words.
+    /// The message.
     fn into_diagnostic(self) -> Diagnostic;
 }
 
-/// The most findings that are kept, errors rather than warnings; the rest is only counted.
+/// Maximum number of findings that are kept, errors before warnings; the others are only counted.
 pub const MAX_FINDINGS: usize = 10_000;
 
 /// The findings of a stage.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Diagnostics {
     list: Vec<Diagnostic>,
-    /// How many errors and how many warnings were left out.
+    /// The number of errors and of warnings that were dropped.
     left_out: (usize, usize),
 }
 
@@ -164,25 +164,25 @@ impl Diagnostics {
     /// Records a fact.
     pub fn report(&mut self, fact: impl Fact) {
         self.list.push(fact.into_diagnostic());
-        // Only now and then, as they are sorted for it.
+        // Not at each report: it sorts them.
         if self.list.len() >= MAX_FINDINGS + MAX_FINDINGS / 4 {
             self.limit();
         }
     }
 
-    /// Takes back what was reported last, so that the first `count` are left.
+    /// Drops the findings after the first `kept`.
     pub(crate) fn take_back(&mut self, kept: usize) {
         self.list.truncate(kept);
     }
 
-    /// Takes over the findings of another stage.
+    /// Appends the findings of another stage.
     pub fn append(&mut self, mut other: Diagnostics) {
         self.list.append(&mut other.list);
         self.left_out.0 += other.left_out.0;
         self.left_out.1 += other.left_out.1;
     }
 
-    /// Leaves out what is too much: warnings first, and of those the ones found last.
+    /// Drops findings above the limit: warnings first, and the last ones of those.
     fn limit(&mut self) {
         if self.list.len() <= MAX_FINDINGS {
             return;
@@ -196,7 +196,7 @@ impl Diagnostics {
         }
     }
 
-    /// How many findings were left out because there are too many.
+    /// The number of findings that were dropped.
     pub fn left_out(&self) -> usize {
         self.left_out.0 + self.left_out.1
     }
@@ -206,25 +206,25 @@ impl Diagnostics {
         self.left_out.0 > 0 || self.list.iter().any(|d| d.severity == Severity::Error)
     }
 
-    /// How many errors and how many warnings, those left out included.
+    /// The number of errors and of warnings, dropped ones included.
     pub fn counts(&self) -> (usize, usize) {
         let errors = self.list.iter().filter(|d| d.severity == Severity::Error).count();
         (errors + self.left_out.0, self.list.len() - errors + self.left_out.1)
     }
 
-    /// Points at the text itself where code was put in place by `use`, and at the `use`.
+    /// Points at the text itself where `use` expanded it, and at the `use`.
     pub fn trace(&mut self, sources: &SourceMap) {
         self.list = std::mem::take(&mut self.list).into_iter().map(|d| d.traced(sources)).collect();
     }
 
-    /// Takes away what would change files of some kind: fixes are for programs.
+    /// Removes fixes that change files of some kind: fixes are for programs.
     pub fn strip_fixes(&mut self, is_kept_out: impl Fn(FileId) -> bool) {
         for d in &mut self.list {
             d.fix = d.fix.take().filter(|fix| !fix.edits.iter().any(|(span, _)| is_kept_out(span.file())));
         }
     }
 
-    /// Sorts by file and place, those without a place first; equal findings become one. What is too much is left out.
+    /// Sorts by file and place, findings without a place first; removes duplicates and applies the limit.
     pub fn sort(&mut self) {
         self.limit();
         self.list.sort_by_key(|d| (d.primary.as_ref().map(|l| l.span), d.code));

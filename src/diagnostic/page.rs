@@ -1,9 +1,9 @@
-//! The pages that explain codes, taken apart: `catalogue/pages/E0302.md` as prose and examples.
+//! Parser of the pages that explain codes: `catalogue/pages/E0302.md` as prose and examples.
 //!
 //! A page begins with `# CODE: TITLE`, then comes prose, then examples. An example is a fenced block; what follows on the
 //! line of its fence says what it is and how it is tested:
 //!
-//! - ` ```hyped wrong `: a program in which this error is found and no other; ` ```hyped right `: the same, mended, in
+//! - ` ```hyped wrong `: a program in which this error is found and no other; ` ```hyped right `: the same, repaired, in
 //!   which nothing is found, and whose worlds run 100 steps;
 //! - `file="other.hyped"`: the block is a file of this name; of both sides, unless it says `wrong` or `right`;
 //! - `inputs="jump -*60"`: the code is found when the program is run with these inputs;
@@ -18,7 +18,7 @@ use super::Code;
 pub struct Page<'a> {
     /// The heading, without its `#`.
     pub title: &'a str,
-    /// What is below, in order.
+    /// The parts below it, in order.
     pub parts: Vec<Part<'a>>,
 }
 
@@ -31,21 +31,21 @@ pub enum Part<'a> {
     Example(Example<'a>),
 }
 
-/// Which of the two an example shows.
+/// The side of an example.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
     /// The mistake.
     Wrong,
-    /// How it is mended.
+    /// The repaired program.
     Right,
 }
 
 /// A fenced block.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Example<'a> {
-    /// What it is written in: `hyped`.
+    /// Its language: `hyped`.
     pub language: &'a str,
-    /// Which side it shows; none if it belongs to both.
+    /// Its side; none if it belongs to both.
     pub side: Option<Side>,
     /// Its lines.
     pub lines: Vec<&'a str>,
@@ -88,7 +88,7 @@ impl<'a> Example<'a> {
 }
 
 impl<'a> Page<'a> {
-    /// Takes a text apart.
+    /// Parses a text.
     pub fn new(text: &'a str) -> Self {
         let mut lines = text.lines();
         let title = lines.next().unwrap_or_default().trim_start_matches("# ");

@@ -1,15 +1,15 @@
-//! "Did you mean": the nearest name by edit distance.
+//! Suggestions of similar names by edit distance.
 
-/// How many names are compared.
+/// Maximum number of names that are compared.
 pub const MAX_CANDIDATES: usize = 1_000;
 
-/// The candidate closest to `name`, if one is close enough to be a slip of the hand: at most a third of its
-/// letters differ (insertions, deletions, substitutions, swapped neighbours). Ties go to the first.
+/// The candidate closest to `name`, if it is close enough to be a typo: at most a third of its letters differ
+/// (insertions, deletions, substitutions, swapped neighbours). Ties go to the first.
 pub fn similar<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
     close(name, candidates).min_by_key(|&(d, _)| d).map(|(_, c)| c.to_string())
 }
 
-/// The only candidate that is as close as that, if there is just one.
+/// The only candidate that is close enough, if there is exactly one.
 pub fn only_similar<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let mut close = close(name, candidates).map(|(_, c)| c);
     let first = close.next()?;
@@ -31,34 +31,34 @@ pub(super) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a s
 fn close<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> impl Iterator<Item = (usize, &'a str)> {
     let length = name.chars().count();
     let limit = (length / 3).min(4);
-    let mut measure = Measure::of(name);
+    let mut measure = EditDistance::of(name);
     candidates
         .into_iter()
-        // Among thousands of names a slip of the hand is not searched for.
+        // With thousands of names, typos are not searched for.
         .take(MAX_CANDIDATES)
         .filter(move |c| *c != name && c.chars().count().abs_diff(length) <= limit)
         .filter_map(move |c| measure.distance(c, limit).map(|d| (d, c)))
 }
 
-/// Measures how far others are from a name, seven times as fast as `strsim::osa_distance` over a thousand candidates: the optimal string alignment distance, in characters, case folded. What it
-/// needs of the name is made once.
-struct Measure {
+/// Computes edit distances from a name: the optimal string alignment distance, in characters, case folded; seven times
+/// as fast as `strsim::osa_distance` over a thousand candidates. Tables for the name are made once.
+struct EditDistance {
     name: Vec<char>,
-    /// For each ASCII character where it is in the name, a bit for each place.
+    /// The positions of each ASCII character in the name, as a bit set.
     places: [u64; 128],
     other: Vec<char>,
-    /// The last three rows of the table, for names that have more characters than a word has bits.
+    /// The last three rows of the table, for names with more characters than a word has bits.
     rows: [Vec<usize>; 3],
 }
 
-impl Measure {
+impl EditDistance {
     fn of(name: &str) -> Self {
         let name: Vec<char> = name.chars().flat_map(char::to_lowercase).collect();
         let mut places = [0; 128];
         for (at, c) in name.iter().enumerate().take(64).filter(|(_, c)| c.is_ascii()) {
             places[*c as usize] |= 1 << at;
         }
-        Measure { name, places, other: Vec::new(), rows: Default::default() }
+        EditDistance { name, places, other: Vec::new(), rows: Default::default() }
     }
 
     /// The distance; none if it is above the limit.
@@ -76,8 +76,8 @@ impl Measure {
         (distance <= limit).then_some(distance)
     }
 
-    /// All places of a column of the table at once, as the bits of a word: where it grows and falls from one row to the
-    /// next (Hyyrö, *A bit-vector algorithm for computing Levenshtein and Damerau edit distances*, 2003).
+    /// A whole column of the table at once, as the bits of a word: where it grows and falls from one row to the next
+    /// (Hyyrö, *A bit-vector algorithm for computing Levenshtein and Damerau edit distances*, 2003).
     fn in_words(&self) -> usize {
         let last = 1u64 << (self.name.len() - 1);
         let (mut grows, mut falls, mut diagonal, mut before) = (u64::MAX, 0u64, 0u64, 0u64);
@@ -100,7 +100,7 @@ impl Measure {
         distance
     }
 
-    /// Row by row; what is above the limit may be any number above it.
+    /// Row by row; distances above the limit may be any number above it.
     fn in_rows(&mut self, limit: usize) -> usize {
         let (a, b) = (&self.name, &self.other);
         let [oldest, old, row] = &mut self.rows;
@@ -119,7 +119,7 @@ impl Measure {
                 }
                 row.push(best);
             }
-            // No later row can come below what this one and the one before have.
+            // No later row can have a value below this row and the row before.
             if row.iter().chain(old.iter()).all(|d| *d > limit) {
                 return limit + 1;
             }
@@ -166,14 +166,14 @@ mod tests {
             texts.extend(['a', 'b', 'ß'].map(|c| format!("{text}{c}")));
         }
         for name in texts.iter().filter(|name| !name.is_empty()) {
-            let mut measure = Measure::of(name);
+            let mut measure = EditDistance::of(name);
             for other in &texts {
                 measure.other = other.chars().collect();
                 assert_eq!(measure.in_words(), measure.in_rows(9), "{name} and {other}");
             }
         }
         let long = "a".repeat(64);
-        assert_eq!(Measure::of(&long).distance(&format!("{}ba", &long[2..]), 4), Some(1));
-        assert_eq!(Measure::of(&format!("{long}x")).distance(&format!("{long}y"), 4), Some(1));
+        assert_eq!(EditDistance::of(&long).distance(&format!("{}ba", &long[2..]), 4), Some(1));
+        assert_eq!(EditDistance::of(&format!("{long}x")).distance(&format!("{long}y"), 4), Some(1));
     }
 }

@@ -1,13 +1,13 @@
-//! Blanks that align a thing with the line above or below. What the author aligned stays aligned; all other runs of
-//! blanks become one.
+//! Alignment of pieces with the line above or below. What the author aligned stays aligned; all other runs of blanks
+//! become one.
 //!
-//! Two things in neighbouring lines are linked if the author put them in the same column and at least one of them
-//! behind more than one blank. Linked things get the leftmost column that has room for all of them. A value without a
-//! sign may be aligned with one that has a sign: then it leaves room for it.
+//! Two pieces in neighbouring lines are linked if the author put them in the same column and at least one of them after
+//! more than one blank. Linked pieces get the leftmost column that fits all of them. A value without a sign may be
+//! aligned with one that has a sign: then it leaves room for it.
 
 use super::lines::{Line, Lines, Piece, Slot};
 
-/// How often columns may have to be found until they stay.
+/// Maximum number of iterations until the columns are stable.
 const ROUNDS: usize = 8;
 
 /// Sets the padding of all pieces.
@@ -17,20 +17,20 @@ pub(super) fn align(lines: &mut Lines<'_>) {
     }
     for _ in 0..ROUNDS {
         let padding = padding(lines);
-        if !settle(lines, &padding) {
+        if !apply_padding(lines, &padding) {
             return;
         }
     }
     let nothing = vec![0; lines.pieces.len()];
-    settle(lines, &nothing);
+    apply_padding(lines, &nothing);
 }
 
-/// How much padding each piece needs.
+/// The padding of each piece.
 fn padding(lines: &Lines<'_>) -> Vec<usize> {
     let neighbours = neighbours(&lines.lines);
     let signless = signless(lines, &neighbours);
     let column = |piece: usize| lines.pieces[piece].column - usize::from(signless[piece]);
-    // The group of each piece that is linked: what is linked down a column has one.
+    // The alignment group of each linked piece.
     let mut groups: Vec<Option<usize>> = vec![None; lines.pieces.len()];
     let mut members: Vec<Vec<(usize, usize)>> = Vec::new();
     for &(above, below) in &neighbours {
@@ -58,10 +58,10 @@ fn padding(lines: &Lines<'_>) -> Vec<usize> {
             members[group].push((below, lower));
         }
     }
-    // From left to right, so that all before a piece has its place already.
+    // From left to right: the column of a piece depends on those before it.
     members.sort_by_key(|group| group.first().map_or(0, |&(_, piece)| column(piece)));
     let mut padding = vec![0; lines.pieces.len()];
-    // How far each line is filled: the next piece, and the column where the last one ends.
+    // For each line its next piece, and the column where the last one ends.
     let mut filled: Vec<(usize, usize)> = lines.lines.iter().map(|l| (l.pieces.start, l.indent)).collect();
     for group in &members {
         let mut target = 0;
@@ -80,7 +80,7 @@ fn padding(lines: &Lines<'_>) -> Vec<usize> {
     padding
 }
 
-/// How many columns a piece takes without padding.
+/// Number of columns of a piece without padding.
 fn width(piece: &Piece<'_>, first: bool) -> usize {
     piece.width + usize::from(piece.space && !first)
 }
@@ -89,12 +89,12 @@ fn can_move(piece: &Piece<'_>) -> bool {
     piece.space && piece.blanks.is_some()
 }
 
-/// The pieces of a line that have one before them.
+/// The pieces of a line except the first.
 fn inner(line: &Line) -> std::ops::Range<usize> {
     (line.pieces.start + 1).min(line.pieces.end)..line.pieces.end
 }
 
-/// The lines that are below each other with nothing but comments between them, for the author and in the layout.
+/// Pairs of consecutive lines with nothing but comments between them, in the source and in the layout.
 fn neighbours(lines: &[Line]) -> Vec<(usize, usize)> {
     let mut pairs = Vec::new();
     let mut above: Option<usize> = None;
@@ -148,9 +148,8 @@ fn signless(lines: &Lines<'_>, neighbours: &[(usize, usize)]) -> Vec<bool> {
     found
 }
 
-/// Puts all pieces where their padding takes them, as if the author had put them there. Returns whether that changed
-/// anything.
-fn settle(lines: &mut Lines<'_>, padding: &[usize]) -> bool {
+/// Applies the padding to the pieces' columns. Returns whether that changed anything.
+fn apply_padding(lines: &mut Lines<'_>, padding: &[usize]) -> bool {
     let mut changed = false;
     let mut number = 0;
     for line in &mut lines.lines {

@@ -1,4 +1,4 @@
-//! What is between two tokens: blanks, line breaks, `;` and comments.
+//! The text between two tokens: blanks, line breaks, `;` and comments.
 
 /// A comment.
 #[derive(Debug, Clone, Copy)]
@@ -13,7 +13,7 @@ pub(super) struct Comment<'t> {
     pub blank: bool,
 }
 
-/// What is before a token.
+/// The text before a token.
 #[derive(Debug, Default)]
 pub(super) struct Gap<'t> {
     /// The comments, in order.
@@ -24,11 +24,11 @@ pub(super) struct Gap<'t> {
     pub blank: bool,
 }
 
-/// Reads what is between two bytes. Nothing comes before the first byte of a text.
+/// Reads the gap between two bytes. A line break or blank line before the first token of a text does not count.
 pub(super) fn gap(text: &str, start: usize, end: usize) -> Gap<'_> {
     let bytes = text.as_bytes();
     let mut gap = Gap::default();
-    // Since the last comment: line breaks, and whether there was a `;`.
+    // Line breaks since the last comment, and whether there was a `;`.
     let (mut breaks, mut semicolon) = (0, false);
     let mut i = start;
     while i < end {
@@ -55,7 +55,7 @@ pub(super) fn gap(text: &str, start: usize, end: usize) -> Gap<'_> {
         }
         i += 1;
     }
-    // A `;` parts a comment from what follows, so that it does not document it.
+    // A `;` separates a comment from what follows, so that it does not document it.
     gap.blank = breaks > 1 || (semicolon && breaks > 0 && !gap.comments.is_empty());
     gap
 }

@@ -1,5 +1,5 @@
-//! From tokens to lines: what begins a line, and how far the line is indented. One pass over the tokens, with the open
-//! blocks and lists on stacks of their own.
+//! From tokens to lines: what begins a line, and how far the line is indented. One pass over the tokens, with stacks of
+//! open blocks and lists.
 
 use crate::syntax::Rule;
 
@@ -9,7 +9,7 @@ use super::split::{Split, split};
 use super::tokens::{Kind, Token};
 use super::{INDENT, WIDTH};
 
-/// How far apart tab stops are taken to be.
+/// Distance of tab stops, in columns.
 const TAB: usize = 4;
 
 /// The lines of a text.
@@ -37,14 +37,14 @@ pub(super) fn lines<'t>(text: &'t str, tokens: &[Token<'t>]) -> Lines<'t> {
 #[derive(Clone, Copy)]
 struct Block {
     id: usize,
-    /// How far its statements are indented.
+    /// The indentation of its statements.
     indent: usize,
     one_line: bool,
 }
 
 /// A list that is open.
 struct List {
-    /// How far the line of its bracket is indented.
+    /// The indentation of the line with its bracket.
     indent: usize,
     /// Whether its bracket ends that line.
     broken: bool,
@@ -59,7 +59,7 @@ pub(super) struct Place {
     column: usize,
 }
 
-/// Finds the places of bytes that are asked for in order.
+/// Converts byte offsets in ascending order to places.
 #[derive(Default)]
 struct Cursor {
     at: usize,
@@ -84,16 +84,16 @@ struct Layout<'t, 'k> {
     text: &'t str,
     tokens: &'k [Token<'t>],
     cursor: Cursor,
-    /// Where each token begins and ends.
+    /// The first and last place of each token.
     places: Vec<(Place, Place)>,
     out: Lines<'t>,
     blocks: Vec<Block>,
     lists: Vec<List>,
-    /// How far the statement is indented.
+    /// The indentation of the statement.
     statement: usize,
-    /// How many columns the last line has so far.
+    /// The width of the last line so far.
     width: usize,
-    /// Nothing is in the innermost block so far.
+    /// Whether the innermost block is still empty.
     opened: bool,
     split: Split,
     known_blocks: usize,
@@ -115,7 +115,7 @@ impl<'t> Layout<'t, '_> {
     }
 
     fn run(&mut self) {
-        // Comments and line breaks before a comma are after it.
+        // Comments and line breaks before a comma move after it.
         let mut carried = Gap::default();
         for (index, token) in self.tokens.iter().enumerate() {
             let mut gap = self.gap(index);
@@ -181,7 +181,7 @@ impl<'t> Layout<'t, '_> {
         let before = index.checked_sub(1).map(|i| (self.tokens[i].end(), self.places[i].1));
         let blanks = before.filter(|(_, end)| end.line == place.line).map(|(end, at)| {
             let between = self.text.get(end..token.start).unwrap_or("");
-            // After a `;` blanks count from there.
+            // After a `;` blanks are counted from there.
             between.rfind(';').map_or(place.column - at.column, |semicolon| between.len() - semicolon - 1)
         });
         let (text, width) = match token.kind {
@@ -192,7 +192,7 @@ impl<'t> Layout<'t, '_> {
         self.push(Piece { text, width, space: token.space, slot, column: place.column, blanks, pad: 0 }, place.line);
     }
 
-    /// Comments before something that is indented so far, those in lines of their own with it.
+    /// Comments before a piece with this indentation; comments on separate lines get the same.
     fn comments(&mut self, comments: &[Comment<'t>], indent: usize, blanks: bool) {
         for comment in comments {
             let first = std::mem::take(&mut self.opened);
@@ -295,7 +295,7 @@ impl<'t> Layout<'t, '_> {
 
     // ---- inside a statement ---------------------------------------------------------------------------------
 
-    /// Whether the author's line break before a token inside a statement stays there or beside it.
+    /// Whether the author's line break before a token inside a statement is kept there or next to it.
     fn break_stays(&self, index: usize) -> bool {
         let (gap, token) = (self.gap(index), &self.tokens[index]);
         let opens = index.checked_sub(1).is_some_and(|i| self.tokens[i].kind == Kind::Open);
@@ -303,7 +303,7 @@ impl<'t> Layout<'t, '_> {
         gap.newline && (!gap.comments.is_empty() || (stays && token.kind != Kind::Close))
     }
 
-    /// A token that goes on with a statement.
+    /// A token inside a statement.
     fn inside(&mut self, index: usize, gap: &Gap<'t>) {
         let token = &self.tokens[index];
         let before = index.checked_sub(1).map(|i| &self.tokens[i]);
@@ -349,7 +349,7 @@ impl<'t> Layout<'t, '_> {
         if let Some(comment) = rows.next().filter(|c| !c.is_empty()) {
             self.push(Piece { space: true, ..verbatim(comment.trim_end()) }, 0);
         }
-        // What is before the closing quote is no row.
+        // The blanks before the closing quote are no row.
         let mut held: Option<&str> = None;
         for row in rows {
             if let Some(row) = held.replace(row) {

@@ -1,19 +1,19 @@
-//! The lines of the canonical layout, before and after things are aligned.
+//! The lines of the canonical layout, before and after alignment.
 
 use std::ops::Range;
 
 use crate::syntax::Rule;
 
-/// What can be aligned: only things of one kind are.
+/// The kinds of pieces for alignment: only pieces of the same kind are aligned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Slot {
     /// A comment at the end of its line.
     Comment,
-    /// A name, a number or whatever else begins a value.
+    /// A name, a number or another beginning of a value.
     Value,
     /// The sign before a value.
     Sign,
-    /// A mark or a word of the grammar.
+    /// A symbol or a keyword.
     Mark(Rule),
 }
 
@@ -22,34 +22,34 @@ pub(super) enum Slot {
 pub(super) struct Piece<'t> {
     /// As written.
     pub text: &'t str,
-    /// How many columns it takes.
+    /// Its number of columns.
     pub width: usize,
-    /// Whether a blank is before it at least.
+    /// Whether there is at least one blank before it.
     pub space: bool,
-    /// What can be aligned with it.
+    /// Its kind for alignment.
     pub slot: Slot,
     /// The column where the author put it.
     pub column: usize,
-    /// How many blanks the author put before it; none if it began a line.
+    /// Number of blanks before it in the source; none if it began a line.
     pub blanks: Option<usize>,
-    /// How many blanks more it gets so that it is aligned.
+    /// Number of additional blanks for alignment.
     pub pad: usize,
 }
 
 /// A line.
 #[derive(Debug, Clone)]
 pub(super) struct Line {
-    /// How far it is indented.
+    /// Its indentation.
     pub indent: usize,
     /// Its pieces.
     pub pieces: Range<usize>,
     /// Whether a blank line is before it.
     pub blank: bool,
-    /// Whether it is a comment and nothing else.
+    /// Whether it contains only a comment.
     pub comment: bool,
     /// The block whose statement begins here; none for other lines.
     pub block: Option<usize>,
-    /// The lines, as the author counts, of its first and its last piece.
+    /// The source lines of its first and its last piece.
     pub source: (usize, usize),
 }
 

@@ -32,16 +32,15 @@ use crate::diagnostic::Diagnostics;
 use crate::source::FileId;
 use crate::syntax;
 
-/// How many columns a line may have before it is broken.
+/// Maximum number of columns of a line before it is broken.
 pub const WIDTH: usize = 120;
 
-/// How far a block is indented.
+/// Indentation of a block, in columns.
 const INDENT: usize = 4;
 
-/// The text in its canonical layout. It means the same, holds the same comments, and is its own canonical layout.
+/// Formats a text. The result has the same meaning and the same comments, and is a fixed point of `format`.
 ///
-/// # Errors
-/// What is wrong with a text that does not fit the grammar; places are in `file`.
+/// The syntax errors of a text that does not fit the grammar; places are in `file`.
 pub fn format(file: FileId, text: &str) -> Result<String, Diagnostics> {
     let Some(tokens) = syntax::pairs(file, text).and_then(|pairs| tokens::tokens(text, pairs)) else {
         return Err(syntax::parse(file, text).1);
@@ -51,7 +50,7 @@ pub fn format(file: FileId, text: &str) -> Result<String, Diagnostics> {
     Ok(lines.print(line_end(text)))
 }
 
-/// How the text's first line ends.
+/// The line end of the text's first line.
 fn line_end(text: &str) -> &'static str {
     match text.find('\n') {
         Some(at) if text[..at].ends_with('\r') => "\r\n",

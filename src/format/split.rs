@@ -1,4 +1,4 @@
-//! Where a statement is broken that the author wrote on one line and that is too long for one.
+//! Line breaks in a statement that is on one line in the source and too long.
 
 use crate::syntax::Rule;
 
@@ -28,8 +28,8 @@ impl Split {
     }
 }
 
-/// How to break the statement that the first token begins. `stays` says whether a line break before a token stays in the
-/// layout.
+/// How to break the statement that the first token begins. `stays` is whether a line break before a token is kept in
+/// the layout.
 pub(super) fn split(
     tokens: &[Token<'_>],
     places: &[(Place, Place)],
@@ -37,7 +37,7 @@ pub(super) fn split(
     stays: impl Fn(usize) -> bool,
 ) -> Split {
     let mut width = indent;
-    // The longest line, and the one that is being filled, if it is broken before `or`.
+    // The longest line, and the current line, if it is broken before `or`.
     let (mut longest, mut filled, mut ors) = (0, indent, false);
     let mut depth = 0usize;
     for (index, (token, (place, _))) in tokens.iter().zip(places).enumerate() {

@@ -5,7 +5,7 @@ use pest::iterators::Pairs;
 
 use crate::syntax::Rule;
 
-/// What a token is to the layout.
+/// The kind of a token in the layout.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     /// A word, a number, an operator.
@@ -31,9 +31,9 @@ pub(super) struct Token<'t> {
     pub text: &'t str,
     /// Its first byte.
     pub start: usize,
-    /// What the grammar says it is.
+    /// Its rule in the grammar.
     pub rule: Rule,
-    /// What it is to the layout.
+    /// Its kind in the layout.
     pub kind: Kind,
     /// Whether a blank is before it if it does not begin a line.
     pub space: bool,
@@ -61,9 +61,9 @@ impl Token<'_> {
 pub(super) fn tokens<'t>(text: &'t str, pairs: Pairs<'t, Rule>) -> Option<Vec<Token<'t>>> {
     let mut tokenizer =
         Tokenizer { text, tokens: Vec::new(), rules: Vec::new(), brackets: Vec::new(), starts: false, step: 0 };
-    // Where the last pair began that has none inside so far.
+    // The start of the last pair without inner pairs so far.
     let mut leaf = None;
-    // Where the token began that is being read, and how deep in it the pairs are.
+    // The start of the current token, and the depth of its pairs.
     let mut whole: Option<(usize, usize)> = None;
     for event in pairs.tokens() {
         match event {
@@ -100,7 +100,7 @@ pub(super) fn tokens<'t>(text: &'t str, pairs: Pairs<'t, Rule>) -> Option<Vec<To
     Some(tokenizer.tokens)
 }
 
-/// Whether a rule takes what fits no other.
+/// Whether a rule matches text that fits no other rule.
 fn is_bad(rule: Rule) -> bool {
     matches!(
         rule,
@@ -116,7 +116,7 @@ fn is_bad(rule: Rule) -> bool {
     )
 }
 
-/// Whether a rule makes one token of all that is in it.
+/// Whether a rule is one token with all its contents.
 fn is_whole(rule: Rule) -> bool {
     matches!(
         rule,
@@ -171,7 +171,7 @@ impl<'t> Tokenizer<'t> {
     }
 
     fn push(&mut self, rule: Rule, start: usize, end: usize) {
-        // The pairs of some marks reach over the blanks and comments beside them.
+        // The pairs of some symbols extend over adjacent blanks and comments.
         let (start, end) = match rule {
             Rule::end | Rule::EOI => return,
             Rule::colon | Rule::open_paren => (start, start + 1),

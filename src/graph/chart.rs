@@ -1,4 +1,4 @@
-//! The graph itself, and how it is read off a program.
+//! The statechart graph, and its construction from a program.
 
 use super::excerpt;
 use crate::ir::{self, Actions, Choice, EntityId, EntitySpans, ModeId, Place, Program, RefValue};
@@ -9,11 +9,11 @@ use crate::source::SourceMap;
 pub struct Chart {
     /// The entity's name.
     pub entity: String,
-    /// Groups, side by side; none of an entity without modes.
+    /// Concurrent groups; none for an entity without modes.
     pub regions: Vec<Region>,
-    /// All modes, those around others before them.
+    /// All modes, each after the modes around it.
     pub modes: Vec<Mode>,
-    /// Edges that lead somewhere, in source order.
+    /// Edges with a target, in source order.
     pub edges: Vec<Edge>,
 }
 
@@ -22,18 +22,18 @@ pub struct Chart {
 pub struct Region {
     /// Its name, if it has one.
     pub name: Option<String>,
-    /// Its outermost modes, by their place in [`Chart::modes`].
+    /// Its outermost modes, as indices in [`Chart::modes`].
     pub modes: Vec<usize>,
-    /// Which of them comes first.
+    /// Their initial mode.
     pub initial: Initial,
 }
 
-/// Which of the modes beside each other comes first.
+/// The initial one of sibling modes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Initial {
-    /// Those that come first where their guard holds.
+    /// Modes that are initial if their guard holds.
     pub choices: Vec<(String, usize)>,
-    /// The one that comes first otherwise.
+    /// The initial mode otherwise.
     pub mode: usize,
 }
 
@@ -48,41 +48,42 @@ pub struct Mode {
     pub parent: Option<usize>,
     /// Modes directly inside.
     pub children: Vec<usize>,
-    /// Which of them comes first; none of an innermost mode.
+    /// Their initial mode; none of a leaf mode.
     pub initial: Option<Initial>,
-    /// Whether the time since it was entered is read.
+    /// Whether something reads the time since its entry.
     pub timed: bool,
-    /// What happens when it is entered.
+    /// Its entry actions.
     pub entry: Vec<String>,
-    /// Edges that stay, and `follow links`.
+    /// Edges without a target, and `follow links`.
     pub internal: Vec<Action>,
 }
 
-/// What a mode does while it stays.
+/// An internal action of a mode.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Action {
-    /// When.
+    /// Its guard.
     pub guard: String,
-    /// What happens.
+    /// Its updates.
     pub updates: Vec<String>,
 }
 
-/// An edge that leads somewhere.
+/// An edge with a target.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Edge {
     /// The mode that holds it.
     pub source: usize,
-    /// Where it leads.
+    /// Its target mode.
     pub target: usize,
-    /// Its place among the edges that are tried while its mode is active, from 1: the first whose guard holds is taken.
+    /// Its priority among the edges that are tried while its mode is active, from 1: the first whose guard holds is
+    /// taken.
     pub order: usize,
-    /// When it is taken.
+    /// Its guard.
     pub guard: String,
-    /// What it changes.
+    /// Its updates.
     pub updates: Vec<String>,
 }
 
-/// Reads the statechart of an entity off a program.
+/// Builds the statechart of an entity of a program.
 pub fn chart(program: &Program, sources: &SourceMap, id: EntityId) -> Chart {
     let reader = Reader { program, sources, entity: &program.entities[id], spans: &program.spans.entities[id] };
     let entity = reader.entity;
@@ -97,7 +98,7 @@ pub fn chart(program: &Program, sources: &SourceMap, id: EntityId) -> Chart {
     });
     let edges = entity.edges.pairs().filter_map(|(id, edge)| {
         let (guard, updates) = excerpt::edge(reader.sources.slice(reader.spans.edges[id]));
-        // The modes around an edge's mode are active with it, so its place is the same in all leaves.
+        // The modes around an edge's mode are active with it, so its priority is the same in all leaf modes.
         let leaf = &entity.leaves[entity.modes[edge.source].leaves.from];
         let order = leaf.edges.iter().position(|e| *e == id).map_or(0, |at| at + 1);
         Some(Edge { source: edge.source.0 as usize, target: edge.target?.0 as usize, order, guard, updates })
@@ -146,7 +147,7 @@ impl Reader<'_> {
         Initial { choices: choices.collect(), mode: mode.0 as usize }
     }
 
-    /// The `follow links` of a mode: those that all of its leaves share, and no other leaf has.
+    /// The `follow links` of a mode: those that all of its leaf modes and no other leaf mode share.
     fn follows(&self, id: ModeId) -> Vec<Action> {
         let entity = self.entity;
         let owner = |follow| {

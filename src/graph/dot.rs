@@ -1,11 +1,11 @@
-//! DOT, for Graphviz. A mode with modes inside is a cluster; its own edges, which leave from all of it, hang on a box in
-//! it that bears its name.
+//! Writer of DOT, for Graphviz. A mode with inner modes is a cluster; its own edges start at a node in it that has its
+//! name.
 
 use super::excerpt::{short, wrapped};
 use super::writer::{Writer, write_all};
 use super::{Action, Chart, Edge, Initial, Mode};
 
-/// Characters of a line of a label, and of an update.
+/// Maximum number of characters of a line of a label, and of an update.
 const WIDTH: usize = 40;
 
 /// Writes charts as one DOT graph.
@@ -93,7 +93,7 @@ fn edge_label(edge: &Edge) -> Vec<String> {
     lines
 }
 
-/// Lines as a string of DOT, each set to the left but for the first alone.
+/// Lines as a string of DOT, left-aligned except for the first.
 fn quoted(lines: &[String]) -> String {
     let end = if lines.len() > 1 { "\\l" } else { "" };
     let escaped = lines.iter().map(|line| line.replace('&', "&amp;").replace('\\', "\\\\").replace('"', "\\\"") + end);

@@ -1,4 +1,4 @@
-//! Pieces of the source as labels show them: on one line, without comments, not too long.
+//! Excerpts of the source for labels: on one line, without comments, not too long.
 
 /// A text on one line, without comments.
 pub(super) fn on_one_line(text: &str) -> String {
@@ -16,7 +16,7 @@ pub(super) fn edge(text: &str) -> (String, Vec<String>) {
     (on_one_line(guard), statements(updates))
 }
 
-/// The updates of a block, which are one a line or with `;` between them.
+/// The updates of a block, separated by line ends or `;`.
 fn statements(block: &str) -> Vec<String> {
     let mut depth = 0i32;
     let mut cuts = vec![0];
@@ -35,7 +35,7 @@ fn statements(block: &str) -> Vec<String> {
         let piece = on_one_line(block.get(*from..to - 1).unwrap_or(""));
         let begins = piece.contains(":=") || piece.starts_with("spawn ") || piece.starts_with("destroy ");
         match out.last_mut() {
-            // A long update goes on in the next line.
+            // A long update continues on the next line.
             Some(last) if !begins && !piece.is_empty() => last.push_str(&format!(" {piece}")),
             _ if !piece.is_empty() => out.push(piece),
             _ => {}
@@ -53,7 +53,7 @@ fn without_comments(text: &str) -> String {
     text.lines().map(cut).collect::<Vec<_>>().join("\n")
 }
 
-/// The characters that are in no quotes.
+/// The characters outside of quotes.
 fn outside_quotes(text: &str) -> impl Iterator<Item = (usize, char)> {
     let mut quoted = false;
     text.char_indices().filter(move |&(_, c)| {
@@ -62,7 +62,7 @@ fn outside_quotes(text: &str) -> impl Iterator<Item = (usize, char)> {
     })
 }
 
-/// The first characters of a text, at most `length`; `…` marks what is left out.
+/// The beginning of a text, at most `most` characters; `…` marks an omission.
 pub(super) fn short(text: &str, most: usize) -> String {
     if text.chars().count() <= most {
         return text.to_string();

@@ -1,36 +1,36 @@
-//! Where everything of a statechart is in our own pictures, in pixels; y points down.
+//! Layout of statecharts for our SVG, in pixels; y points down.
 //!
-//! The modes of a group are one below the other, inner ones inside. What a mode does is written in lines of text in its
-//! box, an edge among them, so that no text covers another. The ways of the edges run beside the boxes: from the edge's
-//! line to the right, along a track, back to the target's title. All edges to one mode share a track.
+//! The modes of a group are stacked, inner ones inside. The actions of a mode are lines of text in its box, edges among
+//! them, so that no text covers another. The routes of the edges run beside the boxes: from the edge's line to the
+//! right, along a track, back to the target's title. All edges to one mode share a route.
 
 use super::Chart;
 use super::chart::{Initial, Mode};
 use super::excerpt::{short, wrapped};
 
-/// The advance of a character, a little more than that of the usual fonts.
+/// Assumed width of a character, slightly more than in common fonts.
 pub(super) const LETTER: f64 = 7.3;
 /// The height of a line of text.
 pub(super) const LINE: f64 = 18.0;
-/// From a border to what is inside.
+/// Distance from a border to its content.
 pub(super) const PAD: f64 = 10.0;
-/// Where the guard of an edge begins, right of its number.
+/// Distance from the number of an edge to its guard.
 pub(super) const NUMBER: f64 = 22.0;
 
-/// Of what staying changes.
+/// Indentation of the updates of internal actions.
 pub(super) const INDENT: f64 = 2.0 * LETTER;
 
 /// The text of an entity without modes.
 pub(super) const NONE: &str = "no modes";
 
-/// Room for the arrow of an initial marker.
+/// Width of the arrow of an initial marker.
 const MARKER: f64 = 26.0;
 const GAP: f64 = 10.0;
 const TRACK: f64 = 11.0;
-/// Characters of a line.
+/// Maximum number of characters of a line.
 const WIDTH: usize = 44;
-/// Groups that would reach further begin a new row.
-const MOST: f64 = 1700.0;
+/// Maximum width of a row of groups.
+const MAX_ROW_WIDTH: f64 = 1700.0;
 
 /// A rectangle.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -47,31 +47,31 @@ impl Rect {
     }
 }
 
-/// What a line of text in a box says.
+/// The kind of a line of text in a box.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Says {
+pub(super) enum LineKind {
     /// The mode's name.
     Name,
-    /// What happens on entering and staying.
+    /// An entry action, or the guard of an internal action.
     Action,
-    /// What staying changes.
+    /// An update of an internal action.
     Effect,
-    /// The beginning of an edge, by its place in the chart: its guard.
+    /// The first line of an edge's guard, with the index of the edge.
     Guard(usize),
-    /// More of its guard.
-    GuardGoesOn,
-    /// What it changes.
+    /// A further line of the guard.
+    GuardContinued,
+    /// An update of the edge.
     Update,
-    /// Where an edge leads: the end of its text.
+    /// The target of an edge: the last line of its text.
     Target(usize),
 }
 
 /// A line of text of a mode.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Line {
-    pub says: Says,
+    pub kind: LineKind,
     pub text: String,
-    /// Its middle.
+    /// The y coordinate of its middle.
     pub y: f64,
 }
 
@@ -80,27 +80,27 @@ pub(super) struct Line {
 pub(super) struct Box {
     pub rect: Rect,
     pub lines: Vec<Line>,
-    /// Whether it has an initial marker, and whether that depends on a guard.
+    /// Its initial marker, if any, and whether it depends on a guard.
     pub initial: Option<bool>,
 }
 
-/// The way of all edges to one mode.
+/// The route of all edges to one mode.
 #[derive(Debug, Clone)]
-pub(super) struct Way {
+pub(super) struct Route {
     pub target: usize,
     pub edges: Vec<usize>,
-    /// The track's place.
+    /// The x coordinate of its track.
     pub x: f64,
 }
 
-/// Where everything is.
+/// The layout of a chart.
 #[derive(Debug, Clone)]
 pub(super) struct Layout {
     pub rect: Rect,
     pub groups: Vec<Rect>,
-    /// For each mode.
+    /// The box of each mode.
     pub boxes: Vec<Box>,
-    pub ways: Vec<Way>,
+    pub routes: Vec<Route>,
 }
 
 impl Layout {
@@ -109,10 +109,10 @@ impl Layout {
         self.boxes.get(mode).and_then(|b| b.lines.first()).map_or(0.0, |line| line.y)
     }
 
-    /// The line at whose end the way of an edge begins: its right end and its middle.
+    /// The right end and the middle of the line where the route of an edge begins.
     pub fn start(&self, edge: usize) -> (f64, f64) {
         let lines = self.boxes.iter().flat_map(|b| b.lines.iter().map(move |line| (b, line)));
-        let mut found = lines.filter(|(_, line)| line.says == Says::Target(edge));
+        let mut found = lines.filter(|(_, line)| line.kind == LineKind::Target(edge));
         found.next().map_or((0.0, 0.0), |(b, line)| (b.rect.x + PAD + NUMBER + letters(&line.text), line.y))
     }
 }
@@ -122,30 +122,30 @@ pub(super) fn letters(text: &str) -> f64 {
     text.chars().count() as f64 * LETTER
 }
 
-/// Lays a chart out, its upper left corner at (0, 0).
+/// Computes the layout of a chart, its upper left corner at (0, 0).
 pub(super) fn layout(chart: &Chart) -> Layout {
     let boxes = chart.modes.iter().enumerate().map(|(index, mode)| Box {
         lines: lines(chart, index, mode),
         initial: marker(chart, index),
         rect: Rect::default(),
     });
-    let mut out = Layout { rect: Rect::default(), groups: Vec::new(), boxes: boxes.collect(), ways: Vec::new() };
+    let mut out = Layout { rect: Rect::default(), groups: Vec::new(), boxes: boxes.collect(), routes: Vec::new() };
     let title = LINE + PAD;
     let (mut x, mut y, mut row, mut right) = (PAD, title + PAD, 0.0f64, letters(&chart.entity) + 2.0 * PAD);
     for region in &chart.regions {
         let inside = region.modes.iter().map(|m| width(chart, &out, *m)).fold(0.0, f64::max);
-        let ways = ways(chart, region.modes.iter().copied());
+        let routes = routes(chart, region.modes.iter().copied());
         let name = region.name.as_ref().map_or(0.0, |name| letters(name) + 2.0 * PAD);
-        // The tracks are numbered once the lines have their places, and there are no more of them than targets.
+        // Tracks are assigned when the lines have their places; there are at most as many as targets.
         let beside = |tracks: usize| (tracks as f64 + 1.0) * TRACK;
-        if x > PAD && x + MARKER + inside + beside(ways.len()) > MOST {
+        if x > PAD && x + MARKER + inside + beside(routes.len()) > MAX_ROW_WIDTH {
             (x, y, row) = (PAD, y + row + GAP, 0.0);
         }
         let mut bottom = y + if region.name.is_some() { LINE + PAD } else { PAD };
         for &mode in &region.modes {
             bottom = place(chart, &mut out, mode, (x + MARKER, bottom), inside) + GAP;
         }
-        let tracks = tracks(&mut out, ways, x + MARKER + inside);
+        let tracks = assign_tracks(&mut out, routes, x + MARKER + inside);
         let rect = Rect { x, y, width: (MARKER + inside + beside(tracks)).max(name), height: bottom - y };
         row = row.max(rect.height);
         right = right.max(rect.right() + PAD);
@@ -157,7 +157,7 @@ pub(super) fn layout(chart: &Chart) -> Layout {
         right = right.max(letters(NONE) + 2.0 * PAD);
     }
     out.rect = Rect { x: 0.0, y: 0.0, width: right, height: y + row + PAD };
-    // Groups in one row are of one height.
+    // Groups in one row have the same height.
     let rows: Vec<Rect> = out.groups.clone();
     for group in &mut out.groups {
         let beside = rows.iter().filter(|other| other.y == group.y);
@@ -166,33 +166,33 @@ pub(super) fn layout(chart: &Chart) -> Layout {
     out
 }
 
-/// The text of a mode's box; places come later.
+/// The lines of a mode's box; places are set later.
 fn lines(chart: &Chart, index: usize, mode: &Mode) -> Vec<Line> {
-    let mut out = vec![Line { says: Says::Name, text: mode.name.clone(), y: 0.0 }];
-    let mut add = |says, text: String| out.push(Line { says, text, y: 0.0 });
+    let mut out = vec![Line { kind: LineKind::Name, text: mode.name.clone(), y: 0.0 }];
+    let mut add = |kind, text: String| out.push(Line { kind, text, y: 0.0 });
     for (guard, chosen) in siblings_initial(chart, index).iter().flat_map(|initial| &initial.choices) {
         if *chosen == index {
-            wrapped(&format!("initial when {guard}"), WIDTH).into_iter().for_each(|text| add(Says::Action, text));
+            wrapped(&format!("initial when {guard}"), WIDTH).into_iter().for_each(|text| add(LineKind::Action, text));
         }
     }
     for update in &mode.entry {
-        add(Says::Action, short(&format!("entry / {update}"), WIDTH));
+        add(LineKind::Action, short(&format!("entry / {update}"), WIDTH));
     }
     for action in &mode.internal {
-        wrapped(&action.guard, WIDTH).into_iter().for_each(|text| add(Says::Action, text));
-        action.updates.iter().for_each(|update| add(Says::Effect, short(&format!("/ {update}"), WIDTH)));
+        wrapped(&action.guard, WIDTH).into_iter().for_each(|text| add(LineKind::Action, text));
+        action.updates.iter().for_each(|update| add(LineKind::Effect, short(&format!("/ {update}"), WIDTH)));
     }
     for (id, edge) in chart.edges.iter().enumerate().filter(|(_, edge)| edge.source == index) {
         for (line, text) in wrapped(&edge.guard, WIDTH).into_iter().enumerate() {
-            add(if line == 0 { Says::Guard(id) } else { Says::GuardGoesOn }, text);
+            add(if line == 0 { LineKind::Guard(id) } else { LineKind::GuardContinued }, text);
         }
-        edge.updates.iter().for_each(|update| add(Says::Update, short(&format!("/ {update}"), WIDTH)));
-        add(Says::Target(id), format!("→ {}", chart.modes[edge.target].name));
+        edge.updates.iter().for_each(|update| add(LineKind::Update, short(&format!("/ {update}"), WIDTH)));
+        add(LineKind::Target(id), format!("→ {}", chart.modes[edge.target].name));
     }
     out
 }
 
-/// Which of the modes beside a mode, itself included, comes first.
+/// The initial mode of a mode and its siblings.
 fn siblings_initial(chart: &Chart, index: usize) -> Option<&Initial> {
     match chart.modes[index].parent {
         Some(parent) => chart.modes[parent].initial.as_ref(),
@@ -206,22 +206,22 @@ fn marker(chart: &Chart, index: usize) -> Option<bool> {
     (initial.mode == index || chosen).then_some(chosen)
 }
 
-/// How wide a mode's box must be.
+/// The minimum width of a mode's box.
 fn width(chart: &Chart, out: &Layout, mode: usize) -> f64 {
-    let line = |line: &Line| match line.says {
-        // The name has a clock behind it.
-        Says::Name => letters(&line.text) + 2.0 * LINE,
-        Says::Action => letters(&line.text),
-        Says::Effect => letters(&line.text) + INDENT,
-        Says::Guard(_) | Says::GuardGoesOn | Says::Update => letters(&line.text) + NUMBER,
-        Says::Target(_) => letters(&line.text) + NUMBER + LINE,
+    let line = |line: &Line| match line.kind {
+        // A clock follows the name.
+        LineKind::Name => letters(&line.text) + 2.0 * LINE,
+        LineKind::Action => letters(&line.text),
+        LineKind::Effect => letters(&line.text) + INDENT,
+        LineKind::Guard(_) | LineKind::GuardContinued | LineKind::Update => letters(&line.text) + NUMBER,
+        LineKind::Target(_) => letters(&line.text) + NUMBER + LINE,
     };
     let own = out.boxes[mode].lines.iter().map(line).fold(0.0, f64::max) + 2.0 * PAD;
     let children = chart.modes[mode].children.iter().map(|child| width(chart, out, *child) + MARKER + PAD);
     children.fold(own, f64::max)
 }
 
-/// Puts a mode and what is inside in its place and gives its bottom.
+/// Sets the place of a mode and its inner modes; returns its bottom.
 fn place(chart: &Chart, out: &mut Layout, mode: usize, (x, y): (f64, f64), width: f64) -> f64 {
     let mut bottom = y + PAD / 2.0;
     for line in &mut out.boxes[mode].lines {
@@ -236,42 +236,42 @@ fn place(chart: &Chart, out: &mut Layout, mode: usize, (x, y): (f64, f64), width
     bottom
 }
 
-/// The edges inside of modes, by target.
-fn ways(chart: &Chart, modes: impl Iterator<Item = usize>) -> Vec<Way> {
+/// The routes of the edges between modes, by target.
+fn routes(chart: &Chart, modes: impl Iterator<Item = usize>) -> Vec<Route> {
     let mut inside: Vec<usize> = modes.collect();
     let mut next = 0;
     while let Some(&mode) = inside.get(next) {
         inside.extend(&chart.modes[mode].children);
         next += 1;
     }
-    let mut ways: Vec<Way> = Vec::new();
+    let mut routes: Vec<Route> = Vec::new();
     for (id, edge) in chart.edges.iter().enumerate().filter(|(_, edge)| inside.contains(&edge.source)) {
-        match ways.iter_mut().find(|way| way.target == edge.target) {
-            Some(way) => way.edges.push(id),
-            None => ways.push(Way { target: edge.target, edges: vec![id], x: 0.0 }),
+        match routes.iter_mut().find(|route| route.target == edge.target) {
+            Some(route) => route.edges.push(id),
+            None => routes.push(Route { target: edge.target, edges: vec![id], x: 0.0 }),
         }
     }
-    ways
+    routes
 }
 
-/// Gives each way a track right of `left`, short ones the inner ones, and gives the number of tracks.
-fn tracks(out: &mut Layout, ways: Vec<Way>, left: f64) -> usize {
-    let reach = |way: &Way| {
-        let ends = way.edges.iter().map(|edge| out.start(*edge).1).chain([out.title(way.target)]);
+/// Assigns each route a track right of `left`, inner ones to short routes; returns the number of tracks.
+fn assign_tracks(out: &mut Layout, routes: Vec<Route>, left: f64) -> usize {
+    let reach = |route: &Route| {
+        let ends = route.edges.iter().map(|edge| out.start(*edge).1).chain([out.title(route.target)]);
         ends.fold((f64::MAX, f64::MIN), |(low, high), y| (low.min(y), high.max(y)))
     };
-    let mut ways: Vec<((f64, f64), Way)> = ways.into_iter().map(|way| (reach(&way), way)).collect();
-    ways.sort_by(|((a, b), _), ((c, d), _)| (b - a).total_cmp(&(d - c)));
+    let mut routes: Vec<((f64, f64), Route)> = routes.into_iter().map(|route| (reach(&route), route)).collect();
+    routes.sort_by(|((a, b), _), ((c, d), _)| (b - a).total_cmp(&(d - c)));
     let mut taken: Vec<Vec<(f64, f64)>> = Vec::new();
-    for ((low, high), mut way) in ways {
+    for ((low, high), mut route) in routes {
         let free = |track: &Vec<(f64, f64)>| track.iter().all(|(from, to)| high < from - GAP || low > to + GAP);
         let track = taken.iter().position(free).unwrap_or(taken.len());
         if track == taken.len() {
             taken.push(Vec::new());
         }
         taken[track].push((low, high));
-        way.x = left + (track as f64 + 1.0) * TRACK;
-        out.ways.push(way);
+        route.x = left + (track as f64 + 1.0) * TRACK;
+        out.routes.push(route);
     }
     taken.len()
 }

@@ -1,10 +1,10 @@
-//! Mermaid's `stateDiagram-v2`. Labels escape what Mermaid would read as its own.
+//! Writer of Mermaid's `stateDiagram-v2`. Labels escape Mermaid's syntax.
 
 use super::excerpt::short;
 use super::writer::{Writer, write_all};
 use super::{Action, Chart, Edge, Initial, Mode};
 
-/// Characters of a guard and of all updates of an edge.
+/// Maximum number of characters of a guard, and of all updates of an edge.
 const WIDTH: usize = 80;
 
 /// Writes charts as one Mermaid diagram.
@@ -14,8 +14,7 @@ pub fn mermaid(charts: &[Chart]) -> String {
     out
 }
 
-/// What edges of a mode hang on: of one that has modes inside, a state in it, as Mermaid draws no edge from a state
-/// into itself.
+/// The node for edges of a mode: with inner modes, a state inside it, as Mermaid draws no edge from a state into itself.
 fn end(out: &Writer<'_>, mode: usize) -> String {
     if out.chart.modes[mode].initial.is_some() { format!("{}_self", out.node(mode)) } else { out.node(mode) }
 }
@@ -27,7 +26,7 @@ fn write_chart(out: &mut Writer<'_>) {
         out.line(2, &format!("{prefix}_none : no modes"));
     }
     for (index, region) in chart.regions.iter().enumerate() {
-        // Mermaid's own regions, `--`, bear no names.
+        // Mermaid's own regions, `--`, have no names.
         let named = region.name.as_ref().map(|name| format!("state \"{}\" as {prefix}_g{index} {{", escaped(name)));
         let depth = if let Some(head) = named {
             if index > 0 {
@@ -39,7 +38,7 @@ fn write_chart(out: &mut Writer<'_>) {
             2
         };
         write_initial(out, depth, &region.initial);
-        // Mermaid puts a state where it is named last, so the edges come before the states.
+        // Mermaid places a state where it is named last, so the edges come before the states.
         let inside = |edge: &&Edge| region.modes.contains(&outermost(out, edge.source));
         let edges: Vec<&Edge> = chart.edges.iter().filter(inside).collect();
         for edge in edges {
@@ -107,7 +106,7 @@ fn action_label(action: &Action) -> String {
     if action.updates.is_empty() { guard } else { format!("{guard} / {}", short(&action.updates.join(", "), WIDTH)) }
 }
 
-/// Characters that mean something to Mermaid or to HTML, as its numbered entities.
+/// Escapes special characters of Mermaid and HTML as numeric entities.
 fn escaped(text: &str) -> String {
     let mut out = String::new();
     for c in text.chars() {

@@ -1,11 +1,11 @@
-//! Statecharts of entities: the modes with their edges as a plain graph, read off a compiled program, and writers that
-//! make pictures of it. Guards and updates are shown as the source writes them.
+//! Statecharts of entities: the modes with their edges as a plain graph, built from a compiled program, and writers of
+//! pictures. Guards and updates are shown as in the source.
 //!
 //! | format | drawn by |
 //! |---|---|
 //! | [`dot`] | Graphviz |
 //! | [`mermaid`] | Mermaid, as a `stateDiagram-v2` |
-//! | [`svg`] | us: modes one below the other, edges beside them |
+//! | [`svg`] | our own layout: modes stacked, edges beside them |
 
 mod chart;
 mod dot;

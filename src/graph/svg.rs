@@ -1,13 +1,13 @@
-//! SVG that needs nothing else: no script, no font, no style from outside. It follows the reader's light or dark scheme.
+//! Writer of self-contained SVG: no script, font or style from outside. It follows the reader's light or dark scheme.
 
 use super::chart::{Chart, Edge};
-use super::layout::{INDENT, LINE, Layout, NONE, NUMBER, PAD, Rect, Says, Way, layout, letters};
+use super::layout::{INDENT, LINE, Layout, LineKind, NONE, NUMBER, PAD, Rect, Route, layout, letters};
 
 const MARGIN: f64 = 12.0;
 /// The radius of a corner.
 const ROUND: f64 = 5.0;
 
-/// Colours that stand out from white and from black.
+/// Colours with contrast to white and to black.
 const COLORS: [&str; 8] = ["#2f81f7", "#d1414a", "#2da44e", "#a371f7", "#d4772a", "#1b9aaa", "#c2559d", "#8a8f3a"];
 
 const STYLE: &str = "text{font:12px ui-monospace,Menlo,Consolas,\"DejaVu Sans Mono\",monospace;fill:#1f2328}
@@ -67,8 +67,8 @@ impl Drawing<'_> {
         for mode in 0..chart.modes.len() {
             self.mode(mode);
         }
-        for way in &layout.ways {
-            self.way(way);
+        for route in &layout.routes {
+            self.route(route);
         }
     }
 
@@ -77,30 +77,30 @@ impl Drawing<'_> {
         self.rect("mode", b.rect);
         for line in &b.lines {
             let x = b.rect.x + PAD;
-            match line.says {
-                Says::Name => {
+            match line.kind {
+                LineKind::Name => {
                     self.text("name", (x, line.y), &line.text);
                     if mode.timed {
                         self.clock(x + letters(&line.text) + LINE / 2.0, line.y);
                     }
                 }
-                Says::Effect => self.text("quiet", (x + INDENT, line.y), &line.text),
-                Says::Action => self.text("quiet", (x, line.y), &line.text),
-                Says::Guard(edge) => {
+                LineKind::Effect => self.text("quiet", (x + INDENT, line.y), &line.text),
+                LineKind::Action => self.text("quiet", (x, line.y), &line.text),
+                LineKind::Guard(edge) => {
                     let edge = &self.chart.edges[edge];
                     let (color, center) = (color(edge.target), x + 7.0);
                     self.line(&format!("<circle cx=\"{center:.1}\" cy=\"{:.1}\" r=\"7.5\" fill=\"{color}\"/>", line.y));
                     self.text("number", (center, line.y), &edge.order.to_string());
                     self.text("", (x + NUMBER, line.y), &line.text);
                 }
-                Says::GuardGoesOn => self.text("", (x + NUMBER, line.y), &line.text),
-                Says::Update => self.text("quiet", (x + NUMBER, line.y), &line.text),
-                Says::Target(_) => self.text("", (x + NUMBER, line.y), &line.text),
+                LineKind::GuardContinued => self.text("", (x + NUMBER, line.y), &line.text),
+                LineKind::Update => self.text("quiet", (x + NUMBER, line.y), &line.text),
+                LineKind::Target(_) => self.text("", (x + NUMBER, line.y), &line.text),
             }
         }
         if let Some(chosen) = b.initial {
             let (x, y) = (b.rect.x, self.layout.title(index));
-            // Where a guard chooses the marker is hollow.
+            // With a guard, the marker is hollow.
             let class = if chosen { "line" } else { "first" };
             self.line(&format!("<circle class=\"{class}\" cx=\"{:.1}\" cy=\"{y:.1}\" r=\"4\"/>", x - 16.0));
             self.line(&format!("<path class=\"line\" d=\"M{:.1} {y:.1}H{:.1}\"/>", x - 12.0, x - 5.0));
@@ -109,11 +109,11 @@ impl Drawing<'_> {
     }
 
     /// All edges to one mode.
-    fn way(&mut self, way: &Way) {
-        let color = color(way.target);
-        let (to, end) = (self.layout.boxes[way.target].rect.right(), self.layout.title(way.target));
-        let x = way.x;
-        for &id in &way.edges {
+    fn route(&mut self, route: &Route) {
+        let color = color(route.target);
+        let (to, end) = (self.layout.boxes[route.target].rect.right(), self.layout.title(route.target));
+        let x = route.x;
+        for &id in &route.edges {
             let edge = &self.chart.edges[id];
             let (from, start) = self.layout.start(id);
             let turn = if start < end { ROUND } else { -ROUND };
@@ -125,14 +125,14 @@ impl Drawing<'_> {
                 end - turn,
                 x - ROUND,
                 to + 5.0,
-                escaped(&self.said(edge)),
+                escaped(&self.edge_text(edge)),
             ));
         }
         self.line(&format!("<path fill=\"{color}\" d=\"M{to:.1} {end:.1}l7 -4v8z\"/>"));
     }
 
-    /// An edge in full.
-    fn said(&self, edge: &Edge) -> String {
+    /// The full text of an edge.
+    fn edge_text(&self, edge: &Edge) -> String {
         let mode = |mode: usize| &self.chart.modes[mode].path;
         let updates = edge.updates.join("; ");
         let updates = if updates.is_empty() { updates } else { format!(" {{ {updates} }}") };
@@ -152,13 +152,13 @@ impl Drawing<'_> {
 
     fn text(&mut self, class: &str, (x, y): (f64, f64), text: &str) {
         let class = if class.is_empty() { String::new() } else { format!(" class=\"{class}\"") };
-        // From the middle of the letters to the line they are on.
+        // From the middle of the letters to their baseline.
         let y = y + if class.contains("number") { 3.5 } else { 4.2 };
         self.line(&format!("<text{class} x=\"{x:.1}\" y=\"{y:.1}\">{}</text>", escaped(text)));
     }
 }
 
-/// Of a target.
+/// The colour of the edges to a target.
 fn color(target: usize) -> &'static str {
     COLORS[target % COLORS.len()]
 }

@@ -1,16 +1,16 @@
-//! What other systems describe, as `.hyped` text in its canonical layout. Each format has a module of its own; all give
-//! an [`Import`]. What cannot be carried over is reported, with its place in the imported file.
+//! Importers: files of other systems as `.hyped` text in its canonical layout. Each format has its own module; all
+//! return an [`Import`]. Parts that cannot be imported are reported, with their place in the imported file.
 
 pub mod xml;
 pub mod zelda;
 
 use crate::diagnostic::Diagnostics;
 
-/// What came of a file.
+/// The result of an import.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Import {
-    /// The program's text, in its canonical layout; none if nothing could be read.
+    /// The program's text, in its canonical layout; none if the file cannot be parsed.
     pub text: Option<String>,
-    /// What was found: errors are what the text lacks, warnings what it says otherwise.
+    /// The findings: errors are omitted parts, warnings are changed parts.
     pub diagnostics: Diagnostics,
 }

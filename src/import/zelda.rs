@@ -1,10 +1,11 @@
-//! Dungeons of *The Legend of Zelda* from the Video Game Level Corpus as a world: rooms become spaces, doors links.
+//! Importer of dungeons of *The Legend of Zelda* from the Video Game Level Corpus as a world: rooms become spaces,
+//! doors links.
 //!
-//! The corpus writes columns as rows: its rooms are 11 characters wide and 16 lines high, those of the game 16 tiles wide
-//! and 11 high. Here they are as in the game, each called by its column (a letter) and its row (a number, from above).
-//! The corpus says neither where one comes in nor what is wanted: one comes in by a door behind which there is no room,
-//! and wants to get down the stairs, and to the room that is the most doors away, as far as one can walk there: what
-//! opens doors, moves blocks or crosses water is not in the corpus either.
+//! The corpus writes columns as rows: its rooms are 11 characters wide and 16 lines high, those of the game 16 tiles
+//! wide and 11 high. Here they are as in the game, each named by its column (a letter) and its row (a number, from
+//! above). The corpus has neither a start nor a goal: the start is a door without a room behind it, and the goals are
+//! the stairs, and the room that is the most doors away within walking distance: keys, movable blocks and rafts are not
+//! in the corpus either.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::fmt::Write;
@@ -15,20 +16,20 @@ use crate::diagnostic::catalogue::import::{Assumed, LeftOut, NotWellFormed};
 use crate::format::format;
 use crate::source::{FileId, Span};
 
-/// The lines of a room in the file: its columns.
+/// Lines of a room in the file: its columns.
 const COLUMNS: usize = 16;
-/// The characters of a room in each of these lines: its rows.
+/// Characters of a room in each of these lines: its rows.
 const ROWS: usize = 11;
 /// The side of a tile, px.
 const TILE: i64 = 16;
-/// How far beyond the inner edge of its tiles a door is gone through, px.
+/// Distance beyond the inner edge of its tiles at which a door takes effect, px.
 const INTO: i64 = 9;
-/// How far it is from where one comes out to where one would go back, px.
+/// Distance from the exit position to the nearest position that would lead back, px.
 const APART: i64 = 1;
-/// The most characters of a file that are read: a hundred times the largest dungeon.
-const MOST: usize = 1 << 20;
+/// Maximum number of characters of a file: a hundred times the largest dungeon.
+const MAX_CHARACTERS: usize = 1 << 20;
 
-/// The tiles of the corpus, and what they are here.
+/// The tiles of the corpus, and their tags here.
 const TILES: [(char, &str); 10] = [
     ('F', "empty"),
     ('-', "empty"),
@@ -39,11 +40,11 @@ const TILES: [(char, &str); 10] = [
     ('M', "spawn Monster"),
     ('P', "water"),
     ('I', "water, block"),
-    // By what is around it, the floor beside an element.
+    // The neighbours of this tile suggest floor beside an element.
     ('O', "empty"),
 ];
 
-/// A side of a room, as in the game.
+/// A side of a room, in the orientation of the game.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Side {
     Left,
@@ -116,7 +117,7 @@ impl Room {
         self.doors[side as usize]
     }
 
-    /// The tiles where one comes in: a door, or where there is none the middle.
+    /// The tiles of the entrance: a door, or the middle of the room without one.
     fn entry(&self, side: Option<Side>) -> Area {
         side.and_then(|side| self.door(side)).unwrap_or(((COLUMNS / 2, ROWS / 2), (COLUMNS / 2, ROWS / 2)))
     }
@@ -126,7 +127,7 @@ impl Room {
     }
 }
 
-/// The world of a file, in a program that takes `Link` and `Monster` from another file.
+/// Imports a file as a world, in a program that takes `Link` and `Monster` from another file.
 pub fn import(file: FileId, text: &str, name: &str, entities: &str) -> Import {
     let mut diagnostics = Diagnostics::new();
     let rooms = match rooms(file, text) {
@@ -141,11 +142,11 @@ pub fn import(file: FileId, text: &str, name: &str, entities: &str) -> Import {
     Import { text: format(FileId(0), &text).ok(), diagnostics }
 }
 
-/// Where lines and characters are, or what is wrong with them; the rooms by their places.
+/// The rooms by their places; an error for a file of another form.
 fn rooms(file: FileId, text: &str) -> Result<BTreeMap<Place, Room>, NotWellFormed> {
     let wrong = |what: String, at: Span, help: &str| NotWellFormed { what, at, help: Some(help.into()) };
     let begin = Span::new(file, 0, text.len().min(1));
-    if text.len() > MOST {
+    if text.len() > MAX_CHARACTERS {
         return Err(wrong("this is too much for a dungeon".into(), begin, "a dungeon of the corpus has some 10 kB"));
     }
     let mut lines: Vec<Vec<Cell>> = Vec::new();
@@ -222,15 +223,15 @@ fn called((column, row): Place) -> String {
     format!("{letters}{}", row + 1)
 }
 
-/// The way through a door: from where, to which room, and to where there.
-struct Way {
+/// A link through a door: the room, the side, and the other room.
+struct DoorLink {
     from: Place,
     side: Side,
     to: Place,
 }
 
 fn world(rooms: &BTreeMap<Place, Room>, name: &str, entities: &str, diagnostics: &mut Diagnostics) -> String {
-    let mut ways: Vec<Way> = Vec::new();
+    let mut links: Vec<DoorLink> = Vec::new();
     let mut outside: Vec<(Place, Side)> = Vec::new();
     for (&place, room) in rooms {
         for side in Side::ALL {
@@ -238,7 +239,9 @@ fn world(rooms: &BTreeMap<Place, Room>, name: &str, entities: &str, diagnostics:
             let beyond = side.beyond(place).and_then(|p| rooms.get(&p).map(|room| (p, room)));
             match beyond {
                 None => outside.push((place, side)),
-                Some((to, other)) if other.door(side.opposite()).is_some() => ways.push(Way { from: place, side, to }),
+                Some((to, other)) if other.door(side.opposite()).is_some() => {
+                    links.push(DoorLink { from: place, side, to })
+                }
                 Some((to, _)) => diagnostics.report(LeftOut {
                     what: format!("the {} door of room `{}`", side.name(), called(place)),
                     why: format!("room `{}` has a wall on its side", called(to)),
@@ -256,7 +259,7 @@ fn world(rooms: &BTreeMap<Place, Room>, name: &str, entities: &str, diagnostics:
             });
         }
     }
-    // One comes in from below, if there is a choice: so it is in the game.
+    // The entrance is at the bottom if possible, as in the game.
     let entrance = outside.iter().copied().max_by_key(|(place, side)| (*side == Side::Below, place.1));
     let start = entrance.map(|(place, _)| place).or_else(|| rooms.keys().next().copied());
     let Some(start) = start else { return String::new() };
@@ -272,7 +275,7 @@ fn world(rooms: &BTreeMap<Place, Room>, name: &str, entities: &str, diagnostics:
         });
     }
     let entry = rooms[&start].entry(entrance.map(|(_, side)| side));
-    let walk = Walk::new(rooms, start, &ways, entry);
+    let walk = Walk::new(rooms, start, &links, entry);
     let is_there = |tile: char| rooms.values().any(|r| r.cells.iter().flatten().any(|(c, _)| *c == tile));
     let mut out = String::new();
     let quoted = entities.replace(['"', '\n'], "");
@@ -308,11 +311,11 @@ fn world(rooms: &BTreeMap<Place, Room>, name: &str, entities: &str, diagnostics:
             let (x, y) = corner(((first.0 + last.0).div_ceil(2), (first.1 + last.1).div_ceil(2)));
             let _ = writeln!(out, "        place hero: Link at ({}, {})", x + 2, y + 2);
         }
-        for way in ways.iter().filter(|way| way.from == place) {
-            let (from, to) = (room.door(way.side), rooms[&way.to].door(way.side.opposite()));
+        for link in links.iter().filter(|link| link.from == place) {
+            let (from, to) = (room.door(link.side), rooms[&link.to].door(link.side.opposite()));
             if let Some((from, to)) = from.zip(to) {
-                let [from, to] = link(way.side, from, to);
-                let _ = writeln!(out, "        link rect({from}) -> {} at rect({to})", called(way.to));
+                let [from, to] = link_rectangles(link.side, from, to);
+                let _ = writeln!(out, "        link rect({from}) -> {} at rect({to})", called(link.to));
             }
         }
         let _ = writeln!(out, "    }}\n");
@@ -342,20 +345,20 @@ fn picture(rooms: &BTreeMap<Place, Room>, out: &mut String) {
     }
 }
 
-/// Where one can walk: from tile to tile of a room, and through doors.
+/// The walkable part of the dungeon: from tile to tile of a room, and through doors.
 struct Walk {
-    /// Of each room that is walked to, through how many doors.
+    /// The reachable rooms, with the number of doors to each.
     rooms: BTreeMap<Place, usize>,
-    /// Whether a stair is walked to.
+    /// Whether stairs are reachable.
     stairs: bool,
 }
 
 impl Walk {
-    fn new(rooms: &BTreeMap<Place, Room>, start: Place, ways: &[Way], entry: Area) -> Walk {
+    fn new(rooms: &BTreeMap<Place, Room>, start: Place, links: &[DoorLink], entry: Area) -> Walk {
         let mut walk = Walk { rooms: BTreeMap::from([(start, 0)]), stairs: false };
         let mut seen: BTreeSet<(Place, Place)> = BTreeSet::new();
         let mut open: VecDeque<(Place, Place, usize)> = cells(entry).map(|at| (start, at, 0)).collect();
-        // Through doors one walks last, so that rooms come in the order of the doors to them.
+        // Doors come last, so that rooms are visited in the order of their distance.
         while let Some((room, at, doors)) = open.pop_front() {
             let tile = rooms[&room].cells[at.1][at.0].0;
             if matches!(tile, 'W' | 'B' | 'P' | 'I') || !seen.insert((room, at)) {
@@ -367,18 +370,18 @@ impl Walk {
                 if let Some(next) = inside {
                     open.push_front((room, next, doors));
                 }
-                let Some(way) = ways.iter().find(|w| w.from == room && w.side == side) else { continue };
+                let Some(link) = links.iter().find(|w| w.from == room && w.side == side) else { continue };
                 let is_door = rooms[&room].door(side).is_some_and(|door| lies_in(at, door));
-                if let (true, Some((first, _))) = (is_door, rooms[&way.to].door(side.opposite())) {
-                    walk.rooms.entry(way.to).or_insert(doors + 1);
-                    open.push_back((way.to, first, doors + 1));
+                if let (true, Some((first, _))) = (is_door, rooms[&link.to].door(side.opposite())) {
+                    walk.rooms.entry(link.to).or_insert(doors + 1);
+                    open.push_back((link.to, first, doors + 1));
                 }
             }
         }
         walk
     }
 
-    /// The room that is the most doors away; of several the first, column by column.
+    /// The reachable room that is the most doors away; of several the first, column by column.
     fn last(&self) -> Option<Place> {
         let most = self.rooms.values().max()?;
         self.rooms.iter().find(|(_, doors)| *doors == most).map(|(place, _)| *place)
@@ -399,9 +402,9 @@ fn corner((column, row): Place) -> (i64, i64) {
     (column as i64 * TILE, (ROWS - 1 - row) as i64 * TILE)
 }
 
-/// The rectangles of positions at which a door is gone into and come out of: one goes a little deep into a door, and comes
-/// out of the other not so deep that one would go back.
-fn link(side: Side, from: Area, to: Area) -> [String; 2] {
+/// The trigger rectangle of a door and the destination rectangle of the other one: the trigger is slightly inside the
+/// door, and the destination not so deep as to lead back.
+fn link_rectangles(side: Side, from: Area, to: Area) -> [String; 2] {
     // Lower-left corner, width and height of a door, px; y points up.
     let area = |(first, last): (Place, Place)| {
         let (x, y) = corner((first.0, last.1));
@@ -409,7 +412,8 @@ fn link(side: Side, from: Area, to: Area) -> [String; 2] {
     };
     let (from, to) = (area(from), area(to));
     let rect = |x: i64, y: i64, w: i64, h: i64| format!("{x}, {y}, {w}, {h}");
-    // Positions are lower-left corners: from the left or from below one is in a door at once, else a body later.
+    // Positions are lower-left corners: a body that comes from the left or from below is in the door at once, otherwise
+    // after its own size.
     match side {
         Side::Right => [rect(from.0 + APART, from.1, TILE, from.3), rect(to.0 + INTO, to.1, TILE, to.3)],
         Side::Left => [rect(from.0 + INTO - 1 - TILE, from.1, TILE, from.3), rect(to.0 - TILE, to.1, TILE, to.3)],

@@ -13,7 +13,7 @@ use crate::source::{FileId, Span};
 
 use super::MAX_TILES;
 
-/// A tile of the set that a map is read with.
+/// A tile of the tile set of a map.
 pub struct InlineTile<T> {
     /// Its character.
     pub symbol: char,
@@ -21,8 +21,8 @@ pub struct InlineTile<T> {
     pub tags: Vec<T>,
 }
 
-/// The rows of a text file: its lines, trimmed at both ends, without empty ones at the end. Returns none for a file that
-/// is no text, or of another format; the finding says of which.
+/// The rows of a text file: its lines, trimmed at both ends, without empty ones at the end. Returns none for a binary
+/// file or a file of another format; the finding names the format.
 pub fn text_rows<'t>(text: &'t str, file: FileId, diagnostics: &mut Diagnostics) -> Option<Vec<(&'t str, Span)>> {
     if let Some((at, what, help)) = other_format(text) {
         let length = text.get(at..).and_then(|rest| rest.chars().next()).map_or(0, char::len_utf8);
@@ -43,7 +43,7 @@ pub fn text_rows<'t>(text: &'t str, file: FileId, diagnostics: &mut Diagnostics)
     Some(rows)
 }
 
-/// Where a text shows that it is no rows of characters, what it is, and how it is read instead.
+/// The byte at which another format is recognised, the name of the format, and help.
 fn other_format(text: &str) -> Option<(usize, &'static str, Option<&'static str>)> {
     if let Some(at) = text.find(|c: char| c.is_control() && !c.is_whitespace()) {
         return Some((at, "binary data", None));
@@ -61,9 +61,9 @@ fn other_format(text: &str) -> Option<(usize, &'static str, Option<&'static str>
     ))
 }
 
-/// Reads the rows of a map, top row first, each with its span. `set` is what the tiles are called and its place; there
-/// are at most 65,536 of them, and `others` are the characters of those that no row needs.
-/// Returns none if a row or a character does not fit; the findings say which.
+/// Reads the rows of a map, top row first, each with its span. `set` is the name of the tile set and its place; it has
+/// at most 65,536 tiles, and `others` are its characters that no row uses. Returns none if a row or a character does
+/// not fit; the findings say which.
 pub fn inline_map<T: Clone>(
     rows: &[(&str, Span)],
     whole: Span,
@@ -76,7 +76,7 @@ pub fn inline_map<T: Clone>(
         diagnostics.report(EmptyMap { at: whole });
         return None;
     };
-    // The length that most rows have is the one that was meant; the first such row is shown beside the others.
+    // The most frequent length is the intended one; the first row of that length is shown beside the others.
     let mut lengths: Vec<usize> = rows.iter().map(|(row, _)| row.chars().count()).collect();
     lengths.sort_unstable();
     let runs = lengths.chunk_by(|a, b| a == b);

@@ -32,7 +32,7 @@ impl TryFrom<String> for Symbol {
     }
 }
 
-/// The number of keys that are listed of a file that is no legend.
+/// Maximum number of keys that are listed for a file that is no legend.
 const MAX_KEYS: usize = 6;
 
 /// The tags of each character, in the order of the characters; none if the text is no legend.
@@ -59,7 +59,7 @@ pub fn legend(file: &SourceFile, id: FileId, diagnostics: &mut Diagnostics) -> O
     }
 }
 
-/// The bytes of the character that an error is about; of the whole string, if what is wrong is a string.
+/// The bytes of the character that an error is about; of the whole string if the error is in a string.
 fn place(file: &SourceFile, error: &serde_json::Error) -> (usize, usize) {
     let text = file.text();
     let line = file.line_range(error.line().saturating_sub(1)).unwrap_or(0..text.len());
@@ -69,7 +69,7 @@ fn place(file: &SourceFile, error: &serde_json::Error) -> (usize, usize) {
     }
     let (before, after) = text.split_at(start);
     let end = start + after.chars().next().map_or(0, char::len_utf8);
-    // What is known of the place of a string is where it ends.
+    // `serde_json` reports the end of a string.
     let opening = before.rfind('"').filter(|_| error.is_data() && after.starts_with('"'));
     (opening.unwrap_or(start), end)
 }

@@ -11,36 +11,36 @@ use serde_json::value::RawValue;
 #[cfg(feature = "tiled")]
 use super::xml::read as xml;
 
-/// How deep nodes may be nested.
+/// Maximum nesting depth of nodes.
 pub(super) const MAX_DEPTH: usize = 64;
-/// The most nodes of one file.
+/// Maximum number of nodes of a file.
 pub(super) const MAX_NODES: usize = 1_000_000;
 
-/// What is wrong with a file, and the bytes where.
+/// An error in a level file, and its bytes.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Trouble {
+pub(super) struct LevelError {
     pub at: Range<usize>,
-    /// None if it is reported already.
+    /// The message; none if it is reported already.
     pub why: Option<String>,
 }
 
-impl Trouble {
+impl LevelError {
     pub fn new(at: Range<usize>, why: impl Into<String>) -> Self {
-        Trouble { at, why: Some(why.into()) }
+        LevelError { at, why: Some(why.into()) }
     }
 
-    /// A file that is named here could not be read, which is reported already.
+    /// A file that is named here and could not be read, which is reported already.
     pub fn missing(at: Range<usize>) -> Self {
-        Trouble { at, why: None }
+        LevelError { at, why: None }
     }
 }
 
-/// A value that is a text, a number or a truth value.
+/// A scalar value: a text, a number or a truth value.
 #[derive(Debug)]
 pub(super) struct Scalar<'t> {
-    /// What it says, without quotes.
+    /// The value as text, without quotes.
     pub text: Cow<'t, str>,
-    /// Its place.
+    /// The bytes of it.
     pub at: Range<usize>,
 }
 
@@ -49,15 +49,15 @@ pub(super) struct Scalar<'t> {
 pub(super) struct Node<'t> {
     /// The element's name, or the key under which the object is, alone or in an array.
     pub name: Cow<'t, str>,
-    /// Its place.
+    /// The bytes of it.
     pub at: Range<usize>,
-    /// Attributes; members that are neither objects nor arrays.
+    /// Attributes in XML; scalar members in JSON.
     pub attributes: Vec<(Cow<'t, str>, Scalar<'t>)>,
-    /// Elements inside; members that are objects, or arrays of them.
+    /// Child elements in XML; members that are objects, or arrays of them, in JSON.
     pub children: Vec<Node<'t>>,
-    /// The text inside of an element, or an array of scalars with its brackets, as written.
+    /// The text inside an element, or an array of scalars with its brackets, as written.
     pub text: &'t str,
-    /// Where that text begins.
+    /// The byte where that text begins.
     pub text_at: usize,
     /// Whether it is an array of scalars, or an empty one.
     pub is_list: bool,
@@ -65,7 +65,7 @@ pub(super) struct Node<'t> {
 
 impl<'t> Node<'t> {
     /// Reads a file: XML if it begins with `<`, else JSON.
-    pub fn read(text: &'t str) -> Result<Self, Trouble> {
+    pub fn read(text: &'t str) -> Result<Self, LevelError> {
         match text.trim_start().starts_with('<') {
             true => xml(text),
             false => json(text),
@@ -77,48 +77,48 @@ impl<'t> Node<'t> {
         self.attributes.iter().find(|(key, _)| key == name).map(|(_, value)| value)
     }
 
-    /// The text of an attribute; nothing if there is none.
+    /// The text of an attribute; empty if there is none.
     pub fn text_of(&self, name: &str) -> &str {
         self.get(name).map_or("", |value| &value.text)
     }
 
-    /// Whether an attribute says that something is so.
+    /// Whether an attribute is true.
     pub fn is(&self, name: &str) -> bool {
         matches!(self.text_of(name), "true" | "1")
     }
 
     /// An attribute that is a number.
-    pub fn number(&self, name: &str) -> Result<Option<f64>, Trouble> {
+    pub fn number(&self, name: &str) -> Result<Option<f64>, LevelError> {
         let Some(value) = self.get(name) else { return Ok(None) };
         match value.text.trim().parse::<f64>() {
             Ok(number) if number.is_finite() => Ok(Some(number)),
-            _ => Err(Trouble::new(value.at.clone(), format!("`{name}` is no number"))),
+            _ => Err(LevelError::new(value.at.clone(), format!("`{name}` is no number"))),
         }
     }
 
-    /// An attribute that is a whole number from 0.
-    pub fn count(&self, name: &str) -> Result<Option<u32>, Trouble> {
+    /// An attribute that is a non-negative whole number.
+    pub fn count(&self, name: &str) -> Result<Option<u32>, LevelError> {
         let Some(value) = self.get(name) else { return Ok(None) };
         let count = value.text.trim().parse::<u32>().ok();
-        count.map(Some).ok_or_else(|| Trouble::new(value.at.clone(), format!("`{name}` is no whole number from 0")))
+        count.map(Some).ok_or_else(|| LevelError::new(value.at.clone(), format!("`{name}` is no whole number from 0")))
     }
 
-    /// An attribute that must be there.
-    pub fn needed<T>(&self, name: &str, value: Result<Option<T>, Trouble>) -> Result<T, Trouble> {
-        value?.ok_or_else(|| Trouble::new(self.head(), format!("`{name}` is missing")))
+    /// A required attribute.
+    pub fn needed<T>(&self, name: &str, value: Result<Option<T>, LevelError>) -> Result<T, LevelError> {
+        value?.ok_or_else(|| LevelError::new(self.head(), format!("`{name}` is missing")))
     }
 
-    /// The elements or objects inside that have one of these names.
+    /// The children that have one of these names.
     pub fn children<'n>(&'n self, names: &'n [&'n str]) -> impl Iterator<Item = &'n Node<'t>> {
         self.children.iter().filter(move |child| !child.is_list && names.iter().any(|name| *name == child.name))
     }
 
-    /// The first element, object or array of scalars of a name.
+    /// The first child with a name: an element, an object or an array of scalars.
     pub fn child(&self, name: &str) -> Option<&Node<'t>> {
         self.children.iter().find(|child| child.name == name)
     }
 
-    /// Where the node begins: findings of a whole node show its first bytes alone.
+    /// The first bytes of the node: findings about a whole node show only these.
     pub fn head(&self) -> Range<usize> {
         let name = if self.text_at > self.at.start || !self.name.is_empty() { self.name.len() } else { 0 };
         self.at.start..self.at.end.min(self.at.start + 1 + name)
@@ -126,9 +126,9 @@ impl<'t> Node<'t> {
 }
 
 #[cfg(not(feature = "tiled"))]
-fn xml(text: &str) -> Result<Node<'_>, Trouble> {
+fn xml(text: &str) -> Result<Node<'_>, LevelError> {
     let why = "this build of `hypedc` reads no XML (feature `tiled`): choose JSON in the editor";
-    Err(Trouble::new(character(text, text.len() - text.trim_start().len()), why))
+    Err(LevelError::new(character(text, text.len() - text.trim_start().len()), why))
 }
 
 /// The members of an object, each as written.
@@ -156,7 +156,7 @@ impl<'de: 't, 't> Deserialize<'de> for Members<'t> {
     }
 }
 
-/// Members that may be large and that no reader asks for.
+/// Members that may be large and that no reader needs.
 const UNREAD: &[&str] = &["autoLayerTiles", "gridTiles", "autoRuleGroups", "__neighbours", "toc", "__tile", "wangsets"];
 
 struct JsonReader<'t> {
@@ -164,33 +164,36 @@ struct JsonReader<'t> {
     nodes: usize,
 }
 
-fn json(text: &str) -> Result<Node<'_>, Trouble> {
+fn json(text: &str) -> Result<Node<'_>, LevelError> {
     if let Err(error) = serde_json::from_str::<IgnoredAny>(text) {
         let line: usize = text.split_inclusive('\n').take(error.line().saturating_sub(1)).map(str::len).sum();
         let why = error.to_string();
         let why = why.split(" at line ").next().unwrap_or("");
-        return Err(Trouble::new(character(text, line + error.column().saturating_sub(1)), format!("no JSON: {why}")));
+        return Err(LevelError::new(
+            character(text, line + error.column().saturating_sub(1)),
+            format!("no JSON: {why}"),
+        ));
     }
     if !text.trim_start().starts_with('{') {
-        return Err(Trouble::new(character(text, 0), "an object is expected: `{ … }`"));
+        return Err(LevelError::new(character(text, 0), "an object is expected: `{ … }`"));
     }
     JsonReader { text, nodes: 0 }.object(String::new(), text.trim(), 0)
 }
 
 impl<'t> JsonReader<'t> {
-    /// Where a part of the text is in it.
+    /// The bytes of a part of the text.
     fn place(&self, part: &str) -> Range<usize> {
         let start = (part.as_ptr() as usize).saturating_sub(self.text.as_ptr() as usize);
         start..start + part.len()
     }
 
-    fn object(&mut self, name: String, raw: &'t str, depth: usize) -> Result<Node<'t>, Trouble> {
+    fn object(&mut self, name: String, raw: &'t str, depth: usize) -> Result<Node<'t>, LevelError> {
         let at = self.place(raw);
         self.nodes += 1;
         if depth > MAX_DEPTH || self.nodes > MAX_NODES {
-            return Err(Trouble::new(at.start..at.start, "too many objects, or too many in each other"));
+            return Err(LevelError::new(at.start..at.start, "too many objects, or too many in each other"));
         }
-        let broken = |_| Trouble::new(at.start..at.start, "this object cannot be read");
+        let broken = |_| LevelError::new(at.start..at.start, "this object cannot be read");
         let Members(members) = serde_json::from_str(raw).map_err(broken)?;
         let (mut attributes, mut children) = (Vec::new(), Vec::new());
         for (key, value) in members {
@@ -242,7 +245,7 @@ impl<'t> JsonReader<'t> {
     }
 }
 
-/// The bytes of the character at or before a byte.
+/// The bytes of the character that contains a byte.
 pub(super) fn character(text: &str, byte: usize) -> Range<usize> {
     let mut start = byte.min(text.len());
     while !text.is_char_boundary(start) {

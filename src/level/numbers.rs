@@ -1,10 +1,10 @@
-//! The numbers of a layer's tiles: a list with commas, or base64 of little-endian words, compressed or not.
+//! Decoder of the numbers of a layer's tiles: a list with commas, or base64 of little-endian words, compressed or not.
 
 use std::ops::Range;
 
-use super::node::Trouble;
+use super::node::LevelError;
 
-/// The numbers of a list, each with the bytes where it is; brackets and white space do not count.
+/// The numbers of a list, each with its bytes; brackets and white space are skipped.
 pub(super) fn listed(text: &str, text_at: usize) -> impl Iterator<Item = (&str, Range<usize>)> {
     let mut start = 0;
     let parts = text.split(',').map(move |part| {
@@ -18,37 +18,37 @@ pub(super) fn listed(text: &str, text_at: usize) -> impl Iterator<Item = (&str, 
     parts.filter(|(part, _)| !part.is_empty())
 }
 
-/// How the numbers of a layer are written.
+/// The encoded numbers of a layer.
 pub(super) struct Data<'t> {
     /// As written.
     pub text: &'t str,
-    /// Where it begins.
+    /// The byte where it begins.
     pub text_at: usize,
-    /// `csv`, `base64`; nothing: a list.
+    /// `csv` or `base64`; empty for a list.
     pub encoding: &'t str,
-    /// `zlib`, `gzip`; nothing: none.
+    /// `zlib` or `gzip`; empty for none.
     pub compression: &'t str,
-    /// What a finding of the whole points at.
+    /// The bytes that a finding about the whole points at.
     pub at: Range<usize>,
 }
 
 impl Data<'_> {
-    /// The numbers; their count must be `count`. Never more are unpacked.
-    pub fn numbers(&self, count: usize) -> Result<Vec<u32>, Trouble> {
-        let wrong = |why: String| Trouble::new(self.at.clone(), why);
+    /// The numbers; their count must be `count`. At most one number more is decompressed.
+    pub fn numbers(&self, count: usize) -> Result<Vec<u32>, LevelError> {
+        let wrong = |why: String| LevelError::new(self.at.clone(), why);
         let mut numbers = Vec::new();
         match (self.encoding, self.compression) {
             ("csv" | "", "") => {
                 for (part, at) in listed(self.text, self.text_at) {
                     let number = part.parse::<u32>();
-                    numbers.push(number.map_err(|_| Trouble::new(at, format!("`{part}` is no number of a tile")))?);
+                    numbers.push(number.map_err(|_| LevelError::new(at, format!("`{part}` is no number of a tile")))?);
                     if numbers.len() > count {
                         break;
                     }
                 }
             }
             ("base64", compression) => {
-                let bytes = unpacked(self.text, compression, 4 * (count as u64 + 1)).map_err(wrong)?;
+                let bytes = decompress(self.text, compression, 4 * (count as u64 + 1)).map_err(wrong)?;
                 numbers.extend(
                     bytes
                         .chunks(4)
@@ -64,7 +64,7 @@ impl Data<'_> {
         }
     }
 
-    /// Where a number is, as far as that is known.
+    /// The bytes of a number in a list; otherwise of the whole.
     pub fn place(&self, index: usize) -> Range<usize> {
         match self.encoding {
             "csv" | "" => listed(self.text, self.text_at).nth(index).map_or(self.at.clone(), |(_, at)| at),
@@ -73,9 +73,9 @@ impl Data<'_> {
     }
 }
 
-/// The bytes that base64 stands for, unpacked: as many as given at most, which is more than there may be.
+/// Decodes base64 and decompresses at most `most` bytes, one number more than is allowed.
 #[cfg(feature = "tiled")]
-fn unpacked(text: &str, compression: &str, most: u64) -> Result<Vec<u8>, String> {
+fn decompress(text: &str, compression: &str, most: u64) -> Result<Vec<u8>, String> {
     use std::io::Read;
 
     use base64::Engine as _;
@@ -83,7 +83,7 @@ fn unpacked(text: &str, compression: &str, most: u64) -> Result<Vec<u8>, String>
 
     let packed = STANDARD.decode(text.trim()).map_err(|error| format!("no base64: {error}"))?;
     let mut bytes = Vec::new();
-    let unpacked = match compression {
+    let read = match compression {
         "" => packed.as_slice().take(most).read_to_end(&mut bytes),
         "zlib" => flate2::read::ZlibDecoder::new(packed.as_slice()).take(most).read_to_end(&mut bytes),
         "gzip" => flate2::read::GzDecoder::new(packed.as_slice()).take(most).read_to_end(&mut bytes),
@@ -91,10 +91,10 @@ fn unpacked(text: &str, compression: &str, most: u64) -> Result<Vec<u8>, String>
             return Err(format!("the compression `{other}` is not read: choose zlib, gzip or none in the editor"));
         }
     };
-    unpacked.map(|_| bytes).map_err(|error| format!("cannot be unpacked: {error}"))
+    read.map(|_| bytes).map_err(|error| format!("cannot be unpacked: {error}"))
 }
 
 #[cfg(not(feature = "tiled"))]
-fn unpacked(_: &str, _: &str, _: u64) -> Result<Vec<u8>, String> {
+fn decompress(_: &str, _: &str, _: u64) -> Result<Vec<u8>, String> {
     Err("this build of `hypedc` reads no packed tiles (feature `tiled`): choose CSV in the editor".to_string())
 }

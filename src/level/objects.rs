@@ -1,15 +1,15 @@
-//! The objects of a map of Tiled: rectangles with names, and what is in the level.
+//! Reader of the objects of a map of Tiled: rectangles with names, and the objects of the level.
 
 use std::ops::Range;
 
 use crate::source::Span;
 
-use super::MAX_THINGS;
-use super::drawn::{Meaning, Thing};
-use super::node::{Node, Trouble};
+use super::MAX_OBJECTS;
+use super::editor_level::{Meaning, Object};
+use super::node::{LevelError, Node};
 use super::tiled::{Reader, Tile, properties};
 
-/// What an object looks like.
+/// The shape of an object.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Shape {
     /// A rectangle with sides.
@@ -18,9 +18,9 @@ pub(super) enum Shape {
     Point,
     /// A tile, its position the lower-left corner.
     Tile,
-    /// A text, which means nothing here.
+    /// A text, which has no meaning here.
     Text,
-    /// What has no lower-left corner that could be meant.
+    /// A shape without a lower-left corner.
     Other(&'static str),
 }
 
@@ -44,18 +44,18 @@ impl Shape {
 }
 
 impl Reader<'_> {
-    /// Takes an object: an instance if its class is an entity, else a rectangle with names.
+    /// Reads an object: an instance if its class is an entity, else a rectangle with names.
     pub(super) fn object(
         &mut self,
         layer: &Node<'_>,
         object: &Node<'_>,
         shape: Shape,
         moved: (f64, f64),
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), LevelError> {
         let at = object.head();
         if let Some(template) = object.get("template") {
             let why = "an object of a template is not read: detach it from its template in the editor";
-            return Err(Trouble::new(template.at.clone(), why));
+            return Err(LevelError::new(template.at.clone(), why));
         }
         let mut tile = Tile::default();
         if let Some(number) = object.count("gid")? {
@@ -63,12 +63,12 @@ impl Reader<'_> {
             let id = object.text_of("id");
             tile = known
                 .cloned()
-                .ok_or_else(|| Trouble::new(at.clone(), format!("object {id}: no tileset has its tile")))?;
+                .ok_or_else(|| LevelError::new(at.clone(), format!("object {id}: no tileset has its tile")))?;
         }
         let class = [object.text_of("class"), object.text_of("type"), &tile.class];
         let class = class.into_iter().find(|class| !class.is_empty()).unwrap_or("").to_string();
         let (tags, mut settings) = properties(object, self.file)?;
-        // What the object does not set itself is its tile's.
+        // Defaults from the object's tile.
         settings.extend(tile.settings.into_iter().filter(|of| !object_sets(object, &of.name)));
         let (width, height) = (object.number("width")?.unwrap_or(0.0), object.number("height")?.unwrap_or(0.0));
         let (x, y) = (object.number("x")?.unwrap_or(0.0), object.number("y")?.unwrap_or(0.0));
@@ -79,18 +79,18 @@ impl Reader<'_> {
         let mut all: Vec<String> = own.into_iter().chain(tags).chain(tile.tags).collect();
         if all.is_empty() && matches!(shape, Shape::Rectangle | Shape::Tile) {
             all = self.layer_names(layer)?;
-            // A picture without names is no wall.
+            // A tile without names is no wall.
             all.retain(|name| shape == Shape::Rectangle || (self.meaning)(name) == Meaning::Entity);
         }
         let entity = all.iter().find(|name| (self.meaning)(name) == Meaning::Entity).cloned();
-        // A point can be nothing but an instance.
+        // A point can only be an instance.
         let lost = Some(class).filter(|class| shape == Shape::Point && (self.meaning)(class) == Meaning::Tags);
         if let Some(class) = entity.or(lost.filter(|class| !class.is_empty())) {
-            if self.things.len() >= MAX_THINGS {
-                return Err(too_many_things(at));
+            if self.objects.len() >= MAX_OBJECTS {
+                return Err(too_many_objects(at));
             }
             let (name, id) = (object.text_of("name").to_string(), object.text_of("id").to_string());
-            self.things.push(Thing { class, name, id, position, settings, at: span });
+            self.objects.push(Object { class, name, id, position, settings, at: span });
             return Ok(());
         }
         all.retain(|name| (self.meaning)(name) == Meaning::Tags);
@@ -99,16 +99,16 @@ impl Reader<'_> {
         }
         if let Shape::Other(what) = shape {
             let why = format!("this {what} cannot be `{}`: only rectangles can have tags", all.join("`, `"));
-            return Err(Trouble::new(at, why));
+            return Err(LevelError::new(at, why));
         }
         if object.number("rotation")?.unwrap_or(0.0) != 0.0 {
-            return Err(Trouble::new(at, "a rectangle that is turned is not read"));
+            return Err(LevelError::new(at, "a rectangle that is turned is not read"));
         }
         if width <= 0.0 || height <= 0.0 {
-            return Err(Trouble::new(at, "a side of this rectangle is not above 0 px"));
+            return Err(LevelError::new(at, "a side of this rectangle is not above 0 px"));
         }
-        if self.rectangles.len() >= MAX_THINGS {
-            return Err(too_many_things(at));
+        if self.rectangles.len() >= MAX_OBJECTS {
+            return Err(too_many_objects(at));
         }
         self.rectangles.push((all, [position.0, position.1, width, height], span));
         Ok(())
@@ -120,6 +120,6 @@ fn object_sets(object: &Node<'_>, name: &str) -> bool {
     inside.chain(object.children(&["properties"])).any(|property| property.text_of("name") == name)
 }
 
-pub(super) fn too_many_things(at: Range<usize>) -> Trouble {
-    Trouble::new(at, format!("too many objects: at most {MAX_THINGS} are read"))
+pub(super) fn too_many_objects(at: Range<usize>) -> LevelError {
+    LevelError::new(at, format!("too many objects: at most {MAX_OBJECTS} are read"))
 }

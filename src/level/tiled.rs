@@ -1,8 +1,8 @@
-//! Maps of the editor Tiled: XML (`.tmx`) or JSON (`.tmj`), with their tilesets (`.tsx`, `.tsj`). Classes and the property
-//! `tags` are names; what has none of its own has those of its layer.
+//! Reader of maps of the editor Tiled: XML (`.tmx`) or JSON (`.tmj`), with their tilesets (`.tsx`, `.tsj`). Classes and
+//! the property `tags` become names; a tile without names has those of its layer.
 //!
-//! Read through `roxmltree` and `serde_json` (`node.rs`), so that whatever is wrong has its place in the file and what is
-//! unpacked has a limit: the crate `tiled` (0.16) has neither, and reads no JSON.
+//! Read through `roxmltree` and `serde_json` (`node.rs`), so that every error has a place in the file and decompression
+//! a limit: the crate `tiled` (0.16) has neither, and reads no JSON.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -10,23 +10,23 @@ use std::ops::Range;
 
 use crate::source::{FileId, SourceMap, Span};
 
-use super::drawn::{Drawn, Grid, Meaning, Setting, Thing, Value, names, too_many_kinds};
-use super::node::{Node, Scalar, Trouble};
+use super::editor_level::{EditorLevel, Grid, Meaning, Object, Setting, Value, names, too_many_kinds};
+use super::node::{LevelError, Node, Scalar};
 use super::numbers::Data;
-use super::objects::{Shape, too_many_things};
-use super::{MAX_THINGS, MAX_TILES};
+use super::objects::{Shape, too_many_objects};
+use super::{MAX_OBJECTS, MAX_TILES};
 
-/// The bits of a tile's number that say how it is mirrored and turned.
+/// The bits of a tile's number that encode its mirroring and rotation.
 const FLAGS: u32 = 0xf000_0000;
-/// The most numbers of tiles that all layers may have.
+/// Maximum number of tile numbers in all layers together.
 const MAX_NUMBERS: usize = 4 * MAX_TILES;
-/// How far from the origin a chunk may lie, tiles.
-const FAR: f64 = 1e9;
+/// Maximum distance of a chunk from the origin, in tiles.
+const MAX_CHUNK_DISTANCE: f64 = 1e9;
 
-/// What is wrong, and in which file.
-pub(super) type Broken = (FileId, Trouble);
+/// An error, and the file that it is in.
+pub(super) type FileError = (FileId, LevelError);
 
-/// What a tileset says of a tile.
+/// The class and the properties that a tileset gives a tile.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Tile {
     pub class: String,
@@ -36,7 +36,7 @@ pub(super) struct Tile {
 
 struct Tileset {
     first: u32,
-    /// How many tiles it has; none if it does not say.
+    /// Number of tiles; none if the file does not say.
     count: Option<u32>,
     tiles: BTreeMap<u32, Tile>,
 }
@@ -55,8 +55,8 @@ impl Tilesets {
     }
 }
 
-/// The files that a map names, and where: its tilesets.
-pub(super) fn named(root: &Node<'_>) -> Vec<(String, Range<usize>)> {
+/// The files that a map names (its tilesets), and where.
+pub(super) fn dependencies(root: &Node<'_>) -> Vec<(String, Range<usize>)> {
     let sets = root.children(&["tileset", "tilesets"]).filter_map(|set| set.get("source"));
     sets.map(|source| (source.text.to_string(), source.at.clone())).collect()
 }
@@ -70,12 +70,12 @@ pub(super) struct Reader<'a> {
     pub tile: (f64, f64),
     /// The column and the row (from the top) of the first cell.
     origin: (i64, i64),
-    /// Height of the map, and how far its left edge is from the file's origin, px.
+    /// Height of the map, and the distance of its left edge from the file's origin, px.
     pub height: f64,
     pub left: f64,
     pub top: f64,
     pub rectangles: Vec<(Vec<String>, [f64; 4], Span)>,
-    pub things: Vec<Thing>,
+    pub objects: Vec<Object>,
     numbers: usize,
 }
 
@@ -86,20 +86,20 @@ pub(super) fn tiled(
     sources: &SourceMap,
     beside: &dyn Fn(&str) -> Option<FileId>,
     meaning: &dyn Fn(&str) -> Meaning,
-) -> Result<Drawn, Broken> {
-    let own = |trouble: Trouble| (file, trouble);
+) -> Result<EditorLevel, FileError> {
+    let own = |error: LevelError| (file, error);
     let is_map = root.name == "map" || root.text_of("type") == "map";
     if !is_map {
-        return Err(own(Trouble::new(root.head(), "this is no map of Tiled")));
+        return Err(own(LevelError::new(root.head(), "this is no map of Tiled")));
     }
     if let Some(orientation) = root.get("orientation").filter(|o| o.text != "orthogonal") {
         let why = format!("the map is {}: only orthogonal maps have tiles that are rectangles", orientation.text);
-        return Err(own(Trouble::new(orientation.at.clone(), why)));
+        return Err(own(LevelError::new(orientation.at.clone(), why)));
     }
     let side = |name: &str| match root.needed(name, root.number(name)) {
         Ok(side) if side > 0.0 => Ok(side),
-        Ok(side) => Err(Trouble::new(root.head(), format!("`{name}` is {side}, and must be above 0"))),
-        Err(trouble) => Err(trouble),
+        Ok(side) => Err(LevelError::new(root.head(), format!("`{name}` is {side}, and must be above 0"))),
+        Err(error) => Err(error),
     };
     let tile = (side("tilewidth").map_err(own)?, side("tileheight").map_err(own)?);
     let sets = tilesets(root, file, sources, beside)?;
@@ -113,7 +113,7 @@ pub(super) fn tiled(
         left: 0.0,
         top: 0.0,
         rectangles: Vec::new(),
-        things: Vec::new(),
+        objects: Vec::new(),
         numbers: 0,
     };
     reader.map(root).map_err(own)
@@ -125,23 +125,23 @@ fn tilesets(
     file: FileId,
     sources: &SourceMap,
     beside: &dyn Fn(&str) -> Option<FileId>,
-) -> Result<Tilesets, Broken> {
+) -> Result<Tilesets, FileError> {
     let mut sets = Vec::new();
     for node in root.children(&["tileset", "tilesets"]) {
-        let first = node.needed("firstgid", node.count("firstgid")).map_err(|trouble| (file, trouble))?;
+        let first = node.needed("firstgid", node.count("firstgid")).map_err(|error| (file, error))?;
         match node.get("source") {
-            None => sets.push(tileset(node, file, first).map_err(|trouble| (file, trouble))?),
+            None => sets.push(tileset(node, file, first).map_err(|error| (file, error))?),
             Some(source) => {
-                let missing = || (file, Trouble::missing(source.at.clone()));
+                let missing = || (file, LevelError::missing(source.at.clone()));
                 let other = beside(&source.text).ok_or_else(missing)?;
                 let set = Node::read(sources.file(other).text()).and_then(|node| {
                     if node.name == "tileset" || node.text_of("type") == "tileset" {
                         tileset(&node, other, first)
                     } else {
-                        Err(Trouble::new(node.head(), "this is no tileset of Tiled"))
+                        Err(LevelError::new(node.head(), "this is no tileset of Tiled"))
                     }
                 });
-                sets.push(set.map_err(|trouble| (other, trouble))?);
+                sets.push(set.map_err(|error| (other, error))?);
             }
         }
     }
@@ -149,7 +149,7 @@ fn tilesets(
     Ok(Tilesets(sets))
 }
 
-fn tileset(node: &Node<'_>, file: FileId, first: u32) -> Result<Tileset, Trouble> {
+fn tileset(node: &Node<'_>, file: FileId, first: u32) -> Result<Tileset, LevelError> {
     let mut tiles = BTreeMap::new();
     for tile in node.children(&["tile", "tiles"]) {
         let id = tile.needed("id", tile.count("id"))?;
@@ -162,9 +162,9 @@ fn tileset(node: &Node<'_>, file: FileId, first: u32) -> Result<Tileset, Trouble
 }
 
 /// The tags and the other properties of a node.
-pub(super) fn properties(node: &Node<'_>, file: FileId) -> Result<(Vec<String>, Vec<Setting>), Trouble> {
+pub(super) fn properties(node: &Node<'_>, file: FileId) -> Result<(Vec<String>, Vec<Setting>), LevelError> {
     let (mut tags, mut settings) = (Vec::new(), Vec::new());
-    // In XML they are in an element of their own.
+    // In XML they are in a separate element.
     let list = node.children(&["properties"]).filter(|p| p.get("name").is_none());
     let inside = list.flat_map(|list| list.children(&["property"]));
     for property in inside.chain(node.children(&["properties"]).filter(|p| p.get("name").is_some())) {
@@ -180,11 +180,11 @@ pub(super) fn properties(node: &Node<'_>, file: FileId) -> Result<(Vec<String>, 
             "" | "string" | "file" => Value::Text(value.text.to_string()),
             "int" | "float" => match number() {
                 Some(number) => Value::Number(number),
-                None => return Err(Trouble::new(value.at.clone(), format!("`{name}` is no number"))),
+                None => return Err(LevelError::new(value.at.clone(), format!("`{name}` is no number"))),
             },
             "bool" => Value::Truth(value.text == "true"),
             "object" if matches!(&*value.text, "" | "0") => continue,
-            "object" => Value::Thing(value.text.to_string()),
+            "object" => Value::Object(value.text.to_string()),
             _ => Value::Other,
         };
         let at = property.get("name").map_or(property.head(), |name| name.at.clone());
@@ -206,7 +206,7 @@ fn layers<'n, 't>(node: &'n Node<'t>) -> impl Iterator<Item = (&'static str, &'n
     })
 }
 
-/// A part of a layer: where it begins, its columns and rows, and its numbers.
+/// A rectangle of a layer: its first column and row, its size, and its numbers.
 struct Chunk<'n> {
     x: i64,
     y: i64,
@@ -216,12 +216,12 @@ struct Chunk<'n> {
 }
 
 impl Reader<'_> {
-    fn map(&mut self, root: &Node<'_>) -> Result<Drawn, Trouble> {
+    fn map(&mut self, root: &Node<'_>) -> Result<EditorLevel, LevelError> {
         let mut grid = if root.is("infinite") {
             let mut bounds = None;
             self.bounds(root, &mut bounds)?;
             let (left, top, right, bottom) =
-                bounds.ok_or_else(|| Trouble::new(root.head(), "this map has no tiles"))?;
+                bounds.ok_or_else(|| LevelError::new(root.head(), "this map has no tiles"))?;
             self.origin = (left, top);
             (self.left, self.top) = (left as f64 * self.tile.0, top as f64 * self.tile.1);
             let span = |from: i64, to: i64| usize::try_from(to - from + 1).unwrap_or(0);
@@ -234,14 +234,14 @@ impl Reader<'_> {
         self.height = grid.rows() as f64 * self.tile.1;
         self.numbers = 0;
         self.layers(root, (0.0, 0.0), &mut grid)?;
-        let mut drawn = grid.drawn(self.tile);
-        drawn.rectangles = std::mem::take(&mut self.rectangles);
-        drawn.things = std::mem::take(&mut self.things);
-        Ok(drawn)
+        let mut level = grid.into_level(self.tile);
+        level.rectangles = std::mem::take(&mut self.rectangles);
+        level.objects = std::mem::take(&mut self.objects);
+        Ok(level)
     }
 
-    /// The columns and rows from which to which the layers of an infinite map have tiles: left, top, right, bottom.
-    fn bounds(&mut self, node: &Node<'_>, bounds: &mut Option<(i64, i64, i64, i64)>) -> Result<(), Trouble> {
+    /// The bounds of the tiles of an infinite map, in columns and rows: left, top, right, bottom.
+    fn bounds(&mut self, node: &Node<'_>, bounds: &mut Option<(i64, i64, i64, i64)>) -> Result<(), LevelError> {
         for (kind, layer) in layers(node) {
             if (self.meaning)(layer.text_of("name")) == Meaning::Nothing {
                 continue;
@@ -265,18 +265,18 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn numbers(&mut self, chunk: &Chunk<'_>) -> Result<Vec<u32>, Trouble> {
+    fn numbers(&mut self, chunk: &Chunk<'_>) -> Result<Vec<u32>, LevelError> {
         let count = chunk.columns.saturating_mul(chunk.rows);
         self.numbers = self.numbers.saturating_add(count);
         if count > MAX_TILES || self.numbers > MAX_NUMBERS {
             let why = format!("too many tiles: at most {MAX_TILES} a layer, and {MAX_NUMBERS} in all layers, are read");
-            return Err(Trouble::new(chunk.data.at.clone(), why));
+            return Err(LevelError::new(chunk.data.at.clone(), why));
         }
         chunk.data.numbers(count)
     }
 
-    /// Reads layers, moved right and down by an offset, px.
-    fn layers(&mut self, node: &Node<'_>, moved: (f64, f64), grid: &mut Grid) -> Result<(), Trouble> {
+    /// Reads layers, with an offset to the right and down, px.
+    fn layers(&mut self, node: &Node<'_>, moved: (f64, f64), grid: &mut Grid) -> Result<(), LevelError> {
         for (kind, layer) in layers(node) {
             let (x, y) = (layer.number("offsetx")?.unwrap_or(0.0), layer.number("offsety")?.unwrap_or(0.0));
             let moved = (moved.0 + x, moved.1 + y);
@@ -287,7 +287,7 @@ impl Reader<'_> {
                 "group" => self.layers(layer, moved, grid)?,
                 "tiles" if moved != (0.0, 0.0) => {
                     let why = format!("the layer `{}` is moved, and all tiles are in one grid", layer.text_of("name"));
-                    return Err(Trouble::new(layer.head(), why));
+                    return Err(LevelError::new(layer.head(), why));
                 }
                 "tiles" => self.tiles(layer, grid)?,
                 "objects" => self.objects(layer, moved)?,
@@ -297,8 +297,8 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// The names of a layer: its class and tags, else what it is called.
-    pub fn layer_names(&self, layer: &Node<'_>) -> Result<Vec<String>, Trouble> {
+    /// The names of a layer: its class and tags, else its own name.
+    pub fn layer_names(&self, layer: &Node<'_>) -> Result<Vec<String>, LevelError> {
         let (mut all, _) = properties(layer, self.file)?;
         all.extend(names(layer.text_of("class")));
         if all.is_empty() {
@@ -308,7 +308,7 @@ impl Reader<'_> {
     }
 
     /// Puts a layer of tiles into the grid.
-    fn tiles(&mut self, layer: &Node<'_>, grid: &mut Grid) -> Result<(), Trouble> {
+    fn tiles(&mut self, layer: &Node<'_>, grid: &mut Grid) -> Result<(), LevelError> {
         let fallback = self.layer_names(layer)?;
         let called = layer.text_of("name");
         let mut known: BTreeMap<u32, (u16, Option<Tile>)> = BTreeMap::new();
@@ -321,35 +321,35 @@ impl Reader<'_> {
                 let column = chunk.x + (index % chunk.columns) as i64 - self.origin.0;
                 let row = chunk.y + (index / chunk.columns) as i64 - self.origin.1;
                 let (Ok(column), Ok(row)) = (usize::try_from(column), usize::try_from(row)) else { continue };
-                let (kind, stands) = match known.entry(number) {
+                let (kind, instance) = match known.entry(number) {
                     Entry::Occupied(entry) => &*entry.into_mut(),
                     Entry::Vacant(entry) => {
-                        let broken = |why: String| Trouble::new(chunk.data.place(index), why);
+                        let broken = |why: String| LevelError::new(chunk.data.place(index), why);
                         let missing =
                             || format!("layer `{called}`, column {column}, row {row}: no tileset has tile {number}");
                         let tile = self.sets.tile(number).ok_or_else(|| broken(missing()))?;
-                        let (names, stands) = self.sorted(tile, &fallback);
+                        let (names, instance) = self.sorted(tile, &fallback);
                         let kind = grid.kind(names).ok_or_else(|| too_many_kinds(chunk.data.place(index)))?;
-                        &*entry.insert((kind, stands))
+                        &*entry.insert((kind, instance))
                     }
                 };
                 grid.put(column, row, *kind, &chunk.data.at)?;
-                if let Some(Tile { class, settings, .. }) = stands {
-                    if self.things.len() >= MAX_THINGS {
-                        return Err(too_many_things(chunk.data.at.clone()));
+                if let Some(Tile { class, settings, .. }) = instance {
+                    if self.objects.len() >= MAX_OBJECTS {
+                        return Err(too_many_objects(chunk.data.at.clone()));
                     }
                     let place =
-                        if self.things.len() < MAX_PLACES { chunk.data.place(index) } else { chunk.data.at.clone() };
+                        if self.objects.len() < MAX_PLACES { chunk.data.place(index) } else { chunk.data.at.clone() };
                     let position = (column as f64 * self.tile.0, self.height - (row + 1) as f64 * self.tile.1);
                     let at = Span::new(self.file, place.start, place.end);
-                    self.things.push(Thing::of_tile(class.clone(), position, settings.clone(), at));
+                    self.objects.push(Object::of_tile(class.clone(), position, settings.clone(), at));
                 }
             }
         }
         Ok(())
     }
 
-    /// The names of a tile that are tags, and the tile again, with the entity as its class, if one of its names is one.
+    /// The names of a tile that are tags; and if one of its names is an entity, the tile with the entity as its class.
     fn sorted(&self, tile: &Tile, fallback: &[String]) -> (Vec<String>, Option<Tile>) {
         let own = Some(tile.class.clone()).filter(|class| !class.is_empty());
         let mut all: Vec<String> = own.into_iter().chain(tile.tags.iter().cloned()).collect();
@@ -357,12 +357,12 @@ impl Reader<'_> {
             all = fallback.to_vec();
         }
         let entity = all.iter().find(|name| (self.meaning)(name) == Meaning::Entity);
-        let stands = entity.map(|class| Tile { class: class.clone(), ..tile.clone() });
+        let instance = entity.map(|class| Tile { class: class.clone(), ..tile.clone() });
         all.retain(|name| (self.meaning)(name) == Meaning::Tags);
-        (all, stands)
+        (all, instance)
     }
 
-    fn objects(&mut self, layer: &Node<'_>, moved: (f64, f64)) -> Result<(), Trouble> {
+    fn objects(&mut self, layer: &Node<'_>, moved: (f64, f64)) -> Result<(), LevelError> {
         for object in layer.children(&["object", "objects"]) {
             let shape = Shape::of(object);
             self.object(layer, object, shape, moved)?;
@@ -371,13 +371,13 @@ impl Reader<'_> {
     }
 }
 
-/// Up to this number of tiles, a list is searched one by one.
+/// Maximum number of objects whose place in a list of numbers is searched for exactly: the search is linear.
 const MAX_PLACES: usize = 100;
 
-/// The parts of a layer: one, or those of an infinite map.
-fn chunks<'n>(layer: &'n Node<'_>) -> Result<Vec<Chunk<'n>>, Trouble> {
+/// The chunks of a layer: one, or those of an infinite map.
+fn chunks<'n>(layer: &'n Node<'_>) -> Result<Vec<Chunk<'n>>, LevelError> {
     let inner = layer.child("data");
-    // In JSON, encoding and compression are the layer's.
+    // In JSON, encoding and compression are members of the layer.
     let with = inner.filter(|data| data.get("encoding").is_some()).unwrap_or(layer);
     let data = |node: &'n Node<'_>| -> Data<'n> {
         let packed = node.get("data");
@@ -386,16 +386,16 @@ fn chunks<'n>(layer: &'n Node<'_>) -> Result<Vec<Chunk<'n>>, Trouble> {
         let at = packed.map_or(list.head(), |packed| packed.at.start..packed.at.start + 1);
         Data { text, text_at, encoding: with.text_of("encoding"), compression: with.text_of("compression"), at }
     };
-    let part = |node: &'n Node<'_>| -> Result<Chunk<'n>, Trouble> {
+    let part = |node: &'n Node<'_>| -> Result<Chunk<'n>, LevelError> {
         let far = |name: &str| match node.number(name)?.unwrap_or(0.0) {
-            at if at.abs() <= FAR => Ok(at as i64),
-            _ => Err(Trouble::new(node.head(), format!("`{name}` is too far from the origin"))),
+            at if at.abs() <= MAX_CHUNK_DISTANCE => Ok(at as i64),
+            _ => Err(LevelError::new(node.head(), format!("`{name}` is too far from the origin"))),
         };
         let (columns, rows) =
             (node.needed("width", node.count("width"))?, node.needed("height", node.count("height"))?);
         let (columns, rows) = (columns as usize, rows as usize);
         if columns == 0 || rows == 0 {
-            return Err(Trouble::new(node.head(), "a layer without columns or rows"));
+            return Err(LevelError::new(node.head(), "a layer without columns or rows"));
         }
         Ok(Chunk { x: far("x")?, y: far("y")?, columns, rows, data: data(node) })
     };

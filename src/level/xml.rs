@@ -1,12 +1,12 @@
-//! XML as a tree of nodes.
+//! Reader of XML files as trees of nodes.
 
 use std::borrow::Cow;
 
-use super::node::{MAX_DEPTH, MAX_NODES, Node, Scalar, Trouble, character};
+use super::node::{LevelError, MAX_DEPTH, MAX_NODES, Node, Scalar, character};
 
-/// Reads the file of a level editor that is XML.
-pub(super) fn read(text: &str) -> Result<Node<'_>, Trouble> {
-    // Old maps name their document type. Entities of one's own could make a small file endless.
+/// Reads an XML file of a level editor.
+pub(super) fn read(text: &str) -> Result<Node<'_>, LevelError> {
+    // Old maps have a document type. Entity definitions could expand a small file without limit.
     let allow_dtd = !text.contains("<!ENTITY");
     let options = roxmltree::ParsingOptions { nodes_limit: MAX_NODES as u32, allow_dtd, ..Default::default() };
     let document = roxmltree::Document::parse_with_options(text, options).map_err(|error| {
@@ -15,17 +15,17 @@ pub(super) fn read(text: &str) -> Result<Node<'_>, Trouble> {
         let rest = text.get(line..).unwrap_or("");
         let column: usize = rest.chars().take(place.col.saturating_sub(1) as usize).map(char::len_utf8).sum();
         let why = error.to_string();
-        // The place is shown with the finding.
+        // The finding shows the place.
         let why = why.rsplit_once(" at ").map_or(why.as_str(), |(why, _)| why);
-        Trouble::new(character(text, line + column), format!("the XML is broken: {why}"))
+        LevelError::new(character(text, line + column), format!("the XML is broken: {why}"))
     })?;
     element(text, document.root_element(), 0)
 }
 
-fn element<'t>(text: &'t str, from: roxmltree::Node<'_, 't>, depth: usize) -> Result<Node<'t>, Trouble> {
+fn element<'t>(text: &'t str, from: roxmltree::Node<'_, 't>, depth: usize) -> Result<Node<'t>, LevelError> {
     let at = from.range();
     if depth > MAX_DEPTH {
-        return Err(Trouble::new(at.start..at.start, "too many elements in each other"));
+        return Err(LevelError::new(at.start..at.start, "too many elements in each other"));
     }
     let attribute = |a: roxmltree::Attribute<'_, 't>| {
         let scalar = Scalar { text: Cow::Owned(a.value().to_string()), at: a.range_value() };

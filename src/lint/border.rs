@@ -1,4 +1,4 @@
-//! What can only happen out of bounds, where a run has ended: guards, goals, links.
+//! Guards, goals and links that can only have an effect out of bounds, where a run has ended.
 
 use std::collections::BTreeSet;
 
@@ -8,7 +8,7 @@ use crate::ir::{CompareOp, EntityId, IdVec, Origin, ParamId, SlotId, Subject};
 use crate::sema::checked::{Checked, Entity, Term, TermKind, World};
 use crate::sema::{ConstantContext, evaluate};
 
-/// Where a player can be as long as its run lasts; px. Above is open sky.
+/// The region in which a player can be while its run lasts; px. Unbounded above.
 #[derive(Debug, Clone, Copy)]
 struct Area {
     left: f64,
@@ -29,13 +29,13 @@ impl Area {
         }
     }
 
-    /// Whether a rectangle, from the least to the greatest x and up to a y, lies wholly outside.
+    /// Whether a rectangle, given by its left, right and top sides, lies wholly outside.
     fn excludes(self, left: f64, right: f64, top: f64) -> bool {
         right < self.left || left > self.right || top < self.bottom
     }
 }
 
-/// Reports what can only happen out of bounds.
+/// Reports guards, goals and links that can only have an effect out of bounds.
 pub(super) fn border(checked: &Checked, found: &mut Diagnostics) {
     for world in checked.worlds.iter() {
         goals(checked, world, found);
@@ -52,7 +52,7 @@ fn follows_links(entity: &Entity) -> bool {
     entity.modes.iter().any(|mode| !mode.follows.is_empty())
 }
 
-/// Where a player can be; none if no player controls it, or if there are no bounds in a space that it can come to.
+/// The region of a player; none if no player controls the slot, or if one of its spaces has no bounds.
 fn area(checked: &Checked, world: &World, slot: SlotId) -> Option<Area> {
     world.players.iter().find(|player| player.slot == slot)?;
     let instance = &world.instances[slot];
@@ -94,7 +94,7 @@ fn links(checked: &Checked, world: &World, found: &mut Diagnostics) {
     }
 }
 
-/// Comparisons in the guards of an entity whose instances are all players, that hold for none of them.
+/// Reports comparisons in the guards of an entity whose instances are all players, if they hold for none of them.
 fn guards(checked: &Checked, id: EntityId, found: &mut Diagnostics) {
     let entity = &checked.entities[id];
     let mut players = Vec::new();
@@ -122,9 +122,9 @@ fn guards(checked: &Checked, id: EntityId, found: &mut Diagnostics) {
     }
 }
 
-/// What holds as long as players are within bounds.
+/// Evaluates predicates under the assumption that players are within bounds.
 struct Within<'a> {
-    /// Where what a subject stands for can be, as far as that is known.
+    /// The region of a subject, if it is known.
     of: &'a dyn Fn(Subject) -> Option<Area>,
     params: Option<&'a IdVec<ParamId, f64>>,
     step: (u64, u64),
@@ -144,8 +144,8 @@ impl Within<'_> {
                 let [a, b] = sides.as_ref();
                 self.never_compares(*op, a, b) || self.never_compares(op.mirrored(), b, a)
             }
-            TermKind::Near(asked) => {
-                let (of, numbers) = asked.as_ref();
+            TermKind::Near(query) => {
+                let (of, numbers) = query.as_ref();
                 let Some(area) = (self.of)(*of) else { return false };
                 let numbers = numbers.each_ref().map(|term| self.constant(term));
                 matches!(numbers, [Some(x), Some(y), Some(r)] if area.excludes(x - r, x + r, y + r))
@@ -154,7 +154,7 @@ impl Within<'_> {
         }
     }
 
-    /// Whether a position compares so with a number only out of bounds.
+    /// Whether a comparison of a position with a number holds only out of bounds.
     fn never_compares(&self, op: CompareOp, position: &Term, number: &Term) -> bool {
         let TermKind::Var(subject, var, 0) = position.kind else { return false };
         let (Some(area), Some(number)) = ((self.of)(subject), self.constant(number)) else { return false };

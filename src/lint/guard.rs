@@ -1,4 +1,4 @@
-//! What the text of guards alone tells: whether one always or never holds, follows from another one, excludes it.
+//! Syntactic implications of guards: whether one always or never holds, implies another, excludes another.
 
 use crate::ir::{CompareOp, ModeId, Press, Subject};
 
@@ -9,13 +9,13 @@ use crate::sema::checked::{Entity, Term, TermKind};
 use super::range::{Range, fact, facts, range};
 use super::terms::same;
 
-/// How many pairs of terms are compared before a question is left open.
-const PATIENCE: u32 = 2_000;
+/// Maximum number of pairs of terms that are compared before a query is left undecided.
+const MAX_COMPARISONS: u32 = 2_000;
 
-/// The most parts of a conjunction that are compared with each other.
+/// Maximum number of conjuncts that are compared with each other.
 const MAX_FACTS: usize = 64;
 
-/// Whether a guard always (or never) holds; none if that depends.
+/// The constant value of a guard; none if it is not constant.
 pub(super) fn truth(entity: &Entity, guard: &Term) -> Option<bool> {
     match &guard.kind {
         TermKind::Bool(b) => Some(*b),
@@ -47,7 +47,7 @@ pub(super) fn truth(entity: &Entity, guard: &Term) -> Option<bool> {
     }
 }
 
-/// The parts of a conjunction.
+/// The conjuncts of a guard.
 fn conjuncts(guard: &Term) -> Vec<&Term> {
     let mut parts = Vec::new();
     let mut open = vec![guard];
@@ -78,40 +78,40 @@ fn compared(op: CompareOp, a: Range, b: Range) -> Option<bool> {
     }
 }
 
-/// Whether the parts of a conjunction leave a number no value.
+/// Whether the conjuncts leave no value for some number.
 fn contradictory(entity: &Entity, guard: &Term) -> bool {
     let mut facts = facts(entity, guard);
     facts.truncate(MAX_FACTS);
     facts.len() >= 2 && facts.iter().any(|f| range(entity, f.of, &facts).is_empty())
 }
 
-/// The first of some guards that holds whenever `a` does. All of them have no truth of their own, or are plainly true.
+/// The first of some guards that `a` implies. None of the guards is constantly false.
 pub(super) fn implied<'t, K>(entity: &Entity, a: &Term, guards: impl IntoIterator<Item = (K, &'t Term)>) -> Option<K> {
-    // Long guards are many pairs: all of them share what patience there is.
-    let question = Question { entity, patience: Cell::new(2 * PATIENCE) };
-    guards.into_iter().find(|(_, b)| question.implies(a, b)).map(|(key, _)| key)
+    // Long guards have many pairs: all of them share one budget.
+    let comparison = GuardComparison { entity, budget: Cell::new(2 * MAX_COMPARISONS) };
+    guards.into_iter().find(|(_, b)| comparison.implies(a, b)).map(|(key, _)| key)
 }
 
-/// Whether two guards never hold together.
+/// Whether two guards exclude each other.
 pub(super) fn exclusive(entity: &Entity, a: &Term, b: &Term) -> bool {
-    Question { entity, patience: Cell::new(PATIENCE) }.exclusive(a, b)
+    GuardComparison { entity, budget: Cell::new(MAX_COMPARISONS) }.exclusive(a, b)
 }
 
-/// A question about two guards of an entity.
-struct Question<'a> {
+/// A comparison of two guards of an entity, with a budget.
+struct GuardComparison<'a> {
     entity: &'a Entity,
-    patience: Cell<u32>,
+    budget: Cell<u32>,
 }
 
-impl Question<'_> {
-    fn is_tired(&self) -> bool {
-        let left = self.patience.get();
-        self.patience.set(left.saturating_sub(1));
+impl GuardComparison<'_> {
+    fn is_exhausted(&self) -> bool {
+        let left = self.budget.get();
+        self.budget.set(left.saturating_sub(1));
         left == 0
     }
 
     fn implies(&self, a: &Term, b: &Term) -> bool {
-        if self.is_tired() {
+        if self.is_exhausted() {
             return false;
         }
         if same(a, b) {
@@ -122,7 +122,7 @@ impl Question<'_> {
             (_, TermKind::And(parts)) => parts.iter().all(|part| self.implies(a, part)),
             (TermKind::And(parts), _) if parts.iter().any(|part| self.implies(part, b)) => true,
             (_, TermKind::Or(parts)) => parts.iter().any(|part| self.implies(a, part)),
-            // All that it is made of was asked.
+            // Its parts were already compared.
             (TermKind::And(..), _) => false,
             _ if truth(self.entity, b) == Some(true) || self.is_false(a) => true,
             (TermKind::Not(x), TermKind::Not(y)) => self.implies(y, x),
@@ -154,7 +154,7 @@ impl Question<'_> {
     }
 
     fn exclusive(&self, a: &Term, b: &Term) -> bool {
-        if self.is_tired() {
+        if self.is_exhausted() {
             return false;
         }
         if truth(self.entity, a) == Some(false) || truth(self.entity, b) == Some(false) {
@@ -181,13 +181,13 @@ impl Question<'_> {
         }
     }
 
-    /// Whether a mode is another one, or inside of it.
+    /// Whether a mode is equal to or inside another one.
     fn is_in(&self, inner: ModeId, outer: ModeId) -> bool {
         is_in(self.entity, inner, outer)
     }
 }
 
-/// Whether a mode is another one, or inside of it.
+/// Whether a mode is equal to or inside another one.
 pub(super) fn is_in(entity: &Entity, inner: ModeId, outer: ModeId) -> bool {
     let mut around = Some(inner);
     while let Some(mode) = around {

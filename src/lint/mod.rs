@@ -1,7 +1,7 @@
-//! Warnings: programs that have a meaning, but hardly the one that was meant.
+//! Warnings: programs that are valid but probably wrong.
 //!
-//! They look at a checked program without errors, so that none of them is only the shadow of an error. What follows
-//! from values that variables can have over time is not looked for here, only what the text alone tells.
+//! The lints read a checked program without errors, so that no warning is a consequence of an error. They are
+//! syntactic; findings from the values of variables over time belong to `analysis`.
 
 mod border;
 mod guard;
@@ -16,7 +16,7 @@ use crate::diagnostic::Diagnostics;
 use crate::sema::checked::Checked;
 use crate::source::FileId;
 
-/// Looks for what is hardly meant; `root` is the file that was asked about, imported ones are known to others.
+/// Runs all lints; `root` is the compiled file: unused declarations of imported files are not reported.
 pub fn lint(checked: &Checked, root: FileId) -> Diagnostics {
     let mut found = Diagnostics::new();
     for entity in checked.entities.iter() {

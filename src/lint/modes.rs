@@ -1,4 +1,4 @@
-//! Modes and edges: what can never be entered, never be left, never be taken.
+//! Lints of modes and edges: never entered, never left, never taken.
 
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::lint::{ConstantGuard, Shadowed, Trap, UnreachableMode};
@@ -8,17 +8,17 @@ use crate::source::Span;
 
 use super::guard::{implied, truth};
 
-/// The most edges tried before an edge that it is compared with.
+/// Maximum number of earlier edges that an edge is compared with.
 const MAX_COMPARED: usize = 64;
 
-/// Judges the modes and edges of an entity.
+/// Checks the modes and edges of an entity.
 pub(super) fn modes(entity: &Entity, found: &mut Diagnostics) {
     let entered = entered(entity);
-    let dead = deaths(entity, &entered);
-    let alive = alive(entity, &dead);
+    let never_taken = never_taken(entity, &entered);
+    let alive = alive(entity, &never_taken);
     for (mode, m) in entity.modes.pairs() {
         if !entered[mode] {
-            // A mode inside of one that is never entered is explained by it.
+            // A mode inside an unreachable mode is explained by it.
             if m.parent.is_none_or(|around| entered[around]) {
                 found.report(UnreachableMode { path: m.path.join("."), at: m.name.span, first: first(entity, mode) });
             }
@@ -26,8 +26,8 @@ pub(super) fn modes(entity: &Entity, found: &mut Diagnostics) {
         }
         let own: Vec<EdgeId> = m.edges.iter().copied().filter(|&e| entity.edges[e].target.is_some()).collect();
         if !own.is_empty() && !alive[mode] {
-            let why = |edge: EdgeId| match dead[edge] {
-                Some(Dead::Shadowed(_)) => "another edge comes first",
+            let why = |edge: EdgeId| match never_taken[edge] {
+                Some(NeverTaken::Shadowed(_)) => "another edge comes first",
                 _ => "never holds",
             };
             let edges = own.iter().map(|&e| (entity.edges[e].guard.span, why(e))).collect();
@@ -36,9 +36,9 @@ pub(super) fn modes(entity: &Entity, found: &mut Diagnostics) {
         }
         for &edge in &m.edges {
             let guard = &entity.edges[edge].guard;
-            match dead[edge] {
-                Some(Dead::Never) => found.report(ConstantGuard { at: guard.span, holds: false }),
-                Some(Dead::Shadowed(by)) => {
+            match never_taken[edge] {
+                Some(NeverTaken::Never) => found.report(ConstantGuard { at: guard.span, holds: false }),
+                Some(NeverTaken::Shadowed(by)) => {
                     let by = &entity.edges[by];
                     found.report(Shadowed { at: guard.span, by: by.guard.span, outer: by.source != mode });
                 }
@@ -57,29 +57,29 @@ pub(super) fn modes(entity: &Entity, found: &mut Diagnostics) {
     }
 }
 
-/// Why edges are never taken; none for those that can be.
-fn deaths(entity: &Entity, entered: &IdVec<ModeId, bool>) -> IdVec<EdgeId, Option<Dead>> {
+/// The reason why each edge is never taken; none for the others.
+fn never_taken(entity: &Entity, entered: &IdVec<ModeId, bool>) -> IdVec<EdgeId, Option<NeverTaken>> {
     let truths: IdVec<EdgeId, Option<bool>> = entity.edges.iter().map(|e| truth(entity, &e.guard)).collect();
-    let mut dead: IdVec<EdgeId, Option<Dead>> =
-        truths.iter().map(|truth| (*truth == Some(false)).then_some(Dead::Never)).collect();
+    let mut never_taken: IdVec<EdgeId, Option<NeverTaken>> =
+        truths.iter().map(|truth| (*truth == Some(false)).then_some(NeverTaken::Never)).collect();
     for (mode, m) in entity.modes.pairs().filter(|(mode, _)| entered[*mode]) {
         let mut own: Vec<EdgeId> = Vec::new();
         for &edge in m.edges.iter().filter(|&&e| entity.edges[e].target.is_some()) {
-            if dead[edge].is_none() {
-                dead[edge] = shadow(entity, &truths, mode, &own, edge);
+            if never_taken[edge].is_none() {
+                never_taken[edge] = shadow(entity, &truths, mode, &own, edge);
             }
             own.push(edge);
         }
     }
-    dead
+    never_taken
 }
 
-/// For each mode, whether any edge of it, of a mode around or of one inside can be taken.
-fn alive(entity: &Entity, dead: &IdVec<EdgeId, Option<Dead>>) -> IdVec<ModeId, bool> {
-    let own = |m: &Mode| m.edges.iter().any(|&e| entity.edges[e].target.is_some() && dead[e].is_none());
+/// For each mode, whether an edge of it, of a mode around or of one inside can be taken.
+fn alive(entity: &Entity, never_taken: &IdVec<EdgeId, Option<NeverTaken>>) -> IdVec<ModeId, bool> {
+    let own = |m: &Mode| m.edges.iter().any(|&e| entity.edges[e].target.is_some() && never_taken[e].is_none());
     let own: IdVec<ModeId, bool> = entity.modes.iter().map(own).collect();
     let (mut inside, mut around) = (own.clone(), own);
-    // Modes are numbered from the outside in.
+    // Outer modes have smaller ids.
     for (mode, m) in entity.modes.pairs() {
         around[mode] |= m.parent.is_some_and(|p| around[p]);
     }
@@ -91,27 +91,27 @@ fn alive(entity: &Entity, dead: &IdVec<EdgeId, Option<Dead>>) -> IdVec<ModeId, b
     entity.modes.ids().map(|m| inside[m] || around[m]).collect()
 }
 
-/// Why an edge is never taken.
+/// The reason why an edge is never taken.
 #[derive(Debug, Clone, Copy)]
-enum Dead {
+enum NeverTaken {
     /// Its guard never holds.
     Never,
-    /// Another one always comes first.
+    /// An earlier edge always preempts it.
     Shadowed(EdgeId),
 }
 
-fn never(entity: &Entity, edge: &Edge) -> Option<Dead> {
-    (truth(entity, &edge.guard) == Some(false)).then_some(Dead::Never)
+fn never(entity: &Entity, edge: &Edge) -> Option<NeverTaken> {
+    (truth(entity, &edge.guard) == Some(false)).then_some(NeverTaken::Never)
 }
 
-/// The edge that is always taken before this one, among the earlier ones of its mode and those of the modes around.
+/// The edge that always preempts this one, among the earlier ones of its mode and those of the modes around.
 fn shadow(
     entity: &Entity,
     truths: &IdVec<EdgeId, Option<bool>>,
     mode: ModeId,
     earlier: &[EdgeId],
     edge: EdgeId,
-) -> Option<Dead> {
+) -> Option<NeverTaken> {
     let this = &entity.edges[edge];
     let mut before: Vec<EdgeId> = earlier.iter().rev().take(MAX_COMPARED).copied().collect();
     let mut around = entity.modes[mode].parent;
@@ -120,12 +120,12 @@ fn shadow(
         around = entity.modes[outer].parent;
     }
     let possible = before.into_iter().take(MAX_COMPARED).map(|id| (id, &entity.edges[id])).filter(|(id, other)| {
-        // Edges on `lost` come before all others; a guard that is no choice is reported where it is.
+        // Edges on `lost` come before all others; constant guards are reported separately.
         other.target.is_some()
             && (this.lost.is_none() || other.lost.is_some())
             && (is_literal(&other.guard) || truths[*id].is_none())
     });
-    implied(entity, &this.guard, possible.map(|(id, other)| (id, &other.guard))).map(Dead::Shadowed)
+    implied(entity, &this.guard, possible.map(|(id, other)| (id, &other.guard))).map(NeverTaken::Shadowed)
 }
 
 fn is_literal(guard: &Term) -> bool {
@@ -145,17 +145,17 @@ fn constant(entity: &Entity, guard: &Term, found: &mut Diagnostics) {
     }
 }
 
-/// Which modes can be entered, as far as edges and first modes tell.
+/// The modes that can be entered, by edges and initial modes.
 fn entered(entity: &Entity) -> IdVec<ModeId, bool> {
     let mut active: IdVec<ModeId, bool> = entity.modes.iter().map(|_| false).collect();
     let mut begun = active.clone();
-    let mut open: Vec<ModeId> = entity.groups.iter().flat_map(|g| beginnings(entity, &g.modes)).collect();
+    let mut open: Vec<ModeId> = entity.groups.iter().flat_map(|g| initial_modes(entity, &g.modes)).collect();
     while let Some(mode) = open.pop() {
         if std::mem::replace(&mut begun[mode], true) {
             continue;
         }
-        open.extend(beginnings(entity, &entity.modes[mode].children));
-        // The modes around are entered on the way, but do not begin where they would.
+        open.extend(initial_modes(entity, &entity.modes[mode].children));
+        // The modes around are entered too, but not through their initial modes.
         let mut at = Some(mode);
         while let Some(mode) = at.filter(|&m| !std::mem::replace(&mut active[m], true)) {
             let edges = entity.modes[mode].edges.iter().map(|&e| &entity.edges[e]);
@@ -173,8 +173,8 @@ fn siblings(entity: &Entity, mode: ModeId) -> Vec<ModeId> {
     }
 }
 
-/// Where some modes, side by side, can begin: those marked `initial when`, and the marked or first one.
-fn beginnings(entity: &Entity, modes: &[ModeId]) -> Vec<ModeId> {
+/// The possible initial modes of siblings: those marked `initial when`, and the default one.
+fn initial_modes(entity: &Entity, modes: &[ModeId]) -> Vec<ModeId> {
     let plain = modes.iter().find(|m| entity.modes[**m].marked_initial).or(modes.first());
     let chosen = modes.iter().filter(|m| {
         let guard = entity.modes[**m].initial_when.as_ref();
@@ -183,7 +183,7 @@ fn beginnings(entity: &Entity, modes: &[ModeId]) -> Vec<ModeId> {
     chosen.chain(plain).copied().collect()
 }
 
-/// The plain first mode beside a mode.
+/// The default initial mode among the siblings of a mode.
 fn first(entity: &Entity, mode: ModeId) -> Option<(String, Span)> {
     let beside = siblings(entity, mode);
     let first = beside.iter().find(|m| entity.modes[**m].marked_initial).or(beside.first())?;

@@ -1,5 +1,5 @@
-//! The values that a number can have, as far as the text alone tells: literals, the ranges of discrete variables,
-//! clocks that never run backwards, axes, and what a guard asks for.
+//! Intervals of the values of a term, from the text alone: literals, the ranges of discrete variables, clocks that
+//! never run backwards, axes, and the guard's comparisons.
 
 use crate::ir::{Arithmetic, CompareOp, Function, Subject};
 
@@ -7,14 +7,14 @@ use crate::sema::checked::{Entity, Term, TermKind, Type};
 
 use super::terms::same;
 
-/// From `low` to `high`; either end may be left out.
+/// An interval from `low` to `high`; either end may be open.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Range {
     pub low: f64,
     pub high: f64,
-    /// Whether `low` itself is left out.
+    /// Whether `low` is excluded.
     pub above: bool,
-    /// Whether `high` itself is left out.
+    /// Whether `high` is excluded.
     pub below: bool,
 }
 
@@ -25,7 +25,7 @@ impl Range {
         Range { low, high, above: false, below: false }
     }
 
-    /// What `op value` admits, for some value of a range.
+    /// The values that satisfy `op value` for some value of a range.
     fn compared(op: CompareOp, with: Range) -> Self {
         let up_to = |open| Range { high: with.high, below: open || with.below, ..Range::ALL };
         let from = |open| Range { low: with.low, above: open || with.above, ..Range::ALL };
@@ -39,7 +39,7 @@ impl Range {
         }
     }
 
-    /// The whole numbers within it.
+    /// The range of the whole numbers within it.
     fn whole(self) -> Self {
         let low = if self.above { self.low.floor() + 1.0 } else { self.low.ceil() };
         let high = if self.below { self.high.ceil() - 1.0 } else { self.high.floor() };
@@ -68,7 +68,7 @@ impl Range {
         self.low > self.high || (self.low == self.high && (self.above || self.below))
     }
 
-    /// Whether all of it lies in another one.
+    /// Whether it is a subset of another one.
     pub fn is_within(self, other: Range) -> bool {
         self.and(other) == self
     }
@@ -83,7 +83,7 @@ impl Range {
         Range::hull([a, b])
     }
 
-    /// Around all pairs of ends; unknown where a pair has no value.
+    /// The hull of the images of all pairs of ends; unknown if one is undefined.
     fn pairs(self, other: Range, f: impl Fn(f64, f64) -> f64) -> Self {
         let (a, b) = (self, other);
         Range::hull([f(a.low, b.low), f(a.low, b.high), f(a.high, b.low), f(a.high, b.high)])
@@ -98,14 +98,14 @@ impl Range {
     }
 }
 
-/// What a guard says of a number.
+/// A constraint of a guard on a number.
 #[derive(Clone, Copy)]
 pub(super) struct Fact<'t> {
     pub of: &'t Term,
     pub range: Range,
 }
 
-/// The values that a term can have while some facts hold.
+/// The values of a term under some facts.
 pub(super) fn range(entity: &Entity, term: &Term, facts: &[Fact<'_>]) -> Range {
     let of = |term: &Term| range(entity, term, facts);
     let plain = match &term.kind {
@@ -125,7 +125,7 @@ pub(super) fn range(entity: &Entity, term: &Term, facts: &[Fact<'_>]) -> Range {
             match op {
                 Arithmetic::Add => a.pairs(b, |a, b| a + b),
                 Arithmetic::Subtract => a.pairs(b, |a, b| a - b),
-                // Nothing times infinity is nothing: the ends stand for large numbers.
+                // Zero times infinity is zero: infinite ends stand for large numbers.
                 Arithmetic::Multiply => a.pairs(b, |a, b| if a == 0.0 || b == 0.0 { 0.0 } else { a * b }),
                 Arithmetic::Divide if b.low > 0.0 || b.high < 0.0 => a.pairs(b, |a, b| a / b),
                 Arithmetic::Divide => Range::ALL,
@@ -171,7 +171,7 @@ fn called(entity: &Entity, function: Function, arguments: &[Term], facts: &[Fact
     }
 }
 
-/// What a comparison says of one of its sides, where the other side is a known number.
+/// The constraint of a comparison on one of its sides, if the other is a known number.
 pub(super) fn fact<'t>(entity: &Entity, term: &'t Term) -> Option<Fact<'t>> {
     let (op, a, b) = match &term.kind {
         TermKind::Compare(op, sides) => {
@@ -200,7 +200,7 @@ pub(super) fn fact<'t>(entity: &Entity, term: &'t Term) -> Option<Fact<'t>> {
     (range != Range::ALL).then_some(Fact { of, range })
 }
 
-/// All that a guard says of numbers when it holds.
+/// All constraints of a guard on numbers.
 pub(super) fn facts<'t>(entity: &Entity, guard: &'t Term) -> Vec<Fact<'t>> {
     let mut out = Vec::new();
     let mut open = vec![guard];

@@ -1,4 +1,4 @@
-//! Walking terms, and telling whether two of them say the same.
+//! Traversal and equality of terms.
 
 use crate::sema::checked::{Action, DriveBy, Entity, Rate, Release, Term, TermKind, Update};
 
@@ -28,7 +28,7 @@ pub(super) fn updates(actions: &[Action]) -> impl Iterator<Item = &Update> {
     actions.iter().filter_map(|a| if let Action::Update(update) = a { Some(update) } else { None })
 }
 
-/// All that an entity computes while its world runs.
+/// All terms that an entity evaluates while its world runs.
 pub(super) fn of_entity(entity: &Entity) -> Vec<&Term> {
     let mut out: Vec<&Term> = Vec::new();
     let drives = entity.drives.iter().chain(entity.modes.iter().flat_map(|m| &m.drives));
@@ -73,7 +73,7 @@ pub(super) fn of_entity(entity: &Entity) -> Vec<&Term> {
     out
 }
 
-/// Whether two terms of one entity say the same, wherever they are.
+/// Whether two terms of one entity are equal, regardless of their places.
 pub(super) fn same(a: &Term, b: &Term) -> bool {
     let inside = |a: &Term, b: &Term| {
         let (a, b) = (a.operands(), b.operands());

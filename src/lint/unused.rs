@@ -10,17 +10,17 @@ use crate::source::{FileId, Span};
 
 use super::terms;
 
-/// Who reads what.
+/// The declarations that are read.
 #[derive(Default)]
 struct Reads {
-    /// What is read of an entity; of all of them where only the run tells.
-    what: BTreeSet<(Option<EntityId>, What)>,
+    /// Members that are read, by entity; by no entity if it is known only at run time.
+    what: BTreeSet<(Option<EntityId>, ReadTarget)>,
     refs: BTreeSet<(EntityId, RefId)>,
 }
 
-/// Where a term is: in an entity, or in a world.
+/// The context of a term: an entity or a world.
 #[derive(Clone, Copy)]
-enum Here {
+enum TermOwner {
     Entity(EntityId),
     World(WorldId),
 }
@@ -29,7 +29,7 @@ impl Reads {
     fn new(checked: &Checked) -> Self {
         let mut reads = Reads::default();
         for (id, entity) in checked.entities.pairs() {
-            let here = Here::Entity(id);
+            let here = TermOwner::Entity(id);
             let defaults = entity.params.iter().map(|p| &p.default);
             let firsts = entity.vars.iter().filter_map(|v| v.initial.as_ref());
             let firsts = firsts.chain(entity.discretes.iter().map(|d| &d.initial));
@@ -38,9 +38,9 @@ impl Reads {
             }
             for envelope in entity.envelopes.iter() {
                 match &envelope.by {
-                    By::Button(button) => drop(reads.what.insert((Some(id), What::Button(*button)))),
-                    By::Axis(axis) => drop(reads.what.insert((Some(id), What::Axis(*axis)))),
-                    By::Axes(axes, _) => reads.what.extend(axes.iter().map(|axis| (Some(id), What::Axis(*axis)))),
+                    By::Button(button) => drop(reads.what.insert((Some(id), ReadTarget::Button(*button)))),
+                    By::Axis(axis) => drop(reads.what.insert((Some(id), ReadTarget::Axis(*axis)))),
+                    By::Axes(axes, _) => reads.what.extend(axes.iter().map(|axis| (Some(id), ReadTarget::Axis(*axis)))),
                     By::Clock(_) => {}
                 }
             }
@@ -50,20 +50,20 @@ impl Reads {
             let guards = world.spaces.iter().flat_map(|s| &s.links).filter_map(|l| l.guard.as_ref());
             let given = world.instances.iter().flat_map(|i| &i.given).map(|(_, term)| term);
             for term in questions.chain(guards).chain(given) {
-                reads.term(checked, Here::World(id), term);
+                reads.term(checked, TermOwner::World(id), term);
             }
         }
         reads
     }
 
-    fn has(&self, entity: EntityId, what: What) -> bool {
+    fn has(&self, entity: EntityId, what: ReadTarget) -> bool {
         self.what.contains(&(Some(entity), what)) || self.what.contains(&(None, what))
     }
 
-    fn term(&mut self, checked: &Checked, here: Here, term: &Term) {
+    fn term(&mut self, checked: &Checked, here: TermOwner, term: &Term) {
         terms::walk(term, &mut |term| {
             let Some((of, what)) = read(&term.kind) else { return };
-            if let (Here::Entity(me), Subject::Ref(id)) = (here, of) {
+            if let (TermOwner::Entity(me), Subject::Ref(id)) = (here, of) {
                 self.refs.insert((me, id));
             }
             self.what.insert((owner(checked, here, of), what));
@@ -71,47 +71,48 @@ impl Reads {
     }
 }
 
-/// What a term reads of an instance.
+/// The member that a term reads of an instance.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum What {
+enum ReadTarget {
     Param(ParamId),
     Var(VarId),
     Discrete(DiscreteId),
     Button(ButtonId),
     Axis(AxisId),
-    /// Which instance it is, or what it does.
+    /// Its identity, contacts or mode.
     Itself,
 }
 
-fn read(term: &TermKind) -> Option<(Subject, What)> {
+fn read(term: &TermKind) -> Option<(Subject, ReadTarget)> {
     Some(match *term {
-        TermKind::Param(of, id) => (of, What::Param(id)),
-        TermKind::Var(of, id, _) => (of, What::Var(id)),
-        TermKind::Discrete(of, id) => (of, What::Discrete(id)),
-        TermKind::Button(_, id) => (Subject::Me, What::Button(id)),
-        TermKind::Axis(id) => (Subject::Me, What::Axis(id)),
+        TermKind::Param(of, id) => (of, ReadTarget::Param(id)),
+        TermKind::Var(of, id, _) => (of, ReadTarget::Var(id)),
+        TermKind::Discrete(of, id) => (of, ReadTarget::Discrete(id)),
+        TermKind::Button(_, id) => (Subject::Me, ReadTarget::Button(id)),
+        TermKind::Axis(id) => (Subject::Me, ReadTarget::Axis(id)),
         TermKind::IsNone(of)
         | TermKind::Is(of, _)
         | TermKind::Instance(of)
         | TermKind::InMode(of, _)
-        | TermKind::InSpace(of, _) => (of, What::Itself),
-        TermKind::Touching(ref asked) => (asked.of, What::Itself),
-        TermKind::Near(ref asked) => (asked.0, What::Itself),
+        | TermKind::InSpace(of, _) => (of, ReadTarget::Itself),
+        TermKind::Touching(ref query) => (query.of, ReadTarget::Itself),
+        TermKind::Near(ref query) => (query.0, ReadTarget::Itself),
         _ => return None,
     })
 }
 
-/// The entity that a subject is of; none where only the run tells.
-fn owner(checked: &Checked, here: Here, of: Subject) -> Option<EntityId> {
+/// The entity of a subject; none if it is known only at run time.
+fn owner(checked: &Checked, here: TermOwner, of: Subject) -> Option<EntityId> {
     match (here, of) {
-        (Here::Entity(me), Subject::Me) => Some(me),
-        (Here::World(world), Subject::Slot(slot)) => Some(checked.worlds[world].instances[slot].entity),
-        (Here::Entity(me), Subject::Ref(id)) => checked.entities[me].refs[id].entity,
+        (TermOwner::Entity(me), Subject::Me) => Some(me),
+        (TermOwner::World(world), Subject::Slot(slot)) => Some(checked.worlds[world].instances[slot].entity),
+        (TermOwner::Entity(me), Subject::Ref(id)) => checked.entities[me].refs[id].entity,
         _ => None,
     }
 }
 
-/// Reports what nothing reads. In the file `root` of a program with worlds, what is written but never read counts, too.
+/// Reports unread declarations. In the file `root` of a program with worlds, declarations that are written but never
+/// read are reported too.
 pub(super) fn unused(checked: &Checked, root: FileId, found: &mut Diagnostics) {
     let reads = Reads::new(checked);
     let writes = writes(checked);
@@ -124,37 +125,37 @@ pub(super) fn unused(checked: &Checked, root: FileId, found: &mut Diagnostics) {
             found.report(Unused { kind, name: name.text.to_string(), at: name.span, written });
         };
         for (param, p) in entity.params.pairs() {
-            judge("parameter", &p.name, reads.has(id, What::Param(param)), None);
+            judge("parameter", &p.name, reads.has(id, ReadTarget::Param(param)), None);
         }
         let drives = entity.drives.iter().chain(entity.modes.iter().flat_map(|m| &m.drives));
         let mut driven: BTreeMap<VarId, Span> = BTreeMap::new();
         for drive in drives {
             driven.entry(drive.var).or_insert(drive.span);
         }
-        // Where an instance is, everybody sees.
+        // The position of an instance is always observable.
         for (var, v) in entity.vars.pairs().skip(2) {
             let written = writes.get(&(id, Target::Var(var))).copied();
             let driven = driven.get(&var).copied();
-            judge("variable", &v.name, reads.has(id, What::Var(var)), driven.or(written));
+            judge("variable", &v.name, reads.has(id, ReadTarget::Var(var)), driven.or(written));
         }
         for (discrete, d) in entity.discretes.pairs() {
             let written = writes.get(&(id, Target::Discrete(discrete))).copied();
-            judge("variable", &d.name, reads.has(id, What::Discrete(discrete)), written);
+            judge("variable", &d.name, reads.has(id, ReadTarget::Discrete(discrete)), written);
         }
         for (reference, r) in entity.refs.pairs() {
             let written = writes.get(&(id, Target::Ref(reference))).copied();
             judge("reference", &r.name, reads.refs.contains(&(id, reference)), written);
         }
         for (button, name) in entity.buttons.pairs() {
-            judge("button", name, reads.has(id, What::Button(button)), None);
+            judge("button", name, reads.has(id, ReadTarget::Button(button)), None);
         }
         for (axis, name) in entity.axes.pairs() {
-            judge("axis", name, reads.has(id, What::Axis(axis)), None);
+            judge("axis", name, reads.has(id, ReadTarget::Axis(axis)), None);
         }
     }
 }
 
-/// What can be written: a variable in whatever degree.
+/// A write target: a variable in any degree.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Target {
     Var(VarId),
@@ -172,7 +173,7 @@ impl From<Place> for Target {
     }
 }
 
-/// Where an entity's own code, or code that spawns or places it, first writes something.
+/// The first write of each target, by the entity's own code or by code that spawns or places it.
 fn writes(checked: &Checked) -> BTreeMap<(EntityId, Target), Span> {
     let mut first = BTreeMap::new();
     let give = |first: &mut BTreeMap<_, _>, entity: EntityId, given: &[(Given, Term)]| {

@@ -1,4 +1,4 @@
-//! Updates: of one variable by two groups in one step, and out of a discrete variable's range.
+//! Lints of updates: conflicting updates of two groups in one step, and updates out of a discrete variable's range.
 
 use std::collections::BTreeMap;
 
@@ -11,13 +11,13 @@ use super::guard::{exclusive, is_in, truth};
 use super::range::{facts, range};
 use super::terms::updates;
 
-/// The most updates of one variable by one group that are examined.
+/// Maximum number of updates of one variable by one group that are examined.
 const MAX_COMPARED: usize = 32;
 
-/// When an update happens.
+/// An update with its condition.
 struct When<'a> {
     mode: ModeId,
-    /// None for what happens when the mode is entered.
+    /// None for entry actions.
     guard: Option<&'a Term>,
     update: &'a Update,
 }
@@ -39,7 +39,7 @@ fn all(entity: &Entity) -> Vec<When<'_>> {
     out
 }
 
-/// Updates of one variable by two groups, unless their guards exclude each other.
+/// Reports updates of one variable by two groups, unless their guards exclude each other.
 pub(super) fn clashes(entity: &Entity, found: &mut Diagnostics) {
     if entity.groups.len() < 2 {
         return;
@@ -56,7 +56,7 @@ pub(super) fn clashes(entity: &Entity, found: &mut Diagnostics) {
         let groups: Vec<Vec<When<'_>>> = groups.into_values().collect();
         for (index, first) in groups.iter().enumerate() {
             let later = groups[index + 1..].iter().flatten();
-            let clash = later.flat_map(|b| first.iter().map(move |a| (a, b))).find(|(a, b)| together(entity, a, b));
+            let clash = later.flat_map(|b| first.iter().map(move |a| (a, b))).find(|(a, b)| can_coincide(entity, a, b));
             if let Some((a, b)) = clash {
                 let variable = name(entity, place);
                 found.report(GroupClash { variable, last: b.update.span, first: a.update.span });
@@ -66,11 +66,11 @@ pub(super) fn clashes(entity: &Entity, found: &mut Diagnostics) {
     }
 }
 
-/// Whether two updates of different groups can happen in one step, as far as their guards tell.
-fn together(entity: &Entity, a: &When<'_>, b: &When<'_>) -> bool {
+/// Whether the guards of two updates of different groups may hold in the same step.
+fn can_coincide(entity: &Entity, a: &When<'_>, b: &When<'_>) -> bool {
     let (Some(guard_a), Some(guard_b)) = (a.guard, b.guard) else { return true };
     let possible = |guard| truth(entity, guard) != Some(false);
-    // A guard that asks for a mode of the other group excludes updates from beside that mode.
+    // A guard that requires a mode of the other group excludes updates of that mode's siblings.
     possible(guard_a)
         && possible(guard_b)
         && !exclusive(entity, guard_a, guard_b)
@@ -78,7 +78,7 @@ fn together(entity: &Entity, a: &When<'_>, b: &When<'_>) -> bool {
         && !asks_for_another(entity, guard_b, a.mode)
 }
 
-/// Whether a guard holds only while a mode beside this one is active.
+/// Whether a guard requires a sibling of this mode.
 fn asks_for_another(entity: &Entity, guard: &Term, mode: ModeId) -> bool {
     match &guard.kind {
         TermKind::And(sides) => sides.iter().any(|side| asks_for_another(entity, side, mode)),
@@ -102,7 +102,7 @@ fn name(entity: &Entity, place: Place) -> String {
     }
 }
 
-/// Whole numbers that an update can take out of the range of their variable.
+/// Reports updates that can leave the range of their discrete variable.
 pub(super) fn ranges(entity: &Entity, found: &mut Diagnostics) {
     for When { guard, update, .. } in all(entity) {
         let Place::Discrete(id) = update.place else { continue };
@@ -113,7 +113,7 @@ pub(super) fn ranges(entity: &Entity, found: &mut Diagnostics) {
         }
         let facts = guard.map(|guard| facts(entity, guard)).unwrap_or_default();
         let value = range(entity, &update.value, &facts);
-        // An end that is not known is no sign of a mistake.
+        // An unknown end is no sign of a mistake.
         let leaves = |end: f64| end.is_finite() && !(f64::from(low)..=f64::from(high)).contains(&end);
         if !(leaves(value.low) || leaves(value.high))
             || value.is_empty()

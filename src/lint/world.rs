@@ -1,5 +1,5 @@
-//! What needs a world: tags that nothing carries, contacts that no `collide` line pairs, inputs that no player gives,
-//! instances inside of walls, links to nowhere.
+//! Lints of worlds: tags that nothing has, contacts that no `collide` line pairs, inputs without a player, instances
+//! inside walls, links to nowhere.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -12,19 +12,19 @@ use crate::source::Span;
 
 use super::terms;
 
-/// Less than this deep inside of something counts as outside of it, px.
+/// Overlaps less deep than this are ignored, px.
 const TOLERANCE: f64 = 0.001;
 
-/// A contact question: the tag of one's own collider, if it says, and the other's.
-type Question = (Option<TagId>, TagId);
+/// A contact query: the tag of the entity's own collider, if given, and the other's.
+type ContactQuery = (Option<TagId>, TagId);
 
-/// The contact questions of an entity, each where it first is.
-fn questions(entity: &Entity) -> Vec<(Question, Span)> {
-    let mut out: Vec<(Question, Span)> = Vec::new();
+/// The contact queries of an entity, each with its first place.
+fn contact_queries(entity: &Entity) -> Vec<(ContactQuery, Span)> {
+    let mut out: Vec<(ContactQuery, Span)> = Vec::new();
     for term in terms::of_entity(entity) {
         terms::walk(term, &mut |term| {
-            if let TermKind::Touching(asked) = &term.kind
-                && let Touching { of: Subject::Me, mine, other, .. } = **asked
+            if let TermKind::Touching(query) = &term.kind
+                && let Touching { of: Subject::Me, mine, other, .. } = **query
                 && !out.iter().any(|(q, _)| *q == (mine, other))
             {
                 out.push(((mine, other), term.span));
@@ -34,9 +34,9 @@ fn questions(entity: &Entity) -> Vec<(Question, Span)> {
     out
 }
 
-/// Tags that are asked for, and that nothing of the program carries.
+/// Reports tags that are queried but that nothing in the program has.
 pub(super) fn tags(checked: &Checked, found: &mut Diagnostics) {
-    // What an open map holds is not known.
+    // The tags of an open map are unknown.
     if checked.worlds.is_empty() || checked.worlds.iter().any(|w| w.open.is_some()) {
         return;
     }
@@ -45,16 +45,16 @@ pub(super) fn tags(checked: &Checked, found: &mut Diagnostics) {
     for space in checked.worlds.iter().flat_map(|w| w.spaces.iter()) {
         carried.extend(statics(space).into_iter().flatten());
     }
-    let asked = checked.worlds.iter().flat_map(|w| &w.collide).flat_map(|c| c.left.iter().chain(&c.right));
-    let mut asked: BTreeSet<TagId> = asked.copied().collect();
+    let requested = checked.worlds.iter().flat_map(|w| &w.collide).flat_map(|c| c.left.iter().chain(&c.right));
+    let mut requested: BTreeSet<TagId> = requested.copied().collect();
     for entity in checked.entities.iter() {
-        for ((mine, other), _) in questions(entity) {
-            asked.extend(mine);
-            asked.insert(other);
+        for ((mine, other), _) in contact_queries(entity) {
+            requested.extend(mine);
+            requested.insert(other);
         }
     }
     let root = checked.worlds.iter().next().map(|w| w.name.span.file());
-    for &tag in asked.difference(&carried) {
+    for &tag in requested.difference(&carried) {
         let name = &checked.tags[tag];
         if checked.other_tags.contains(name.text.as_str()) {
             continue;
@@ -62,25 +62,25 @@ pub(super) fn tags(checked: &Checked, found: &mut Diagnostics) {
         let near = similar(&name.text, carried.iter().map(|t| checked.tags[*t].text.as_str()));
         let near = near.and_then(|near| checked.tags.iter().find(|t| t.text == near));
         let near = near.map(|tag| (tag.text.to_string(), tag.span));
-        // An imported entity may know more than this program has.
+        // An imported entity may refer to tags that this program does not use.
         if Some(name.span.file()) == root || near.is_some() {
             found.report(UncarriedTag { tag: name.text.to_string(), at: name.span, near });
         }
     }
 }
 
-/// The sets of tags of what never moves in a space.
+/// The sets of tags of the static geometry of a space.
 fn statics(space: &Space) -> Vec<Vec<TagId>> {
     let tiles = space.map.iter().flat_map(|m| &m.kinds).map(|k| k.tags.to_vec());
     tiles.chain(space.solids.iter().map(|s| s.tags.clone())).collect()
 }
 
-/// A set of tags, a bit for each.
+/// A set of tags as bits.
 fn bits<'t>(tags: impl IntoIterator<Item = &'t TagId>) -> u64 {
     tags.into_iter().fold(0, |bits, tag| bits | 1 << (tag.0 as usize % MAX_TAGS))
 }
 
-/// For each tag those that it meets by the `collide` lines of a world, for each thing that a contact does.
+/// For each tag the tags that it meets by the `collide` lines of a world, by response.
 struct Meetings([(Push, [u64; MAX_TAGS]); 3]);
 
 impl Meetings {
@@ -98,16 +98,16 @@ impl Meetings {
         Meetings(met)
     }
 
-    /// The strongest thing that a contact of two sets of tags does.
+    /// The strongest response to a contact of two sets of tags.
     fn response(&self, a: u64, b: u64) -> Option<Push> {
         let meets = |table: &[u64; MAX_TAGS]| (0..MAX_TAGS).any(|tag| a >> tag & 1 == 1 && table[tag] & b != 0);
         self.0.iter().filter(|(_, table)| meets(table)).map(|(push, _)| *push).max()
     }
 }
 
-/// Contact questions of a world's entities that its `collide` lines never answer with yes.
+/// Reports contact queries of a world's entities that its `collide` lines never make true.
 pub(super) fn touches(checked: &Checked, found: &mut Diagnostics) {
-    let mut told: BTreeSet<Span> = BTreeSet::new();
+    let mut reported: BTreeSet<Span> = BTreeSet::new();
     for world in checked.worlds.iter() {
         let present: BTreeSet<EntityId> = world.instances.iter().map(|i| i.entity).collect();
         let mut carriers: Vec<u64> = world.spaces.iter().flat_map(statics).map(|tags| bits(&tags)).collect();
@@ -115,13 +115,13 @@ pub(super) fn touches(checked: &Checked, found: &mut Diagnostics) {
         carriers.extend(colliders.map(|c| bits(&c.tags)));
         carriers.sort_unstable();
         carriers.dedup();
-        // Whether any of some carriers meets any of others is a question of all of their tags.
+        // Whether two sets of colliders meet depends on all of their tags.
         let with = |tag: &TagId| carriers.iter().filter(|c| **c & bits([tag]) != 0).fold(0, |all, c| all | c);
         let beside: Vec<u64> = checked.tags.ids().take(MAX_TAGS).map(|tag| with(&tag)).collect();
         let meetings = Meetings::new(world);
         for &entity in &present {
             let entity = &checked.entities[entity];
-            for ((mine, other), at) in questions(entity) {
+            for ((mine, other), at) in contact_queries(entity) {
                 let own =
                     || entity.colliders.iter().map(|c| &c.tags).filter(|tags| mine.is_none_or(|m| tags.contains(&m)));
                 let others = beside.get(other.0 as usize).copied().unwrap_or(0);
@@ -129,7 +129,7 @@ pub(super) fn touches(checked: &Checked, found: &mut Diagnostics) {
                     continue;
                 }
                 let answered = meetings.response(bits(own().flatten()), others).is_some();
-                if !answered && told.insert(at) {
+                if !answered && reported.insert(at) {
                     let tag = |t: TagId| checked.tags[t].text.to_string();
                     let mine: BTreeSet<TagId> = match mine {
                         Some(mine) => [mine].into(),
@@ -149,8 +149,8 @@ pub(super) fn touches(checked: &Checked, found: &mut Diagnostics) {
     }
 }
 
-/// The last `collide` line that pairs some tags with others, and the last that pairs another tag; if there is none, the
-/// last line of all.
+/// The last `collide` line that pairs some tags with others, and the last that pairs another tag; otherwise the last
+/// line of all.
 fn lines(world: &World, mine: &BTreeSet<TagId>, other: TagId) -> Vec<Span> {
     let last = |test: &dyn Fn(TagId) -> bool| {
         let pairs = |c: &&CollideRule| c.left.iter().chain(&c.right).any(|t| test(*t));
@@ -164,7 +164,7 @@ fn lines(world: &World, mine: &BTreeSet<TagId>, other: TagId) -> Vec<Span> {
     found
 }
 
-/// Entities with inputs of which no instance is a player's.
+/// Reports entities with inputs that have an instance but no player.
 pub(super) fn players(checked: &Checked, found: &mut Diagnostics) {
     let played: BTreeSet<EntityId> =
         checked.worlds.iter().flat_map(|w| w.players.iter().map(|p| w.instances[p.slot].entity)).collect();
@@ -185,7 +185,7 @@ pub(super) fn players(checked: &Checked, found: &mut Diagnostics) {
     }
 }
 
-/// Instances that begin inside of what blocks them.
+/// Reports instances whose initial position is inside an obstacle.
 pub(super) fn places(checked: &Checked, found: &mut Diagnostics) {
     for world in checked.worlds.iter() {
         let meetings = Meetings::new(world);
@@ -199,13 +199,13 @@ pub(super) fn places(checked: &Checked, found: &mut Diagnostics) {
 /// Left, right, bottom, top.
 type Sides = [f64; 4];
 
-/// How deep something is, px, and in what: a tile by column and row, or a `rect`.
+/// A depth, px, and the obstacle: a tile by column and row, or a `rect`.
 type Inside = (f64, Result<(usize, usize), Span>);
 
-/// What never moves in a space, its `rect`s by their left sides.
+/// The static geometry of a space, its `rect`s sorted by their left sides.
 struct Walls<'a> {
     space: &'a Space,
-    /// The sides of a `rect`, which it is, and how far any of those up to here reaches to the right.
+    /// The sides of a `rect`, its index, and the maximum of the right sides up to here.
     solids: Vec<(Sides, usize, f64)>,
 }
 
@@ -222,7 +222,7 @@ impl<'a> Walls<'a> {
         Walls { space, solids }
     }
 
-    /// The `rect`s that overlap a box from left to right, in the order of the text.
+    /// The `rect`s that overlap a box horizontally, in source order.
     fn beside(&self, of: Sides) -> Vec<(Sides, &'a Solid)> {
         let before = self.solids.partition_point(|(sides, ..)| sides[0] < of[1]);
         let near = self.solids[..before].iter().rev().take_while(|(_, _, reach)| *reach > of[0]);
@@ -261,7 +261,7 @@ fn inside(
     }
 }
 
-/// What a box is deepest in, and how deep, px.
+/// The obstacle with the deepest overlap, and its depth, px.
 fn deepest(walls: &Walls<'_>, sides: Sides, blocks: impl Fn(&[TagId]) -> bool) -> Option<Inside> {
     let mut found: Vec<Inside> = Vec::new();
     for (of, solid) in walls.beside(sides).into_iter().filter(|(_, s)| blocks(&s.tags)) {
@@ -289,13 +289,13 @@ fn deepest(walls: &Walls<'_>, sides: Sides, blocks: impl Fn(&[TagId]) -> bool) -
     deep.max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-/// How far two boxes overlap along the axis on which they do so least, px; negative if they are apart.
+/// The overlap of two boxes along their axis of least overlap, px; negative if they are apart.
 fn depth(a: Sides, b: Sides) -> f64 {
     let along = |low: usize| a[low + 1].min(b[low + 1]) - a[low].max(b[low]);
     along(0).min(along(2))
 }
 
-/// Links that lead to where their space has nothing.
+/// Reports links whose destination is outside of the contents of its space.
 pub(super) fn links(checked: &Checked, found: &mut Diagnostics) {
     for world in checked.worlds.iter() {
         for link in world.spaces.iter().flat_map(|s| &s.links) {
@@ -313,7 +313,7 @@ pub(super) fn links(checked: &Checked, found: &mut Diagnostics) {
     }
 }
 
-/// The box around all that a space holds; none if it is empty or its map is not known.
+/// The box around the contents of a space; none if it is empty or its map is not known.
 fn extent(space: &Space) -> Option<Sides> {
     let map = space.map.as_ref().map(|m| m.size()).map(|(width, height)| [0.0, width, 0.0, height]);
     let of = |&[x, y, width, height]: &[f64; 4]| [x, x + width, y, y + height];

@@ -6,7 +6,7 @@ use rand_pcg::Pcg64;
 
 use crate::ir::{NeverId, SpaceId};
 use crate::sim::{Fault, Input, Scratch, Script};
-use crate::watch::{Meter, Patience, Watch};
+use crate::watch::{Meter, PollLimit, Watch};
 
 use super::controls::ControlSets;
 use super::coverage::Coverage;
@@ -377,8 +377,8 @@ impl<'a> SearchContext<'a> {
         let after = self.start(choice.node).after;
         let script = self.script(choice, steps);
         // A path found before the stop still counts, if a short replay confirms it.
-        let patience = Patience::new(REPLAY_POLLS);
-        let late = Meter::new(&patience);
+        let poll_limit = PollLimit::new(REPLAY_POLLS);
+        let late = Meter::new(&poll_limit);
         let meter = if self.meter.is_stopped() { &late } else { &self.meter };
         let length = replays_to(self.problem, &script, after, &mut self.scratch, meter);
         debug_assert!(meter.is_stopped() || length == Some(script.len()), "a found path must replay");

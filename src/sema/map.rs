@@ -1,5 +1,5 @@
 //! Maps of spaces: inline, from text files, from levels of the Video Game Level Corpus, or given on the command line.
-//! Maps of level editors continue in `drawn`.
+//! Maps of level editors continue in `editor_level`.
 
 use std::collections::BTreeSet;
 

@@ -10,7 +10,7 @@ mod checked_world;
 mod conflict;
 mod constant;
 pub mod dimension;
-mod drawn;
+mod editor_level;
 mod entity;
 mod envelope;
 mod expression;

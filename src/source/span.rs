@@ -10,19 +10,19 @@ use super::{FileId, MAX_COPIES, MAX_FILE_BYTES, MAX_SOURCES, OTHER_SOURCES};
 /// The ids from here on are those of copies.
 pub(super) const FIRST_COPY: u32 = 1 << 31;
 
-/// In sixteen bits the copies come after the files.
+/// In sixteen bits the ids of copies follow those of files.
 const COPIES_FROM: usize = MAX_SOURCES + OTHER_SOURCES;
-/// What stands for files and copies beyond the limits; no file and no copy has it.
+/// The id of files and copies beyond the limits; no file and no copy has it.
 const NO_FILE: u32 = u16::MAX as u32;
 const _: () = assert!(COPIES_FROM + MAX_COPIES <= NO_FILE as usize);
 
 impl FileId {
-    /// Which copy it is, if it is one.
+    /// The index of the copy, if it is one.
     pub(super) fn copy(self) -> Option<usize> {
         self.0.checked_sub(FIRST_COPY).map(|copy| copy as usize)
     }
 
-    /// In sixteen bits.
+    /// The id in sixteen bits.
     fn packed(self) -> u32 {
         match self.copy() {
             None if (self.0 as usize) < COPIES_FROM => self.0,
@@ -39,13 +39,13 @@ impl FileId {
     }
 }
 
-/// The greatest start and the greatest length.
-const MOST: usize = (1 << 24) - 1;
-const _: () = assert!(MAX_FILE_BYTES <= MOST);
+/// Maximum start and maximum length.
+const MAX_PACKED: usize = (1 << 24) - 1;
+const _: () = assert!(MAX_FILE_BYTES <= MAX_PACKED);
 
 /// A range of bytes in one file, end exclusive.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(from = "Written", into = "Written")]
+#[serde(from = "SpanFields", into = "SpanFields")]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Span {
     /// The file in the upper half, then the upper 16 bits of the start.
@@ -60,7 +60,7 @@ const _: () = assert!(size_of::<Span>() == 8);
 #[derive(Serialize, Deserialize)]
 #[serde(rename = "Span")]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
-struct Written {
+struct SpanFields {
     /// The file it lies in.
     file: FileId,
     /// The first byte.
@@ -69,16 +69,16 @@ struct Written {
     end: u32,
 }
 
-impl From<Span> for Written {
+impl From<Span> for SpanFields {
     fn from(span: Span) -> Self {
-        Written { file: span.file(), start: span.start(), end: span.end() }
+        SpanFields { file: span.file(), start: span.start(), end: span.end() }
     }
 }
 
-impl From<Written> for Span {
-    /// What no span can be lies in no file: it is refused with all others that do.
-    fn from(Written { file, start, end }: Written) -> Self {
-        let fits = start <= end && end as usize <= MOST;
+impl From<SpanFields> for Span {
+    /// An invalid range is mapped to no file, and rejected with all spans outside of files.
+    fn from(SpanFields { file, start, end }: SpanFields) -> Self {
+        let fits = start <= end && end as usize <= MAX_PACKED;
         Span::new(if fits { file } else { FileId::unpacked(NO_FILE) }, start as usize, end as usize)
     }
 }
@@ -93,7 +93,7 @@ impl Span {
     /// The bytes `start..end` of `file`.
     pub fn new(file: FileId, start: usize, end: usize) -> Self {
         // Files are limited to `MAX_FILE_BYTES`, so nothing is cut.
-        let (start, length) = (start.min(MOST) as u32, end.saturating_sub(start).min(MOST) as u32);
+        let (start, length) = (start.min(MAX_PACKED) as u32, end.saturating_sub(start).min(MAX_PACKED) as u32);
         Span { upper: file.packed() << 16 | start >> 8, lower: start << 24 | length }
     }
 
@@ -109,7 +109,7 @@ impl Span {
 
     /// One past the last byte.
     pub fn end(self) -> u32 {
-        self.start() + (self.lower & MOST as u32)
+        self.start() + (self.lower & MAX_PACKED as u32)
     }
 
     /// The same bytes of another file.
@@ -133,7 +133,7 @@ impl Span {
         Span::new(self.file(), start as usize, end as usize)
     }
 
-    /// Whether it is in a copy of what a file holds, see [`SourceMap::copy`](super::SourceMap::copy).
+    /// Whether it is in a copy of a file's text, see [`SourceMap::copy`](super::SourceMap::copy).
     pub fn is_copy(self) -> bool {
         self.file().copy().is_some()
     }
@@ -186,7 +186,7 @@ mod tests {
             (0, 2, 1),
             (0, 0, 1 << 24),
         ] {
-            let span = Span::from(Written { file: FileId(file), start, end });
+            let span = Span::from(SpanFields { file: FileId(file), start, end });
             assert!(!FILES.contains(&span.file()) && span.upper >> 16 == NO_FILE, "{span:?}");
         }
     }

@@ -1,8 +1,8 @@
-//! Comma-separated values as RFC 4180 has them: cells, and lines made and taken apart again.
+//! Comma-separated values (RFC 4180): writes and parses lines.
 
 use std::borrow::Cow;
 
-/// A cell in quotes where it holds what would end it.
+/// A cell, in quotes if it contains a delimiter.
 pub fn quoted(text: &str) -> Cow<'_, str> {
     if text.contains(['"', ',', '\n', '\r']) {
         Cow::Owned(format!("\"{}\"", text.replace('"', "\"\"")))

@@ -1,5 +1,4 @@
-//! Tables: in plain text for people, as CSV for programs. The caller brings the cells; nothing here knows
-//! what they mean.
+//! Tables: in plain text for people, as CSV for programs. The caller provides the cells; their meaning is unknown here.
 
 pub mod csv;
 mod table;

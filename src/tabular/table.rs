@@ -1,35 +1,35 @@
 //! A table in plain text, its columns aligned, some of them under a common heading.
 
-/// How many blanks are between two columns.
+/// Number of blanks between two columns.
 const GAP: usize = 2;
 
 /// A column's heading.
 #[derive(Debug, Clone, Copy)]
 pub struct Column {
-    /// What is above it and the neighbours that say the same; empty for nothing.
+    /// The common heading above it and its neighbours with the same; empty for none.
     group: &'static str,
     name: &'static str,
     is_right: bool,
 }
 
 impl Column {
-    /// One of words.
+    /// A left-aligned column, for words.
     pub fn left(group: &'static str, name: &'static str) -> Self {
         Column { group, name, is_right: false }
     }
 
-    /// One of numbers.
+    /// A right-aligned column, for numbers.
     pub fn right(group: &'static str, name: &'static str) -> Self {
         Column { group, name, is_right: true }
     }
 }
 
-/// What is in a row under a column.
+/// The cell of a row in a column.
 #[derive(Debug, Clone)]
 pub struct Cell(String);
 
 impl Cell {
-    /// Nothing: there is no such thing.
+    /// An empty cell: not applicable.
     pub const fn empty() -> Self {
         Cell(String::new())
     }
@@ -52,14 +52,14 @@ impl From<String> for Cell {
     }
 }
 
-/// Rows under columns.
+/// A table.
 pub struct Table {
     columns: Vec<Column>,
     rows: Vec<Vec<Cell>>,
 }
 
 impl Table {
-    /// One without rows.
+    /// A table without rows.
     pub fn new(columns: Vec<Column>) -> Self {
         Table { columns, rows: Vec::new() }
     }

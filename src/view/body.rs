@@ -1,4 +1,4 @@
-//! What an instance looks like as it starts: its colliders, as far as modes, parameters and its own first values tell.
+//! The initial shape of an instance: its colliders, where modes, parameters and its initial values determine them.
 
 use crate::ir::{
     Bounds, Choice, Expr, ExprId, Id, ModeId, Program, Push, Slot, SlotId, Subject, TagSet, World, arithmetic, call,
@@ -11,22 +11,22 @@ use super::frame::moved;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Part {
     pub bounds: Bounds,
-    /// Whether it is the circle inside.
+    /// Whether it is the inscribed circle.
     pub round: bool,
     pub tags: TagSet,
 }
 
-/// The colliders of an instance that are there at first.
+/// The colliders of an instance that are active initially.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Body {
     pub parts: Vec<Part>,
-    /// The largest that is solid, of those whose shape never changes: of them, if it is known to be there; if none is solid,
-    /// the largest of all.
+    /// The largest solid collider whose shape never changes and that is certainly active; if none is solid, the largest
+    /// of all.
     main: Option<Part>,
 }
 
 impl Body {
-    /// Of the instance of a slot.
+    /// The body of the instance in a slot.
     pub fn new(program: &Program, world: &World, id: SlotId) -> Body {
         let slot = &world.slots[id];
         let start = Start { program, world, slot };
@@ -51,19 +51,19 @@ impl Body {
         let pushing = |parts: &[Part]| largest(parts.iter().filter(|p| pushes(p)));
         let solid = pushing(&steady).or(pushing(&others));
         if let Some(solid) = &solid {
-            // What only senses and is larger than what is solid is a field of view.
+            // A sensor larger than the solid collider is a field of view.
             parts.retain(|part| pushes(part) || area(part) <= area(solid));
         }
         let main = solid.or(largest(steady.iter())).or(largest(others.iter()));
         Body { parts, main }
     }
 
-    /// The box that stands for it, relative to the position; none if it has no collider of a known shape.
+    /// The box of the main collider relative to the position; none if no collider has a known shape.
     pub fn bounds(&self) -> Option<Bounds> {
         self.main.map(|part| part.bounds)
     }
 
-    /// Where its middle is, relative to the position.
+    /// Its middle relative to the position.
     pub fn middle(&self) -> [f64; 2] {
         self.bounds().map_or([0.0, 0.0], |b| [(b.left + b.right) / 2.0, (b.bottom + b.top) / 2.0])
     }
@@ -77,19 +77,19 @@ fn largest<'p>(parts: impl Iterator<Item = &'p Part>) -> Option<Part> {
     parts.copied().reduce(|best, next| if area(&next) > area(&best) { next } else { best })
 }
 
-/// Whether something with these tags pushes anything, or is pushed.
+/// Whether a collider with these tags pushes or is pushed.
 fn pushes(world: &World, tags: TagSet) -> bool {
     let mut pushing = world.collide.iter().filter(|line| line.response.push != Push::Sense);
     pushing.any(|line| line.left.meets(tags) || line.right.meets(tags))
 }
 
-/// Where the position of a slot is at first, px.
+/// The initial position of a slot, px.
 pub(super) fn position(slot: &Slot) -> [f64; 2] {
     let mut places = slot.vars.iter().map(|values| values[0]);
     [places.next().unwrap_or(0.0), places.next().unwrap_or(0.0)]
 }
 
-/// A part of an instance that is somewhere.
+/// The bounds of a part at the instance's position.
 pub(super) fn placed(part: &Part, slot: &Slot) -> Bounds {
     moved(part.bounds, position(slot))
 }
@@ -111,7 +111,7 @@ impl Start<'_> {
             Expr::Discrete(Subject::Me, discrete) => f64::from(*self.slot.discretes.get(discrete)?),
             Expr::Negate(a) => -self.value(a)?,
             Expr::Not(a) => truth(self.value(a)? == 0.0),
-            // One side is enough where it decides.
+            // One operand suffices if it decides the result.
             Expr::And(a, b) => match (self.value(a), self.value(b)) {
                 (Some(0.0), _) | (_, Some(0.0)) => 0.0,
                 (a, b) => a.and(b).map(|_| 1.0)?,
@@ -132,7 +132,7 @@ impl Start<'_> {
         self.program.constant(id, &self.slot.params, self.world.step)
     }
 
-    /// Whether a mode is active at first.
+    /// Whether a mode is active initially.
     fn is_in(&self, mode: ModeId) -> bool {
         let entity = &self.program.entities[self.slot.entity];
         let group = &entity.groups[entity.modes[mode].group];

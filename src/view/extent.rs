@@ -1,32 +1,32 @@
-//! What part of a space is shown: its level, and around it as much of what happened as does not make the level small.
+//! The visible part of a space: its level, and as much of the activity around it as does not make the level small.
 
 use crate::ir::{Bounds, Origin, Program, SpaceId, World};
 
 use super::body::{Body, placed, position};
 use super::frame::{grown, is_proper, shared};
 
-/// How many of the visited points are asked where most of them are.
+/// Number of sampled visits from which the extent of most visits is estimated.
 const SAMPLE: usize = 20_000;
-/// What is shown of a space without anything.
+/// Size of the visible part of an empty space.
 const SIDE: f64 = 64.0;
 
-/// What has been in a space.
+/// The visits of a search and its path in a space.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Presence {
-    /// How often.
-    pub visits: usize,
-    /// Where nearly all visits were.
+pub(super) struct Visits {
+    /// The number of visits.
+    pub count: usize,
+    /// The bounds of nearly all visits.
     pub visited: Option<Bounds>,
-    /// Where the path is.
+    /// The bounds of the path.
     pub path: Option<Bounds>,
 }
 
-impl Presence {
+impl Visits {
     /// From visited points and points of the path.
-    pub fn new(points: impl Iterator<Item = [f64; 2]> + Clone, path: impl Iterator<Item = [f64; 2]>) -> Presence {
+    pub fn new(points: impl Iterator<Item = [f64; 2]> + Clone, path: impl Iterator<Item = [f64; 2]>) -> Visits {
         let finite = |point: &[f64; 2]| point.iter().all(|x| x.is_finite());
-        let visits = points.clone().count();
-        let sample = points.filter(finite).step_by(visits.div_ceil(SAMPLE).max(1));
+        let count = points.clone().count();
+        let sample = points.filter(finite).step_by(count.div_ceil(SAMPLE).max(1));
         let (mut xs, mut ys): (Vec<f64>, Vec<f64>) = sample.map(|[x, y]| (x, y)).unzip();
         let range = |values: &mut Vec<f64>| {
             values.sort_unstable_by(f64::total_cmp);
@@ -40,12 +40,12 @@ impl Presence {
             top,
         });
         let path = path.filter(finite).map(|[x, y]| Bounds::new([x, y, 0.0, 0.0])).reduce(Bounds::join);
-        Presence { visits, visited, path }
+        Visits { count, visited, path }
     }
 }
 
-/// The part of a space that is shown; `body` is the size of the player.
-pub(super) fn extent(program: &Program, world: &World, id: SpaceId, presence: &Presence, body: f64) -> Bounds {
+/// The visible part of a space; `body` is the size of the player.
+pub(super) fn extent(program: &Program, world: &World, id: SpaceId, visits: &Visits, body: f64) -> Bounds {
     let space = &world.spaces[id];
     let map = space.map_rectangle();
     let solids = space.solids.iter().map(|solid| solid.bounds).chain(space.links.iter().map(|link| link.from));
@@ -58,16 +58,16 @@ pub(super) fn extent(program: &Program, world: &World, id: SpaceId, presence: &P
         boxes.into_iter().chain([Bounds::new([at[0], at[1], 0.0, 0.0])])
     });
     let things = things.filter(|b| is_proper(*b)).reduce(Bounds::join);
-    let presence = [presence.visited.map(|b| (b, 0.5)), presence.path.map(|b| (b, 1.0)), things.map(|b| (b, 1.0))];
+    let parts = [visits.visited.map(|b| (b, 0.5)), visits.path.map(|b| (b, 1.0)), things.map(|b| (b, 1.0))];
     let view = match level {
-        // What is outside of the level is shown only as far as the level stays the main thing.
-        Some(level) => presence.into_iter().flatten().fold(level, |view, (part, share)| {
+        // Activity outside of the level is shown only while the level dominates the picture.
+        Some(level) => parts.into_iter().flatten().fold(level, |view, (part, share)| {
             let room = share * shorter(level);
             let inside = shared(grown(part, body / 2.0), grown(level, room));
             if is_proper(inside) { view.join(inside) } else { view }
         }),
         None => {
-            let content = presence.into_iter().flatten().map(|(part, _)| part).reduce(Bounds::join);
+            let content = parts.into_iter().flatten().map(|(part, _)| part).reduce(Bounds::join);
             let bounds = space.bounds.filter(|b| is_proper(*b));
             match (content, bounds) {
                 (Some(content), Some(bounds)) => {

@@ -1,9 +1,9 @@
-//! Where things of the game are in the picture: a rectangle of a space, scaled and turned upside down, since y points up
-//! in the game and down in SVG.
+//! The transformation from the game to the picture: a rectangle of a space, scaled and flipped, since y points up in
+//! the game and down in SVG.
 
 use crate::ir::Bounds;
 
-/// A rectangle of the picture, from its upper left corner.
+/// A rectangle of the picture: its upper left corner and its size.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Rect {
     pub x: f64,
@@ -27,10 +27,10 @@ impl Rect {
     }
 }
 
-/// The part of a space that is shown, and how large.
+/// The visible part of a space, and its scale.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Frame {
-    /// The part, px of the game.
+    /// The visible part, px of the game.
     pub view: Bounds,
     /// The size of a px of the game in the picture.
     pub scale: f64,
@@ -52,12 +52,12 @@ impl Frame {
         [(x - self.view.left) * self.scale, (self.view.top - y) * self.scale]
     }
 
-    /// Whether a point is in the picture; what is no number is not.
+    /// Whether a point is in the picture; false for NaN.
     pub fn holds(&self, [x, y]: [f64; 2]) -> bool {
         (self.view.left..=self.view.right).contains(&x) && (self.view.bottom..=self.view.top).contains(&y)
     }
 
-    /// The part of a rectangle that is in the picture, if any is.
+    /// The visible part of a rectangle, if any.
     pub fn cut(&self, b: Bounds) -> Option<Rect> {
         let [left, top] = self.point([b.left.max(self.view.left), b.top.min(self.view.top)]);
         let [right, bottom] = self.point([b.right.min(self.view.right), b.bottom.max(self.view.bottom)]);
@@ -65,7 +65,7 @@ impl Frame {
     }
 }
 
-/// What two rectangles share; turned inside out where they share nothing.
+/// The intersection of two rectangles; inverted if it is empty.
 pub(super) fn shared(a: Bounds, b: Bounds) -> Bounds {
     Bounds {
         left: a.left.max(b.left),
@@ -80,12 +80,12 @@ pub(super) fn grown(b: Bounds, by: f64) -> Bounds {
     Bounds { left: b.left - by, right: b.right + by, bottom: b.bottom - by, top: b.top + by }
 }
 
-/// A rectangle moved.
+/// A translated rectangle.
 pub(super) fn moved(b: Bounds, [x, y]: [f64; 2]) -> Bounds {
     Bounds { left: b.left + x, right: b.right + x, bottom: b.bottom + y, top: b.top + y }
 }
 
-/// Whether all four sides are numbers and the right way round.
+/// Whether all four sides are numbers in the right order.
 pub(super) fn is_proper(b: Bounds) -> bool {
     [b.left, b.right, b.bottom, b.top].iter().all(|side| side.is_finite()) && b.left <= b.right && b.bottom <= b.top
 }

@@ -1,4 +1,5 @@
-//! Where a goal lies, as far as its predicate says so of the player's position; and what else it names.
+//! The region of a goal: the constraints of its predicate on the player's position; and the tags and instances that it
+//! names.
 
 use crate::ir::{Bounds, CompareOp, Expr, ExprId, IdVec, Program, SlotId, SpaceId, Subject, TagSet, VarId, World};
 
@@ -8,35 +9,35 @@ use super::frame::{moved, shared};
 const EVERYWHERE: Bounds =
     Bounds { left: f64::NEG_INFINITY, right: f64::INFINITY, bottom: f64::NEG_INFINITY, top: f64::INFINITY };
 
-/// A part of a goal's region.
+/// An area of a goal's region.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Area {
-    /// The space it is in; any if none.
+    /// The space; any if none.
     pub space: Option<SpaceId>,
     pub form: Form,
 }
 
-/// The form of a part, px.
+/// The shape of an area, px.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Form {
-    /// A rectangle, perhaps without end to some sides.
+    /// A rectangle, possibly unbounded on some sides.
     Box(Bounds),
     Circle([f64; 2], f64),
 }
 
-/// What a goal says that can be drawn.
+/// The drawable parts of a goal.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Goal {
-    /// The player has to be in one of them; none where that cannot be told.
+    /// The player must be in one of these areas; none if unknown.
     pub areas: Vec<Area>,
-    /// What the player has to touch.
+    /// The tags that the player must touch.
     pub tags: TagSet,
-    /// Other instances that it asks about.
+    /// Other instances that it names.
     pub slots: Vec<SlotId>,
 }
 
 impl Goal {
-    /// The goal of a name; nothing if there is none.
+    /// The goal with a name; empty if there is none.
     pub fn new(program: &Program, world: &World, name: &str, player: Option<SlotId>, middle: [f64; 2]) -> Goal {
         let (Some(goal), Some(player)) = (world.goals.iter().find(|goal| goal.name == name), player) else {
             return Goal::default();
@@ -62,26 +63,26 @@ impl Goal {
     }
 }
 
-/// The tags that a predicate says a slot touches.
+/// The tags that a slot must touch according to a predicate.
 pub(super) fn touched(program: &Program, world: &World, predicate: ExprId, slot: SlotId) -> TagSet {
     let touches = &program.entities[world.slots[slot].entity].touches;
-    let asked = program.with_operands(vec![predicate]).into_iter().filter_map(|id| match program.exprs[id] {
+    let tags = program.with_operands(vec![predicate]).into_iter().filter_map(|id| match program.exprs[id] {
         Expr::Touching(Subject::Slot(of), touch) if of == slot => touches.get(touch).map(|t| t.other),
         _ => None,
     });
-    asked.collect()
+    tags.collect()
 }
 
 struct Reader<'a> {
     program: &'a Program,
     world: &'a World,
     player: SlotId,
-    /// From the position to the point that is drawn.
+    /// The offset from the position to the drawn point.
     middle: [f64; 2],
 }
 
 impl Reader<'_> {
-    /// Areas one of which the player is in where the predicate holds; none if that can be anywhere.
+    /// Areas such that the player is in one of them if the predicate holds; none if the position is unconstrained.
     fn areas(&self, id: ExprId) -> Option<Vec<Area>> {
         let me = Subject::Slot(self.player);
         match self.program.exprs[id] {
@@ -141,7 +142,7 @@ impl Reader<'_> {
     }
 }
 
-/// What two areas share; of a circle and anything else the circle.
+/// The intersection of two areas; of a circle and another area, the circle.
 fn both(a: Area, b: Area) -> Option<Area> {
     let space = match (a.space, b.space) {
         (Some(a), Some(b)) if a != b => return None,

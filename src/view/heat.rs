@@ -1,14 +1,15 @@
-//! Where the player was, and how often: a grid of cells whose colour grows with the logarithm of the visits.
+//! The heat map: a grid of cells whose colour grows with the logarithm of the visits.
 
 use super::frame::{Frame, Rect};
 use super::svg::{Number, box_data, put};
 
-/// How many shades there are.
+/// Number of shades.
 pub(super) const LEVELS: usize = 7;
-/// The most cells of a grid.
+/// Maximum number of cells of a grid.
 const MAX_CELLS: f64 = 400_000.0;
 
-/// Draws the visited points; `cell` is the least size of a cell, px of the game, `limit` the most rectangles.
+/// Draws the visited points; `cell` is the minimum size of a cell, px of the game, `limit` the maximum number of
+/// rectangles.
 pub(super) fn draw(
     out: &mut String,
     frame: &Frame,
@@ -32,7 +33,7 @@ pub(super) fn draw(
     }
 }
 
-/// How strong a shade is.
+/// The opacity of a shade.
 pub(super) fn opacity(level: usize) -> f64 {
     0.16 + 0.46 * level as f64 / (LEVELS - 1) as f64
 }

@@ -1,12 +1,12 @@
-//! Names beside what they name: each where it covers no other name and, if there is room, not the path.
+//! Placement of names: each beside its subject, where it covers no other name and, if there is room, not the path.
 
 use super::frame::Rect;
 use super::svg::{Number, escaped, put, text_width};
 
-/// The size of a name's letters.
+/// Font size of names.
 pub(super) const SIZE: f64 = 11.0;
 const HEIGHT: f64 = 14.0;
-/// Between a name and what it names.
+/// Distance between a name and its subject.
 const GAP: f64 = 3.0;
 
 /// The names of a panel.
@@ -14,30 +14,30 @@ const GAP: f64 = 3.0;
 pub(super) struct Labels {
     size: (f64, f64),
     taken: Vec<Rect>,
-    /// What is better left uncovered.
+    /// Points that names avoid if possible.
     points: Vec<[f64; 2]>,
     out: String,
 }
 
 impl Labels {
-    /// For a panel of a width and a height.
+    /// An empty set for a panel of a width and a height.
     pub fn new(size: (f64, f64), points: Vec<[f64; 2]>) -> Self {
         Labels { size, taken: Vec::new(), points, out: String::new() }
     }
 
-    /// Keeps a place free.
+    /// Reserves a rectangle.
     pub fn keep_free(&mut self, place: Rect) {
         self.taken.push(place);
     }
 
-    /// Writes a name beside a rectangle; where there is no room, not at all.
+    /// Writes a name beside a rectangle; omits it if there is no room.
     pub fn write(&mut self, class: &str, text: &str, beside: Rect) {
         let width = text_width(text, SIZE);
         let (middle, center) = (beside.x + beside.width / 2.0, beside.y + beside.height / 2.0);
         let (over, under) = (beside.y - GAP - HEIGHT, beside.y + beside.height + GAP);
         let (left, right) = (beside.x - GAP - width, beside.x + beside.width + GAP);
         let row = middle - width / 2.0;
-        // A name over something at the edge moves inwards.
+        // A name above a subject at the edge moves inwards.
         let inwards = row.clamp(0.0, (self.size.0 - width).max(0.0));
         let corners = [
             [row, over],

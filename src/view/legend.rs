@@ -1,22 +1,22 @@
-//! The key below the panels: what is in the picture, and nothing else.
+//! The legend below the panels: exactly the signs in the picture.
 
 use crate::ir::Origin;
 
+use super::appearance::Role;
 use super::heat::{self, LEVELS};
-use super::look::Role;
-use super::panel::Scene;
+use super::panel::PictureContext;
 use super::svg::{Number, escaped, put, shortened, text_width};
 
 const SIZE: f64 = 12.0;
 /// The height of a row.
 const ROW: f64 = 24.0;
-/// The width of what is explained.
+/// Width of a sign.
 const SWATCH: f64 = 26.0;
-/// Between what is explained and its words, and between entries.
+/// Distance between a sign and its text, and between entries.
 const GAP: f64 = 7.0;
 const APART: f64 = 22.0;
 
-/// What is before the words of an entry, drawn in a box of `SWATCH` by 14.
+/// The sign of an entry, drawn in a box of `SWATCH` by 14.
 enum Sign {
     Box(String),
     Goal,
@@ -27,10 +27,10 @@ enum Sign {
     Heat,
 }
 
-/// Draws the key, at most so wide; returns its height.
-pub(super) fn draw(out: &mut String, scene: &Scene<'_>, width: f64) -> f64 {
+/// Draws the legend with a maximum width; returns its height.
+pub(super) fn draw(out: &mut String, context: &PictureContext<'_>, width: f64) -> f64 {
     let (mut x, mut y) = (0.0, 0.0);
-    for (sign, words) in entries(scene) {
+    for (sign, words) in entries(context) {
         let swatch = match sign {
             Sign::Heat => LEVELS as f64 * 14.0,
             Sign::Route => 1.6 * SWATCH,
@@ -49,45 +49,45 @@ pub(super) fn draw(out: &mut String, scene: &Scene<'_>, width: f64) -> f64 {
     y + ROW
 }
 
-fn entries(scene: &Scene<'_>) -> Vec<(Sign, String)> {
+fn entries(context: &PictureContext<'_>) -> Vec<(Sign, String)> {
     let mut entries = Vec::new();
-    if !scene.search.path.is_empty() {
+    if !context.search.path.is_empty() {
         entries.push((Sign::Route, "path, from start to end".into()));
-        if scene.search.path.iter().any(|stop| stop.changes) {
+        if context.search.path.iter().any(|stop| stop.changes) {
             entries.push((Sign::Dot("dot", 2.5), "inputs change".into()));
         }
-        if scene.route.body.is_some() {
+        if context.route.body.is_some() {
             entries.push((Sign::Ghost, "player on its way".into()));
         }
-        if scene.route.strands.len() > 1 {
+        if context.route.segments.len() > 1 {
             entries.push((Sign::Dot("door", 7.0), "leaves and arrives, in order".into()));
         }
     }
-    if !scene.search.nodes.is_empty() {
+    if !context.search.nodes.is_empty() {
         entries.push((Sign::Heat, "where the player was: seldom to often".into()));
         entries.push((Sign::Line("tree key"), "moves tried".into()));
     }
-    if !scene.goal.areas.is_empty() {
-        entries.push((Sign::Goal, format!("goal {}", scene.search.goal)));
+    if !context.goal.areas.is_empty() {
+        entries.push((Sign::Goal, format!("goal {}", context.search.goal)));
     }
-    for look in &scene.looks.list {
-        let note = match look.role {
+    for appearance in &context.appearances.list {
+        let note = match appearance.role {
             Role::OneWay => " (from above)",
             Role::Scenery => " (no contact)",
             Role::Sensed | Role::Solid => "",
         };
-        entries.push((Sign::Box(format!("tile {}", look.class)), format!("{}{note}", look.name)));
+        entries.push((Sign::Box(format!("tile {}", appearance.class)), format!("{}{note}", appearance.name)));
     }
-    if scene.world.spaces.iter().any(|space| !space.links.is_empty()) {
+    if context.world.spaces.iter().any(|space| !space.links.is_empty()) {
         entries.push((Sign::Box("link".into()), "link to another place".into()));
     }
-    if scene.bounded {
+    if context.bounded {
         entries.push((Sign::Box("bounds".into()), "bounds".into()));
     }
-    if scene.hero.is_some() {
+    if context.hero.is_some() {
         entries.push((Sign::Box("hero".into()), "player at the start".into()));
     }
-    let others = scene.world.slots.pairs().any(|(id, s)| Some(id) != scene.hero && s.origin != Origin::Free);
+    let others = context.world.slots.pairs().any(|(id, s)| Some(id) != context.hero && s.origin != Origin::Free);
     if others {
         entries.push((Sign::Box("thing".into()), "other instances at the start".into()));
     }

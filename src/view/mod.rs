@@ -1,15 +1,16 @@
-//! Pictures of what a search found: the level, where the player was, the tree, the way to the goal. Drawn from plain
-//! data, so that any search can be shown; nothing is computed here that a verdict rests on.
+//! Pictures of searches: the level, the visited points, the tree, the path to the goal. Drawn from plain data, so that
+//! any search can be shown; no verdict depends on this module.
 //!
 //! | file | draws |
 //! |---|---|
 //! | `search` | the whole picture: title, a panel for each space, legend |
 //! | `panel` | one space, layer by layer |
-//! | `frame`, `extent` | where a point of the game is in the picture; what part of a space is shown |
-//! | `look` | which colour a kind of tile has |
+//! | `frame`, `extent` | the transformation to the picture; the visible part of a space |
+//! | `appearance` | the colours of kinds of tiles |
 //! | `tiles`, `heat`, `tree`, `route`, `goal`, `body` | the layers |
-//! | `label`, `legend`, `style`, `svg` | names that do not cover each other, the key, colours, numbers |
+//! | `label`, `legend`, `style`, `svg` | names that do not cover each other, the legend, colours, numbers |
 
+mod appearance;
 mod body;
 mod extent;
 mod frame;
@@ -17,7 +18,6 @@ mod goal;
 mod heat;
 mod label;
 mod legend;
-mod look;
 mod panel;
 mod route;
 mod search;

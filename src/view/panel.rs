@@ -1,82 +1,83 @@
-//! One space, layer by layer: the level, where the player was, the tree, what is there, the goal, the path, names.
+//! The panel of a space, layer by layer: the level, the visits, the tree, the instances, the goal, the path, names.
 
 use crate::ir::{Bounds, Origin, Program, SlotId, SpaceId, World};
 
+use super::appearance::{Appearances, Role, role};
 use super::body::{Body, placed, position};
-use super::extent::Presence;
+use super::extent::Visits;
 use super::frame::{Frame, Rect};
 use super::goal::{Form, Goal};
 use super::heat;
 use super::label::Labels;
-use super::look::{Looks, Role, role};
 use super::route::{Route, jumps};
 use super::search::Search;
 use super::svg::{Number, escaped, put};
 use super::{tiles, tree};
 
-/// The most lines of the tree and the most rectangles of the heat in the whole picture.
+/// Maximum number of lines of the tree and of rectangles of the heat map in the whole picture.
 const MAX_LINES: usize = 16_000;
 const MAX_HEAT: usize = 6_000;
-/// Cells of the heat to a side of a tile.
+/// Cells of the heat map per side of a tile.
 const CELLS: f64 = 4.0;
-/// The most a side of such a cell should have, in the picture; what it has where there are no tiles.
+/// Maximum side of such a cell in the picture; its side if there are no tiles.
 const CELL: f64 = 10.0;
 
-/// Between two instances whose names are the same, when both are named.
+/// Minimum distance of two named instances with the same name.
 const SAME_NAME: f64 = 280.0;
 
-/// What all panels share.
-pub(super) struct Scene<'a> {
+/// The data that all panels share.
+pub(super) struct PictureContext<'a> {
     pub program: &'a Program,
     pub world: &'a World,
     pub search: &'a Search<'a>,
-    pub looks: Looks,
+    pub appearances: Appearances,
     pub goal: Goal,
     pub route: Route<'a>,
     /// The first player.
     pub hero: Option<SlotId>,
-    /// How many panels show a part of the search, at least 1.
+    /// Number of panels with visits, at least 1.
     pub visited: usize,
-    /// Whether the bounds of a space are drawn in a panel.
+    /// Whether a panel shows the bounds of its space.
     pub bounded: bool,
 }
 
 /// Draws a space.
-pub(super) fn draw(out: &mut String, scene: &Scene<'_>, id: SpaceId, frame: &Frame, presence: &Presence) {
-    let space = &scene.world.spaces[id];
-    let middle = scene.route.middle;
+pub(super) fn draw(out: &mut String, context: &PictureContext<'_>, id: SpaceId, frame: &Frame, visits: &Visits) {
+    let space = &context.world.spaces[id];
+    let middle = context.route.middle;
     let (width, height) = (frame.width(), frame.height());
     put!(out, "<rect class=\"air\" width=\"{}\" height=\"{}\"/>\n", Number(width), Number(height));
-    let goals = goals(scene, id, frame, presence);
+    let goals = goals(context, id, frame, visits);
     for (form, rect) in &goals {
         region(out, "goal", frame, *form, *rect);
     }
     let drawn = |at: [f32; 2]| [f64::from(at[0]) + middle[0], f64::from(at[1]) + middle[1]];
-    let nodes = scene.search.nodes;
+    let nodes = context.search.nodes;
     let visited = nodes.iter().filter(|node| node.space == id).map(|node| drawn(node.at));
-    if presence.visits > 0 {
+    if visits.count > 0 {
         let tile = space.map.as_ref().map_or(f64::MAX, |map| map.tile.0.min(map.tile.1));
         let cell = (tile / CELLS).min(CELL / frame.scale);
-        heat::draw(out, frame, visited, cell, MAX_HEAT / scene.visited);
+        heat::draw(out, frame, visited, cell, MAX_HEAT / context.visited);
     }
     if let Some(map) = &space.map {
-        tiles::draw(out, frame, map, &scene.looks);
+        tiles::draw(out, frame, map, &context.appearances);
     }
     for solid in &space.solids {
-        let look = scene.looks.of(solid.tags).and_then(|look| scene.looks.list.get(look));
-        if let (Some(rect), Some(look)) = (frame.cut(solid.bounds), look) {
-            rectangle(out, &format!("tile {}", look.class), rect, &look.name);
+        let appearance =
+            context.appearances.of(solid.tags).and_then(|appearance| context.appearances.list.get(appearance));
+        if let (Some(rect), Some(appearance)) = (frame.cut(solid.bounds), appearance) {
+            rectangle(out, &format!("tile {}", appearance.class), rect, &appearance.name);
         }
     }
-    if presence.visits > 0 {
+    if visits.count > 0 {
         let lines = nodes.iter().filter(|node| node.space == id).filter_map(|node| {
             let parent = nodes.get(node.parent as usize).filter(|parent| parent.space == id)?;
             let ends = [drawn(parent.at), drawn(node.at)];
-            (!jumps(scene.world, id, ends[0], ends[1])).then_some(ends)
+            (!jumps(context.world, id, ends[0], ends[1])).then_some(ends)
         });
-        tree::draw(out, frame, lines, MAX_LINES / scene.visited);
+        tree::draw(out, frame, lines, MAX_LINES / context.visited);
     }
-    let lines = scene.route.lines(frame, id);
+    let lines = context.route.lines(frame, id);
     let mut labels = Labels::new((width, height), lines.iter().flatten().copied().collect());
     if let Some(rect) = space.bounds.filter(|bounds| *bounds != frame.view).and_then(|bounds| frame.cut(bounds)) {
         rectangle(out, "bounds", rect, "bounds");
@@ -84,13 +85,13 @@ pub(super) fn draw(out: &mut String, scene: &Scene<'_>, id: SpaceId, frame: &Fra
     for (form, rect) in &goals {
         region(out, "rim", frame, *form, *rect);
     }
-    let mut names = links(out, scene, id, frame);
-    things(out, scene, id, frame, &mut names);
-    scene.route.draw(out, frame, id, &lines, &mut labels);
+    let mut names = links(out, context, id, frame);
+    things(out, context, id, frame, &mut names);
+    context.route.draw(out, frame, id, &lines, &mut labels);
     for (_, rect) in goals {
-        // A wide region has its name inside, below its upper edge.
+        // The name of a wide region is inside, below its upper edge.
         let beside = if rect.height > height / 2.0 { Rect { height: 0.0, ..rect } } else { rect };
-        labels.write("name green", scene.search.goal, beside);
+        labels.write("name green", context.search.goal, beside);
     }
     for (class, name, rect) in names {
         labels.write(class, &name, rect);
@@ -99,14 +100,14 @@ pub(super) fn draw(out: &mut String, scene: &Scene<'_>, id: SpaceId, frame: &Fra
     put!(out, "<rect class=\"frame\" width=\"{}\" height=\"{}\"/>\n", Number(width), Number(height));
 }
 
-/// A name that is still to be written.
+/// A name to write: class, text, subject.
 type Name = (&'static str, String, Rect);
 
-/// The parts of the goal's region that are in the picture, with their extent there.
-fn goals(scene: &Scene<'_>, id: SpaceId, frame: &Frame, presence: &Presence) -> Vec<(Form, Rect)> {
-    let starts_here = scene.hero.is_some_and(|hero| scene.world.slots[hero].space == id);
-    let may_be_here = starts_here || presence.visits > 0 || presence.path.is_some();
-    let areas = scene.goal.areas.iter().filter(|area| area.space.map_or(may_be_here, |space| space == id));
+/// The visible parts of the goal's region, with their extent in the picture.
+fn goals(context: &PictureContext<'_>, id: SpaceId, frame: &Frame, visits: &Visits) -> Vec<(Form, Rect)> {
+    let starts_here = context.hero.is_some_and(|hero| context.world.slots[hero].space == id);
+    let may_be_here = starts_here || visits.count > 0 || visits.path.is_some();
+    let areas = context.goal.areas.iter().filter(|area| area.space.map_or(may_be_here, |space| space == id));
     let extent = |form: Form| match form {
         Form::Box(bounds) => bounds,
         Form::Circle([x, y], radius) => Bounds::new([x - radius, y - radius, 2.0 * radius, 2.0 * radius]),
@@ -121,33 +122,34 @@ fn region(out: &mut String, class: &str, frame: &Frame, form: Form, rect: Rect) 
     }
 }
 
-fn links(out: &mut String, scene: &Scene<'_>, id: SpaceId, frame: &Frame) -> Vec<Name> {
+fn links(out: &mut String, context: &PictureContext<'_>, id: SpaceId, frame: &Frame) -> Vec<Name> {
     let mut names = Vec::new();
-    for link in &scene.world.spaces[id].links {
+    for link in &context.world.spaces[id].links {
         let Some(rect) = frame.cut(link.from) else { continue };
-        let to = format!("→ {}", scene.world.spaces[link.space].name);
+        let to = format!("→ {}", context.world.spaces[link.space].name);
         rectangle(out, "link", rect, &to);
         names.push(("name violet", to, rect));
     }
     names
 }
 
-/// All that is placed, where it is at first.
-fn things(out: &mut String, scene: &Scene<'_>, id: SpaceId, frame: &Frame, names: &mut Vec<Name>) {
-    let slots = scene.world.slots.pairs();
+/// All instances at their initial positions.
+fn things(out: &mut String, context: &PictureContext<'_>, id: SpaceId, frame: &Frame, names: &mut Vec<Name>) {
+    let slots = context.world.slots.pairs();
     let here = slots.filter(|(_, slot)| slot.space == id && slot.origin != Origin::Free);
     let mut unnamed: Vec<Name> = Vec::new();
     for (of, slot) in here {
-        let body = Body::new(scene.program, scene.world, of);
-        let is_hero = scene.hero == Some(of);
-        let asked = scene.goal.slots.contains(&of) || body.parts.iter().any(|p| p.tags.meets(scene.goal.tags));
+        let body = Body::new(context.program, context.world, of);
+        let is_hero = context.hero == Some(of);
+        let is_requested =
+            context.goal.slots.contains(&of) || body.parts.iter().any(|p| p.tags.meets(context.goal.tags));
         let mut around: Option<Rect> = None;
         for part in &body.parts {
             let bounds = placed(part, slot);
             let Some(rect) = frame.cut(bounds) else { continue };
-            let class = match role(scene.program, scene.world, scene.hero, part.tags) {
+            let class = match role(context.program, context.world, context.hero, part.tags) {
                 _ if is_hero => "hero",
-                _ if asked => "asked",
+                _ if is_requested => "asked",
                 Role::Solid | Role::OneWay => "block",
                 _ => "thing",
             };
@@ -161,7 +163,7 @@ fn things(out: &mut String, scene: &Scene<'_>, id: SpaceId, frame: &Frame, names
             around = Some(around.map_or(rect, |other| union(other, rect)));
         }
         if around.is_none() && frame.holds(position(slot)) {
-            // Its size is not known: a diamond.
+            // Of unknown size: a diamond.
             let [x, y] = frame.point(position(slot)).map(Number);
             let class = if is_hero { "hero" } else { "thing" };
             put!(
@@ -176,7 +178,7 @@ fn things(out: &mut String, scene: &Scene<'_>, id: SpaceId, frame: &Frame, names
         match slot.origin {
             Origin::Named => names.push((class, slot.name.clone(), around)),
             _ => {
-                let name = scene.program.entities[slot.entity].name.clone();
+                let name = context.program.entities[slot.entity].name.clone();
                 let near = |(_, other, rect): &Name| *other == name && (rect.x - around.x).abs() < SAME_NAME;
                 if !unnamed.iter().any(near) {
                     unnamed.push((class, name, around));
@@ -184,7 +186,7 @@ fn things(out: &mut String, scene: &Scene<'_>, id: SpaceId, frame: &Frame, names
             }
         }
     }
-    // The first name that is written gets the best place.
+    // The first name gets the best place.
     let hero = names.iter().position(|(class, ..)| *class == "name strong");
     if let Some(hero) = hero {
         names[..=hero].rotate_right(1);
@@ -209,7 +211,7 @@ fn circle(out: &mut String, class: &str, [x, y]: [f64; 2], radius: f64, title: &
     close(out, "circle", title);
 }
 
-/// Ends an element; the title is what is shown under the pointer.
+/// Ends an element; the title is a tooltip.
 fn close(out: &mut String, element: &str, title: &str) {
     if title.is_empty() {
         out.push_str("/>\n");

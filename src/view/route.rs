@@ -1,5 +1,5 @@
-//! The path: a strong line with the player's box now and then, dots where the inputs change, and the doors through
-//! which it leaves one place for another, numbered in order.
+//! The path: a strong line with the player's box at intervals, dots where the inputs change, and the links that it uses
+//! as numbered doors.
 
 use std::ops::Range;
 
@@ -10,42 +10,42 @@ use super::label::Labels;
 use super::search::Stop;
 use super::svg::{Number, box_data, line_data, path, put};
 
-/// The most points of the line in one panel.
+/// Maximum number of points of the line in one panel.
 const MAX_POINTS: usize = 8_000;
-/// The most boxes and the most dots in one panel.
+/// Maximum number of boxes, and of dots, in one panel.
 const MAX_MARKS: usize = 400;
-/// The least distance between two dots.
+/// Minimum distance of two dots.
 const DOT_GAP: f64 = 5.0;
 /// The radius of the markers of the start, the end and doors.
 const MARKER: f64 = 7.0;
 
-/// A part of the path that stays in one space and does not jump.
+/// A segment of the path that stays in one space without a jump.
 #[derive(Debug, Clone)]
-pub(super) struct Strand {
+pub(super) struct PathSegment {
     pub space: SpaceId,
     pub stops: Range<usize>,
-    /// The number of the door that it comes from, and of the one that it leaves by.
+    /// The numbers of the doors where it enters and leaves.
     pub doors: (Option<usize>, Option<usize>),
 }
 
-/// Cuts a path where it goes through a link.
-pub(super) fn strands(world: &World, path: &[Stop]) -> Vec<Strand> {
+/// Splits a path at links.
+pub(super) fn segments(world: &World, path: &[Stop]) -> Vec<PathSegment> {
     let stays = |a: &Stop, b: &Stop| a.space == b.space && !jumps(world, a.space, a.at, b.at);
-    let mut strands: Vec<Strand> = Vec::new();
+    let mut segments: Vec<PathSegment> = Vec::new();
     let mut from = 0;
     for run in path.chunk_by(stays) {
-        let door = strands.len();
-        if let Some(last) = strands.last_mut() {
+        let door = segments.len();
+        if let Some(last) = segments.last_mut() {
             last.doors.1 = Some(door);
         }
         let stops = from..from + run.len();
         from = stops.end;
-        strands.push(Strand { space: run[0].space, stops, doors: ((door > 0).then_some(door), None) });
+        segments.push(PathSegment { space: run[0].space, stops, doors: ((door > 0).then_some(door), None) });
     }
-    strands
+    segments
 }
 
-/// Whether a move within a space is rather one through a link of the space to itself.
+/// Whether a move within a space uses a link of the space to itself.
 pub(super) fn jumps(world: &World, space: SpaceId, from: [f64; 2], to: [f64; 2]) -> bool {
     let distance = |[x, y]: [f64; 2]| x.abs() + y.abs();
     let step = [to[0] - from[0], to[1] - from[1]];
@@ -56,12 +56,12 @@ pub(super) fn jumps(world: &World, space: SpaceId, from: [f64; 2], to: [f64; 2])
     })
 }
 
-/// A path as panels draw it.
+/// The path and its data for all panels.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Route<'a> {
     pub path: &'a [Stop],
-    pub strands: &'a [Strand],
-    /// From the position to the point that is drawn.
+    pub segments: &'a [PathSegment],
+    /// The offset from the position to the drawn point.
     pub middle: [f64; 2],
     /// The player's box relative to the position.
     pub body: Option<Bounds>,
@@ -77,7 +77,7 @@ impl Route<'_> {
         let mut gap = 0.6;
         loop {
             let mut lines = Vec::new();
-            for strand in self.strands.iter().filter(|strand| strand.space == space) {
+            for strand in self.segments.iter().filter(|strand| strand.space == space) {
                 let points: Vec<[f64; 2]> =
                     self.path[strand.stops.clone()].iter().map(|stop| self.point(stop)).collect();
                 let inside = |a: &[f64; 2], b: &[f64; 2]| frame.holds(*a) == frame.holds(*b);
@@ -103,7 +103,7 @@ impl Route<'_> {
         path(out, "ghost", &self.ghosts(frame, space));
         path(out, "route", &data);
         self.dots(out, frame, space);
-        for strand in self.strands.iter().filter(|strand| strand.space == space) {
+        for strand in self.segments.iter().filter(|strand| strand.space == space) {
             let ends = [(strand.stops.start, strand.doors.0), (strand.stops.end - 1, strand.doors.1)];
             for (stop, door) in ends {
                 let at = self.point(&self.path[stop]);
@@ -116,7 +116,7 @@ impl Route<'_> {
             if let Some(stop) = stop.filter(|stop| stop.space == space && frame.holds(self.point(stop))) {
                 let at = frame.point(self.point(stop));
                 marker(out, labels, class, at, None);
-                // Where it starts is the player's name.
+                // The start is labelled with the player's name.
                 if class == "end" {
                     labels.write("name strong", class, Rect::around(at, MARKER));
                 }
@@ -124,14 +124,14 @@ impl Route<'_> {
         }
     }
 
-    /// The player's box each time it has moved by its own size.
+    /// The player's box after each move by its own size.
     fn ghosts(&self, frame: &Frame, space: SpaceId) -> String {
         let Some(body) = self.body else { return String::new() };
         let size = (body.right - body.left).max(body.top - body.bottom);
         let mut gap = (1.2 * size).max(4.0 / frame.scale);
         loop {
             let mut boxes = Vec::new();
-            for strand in self.strands.iter().filter(|strand| strand.space == space) {
+            for strand in self.segments.iter().filter(|strand| strand.space == space) {
                 let mut last: Option<[f64; 2]> = None;
                 let stops = self.path[strand.stops.clone()].iter();
                 for stop in stops.filter(|stop| frame.holds(self.point(stop))) {
@@ -142,7 +142,7 @@ impl Route<'_> {
                     }
                 }
             }
-            if boxes.len() <= MAX_MARKS.max(2 * self.strands.len()) {
+            if boxes.len() <= MAX_MARKS.max(2 * self.segments.len()) {
                 let mut data = String::new();
                 boxes.into_iter().for_each(|rect| box_data(&mut data, rect));
                 return data;
@@ -152,8 +152,8 @@ impl Route<'_> {
     }
 
     fn dots(&self, out: &mut String, frame: &Frame, space: SpaceId) {
-        let strands = self.strands.iter().filter(|strand| strand.space == space);
-        let stops = strands.flat_map(|strand| &self.path[strand.stops.clone()]);
+        let segments = self.segments.iter().filter(|strand| strand.space == space);
+        let stops = segments.flat_map(|strand| &self.path[strand.stops.clone()]);
         let changes = stops.filter(|stop| stop.changes).map(|stop| self.point(stop)).filter(|p| frame.holds(*p));
         let changes: Vec<[f64; 2]> = changes.map(|point| frame.point(point)).collect();
         let mut gap = DOT_GAP;
@@ -168,7 +168,7 @@ impl Route<'_> {
     }
 }
 
-/// A round marker, perhaps with a number.
+/// A round marker with an optional number.
 fn marker(out: &mut String, labels: &mut Labels, class: &str, [x, y]: [f64; 2], number: Option<usize>) {
     let radius = if number.is_some() { MARKER + 1.0 } else { MARKER };
     put!(out, "<circle class=\"{class}\" cx=\"{}\" cy=\"{}\" r=\"{}\"/>\n", Number(x), Number(y), Number(radius));
@@ -182,7 +182,7 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     libm::hypot(a[0] - b[0], a[1] - b[1])
 }
 
-/// The points of a line that are not too near to the last one, and its end.
+/// The points of a line at a minimum distance, and its end.
 fn thinned(points: &[[f64; 2]], gap: f64) -> Vec<[f64; 2]> {
     let mut kept = apart(points, gap);
     if let Some(&end) = points.last()
@@ -190,14 +190,14 @@ fn thinned(points: &[[f64; 2]], gap: f64) -> Vec<[f64; 2]> {
     {
         kept.push(end);
     }
-    // A line of one point would not be seen.
+    // A line of one point is invisible.
     if let &[only] = kept.as_slice() {
         kept.push(only);
     }
     kept
 }
 
-/// The first point, and each that is not too near to the last one taken.
+/// The first point, and each point at a minimum distance from the last selected one.
 fn apart(points: &[[f64; 2]], gap: f64) -> Vec<[f64; 2]> {
     let mut kept: Vec<[f64; 2]> = Vec::new();
     for &point in points {

@@ -1,19 +1,19 @@
-//! The whole picture: a title with figures, a panel for each space, the key.
+//! The whole picture: a title with figures, a panel for each space, the legend.
 
 use crate::ir::{Bounds, PlayerId, Program, SpaceId, WorldId};
 
+use super::appearance::Appearances;
 use super::body::Body;
-use super::extent::{Presence, extent};
+use super::extent::{Visits, extent};
 use super::frame::Frame;
 use super::goal::Goal;
 use super::legend;
-use super::look::Looks;
-use super::panel::{self, Scene};
-use super::route::{Route, strands};
+use super::panel::{self, PictureContext};
+use super::route::{Route, segments};
 use super::style::STYLE;
 use super::svg::{BOLD, Number, escaped, put, shortened, text_width, wrapped};
 
-/// A node of a search tree, as far as it is drawn.
+/// The drawn data of a node of a search tree.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Node {
     /// The index of its parent; its own for a root.
@@ -24,7 +24,7 @@ pub struct Node {
     pub at: [f32; 2],
 }
 
-/// Where the first player was after a step of a path.
+/// The first player after a step of a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stop {
     /// The space.
@@ -35,90 +35,90 @@ pub struct Stop {
     pub changes: bool,
 }
 
-/// What is drawn of a search.
+/// The drawn data of a search.
 #[derive(Debug, Clone, Copy)]
 pub struct Search<'a> {
     /// The name of the goal.
     pub goal: &'a str,
-    /// How it ended: `reached`, `not found`.
+    /// Its verdict: `reached`, `not found`.
     pub verdict: &'a str,
     /// The nodes of all trees.
     pub nodes: &'a [Node],
-    /// The way to the goal, empty if there is none.
+    /// The path to the goal; empty if there is none.
     pub path: &'a [Stop],
     /// Lines under the title.
     pub notes: &'a [String],
 }
 
-/// The margin of the picture, and between panels.
+/// Margin of the picture, and distance between panels.
 const MARGIN: f64 = 20.0;
-/// The width and the height that the panels are to have together.
+/// Target width and height of all panels together.
 const TARGET: (f64, f64) = (1400.0, 860.0);
-/// A long level is at least so high, while it is not longer than the second number.
+/// Minimum height of a long level, and maximum width up to which it applies.
 const LONG: (f64, f64) = (230.0, 2800.0);
-/// The longest of several panels is at least so long.
+/// Minimum width of the longest of several panels.
 const SMALL: f64 = 260.0;
-/// The greatest size of a px of the game.
+/// Maximum scale: px of the picture per px of the game.
 const MAX_SCALE: f64 = 4.0;
-/// The least width of the picture without its margins.
+/// Minimum width of the picture without its margins.
 const MIN_WIDTH: f64 = 620.0;
-/// The height of a line of the notes, and of the name over a panel.
+/// Height of a line of the notes, and of a panel's title.
 const LINE: f64 = 18.0;
 const HEAD: f64 = 24.0;
-/// The most lines of one note.
+/// Maximum number of lines of a note.
 const NOTE_LINES: usize = 3;
 
-/// Draws the spaces of a world with what a search covered, its tree and its path, as SVG that needs nothing else.
+/// Draws the spaces of a world with the visits of a search, its tree and its path, as self-contained SVG.
 pub fn search_svg(program: &Program, world: WorldId, search: &Search<'_>) -> String {
     let world = &program.worlds[world];
     let hero = world.players.get(PlayerId(0)).map(|player| player.slot);
     let body = hero.map(|hero| Body::new(program, world, hero)).unwrap_or_default();
     let middle = body.middle();
     let goal = Goal::new(program, world, search.goal, hero, middle);
-    let strands = strands(world, search.path);
+    let segments = segments(world, search.path);
     let mut shown = Vec::new();
     for (id, space) in world.spaces.pairs() {
         let nodes = search.nodes.iter().filter(|node| node.space == id);
         let stops = search.path.iter().filter(|stop| stop.space == id);
-        let presence = Presence::new(
+        let visits = Visits::new(
             nodes.map(|node| [f64::from(node.at[0]) + middle[0], f64::from(node.at[1]) + middle[1]]),
             stops.map(|stop| [stop.at[0] + middle[0], stop.at[1] + middle[1]]),
         );
         let empty = space.map.is_none() && space.solids.is_empty() && space.bounds.is_none();
         let starts_here = hero.is_some_and(|hero| world.slots[hero].space == id);
-        if !empty || presence.visits > 0 || presence.path.is_some() || starts_here {
+        if !empty || visits.count > 0 || visits.path.is_some() || starts_here {
             let size = body.bounds().map_or(0.0, |b| (b.right - b.left).max(b.top - b.bottom));
-            shown.push((id, extent(program, world, id, &presence, size), presence));
+            shown.push((id, extent(program, world, id, &visits, size), visits));
         }
     }
-    let looks = Looks::new(program, world, hero, goal.tags);
-    let route = Route { path: search.path, strands: &strands, middle, body: body.bounds() };
-    let visited = shown.iter().filter(|(.., presence)| presence.visits > 0).count().max(1);
+    let appearances = Appearances::new(program, world, hero, goal.tags);
+    let route = Route { path: search.path, segments: &segments, middle, body: body.bounds() };
+    let visited = shown.iter().filter(|(.., visits)| visits.count > 0).count().max(1);
     let bounded = shown.iter().any(|(id, view, _)| world.spaces[*id].bounds.is_some_and(|bounds| bounds != *view));
-    let scene = Scene { program, world, search, looks, goal, route, hero, visited, bounded };
+    let context = PictureContext { program, world, search, appearances, goal, route, hero, visited, bounded };
     let grid = Grid::new(&shown.iter().map(|(_, view, _)| *view).collect::<Vec<_>>());
     let width = grid.width().max(MIN_WIDTH);
 
     let mut out = String::new();
     let mut y = title(&mut out, &world.name, search, width);
-    for (index, (id, view, presence)) in shown.iter().enumerate() {
+    for (index, (id, view, visits)) in shown.iter().enumerate() {
         let (x, top) = grid.place(index);
         let frame = Frame { view: *view, scale: grid.scale };
         let mut top = y + top;
         if shown.len() > 1 {
-            head(&mut out, &scene, *id, presence, (x, top), frame.width());
+            head(&mut out, &context, *id, visits, (x, top), frame.width());
             top += HEAD;
         }
-        // An inner picture cuts what stands out of it, and needs no name for that.
+        // A nested `svg` element clips, without the need for a named clip path.
         let (x, top) = (Number(MARGIN + x), Number(top));
         let (width, height) = (Number(frame.width()), Number(frame.height()));
         put!(out, "<svg x=\"{x}\" y=\"{top}\" width=\"{width}\" height=\"{height}\">\n");
-        panel::draw(&mut out, &scene, *id, &frame, presence);
+        panel::draw(&mut out, &context, *id, &frame, visits);
         out.push_str("</svg>\n");
     }
     y += grid.height() + MARGIN * 0.6;
     put!(out, "<g transform=\"translate({MARGIN} {})\">\n", Number(y));
-    y += legend::draw(&mut out, &scene, width) + MARGIN * 0.6;
+    y += legend::draw(&mut out, &context, width) + MARGIN * 0.6;
     out.push_str("</g>\n");
 
     let (width, height) = (Number((width + 2.0 * MARGIN).ceil()), Number(y.ceil()));
@@ -131,7 +131,7 @@ pub fn search_svg(program: &Program, world: WorldId, search: &Search<'_>) -> Str
     )
 }
 
-/// World, goal, verdict and notes; returns where the panels begin.
+/// Draws world, goal, verdict and notes; returns the top of the panels.
 fn title(out: &mut String, world: &str, search: &Search<'_>, width: f64) -> f64 {
     let verdict = shortened(search.verdict, 12.0, width / 3.0);
     let pill = text_width(&verdict, 12.0 * BOLD) + 20.0;
@@ -150,16 +150,16 @@ fn title(out: &mut String, world: &str, search: &Search<'_>, width: f64) -> f64 
     y + 14.0
 }
 
-/// The name over a panel, with how much of the search was there.
-fn head(out: &mut String, scene: &Scene<'_>, id: SpaceId, presence: &Presence, (x, y): (f64, f64), width: f64) {
-    let all = scene.search.nodes.len();
-    let share = match presence.visits {
+/// The title of a panel, with its share of the search.
+fn head(out: &mut String, context: &PictureContext<'_>, id: SpaceId, visits: &Visits, (x, y): (f64, f64), width: f64) {
+    let all = context.search.nodes.len();
+    let share = match visits.count {
         _ if all == 0 => String::new(),
         0 => "never entered".into(),
         visits => format!("{} % of the states found", Number((1000.0 * visits as f64 / all as f64).round() / 10.0)),
     };
     let (x, line) = (MARGIN + x, Number(y + 16.0));
-    let name = shortened(&scene.world.spaces[id].name, 13.0 * BOLD, width);
+    let name = shortened(&context.world.spaces[id].name, 13.0 * BOLD, width);
     put!(out, "<text class=\"head\" x=\"{}\" y=\"{line}\">{}</text>\n", Number(x), escaped(&name));
     let after = text_width(&name, 13.0 * BOLD) + 12.0;
     if !share.is_empty() && after + text_width(&share, 12.0) <= width {
@@ -167,7 +167,7 @@ fn head(out: &mut String, scene: &Scene<'_>, id: SpaceId, presence: &Presence, (
     }
 }
 
-/// Where the panels are: in rows of equal length, all to the same scale.
+/// The arrangement of the panels: in rows of equal length, all at the same scale.
 struct Grid {
     columns: Vec<f64>,
     rows: Vec<f64>,
@@ -187,7 +187,7 @@ impl Grid {
                 sizes.chunks(count).map(|row| row.iter().map(|size| size.1).fold(0.0, f64::max)).collect();
             (columns, rows)
         };
-        // The arrangement that can be drawn largest.
+        // The arrangement with the largest scale.
         let fit = |(columns, rows): &(Vec<f64>, Vec<f64>)| {
             let (width, height): (f64, f64) = (columns.iter().sum(), rows.iter().sum());
             (TARGET.0 / width.max(1.0)).min(TARGET.1 / height.max(1.0))
@@ -215,7 +215,7 @@ impl Grid {
         self.rows.iter().map(|row| row + self.heads).sum::<f64>() + MARGIN * self.rows.len().saturating_sub(1) as f64
     }
 
-    /// The upper left corner of a panel with its name.
+    /// The upper left corner of a panel with its title.
     fn place(&self, index: usize) -> (f64, f64) {
         let (column, row) = (index % self.columns.len().max(1), index / self.columns.len().max(1));
         let x = self.columns.iter().take(column).map(|width| width + MARGIN).sum();

@@ -1,5 +1,5 @@
-//! Colours and line widths. The picture follows the reader's light or dark scheme; what matters most has the strongest
-//! colour: the path, then the goal, then what blocks.
+//! Colours and line widths. The picture follows the reader's light or dark scheme; the most important elements have the
+//! strongest colours: the path, then the goal, then solids.
 
 /// The style sheet of the picture.
 pub(super) const STYLE: &str = "\

@@ -1,4 +1,5 @@
-//! What SVG text is made of: numbers of two decimals, rectangles as parts of a path, escaped text and its rough width.
+//! Building blocks of SVG text: numbers with two decimals, rectangles as path data, escaped text and its estimated
+//! width.
 
 use std::fmt::{self, Display, Formatter, Write};
 
@@ -21,7 +22,7 @@ impl Display for Number {
     }
 }
 
-/// Appends formatted text; writing to a string cannot fail.
+/// Appends formatted text. Infallible: writes to a string.
 macro_rules! put {
     ($out:expr, $($format:tt)*) => {{
         use std::fmt::Write as _;
@@ -36,21 +37,21 @@ pub(super) fn box_data(data: &mut String, r: Rect) {
     let _ = write!(data, "M{x} {y}h{width}v{height}h{}z", Number(-r.width));
 }
 
-/// Appends a line through some points, on from where the data ends or from its own first point.
+/// Appends a line through some points, from the end of the data or from its own first point.
 pub(super) fn line_data(data: &mut String, points: &[[f64; 2]]) {
     for (index, [x, y]) in points.iter().enumerate() {
         let _ = write!(data, "{}{} {}", if index == 0 { 'M' } else { 'L' }, Number(*x), Number(*y));
     }
 }
 
-/// Appends a path of a class; nothing for no data.
+/// Appends a path of a class; appends nothing without data.
 pub(super) fn path(out: &mut String, class: &str, data: &str) {
     if !data.is_empty() {
         put!(out, "<path class=\"{class}\" d=\"{data}\"/>\n");
     }
 }
 
-/// Text as it is in XML, also in an attribute; characters that XML does not have become U+FFFD.
+/// Text escaped for XML and its attributes; characters outside of XML become U+FFFD.
 pub(super) fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -67,7 +68,7 @@ pub(super) fn escaped(text: &str) -> String {
     out
 }
 
-/// About how wide a text is in a sans-serif font of a size; rather too wide than too narrow.
+/// The estimated width of a text in a sans-serif font of a size; rather too wide than too narrow.
 pub(super) fn text_width(text: &str, size: f64) -> f64 {
     let em = |c: char| match c {
         'i' | 'j' | 'l' | 'I' | '.' | ',' | ':' | ';' | '\'' | '|' | '!' => 0.33,
@@ -75,16 +76,16 @@ pub(super) fn text_width(text: &str, size: f64) -> f64 {
         'm' | 'w' | 'M' | 'W' | '@' | '%' => 0.98,
         'A'..='Z' => 0.74,
         '\0'..='\u{24f}' => 0.63,
-        // Scripts whose letters fill a square, arrows, pictures.
+        // Scripts with square letters, arrows, pictographs.
         _ => 1.05,
     };
     text.chars().map(em).sum::<f64>() * size
 }
 
-/// How much wider bold letters are.
+/// Width of bold letters relative to normal ones.
 pub(super) const BOLD: f64 = 1.12;
 
-/// A text in a limited number of lines of a limited width, broken between words; what is too long is cut.
+/// A text wrapped between words to a limited width and number of lines; the rest is cut.
 pub(super) fn wrapped(text: &str, size: f64, width: f64, most: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
@@ -104,7 +105,7 @@ pub(super) fn wrapped(text: &str, size: f64, width: f64, most: usize) -> Vec<Str
     lines
 }
 
-/// A text that is cut where it would be wider than a width.
+/// A text cut to a width.
 pub(super) fn shortened(text: &str, size: f64, width: f64) -> String {
     if text_width(text, size) <= width {
         return text.to_string();

@@ -13,7 +13,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use super::outside::{outside, ruled_out};
-use super::patience::Patience;
+use super::poll_limit::PollLimit;
 use super::run::LOOKS_BY_PLACE;
 use crate::support::{Disk, files, program};
 
@@ -89,7 +89,7 @@ fn nothing_false_is_said_any_more() {
         let program = program(compile(Path::new(&path), &Disk));
         for world in program.worlds.ids() {
             let space =
-                configuration_space(&program, world).by_place(&program, world, &[], &Patience::new(LOOKS_BY_PLACE));
+                configuration_space(&program, world).by_place(&program, world, &[], &PollLimit::new(LOOKS_BY_PLACE));
             let constant = [(0, 0.0), (0, 1.0), (0, -1.0), (u64::MAX, 0.0), (u64::MAX, 1.0), (u64::MAX, -1.0)];
             let scripts = constant.map(|(buttons, axis)| Script::Constant(buttons, axis)).into_iter();
             for script in scripts.chain((0..RANDOM).map(Script::Random)) {

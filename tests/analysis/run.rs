@@ -9,7 +9,7 @@ use rand_pcg::Pcg64;
 use std::sync::Arc;
 
 use super::outside::{goes_on, outside, ruled_out};
-use super::patience::Patience;
+use super::poll_limit::PollLimit;
 
 /// What came of a run.
 #[derive(Debug, Default)]
@@ -39,7 +39,7 @@ const GOALS_EVERY: usize = 16;
 /// Runs a world at random.
 pub fn run(program: &Arc<Program>, id: WorldId, steps: usize, seed: u64) -> Run {
     // Players are told apart by place as well: the guard looks at both.
-    let space = configuration_space(program, id).by_place(program, id, &[], &Patience::new(LOOKS_BY_PLACE));
+    let space = configuration_space(program, id).by_place(program, id, &[], &PollLimit::new(LOOKS_BY_PLACE));
     let is_by_place = !std::ptr::eq(space.finest(), &space);
     let given_up = space.slots.iter().filter(|s| s.is_given_up).count();
     let mut run = Run { slots: space.slots.len(), given_up, is_by_place, ..Run::default() };

@@ -10,7 +10,7 @@ use hypedc::source::{FileId, Span};
 
 use super::eye::{Eye, Nobody};
 use super::outside::outside;
-use super::patience::Patience;
+use super::poll_limit::PollLimit;
 
 /// A state or an event that cannot be, and was.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -35,15 +35,15 @@ pub struct StateStatus {
     pub is_allowed: bool,
 }
 
-fn patience() -> Patience {
-    Patience::new(MAX_LOOKS)
+fn poll_limit() -> PollLimit {
+    PollLimit::new(MAX_LOOKS)
 }
 
 /// Combinations of modes that are looked at, each time that more is known of it.
 const MAX_LOOKS: u32 = 250;
 
 fn findings_of(compilation: &Compilation, program: &Program) -> Option<(Diagnostics, Spaces)> {
-    watched_findings(program, &compilation.sources, FileId(0), &compilation.diagnostics, &patience())
+    watched_findings(program, &compilation.sources, FileId(0), &compilation.diagnostics, &poll_limit())
 }
 
 fn is_given_up(space: &ConfigurationSpace) -> bool {
@@ -91,7 +91,7 @@ impl Claims {
         let table = &program.worlds[world];
         let by_place = |space: ConfigurationSpace, predicates: &[ExprId]| match is_given_up(&space) {
             true => space,
-            false => space.by_place(program, world, predicates, &patience()),
+            false => space.by_place(program, world, predicates, &poll_limit()),
         };
         let free = is_free(program, table);
         let mut said = None;
@@ -103,14 +103,14 @@ impl Claims {
             }
             false => None,
         };
-        let space = space.unwrap_or_else(|| watched_space(program, world, &[], &patience()));
+        let space = space.unwrap_or_else(|| watched_space(program, world, &[], &poll_limit()));
         let is_known = !is_given_up(&space);
         let space = by_place(space, &[]);
         if is_known && !free {
             said = findings_of(compilation, program);
         }
         let nevers: Vec<ExprId> = table.nevers.iter().map(|n| n.holds).collect();
-        let within = || by_place(watched_space(program, world, &nevers, &patience()), &nevers);
+        let within = || by_place(watched_space(program, world, &nevers, &poll_limit()), &nevers);
         let within = (is_known && !nevers.is_empty()).then(within);
         let unreachable = |space: &ConfigurationSpace| -> Vec<GoalId> {
             table.goals.ids().filter(|g| !space.can_hold(program, world, *g)).collect()

@@ -5,18 +5,18 @@ use std::path::PathBuf;
 use crate::diagnostic::{Code, Diagnostic, Fact};
 use crate::source::{MAX_FILE_BYTES, MAX_SOURCES, ReadError, Span};
 
-/// A file that is not to be had.
+/// A file that cannot be read.
 pub struct Unreadable {
     /// Its path.
     pub path: PathBuf,
-    /// Where it is imported, or named by a map; none if it was named on the command line.
+    /// The import or the map that names it; none for a file of the command line.
     pub import: Option<Span>,
-    /// Why.
+    /// The reason.
     pub error: ReadError,
 }
 
 impl Unreadable {
-    /// Of a file that was named on the command line.
+    /// The fact for a file of the command line.
     pub fn named(path: impl Into<PathBuf>, error: ReadError) -> Self {
         Unreadable { path: path.into(), import: None, error }
     }
@@ -47,17 +47,16 @@ impl Fact for Unreadable {
     }
 }
 
-/// What [`MAX_FILE_BYTES`] is the last number below, in MiB.
+/// The first size that is too large, in MiB.
 const LIMIT: usize = (MAX_FILE_BYTES + 1) >> 20;
 
-/// How much that is, for people. Of a stream only its beginning is read: of that it is no more than known to be too
-/// large.
+/// A size as text. Only the beginning of a stream is read: its size is known only to be above the limit.
 fn mebibytes(bytes: u64) -> String {
     let over = bytes.saturating_sub(MAX_FILE_BYTES as u64);
     if over <= 1 {
         return format!("{LIMIT} or more");
     }
-    // Rounded up: what is too large does not look as if it were not.
+    // Rounded up: a file above the limit never looks as if it were below.
     format!("{:.1}", (bytes as f64 / f64::from(1 << 20) * 10.0).ceil() / 10.0)
 }
 
@@ -78,20 +77,20 @@ impl Fact for ImportCycle {
     }
 }
 
-/// Something there is too much of.
+/// A count above its limit.
 pub struct TooMany {
-    /// What it is.
+    /// What is counted.
     pub what: String,
-    /// How many there are.
+    /// The count.
     pub count: u64,
-    /// How many there may be.
+    /// The limit.
     pub limit: u64,
     /// Where.
     pub at: Span,
 }
 
 impl TooMany {
-    /// One file more than a program may be made of, levels and legends included.
+    /// The fact that a program has too many files, levels and legends included.
     pub fn sources(at: Span) -> Self {
         let what = "files, levels and legends included".into();
         TooMany { what, count: MAX_SOURCES as u64 + 1, limit: MAX_SOURCES as u64, at }

@@ -4,10 +4,10 @@ use super::{did_you_mean, list};
 use crate::diagnostic::{Code, Diagnostic, Fact};
 use crate::source::Span;
 
-/// The most characters of a text of the file that are shown.
+/// Maximum number of characters of a text of the file in a message.
 const SHOWN: usize = 120;
 
-/// A text of the file for a message: on one line, and not longer than can be read.
+/// A text of the file for a message: on one line, shortened to [`SHOWN`] characters.
 fn shown(text: &str) -> String {
     let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
     match words.char_indices().nth(SHOWN) {
@@ -16,13 +16,13 @@ fn shown(text: &str) -> String {
     }
 }
 
-/// A file that cannot be taken apart.
+/// A file that cannot be parsed.
 pub struct NotWellFormed {
-    /// What is wrong with it.
+    /// The error.
     pub what: String,
     /// Where.
     pub at: Span,
-    /// A way out.
+    /// A suggestion.
     pub help: Option<String>,
 }
 
@@ -35,15 +35,15 @@ impl Fact for NotWellFormed {
 
 /// A part of an entity file that does not follow its form.
 pub struct BadForm {
-    /// In what respect.
+    /// The difference.
     pub misfit: Misfit,
     /// Where.
     pub at: Span,
 }
 
-/// How something does not follow the form.
+/// The way in which a file differs from the form.
 pub enum Misfit {
-    /// The outermost element is another one.
+    /// An unexpected root element.
     Root {
         /// Its name.
         name: String,
@@ -54,60 +54,60 @@ pub enum Misfit {
         name: String,
         /// The element.
         owner: &'static str,
-        /// One of its attributes that is spelt nearly so.
+        /// A similar attribute of the element.
         near: Option<String>,
     },
-    /// An attribute is not given.
+    /// A missing attribute.
     NoAttribute {
         /// Its name.
         name: &'static str,
         /// The element.
         owner: &'static str,
     },
-    /// An element that cannot be in the other one.
+    /// An element that the element around cannot hold.
     Element {
         /// Its name.
         name: String,
-        /// What it is in.
+        /// The element around.
         owner: &'static str,
-        /// One that may be there and is spelt nearly so.
+        /// A similar element that is allowed there.
         near: Option<String>,
-        /// Whether it may be elsewhere.
+        /// Whether it is allowed elsewhere.
         elsewhere: bool,
     },
-    /// An element is not there.
+    /// A missing element.
     NoElement {
         /// Its name.
         name: &'static str,
-        /// Where it is missing.
+        /// The element that lacks it.
         owner: &'static str,
     },
-    /// A second element where there may be one.
+    /// A second element where one is allowed.
     Twice {
         /// Its name.
         name: String,
-        /// What it is in.
+        /// The element around.
         owner: &'static str,
     },
     /// Text between elements.
     Text {
-        /// What it is in.
+        /// The element around.
         owner: &'static str,
     },
-    /// A word that is none of those possible.
+    /// A word that is not one of the keywords allowed here.
     Word {
         /// The word.
         found: String,
-        /// Those possible.
+        /// The allowed ones.
         known: &'static [&'static str],
     },
     /// A name that nothing declares.
     Unknown {
-        /// What was looked for: `mode`.
+        /// The kind of name: `mode`.
         kind: &'static str,
         /// The name.
         name: String,
-        /// One that is spelt nearly so.
+        /// A similar name.
         near: Option<String>,
     },
     /// A name that fits several modes.
@@ -119,12 +119,12 @@ pub enum Misfit {
     },
     /// A second declaration of a name.
     Declared {
-        /// What is declared.
+        /// The kind of declaration.
         kind: &'static str,
         /// The name.
         name: String,
     },
-    /// An expression that cannot be read.
+    /// An expression that cannot be parsed.
     Expression {
         /// Why.
         why: String,
@@ -188,15 +188,15 @@ impl Fact for BadForm {
     }
 }
 
-/// Something that has a meaning there and none here.
+/// A feature of the imported format that this language does not have.
 pub struct NotCarriedOver {
     /// What it is.
     pub what: String,
-    /// Why it cannot be carried over.
+    /// The reason why it cannot be imported.
     pub why: String,
     /// Where.
     pub at: Span,
-    /// A way out.
+    /// A suggestion.
     pub help: String,
 }
 
@@ -208,15 +208,15 @@ impl Fact for NotCarriedOver {
     }
 }
 
-/// A name that cannot stay as it is.
+/// A name that must change.
 pub struct Renamed {
-    /// What it names: `mode`.
+    /// The kind of its declaration: `mode`.
     pub kind: &'static str,
-    /// The name there.
+    /// The name in the imported file.
     pub from: String,
-    /// The name here.
+    /// The name in the program.
     pub to: String,
-    /// Why: `a word of the language`.
+    /// The reason: `a word of the language`.
     pub why: &'static str,
     /// Where it is declared.
     pub at: Span,
@@ -229,11 +229,11 @@ impl Fact for Renamed {
     }
 }
 
-/// Something that has no effect there.
+/// An ignored part of the file: it has no effect in its system.
 pub struct LeftOut {
     /// What it is.
     pub what: String,
-    /// Why it has no effect.
+    /// The reason.
     pub why: String,
     /// Where.
     pub at: Span,
@@ -245,13 +245,13 @@ impl Fact for LeftOut {
     }
 }
 
-/// Something that a file does not say, and that is taken for likely.
+/// A default for something that the file does not specify.
 pub struct Assumed {
-    /// What is assumed.
+    /// The assumption.
     pub what: String,
-    /// Where it is not said.
+    /// The place that lacks it.
     pub at: Span,
-    /// What to do if it is not so.
+    /// The change to make if the assumption is wrong.
     pub help: String,
 }
 
@@ -261,11 +261,11 @@ impl Fact for Assumed {
     }
 }
 
-/// A whole number that has no bounds there.
+/// A discrete variable without bounds in the imported file.
 pub struct Bounded {
     /// Its name.
     pub name: String,
-    /// The least and the greatest value that it is given.
+    /// The smallest and the largest value assigned to it.
     pub range: (i64, i64),
     /// Where it is declared.
     pub at: Span,

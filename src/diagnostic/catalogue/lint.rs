@@ -1,17 +1,17 @@
-//! Facts about programs that have a meaning, but hardly the one that was meant.
+//! Facts about programs that are valid but probably wrong.
 
 use crate::diagnostic::{Code, Diagnostic, Fact};
 use crate::source::Span;
 
 /// A declaration that nothing uses.
 pub struct Unused {
-    /// What it declares: `parameter`, `button` …
+    /// The kind of declaration: `parameter`, `button` …
     pub kind: &'static str,
     /// Its name.
     pub name: String,
     /// Where it is declared.
     pub at: Span,
-    /// Where it is written, if it is, though nothing reads it.
+    /// A place that writes it, if any, although nothing reads it.
     pub written: Option<Span>,
 }
 
@@ -31,7 +31,7 @@ impl Fact for Unused {
     }
 }
 
-/// A discrete variable that an update can take out of its range.
+/// A discrete variable that an update can push out of its range.
 pub struct MayLeaveRange {
     /// The variable.
     pub name: String,
@@ -41,7 +41,7 @@ pub struct MayLeaveRange {
     pub declared: Span,
     /// The new value.
     pub at: Span,
-    /// The least and the greatest that the new value can be; none where it is not known.
+    /// The interval of the new value; infinite where unknown.
     pub value: (f64, f64),
 }
 
@@ -63,11 +63,11 @@ impl Fact for MayLeaveRange {
     }
 }
 
-/// A guard that does not depend on anything.
+/// A constant guard.
 pub struct ConstantGuard {
     /// The guard.
     pub at: Span,
-    /// What it always is.
+    /// Its value.
     pub holds: bool,
 }
 
@@ -88,7 +88,7 @@ pub struct UnreachableMode {
     pub path: String,
     /// Its name.
     pub at: Span,
-    /// The mode that its group (or the mode around it) begins in, and where that is.
+    /// The initial mode of its group (or of the mode around), and its place.
     pub first: Option<(String, Span)>,
 }
 
@@ -104,13 +104,13 @@ impl Fact for UnreachableMode {
     }
 }
 
-/// A mode with edges of which none can be taken.
+/// A mode with edges that are all never taken.
 pub struct Trap {
     /// Its path.
     pub path: String,
     /// Its name.
     pub at: Span,
-    /// Its edges, each with why it is never taken.
+    /// Its edges, each with the reason why it is never taken.
     pub edges: Vec<(Span, &'static str)>,
 }
 
@@ -122,13 +122,13 @@ impl Fact for Trap {
     }
 }
 
-/// An edge that an earlier one always comes before.
+/// An edge that an earlier edge always preempts.
 pub struct Shadowed {
     /// The guard of the edge.
     pub at: Span,
     /// The guard of the earlier one.
     pub by: Span,
-    /// Whether the earlier one is in a mode around.
+    /// Whether the earlier edge is in an enclosing mode.
     pub outer: bool,
 }
 
@@ -145,11 +145,11 @@ impl Fact for Shadowed {
     }
 }
 
-/// Updates of one variable by two groups that can happen in one step.
+/// Updates of one variable by two groups in the same step.
 pub struct GroupClash {
     /// The variable.
     pub variable: String,
-    /// The update that counts if both happen.
+    /// The update that takes effect if both happen.
     pub last: Span,
     /// The other one.
     pub first: Span,
@@ -165,13 +165,13 @@ impl Fact for GroupClash {
     }
 }
 
-/// A tag that nothing carries.
+/// A tag that no tile, collider or `rect` has.
 pub struct UncarriedTag {
     /// The tag.
     pub tag: String,
-    /// Where it is asked for.
+    /// The query for it.
     pub at: Span,
-    /// A carried one of a similar name, and where it is first.
+    /// A similar tag that is in use, and its first place.
     pub near: Option<(String, Span)>,
 }
 
@@ -187,15 +187,15 @@ impl Fact for UncarriedTag {
     }
 }
 
-/// A contact question that no `collide` line of a world can answer with yes.
+/// A contact query that no `collide` line of a world can make true.
 pub struct UnpairedTouch {
-    /// The question.
+    /// The query.
     pub at: Span,
-    /// The tags of one's own colliders, and the other's.
+    /// The tags of the entity's own colliders, and the other's.
     pub tags: (Vec<String>, String),
     /// The world, and its name's place.
     pub world: (String, Span),
-    /// Its `collide` lines that pair one of the tags with others, at most one for each.
+    /// Its `collide` lines that pair one of the tags with others, at most one for each tag.
     pub lines: Vec<Span>,
 }
 
@@ -217,7 +217,7 @@ impl Fact for UnpairedTouch {
     }
 }
 
-/// An entity with inputs that no player gives.
+/// An entity with inputs that no player controls.
 pub struct NoPlayer {
     /// The entity.
     pub entity: String,
@@ -237,15 +237,15 @@ impl Fact for NoPlayer {
     }
 }
 
-/// An instance that begins inside of what blocks it.
+/// An instance whose initial position overlaps an obstacle.
 pub struct PlacedInside {
     /// The instance.
     pub name: String,
     /// Where it is placed.
     pub at: Span,
-    /// How far it is pushed at the first step at least, px.
+    /// The minimum push-out distance in the first step, px.
     pub depth: f64,
-    /// What it is inside of: a tile by column and row, or the place of a `rect`.
+    /// The obstacle: a tile by column and row, or the place of a `rect`.
     pub of: Result<(usize, usize), Span>,
 }
 
@@ -264,13 +264,13 @@ impl Fact for PlacedInside {
     }
 }
 
-/// A link that ends outside of all that its space holds.
+/// A link whose end is outside the extent of its space.
 pub struct LinkNowhere {
     /// The link.
     pub at: Span,
     /// The space that it leads to.
     pub space: String,
-    /// From where to where that space reaches, px: left, right, bottom, top.
+    /// The extent of that space, px: left, right, bottom, top.
     pub extent: (f64, f64, f64, f64),
 }
 
@@ -283,9 +283,9 @@ impl Fact for LinkNowhere {
     }
 }
 
-/// What can only happen out of the bounds of a space.
+/// A construct that can only have an effect outside the bounds of a space.
 pub struct BeyondBounds {
-    /// What, and what it does: `this holds`, `this link is followed`.
+    /// The construct and its effect: `this holds`, `this link is followed`.
     pub what: String,
     /// Its place.
     pub at: Span,

@@ -1,12 +1,12 @@
-//! The facts that checks record, and the one place where each is put into words.
+//! The facts that checks record, and the only place where each becomes a message.
 //!
-//! The voice: say what was found, label it, label where the other half is, name the nearest way out. No "you",
-//! no blame, names in backquotes.
+//! Style of messages: say what was found, label the place, label the related place, suggest the most likely fix. No
+//! "you", no blame, names in backquotes.
 //!
 //! To add a code:
 //!
 //! 1. a line in the list of [`Code`](super::Code): its name, severity, text and title;
-//! 2. a fact here, in the file of its family, that words itself as a [`Diagnostic`](super::Diagnostic) of this code;
+//! 2. a fact here, in the file of its family, that becomes a [`Diagnostic`](super::Diagnostic) of this code;
 //! 3. `pages/CODE.md`: what `hypedc explain CODE` shows, with a wrong and a right example (the form is described in
 //!    [`page`](super::page)); without it nothing compiles, and `tests/explain.rs` tries its examples;
 //! 4. a program in `tests/ui` in which it is found.

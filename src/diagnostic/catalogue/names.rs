@@ -7,27 +7,27 @@ use crate::source::Span;
 
 /// A name that nothing declares.
 pub struct UnknownName {
-    /// What kind of thing was looked for: `mode`.
+    /// The kind of name expected: `mode`.
     pub kind: &'static str,
     /// The name.
     pub name: String,
     /// Its place.
     pub at: Span,
-    /// The nearest name of that kind, and whether it is the only near one.
+    /// The nearest name of that kind, and whether it is the only similar name.
     near: Option<(String, bool)>,
-    /// Where that one is declared.
+    /// Its declaration.
     declared: Option<Span>,
-    /// All names of that kind, each with where it is declared, if they are few and none is near.
+    /// All names of that kind with their declarations, if there are few and none is similar.
     known: Vec<(String, Option<Span>)>,
     /// What the name is elsewhere, and how that is used.
     suggestion: Option<String>,
 }
 
-/// The most names that are listed.
+/// Maximum number of listed names.
 const MAX_LISTED: usize = 8;
 
 impl UnknownName {
-    /// The name of some kind that is at a place, and all names of that kind with where they are declared.
+    /// A name of a kind at a place, with all declared names of that kind.
     pub fn new<'a>(
         kind: &'static str,
         name: &str,
@@ -49,7 +49,7 @@ impl UnknownName {
         }
     }
 
-    /// Says what the name is instead, if it is something: then names that are like it are of no interest.
+    /// Sets the use of the name elsewhere, if there is one: then similar names do not matter.
     #[must_use]
     pub fn suggestion(mut self, what: Option<String>) -> Self {
         if what.is_some() {
@@ -90,7 +90,7 @@ impl Fact for UnknownName {
 
 /// A name declared twice.
 pub struct DuplicateName {
-    /// What kind of thing it names.
+    /// The kind of declaration.
     pub kind: &'static str,
     /// The name.
     pub name: String,
@@ -108,13 +108,13 @@ impl Fact for DuplicateName {
     }
 }
 
-/// A mode's name that fits several modes.
+/// A mode's name that matches several modes.
 pub struct AmbiguousMode {
     /// The name as written.
     pub name: String,
     /// Its place.
     pub at: Span,
-    /// The full paths that it fits.
+    /// The full paths of the modes that match.
     pub fits: Vec<(String, Span)>,
 }
 

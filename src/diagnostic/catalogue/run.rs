@@ -6,11 +6,11 @@ use crate::source::Span;
 
 /// An input script that cannot be read.
 pub struct BadInput {
-    /// The step or the part of it.
+    /// The step of the script, or its wrong part.
     pub at: Span,
-    /// Why.
+    /// The reason.
     pub why: String,
-    /// A way out.
+    /// A suggestion.
     pub help: Option<String>,
 }
 
@@ -24,13 +24,13 @@ impl Fact for BadInput {
     }
 }
 
-/// A world or a goal that is not there, or a choice that is not made.
+/// A missing world or goal, or an ambiguous choice.
 pub struct NoQuestion {
     /// What is missing.
     pub why: String,
     /// The nearest name.
     pub near: Option<String>,
-    /// A way out.
+    /// A suggestion.
     pub help: Option<String>,
 }
 
@@ -44,7 +44,7 @@ impl Fact for NoQuestion {
     }
 }
 
-/// A running world that broke a rule.
+/// A run-time fault of a world.
 pub struct RunFault {
     /// The expression.
     pub at: Span,
@@ -70,7 +70,7 @@ impl Fact for RunFault {
     }
 }
 
-/// An invariant that does not hold in a running world.
+/// An invariant violated in a running world.
 pub struct BrokenInvariant {
     /// The invariant.
     pub at: Span,
@@ -91,9 +91,9 @@ impl Fact for BrokenInvariant {
 pub struct RefusedSpawn {
     /// The spawn.
     pub at: Span,
-    /// Who spawned.
+    /// The spawning instance.
     pub instance: String,
-    /// What.
+    /// The spawned entity.
     pub entity: String,
     /// The step, from 1.
     pub step: u64,

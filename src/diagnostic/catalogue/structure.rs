@@ -1,4 +1,4 @@
-//! Facts about how entities are put together.
+//! Facts about the structure of entities.
 
 use crate::diagnostic::{Code, Diagnostic, Fact};
 use crate::source::Span;
@@ -75,7 +75,7 @@ impl Fact for UpdateConflict {
     }
 }
 
-/// Modes beside named groups.
+/// Modes outside of the named groups.
 pub struct MixedGroups {
     /// The mode.
     pub mode: Span,
@@ -92,15 +92,15 @@ impl Fact for MixedGroups {
     }
 }
 
-/// An envelope that cannot be run.
+/// An invalid envelope.
 pub struct BadEnvelope {
     /// Where.
     pub at: Span,
-    /// Why.
+    /// The reason.
     pub why: String,
-    /// The other place, where there is one.
+    /// A related place.
     pub other: Option<Span>,
-    /// A way out.
+    /// A suggestion.
     pub help: Option<String>,
 }
 
@@ -117,15 +117,15 @@ impl Fact for BadEnvelope {
     }
 }
 
-/// A collider of no size.
+/// A collider without a positive size.
 pub struct BadCollider {
     /// The number.
     pub at: Span,
-    /// What it is: `width`.
+    /// The property: `width`.
     pub what: &'static str,
     /// Its value.
     pub value: f64,
-    /// The instance it belongs to, if not for every one.
+    /// The instance with this value, if it is not the entity's default.
     pub instance: Option<(String, Span)>,
 }
 
@@ -154,13 +154,13 @@ impl Fact for IdleEdge {
     }
 }
 
-/// A read of a reference that may be none.
+/// A read of a reference that may be empty.
 pub struct LostRead {
     /// The read.
     pub at: Span,
     /// The reference.
     pub name: String,
-    /// Whether an edge on `lost` of the mode would help.
+    /// Whether an edge on `lost` in the mode would fix it.
     pub in_mode: bool,
 }
 
@@ -179,7 +179,7 @@ impl Fact for LostRead {
     }
 }
 
-/// An edge into a mode that reads a reference, without making sure of it.
+/// An edge into a mode that reads a reference, whose guard does not exclude an empty one.
 pub struct LostEntry {
     /// The edge.
     pub at: Span,
@@ -204,9 +204,9 @@ impl Fact for LostEntry {
     }
 }
 
-/// Groups that wait for each other's transitions.
+/// Groups whose transitions depend on each other cyclically.
 pub struct JointCycle {
-    /// Each group that waits, and where.
+    /// The dependent groups, and the place of each dependency.
     pub steps: Vec<(String, Span)>,
 }
 
@@ -215,7 +215,7 @@ impl Fact for JointCycle {
         let mut names: Vec<&str> = self.steps.iter().map(|(name, _)| name.as_str()).collect();
         names.extend(self.steps.first().map(|(name, _)| name.as_str()));
         let message = match names.as_slice() {
-            // A group that asks for itself.
+            // A group that depends on itself.
             [only, _] => format!("{only} cannot wait for a transition of the same group"),
             _ => format!("groups wait for each other's transitions: {}", names.join(" → ")),
         };

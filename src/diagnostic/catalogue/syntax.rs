@@ -6,15 +6,15 @@ use crate::source::Span;
 
 /// A token that fits no rule.
 pub struct Unexpected {
-    /// The token, or the end of what is before the gap.
+    /// The token, or the end of the text before the gap.
     pub at: Span,
-    /// The token's text; none at the end of a statement.
+    /// The text of the token; none at the end of a statement.
     pub found: Option<String>,
-    /// What could have been there.
+    /// The expected tokens.
     pub expected: Vec<String>,
-    /// A way out, where one is likely.
+    /// A suggestion, where one is likely.
     pub help: Option<String>,
-    /// What is certainly meant in place of what.
+    /// A replacement that is certainly intended.
     pub meant: Option<(Span, String)>,
 }
 
@@ -24,7 +24,7 @@ impl Fact for Unexpected {
             Some(token) => format!("`{token}`"),
             None => "the end of the line".to_string(),
         };
-        // A long list of possibilities does not help.
+        // A long list does not help.
         let (message, label) = if self.expected.is_empty() || self.expected.len() > 6 {
             (format!("unexpected {}", found.trim_start_matches("the ")), "does not fit here".to_string())
         } else {
@@ -43,7 +43,7 @@ impl Fact for Unexpected {
     }
 }
 
-/// More syntax errors than are worth showing.
+/// More syntax errors than are shown.
 pub struct TooManyErrors {
     /// The first that is not shown.
     pub at: Span,
@@ -62,7 +62,7 @@ pub struct LongWord {
     pub at: Span,
     /// Its length in bytes.
     pub length: usize,
-    /// The greatest length that is read.
+    /// The maximum length.
     pub limit: usize,
 }
 
@@ -77,7 +77,7 @@ impl Fact for LongWord {
 pub struct TooManyTokens {
     /// The first one too many.
     pub at: Span,
-    /// How many are read.
+    /// The maximum number.
     pub limit: usize,
 }
 
@@ -95,7 +95,7 @@ impl Fact for TooManyTokens {
 pub struct NestingTooDeep {
     /// The first bracket too many.
     pub at: Span,
-    /// How many may be open.
+    /// The maximum number of open brackets.
     pub limit: usize,
 }
 
@@ -112,9 +112,9 @@ impl Fact for NestingTooDeep {
 pub struct ExpressionTooLong {
     /// The first operator too many.
     pub at: Span,
-    /// How many there may be.
+    /// The maximum number.
     pub limit: usize,
-    /// Whether the rest of the file was not read.
+    /// Whether the rest of the file was skipped.
     pub unread: bool,
 }
 
@@ -139,7 +139,7 @@ impl Fact for ExpressionTooLong {
 pub struct UnclosedBrace {
     /// The opening brace.
     pub open: Span,
-    /// After what the closing one was missed, by the indentation of what follows.
+    /// The end of the text after which the closing brace is missing, by the indentation of what follows.
     pub here: Option<Span>,
     /// Where the text ends.
     pub end: Span,
@@ -185,7 +185,7 @@ impl Fact for StrayBrace {
 pub struct UnterminatedMap {
     /// The opening quote, or the line that lacks it.
     pub open: Span,
-    /// Whether the opening quote is the one that is missing.
+    /// Whether the opening quote is missing.
     pub opening: bool,
 }
 
@@ -206,11 +206,11 @@ impl Fact for UnterminatedMap {
 pub struct Misplaced {
     /// The declaration.
     pub at: Span,
-    /// What it is: `param`.
+    /// The kind of declaration: `param`.
     pub what: &'static str,
-    /// Where it is: `a mode`.
+    /// The block around: `a mode`.
     pub inside: &'static str,
-    /// Where it would belong.
+    /// The block where it is allowed.
     pub belongs: &'static str,
 }
 

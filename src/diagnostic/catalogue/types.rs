@@ -10,9 +10,9 @@ pub struct TypeMismatch {
     pub at: Span,
     /// What it is.
     pub found: String,
-    /// What was needed.
+    /// The expected type.
     pub expected: String,
-    /// A way out.
+    /// A suggestion.
     pub help: Option<String>,
 }
 
@@ -27,17 +27,17 @@ impl Fact for TypeMismatch {
     }
 }
 
-/// Two uses of different dimension.
+/// Two uses with different dimensions.
 pub struct DimensionConflict {
-    /// What is used twice, as written.
+    /// The name or expression, as written.
     pub what: String,
-    /// The use that came second, and its dimension.
+    /// The second use, and its dimension.
     pub at: (Span, String),
     /// The first use, and its dimension.
     pub other: (Span, String),
-    /// Other places that have to do with it.
+    /// Related places.
     pub also: Vec<(Span, String)>,
-    /// A name of the dimension that the second use needs.
+    /// A similar name with the dimension of the second use.
     pub near: Option<String>,
 }
 
@@ -55,7 +55,7 @@ impl Fact for DimensionConflict {
 
 /// An expression, and its dimension.
 pub struct Dimensioned {
-    /// As it is written, in backquotes.
+    /// Its text, in backquotes.
     pub text: String,
     /// Its place.
     pub at: Option<Span>,
@@ -63,17 +63,17 @@ pub struct Dimensioned {
     pub dimension: String,
 }
 
-/// An expression in a place that asks for another dimension.
+/// An expression where another dimension is expected.
 pub struct WrongDimension {
     /// The expression.
     pub this: Dimensioned,
-    /// The dimension that its place asks for.
+    /// The expected dimension.
     pub needed: String,
-    /// Other places that have to do with it.
+    /// Related places.
     pub also: Vec<(Span, String)>,
-    /// A name of the dimension that is needed.
+    /// A similar name with the expected dimension.
     pub near: Option<String>,
-    /// A way out.
+    /// A suggestion.
     pub help: Option<String>,
 }
 
@@ -88,19 +88,19 @@ impl Fact for WrongDimension {
     }
 }
 
-/// Two expressions that must be of one dimension, and are not.
+/// Two expressions that must have the same dimension and do not.
 pub struct Unjoinable {
     /// The first of them.
     pub first: Dimensioned,
     /// The second.
     pub second: Dimensioned,
-    /// What is done with both: `added`.
+    /// The operation on both: `added`.
     pub how: String,
-    /// Other places that have to do with it.
+    /// Related places.
     pub also: Vec<(Span, String)>,
-    /// A name of the first's dimension, where the second is a name.
+    /// A similar name with the first's dimension, if the second is a name.
     pub near: Option<String>,
-    /// A way out.
+    /// A suggestion.
     pub help: Option<String>,
 }
 
@@ -120,11 +120,11 @@ impl Fact for Unjoinable {
     }
 }
 
-/// A square root of what is no square.
+/// A square root of an expression whose dimension is no square.
 pub struct NoSquare {
-    /// What it is taken of, as written.
+    /// The operand, as written.
     pub of: String,
-    /// Where that is.
+    /// Its place.
     pub at: Span,
     /// Its dimension.
     pub dimension: String,
@@ -153,7 +153,7 @@ fn finished(d: Diagnostic, also: Vec<(Span, String)>, help: Option<String>) -> D
     }
 }
 
-/// A dimension in words, and as it is written.
+/// A dimension in words and as written.
 fn measured(dimension: &str) -> String {
     match dimension {
         "px" | "px/s" | "px/s^2" | "s" | "1/s" => format!("{} ({dimension})", kind(dimension)),
@@ -161,7 +161,7 @@ fn measured(dimension: &str) -> String {
     }
 }
 
-/// A dimension in words where there is a word.
+/// A dimension in words, if it has a name.
 fn kind(dimension: &str) -> String {
     match dimension {
         "px" => "a length".into(),
@@ -191,13 +191,13 @@ impl Fact for WrongArguments {
     }
 }
 
-/// A value that is not known in time.
+/// A value that is not constant where a constant is required.
 pub struct NotConstant {
-    /// The part that is not known.
+    /// The part that is not constant.
     pub at: Span,
-    /// What is being defined.
+    /// The kind of definition.
     pub what: &'static str,
-    /// What it may read.
+    /// The names that it may read.
     pub may_read: &'static str,
 }
 
@@ -223,13 +223,13 @@ impl Fact for BadChain {
     }
 }
 
-/// A value outside of what is possible.
+/// A value outside its allowed range.
 pub struct OutOfRange {
-    /// The value or what it is given to.
+    /// The value, or the variable that it is assigned to.
     pub at: Span,
     /// What it is.
     pub what: String,
-    /// What it may be.
+    /// The allowed range.
     pub range: String,
 }
 
@@ -246,7 +246,7 @@ pub struct MissingArguments {
     pub at: Span,
     /// The behaviour.
     pub name: String,
-    /// Its parameters that get none.
+    /// Its parameters without an argument.
     pub missing: Vec<String>,
     /// Where it is declared.
     pub declared: Span,

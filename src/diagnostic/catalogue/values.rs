@@ -1,17 +1,17 @@
-//! Facts about what values can be while a world runs.
+//! Facts from the analysis of the values in a running world.
 
 use crate::diagnostic::{Code, Diagnostic, Fact};
 use crate::source::Span;
 
-/// Why a guard turns out as it does.
+/// The reason for the value of a guard.
 pub struct Reason {
     /// The part of the guard that decides.
     pub at: Span,
     /// Its text, if it is short.
     pub text: Option<String>,
-    /// What it reads can be, if there is anything to say.
+    /// The values of its operands, if they are informative.
     pub values: Option<String>,
-    /// The same, mode by mode, where that differs.
+    /// The values per mode, where they differ.
     pub notes: Vec<String>,
 }
 
@@ -21,11 +21,11 @@ impl Reason {
     }
 }
 
-/// A guard that values decide.
+/// A guard that is constant for the reachable values.
 pub struct GuardByValue {
     /// Whether it always holds, or never.
     pub holds: bool,
-    /// Why.
+    /// The reason.
     pub reason: Reason,
 }
 
@@ -42,15 +42,15 @@ impl Fact for GuardByValue {
     }
 }
 
-/// A mode that values never let an instance enter.
+/// A mode that is unreachable for the reachable values.
 pub struct ModeByValue {
     /// Its path.
     pub path: String,
     /// Its name.
     pub at: Span,
-    /// The edges that lead to it, each with why it is never taken.
+    /// The edges that lead to it, each with the reason why it is never taken.
     pub reasons: Vec<Reason>,
-    /// Modes that could only be entered from it.
+    /// Modes that can only be entered from it.
     pub after: Vec<String>,
 }
 
@@ -75,11 +75,11 @@ impl Fact for ModeByValue {
     }
 }
 
-/// An invariant that does not hold in the first state.
+/// An invariant that is violated in the initial state.
 pub struct Broken {
     /// The invariant.
     pub at: Span,
-    /// What it reads is, if there is anything to say.
+    /// The values of its operands, if they are informative.
     pub values: Option<String>,
     /// The instance, and where it is placed.
     pub instance: (String, Span),
@@ -99,9 +99,9 @@ impl Fact for Broken {
 pub struct Unproven {
     /// The invariant.
     pub at: Span,
-    /// What it reads can be where it may break, if there is anything to say.
+    /// The values of its operands where it may be violated, if they are informative.
     pub values: Option<String>,
-    /// The modes in which it may break, and their names' places.
+    /// The modes in which it may be violated, and the places of their names.
     pub modes: Vec<(String, Span)>,
     /// The instance.
     pub instance: String,
@@ -121,13 +121,13 @@ impl Fact for Unproven {
     }
 }
 
-/// An invariant of which nothing is known: there was nothing to look at, or too much.
+/// An invariant without a verdict: there is no instance, or the analysis gave up.
 pub struct Unknown {
     /// The invariant.
     pub at: Span,
     /// The instance, if there is one.
     pub instance: Option<String>,
-    /// Why.
+    /// The reason.
     pub why: String,
     /// A way out.
     pub help: String,
@@ -143,7 +143,7 @@ impl Fact for Unknown {
     }
 }
 
-/// A discrete variable that an update can take out of its range, by the values of what the update reads.
+/// A discrete variable that an update can push out of its range, by the values of the operands.
 pub struct LeavesRange {
     /// The variable.
     pub name: String,
@@ -153,13 +153,13 @@ pub struct LeavesRange {
     pub declared: Span,
     /// The new value.
     pub at: Span,
-    /// What it can be: `is from 3 to 12`.
+    /// The new value: `is from 3 to 12`.
     pub value: String,
-    /// Whether all of it is outside.
+    /// Whether it is always outside the range.
     pub always: bool,
     /// The mode in which it happens.
     pub mode: String,
-    /// What it reads can be, if there is anything to say.
+    /// The values of its operands, if they are informative.
     pub reads: Option<String>,
 }
 
@@ -176,25 +176,25 @@ impl Fact for LeavesRange {
     }
 }
 
-/// A body that moves so far in a step that it can be on the other side of what blocks it.
+/// A body so fast that it can pass through an obstacle in one step.
 pub struct Tunnels {
     /// The entity's collider.
     pub at: Span,
     /// The velocity: `y'`.
     pub velocity: String,
-    /// How fast it can come nearer, px/s, signed.
+    /// The maximum closing speed, px/s, signed.
     pub speed: f64,
-    /// The mode in which it is that fast, if modes drive it.
+    /// The mode with that speed, if modes drive the velocity.
     pub mode: Option<Span>,
-    /// How long a step is, s.
+    /// The step, s.
     pub step: f64,
-    /// What it can jump over: in words, and where.
+    /// The obstacle: in words, and its place.
     pub over: (String, Span),
-    /// Whether that moves, too.
+    /// Whether the obstacle moves.
     pub moves: bool,
-    /// How thick it is, px.
+    /// The thickness of the obstacle, px.
     pub thickness: f64,
-    /// How long the body is along this axis, px.
+    /// The extent of the body along this axis, px.
     pub extent: f64,
 }
 
@@ -206,7 +206,7 @@ impl Fact for Tunnels {
         };
         let Tunnels { at, velocity, speed, mode, step, over: (over, place), moves, thickness, extent } = self;
         let together = thickness + extent;
-        // A little less than what just does not pass, so that rounding plays no part.
+        // Slightly less than the exact limit, so that rounding does not matter.
         let most = short((together / step).ceil() - 1.0);
         let (far, speed) = (short(speed.abs() * step), short(speed));
         let d =

@@ -8,13 +8,13 @@ use crate::source::Span;
 pub struct RowLength {
     /// The row.
     pub at: Span,
-    /// Which it is, counted from 1 at the top.
+    /// The number of the row, from 1 at the top.
     pub row: usize,
-    /// How many tiles it has.
+    /// Its number of tiles.
     pub length: usize,
-    /// How many most rows have.
+    /// The most frequent length.
     pub expected: usize,
-    /// One of them.
+    /// A row of that length.
     pub model: Span,
 }
 
@@ -34,25 +34,25 @@ pub struct UnknownTile {
     pub symbol: char,
     /// Its first place.
     pub at: Span,
-    /// How often it occurs.
+    /// The number of occurrences.
     pub count: usize,
     /// The tile set or legend: `tiles basic`.
     pub tiles: String,
     /// Where the tile set is.
     pub declared: Span,
-    /// The characters that it has.
+    /// The characters that it defines.
     pub known: Vec<char>,
 }
 
-/// The most characters of a tile set that are listed.
-const MAX_TOLD: usize = 20;
+/// Maximum number of listed characters of a tile set.
+const MAX_LISTED: usize = 20;
 
-/// The characters of a tile set, those first that one may have meant: the other case of a letter.
-fn told(mut known: Vec<char>, symbol: char) -> Option<String> {
+/// The characters of a tile set, the most similar first: the other case of a letter.
+fn listed_symbols(mut known: Vec<char>, symbol: char) -> Option<String> {
     let is_case = |c: &char| c.to_lowercase().eq(symbol.to_lowercase());
     known.sort_unstable_by_key(|c| (!is_case(c), *c));
-    let shown: Vec<String> = known.iter().take(MAX_TOLD).map(|c| format!("`{c}`")).collect();
-    let more = known.len().saturating_sub(MAX_TOLD);
+    let shown: Vec<String> = known.iter().take(MAX_LISTED).map(|c| format!("`{c}`")).collect();
+    let more = known.len().saturating_sub(MAX_LISTED);
     match (shown.is_empty(), more) {
         (true, _) => None,
         (false, 0) => Some(format!("it has {}", shown.join(" "))),
@@ -65,7 +65,7 @@ impl Fact for UnknownTile {
         let times = if self.count == 1 { String::new() } else { format!(" ({} times)", self.count) };
         let d = Diagnostic::new(Code::BadMap, format!("no tile `{}` in `{}`{times}", self.symbol, self.tiles))
             .at(self.at, "no tile has this character")
-            .and(self.declared, told(self.known, self.symbol).unwrap_or_else(|| "has no characters".into()));
+            .and(self.declared, listed_symbols(self.known, self.symbol).unwrap_or_else(|| "has no characters".into()));
         d.help(if self.symbol.is_whitespace() || self.symbol == '"' {
             "a tile is never white space or `\"`: use another character".into()
         } else {
@@ -74,13 +74,13 @@ impl Fact for UnknownTile {
     }
 }
 
-/// A file that a map takes for rows of characters, but is something else.
+/// A file of another format where a map needs rows of characters.
 pub struct NotRows {
-    /// Its beginning, or the first character that no text has.
+    /// Its beginning, or the first character that is not text.
     pub at: Span,
-    /// What it is.
+    /// Its format.
     pub what: &'static str,
-    /// How it is read instead.
+    /// The way to read it.
     pub help: Option<&'static str>,
 }
 
@@ -121,13 +121,13 @@ impl Fact for BadStep {
     }
 }
 
-/// Players and instances that do not fit together.
+/// An inconsistency between players and instances.
 pub struct BadPlayer {
     /// The `player` line.
     pub at: Span,
-    /// Why.
+    /// The reason.
     pub why: String,
-    /// The other line, where there is one.
+    /// The related line, if any.
     pub other: Option<Span>,
 }
 
@@ -161,11 +161,11 @@ pub struct OverLimit {
     pub at: Span,
     /// The entity.
     pub name: String,
-    /// How many are placed or made by tiles.
+    /// The number that is placed or spawned by tiles.
     pub living: usize,
-    /// How many may live.
+    /// The limit.
     pub limit: usize,
-    /// One that is too many.
+    /// An instance above the limit.
     pub one: Option<Span>,
 }
 
@@ -181,7 +181,7 @@ impl Fact for OverLimit {
     }
 }
 
-/// An entity that is spawned without a limit.
+/// A spawned entity without a limit.
 pub struct MissingLimit {
     /// The world.
     pub at: Span,
@@ -201,7 +201,7 @@ impl Fact for MissingLimit {
     }
 }
 
-/// A tile with `as` that is not there exactly once.
+/// A tile with `as` that does not occur exactly once.
 pub struct TileInstances {
     /// The name.
     pub at: Span,
@@ -209,7 +209,7 @@ pub struct TileInstances {
     pub name: String,
     /// The tile: its character, or its name.
     pub tile: String,
-    /// How often it is in the map.
+    /// The number of occurrences in the map.
     pub count: u64,
     /// The map.
     pub map: Span,
@@ -231,7 +231,7 @@ impl Fact for TileInstances {
 pub struct BadLegend {
     /// Where in the legend.
     pub at: Span,
-    /// Why.
+    /// The reason.
     pub why: String,
 }
 
@@ -243,7 +243,7 @@ impl Fact for BadLegend {
     }
 }
 
-/// A level of the command line for a world that leaves to the command line how it is read.
+/// A level of the command line, without the options that its map requires.
 pub struct UnreadLevel {
     /// The map.
     pub at: Span,
@@ -273,7 +273,7 @@ impl Fact for UnreadLevel {
     }
 }
 
-/// A legend of the command line that cannot say anything.
+/// A legend of the command line that has no effect.
 pub struct RedundantLegend {
     /// Its path.
     pub legend: String,
@@ -297,7 +297,7 @@ impl Fact for RedundantLegend {
 pub struct BadLevel {
     /// Where in its files.
     pub at: Span,
-    /// Why.
+    /// The reason.
     pub why: String,
 }
 
@@ -307,13 +307,13 @@ impl Fact for BadLevel {
     }
 }
 
-/// A thing of a level that the program has no entity for.
-pub struct UnknownThing {
+/// An object of a level whose class is no entity.
+pub struct UnknownObject {
     /// Where it is in the level.
     pub at: Span,
     /// Its class.
     pub class: String,
-    /// How many there are.
+    /// The number of such objects.
     pub count: usize,
     /// The nearest entity.
     pub near: Option<String>,
@@ -321,9 +321,9 @@ pub struct UnknownThing {
     pub map: Span,
 }
 
-impl Fact for UnknownThing {
+impl Fact for UnknownObject {
     fn into_diagnostic(self) -> Diagnostic {
-        let UnknownThing { at, class, count, near, map } = self;
+        let UnknownObject { at, class, count, near, map } = self;
         let times = if count == 1 { String::new() } else { format!(" ({count} of them)") };
         let message =
             format!("`{class}`{times} of the level is no entity of the program{}", did_you_mean(near.as_ref()));
@@ -340,11 +340,11 @@ impl Fact for UnknownThing {
 pub struct UnknownSetting {
     /// The property.
     pub at: Span,
-    /// What it is called.
+    /// Its name.
     pub name: String,
     /// The entity.
     pub entity: String,
-    /// How many instances have it.
+    /// The number of instances that have it.
     pub count: usize,
     /// The nearest name that the entity has.
     pub near: Option<String>,
@@ -378,7 +378,7 @@ impl Fact for NoCharacters {
     }
 }
 
-/// Options that say how a level is read which says so itself.
+/// An option for the reading of a level whose format makes it superfluous.
 pub struct KnownReading {
     /// The map.
     pub at: Span,

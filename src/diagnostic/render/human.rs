@@ -68,10 +68,10 @@ pub fn human<'d>(sources: &SourceMap, diagnostics: impl IntoIterator<Item = &'d 
     out
 }
 
-/// The longest line that is shown as an excerpt, in bytes.
+/// Maximum length of a line in an excerpt, in bytes.
 const MAX_LINE: usize = 400;
 
-/// Whether all lines that would be shown fit on a screen.
+/// Whether all lines of the excerpts are short enough.
 fn is_printable(sources: &SourceMap, d: &Diagnostic) -> bool {
     d.primary.iter().chain(&d.secondary).all(|label| {
         let file = sources.file(label.span.file());
@@ -117,7 +117,7 @@ fn report(sources: &SourceMap, d: &Diagnostic, primary: &MarkedPlace, color: boo
     report.finish()
 }
 
-/// A span that lies within its file and is not empty where the file is not: carets need something to be under.
+/// A span clamped to its file, and not empty unless the file is: carets need text above them.
 fn clamp(sources: &SourceMap, span: Span) -> Place {
     let text = sources.file(span.file()).text();
     let Range { start, end } = span.range();

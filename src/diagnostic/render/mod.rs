@@ -39,11 +39,11 @@ pub struct Found<'a> {
     pub diagnostics: &'a Diagnostics,
 }
 
-/// All findings of a run in order, each made by `make`; one that several programs share, in a file that they all
-/// import, comes once.
+/// All findings of a run in order, each converted by `make`; a finding of several programs in a file that they all
+/// import is included once.
 fn distinct<'a, T: PartialEq>(run: &[Found<'a>], make: impl Fn(&Found<'a>, &Diagnostic) -> T) -> Vec<T> {
     let mut all: Vec<T> = Vec::new();
-    // Where those are in `all` that begin at a place and say the same.
+    // The indices in `all` of the findings that begin at a place with a message.
     type Place = Option<(PathBuf, u32)>;
     let mut known: BTreeMap<(Place, String), Vec<usize>> = BTreeMap::new();
     for found in run {

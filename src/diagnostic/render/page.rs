@@ -39,7 +39,7 @@ fn styled(text: &str, style: &str, color: bool) -> String {
     if color { format!("{style}{text}{PLAIN}") } else { text.to_string() }
 }
 
-/// What is between backquotes shows its colour instead of them, if there is any.
+/// Text between backquotes is coloured instead, if there are colours.
 fn prose(text: &str, color: bool) -> String {
     if !color {
         return text.to_string();

@@ -161,7 +161,7 @@ fn uri(path: &Path, folder: &Path) -> String {
     out
 }
 
-/// A path without `.` and `..`, by its words alone.
+/// A path without `.` and `..`, without looking at the file system.
 fn plain(path: &Path) -> PathBuf {
     let mut out = PathBuf::new();
     for component in path.components() {
@@ -176,7 +176,7 @@ fn plain(path: &Path) -> PathBuf {
     out
 }
 
-/// A name in a URI: what is neither a letter, a digit nor one of `-._~` is a per cent sign and two digits a byte.
+/// A name in a URI: percent-encoded bytes except for letters, digits and `-._~`.
 fn encode(name: &str, out: &mut String) {
     for byte in name.bytes() {
         if byte.is_ascii_alphanumeric() || b"-._~".contains(&byte) {

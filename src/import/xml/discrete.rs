@@ -1,13 +1,13 @@
-//! Discrete variables. There they are numbers without bounds; here whole numbers in a range. A range is chosen that holds
-//! all that the entity writes down, and updates are kept in it. One that is not always whole becomes a variable that
-//! nothing drives, which is the same.
+//! Discrete variables. In the imported system they are numbers without bounds; here whole numbers in a range. The
+//! chosen range contains all values that the entity mentions, and updates are clamped to it. One that is not always
+//! whole becomes a variable that nothing drives, which is equivalent.
 
 use super::expression::{self, Expr};
 use super::guard::Guard;
 use super::read::Element;
 use super::scope::Kind;
 
-/// The range of a discrete variable by its declaration, or that it is none.
+/// The range of a discrete variable by its declaration and updates, or its conversion to a variable.
 pub(super) fn kind(automaton: Element<'_, '_>, declared: Element<'_, '_>) -> Kind {
     let whole: Vec<&str> = automaton.all("dvariable").filter_map(|d| d.value("name")).map(|v| v.text).collect();
     let name = declared.value("name").map_or("", |v| v.text);
@@ -49,12 +49,12 @@ pub(super) fn kind(automaton: Element<'_, '_>, declared: Element<'_, '_>) -> Kin
     while (high as f64) < greatest {
         high = high * 10 + 9;
     }
-    // What is taken away only where enough is there never falls below 0.
+    // A variable that is decremented only under a sufficient lower bound never falls below 0.
     let low = if first < 0.0 || (falls && !stays(automaton, name)) { -high } else { 0 };
     Kind::Discrete { low, high }
 }
 
-/// Whether whatever is taken from a variable was there, as the guards of its updates say.
+/// Whether the guards of all decrements of a variable keep it from falling below 0.
 fn stays(automaton: Element<'_, '_>, name: &str) -> bool {
     let mut updates = automaton.node.descendants().filter(|n| n.has_tag_name("update"));
     updates.all(|node| {
@@ -85,13 +85,13 @@ fn stays(automaton: Element<'_, '_>, name: &str) -> bool {
     })
 }
 
-/// The comparisons that all must hold in a condition.
+/// The comparisons that a condition requires.
 fn required<'a, 't>(condition: Element<'a, 't>) -> Vec<Element<'a, 't>> {
     let inner = condition.all("and").flat_map(required);
     condition.all("compare").chain(inner).collect()
 }
 
-/// The text of what a discrete variable becomes, kept in its range where the guard does not do so.
+/// The new value of a discrete variable as text, clamped to its range unless the guard does so.
 pub(super) fn kept(name: &str, value: &Expr, (low, high): (i64, i64), guard: &Guard) -> String {
     let text = value.text();
     if value.constant().is_some() {

@@ -1,8 +1,8 @@
-//! An automaton as an entity: its declarations in the usual order, then its modes.
+//! Conversion of an automaton to an entity: its declarations in the usual order, then its modes.
 
 use super::discrete;
 use super::form::fits;
-use super::guard::{self, Asker};
+use super::guard::{self, GuardContext};
 use super::motion::{edge, envelope, flow, follow};
 use super::names::{self, Names, tag};
 use super::notes::{self, Noted, Notes};
@@ -12,7 +12,7 @@ use super::write::Statement;
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::import::{BadForm, Bounded, Misfit};
 
-/// The entity that an automaton is.
+/// Converts an automaton to an entity.
 pub(super) fn entity(automaton: Element<'_, '_>, taken: &mut Names, diagnostics: &mut Diagnostics) -> Statement {
     let (text, at) = automaton.value("name").map_or(("", automaton.tag()), |v| (v.text, v.at));
     let name = names::entity(text, at, taken, diagnostics);
@@ -38,7 +38,7 @@ pub(super) fn entity(automaton: Element<'_, '_>, taken: &mut Names, diagnostics:
             _ => {}
         }
     }
-    // Whether they are used is known now; a parameter may read those above it.
+    // Uses are known now; a parameter may read those above it.
     let mut params = Vec::new();
     let mut variables = Vec::new();
     for noted in children.iter().rev() {
@@ -68,7 +68,7 @@ pub(super) fn entity(automaton: Element<'_, '_>, taken: &mut Names, diagnostics:
     Statement { documented: true, ..Statement::block(format!("entity {name}"), members) }.with(above, Vec::new())
 }
 
-/// Makes the values of an automaton known.
+/// Declares the values of an automaton in the scope.
 fn declare<'a>(automaton: Element<'a, '_>, scope: &mut Scope<'a, '_, '_>) {
     for e in automaton.children() {
         let kind = match e.name() {
@@ -96,11 +96,11 @@ fn declare<'a>(automaton: Element<'a, '_>, scope: &mut Scope<'a, '_, '_>) {
         }
         scope.values.insert(name.text, Named { kind, here: None, at: name.at });
     }
-    // Every automaton has it there.
+    // Built into every automaton.
     scope.values.entry("gravity").or_insert(Named { kind: Kind::Param, here: None, at: automaton.tag() });
 }
 
-/// Whether this declaration is the one that counts, and its name if it is used; tells of it if it is not used.
+/// The name of a declaration, if it is not overridden and is used; reports an unused one.
 fn used(e: Element<'_, '_>, what: &str, scope: &mut Scope<'_, '_, '_>) -> Option<String> {
     let name = e.value("name")?;
     let named = scope.values.get(name.text).filter(|named| named.at == name.at)?;
@@ -144,10 +144,10 @@ fn inputs(scope: &Scope<'_, '_, '_>) -> Vec<Statement> {
     lines.into_iter().filter_map(line).collect()
 }
 
-/// A comment that stands for something that is left out.
+/// A comment in place of an omitted part.
 fn gap(e: Element<'_, '_>) -> Statement {
     let named = |what: &str, attribute: &str| match e.value(attribute) {
-        // A value may hold line breaks.
+        // A value may contain line breaks.
         Some(value) => format!("{what} `{}`", value.text.split_whitespace().collect::<Vec<_>>().join(" ")),
         None => what.split(" to").next().unwrap_or(what).trim_end_matches(" of").to_string(),
     };
@@ -192,7 +192,7 @@ fn shape(e: Element<'_, '_>, scope: &mut Scope<'_, '_, '_>) -> Option<Statement>
             tags.push(tag);
         }
     }
-    let guard = guard::of(e, Asker::Collider, scope);
+    let guard = guard::of(e, GuardContext::Collider, scope);
     let mut rects = e.all("rect");
     let rect = rects.next()?;
     for other in rects {
@@ -203,7 +203,7 @@ fn shape(e: Element<'_, '_>, scope: &mut Scope<'_, '_, '_>) -> Option<Statement>
         numbers.push(scope.expression(rect.value(name)?)?);
     }
     let [x, y, width, height] = <[_; 4]>::try_from(numbers).ok()?;
-    // From the upper-left corner to the lower-left one.
+    // Converts the upper-left corner to the lower-left one.
     let y = y.minus(height.clone());
     let kinematic = if is_static { "kinematic " } else { "" };
     let numbers = [x, y, width, height].map(|n| n.text()).join(", ");
@@ -213,7 +213,7 @@ fn shape(e: Element<'_, '_>, scope: &mut Scope<'_, '_, '_>) -> Option<Statement>
     Some(Statement::new(format!("{kinematic}collider {}: rect({numbers}){}", tags.join(", "), guard?.when())))
 }
 
-/// The statements of a root group: its modes, in a block of its own if it has a name.
+/// The statements of a root group: its modes, in a `group` block if it has a name.
 fn group(root: usize, scope: &mut Scope<'_, '_, '_>, (above, beside): (&[String], &[String])) -> Vec<Statement> {
     let Some(found) = scope.modes.roots.get(root) else { return Vec::new() };
     let (name, element, ids) = (found.name.clone(), found.element, found.modes.clone());
@@ -254,7 +254,7 @@ fn modes(group: Element<'_, '_>, ids: &[usize], scope: &mut Scope<'_, '_, '_>) -
     statements
 }
 
-/// A mode. Modes nest no deeper than elements are read, so neither does this.
+/// A mode. The nesting of elements bounds the recursion.
 fn mode(id: usize, scope: &mut Scope<'_, '_, '_>) -> Statement {
     let Some(mode) = scope.modes.all.get(id) else { return Statement::default() };
     let (name, element, inner) = (mode.name().to_string(), mode.element, mode.inner.clone());
@@ -287,7 +287,7 @@ fn mode(id: usize, scope: &mut Scope<'_, '_, '_>) -> Statement {
         above.extend(notes::inside(e));
         match made.filter(|_| fits(e)) {
             Some(statement) => list.push(statement.with(above, beside)),
-            // What has no effect leaves no gap.
+            // A part without effect needs no comment.
             None if !scope.idle => list.push(gap(e).with(above, beside)),
             None => {}
         }

@@ -1,26 +1,26 @@
-//! Expressions: the arithmetic that the 2017 system has (it reads them as Python), and the text that we write for it,
-//! with no more parentheses than are needed.
+//! Expressions: parser of the arithmetic of the 2017 system (Python syntax), and writer of our text with minimal
+//! parentheses.
 
 use crate::syntax::{MAX_OPERATORS, MAX_WORD};
 
-/// How many parentheses and signs may be open at once.
+/// Maximum number of open parentheses and signs.
 const MAX_OPEN: usize = 32;
 
 /// An expression.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Expr {
-    /// A number, as it is written.
+    /// A number, as written in the file.
     Number(String),
-    /// A value by its name there, or here once it is resolved; derivatives with their primes.
+    /// A value by its name in the file, or by our name once it is resolved; derivatives with their primes.
     Name(String),
     Negative(Box<Expr>),
     /// One of `+ - * /`.
     Binary(char, Box<Expr>, Box<Expr>),
-    /// A function of ours.
+    /// A call of one of our functions.
     Call(&'static str, Vec<Expr>),
 }
 
-/// Functions by the names they have there: how ours is called, and how many arguments it takes.
+/// Functions by their names in the file: our name, and the number of arguments.
 const FUNCTIONS: &[(&str, &str, usize)] = &[
     ("min", "min", 2),
     ("Min", "min", 2),
@@ -37,17 +37,17 @@ const FUNCTIONS: &[(&str, &str, usize)] = &[
     ("atan2", "atan2", 2),
 ];
 
-/// Why a text is no expression.
+/// The reason why a text is no expression.
 #[derive(Debug, PartialEq)]
-pub(super) enum Unread {
-    /// It cannot be read at all.
+pub(super) enum ParseError {
+    /// A syntax error.
     Bad(String),
-    /// It can, but there is nothing like it here.
+    /// Valid in the imported system, but without a counterpart here.
     Foreign(String),
 }
 
-/// Reads an expression. A text that `is_name` knows is a name, whatever it looks like.
-pub(super) fn read(text: &str, is_name: impl Fn(&str) -> bool) -> Result<Expr, Unread> {
+/// Parses an expression. A text that `is_name` knows is a name, whatever its form.
+pub(super) fn read(text: &str, is_name: impl Fn(&str) -> bool) -> Result<Expr, ParseError> {
     if is_name(text) {
         return Ok(Expr::Name(text.to_string()));
     }
@@ -55,7 +55,7 @@ pub(super) fn read(text: &str, is_name: impl Fn(&str) -> bool) -> Result<Expr, U
     let found = reader.sum()?;
     match reader.rest.trim_start().chars().next() {
         None => Ok(found),
-        Some(c) => Err(Unread::Bad(format!("`{c}` does not fit"))),
+        Some(c) => Err(ParseError::Bad(format!("`{c}` does not fit"))),
     }
 }
 
@@ -66,7 +66,7 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// Takes a sign if it is next.
+    /// Consumes a symbol if it is next.
     fn take(&mut self, sign: &str) -> bool {
         let rest = self.rest.trim_start();
         let after = rest.strip_prefix(sign);
@@ -74,17 +74,17 @@ impl Reader<'_> {
         after.is_some()
     }
 
-    fn operator(&mut self) -> Result<(), Unread> {
+    fn operator(&mut self) -> Result<(), ParseError> {
         self.operators += 1;
         if self.operators > MAX_OPERATORS / 4 {
-            return Err(Unread::Foreign("an expression with too many operators".into()));
+            return Err(ParseError::Foreign("an expression with too many operators".into()));
         }
         Ok(())
     }
 
-    fn deeper(&mut self, inner: impl Fn(&mut Self) -> Result<Expr, Unread>) -> Result<Expr, Unread> {
+    fn deeper(&mut self, inner: impl Fn(&mut Self) -> Result<Expr, ParseError>) -> Result<Expr, ParseError> {
         if self.open == MAX_OPEN {
-            return Err(Unread::Foreign("an expression with too many parentheses".into()));
+            return Err(ParseError::Foreign("an expression with too many parentheses".into()));
         }
         self.open += 1;
         let found = inner(self);
@@ -92,7 +92,7 @@ impl Reader<'_> {
         found
     }
 
-    fn sum(&mut self) -> Result<Expr, Unread> {
+    fn sum(&mut self) -> Result<Expr, ParseError> {
         let mut left = self.product()?;
         loop {
             let sign = if self.take("+") {
@@ -107,19 +107,19 @@ impl Reader<'_> {
         }
     }
 
-    fn product(&mut self) -> Result<Expr, Unread> {
+    fn product(&mut self) -> Result<Expr, ParseError> {
         let mut left = self.signed()?;
         loop {
             let sign = if self.take("**") {
-                return Err(Unread::Foreign("a power".into()));
+                return Err(ParseError::Foreign("a power".into()));
             } else if self.take("*") {
                 '*'
             } else if self.take("//") {
-                return Err(Unread::Foreign("a division that rounds".into()));
+                return Err(ParseError::Foreign("a division that rounds".into()));
             } else if self.take("/") {
                 '/'
             } else if self.take("%") {
-                return Err(Unread::Foreign("a remainder".into()));
+                return Err(ParseError::Foreign("a remainder".into()));
             } else {
                 return Ok(left);
             };
@@ -128,7 +128,7 @@ impl Reader<'_> {
         }
     }
 
-    fn signed(&mut self) -> Result<Expr, Unread> {
+    fn signed(&mut self) -> Result<Expr, ParseError> {
         if self.take("-") {
             self.operator()?;
             return self.deeper(|r| Ok(Expr::Negative(Box::new(r.signed()?))));
@@ -139,21 +139,21 @@ impl Reader<'_> {
         self.primary()
     }
 
-    fn primary(&mut self) -> Result<Expr, Unread> {
+    fn primary(&mut self) -> Result<Expr, ParseError> {
         if self.take("(") {
             let inner = self.deeper(Self::sum)?;
-            return if self.take(")") { Ok(inner) } else { Err(Unread::Bad("`)` is missing".into())) };
+            return if self.take(")") { Ok(inner) } else { Err(ParseError::Bad("`)` is missing".into())) };
         }
         let rest = self.rest;
         let Some(first) = rest.chars().next() else {
-            return Err(Unread::Bad("something is missing at its end".into()));
+            return Err(ParseError::Bad("something is missing at its end".into()));
         };
         if first.is_ascii_digit() || first == '.' {
             return self.number();
         }
         let part = |c: char| c.is_alphanumeric() || c == '_';
         if !part(first) {
-            return Err(Unread::Bad(format!("`{first}` does not fit")));
+            return Err(ParseError::Bad(format!("`{first}` does not fit")));
         }
         let word = rest.find(|c| !part(c)).unwrap_or(rest.len());
         let primed = word + rest[word..].find(|c| c != '\'').unwrap_or(rest.len() - word);
@@ -164,9 +164,9 @@ impl Reader<'_> {
         Ok(Expr::Name(rest[..primed].to_string()))
     }
 
-    fn call(&mut self, name: &str) -> Result<Expr, Unread> {
+    fn call(&mut self, name: &str) -> Result<Expr, ParseError> {
         let Some((_, ours, count)) = FUNCTIONS.iter().find(|(theirs, ..)| *theirs == name) else {
-            return Err(Unread::Foreign(format!("the function `{name}`")));
+            return Err(ParseError::Foreign(format!("the function `{name}`")));
         };
         let mut arguments = Vec::new();
         loop {
@@ -177,16 +177,16 @@ impl Reader<'_> {
             }
         }
         if !self.take(")") {
-            return Err(Unread::Bad("`)` is missing".into()));
+            return Err(ParseError::Bad("`)` is missing".into()));
         }
         if arguments.len() != *count {
-            return Err(Unread::Foreign(format!("`{name}` of {} arguments", arguments.len())));
+            return Err(ParseError::Foreign(format!("`{name}` of {} arguments", arguments.len())));
         }
         Ok(Expr::Call(ours, arguments))
     }
 
     /// A number, with an exponent written out.
-    fn number(&mut self) -> Result<Expr, Unread> {
+    fn number(&mut self) -> Result<Expr, ParseError> {
         let rest = self.rest;
         let mut end = rest.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(rest.len());
         if let Some(exponent) = rest[end..].strip_prefix(['e', 'E']) {
@@ -202,10 +202,10 @@ impl Reader<'_> {
         let written = match text.parse::<f64>() {
             _ if plain => text.to_string(),
             Ok(value) if value.is_finite() => value.to_string(),
-            _ => return Err(Unread::Bad(format!("`{text}` is no number"))),
+            _ => return Err(ParseError::Bad(format!("`{text}` is no number"))),
         };
         if written.len() > MAX_WORD {
-            return Err(Unread::Foreign("a number with too many digits".into()));
+            return Err(ParseError::Foreign("a number with too many digits".into()));
         }
         Ok(Expr::Number(written))
     }
@@ -231,7 +231,7 @@ impl Expr {
         }
     }
 
-    /// This less another one; a number where both are numbers.
+    /// The difference of two expressions; a number if both are numbers.
     pub fn minus(self, other: Expr) -> Expr {
         match (self.constant(), other.constant()) {
             (_, Some(0.0)) => self,
@@ -241,10 +241,9 @@ impl Expr {
         }
     }
 
-    /// Calls `f` with every name in it, from left to right, and puts what it gives in its place.
+    /// Replaces every name by the result of `f`, from left to right.
     ///
-    /// # Errors
-    /// The first one that `f` gives.
+    /// The first error of `f`.
     pub fn renamed<E>(self, f: &mut impl FnMut(String) -> Result<String, E>) -> Result<Expr, E> {
         Ok(match self {
             Expr::Number(n) => Expr::Number(n),
@@ -257,7 +256,7 @@ impl Expr {
         })
     }
 
-    /// Calls `f` with every part of it.
+    /// Calls `f` with every subexpression.
     pub fn visit(&self, f: &mut impl FnMut(&Expr)) {
         f(self);
         match self {
@@ -295,7 +294,7 @@ impl Expr {
     }
 }
 
-/// How tight an operator binds.
+/// The precedence of an operator.
 fn strength(op: char) -> u8 {
     if matches!(op, '*' | '/') { 2 } else { 1 }
 }
@@ -329,10 +328,10 @@ mod tests {
     fn what_is_no_expression_is_told_of() {
         let why = |expression: &str| read(expression, |_| false).unwrap_err();
         for bad in ["", "(", "a b", "1..2", "a +", "#", "f", "a'(2)"].iter().filter(|b| **b != "f") {
-            assert!(matches!(why(bad), Unread::Bad(_)), "{bad}");
+            assert!(matches!(why(bad), ParseError::Bad(_)), "{bad}");
         }
         for foreign in ["a**2", "a % 2", "a // 2", "exp(2)", "min(1)", &"(".repeat(40), &"-".repeat(40)] {
-            assert!(matches!(why(foreign), Unread::Foreign(_)), "{foreign}");
+            assert!(matches!(why(foreign), ParseError::Foreign(_)), "{foreign}");
         }
     }
 }

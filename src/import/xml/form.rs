@@ -1,20 +1,20 @@
-//! The form of an entity file: which elements are where, with which attributes. What does not fit is reported here,
-//! once; later stages pass over it.
+//! The schema of an entity file: the elements and their attributes. Violations are reported here, once; later stages
+//! skip them.
 
 use super::read::Element;
 use crate::diagnostic::catalogue::import::{BadForm, Misfit};
 use crate::diagnostic::{Diagnostics, similar};
 
-/// What an element may hold.
+/// The allowed contents of an element.
 struct Form {
     name: &'static str,
     required: &'static [&'static str],
     optional: &'static [&'static str],
-    /// Elements that may be in it any number of times.
+    /// Children that may occur any number of times.
     many: &'static [&'static str],
-    /// Elements that may be in it once.
+    /// Children that may occur once.
     once: &'static [&'static str],
-    /// Elements that must be in it.
+    /// Children that must occur.
     needed: &'static [&'static str],
 }
 
@@ -77,24 +77,24 @@ const FORMS: &[Form] = &[
     Form { name: "release", optional: &["hold", "acc", "level"], ..NONE },
 ];
 
-/// Whether an element is one that a condition is made of.
+/// Whether an element is part of a condition.
 pub(super) fn is_guard(name: &str) -> bool {
     GUARDS.contains(&name)
 }
 
-/// Tells of all that does not fit. Returns whether the file is an entity at all.
+/// Reports all violations. Returns whether the file is an entity at all.
 pub(super) fn check(root: Element<'_, '_>, diagnostics: &mut Diagnostics) -> bool {
     if root.name() != "automaton" {
         let misfit = Misfit::Root { name: root.name().to_string() };
         diagnostics.report(BadForm { misfit, at: root.tag() });
         return false;
     }
-    // Elements nest no deeper than `read` lets them.
+    // `read` limits the nesting of elements.
     element(root, diagnostics);
     root.value("name").is_some()
 }
 
-/// Whether all that makes up a statement is there, and nothing else: nothing of it counts if a part of it is not known.
+/// Whether a statement is complete and has no unknown parts: otherwise all of it is ignored.
 pub(super) fn fits(e: Element<'_, '_>) -> bool {
     let Some(form) = FORMS.iter().find(|f| f.name == e.name()) else { return false };
     let known = |name: &str| form.many.iter().chain(form.once).any(|k| *k == name);

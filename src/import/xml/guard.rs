@@ -1,4 +1,4 @@
-//! Conditions: from their elements to the text of a guard, as short as it can be said.
+//! Conditions: from their elements to the shortest text of a guard.
 
 use super::expression::Expr;
 use super::form::is_guard;
@@ -11,43 +11,43 @@ use crate::diagnostic::catalogue::import::{BadForm, Misfit};
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Guard {
     Constant(bool),
-    /// Something that is asked: `held(jump)`.
+    /// A predicate: `held(jump)`.
     Atom(String),
-    /// Two values and the sign between them.
+    /// A comparison: two values and the operator.
     Compare(Expr, &'static str, Expr),
     Not(Box<Guard>),
     All(Vec<Guard>),
     Any(Vec<Guard>),
 }
 
-/// What asks.
+/// The owner of a condition.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Asker {
-    /// Something in this mode.
+pub(super) enum GuardContext {
+    /// A member of this mode.
     Mode(usize),
     /// A collider, which knows neither inputs nor contacts nor timers.
     Collider,
 }
 
-/// The comparisons by their names there, and their opposites.
+/// The comparisons by their names in the file, and their negations.
 const COMPARISONS: &[(&str, &str, &str)] =
     &[("=", "==", "!="), ("==", "==", "!="), ("!=", "!=", "=="), ("<", "<", ">="), ("<=", "<=", ">")];
 const GREATER: &[(&str, &str, &str)] = &[(">", ">", "<="), (">=", ">=", "<")];
 
-/// The condition of an element that may have a `<guard>`: without one it always holds. None if it cannot be carried
-/// over, which is reported.
-pub(super) fn of(owner: Element<'_, '_>, asker: Asker, scope: &mut Scope<'_, '_, '_>) -> Option<Guard> {
+/// The condition of an element with an optional `<guard>`: without one it always holds. None if it cannot be imported,
+/// which is reported.
+pub(super) fn of(owner: Element<'_, '_>, context: GuardContext, scope: &mut Scope<'_, '_, '_>) -> Option<Guard> {
     match owner.first("guard") {
-        Some(guard) => condition(guard, asker, scope),
+        Some(guard) => condition(guard, context, scope),
         None => Some(Guard::Constant(true)),
     }
 }
 
-fn condition(e: Element<'_, '_>, asker: Asker, scope: &mut Scope<'_, '_, '_>) -> Option<Guard> {
+fn condition(e: Element<'_, '_>, context: GuardContext, scope: &mut Scope<'_, '_, '_>) -> Option<Guard> {
     match e.name() {
-        "guard" | "and" => Some(all(parts(e, asker, scope)?)),
-        "or" => Some(any(parts(e, asker, scope)?)),
-        "not" => Some(not(all(parts(e, asker, scope)?))),
+        "guard" | "and" => Some(all(parts(e, context, scope)?)),
+        "or" => Some(any(parts(e, context, scope)?)),
+        "not" => Some(not(all(parts(e, context, scope)?))),
         "true" => Some(Guard::Constant(true)),
         "false" => Some(Guard::Constant(false)),
         "compare" => {
@@ -58,31 +58,31 @@ fn condition(e: Element<'_, '_>, asker: Asker, scope: &mut Scope<'_, '_, '_>) ->
             Some(Guard::Compare(left?, sign?, right?))
         }
         "in_mode" => {
-            let from = if let Asker::Mode(mode) = asker { Some(mode) } else { None };
+            let from = if let GuardContext::Mode(mode) = context { Some(mode) } else { None };
             let mode = scope.modes.find(e.value("mode")?, from, scope.diagnostics)?;
             Some(Guard::Atom(format!("in {}", scope.modes.reference(mode))))
         }
-        "button" => button(e, asker, scope),
+        "button" => button(e, context, scope),
         "timer" => {
             let limit = scope.expression(e.value("limit")?)?;
-            scope.known_to(asker, e, "a timer")?;
+            scope.known_to(context, e, "a timer")?;
             Some(Guard::Compare(Expr::Name("timer".into()), ">=", limit))
         }
-        "colliding" => colliding(e, asker, scope),
-        "joint_transition" => joint_transition(e, asker, scope),
+        "colliding" => colliding(e, context, scope),
+        "joint_transition" => joint_transition(e, context, scope),
         // `form` has reported it.
         _ => None,
     }
 }
 
 /// The conditions in an element.
-fn parts(e: Element<'_, '_>, asker: Asker, scope: &mut Scope<'_, '_, '_>) -> Option<Vec<Guard>> {
-    // All are examined, so that all mistakes are reported.
-    let parts: Vec<Option<Guard>> = e.children().map(|c| condition(c, asker, scope)).collect();
+fn parts(e: Element<'_, '_>, context: GuardContext, scope: &mut Scope<'_, '_, '_>) -> Option<Vec<Guard>> {
+    // All are visited, so that all mistakes are reported.
+    let parts: Vec<Option<Guard>> = e.children().map(|c| condition(c, context, scope)).collect();
     if e.children().all(|c| is_guard(c.name())) { parts.into_iter().collect() } else { None }
 }
 
-/// What a word stands for; tells of it if it is none.
+/// The meaning of a keyword; reports an unknown one.
 fn word<T>(
     value: Value<'_>,
     known: &'static [&'static str],
@@ -97,14 +97,14 @@ fn word<T>(
     found
 }
 
-fn button(e: Element<'_, '_>, asker: Asker, scope: &mut Scope<'_, '_, '_>) -> Option<Guard> {
+fn button(e: Element<'_, '_>, context: GuardContext, scope: &mut Scope<'_, '_, '_>) -> Option<Guard> {
     const STATES: &[&str] = &["on", "off", "pressed", "released"];
     let (name, status) = (e.value("name")?, e.value("status")?);
     let status = word(status, STATES, scope, |s| STATES.iter().copied().find(|known| *known == s))?;
-    scope.known_to(asker, e, "a button")?;
+    scope.known_to(context, e, "a button")?;
     scope.player(e);
-    // Where the entity also reads the axis that the button is an end of, the button is asked through the axis: with us
-    // an input that is both would be the button alone.
+    // If the entity also reads the axis that the button is an end of, the query uses the axis: here, an input that is
+    // both would be the button alone.
     if let Some((axis, sign)) = scope.end_of_axis(name.text) {
         let (axis, zero) = (Expr::Name(axis.into()), Expr::whole(0));
         return match (status, sign) {
@@ -125,7 +125,7 @@ fn button(e: Element<'_, '_>, asker: Asker, scope: &mut Scope<'_, '_, '_>) -> Op
     })
 }
 
-fn colliding(e: Element<'_, '_>, asker: Asker, scope: &mut Scope<'_, '_, '_>) -> Option<Guard> {
+fn colliding(e: Element<'_, '_>, context: GuardContext, scope: &mut Scope<'_, '_, '_>) -> Option<Guard> {
     let side = match e.value("normal") {
         Some(normal) => Some(word(normal, &["top", "bottom", "left", "right"], scope, |n| {
             let sides = [("top", "above"), ("bottom", "below"), ("left", "left"), ("right", "right")];
@@ -133,7 +133,7 @@ fn colliding(e: Element<'_, '_>, asker: Asker, scope: &mut Scope<'_, '_, '_>) ->
         })?),
         None => None,
     };
-    scope.known_to(asker, e, "a contact")?;
+    scope.known_to(context, e, "a contact")?;
     let Some(other) = e.value("othertype") else {
         let help = "name what is touched: `othertype=\"…\"`; several are an `<or>`";
         scope.cannot("a contact with whatever it is".into(), "it names no `othertype`", e.tag(), help);
@@ -153,8 +153,8 @@ fn colliding(e: Element<'_, '_>, asker: Asker, scope: &mut Scope<'_, '_, '_>) ->
     Some(Guard::Atom(format!("touching({})", words.join(", "))))
 }
 
-fn joint_transition(e: Element<'_, '_>, asker: Asker, scope: &mut Scope<'_, '_, '_>) -> Option<Guard> {
-    scope.known_to(asker, e, "a joint transition")?;
+fn joint_transition(e: Element<'_, '_>, context: GuardContext, scope: &mut Scope<'_, '_, '_>) -> Option<Guard> {
+    scope.known_to(context, e, "a joint transition")?;
     let function = match e.value("direction") {
         None => "entering",
         Some(direction) => word(direction, &["enter", "exit"], scope, |d| match d {
@@ -163,7 +163,7 @@ fn joint_transition(e: Element<'_, '_>, asker: Asker, scope: &mut Scope<'_, '_, 
             _ => None,
         })?,
     };
-    let Asker::Mode(from) = asker else { return None };
+    let GuardContext::Mode(from) = context else { return None };
     let mode = scope.modes.find(e.value("mode")?, Some(from), scope.diagnostics)?;
     let root = |id: usize| scope.modes.all.get(id).map(|m| m.root);
     if root(mode) == root(from) {
@@ -174,7 +174,7 @@ fn joint_transition(e: Element<'_, '_>, asker: Asker, scope: &mut Scope<'_, '_, 
     Some(Guard::Atom(format!("{function}({})", scope.modes.reference(mode))))
 }
 
-/// All of some conditions.
+/// The conjunction of some conditions.
 fn all(parts: Vec<Guard>) -> Guard {
     let mut flat = Vec::new();
     for part in parts {
@@ -187,7 +187,7 @@ fn all(parts: Vec<Guard>) -> Guard {
     single(flat, true, Guard::All)
 }
 
-/// Any of some conditions.
+/// The disjunction of some conditions.
 fn any(parts: Vec<Guard>) -> Guard {
     let mut flat = Vec::new();
     for part in parts {
@@ -208,7 +208,7 @@ fn single(mut parts: Vec<Guard>, of_none: bool, of_many: fn(Vec<Guard>) -> Guard
     }
 }
 
-/// The opposite.
+/// The negation.
 fn not(guard: Guard) -> Guard {
     match guard {
         Guard::Constant(value) => Guard::Constant(!value),
@@ -227,7 +227,7 @@ impl Guard {
         self.tighter(0)
     }
 
-    /// Its text where something is around it that binds so tight: 1 `or`, 2 `and`, 3 `not`.
+    /// Its text inside an operator of a precedence: 1 `or`, 2 `and`, 3 `not`.
     fn tighter(&self, around: u8) -> String {
         let joined = |parts: &[Guard], own: u8, word: &str| {
             let text = parts.iter().map(|p| p.tighter(own)).collect::<Vec<_>>().join(word);
@@ -243,12 +243,12 @@ impl Guard {
         }
     }
 
-    /// ` when GUARD`; nothing if it always holds.
+    /// ` when GUARD`; empty if it always holds.
     pub fn when(&self) -> String {
         if *self == Guard::Constant(true) { String::new() } else { format!(" when {}", self.text()) }
     }
 
-    /// The least value that something has while this holds, where a part of it says so.
+    /// The lower bound of a value while this holds, if a part of it implies one.
     pub fn least(&self, name: &str) -> Option<f64> {
         match self {
             Guard::Compare(Expr::Name(found), sign, limit) if found == name => match (*sign, limit.constant()?) {

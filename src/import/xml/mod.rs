@@ -1,5 +1,5 @@
-//! Entity definitions of the 2017 HyPED system (XML) as `.hyped` text. What they mean there is followed, not what they
-//! look like: what that system ignores is left out, and reported.
+//! Importer of entity definitions of the 2017 HyPED system (XML). It preserves their semantics, not their appearance:
+//! parts that that system ignores are omitted, and reported.
 //!
 //! ```text
 //!  text ──read──▶ elements ──form──▶ known elements ──modes, names──▶ scope ──guard, expression──▶ members ──write──▶ text
@@ -10,8 +10,8 @@
 //!   An entity's only group vanishes, too, if its name is the entity's.
 //! - Rectangles hang from their upper-left corner there and from the lower-left one here: `y - h`.
 //! - Members are in the usual order, for none of them depends on it: flows, `follow links`, envelopes, edges, modes.
-//! - Comments go with what they are at. Markup that was commented out goes.
-//! - What cannot be carried over is left out as a whole statement, never in part, and a comment says so.
+//! - Comments stay with their subject. Markup that was commented out is dropped.
+//! - A part that cannot be imported is omitted as a whole statement, never in part, and a comment says so.
 
 mod discrete;
 mod entity;
@@ -32,11 +32,11 @@ use crate::diagnostic::catalogue::import::NotCarriedOver;
 use crate::format::format;
 use crate::source::{FileId, Span};
 
-/// The names of entities that are in one program.
+/// The names of the entities of one program.
 #[derive(Default)]
 pub struct Entities(names::Names);
 
-/// The entity that an XML text describes, to be put beside others; its name is added to theirs.
+/// Imports the entity of an XML text into a program with the entities `beside`; adds its name to theirs.
 pub fn import(file: FileId, text: &str, beside: &mut Entities) -> Import {
     let mut diagnostics = Diagnostics::new();
     let document = match read::document(file, text) {
@@ -54,7 +54,7 @@ pub fn import(file: FileId, text: &str, beside: &mut Entities) -> Import {
     Import { text, diagnostics }
 }
 
-/// The canonical layout of a text; none where the language has no room for it.
+/// The canonical layout of a text; none if it exceeds a limit of the language.
 fn laid_out(root: Span, text: &str, diagnostics: &mut Diagnostics) -> Option<String> {
     let laid_out = format(FileId(0), text);
     if laid_out.is_err() {

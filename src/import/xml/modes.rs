@@ -1,4 +1,4 @@
-//! The tree of modes: what each is called there and here, and which one a reference means.
+//! The tree of modes: the names of each in the file and here, and the resolution of references.
 
 use super::names::Names;
 use super::read::{Element, Value};
@@ -8,20 +8,20 @@ use crate::diagnostic::{Diagnostics, similar};
 /// A mode.
 pub(super) struct Mode<'a, 't> {
     pub element: Element<'a, 't>,
-    /// The names of groups and modes from the root to it, one after the other.
+    /// The names of groups and modes from the root to it, in the file.
     there: Vec<&'a str>,
-    /// Its path with us.
+    /// Its path here.
     here: Vec<String>,
     /// The mode around it.
     pub parent: Option<usize>,
     /// The root group it is in.
     pub root: usize,
-    /// The group of the modes inside of it, and those.
+    /// The group of its inner modes, and these modes.
     pub inner: Option<(Element<'a, 't>, Vec<usize>)>,
 }
 
 impl Mode<'_, '_> {
-    /// Its name with us.
+    /// Its name here.
     pub fn name(&self) -> &str {
         self.here.last().map_or("", String::as_str)
     }
@@ -30,7 +30,7 @@ impl Mode<'_, '_> {
 /// A root group.
 pub(super) struct Root<'a, 't> {
     pub element: Element<'a, 't>,
-    /// Its name with us; none if its modes are in the entity.
+    /// Its name here; none if its modes are directly in the entity.
     pub name: Option<String>,
     pub modes: Vec<usize>,
 }
@@ -64,7 +64,7 @@ impl<'a, 't> Modes<'a, 't> {
         modes
     }
 
-    /// Keeps the only group after all if without it a mode's path would fit a deeper mode, too.
+    /// Keeps the only group if without it a mode's path would also match a deeper mode.
     fn name_apart(&mut self, owner: &str, names: &mut Names, diagnostics: &mut Diagnostics) {
         let [root] = self.roots.as_mut_slice() else { return };
         let fits_many = |mode: &Mode<'_, '_>| self.all.iter().filter(|m| m.here.ends_with(&mode.here)).count() > 1;
@@ -77,7 +77,7 @@ impl<'a, 't> Modes<'a, 't> {
         root.name = Some(name);
     }
 
-    /// Adds the modes of a group. Elements nest no deeper than they are read, so neither does this.
+    /// Adds the modes of a group. The nesting of elements bounds the recursion.
     fn group(
         &mut self,
         group: Element<'a, 't>,
@@ -122,8 +122,8 @@ impl<'a, 't> Modes<'a, 't> {
         inside
     }
 
-    /// The mode that a reference means: of several, one of the group of the mode that refers to it, then one inside of
-    /// that mode, then one of its root group.
+    /// The mode of a reference: of several, one in the group of the referring mode, then one inside that mode, then one
+    /// in its root group.
     pub fn find(&self, reference: Value<'_>, from: Option<usize>, diagnostics: &mut Diagnostics) -> Option<usize> {
         let words: Vec<&str> = reference.text.split('.').collect();
         let fits = |mode: &Mode<'_, '_>| {
@@ -160,7 +160,7 @@ impl<'a, 't> Modes<'a, 't> {
         nearest
     }
 
-    /// How a mode is referred to: by as few names as tell it from all others.
+    /// The shortest unambiguous reference to a mode.
     pub fn reference(&self, target: usize) -> String {
         let Some(mode) = self.all.get(target) else { return String::new() };
         let mut ends = (0..mode.here.len()).rev().map(|from| &mode.here[from..]);

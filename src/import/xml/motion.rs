@@ -1,14 +1,14 @@
-//! What a mode does: flows, envelopes, edges, links that are followed.
+//! The members of a mode: flows, envelopes, edges, followed links.
 
 use super::discrete::kept;
-use super::guard::{self, Asker, Guard};
+use super::guard::{self, Guard, GuardContext};
 use super::read::{Element, Value};
 use super::scope::{AXES, Kind, Scope};
 use super::write::Statement;
 use crate::diagnostic::catalogue::import::{BadForm, Misfit};
 use crate::format::WIDTH;
 
-/// The variable that a name with primes belongs to.
+/// The variable of a name with primes.
 fn base(variable: &str) -> &str {
     variable.trim_end_matches('\'')
 }
@@ -18,7 +18,7 @@ fn driven<'a>(envelope: Element<'a, '_>) -> Vec<&'a str> {
     envelope.all("control").filter_map(|c| c.value("var")).map(|v| base(v.text)).collect()
 }
 
-/// A flow among all elements of its mode; none if it has no effect or cannot be carried over, which is reported.
+/// A flow of a mode; none if it has no effect or cannot be imported, which is reported.
 pub(super) fn flow(e: Element<'_, '_>, mode: Element<'_, '_>, scope: &mut Scope<'_, '_, '_>) -> Option<Statement> {
     let (var, value) = (e.value("var")?, e.value("value")?);
     if mode.all("envelope").any(|envelope| driven(envelope).contains(&base(var.text))) {
@@ -40,7 +40,7 @@ pub(super) fn flow(e: Element<'_, '_>, mode: Element<'_, '_>, scope: &mut Scope<
     Some(Statement::new(format!("{} = {}", var?, value?.text())))
 }
 
-/// An envelope among all elements of its mode.
+/// An envelope of a mode.
 pub(super) fn envelope(
     e: Element<'_, '_>,
     (mode, id): (Element<'_, '_>, usize),
@@ -57,18 +57,18 @@ pub(super) fn envelope(
         }
         return None;
     }
-    let ways = e.value("ways")?;
-    let count = match ways.text.parse::<u32>() {
+    let links = e.value("ways")?;
+    let count = match links.text.parse::<u32>() {
         Ok(2) => 1,
         Ok(3..=64) => 2,
         Ok(_) => {
             let help = "an envelope has two ways, or from three to 64";
-            scope.cannot(format!("an envelope with `ways=\"{}\"`", ways.text), "not possible here", ways.at, help);
+            scope.cannot(format!("an envelope with `ways=\"{}\"`", links.text), "not possible here", links.at, help);
             return None;
         }
         Err(_) => {
             let misfit = Misfit::Expression { why: "a whole number is needed".into() };
-            scope.diagnostics.report(BadForm { misfit, at: ways.at });
+            scope.diagnostics.report(BadForm { misfit, at: links.at });
             return None;
         }
     };
@@ -89,7 +89,7 @@ pub(super) fn envelope(
         scope.cannot("an envelope of one variable by two axes".into(), "driven twice", e.tag(), "give each its own");
         return None;
     }
-    let while_driven = guard::of(e, Asker::Mode(id), scope);
+    let while_driven = guard::of(e, GuardContext::Mode(id), scope);
     let attack = scope.expression(e.first("attack")?.value("acc")?);
     let sustain = scope.expression(e.first("sustain")?.value("level")?);
     let mut parts = vec![format!("attack accel {}", attack?.text()), format!("sustain {}", sustain?.text())];
@@ -103,12 +103,12 @@ pub(super) fn envelope(
     }
     let list = |names: &[String]| if names.len() == 1 { names.concat() } else { format!("({})", names.join(", ")) };
     let directions =
-        if count == 2 { format!(" directions {}", ways.text.trim_start_matches(['+', '0'])) } else { String::new() };
+        if count == 2 { format!(" directions {}", links.text.trim_start_matches(['+', '0'])) } else { String::new() };
     let header = format!("envelope {} by {}{directions}", list(&variables), list(&inputs));
     Some(Statement::block(header, parts.into_iter().map(Statement::new).collect()))
 }
 
-/// As many elements as an envelope needs of a kind; tells of too few and of too many.
+/// The elements of a kind in an envelope; reports a wrong number.
 fn of_count<'a, 't>(
     e: Element<'a, 't>,
     name: &'static str,
@@ -135,7 +135,7 @@ fn axis_name(name: Value<'_>, scope: &mut Scope<'_, '_, '_>) -> Option<String> {
     Some(AXES.get(index?)?.to_string())
 }
 
-/// The part about the release; nothing where it is what it is by itself: at once, to 0.
+/// The release part of an envelope; empty if it is the default: at once, to 0.
 fn release(e: Element<'_, '_>, scope: &mut Scope<'_, '_, '_>) -> Option<Option<String>> {
     let Some(release) = e.first("release") else { return Some(None) };
     if release.value("hold").is_some() {
@@ -156,7 +156,7 @@ fn release(e: Element<'_, '_>, scope: &mut Scope<'_, '_, '_>) -> Option<Option<S
 
 /// An edge of a mode.
 pub(super) fn edge(e: Element<'_, '_>, mode: usize, scope: &mut Scope<'_, '_, '_>) -> Option<Statement> {
-    let guard = guard::of(e, Asker::Mode(mode), scope);
+    let guard = guard::of(e, GuardContext::Mode(mode), scope);
     let updates = guard.as_ref().map(|guard| updates(e, guard, scope));
     let target = e.value("target")?;
     let to = scope.modes.find(target, Some(mode), scope.diagnostics)?;
@@ -170,9 +170,9 @@ pub(super) fn edge(e: Element<'_, '_>, mode: usize, scope: &mut Scope<'_, '_, '_
     Some(with_updates(header, updates??))
 }
 
-/// The way through links that is open in a mode.
+/// The `follow links` of a mode.
 pub(super) fn follow(e: Element<'_, '_>, mode: usize, scope: &mut Scope<'_, '_, '_>) -> Option<Statement> {
-    let guard = guard::of(e, Asker::Mode(mode), scope)?;
+    let guard = guard::of(e, GuardContext::Mode(mode), scope)?;
     let updates = updates(e, &guard, scope)?;
     Some(with_updates(format!("follow links{}", guard.when()), updates))
 }

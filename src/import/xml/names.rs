@@ -1,4 +1,4 @@
-//! Names: what there may be any text is here a name of the language, and no two things of a kind have the same one.
+//! Names: arbitrary texts in the file become names of the language, unique for each kind of declaration.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,7 +9,7 @@ use crate::diagnostic::catalogue::import::Renamed;
 use crate::source::Span;
 use crate::syntax::{MAX_WORD, is_name, is_reserved};
 
-/// A name that is as near to a text as a name can be.
+/// The name most similar to a text.
 fn near(text: &str) -> String {
     let mut name: String = text.chars().map(|c| if XID_CONTINUE(c) { c } else { '_' }).collect();
     if !name.starts_with(|c| XID_START(c) || c == '_') {
@@ -24,21 +24,21 @@ fn near(text: &str) -> String {
     name
 }
 
-/// Names of one kind that are given out, each once.
+/// The used names of one kind, each once.
 #[derive(Default)]
 pub(super) struct Names {
     taken: BTreeSet<String>,
-    /// The number that was last put to a name.
+    /// The last number that was appended to each name.
     numbers: BTreeMap<String, usize>,
 }
 
 impl Names {
-    /// Names of which some are not to be given out.
+    /// A set of names that reserves some.
     pub fn without(taken: &[&str]) -> Self {
         Names { taken: taken.iter().map(|name| (*name).to_string()).collect(), numbers: BTreeMap::new() }
     }
 
-    /// The name for what is called `text` there and declared at `at`; tells of it if it is another one.
+    /// The name for a declaration called `text` in the file; reports it if it differs.
     pub fn give(&mut self, kind: &'static str, text: &str, at: Span, diagnostics: &mut Diagnostics) -> String {
         let name = self.unused(near(text));
         if name != text {
@@ -54,7 +54,7 @@ impl Names {
         name
     }
 
-    /// A name, with a number if it is taken; it then is.
+    /// A name, with a number if it is taken; marks it as taken.
     fn unused(&mut self, name: String) -> String {
         if self.taken.insert(name.clone()) {
             return name;
@@ -70,7 +70,7 @@ impl Names {
     }
 }
 
-/// The name of an entity: the words of its name there with capitals, `plat_h` as `PlatH`.
+/// The name of an entity: capitalised words, `plat_h` as `PlatH`.
 pub(super) fn entity(text: &str, at: Span, taken: &mut Names, diagnostics: &mut Diagnostics) -> String {
     let words = text.split(|c: char| c == '_' || !XID_CONTINUE(c)).filter(|word| !word.is_empty());
     let capital = |word: &str| {
@@ -86,7 +86,7 @@ pub(super) fn entity(text: &str, at: Span, taken: &mut Names, diagnostics: &mut 
     given
 }
 
-/// A tag as it is written: in quotes if it is no name; none if it cannot be written at all.
+/// A tag as source text: in quotes if it is no name; none if it cannot be written.
 pub(super) fn tag(text: &str) -> Option<String> {
     if is_name(text) {
         return Some(text.to_string());

@@ -1,5 +1,6 @@
-//! Comments, and what each of them is at: on the line of a tag, it is about that; deeper than the element before it,
-//! about that one; before all elements, with a blank line after it, about what holds them; else about the element after it.
+//! Comments and their subjects: a comment on the line of a tag is about that tag; one that is deeper than the element
+//! before it, about that element; one before all elements, with a blank line after it, about the parent; any other
+//! about the element after it.
 
 use roxmltree::Node;
 
@@ -7,19 +8,19 @@ use super::read::Element;
 
 /// The elements in another one, with their comments.
 pub(super) struct Notes<'a, 't> {
-    /// On the line on which the element opens, or apart at its beginning.
+    /// Comments on the line of the opening tag, or separate ones at the beginning.
     pub opening: Vec<String>,
     pub children: Vec<Noted<'a, 't>>,
-    /// After the last element.
+    /// Comments after the last element.
     pub closing: Vec<String>,
 }
 
 /// An element with its comments.
 pub(super) struct Noted<'a, 't> {
     pub element: Element<'a, 't>,
-    /// Those before it.
+    /// Comments before it.
     pub above: Vec<String>,
-    /// Those on its last line.
+    /// Comments on its last line.
     pub beside: Vec<String>,
 }
 
@@ -27,7 +28,7 @@ pub(super) struct Noted<'a, 't> {
 pub(super) fn notes<'a, 't>(e: Element<'a, 't>) -> Notes<'a, 't> {
     let text = e.node.document().input_text();
     let mut notes = Notes { opening: Vec::new(), children: Vec::new(), closing: Vec::new() };
-    // Whether a line ended since the last element, or since the tag that opens.
+    // Whether a line ended since the last element or the opening tag.
     let mut same_line = true;
     let mut waiting: Vec<String> = Vec::new();
     for node in e.node.children() {
@@ -47,7 +48,7 @@ pub(super) fn notes<'a, 't>(e: Element<'a, 't>) -> Notes<'a, 't> {
         } else {
             let breaks = text.get(node.range()).map_or(0, |t| t.matches('\n').count());
             same_line &= breaks == 0;
-            // What is apart from all that follows is about the whole.
+            // A comment separate from everything after it is about the whole.
             if breaks > 1 && notes.children.is_empty() {
                 notes.opening.append(&mut waiting);
             }
@@ -62,14 +63,15 @@ pub(super) fn inside(e: Element<'_, '_>) -> Vec<String> {
     e.node.descendants().filter(Node::is_comment).flat_map(lines).collect()
 }
 
-/// How far a node is indented; none if something is before it on its line.
+/// The indentation of a node; none if it is not the first on its line.
 fn indent(text: &str, node: Node<'_, '_>) -> Option<usize> {
     let before = text.get(..node.range().start)?;
     let line = &before[before.rfind('\n').map_or(0, |at| at + 1)..];
     line.trim().is_empty().then(|| line.chars().count())
 }
 
-/// The lines of a comment, without marks of other languages at its beginning. Markup that was commented out has none.
+/// The lines of a comment, without comment marks of other languages at its beginning. Markup that was commented out has
+/// none.
 fn lines(node: Node<'_, '_>) -> Vec<String> {
     let text = node.text().unwrap_or_default().trim();
     if text.starts_with('<') && text.ends_with('>') {

@@ -1,26 +1,25 @@
-//! XML text as elements with places. What would take long to read, or nest without end, is refused before anything
-//! looks at it: document types (and with them entities), crowds of attributes, deep nesting.
+//! XML text as elements with places. Input that is expensive to parse is rejected first: document types (and with them
+//! entities), very many attributes, deep nesting.
 
 use roxmltree::{Document, Error, Node, ParsingOptions};
 
 use crate::diagnostic::catalogue::import::NotWellFormed;
 use crate::source::{FileId, Span};
 
-/// The largest text that is read, in bytes; entity definitions have a few thousand.
+/// Maximum size of a text, in bytes; entity definitions have a few thousand.
 const MAX_BYTES: usize = 1 << 20;
-/// How many elements, comments and texts between them are read.
+/// Maximum number of elements, comments and texts.
 const MAX_NODES: u32 = 10_000;
-/// How deep elements may nest.
+/// Maximum nesting depth of elements.
 const MAX_DEPTH: u32 = 64;
-/// How many attributes a tag may have: the parser compares each with each.
+/// Maximum number of attributes of a tag: the parser compares each pair.
 const MAX_ATTRIBUTES: usize = 64;
-/// How many namespaces may be declared: each is copied to all elements inside.
+/// Maximum number of namespaces: each is copied to all inner elements.
 const MAX_NAMESPACES: usize = 16;
 
-/// Reads a document.
+/// Parses a document.
 ///
-/// # Errors
-/// Why it is none, and where.
+/// The syntax error or the exceeded limit, and its place.
 pub(super) fn document(file: FileId, text: &str) -> Result<Document<'_>, NotWellFormed> {
     let refused = |at: std::ops::Range<usize>, what: String, help: &str| NotWellFormed {
         what,
@@ -31,7 +30,7 @@ pub(super) fn document(file: FileId, text: &str) -> Result<Document<'_>, NotWell
         let what = format!("the file is too large: {} KiB, at most {} KiB are read", text.len() >> 10, MAX_BYTES >> 10);
         return Err(refused(0..0, what, "a file holds one entity"));
     }
-    if let Some(at) = crowded_tag(text) {
+    if let Some(at) = tag_with_too_many_attributes(text) {
         let what = format!("a tag has more than {MAX_ATTRIBUTES} attributes");
         return Err(refused(at..at + 1, what, "no element of an entity has more than three"));
     }
@@ -44,7 +43,7 @@ pub(super) fn document(file: FileId, text: &str) -> Result<Document<'_>, NotWell
             .map_err(|error| not_well_formed(file, text, &error))?;
     let mut depths: Vec<u32> = Vec::new();
     for node in document.descendants() {
-        // A parent is before what it holds.
+        // Parents come before their children.
         let depth = node.parent().and_then(|p| depths.get(p.id().get_usize())).map_or(0, |d| d + 1);
         if depth > MAX_DEPTH {
             let start = node.range().start;
@@ -56,8 +55,8 @@ pub(super) fn document(file: FileId, text: &str) -> Result<Document<'_>, NotWell
     Ok(document)
 }
 
-/// Where a tag with too many attributes begins.
-fn crowded_tag(text: &str) -> Option<usize> {
+/// The place of the first tag with too many attributes.
+fn tag_with_too_many_attributes(text: &str) -> Option<usize> {
     let bytes = text.as_bytes();
     let mut at = 0;
     while let Some(start) = text.get(at..).and_then(|rest| rest.find('<')).map(|found| at + found) {
@@ -91,7 +90,7 @@ fn crowded_tag(text: &str) -> Option<usize> {
     None
 }
 
-/// What the parser found, in our words.
+/// The parser's error as a finding.
 fn not_well_formed(file: FileId, text: &str, error: &Error) -> NotWellFormed {
     let end = text.trim_end().len();
     let (start, what, help) = match error {
@@ -149,7 +148,7 @@ fn not_well_formed(file: FileId, text: &str, error: &Error) -> NotWellFormed {
             Some("a file holds one `<automaton>`".into()),
         ),
         other => {
-            // It says the place by numbers, too; ours is shown.
+            // Its text includes the position as numbers; the finding shows the place.
             let said = other.to_string();
             (None, said.strip_suffix(&format!(" at {}", other.pos())).unwrap_or(&said).to_string(), None)
         }
@@ -170,7 +169,7 @@ fn byte_at(text: &str, row: u32, column: u32) -> usize {
 #[derive(Clone, Copy)]
 pub(super) struct Element<'a, 't> {
     file: FileId,
-    /// As the parser has it.
+    /// The parser's node.
     pub node: Node<'a, 't>,
 }
 
@@ -192,12 +191,12 @@ impl<'a, 't> Element<'a, 't> {
         Element { node, ..self }
     }
 
-    /// Its name; of one in a namespace without the prefix.
+    /// Its name, without a namespace prefix.
     pub fn name(self) -> &'a str {
         self.node.tag_name().name()
     }
 
-    /// Where it begins: `<edge`.
+    /// The span of `<edge`.
     pub fn tag(self) -> Span {
         let start = self.node.range().start;
         let rest = self.node.document().input_text().get(start..).unwrap_or_default();
@@ -216,17 +215,17 @@ impl<'a, 't> Element<'a, 't> {
         Some(Value { text: attribute.value().trim(), at: self.span(attribute.range_value()) })
     }
 
-    /// The elements inside.
+    /// The child elements.
     pub fn children(self) -> impl Iterator<Item = Element<'a, 't>> {
         self.node.children().filter(Node::is_element).map(move |node| Element { file: self.file, node })
     }
 
-    /// The elements inside with a name.
+    /// The child elements with a name.
     pub fn all(self, name: &'static str) -> impl Iterator<Item = Element<'a, 't>> {
         self.children().filter(move |e| e.name() == name)
     }
 
-    /// The first element inside with a name.
+    /// The first child element with a name.
     pub fn first(self, name: &'static str) -> Option<Element<'a, 't>> {
         self.all(name).next()
     }

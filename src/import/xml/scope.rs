@@ -1,9 +1,9 @@
-//! What names stand for while an entity is carried over: its values, inputs and modes, and which of them are used.
+//! The symbol table of an import: values, inputs and modes of an entity, and their uses.
 
 use std::collections::BTreeMap;
 
-use super::expression::{self, Expr, Unread};
-use super::guard::Asker;
+use super::expression::{self, Expr, ParseError};
+use super::guard::GuardContext;
 use super::modes::Modes;
 use super::names::Names;
 use super::read::{Element, Value};
@@ -11,7 +11,7 @@ use crate::diagnostic::catalogue::import::{BadForm, LeftOut, Misfit, NotCarriedO
 use crate::diagnostic::{Diagnostics, similar};
 use crate::source::Span;
 
-/// What a value is with us.
+/// The kind of a value here.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Kind {
     Param,
@@ -28,7 +28,7 @@ pub(super) enum Kind {
 /// A parameter or variable.
 pub(super) struct Named {
     pub kind: Kind,
-    /// Its name with us, once it is used.
+    /// Its name here, once it is used.
     pub here: Option<String>,
     /// Where it is declared.
     pub at: Span,
@@ -38,25 +38,25 @@ pub(super) struct Named {
 pub(super) struct Scope<'a, 't, 'd> {
     pub diagnostics: &'d mut Diagnostics,
     pub modes: Modes<'a, 't>,
-    /// By their names there.
+    /// Values by their names in the file.
     pub values: BTreeMap<&'a str, Named>,
     value_names: Names,
-    /// The buttons in the order in which they are first asked: the name there, and here.
+    /// The buttons in the order of first use: the name in the file, and here.
     pub buttons: Vec<(String, String)>,
     button_names: Names,
     /// Whether `x` and `y` are read as axes.
     pub axes: [bool; 2],
     /// Whether a second player was reported.
-    players_told: bool,
-    /// Whether the last statement that was looked at has no effect there.
+    players_reported: bool,
+    /// Whether the last statement has no effect in the imported system.
     pub idle: bool,
 }
 
-/// The axes with us.
+/// The names of the axes here.
 pub(super) const AXES: [&str; 2] = ["horizontal", "vertical"];
 
 impl<'a, 't, 'd> Scope<'a, 't, 'd> {
-    /// The scope of an entity in which no value is known but its position.
+    /// The initial scope of an entity: only the position is known.
     pub fn new(automaton: Element<'a, 't>, diagnostics: &'d mut Diagnostics) -> Self {
         let modes = Modes::of(automaton, diagnostics);
         let axis = |name: &str| {
@@ -73,30 +73,30 @@ impl<'a, 't, 'd> Scope<'a, 't, 'd> {
             buttons: Vec::new(),
             button_names: Names::without(&AXES),
             axes,
-            players_told: false,
+            players_reported: false,
             idle: false,
         }
     }
 
-    /// Tells of something that has no counterpart.
+    /// Reports a part without a counterpart.
     pub fn cannot(&mut self, what: String, why: &str, at: Span, help: &str) {
         self.diagnostics.report(NotCarriedOver { what, why: why.into(), at, help: help.into() });
     }
 
-    /// Tells of something that has no effect there.
+    /// Reports a part without effect in the imported system.
     pub fn left_out(&mut self, what: impl Into<String>, why: &str, at: Span) {
         self.diagnostics.report(LeftOut { what: what.into(), why: why.into(), at });
     }
 
-    /// Tells of a statement that has no effect there as a whole.
+    /// Reports a statement without any effect in the imported system.
     pub fn idle(&mut self, what: impl Into<String>, why: &str, at: Span) {
         self.left_out(what, why, at);
         self.idle = true;
     }
 
-    /// Whether what asks may know something that changes while a step runs; tells of it if not.
-    pub fn known_to(&mut self, asker: Asker, e: Element<'_, '_>, what: &str) -> Option<()> {
-        if asker != Asker::Collider {
+    /// Whether a condition's owner may read something that changes within a step; reports it if not.
+    pub fn known_to(&mut self, context: GuardContext, e: Element<'_, '_>, what: &str) -> Option<()> {
+        if context != GuardContext::Collider {
             return Some(());
         }
         let help = "let an edge ask, and ask for its mode here";
@@ -104,10 +104,10 @@ impl<'a, 't, 'd> Scope<'a, 't, 'd> {
         None
     }
 
-    /// Tells of players there: an entity reads one player's inputs, and a world says whose.
+    /// Reports player numbers: an entity reads one player's inputs, and the world chooses which.
     pub fn player(&mut self, e: Element<'_, '_>) {
         let Some(player) = e.value("player").filter(|p| !matches!(p.text, "p1" | "player1")) else { return };
-        if !std::mem::replace(&mut self.players_told, true) {
+        if !std::mem::replace(&mut self.players_reported, true) {
             self.left_out(
                 "the player of an input",
                 "not looked at there; here a world says whose an entity is",
@@ -116,7 +116,7 @@ impl<'a, 't, 'd> Scope<'a, 't, 'd> {
         }
     }
 
-    /// The axis, and the comparison with 0, that stand for a button that is an end of an axis of this entity.
+    /// The axis of this entity and the comparison with 0 that replace a button that is an end of the axis.
     pub fn end_of_axis(&self, button: &str) -> Option<(&'static str, &'static str)> {
         let (axis, sign) = match button {
             "left" => (0, "<"),
@@ -128,7 +128,7 @@ impl<'a, 't, 'd> Scope<'a, 't, 'd> {
         self.axes.get(axis).copied().unwrap_or_default().then(|| (AXES[axis], sign))
     }
 
-    /// A button's name with us.
+    /// A button's name here.
     pub fn button(&mut self, name: Value<'_>) -> String {
         if let Some((_, here)) = self.buttons.iter().find(|(there, _)| there == name.text) {
             return here.clone();
@@ -138,7 +138,7 @@ impl<'a, 't, 'd> Scope<'a, 't, 'd> {
         here
     }
 
-    /// A tag as it is written; tells of one that cannot be.
+    /// A tag as source text; reports one that cannot be written.
     pub fn tag(&mut self, value: Value<'_>, written: Option<String>) -> Option<String> {
         if written.is_none() {
             self.cannot("a type of this name".into(), "not a tag", value.at, "give it a name without quotes in it");
@@ -146,7 +146,7 @@ impl<'a, 't, 'd> Scope<'a, 't, 'd> {
         written
     }
 
-    /// A value's name with us, with as many primes as it has there; none if there is no such value.
+    /// A value's name here, with the same number of primes; none if there is no such value.
     pub fn name(&mut self, text: &str) -> Option<String> {
         let base = text.trim_end_matches('\'');
         let primes = text.len() - base.len();
@@ -163,7 +163,7 @@ impl<'a, 't, 'd> Scope<'a, 't, 'd> {
         Some(here + &"'".repeat(primes))
     }
 
-    /// What a value of an attribute says, with our names; tells of what cannot be read.
+    /// Parses the expression of an attribute and resolves its names; reports errors.
     pub fn expression(&mut self, value: Value<'_>) -> Option<Expr> {
         let known = |text: &str| self.values.contains_key(text.trim_end_matches('\''));
         let misfit = match expression::read(value.text, known) {
@@ -174,17 +174,17 @@ impl<'a, 't, 'd> Scope<'a, 't, 'd> {
                     Misfit::Unknown { kind: "value", name, near }
                 }
             },
-            Err(Unread::Foreign(what)) => {
+            Err(ParseError::Foreign(what)) => {
                 self.cannot(what, "nothing like it is in the language", value.at, "work it out beforehand");
                 return None;
             }
-            Err(Unread::Bad(why)) => Misfit::Expression { why },
+            Err(ParseError::Bad(why)) => Misfit::Expression { why },
         };
         self.diagnostics.report(BadForm { misfit, at: value.at });
         None
     }
 
-    /// The value that something declared at a place begins with: made of numbers and of parameters declared before it.
+    /// The initial value of a declaration: made of numbers and of parameters declared before it.
     pub fn first_value(&mut self, value: Value<'_>, declared: Span) -> Option<Expr> {
         let mut unknown = None;
         if let Ok(read) = expression::read(value.text, |text| self.values.contains_key(text)) {
@@ -203,7 +203,7 @@ impl<'a, 't, 'd> Scope<'a, 't, 'd> {
         None
     }
 
-    /// A variable to be driven or updated, or a derivative of one; tells of what is none.
+    /// A variable that is driven or updated, or a derivative of one; reports other names.
     pub fn variable(&mut self, value: Value<'_>, continuous: bool) -> Option<String> {
         let kind = self.values.get(value.text.trim_end_matches('\'')).map(|v| v.kind);
         if continuous && matches!(kind, Some(Kind::Discrete { .. } | Kind::Undriven)) {

@@ -1,4 +1,4 @@
-//! Statements as text. The formatter has the last word on blanks; here it is decided what is on one line.
+//! Writer of statements. It chooses the line breaks; the formatter sets all blanks.
 
 use crate::format::WIDTH;
 
@@ -11,7 +11,7 @@ pub(super) struct Statement {
     pub documented: bool,
     /// Whether a blank line is before it.
     pub apart: bool,
-    /// Its own text; of one with a block, what is before `{`. Only comments if it is empty.
+    /// Its own text; with a block, the text before `{`. Empty for only comments.
     pub text: String,
     /// Comments on its line.
     pub beside: Vec<String>,
@@ -24,7 +24,7 @@ impl Statement {
         Statement { text: text.into(), ..Statement::default() }
     }
 
-    /// A comment that stands for something.
+    /// A statement that is only a comment.
     pub fn comment(text: impl Into<String>) -> Self {
         Statement { above: vec![text.into()], ..Statement::default() }
     }
@@ -34,7 +34,7 @@ impl Statement {
         Statement { text: text.into(), block: Some(block), ..Statement::default() }
     }
 
-    /// With comments before it.
+    /// The statement with comments before it and on its line.
     pub fn with(mut self, above: Vec<String>, beside: Vec<String>) -> Self {
         self.above.splice(0..0, above);
         self.beside.extend(beside);
@@ -80,7 +80,7 @@ fn write(out: &mut String, s: &Statement, depth: usize) {
     out.push_str(&format!("{indent}{}{end}{beside}\n", s.text));
     if let Some(block) = s.block.as_ref().filter(|_| !blank) {
         for (index, inner) in block.iter().enumerate() {
-            // A block does not begin with a blank line.
+            // No blank line at the beginning of a block.
             if index == 0 && inner.apart {
                 let mut first = String::new();
                 write(&mut first, inner, depth + 1);

@@ -1,5 +1,5 @@
-//! Which colour a kind of tile has: by what it is to the player first, then by its tags, so that the same tags look the
-//! same in every picture where they can.
+//! Colours of kinds of tiles: by their role for the player first, then by their tags, so that the same tags look the
+//! same in every picture where possible.
 
 use std::cmp::Reverse;
 
@@ -10,25 +10,25 @@ use super::goal::touched;
 const GROUNDS: [&str; 4] = ["ground0", "ground1", "ground2", "ground3"];
 const ACCENTS: [&str; 6] = ["accent0", "accent1", "accent2", "accent3", "accent4", "accent5"];
 
-/// A kind of scenery is not drawn if it covers less than one tile in this number.
+/// Scenery that covers less than one tile in this number is not drawn.
 const AIR: usize = 4;
 
-/// What something is to the player.
+/// The role of a tile or solid for the player.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Role {
-    /// It does not meet it.
+    /// No contact.
     Scenery,
-    /// It notices it.
+    /// Contact without a push.
     Sensed,
-    /// It is on it, and can jump through it from below.
+    /// Solid from above only.
     OneWay,
-    /// It cannot get in.
+    /// Solid.
     Solid,
 }
 
-/// How things with some tags are drawn.
+/// The appearance of tiles and solids with some tags.
 #[derive(Debug, Clone)]
-pub(super) struct Look {
+pub(super) struct Appearance {
     pub tags: TagSet,
     pub role: Role,
     pub class: &'static str,
@@ -36,16 +36,16 @@ pub(super) struct Look {
     pub name: String,
 }
 
-/// How all that never moves is drawn.
+/// The appearances of all static geometry.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Looks {
-    pub list: Vec<Look>,
+pub(super) struct Appearances {
+    pub list: Vec<Appearance>,
 }
 
-impl Looks {
-    /// Of the tiles and solids of a world; `wanted` are the tags that the goal asks for.
-    pub fn new(program: &Program, world: &World, player: Option<SlotId>, wanted: TagSet) -> Looks {
-        // How many tiles and solids there are of each set of tags.
+impl Appearances {
+    /// The appearances in a world; `wanted` are the tags that the goal names.
+    pub fn new(program: &Program, world: &World, player: Option<SlotId>, wanted: TagSet) -> Appearances {
+        // Number of tiles and solids with each set of tags.
         let mut counts: Vec<(TagSet, usize)> = Vec::new();
         let mut count = |tags: TagSet, more: usize| match counts.iter_mut().find(|(set, _)| *set == tags) {
             Some((_, count)) => *count += more,
@@ -66,7 +66,7 @@ impl Looks {
         let mut kinds: Vec<(Role, TagSet, usize)> = counts
             .into_iter()
             .map(|(tags, count)| (role(program, world, player, tags), tags, count))
-            // Scenery that is nearly everywhere is the air.
+            // Scenery that covers nearly everything is treated as air.
             .filter(|(role, tags, count)| {
                 *tags != TagSet::default() && (*role != Role::Scenery || AIR * count < tiles.max(1))
             })
@@ -76,38 +76,37 @@ impl Looks {
             let nevers = world.nevers.iter().map(|never| touched(program, world, never.holds, player));
             nevers.fold(TagSet::default(), TagSet::with)
         });
-        let mut looks = Looks::default();
+        let mut appearances = Appearances::default();
         for (role, tags, _) in kinds {
             let name = names(program, tags);
             let class = match role {
-                Role::Solid => looks.unused(&GROUNDS, &name),
+                Role::Solid => appearances.unused(&GROUNDS, &name),
                 Role::OneWay => "cloud",
                 _ if wanted.meets(tags) => "wanted",
                 _ if feared.meets(tags) => "feared",
-                Role::Sensed => looks.unused(&ACCENTS, &name),
+                Role::Sensed => appearances.unused(&ACCENTS, &name),
                 Role::Scenery => "scenery",
             };
-            looks.list.push(Look { tags, role, class, name });
+            appearances.list.push(Appearance { tags, role, class, name });
         }
-        looks
+        appearances
     }
 
-    /// The number of the look of some tags; none for nothing.
+    /// The index of the appearance of some tags; none if they are not drawn.
     pub fn of(&self, tags: TagSet) -> Option<usize> {
-        self.list.iter().position(|look| look.tags == tags)
+        self.list.iter().position(|appearance| appearance.tags == tags)
     }
 
-    /// The class that a name asks for, or the next one that nothing has yet. The ground there is
-    /// most of is the plain one.
+    /// The class that matches a name, or the next unused one. The most frequent ground gets the plain class.
     fn unused(&self, classes: &[&'static str], name: &str) -> &'static str {
         let first = if classes == GROUNDS { 0 } else { fnv(name) as usize % classes.len() };
         let mut order = classes.iter().cycle().skip(first).take(classes.len());
-        let free = order.find(|class| self.list.iter().all(|look| look.class != **class));
+        let free = order.find(|class| self.list.iter().all(|appearance| appearance.class != **class));
         free.copied().unwrap_or(classes[first])
     }
 }
 
-/// What things with some tags are to the player: the most that they are to one of its colliders.
+/// The role of tiles with some tags for the player: the strongest for any of its colliders.
 pub(super) fn role(program: &Program, world: &World, player: Option<SlotId>, tags: TagSet) -> Role {
     let Some(player) = player else { return Role::Scenery };
     let colliders = &program.entities[world.slots[player].entity].colliders;

@@ -3,10 +3,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::diagnostic::catalogue::world::{BadLevel, TileInstances, UnknownSetting, UnknownThing};
+use crate::diagnostic::catalogue::world::{BadLevel, TileInstances, UnknownObject, UnknownSetting};
 use crate::diagnostic::similar;
 use crate::ir::{EntityId, Id, Origin, SlotId, SpaceId, TagId, TileKind, TileMap};
-use crate::level::{Drawn, Format, Meaning, Thing, Value, drawn};
+use crate::level::{EditorLevel, Format, Meaning, Object, Value, read_level};
 use crate::source::{FileId, Span};
 use crate::syntax::ast::{self, Expr, ExprKind, Name};
 
@@ -40,7 +40,7 @@ impl Checker<'_> {
         let sources = self.sources;
         let level = file.and_then(|(format, file, part)| {
             let meaning = |name: &str| meaning(&kinds, &self.entities, name);
-            drawn(format, file, part, sources, &meaning, &mut self.diagnostics)
+            read_level(format, file, part, sources, &meaning, &mut self.diagnostics)
         });
         let Some(level) = level else {
             if file.is_some() || world.open != Some(id) {
@@ -57,7 +57,7 @@ impl Checker<'_> {
             }
             return;
         };
-        let Drawn { columns, rows, tile, kinds: names, cells, rectangles, things } = level;
+        let EditorLevel { columns, rows, tile, kinds: names, cells, rectangles, objects } = level;
         let tags = |of: &mut Self, names: &[String]| of.tags_of(&kinds, names, at);
         let symbols = ['.', '#'].into_iter().chain('a'..='z').chain('A'..='Z').chain('\u{100}'..);
         let tile_kinds = names.iter().zip(symbols);
@@ -67,8 +67,8 @@ impl Checker<'_> {
             let tags = tags(self, &names);
             world.spaces[id].solids.push(Solid { tags, rect, span });
         }
-        self.things(&things, &kinds, at, id, population);
-        let read: BTreeSet<FileId> = things.iter().map(|t| t.at.file()).chain(file.map(|(_, file, _)| file)).collect();
+        self.objects(&objects, &kinds, at, id, population);
+        let read: BTreeSet<FileId> = objects.iter().map(|t| t.at.file()).chain(file.map(|(_, file, _)| file)).collect();
         self.diagnostics.strip_fixes(|file| read.contains(&file));
     }
 
@@ -111,25 +111,25 @@ impl Checker<'_> {
     }
 
     /// Makes the instances of a level.
-    fn things(&mut self, things: &[Thing], kinds: &Kinds<'_>, at: Span, id: SpaceId, population: &mut Population) {
+    fn objects(&mut self, objects: &[Object], kinds: &Kinds<'_>, at: Span, id: SpaceId, population: &mut Population) {
         let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
         let mut called: BTreeMap<&str, usize> = BTreeMap::new();
         let mut unknown: BTreeMap<&str, (Span, usize)> = BTreeMap::new();
         let mut targets: BTreeSet<&str> = BTreeSet::new();
-        for thing in things {
-            if self.entity_of(kinds, &thing.class).is_none() {
-                unknown.entry(&thing.class).or_insert((thing.at, 0)).1 += 1;
+        for object in objects {
+            if self.entity_of(kinds, &object.class).is_none() {
+                unknown.entry(&object.class).or_insert((object.at, 0)).1 += 1;
                 continue;
             }
-            *counts.entry(&thing.class).or_insert(0) += 1;
-            *called.entry(&thing.name).or_insert(0) += 1;
-            let values = thing.settings.iter().map(|setting| &setting.value);
-            targets.extend(values.filter_map(|v| if let Value::Thing(id) = v { Some(id.as_str()) } else { None }));
+            *counts.entry(&object.class).or_insert(0) += 1;
+            *called.entry(&object.name).or_insert(0) += 1;
+            let values = object.settings.iter().map(|setting| &setting.value);
+            targets.extend(values.filter_map(|v| if let Value::Object(id) = v { Some(id.as_str()) } else { None }));
         }
         for (class, (span, count)) in unknown {
             let near = similar(class, self.entities.names().map(|known| known.text));
             let class = class.to_string();
-            self.diagnostics.report(UnknownThing { at: span, class, count, near, map: at });
+            self.diagnostics.report(UnknownObject { at: span, class, count, near, map: at });
         }
         for (name, kind) in kinds {
             let Some(spawned) = kind.spawn.as_ref().and_then(|spawn| spawn.name.as_ref()) else { continue };
@@ -143,27 +143,27 @@ impl Checker<'_> {
         // All names must be known before references are resolved.
         let mut made: Vec<(EntityId, Name, Origin)> = Vec::new();
         let mut ids: BTreeMap<&str, String> = BTreeMap::new();
-        let known = || things.iter().filter(|thing| self.entity_of(kinds, &thing.class).is_some());
-        let known: Vec<&Thing> = known().collect();
-        for thing in &known {
-            let Some(entity) = self.entity_of(kinds, &thing.class) else { continue };
-            let spawned = kinds.get(thing.class.as_str()).and_then(|kind| kind.spawn.as_ref()?.name.clone());
-            let spawned = spawned.filter(|_| counts.get(thing.class.as_str()) == Some(&1));
-            let own = Some(&thing.name).filter(|name| !name.is_empty() && called.get(name.as_str()) == Some(&1));
-            let own = own.map(|name| Name { text: name.as_str().into(), span: thing.at });
-            let is_target = !thing.id.is_empty() && targets.contains(thing.id.as_str());
+        let known = || objects.iter().filter(|object| self.entity_of(kinds, &object.class).is_some());
+        let known: Vec<&Object> = known().collect();
+        for object in &known {
+            let Some(entity) = self.entity_of(kinds, &object.class) else { continue };
+            let spawned = kinds.get(object.class.as_str()).and_then(|kind| kind.spawn.as_ref()?.name.clone());
+            let spawned = spawned.filter(|_| counts.get(object.class.as_str()) == Some(&1));
+            let own = Some(&object.name).filter(|name| !name.is_empty() && called.get(name.as_str()) == Some(&1));
+            let own = own.map(|name| Name { text: name.as_str().into(), span: object.at });
+            let is_target = !object.id.is_empty() && targets.contains(object.id.as_str());
             let (name, origin) = match spawned.or(own) {
                 Some(name) => (name, Origin::Named),
-                None if is_target => (self.unnamed(population, entity, thing.at), Origin::Named),
-                None => (self.unnamed(population, entity, thing.at), Origin::Tile),
+                None if is_target => (self.unnamed(population, entity, object.at), Origin::Named),
+                None => (self.unnamed(population, entity, object.at), Origin::Tile),
             };
-            ids.insert(&thing.id, name.text.to_string());
+            ids.insert(&object.id, name.text.to_string());
             made.push((entity, name, origin));
         }
         let mut unset: BTreeMap<(EntityId, &str), (Span, usize)> = BTreeMap::new();
-        for (thing, (entity, name, origin)) in known.iter().zip(made) {
+        for (object, (entity, name, origin)) in known.iter().zip(made) {
             let mut settings = Vec::new();
-            for setting in &thing.settings {
+            for setting in &object.settings {
                 let bare = setting.name.trim_end_matches('\'');
                 let Some(what) = self.value_named(entity, bare) else {
                     unset.entry((entity, &setting.name)).or_insert((setting.at, 0)).1 += 1;
@@ -186,14 +186,14 @@ impl Checker<'_> {
             if origin == Origin::Named {
                 population.names.declare(&name, (), &mut self.diagnostics);
             }
-            let number = |value: f64| Expr { kind: ExprKind::Number(value, None), span: thing.at };
+            let number = |value: f64| Expr { kind: ExprKind::Number(value, None), span: object.at };
             let place = ast::Place {
                 name: name.clone(),
                 entity: self.checked.entities[entity].name.clone(),
-                x: number(thing.position.0),
-                y: number(thing.position.1),
+                x: number(object.position.0),
+                y: number(object.position.1),
                 settings,
-                span: thing.at,
+                span: object.at,
             };
             let slot = SlotId::from_index(population.instances.len());
             match self.place(&place, id, population.step, slot, &mut population.references) {
@@ -232,11 +232,11 @@ fn value(value: &Value, is_reference: bool, ids: &BTreeMap<&str, String>) -> Res
         Value::Truth(truth) if !is_reference => Ok(Some(ExprKind::Bool(*truth))),
         Value::Text(text) if text.is_empty() => Ok(None),
         Value::Text(text) => Ok(Some(path(text))),
-        Value::Thing(id) if is_reference => match ids.get(id.as_str()) {
+        Value::Object(id) if is_reference => match ids.get(id.as_str()) {
             Some(name) => Ok(Some(path(name))),
             None => Err("refers to what is no instance of this level"),
         },
-        Value::Thing(_) => Err("is no reference of the entity"),
+        Value::Object(_) => Err("is no reference of the entity"),
         Value::Number(_) | Value::Truth(_) => Err("is a reference: its value must be an object"),
         Value::Other => Err("has a value that no entity can have: a list, a colour, a point"),
     }

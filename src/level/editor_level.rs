@@ -1,5 +1,5 @@
-//! What a level editor's file says: a grid in which each cell has names, rectangles with names, and things that are
-//! somewhere. Names are classes, tags or identifiers; what they mean is the program's affair.
+//! Contents of a level editor's file, whichever the editor: a grid in which each cell has names, rectangles with names,
+//! and objects with positions. Names are classes, tags or identifiers; the program gives them a meaning.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -7,34 +7,34 @@ use std::ops::Range;
 use crate::source::Span;
 
 use super::MAX_TILES;
-use super::node::Trouble;
+use super::node::LevelError;
 
-/// The most kinds of cells: one more does not fit the numbers of a map.
+/// Maximum number of kinds of cells of a map.
 const MAX_KINDS: usize = 4_096;
 
-/// A level as it was drawn. Lengths are px, y points up, the lower-left corner of the grid is (0, 0).
+/// A level. Lengths are px, y points up, the lower-left corner of the grid is (0, 0).
 #[derive(Debug, Clone)]
-pub struct Drawn {
-    /// The number of columns.
+pub struct EditorLevel {
+    /// Number of columns.
     pub columns: usize,
-    /// The number of rows.
+    /// Number of rows.
     pub rows: usize,
     /// Width and height of a cell, px.
     pub tile: (f64, f64),
-    /// The names of each kind of cell; those of kind 0 are none.
+    /// The names of each kind of cell; kind 0 has none.
     pub kinds: Vec<Vec<String>>,
     /// The kind of each cell, row by row from the lowest.
     pub cells: Vec<u16>,
     /// Rectangles with names: x and y of the lower-left corner, width, height.
     pub rectangles: Vec<(Vec<String>, [f64; 4], Span)>,
-    /// What is in the level, in the order of the file.
-    pub things: Vec<Thing>,
+    /// The objects, in the order of the file.
+    pub objects: Vec<Object>,
 }
 
-/// What a name of a level stands for.
+/// The meaning of a name of a level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Meaning {
-    /// An entity: an instance is there.
+    /// An entity: the object is an instance of it.
     Entity,
     /// Tags.
     Tags,
@@ -42,14 +42,14 @@ pub enum Meaning {
     Nothing,
 }
 
-/// What is in a level.
+/// An object of a level.
 #[derive(Debug, Clone)]
-pub struct Thing {
+pub struct Object {
     /// Its class.
     pub class: String,
-    /// What it is called; nothing if it has no name.
+    /// Its name; empty if it has none.
     pub name: String,
-    /// What other things of the file refer to it by.
+    /// The identifier by which other objects of the file refer to it.
     pub id: String,
     /// Its lower-left corner.
     pub position: (f64, f64),
@@ -59,19 +59,19 @@ pub struct Thing {
     pub at: Span,
 }
 
-impl Thing {
-    /// What is on a tile: it has no name, and nothing refers to it.
+impl Object {
+    /// The object of a tile: it has no name, and nothing refers to it.
     pub(super) fn of_tile(class: String, position: (f64, f64), settings: Vec<Setting>, at: Span) -> Self {
-        Thing { class, name: String::new(), id: String::new(), position, settings, at }
+        Object { class, name: String::new(), id: String::new(), position, settings, at }
     }
 }
 
-/// A property of a thing.
+/// A property of an object.
 #[derive(Debug, Clone)]
 pub struct Setting {
-    /// What it sets.
+    /// The name of the property.
     pub name: String,
-    /// To what.
+    /// Its value.
     pub value: Value,
     /// Where it is in the file.
     pub at: Span,
@@ -86,13 +86,13 @@ pub enum Value {
     Truth(bool),
     /// A word.
     Text(String),
-    /// Another thing, by its id.
-    Thing(String),
-    /// What no entity can have: a list, a colour, a point.
+    /// Another object, by its id.
+    Object(String),
+    /// A value that no entity can have: a list, a colour, a point.
     Other,
 }
 
-/// A grid that is being filled, layer upon layer: a cell has the names that any layer gives it.
+/// A grid that is filled layer by layer: a cell has the names that any layer gives it.
 pub(super) struct Grid {
     columns: usize,
     rows: usize,
@@ -104,29 +104,29 @@ pub(super) struct Grid {
 
 impl Grid {
     /// A grid of empty cells.
-    pub fn new(columns: usize, rows: usize, at: Range<usize>) -> Result<Self, Trouble> {
+    pub fn new(columns: usize, rows: usize, at: Range<usize>) -> Result<Self, LevelError> {
         let count = columns.saturating_mul(rows);
         if count == 0 {
-            return Err(Trouble::new(at, "this map has no tiles"));
+            return Err(LevelError::new(at, "this map has no tiles"));
         }
         if count > MAX_TILES {
-            return Err(Trouble::new(at, format!("{count} tiles are too many: at most {MAX_TILES} are read")));
+            return Err(LevelError::new(at, format!("{count} tiles are too many: at most {MAX_TILES} are read")));
         }
         let known = BTreeMap::from([(Vec::new(), 0)]);
         Ok(Grid { columns, rows, kinds: vec![Vec::new()], known, joined: BTreeMap::new(), cells: vec![0; count] })
     }
 
-    /// The number of columns.
+    /// Number of columns.
     pub fn columns(&self) -> usize {
         self.columns
     }
 
-    /// The number of rows.
+    /// Number of rows.
     pub fn rows(&self) -> usize {
         self.rows
     }
 
-    /// The number of a kind of cell with these names; none if there are too many kinds.
+    /// The number of the kind of cell with these names; none if there are too many kinds.
     pub fn kind(&mut self, mut names: Vec<String>) -> Option<u16> {
         names.sort_unstable();
         names.dedup();
@@ -140,9 +140,9 @@ impl Grid {
     }
 
     /// Adds the names of a kind to a cell, its row counted from the top.
-    pub fn put(&mut self, column: usize, row: usize, kind: u16, at: &Range<usize>) -> Result<(), Trouble> {
+    pub fn put(&mut self, column: usize, row: usize, kind: u16, at: &Range<usize>) -> Result<(), LevelError> {
         if column >= self.columns || row >= self.rows {
-            return Err(Trouble::new(at.clone(), format!("column {column}, row {row} lies outside of the map")));
+            return Err(LevelError::new(at.clone(), format!("column {column}, row {row} lies outside of the map")));
         }
         let index = (self.rows - 1 - row) * self.columns + column;
         let before = self.cells[index];
@@ -163,7 +163,7 @@ impl Grid {
     }
 
     /// The level with this grid. Kinds that no cell has are left out.
-    pub fn drawn(self, tile: (f64, f64)) -> Drawn {
+    pub fn into_level(self, tile: (f64, f64)) -> EditorLevel {
         let mut used = vec![false; self.kinds.len()];
         used[0] = true;
         self.cells.iter().for_each(|kind| used[usize::from(*kind)] = true);
@@ -173,12 +173,12 @@ impl Grid {
         let kinds = self.kinds.into_iter().zip(&used).filter(|(_, is_used)| **is_used).map(|(kind, _)| kind).collect();
         let cells = self.cells.into_iter().map(|kind| numbers[usize::from(kind)]).collect();
         let (columns, rows) = (self.columns, self.rows);
-        Drawn { columns, rows, tile, kinds, cells, rectangles: Vec::new(), things: Vec::new() }
+        EditorLevel { columns, rows, tile, kinds, cells, rectangles: Vec::new(), objects: Vec::new() }
     }
 }
 
-pub(super) fn too_many_kinds(at: Range<usize>) -> Trouble {
-    Trouble::new(at, format!("too many kinds of tiles: at most {MAX_KINDS} are read"))
+pub(super) fn too_many_kinds(at: Range<usize>) -> LevelError {
+    LevelError::new(at, format!("too many kinds of tiles: at most {MAX_KINDS} are read"))
 }
 
 /// The names of a list: `wall, ground`.

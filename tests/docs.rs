@@ -1,6 +1,6 @@
 //! The documentation is true: `README.md` and the pages of the book in `docs/`.
 //!
-//! A fenced block of a page takes part in the test by the words after its fence:
+//! A fenced block of a page is tested according to the words after its fence:
 //!
 //! - `console`: a session. Each line `$ hypedc …` is run, and what it prints (standard output, then standard error) is
 //!   compared with the lines below it. `> FILE` at its end writes standard output to a file. `$ echo $?` is the exit

@@ -301,7 +301,7 @@ fn any_number_in_a_level_is_taken_or_refused() {
         player 1: h; goal g: h.x > 1000 }";
     let ldtk = "{ \"jsonVersion\": \"1.5.3\", \"defs\": { \"layers\": [{ \"uid\": 7, \"intGridValues\":
         [{ \"value\": 1, \"identifier\": \"wall\" }] }] }, \"levels\": [{ \"identifier\": \"A\", \"layerInstances\":
-        [{ \"__identifier\": \"SearchContext\", \"__type\": \"IntGrid\", \"layerDefUid\": 7, \"__cWid\": 3, \"__cHei\": 2,
+        [{ \"__identifier\": \"Ground\", \"__type\": \"IntGrid\", \"layerDefUid\": 7, \"__cWid\": 3, \"__cHei\": 2,
         \"__gridSize\": SIDE, \"intGridCsv\": [0,0,0,1,1,1] }, { \"__identifier\": \"Things\", \"__type\": \"Entities\",
         \"__cWid\": 3, \"__cHei\": 2, \"__gridSize\": SIDE, \"__pxTotalOffsetX\": MOVED,
         \"entityInstances\": [{ \"__identifier\": \"Slime\", \"px\": [AT, AT], \"width\": SIZE, \"height\": SIZE,

@@ -14,10 +14,11 @@ use serde_json::Value;
 const PAGE: &str = "docs/benchmarks.md";
 
 /// Measures a table.
-type Measure = fn() -> String;
+type Measurement = fn() -> String;
 
 /// The tables by name.
-const TABLES: [(&str, Measure); 4] = [("paper", paper), ("worlds", worlds), ("levels", levels), ("samples", samples)];
+const TABLES: [(&str, Measurement); 4] =
+    [("paper", paper), ("worlds", worlds), ("levels", levels), ("samples", samples)];
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

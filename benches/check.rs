@@ -1,5 +1,5 @@
-//! How long it takes to check programs of 1,000, 10,000 and 100,000 lines: all stages from the text to what values tell,
-//! and each shape that stresses one thing at two sizes, to the flat IR. `cargo bench --bench check` prints the times.
+//! Time to check programs of 1,000, 10,000 and 100,000 lines: all stages from the text to the analysis, and each shape
+//! that stresses one stage at two sizes, to the flat IR. `cargo bench --bench check` prints the times.
 
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a bench fails by panicking")]
 

@@ -1,8 +1,8 @@
-//! How fast a plain RRT grows over the interpreter, beside one written by hand for the same worlds, in the same run.
+//! Growth rate of a plain RRT over the interpreter and of one written by hand for the same worlds, in the same run.
 //!
-//! `cargo bench --bench extensions` lets both trees grow in turns, 512 nodes at a time, in one thread, and prints the
-//! nodes per second of CPU time that each has at some sizes, and the memory of a node. Without `--bench` it grows small
-//! trees and asserts that the one written by hand is right.
+//! `cargo bench --bench extensions` grows both trees alternately, 512 nodes at a time, in one thread, and prints the
+//! nodes per second of CPU time of each at some sizes, and the memory of a node. Without `--bench` it grows small trees
+//! and asserts that the one written by hand is correct.
 
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a bench fails by panicking")]
 #![allow(clippy::print_stdout, reason = "the table is what it is for")]
@@ -29,13 +29,13 @@ use support::{Disk, program};
 use yardstick::rrt::{Planned, Tree};
 use yardstick::{Test1, Test2};
 
-/// The sizes of trees at which rates are asked for, and how many seeds the median is over.
+/// The sizes of trees for which rates are measured, each with the number of seeds for the median.
 const SIZES: [(u64, u64); 3] = [(1_000, 101), (10_000, 21), (100_000, 3)];
-/// The size at which memory is asked for.
+/// The size at which memory is measured.
 const LARGE: u64 = 100_000;
 
-/// The disk, but each world has one goal more, which is never met: a search grows its tree for as long as it may.
-/// Samples are drawn towards the place of the real one, and it costs as much to ask for it.
+/// The disk, with an additional goal in each world that is never met, so that a search grows its tree up to its limit.
+/// Samples are biased to the place of the real goal, and evaluating both costs the same.
 struct WithGoal((f32, f32));
 
 impl Files for WithGoal {
@@ -84,7 +84,7 @@ impl World {
     }
 }
 
-/// What it took both to grow from one size to another.
+/// The time of both for the growth from one size to another.
 #[derive(Clone, Copy)]
 struct Batch {
     from: u64,
@@ -93,22 +93,22 @@ struct Batch {
     by_hand: Duration,
 }
 
-/// Lets the tree written by hand grow as much as the search whenever the search tells how far it is.
-struct Turns<W> {
+/// A watch that grows the tree written by hand to the size of the search at each progress report.
+struct AlternatingGrowth<W> {
     by_hand: Mutex<Tree<W>>,
     batches: Mutex<Vec<Batch>>,
-    /// Of the thread's time.
+    /// CPU time of the thread.
     since: Mutex<Duration>,
 }
 
-impl<W: Planned> Turns<W> {
+impl<W: Planned> AlternatingGrowth<W> {
     fn new(seed: u64) -> Self {
         let (by_hand, batches) = (Mutex::new(Tree::new(seed)), Mutex::default());
-        Turns { by_hand, batches, since: Mutex::new(ThreadTime::now().as_duration()) }
+        AlternatingGrowth { by_hand, batches, since: Mutex::new(ThreadTime::now().as_duration()) }
     }
 }
 
-impl<W: Planned> Watch for Turns<W> {
+impl<W: Planned> Watch for AlternatingGrowth<W> {
     fn stop(&self) -> bool {
         false
     }
@@ -124,7 +124,7 @@ impl<W: Planned> Watch for Turns<W> {
     }
 }
 
-/// Nodes per second of both over the last tenth before a size; at least over the batch that comes to it.
+/// Nodes per second of both over the last tenth before a size, but at least over the last batch.
 fn rates(batches: &[Batch], size: u64) -> [f64; 2] {
     let last: Vec<&Batch> = batches.iter().filter(|batch| batch.from < size && batch.to > size / 10 * 9).collect();
     let nodes: u64 = last.iter().map(|batch| batch.to - batch.from).sum();
@@ -133,9 +133,9 @@ fn rates(batches: &[Batch], size: u64) -> [f64; 2] {
     [rate(|batch| batch.interpreted), rate(|batch| batch.by_hand)]
 }
 
-/// Both trees, a little larger than that: the search tells its progress every 512 nodes.
-fn grow<W: Planned>(world: &World, seed: u64, size: u64) -> (Turns<W>, Outcome) {
-    let turns = Turns::new(seed);
+/// Grows both trees slightly above a size: the search reports progress every 512 nodes.
+fn grow<W: Planned>(world: &World, seed: u64, size: u64) -> (AlternatingGrowth<W>, Outcome) {
+    let turns = AlternatingGrowth::new(seed);
     let outcome = world.search(seed, size.next_multiple_of(512) + 1, &turns);
     (turns, outcome)
 }
@@ -155,7 +155,7 @@ fn compare<W: Planned>(world: &World) {
     }
 }
 
-/// What a node takes of each, and how many extensions did not end early.
+/// Prints the memory of a node of each, and the share of extensions of full length.
 fn weigh<W: Planned>(world: &World) {
     let mut statistics = None;
     let interpreted = measure(|| statistics = Some(world.search(1, LARGE, &Unwatched).statistics));
@@ -178,7 +178,7 @@ fn weigh<W: Planned>(world: &World) {
     );
 }
 
-/// That the tree written by hand is one, and takes the nearest nodes.
+/// Asserts that the tree written by hand is a tree and selects nearest nodes.
 fn check<W: Planned>(world: &World) {
     let (turns, _) = grow::<W>(world, 1, 1_000);
     let [interpreted, by_hand] = rates(&turns.batches.lock().unwrap(), 1_000);

@@ -1,5 +1,5 @@
-//! The hot paths: a simulation step, also of real levels, a whole search.
-//! `cargo bench` prints the times; nothing is asserted about them.
+//! The hot paths: a simulation step, also in real levels, and a whole search. `cargo bench` prints the times; nothing
+//! is asserted about them.
 
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a bench fails by panicking")]
 
@@ -45,7 +45,7 @@ fn step(c: &mut Criterion) {
     }
 }
 
-/// Steps of Super Mario Bros. with all its enemies, along a way to the end of a level.
+/// Steps of Super Mario Bros. with all its enemies, along a path to the end of a level.
 fn level(c: &mut Criterion) {
     for name in ["1-1", "8-1"] {
         let level = format!("examples/smb/mario-{name}.txt");
@@ -74,7 +74,7 @@ fn level(c: &mut Criterion) {
     }
 }
 
-/// A step of worlds with many live instances that fall, meet and push each other.
+/// A step of worlds with many live instances that fall, collide and push each other.
 fn crowd(c: &mut Criterion) {
     for instances in [10, 100, 1_000] {
         let mut rng = Pcg64::seed_from_u64(1);

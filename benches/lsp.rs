@@ -1,5 +1,5 @@
-//! How long it takes from a keystroke to the findings it causes, in programs of 2,000 and 20,000 lines: over a connection in
-//! memory, the whole server with its worker. `cargo bench --bench lsp` prints the times.
+//! Latency from a keystroke to its findings, in programs of 2,000 and 20,000 lines: over a connection in memory, the
+//! whole server with its worker. `cargo bench --bench lsp` prints the times.
 
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a bench fails by panicking")]
 
@@ -18,7 +18,7 @@ fn keystrokes(c: &mut Criterion) {
     group.sample_size(20);
     for lines in [2_000, 20_000] {
         let text = large::realistic(lines);
-        // In the middle of the file, a name of an edge's mode loses its last letter and gets it again.
+        // In the middle of the file, the name of an edge's target loses its last letter and gets it back.
         let at = text.len() / 2 + text[text.len() / 2..].find(" -> leftwards").unwrap() + " -> leftward".len();
         let line = text[..at].matches('\n').count();
         let character = at - text[..at].rfind('\n').unwrap() - 1;

@@ -1,5 +1,6 @@
-//! A planner's turn at the nearest-neighbour index: a query, a new point, an old one removed, so that their number
-//! stays. Over 10² to 10⁶ points of 2 to 64 coordinates, anywhere and as game states have them. Nothing is asserted.
+//! A planner's operations on the nearest-neighbour index: a query, an insertion, a removal, so that the size is
+//! constant. Over 10² to 10⁶ points of 2 to 64 coordinates, uniform and distributed like game states. Nothing is
+//! asserted.
 
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a bench fails by panicking")]
 
@@ -11,7 +12,8 @@ use hypedc::reach::Index;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-/// One coordinate of a game state: of four, a position, a speed of few values, a counter, a timer that seldom runs.
+/// One coordinate of a game state: of four, a position, a velocity with few values, a counter, a timer that rarely
+/// runs.
 fn of_a_game(coordinate: usize, rng: &mut Pcg64) -> f32 {
     match coordinate % 4 {
         0 => rng.random_range(0.0..1.0),
@@ -25,7 +27,7 @@ fn anywhere(_: usize, rng: &mut Pcg64) -> f32 {
     rng.random_range(0.0..1.0)
 }
 
-/// Turns at a steady number of points.
+/// Measures the operations at a constant number of points.
 fn turns(
     c: &mut Criterion,
     group: &str,

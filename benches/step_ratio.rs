@@ -1,7 +1,7 @@
-//! One step of the interpreter beside one step of the same world written by hand, in the same run.
+//! One step of the interpreter against one step of the same world written by hand, in the same run.
 //!
 //! `cargo bench --bench step_ratio` first asserts that both compute the same trajectories, then measures short batches
-//! of each in turn and prints medians, so that a neighbour's load meets all of them. Without `--bench` it only asserts.
+//! of each alternately and prints medians, so that other load affects all of them. Without `--bench` it only asserts.
 
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a bench fails by panicking")]
 #![allow(clippy::print_stdout, reason = "the table is what it is for")]
@@ -22,20 +22,20 @@ use hypedc::source::SourceMap;
 use support::{Disk, program};
 use yardstick::{ByHand, JUMP, LEFT, RIGHT, Test1, Test2};
 
-/// How often each is measured.
+/// Number of measurements of each.
 const ROUNDS: usize = 1001;
-/// How far two numbers may differ, px or px/s.
+/// Maximum difference of two numbers, px or px/s.
 const TOLERANCE: f64 = 1e-6;
-/// The longest episode, steps.
+/// Maximum length of an episode, steps.
 const LONGEST: u32 = 600;
 
-/// Episodes by the seeds of their random inputs: the first that the player survives for long, boards the brown platform
-/// in, and moves far in, of those in which it does not hit a wall with its side or head: there the interpreter departs
-/// from the system of 2017 on purpose.
+/// Episodes by the seeds of their random inputs: the first ones in which the player survives for long, boards the brown
+/// platform, and moves far; without those in which its side or head hits a wall: there the interpreter differs from the
+/// 2017 system on purpose.
 const TEST_1: &[u64] = &[37, 46, 162, 301, 410, 428, 435, 478, 512, 605, 685, 808];
 const TEST_2: &[u64] = &[11, 14, 34, 106, 125, 174, 180, 197, 248, 270, 285, 289];
 
-/// What is held, as an index into the world's inputs, and for how many steps.
+/// The held input, as an index into the world's inputs, and its number of steps.
 type Held = (usize, u32);
 
 /// Random inputs, each held for 1 to 32 steps (xorshift64*).
@@ -65,7 +65,7 @@ fn episode<W: ByHand>(seed: u64) -> Vec<Held> {
     draws(seed, W::INPUTS.len()).take_while(inside).collect()
 }
 
-/// A test both ways, and what is played in it.
+/// A test in both implementations, and its episodes.
 struct Test {
     sim: Simulator,
     /// The state before the first step.
@@ -78,7 +78,7 @@ struct Test {
 impl Test {
     fn new<W: ByHand>(sim: Simulator, seeds: &[u64]) -> Self {
         let mut start = sim.initial(&mut sim.scratch()).unwrap();
-        // The system of 2017 sees no contact before the first step.
+        // The 2017 system has no contacts before the first step.
         for (slot, layout) in sim.world().layout.slots.pairs() {
             let entity = &sim.program().entities[sim.world().slots[slot].entity];
             layout.clear_touches(&mut start, entity.touches.len(), entity.bound);
@@ -128,7 +128,7 @@ impl Test {
         self.each(before)
     }
 
-    /// All episodes by hand, the state copied in and out at every step; ns per step.
+    /// All episodes by hand, with the state copied in and out at every step; ns per step.
     fn copied<W: ByHand>(&self) -> f64 {
         let before = Instant::now();
         for episode in &self.episodes {
@@ -145,7 +145,7 @@ impl Test {
         self.each(before)
     }
 
-    /// All episodes by hand, the state wherever the compiler keeps it; ns per step.
+    /// All episodes by hand, with the state where the compiler keeps it; ns per step.
     fn kept<W: ByHand>(&self) -> f64 {
         let before = Instant::now();
         for episode in &self.episodes {
@@ -165,7 +165,7 @@ impl Test {
     }
 }
 
-/// What a player gives who holds these.
+/// The input of a player who holds these buttons.
 fn input(sim: &Simulator, held: u8) -> Input {
     let names = [(LEFT, "left"), (RIGHT, "right"), (JUMP, "jump")];
     let held: Vec<&str> = names.iter().filter(|(bit, _)| held & bit != 0).map(|(_, name)| *name).collect();

@@ -1,4 +1,4 @@
-//! A step allocates nothing, nor does asking for goals and nevers: every world of the examples, counted.
+//! A step allocates nothing, nor does the evaluation of goals and nevers: counted in every world of the examples.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -8,7 +8,7 @@ use hypedc::compile::compile;
 use hypedc::ir::{Id, World};
 use hypedc::sim::{Input, Simulator};
 
-/// The steps that are counted in each world.
+/// Number of counted steps in each world.
 const STEPS: u64 = 300;
 
 /// Inputs that change all the time: every button in its own rhythm, the axes at their ends and in the middle.

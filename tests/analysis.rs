@@ -1,7 +1,7 @@
-//! What a world can be, held against what it is: no state of random runs lies outside.
+//! The configuration space of a world is sound: it contains all states of random runs.
 //!
-//! `HYPEDC_LONG=1 cargo test --test proofs analysis` runs a million steps of each world and 5,000 random programs, other ones
-//! each time; without it the random programs are always the same.
+//! `HYPEDC_LONG=1 cargo test --test proofs analysis` runs a million steps of each world and 5,000 random programs with
+//! new seeds; otherwise the random programs are always the same.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "it says how much it has seen")]
@@ -29,7 +29,7 @@ use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestError, TestRunner};
 use run::{Run, run};
 
-/// Whether there is time.
+/// Whether to run the long version.
 fn is_long() -> bool {
     std::env::var_os("HYPEDC_LONG").is_some()
 }
@@ -51,16 +51,16 @@ fn no_random_state_lies_outside() {
     assert!(all.is_empty(), "{}", all.join("\n"));
 }
 
-/// What happened in random programs.
+/// Statistics of random programs.
 #[derive(Debug, Default)]
 struct Tally {
     programs: usize,
-    /// Those that compile.
+    /// Number of programs that compile.
     compiled: usize,
     states: usize,
     slots: usize,
     given_up: usize,
-    /// How many saw what.
+    /// Number of runs by event.
     seen: BTreeMap<String, usize>,
 }
 
@@ -77,13 +77,13 @@ impl Tally {
         }
     }
 
-    /// Of those that compile, how many of a hundred saw something.
+    /// Percentage of compiled programs with an event.
     fn share(&self, of: &str) -> usize {
         100 * self.seen.get(of).copied().unwrap_or(0) / self.compiled.max(1)
     }
 }
 
-/// Runs random programs; shrinks one with a state outside, and tells of it.
+/// Runs random programs; shrinks and reports one with a state outside.
 fn hold(programs: u32, length: std::ops::Range<usize>, generate: fn(&[u16]) -> String) -> Tally {
     let rng_seed = if is_long() { RngSeed::Random } else { RngSeed::Fixed(1) };
     let config = ProptestConfig { cases: programs, failure_persistence: None, rng_seed, ..ProptestConfig::default() };
@@ -112,7 +112,7 @@ fn hold(programs: u32, length: std::ops::Range<usize>, generate: fn(&[u16]) -> S
 #[test]
 fn no_state_of_a_lively_program_lies_outside() {
     let tally = hold(if is_long() { 5_000 } else { 200 }, 200..700, generate::program);
-    // Otherwise it says little.
+    // Otherwise the test is weak.
     assert!(tally.compiled * 100 >= tally.programs * 90, "{tally:?}");
     assert!(tally.given_up * 100 <= tally.slots * 5, "{tally:?}");
     let least = [

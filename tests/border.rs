@@ -1,5 +1,5 @@
-//! The border of a space: a run ends at `bounds` that are written, for everybody, and at nothing else. A search that stops
-//! short of what it could see proves nothing.
+//! The border of a space: a run of any player ends at declared `bounds`, and at nothing else. A search that stops
+//! before them proves nothing.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -39,7 +39,7 @@ fn ask(problem: &Problem<'_>, planner: Planner, hold: Option<(u16, u16)>) -> Out
     reach(problem, &space, &settings, &Limits { nodes: 20_000, ..Limits::default() }, &Unwatched).unwrap()
 }
 
-/// A walker on a map of 96 × 32 px without walls at its sides; `more` goes into the space, `asked` into the world.
+/// A walker on a map of 96 × 32 px without walls at its sides; `more` is added to the space, `asked` to the world.
 fn meadow(more: &str, asked: &str) -> Arc<Program> {
     program(compile_text(&format!(
         "entity Walker {{
@@ -78,7 +78,7 @@ fn what_happens_outside_of_the_map_is_found() {
         let program = of_file(name);
         let sim = Simulator::new(&program, WORLD);
         for planner in Planner::ALL {
-            // Step by step there are too many states.
+            // With single steps there are too many states.
             let hold = matches!(planner, Planner::Exhaustive | Planner::BestFirst).then_some((10, 10));
             let outcome = ask(&Problem::asking(&sim, target), planner, hold);
             let Verdict::Reached(plan) = outcome.verdict else { panic!("{name}, {planner:?}: {outcome:?}") };
@@ -97,7 +97,7 @@ fn what_happens_outside_of_the_map_is_found() {
 
 #[test]
 fn nothing_is_proven_where_a_search_stopped_by_itself() {
-    // One who looks for it can walk away for ever.
+    // The walker can walk away for ever.
     let program = meadow("", "goal up: hero.y > 100");
     let sim = Simulator::new(&program, WORLD);
     let space = configuration_space(&program, WORLD);
@@ -134,7 +134,7 @@ fn nothing_is_proven_where_a_search_stopped_by_itself() {
 
 #[test]
 fn searches_go_as_far_as_anything_is_compared_with() {
-    // By what is asked for, by the guard of an edge behind a parameter, by an update, and around a point.
+    // Compared in the goal, in the guard of an edge through a parameter, in an update, and around a point.
     for (edge, goal) in [
         ("", "hero.x > 700"),
         ("", "hero.x + 100 < -500"),
@@ -212,13 +212,14 @@ fn no_way_is_called_the_shortest_where_another_may_lead_around() {
         let Verdict::Reached(plan) = outcome.verdict else { panic!("{more}: {outcome:?}") };
         assert_eq!(plan.is_shortest, is_known, "{more}");
     }
-    // Here the way to the other side is long enough that some have left the window before.
+    // The path to the other side is so long that some states leave the window before.
     let program = meadow("", "goal right: hero.x > 120");
     let sim = Simulator::new(&program, WORLD);
     let outcome = ask(&Problem::new(&sim, GoalId(0)), Planner::Exhaustive, None);
     let Verdict::Reached(plan) = outcome.verdict else { panic!("{outcome:?}") };
     assert!(!plan.is_shortest, "{:?}", outcome.cuts);
-    // A way is the shortest one for as long as none could have gone on outside to arrive sooner: it steps right 1 px at a time.
+    // A path is the shortest only if no path could have continued outside and arrived sooner: it steps right 1 px at a
+    // time.
     let soonest = outcome.cuts[0].soonest;
     for (steps, is_known) in [(soonest + 1, true), (soonest + 2, false)] {
         let program = meadow("", &format!("goal right: hero.x > {}.5", 32 + steps - 1));
@@ -264,7 +265,7 @@ fn bounds_end_a_run_where_a_never_counts_and_a_goal_does_not() {
     assert_eq!(Problem::new(&sim, GoalId(0)).judge(&state), Ok(StateStatus::Goal));
 }
 
-/// What the command prints to its standard output and error, and whether it says yes.
+/// Standard output and standard error of the command, and whether it succeeds.
 fn hypedc(arguments: &[&str]) -> (String, String, bool) {
     let output = Command::new(env!("CARGO_BIN_EXE_hypedc")).args(arguments).output().unwrap();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
@@ -285,7 +286,7 @@ fn sim_ends_where_a_player_leaves_the_bounds() {
     assert!(error.contains("the goal was not reached in 33 steps"), "{error}");
     let (trace, _, _) = hypedc(&["sim", file, "--inputs", left, "--trace", "-"]);
     assert_eq!(trace.lines().count(), 1 + 34, "{trace}");
-    // Nothing is said of one that stays within.
+    // A walker inside has no verdict about the border.
     let (out, _, yes) = hypedc(&["sim", file, "--inputs", "horizontal=-1*20"]);
     assert!(yes && !out.contains("the run ends"), "{out}");
 }

@@ -1,4 +1,4 @@
-//! `hypedc bounds` as people and programs read it.
+//! `hypedc bounds`: its text for people and its JSON for programs.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 

@@ -1,4 +1,4 @@
-//! The command line as a user meets it: what it prints, where, and the exit codes.
+//! The command line as a user sees it: its output, on which stream, and its exit codes.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -30,7 +30,7 @@ fn code(arguments: &[&str]) -> i32 {
     hypedc(arguments).status.code().unwrap()
 }
 
-/// A place for files of this test run.
+/// A path for files of this test run.
 fn temporary(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name)
 }
@@ -135,7 +135,7 @@ fn what_must_not_be_read_is_named() {
     use std::os::unix::fs::PermissionsExt;
     let path = written("secret.hyped", "entity A { }\n");
     std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o000)).unwrap();
-    // Whoever may read everything reads this, too.
+    // A superuser may read this file too.
     if std::fs::read(&path).is_err() {
         let expected = "error[E0001]: cannot read `secret.hyped`: permission denied\n";
         assert_eq!(checked(&path), (2, expected.to_string()));
@@ -187,8 +187,8 @@ fn findings_without_end_are_counted() {
     let json: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(json["findings"].as_array().unwrap().len(), 10_000);
     assert_eq!(json["programs"][0]["errors"], 25_000);
-    let told = String::from_utf8(output.stderr).unwrap();
-    assert!(told.ends_with(": more than 10000 findings; 15000 of them are counted alone\n"), "{told}");
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(message.ends_with(": more than 10000 findings; 15000 of them are counted alone\n"), "{message}");
 }
 
 #[test]
@@ -218,7 +218,7 @@ fn a_compiled_program_stands_where_its_text_does() {
             let arguments: Vec<&str> = question.iter().map(|a| if *a == "FILE" { file } else { a }).collect();
             let output = hypedc(&arguments);
             let text = String::from_utf8(output.stdout).unwrap().replace(file, "FILE");
-            // Neither time nor the bytes of the file are part of the answer.
+            // The time and the hash of the file are not compared.
             let is_apart = |line: &str| ["\"seconds\"", "analysis_seconds", "sha256"].iter().any(|w| line.contains(w));
             let lines = text.lines().filter(|line| !is_apart(line)).map(str::to_string);
             (output.status.code(), lines.collect::<Vec<_>>())
@@ -364,17 +364,17 @@ fn a_level_is_given_on_the_command_line() {
     let (open, closed, level) = ("tests/maps/open.hyped", "tests/maps/own.hyped", "tests/maps/mario-1-1.txt");
     let runs: [&[&str]; 3] = [&["ir"], &["sim", "--frames", "3"], &["reach"]];
     for run in runs {
-        let asked = |file: &str, map: &[&str]| {
+        let run_with = |file: &str, map: &[&str]| {
             let output = hypedc(&[run, &[file], map].concat());
             (output.status.code().unwrap(), String::from_utf8_lossy(&output.stderr).into_owned())
         };
-        let (code, error) = asked(open, &[]);
+        let (code, error) = run_with(open, &[]);
         assert!(code == 2 && error.contains("error[E0602]") && error.contains("--map PATH"), "{run:?}: {error}");
-        let (code, error) = asked(closed, &["--map", level]);
+        let (code, error) = run_with(closed, &["--map", level]);
         assert!(code == 2 && error.contains("error[E0602]") && error.contains("map level"), "{run:?}: {error}");
-        let (code, error) = asked(open, &["--map", "no/such/level.txt"]);
+        let (code, error) = run_with(open, &["--map", "no/such/level.txt"]);
         assert!(code == 2 && error.contains("cannot read `no/such/level.txt`"), "{run:?}: {error}");
-        assert_eq!(asked(open, &["--map", level]), (0, String::new()), "{run:?}");
+        assert_eq!(run_with(open, &["--map", level]), (0, String::new()), "{run:?}");
     }
     assert_eq!(code(&["check", open]), 0);
     assert_eq!(code(&["check", open, "--map", level]), 0);
@@ -382,10 +382,10 @@ fn a_level_is_given_on_the_command_line() {
     let (legend, small) = ("tests/maps/smb.json", "tests/maps/editors/valley.tmj");
     let runs: [&[&str]; 4] = [&["check"], &["ir"], &["sim", "--frames", "3"], &["bounds"]];
     for run in runs {
-        let asked = |options: &[&str]| code(&[run, &[all.as_str(), "--map", level], options].concat());
-        assert_eq!(asked(&["--legend", legend, "--tile", "16x16"]), 0, "{run:?}");
-        assert_eq!(asked(&["--legend", legend]), if run == ["check"] { 1 } else { 2 }, "{run:?}");
-        assert_eq!(asked(&["--legend", legend, "--tile", "0x16"]), 2, "{run:?}");
+        let run_with = |options: &[&str]| code(&[run, &[all.as_str(), "--map", level], options].concat());
+        assert_eq!(run_with(&["--legend", legend, "--tile", "16x16"]), 0, "{run:?}");
+        assert_eq!(run_with(&["--legend", legend]), if run == ["check"] { 1 } else { 2 }, "{run:?}");
+        assert_eq!(run_with(&["--legend", legend, "--tile", "0x16"]), 2, "{run:?}");
         assert_ne!(code(&[run, &[all.as_str(), "--map", small, "--tile", "8"]].concat()), 0, "{run:?}");
     }
     assert_eq!(code(&["check", closed, "--map", level]), 2);
@@ -398,7 +398,7 @@ fn a_level_is_given_on_the_command_line() {
     assert!(found.contains("wrong_level.txt:2:2: error[E0501]: no tile `%`"), "{found}");
 }
 
-/// What `hypedc` answers to a text on standard input: exit code, standard output, standard error.
+/// Runs `hypedc` with a text on standard input: exit code, standard output, standard error.
 fn answered(arguments: &[&str], input: &[u8]) -> (i32, Vec<u8>, String) {
     let mut child = Command::new(env!("CARGO_BIN_EXE_hypedc"))
         .args(arguments)

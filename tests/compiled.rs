@@ -1,5 +1,5 @@
-//! Compiled programs as files: what is written is read back as the same, and what is not a program is refused or runs, but
-//! never breaks anything.
+//! Compiled programs as files: a written file is read back as the same program; any other file is rejected or runs
+//! without a crash.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -98,7 +98,7 @@ fn any_number_changed_is_refused_or_runs() {
         .iter()
         .map(|(name, program, sources)| {
             let mut value: Value = serde_json::from_str(&written(program, sources)).unwrap();
-            // Most numbers would be places in the text.
+            // Most numbers would be spans.
             value.as_object_mut().unwrap().remove("sources");
             value["program"].as_object_mut().unwrap().remove("spans");
             let mut count = 0;
@@ -167,7 +167,7 @@ fn the_text_that_comes_with_a_program_is_its_own() {
         &|v| v["sources"]["files"] = Value::Array(Vec::new()),
         &|v| v["program"]["spans"]["exprs"][0]["file"] = 99.into(),
         &|v| v["program"]["spans"]["exprs"][0]["start"] = 4_000_000_000_u32.into(),
-        // A copy that was put into itself.
+        // A copy that is expanded into itself.
         &|v| v["sources"]["copies"] = serde_json::json!([[0, { "file": 1_u32 << 31, "start": 0, "end": 0 }]]),
     ];
     for change in changes {
@@ -175,7 +175,7 @@ fn the_text_that_comes_with_a_program_is_its_own() {
     }
 }
 
-/// The schema in the documentation: `UPDATE=1 cargo test --test language compiled` writes it anew.
+/// The schema in the documentation: `UPDATE=1 cargo test --test language compiled` rewrites it.
 #[test]
 fn what_is_written_is_as_the_schema_says() {
     let path = "docs/schemas/program.json";
@@ -191,7 +191,7 @@ fn what_is_written_is_as_the_schema_says() {
         if let Some(error) = validator.iter_errors(&value).next() {
             panic!("{name}: {error} at {}", error.instance_path());
         }
-        // What is left out, misspelt or of another kind is seen.
+        // Missing, misspelt and mistyped fields are detected.
         let mut keys = Vec::new();
         entries(&value, &mut Vec::new(), &mut keys);
         for at in keys.iter().step_by(keys.len() / 40 + 1) {
@@ -205,7 +205,7 @@ fn what_is_written_is_as_the_schema_says() {
     }
 }
 
-/// The ways to all entries of objects.
+/// The paths of all members of objects.
 fn entries(value: &Value, at: &mut Vec<String>, out: &mut Vec<Vec<String>>) {
     let mut inside = |key: String, value: &Value, is_named: bool| {
         at.push(key);

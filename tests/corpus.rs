@@ -1,5 +1,5 @@
-//! `hypedc reach` about many levels: rows that do not depend on threads, runs that are killed and go on, levels that do
-//! not compile, JUnit, what changed since a baseline.
+//! `hypedc reach` on many levels: rows that do not depend on threads, runs that are killed and resumed, levels that do
+//! not compile, JUnit, comparison with a baseline.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -46,7 +46,7 @@ world Open {
 }
 ";
 
-/// A level that is open, with a step, with a wall that is too high, one with a pit.
+/// An open level, one with a step, one with a wall that is too high, one with a pit.
 const LEVELS: [(&str, &str); 4] = [
     ("a", "..........\n..........\nP........F\n##########\n"),
     ("b", "..........\n..........\nP....#...F\n##########\n"),
@@ -54,15 +54,15 @@ const LEVELS: [(&str, &str); 4] = [
     ("d", "..........\n..........\nP........F\n####..####\n"),
 ];
 
-/// A folder of its own, with the game and its levels.
-struct Place(PathBuf);
+/// A separate folder with the game and its levels.
+struct TestFolder(PathBuf);
 
-impl Place {
+impl TestFolder {
     fn new(name: &str) -> Self {
         let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("corpus").join(name);
         let _ = std::fs::remove_dir_all(&folder);
         std::fs::create_dir_all(folder.join("levels")).unwrap();
-        let place = Place(folder);
+        let place = TestFolder(folder);
         place.write("game.hyped", GAME);
         LEVELS.iter().for_each(|(name, text)| place.write(&format!("levels/{name}.txt"), text));
         place
@@ -110,7 +110,7 @@ fn untimed(text: &str) -> Vec<Value> {
         .collect()
 }
 
-/// What rows say in brief.
+/// The verdicts of rows.
 fn verdicts(rows: &[Value]) -> Vec<(String, String, String)> {
     let text = |row: &Value, name: &str| row[name].as_str().unwrap_or_default().to_string();
     rows.iter().map(|row| (text(row, "level"), text(row, "goal"), text(row, "verdict"))).collect()
@@ -118,7 +118,7 @@ fn verdicts(rows: &[Value]) -> Vec<(String, String, String)> {
 
 #[test]
 fn rows_are_the_same_on_any_number_of_threads() {
-    let place = Place::new("threads");
+    let place = TestFolder::new("threads");
     let mut all = Vec::new();
     for threads in [1, 4] {
         let of = format!("--map levels --nodes 3000 --results {threads}.jsonl --csv {threads}.csv --threads {threads}");
@@ -139,7 +139,7 @@ fn rows_are_the_same_on_any_number_of_threads() {
     ]
     .map(|(level, goal, verdict)| (format!("levels/{level}.txt"), goal.to_string(), verdict.to_string()));
     assert_eq!(verdicts(&all[0]), expected);
-    // One level after the other says the same.
+    // One level after the other has the same result.
     for (level, _) in LEVELS {
         let of = format!("--map levels/{level}.txt --nodes 3000 --format json");
         let alone: Value = serde_json::from_slice(&place.run(&of).stdout).unwrap();
@@ -165,7 +165,7 @@ fn rows_are_the_same_on_any_number_of_threads() {
 
 #[test]
 fn a_run_that_is_killed_goes_on() {
-    let place = Place::new("killed");
+    let place = TestFolder::new("killed");
     for index in 0..6 {
         place.write(&format!("levels/slow{index}.txt"), LEVELS[2].1);
     }
@@ -182,7 +182,7 @@ fn a_run_that_is_killed_goes_on() {
             .stderr(Stdio::null())
             .spawn()
             .unwrap();
-        // Killed as soon as so many rows are there, or else after it has ended.
+        // Killed when a number of rows is written, or else after it ended.
         let lines = |path: &Path| std::fs::read(path).map_or(0, |text| text.iter().filter(|b| **b == b'\n').count());
         while lines(&path) < rows && child.try_wait().unwrap().is_none() {
             std::thread::sleep(Duration::from_millis(1));
@@ -194,7 +194,7 @@ fn a_run_that_is_killed_goes_on() {
         let (code, shown, _) = place.answer(&format!("{of} --results {name}"));
         assert_eq!(code, 1, "{shown}");
         assert_eq!(place.rows(&name), whole, "killed after {rows} rows");
-        // What was done was not done again: even the times are those of the killed run.
+        // Finished rows are not repeated: even the times are those of the killed run.
         let now = place.read(&name);
         for line in before.split_inclusive('\n').filter(|line| line.ends_with('\n')) {
             assert!(now.contains(line), "done again after {rows} rows: {line}");
@@ -205,7 +205,7 @@ fn a_run_that_is_killed_goes_on() {
 #[cfg(unix)]
 #[test]
 fn a_run_that_is_interrupted_says_how_to_go_on() {
-    let place = Place::new("interrupted");
+    let place = TestFolder::new("interrupted");
     place.write("levels/a.txt", LEVELS[0].1);
     let of = "--map levels --goal out --nodes 1000000000 --planner coverage --results rows.jsonl";
     let child = place.command(of).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
@@ -219,8 +219,8 @@ fn a_run_that_is_interrupted_says_how_to_go_on() {
     let output = child.wait_with_output().unwrap();
     let error = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(1), "{error}");
-    let told = "stopped when 2 of 4 were done; they are in `rows.jsonl`, and the same command goes on from there";
-    assert!(error.contains(told), "{error}");
+    let message = "stopped when 2 of 4 were done; they are in `rows.jsonl`, and the same command goes on from there";
+    assert!(error.contains(message), "{error}");
     assert!(String::from_utf8_lossy(&output.stdout).contains("2 levels: 2 reached"));
     let levels: Vec<String> = verdicts(&place.rows("rows.jsonl")).into_iter().map(|(level, ..)| level).collect();
     assert_eq!(levels, ["levels/a.txt", "levels/b.txt"]);
@@ -232,7 +232,7 @@ fn a_run_that_is_interrupted_says_how_to_go_on() {
 
 #[test]
 fn rows_are_in_order_whoever_reads_the_table() {
-    let place = Place::new("unread");
+    let place = TestFolder::new("unread");
     let of = "--map levels/c.txt levels/a.txt levels/d.txt levels/b.txt --goal out --nodes 3000 --threads 4";
     let mut child = place.command(&format!("{of} --results rows.jsonl")).stdout(Stdio::piped()).spawn().unwrap();
     drop(child.stdout.take());
@@ -243,7 +243,7 @@ fn rows_are_in_order_whoever_reads_the_table() {
 
 #[test]
 fn two_runs_do_not_write_to_one_file() {
-    let place = Place::new("locked");
+    let place = TestFolder::new("locked");
     let file = std::fs::File::create(place.0.join("rows.jsonl")).unwrap();
     file.lock().unwrap();
     let (code, _, error) = place.answer("--map levels --goal up --results rows.jsonl");
@@ -254,7 +254,7 @@ fn two_runs_do_not_write_to_one_file() {
 
 #[test]
 fn a_line_that_was_cut_off_is_done_anew() {
-    let place = Place::new("cut");
+    let place = TestFolder::new("cut");
     let of = "--map levels/a.txt levels/b.txt levels/c.txt --goal up --results rows.jsonl";
     assert_eq!(place.run(of).status.code(), Some(0));
     let (text, whole) = (place.read("rows.jsonl"), place.rows("rows.jsonl"));
@@ -276,19 +276,19 @@ fn a_line_that_was_cut_off_is_done_anew() {
         } else {
             3
         };
-        let told = format!("{kept} of them kept from `rows.jsonl`");
-        assert_eq!(shown.contains(&told), kept > 0, "cut at {end}: {shown}");
+        let message = format!("{kept} of them kept from `rows.jsonl`");
+        assert_eq!(shown.contains(&message), kept > 0, "cut at {end}: {shown}");
     }
 }
 
 #[test]
 fn only_what_changed_is_done_anew() {
-    let place = Place::new("changed");
+    let place = TestFolder::new("changed");
     let of = "--map levels --goal up --results rows.jsonl";
     let kept = |arguments: &str| {
         let (_, shown, error) = place.answer(arguments);
-        let told = shown.split(" of them kept").next().filter(|before| before.len() < shown.len());
-        (told.map_or(0, |t| t.rsplit(' ').next().unwrap().parse::<usize>().unwrap()), error)
+        let message = shown.split(" of them kept").next().filter(|before| before.len() < shown.len());
+        (message.map_or(0, |t| t.rsplit(' ').next().unwrap().parse::<usize>().unwrap()), error)
     };
     assert_eq!(kept(of), (0, String::new()));
     assert_eq!(kept(of).0, 4);
@@ -298,7 +298,7 @@ fn only_what_changed_is_done_anew() {
     assert_eq!(kept(&format!("{of} --seed 2 --threads 3")).0, 4, "threads are no setting");
     place.write("game.hyped", &GAME.replace("320", "330"));
     assert_eq!(kept(&format!("{of} --seed 2")).0, 0, "another program");
-    // Another layout, comments and documentation mean the same.
+    // Layout, comments and documentation do not matter.
     let changed = GAME.replace("320", "330").replace("{ y' := 330 }", "{\n  // As high as a wall.\n y' :=   330 }");
     place.write("game.hyped", &format!("/// A walker.\n{}", changed.trim_start()));
     assert!(
@@ -310,14 +310,14 @@ fn only_what_changed_is_done_anew() {
             .success()
     );
     assert_eq!(kept(&format!("{of} --seed 2")).0, 4, "another layout");
-    // A level less and one more: the file holds those that are asked for, in their order.
+    // One level removed and one added: the file has the requested ones, in their order.
     std::fs::remove_file(place.0.join("levels/a.txt")).unwrap();
     place.write("levels/bb.txt", LEVELS[0].1);
     let (count, error) = kept(&format!("{of} --seed 2"));
     assert!(count == 3 && error.contains("1 row was taken out of `rows.jsonl`"), "{error}");
     let levels: Vec<String> = verdicts(&place.rows("rows.jsonl")).into_iter().map(|(level, ..)| level).collect();
     assert_eq!(levels, ["levels/b.txt", "levels/bb.txt", "levels/c.txt", "levels/d.txt"]);
-    // Files that are asked for are made, whatever is kept.
+    // Requested files are written, whatever is kept.
     assert_eq!(kept(&format!("{of} --seed 2 --save-inputs way.inputs")).0, 0);
     assert_eq!(kept(&format!("{of} --seed 2 --save-inputs way.inputs --svg way.svg")).0, 0);
     assert_eq!(kept(&format!("{of} --seed 2 --save-inputs way.inputs --svg way.svg")).0, 4);
@@ -328,7 +328,7 @@ fn only_what_changed_is_done_anew() {
 
 #[test]
 fn levels_that_do_not_compile_have_rows_of_their_own() {
-    let place = Place::new("errors");
+    let place = TestFolder::new("errors");
     place.write("levels/b.txt", "..\n.\n");
     place.write("levels/c.txt", "P?\n##\n");
     let (code, shown, error) = place.answer("--map levels levels/none.txt --goal up --results r.jsonl --junit r.xml");
@@ -344,7 +344,7 @@ fn levels_that_do_not_compile_have_rows_of_their_own() {
         rows[1]["program_sha256"].is_null() && rows[1]["level_sha256"].is_string() && rows[4]["level_sha256"].is_null()
     );
     assert!(shown.contains("5 levels: 2 reached, 3 error"), "{shown}");
-    // Mended levels are done, the others stay as they are.
+    // Repaired levels are run, the others stay as they are.
     place.write("levels/b.txt", LEVELS[1].1);
     let (_, shown, _) = place.answer("--map levels levels/none.txt --goal up --results r.jsonl");
     assert!(shown.contains("5 levels: 3 reached, 2 error, 2 of them kept"), "{shown}");
@@ -352,7 +352,7 @@ fn levels_that_do_not_compile_have_rows_of_their_own() {
 
 #[test]
 fn what_is_asked_wrongly_is_told_before_all_levels() {
-    let place = Place::new("wrong");
+    let place = TestFolder::new("wrong");
     place.write("other.jsonl", "entity A { }\n");
     place.write("closed.hyped", &GAME.replace("map level own", "map own \"\nP#\n\""));
     std::fs::create_dir(place.0.join("empty")).unwrap();
@@ -385,13 +385,13 @@ fn what_is_asked_wrongly_is_told_before_all_levels() {
 
 #[test]
 fn a_baseline_tells_what_changed() {
-    let place = Place::new("baseline");
+    let place = TestFolder::new("baseline");
     let of = "--map levels --nodes 3000";
     assert_eq!(place.run(&format!("{of} --results old.jsonl")).status.code(), Some(1), "`c` is not solved");
     let (code, shown, _) = place.answer(&format!("{of} --baseline old.jsonl"));
     assert_eq!(code, 0, "as before is no worse: {shown}");
     assert!(shown.ends_with("since old.jsonl: 8 as before\n"), "{shown}");
-    // One becomes better, one worse, one longer; one goes and one comes.
+    // One verdict gets better, one worse, one path longer; one level is removed and one added.
     place.write("levels/c.txt", LEVELS[0].1);
     place.write("levels/b.txt", LEVELS[2].1);
     let wide = "..........................\n..........................\nP........................F\n##########################\n";
@@ -422,7 +422,7 @@ fn a_baseline_tells_what_changed() {
 
 #[test]
 fn junit_is_what_continuous_integration_reads() {
-    let place = Place::new("junit");
+    let place = TestFolder::new("junit");
     place.write("levels/d.txt", "P?\n");
     let of = "--map levels --never fell --goal out --nodes 3000 --junit r.xml";
     assert_eq!(place.run(of).status.code(), Some(1));
@@ -449,7 +449,7 @@ fn junit_is_what_continuous_integration_reads() {
         plain.push('\n');
     }
     insta::assert_snapshot!(plain);
-    // What the schema of Jenkins' xUnit plugin admits.
+    // Valid for the schema of Jenkins' xUnit plugin.
     let read = roxmltree::Document::parse(&text).unwrap();
     for node in read.descendants().filter(roxmltree::Node::is_element) {
         let (inside, required, allowed): (&[&str], &[&str], &[&str]) = match node.tag_name().name() {
@@ -477,13 +477,13 @@ fn junit_is_what_continuous_integration_reads() {
 
 #[test]
 fn levels_of_the_corpus_are_searched_by_a_program_of_their_legend() {
-    let place = Place::new("vglc");
+    let place = TestFolder::new("vglc");
     for name in ["open.hyped", "walker.hyped", "smb.json"] {
         place.write(name, &std::fs::read_to_string(Path::new("tests/maps").join(name)).unwrap());
     }
     let level = std::fs::read_to_string("tests/maps/mario-1-1.txt").unwrap();
     place.write("levels/mario-1-1.txt", &level);
-    // The same level from its middle on.
+    // The same level, started in the middle.
     let half: String = level.lines().map(|row| format!("{}\n", &row[row.len() / 2..])).collect();
     place.write("levels/mario-1-2.txt", &half);
     let mut command = Command::new(env!("CARGO_BIN_EXE_hypedc"));

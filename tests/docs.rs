@@ -1,6 +1,6 @@
 //! The documentation is true: `README.md` and the pages of the book in `docs/`.
 //!
-//! A fenced block of a page takes part in the test by the words after its fence:
+//! A fenced block of a page is tested according to the words after its fence:
 //!
 //! - `console`: a session. Each line `$ hypedc …` is run, and what it prints (standard output, then standard error) is
 //!   compared with the lines below it. `> FILE` at its end writes standard output to a file. `$ echo $?` is the exit
@@ -32,11 +32,11 @@ const REFERENCE: &str = "docs/reference.md";
 /// Pages that are not in the book.
 const BESIDE: [&str; 4] = ["grammar/README.md", "editors/README.md", "CONTRIBUTING.md", "CHANGELOG.md"];
 
-/// The longest that the README may be, in lines, and a line of prose of any page, in characters.
+/// Maximum length of the README, in lines, and of a line of prose of any page, in characters.
 const MAX_README: usize = 150;
 const MAX_LINE: usize = 120;
 
-/// What stands for any number of lines of an output, or for any text inside a line.
+/// The wildcard for any number of lines of an output, or for any text inside a line.
 const ANY: &str = "…";
 
 fn is_updating() -> bool {
@@ -97,7 +97,7 @@ fn words(command: &str) -> Vec<String> {
     words
 }
 
-/// A line without what differs from run to run: seconds that were measured.
+/// A line without values that differ between runs: measured seconds.
 fn comparable(line: &str, is_timed: bool) -> String {
     if let (Some(from), Some(to)) = (line.find(" tree"), line.find(" s; "))
         && from < to
@@ -112,7 +112,7 @@ fn comparable(line: &str, is_timed: bool) -> String {
     line.split_whitespace().map(|word| if is_number(word) { "#" } else { word }).collect::<Vec<_>>().join(" ")
 }
 
-/// Whether an output is as a page shows it.
+/// Whether an output matches a page.
 fn is_as_shown(found: &[&str], shown: &[&str]) -> bool {
     let is_timed = found.iter().any(|line| line.starts_with("level ") && line.ends_with("seconds"));
     let line = |line: &&str| comparable(line, is_timed);
@@ -138,7 +138,7 @@ fn line_fits(found: &str, shown: &str) -> bool {
     }
 }
 
-/// What a page does while its sessions run.
+/// The state of a page's sessions.
 struct Sandbox {
     folder: PathBuf,
     /// The exit code of the last command.
@@ -147,7 +147,7 @@ struct Sandbox {
 }
 
 impl Sandbox {
-    /// An empty folder, but for the examples.
+    /// A new folder with a copy of the examples.
     fn new(page: &Path) -> Self {
         let name = page.with_extension("").to_str().unwrap().replace(['/', '\\'], "-");
         let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("docs").join(name);
@@ -166,7 +166,7 @@ impl Sandbox {
         std::fs::write(path, text).unwrap();
     }
 
-    /// What a line of a session prints.
+    /// The output of a line of a session.
     fn run(&mut self, command: &str) -> String {
         if command == "echo $?" {
             return format!("{}\n", self.code);
@@ -206,7 +206,7 @@ fn copy(from: impl AsRef<Path>, to: &Path) {
     }
 }
 
-/// What came of the sessions of a page.
+/// The result of a page's sessions.
 #[derive(Default)]
 struct Played {
     sessions: usize,
@@ -391,7 +391,7 @@ fn links_lead_somewhere() {
             if anchor.is_some_and(|anchor| !anchors(&target).contains(anchor)) {
                 trouble.push_str(&format!("{at}: there is no such heading\n"));
             }
-            // The book holds `docs/` alone: what leads out of it leads nowhere there.
+            // The book contains only `docs/`: a link out of it is broken there.
             let docs = Path::new("docs").canonicalize().unwrap();
             if page.starts_with("docs") && !target.canonicalize().unwrap().starts_with(docs) {
                 trouble.push_str(&format!("{at} leads out of the book\n"));

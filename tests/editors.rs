@@ -1,5 +1,5 @@
-//! One source for the words of the language: the grammars for editors have those of `grammar/hyped.pest` and the built-in
-//! functions, no more and no fewer. That they see them in the right places is for the tests in `editors/` to say.
+//! One source for the keywords: the grammars for editors have exactly those of `grammar/hyped.pest` and the built-in
+//! functions. The tests in `editors/` check where they apply.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -13,8 +13,8 @@ fn read(path: &str) -> String {
     std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{path}: {e}"))
 }
 
-/// What stands between double quotes, in a text in which a backslash takes the meaning from the character after it.
-/// `unescape` keeps that character alone, as a string's value has it; letters such as the `n` of a line break are dropped.
+/// The texts between double quotes, in a text with backslash escapes. `unescape` keeps only the escaped character, as
+/// in a string's value; letters such as the `n` of a line break are dropped.
 fn quoted(text: &str, unescape: bool) -> Vec<String> {
     let mut found = Vec::new();
     let mut open: Option<String> = None;
@@ -46,13 +46,13 @@ fn is_word(text: &str) -> bool {
     text.starts_with(|c: char| c.is_ascii_alphabetic()) && text.chars().all(|c| c.is_ascii_alphanumeric())
 }
 
-/// What the grammar's rules say, for those whose names begin in this way.
+/// The bodies of the grammar's rules whose names have a prefix.
 fn rules(beginning: &str) -> Words {
     let grammar = read("grammar/hyped.pest");
     words(grammar.lines().filter(|line| line.starts_with(beginning)).flat_map(|line| quoted(line, false)))
 }
 
-/// The words that are never names, those that are words only in places, and what is written after a number.
+/// The reserved words, the contextual keywords, and the units after numbers.
 fn reserved() -> Words {
     rules("kw_")
 }
@@ -65,7 +65,7 @@ fn units() -> Words {
     rules("unit ")
 }
 
-/// The built-in functions, of which the grammar knows nothing: as a misspelt one is told of them.
+/// The built-in functions, which are not in the grammar: from the message about a misspelt one.
 fn functions() -> Words {
     let checker = read("src/sema/call.rs");
     let (_, list) = checker.split_once("let known = [").expect("the checker's list of functions");
@@ -105,7 +105,7 @@ fn words_of_pattern(pattern: &str, long: &[char], found: &mut Words) {
     found.extend((!word.is_empty()).then_some(word));
 }
 
-/// Fails with what is missing and what is too much.
+/// Fails with the missing and the superfluous words.
 fn same(editor: &str, found: &Words, expected: &Words) {
     let missing: Vec<_> = expected.difference(found).collect();
     let unknown: Vec<_> = found.difference(expected).collect();
@@ -155,7 +155,7 @@ fn tree_sitter_has_the_words() {
     same("the tree-sitter grammar", &literals(&grammar["rules"]), &expected);
     same("the tree-sitter grammar's list of reserved words", &literals(&grammar["reserved"]), &reserved());
 
-    // A rule that is one word is painted by its name, all other words by themselves.
+    // A rule of one word is highlighted by its name, all other words by themselves.
     let highlights = read("editors/tree-sitter-hyped/queries/highlights.scm");
     let mut painted: Words = words(quoted(&highlights, false).into_iter().filter(|w| is_word(w)));
     for (name, rule) in grammar["rules"].as_object().unwrap() {
@@ -189,7 +189,7 @@ fn text_mate_has_the_words() {
     same("the TextMate grammar", &found, &all(&[reserved(), contextual(), units(), functions()]));
 }
 
-/// What stands between a delimiter, the first character, and the next one without a backslash before it.
+/// The text between a delimiter (the first character) and the next one that is not escaped.
 fn delimited(text: &str) -> &str {
     let delimiter = text.chars().next().unwrap();
     let mut escaped = false;

@@ -1,4 +1,4 @@
-//! The simulator inside of somebody's game: states that are saved and read back, what happens in a step, and the example.
+//! The simulator embedded in a game: states that are saved and restored, the events of a step, and the example.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -58,7 +58,7 @@ fn a_saved_state_goes_on_as_if_nothing_had_been() {
                 let saved = run.simulator().save(run.state());
                 let state = run.simulator().load(&saved).unwrap_or_else(|why| panic!("{name}, step {step}: {why}"));
                 assert_eq!(&state, run.state(), "{name}, step {step}");
-                // A run of its own, from there.
+                // A separate run from there.
                 let mut other = Run::of(Arc::clone(run.simulator())).unwrap();
                 other.set_state(&state);
                 for _ in 0..10 {
@@ -134,7 +134,7 @@ fn leaves(instance: Instance<'_>) -> Vec<usize> {
     instance.entity().groups.ids().map(|group| instance.leaf(group).index()).collect()
 }
 
-/// What is told of a step is what makes the difference between its states, and nothing is told twice.
+/// The events of a step are exactly the difference between its states, each event once.
 #[test]
 fn what_is_told_is_what_has_changed() {
     let mut kinds = BTreeSet::new();

@@ -1,5 +1,5 @@
-//! The examples: every one compiles without a word, every world runs, every script in `examples/inputs` ends where it
-//! is meant to.
+//! The examples: every one compiles without findings, every world runs, every script in `examples/inputs` has its
+//! intended result.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -14,10 +14,10 @@ use hypedc::ir::{Program, WorldId};
 use hypedc::sim::{Input, Script, Simulator, State, parse_script};
 use hypedc::source::SourceMap;
 
-/// How long every world is run without input.
+/// Number of steps of each world without input.
 const IDLE_STEPS: u32 = 600;
 
-/// What happened in a run.
+/// The events of a run.
 struct Run {
     sim: Simulator,
     steps: u64,
@@ -61,7 +61,7 @@ impl Run {
         }
     }
 
-    /// Where everything that lives ended up, and when each goal was reached.
+    /// The final positions of all live instances, and the step at which each goal was reached.
     fn text(&self) -> String {
         let (program, world) = (self.sim.program(), self.sim.world());
         let mut out = format!("world {}: {} steps\n", world.name, self.steps);
@@ -90,7 +90,7 @@ impl Run {
     }
 }
 
-/// What an example is called: its path in the folder, without the extension.
+/// The name of an example: its path in the folder, without the extension.
 fn name_of(path: &Path, folder: &str) -> String {
     path.strip_prefix(folder).unwrap().with_extension("").to_str().unwrap().replace('\\', "/")
 }

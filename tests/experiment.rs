@@ -7,7 +7,7 @@ use std::process::{Command, Output, Stdio};
 
 use serde_json::Value;
 
-/// Runs end by their nodes, long before their seconds: what they find does not depend on the machine.
+/// The limit of nodes ends runs, long before their seconds: results do not depend on the machine.
 const TINY: [&str; 7] = ["paper", "--seeds", "2", "--seconds", "600", "--nodes", "300"];
 
 const HEADER: &str = "test,goal,planner,restarts,bounds,metric,hold,seed,verdict,nodes,trees,extensions,steps,seconds,\
@@ -183,7 +183,7 @@ fn a_run_ends_with_its_budget_of_seconds() {
     let found = json(&["paper", "--tests", "1", "--seeds", "1", "--seconds", "0", "--planners", "rrt"]);
     for run in found["runs"].as_array().unwrap() {
         assert_eq!(run["verdict"], "not-found");
-        // The clock is looked at between few samples.
+        // The clock is read between few samples.
         assert!(run["nodes"].as_u64().unwrap() <= 64, "{run}");
     }
     assert_eq!(found["settings"]["nodes"], Value::Null);

@@ -1,4 +1,4 @@
-//! The pages of `hypedc explain` are true: in each wrong example the code is found, each right one runs without a word.
+//! The pages of `hypedc explain` are correct: each wrong example has the finding, each right one runs without findings.
 //!
 //! The form of a page is described in `src/diagnostic/page.rs`. Everything is tried with the command itself, in a folder
 //! that holds the files of the page.
@@ -13,28 +13,28 @@ use hypedc::diagnostic::page::{Example, Page, Part, Side};
 
 const PAGES: &str = "src/diagnostic/catalogue/pages";
 
-/// The name of an example that has none.
+/// The default name of an example.
 const PROGRAM: &str = "program.hyped";
 
-/// How long a world runs.
+/// Number of steps of a world.
 const STEPS: &str = "100";
 
 fn hypedc(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_hypedc")).args(arguments).current_dir(folder).output().unwrap()
 }
 
-/// All that a command says.
+/// The whole output of a command.
 fn said(output: &Output) -> String {
     format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
 }
 
-/// The codes of the errors, or of the warnings, in what a command says.
+/// The codes of the errors, or of the warnings, in the output of a command.
 fn codes(said: &str, word: &str) -> Vec<String> {
     let start = format!("{word}[");
     said.split(&start).skip(1).map(|rest| rest.split(']').next().unwrap().to_string()).collect()
 }
 
-/// The bytes that an example stands for.
+/// The bytes of an example.
 fn bytes(example: &Example<'_>) -> Vec<u8> {
     let mut text = example.lines.join("\n") + "\n";
     for dots in example.settings("dots") {
@@ -66,7 +66,7 @@ fn words(command: &str) -> Vec<&str> {
     parts.flat_map(|(i, part)| if i % 2 == 1 { vec![part] } else { part.split_whitespace().collect() }).collect()
 }
 
-/// What is said of an example: by the check, and by the runs that the page asks for.
+/// The output for an example: of the check, and of the runs that the page specifies.
 fn outputs(example: &Example<'_>, folder: &Path) -> Vec<Output> {
     if example.language == "sh" {
         let commands = example.lines.iter().map(|line| line.strip_prefix("hypedc ").unwrap());
@@ -75,7 +75,7 @@ fn outputs(example: &Example<'_>, folder: &Path) -> Vec<Output> {
     let mut found = vec![hypedc(folder, &["check", "--format", "short", PROGRAM])];
     let inputs = example.setting("inputs");
     if inputs.is_some() {
-        // What goes wrong in the run may be foreseen by a warning.
+        // A warning may predict a run-time error.
         assert!(found[0].status.success(), "{}", said(&found[0]));
     }
     if inputs.is_some() || example.side == Some(Side::Right) {

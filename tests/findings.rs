@@ -1,5 +1,5 @@
-//! What `check` proves by value, held against runs: no guard that never holds did, no mode that is never entered was
-//! active, no invariant that is proven broke. The programs are the examples, and examples with other numbers.
+//! Soundness of the findings by value: no guard that never holds did, no unreachable mode was active, no proven
+//! invariant was violated. The programs are the examples, and examples with modified numbers.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -21,7 +21,7 @@ use rand_pcg::Pcg64;
 /// Random steps of each world.
 const STEPS: usize = 3_000;
 
-/// How often an example gets other numbers.
+/// Number of modified versions of an example.
 const CHANGES: usize = 12;
 
 /// A program with one file changed.
@@ -94,7 +94,7 @@ impl Instance<'_> {
     }
 }
 
-/// An expression and the truth values that it is made of.
+/// A predicate and its subpredicates.
 fn parts(program: &Program, id: ExprId) -> Vec<ExprId> {
     let mut out = vec![id];
     match program.exprs[id] {
@@ -209,7 +209,7 @@ fn renumbered(text: &str, rng: &mut Pcg64) -> Option<String> {
     Some(format!("{}{new}{}", &text[..from], &text[from + length..]))
 }
 
-/// What a finding says of a run that the run does not bear out.
+/// A finding that a run refutes.
 fn contradicted(compilation: &Compilation, program: &Program, d: &Diagnostic, sim: &Simulator, state: &[u8]) -> bool {
     let Some(at) = d.primary.as_ref().map(|l| l.span) else { return false };
     let trace = |span| compilation.sources.trace(span).0;
@@ -237,7 +237,7 @@ fn contradicted(compilation: &Compilation, program: &Program, d: &Diagnostic, si
     })
 }
 
-/// Runs all worlds of a program; gives what was found of it, and what the runs did not bear out.
+/// Runs all worlds of a program; returns its findings, and those that the runs refute.
 fn tried(path: &Path, text: &str) -> (Vec<Code>, Vec<String>) {
     let compilation = check_with(path, LevelFile::default(), &Changed(path, text));
     let Some(program) = &compilation.program else { return Default::default() };
@@ -289,7 +289,7 @@ fn what_is_proven_is_so_in_runs() {
     let mut all = Vec::new();
     let mut wrong = Vec::new();
     for path in files("examples", "hyped") {
-        // Large worlds take too long for so many rounds.
+        // Large worlds are too slow for this number of rounds.
         if ["mario.hyped", "boss.hyped"].iter().any(|name| path.ends_with(name)) && !path.starts_with("examples/paper")
         {
             continue;
@@ -317,8 +317,8 @@ fn what_is_proven_is_so_in_runs() {
     }
 }
 
-/// A ball that moves so far in a step and begins so far from a wall of 16 px; whether it gets behind it, and whether
-/// that is foreseen.
+/// A ball with a distance per step and an initial distance from a wall of 16 px; whether it passes through the wall,
+/// and whether that is predicted.
 fn shot(text: &str) -> (bool, bool) {
     let path = Path::new("shot.hyped");
     let compilation = check_with(path, LevelFile::default(), &Changed(path, text));
@@ -387,7 +387,7 @@ fn codes(files: &[(&str, &str)]) -> Vec<&'static str> {
     compilation.diagnostics.iter().map(|d| d.code.text()).collect()
 }
 
-/// A counter that is left where it has counted to `most`, and what asks it.
+/// A counter that stays at `most`, and its readers.
 const COUNTER: &str = "entity Counter {
     param most = 3
     param last = 0
@@ -411,7 +411,7 @@ fn a_guard_is_told_of_only_where_all_instances_agree() {
     let more = "world B { space main { place b: Counter at (0, 0) { most = 8 } } }";
     let both = "world C { space main { place a: Counter at (0, 0)\n place b: Counter at (0, 0) { most = 8 } } }";
     let open = "world D { tiles t 8 x 8 { '.': empty }\n space main { map level t\n place a: Counter at (0, 0) } }";
-    // The mode that it leads to is never entered: that is said once.
+    // Its target is unreachable: that is reported once.
     assert_eq!(counter("count > 5", one), ["W0702"]);
     assert_eq!(counter("count > 5", &format!("{one}\n{more}")), [""; 0]);
     assert_eq!(counter("count > 5", both), [""; 0]);
@@ -535,7 +535,7 @@ fn an_invariant_of_which_nothing_is_known_is_not_proven() {
     let world = "world W { space main { place hero: Hero at (0, 0) } }";
     let found = checked(&format!("{} {world}", tangled("invariant x <= 5")));
     assert!(found.contains("W0703") && found.contains("1024 combinations of modes"), "{found}");
-    // What is broken at the start is seen whatever is given up.
+    // A violation in the initial state is reported even if the analysis gives up.
     let found = checked(&format!("{} {world}", tangled("invariant x > 5")));
     assert!(found.contains("E0701"), "{found}");
     let plain = "entity Hero { collider body: rect(0, 0, 16, 16); invariant x <= 40; x' = 60 }";

@@ -1,4 +1,4 @@
-//! Fixes: each does away with its finding, and `check --fix` makes them in the files.
+//! Fixes: each removes its finding, and `check --fix` applies them to the files.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -25,7 +25,7 @@ impl Files for Overlay {
     }
 }
 
-/// Makes each fix alone and looks whether its finding is gone; gives the codes of the findings that had one.
+/// Applies each fix alone and asserts that its finding is gone; returns the codes of the findings that had one.
 fn each_fix_works(root: &Path, files: &dyn Files) -> Vec<Code> {
     let Compilation { sources, diagnostics, .. } = compile(root, files);
     let mut codes = Vec::new();
@@ -91,13 +91,13 @@ fn what_is_certain_is_mended() {
 #[test]
 fn what_is_not_certain_is_left() {
     for text in [
-        // Two names are as near.
+        // Two names are equally similar.
         "entity A {\n    param start = 1\n    param stark = 1\n    x' = stars\n}\n",
         // A second `=` may be the start of something else.
         "entity A {\n    y' = 1 = 2\n}\n",
         // `mode` would not make sense of it.
         "entity A {\n    mod + 3\n}\n",
-        // In a behaviour a name means something else wherever it is used.
+        // In a behaviour a name has a different meaning at each use.
         "behavior B {\n    param speed = 1\n    x' = sped\n}\nentity A { use B }\nentity C { use B }\n",
     ] {
         let found = compile_text(text);
@@ -106,7 +106,7 @@ fn what_is_not_certain_is_left() {
     }
 }
 
-/// A folder of its own for a test.
+/// A separate folder for a test.
 fn folder(name: &str) -> PathBuf {
     let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("fix_{name}"));
     let _ = std::fs::remove_dir_all(&path);

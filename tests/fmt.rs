@@ -1,5 +1,4 @@
-//! The formatter: what its layout looks like, that it changes nothing but the layout, and that it has nothing to do the
-//! second time.
+//! The formatter: its layout, that it changes only the layout, and that it is idempotent.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -46,7 +45,7 @@ fn without_spans(text: &str) -> String {
     out
 }
 
-/// Formats a text and checks all that always holds of the outcome.
+/// Formats a text and checks the invariants of the result.
 fn checked(text: &str) -> String {
     let once = formatted(text);
     let (tree, comments) = meaning(text);
@@ -78,7 +77,7 @@ impl Noise {
     }
 }
 
-/// Puts comments, blanks and line breaks wherever the grammar lets them stand.
+/// Inserts comments, blanks and line breaks wherever the grammar allows them.
 fn disturbed(text: &str, seed: u64, edits: usize) -> String {
     let pieces = [
         "// a comment\n",
@@ -100,7 +99,7 @@ fn disturbed(text: &str, seed: u64, edits: usize) -> String {
         let ends: Vec<usize> = boundaries(&text);
         let at = ends[noise.below(ends.len())];
         let piece = pieces[noise.below(pieces.len())];
-        // What the piece takes the place of: nothing, or the blanks that follow.
+        // The text that the piece replaces: nothing, or the blanks that follow.
         let rest = &text[at..];
         let blanks = rest.len() - rest.trim_start_matches([' ', '\n']).len();
         let until = at + if noise.below(3) == 0 { blanks } else { 0 };
@@ -139,7 +138,7 @@ fn a_messy_program_becomes_a_tidy_one() {
     insta::assert_snapshot!(checked(&std::fs::read_to_string("tests/fmt/messy.hyped").unwrap()));
 }
 
-/// The same text, formatted, is another one; that is its own canonical layout.
+/// Asserts that a text is formatted to another one, which is canonical.
 #[track_caller]
 fn becomes(text: &str, expected: &str) {
     assert_eq!(checked(text), expected);
@@ -170,7 +169,7 @@ fn blank_lines_stay_but_not_at_the_ends_of_blocks() {
     becomes("", "");
     becomes("\n \n", "");
     becomes("// only this", "// only this\n");
-    // What documents nothing does not begin to.
+    // A comment that is no documentation does not become one.
     becomes("entity A { /// a\n\nmode b { } }", "entity A { /// a\n\n    mode b { }\n}\n");
 }
 
@@ -217,7 +216,7 @@ fn a_statement_too_long_for_a_line_is_broken_once() {
         &line(&format!("{test} and {test} and {test} or {test}")),
         &broken(&format!("{test}\n            and {test}\n            and {test}\n            or {test}")),
     );
-    // A break that does not stay is none.
+    // A line break that is not kept does not count.
     let inside = format!("({test} or {test} or {test})");
     becomes(&line(&inside.replace("touching(", "touching\n(")), &broken(&inside));
     let author = format!("{test} and {test}\n            and {test} or {test} and {test}");

@@ -1,4 +1,4 @@
-//! What `check` prints for tools: the JSON object and the SARIF log, which is held against the format's schema.
+//! The output of `check` for tools: the JSON object and the SARIF log, validated against the format's schema.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -78,7 +78,7 @@ fn sarif_logs_fit_the_schema() {
     }
     let unreadable = results.iter().find(|r| r["ruleId"] == "E0001").unwrap();
     assert_eq!(unreadable["locations"][0]["physicalLocation"]["artifactLocation"]["uri"], "no/such%20file.hyped");
-    // What a region says in lines and columns is what it says in bytes.
+    // Lines and columns of a region agree with its bytes.
     let mut all = Vec::new();
     regions(run, &mut all);
     assert!(all.len() > results.len());

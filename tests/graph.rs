@@ -1,4 +1,4 @@
-//! Statecharts: what is drawn of a program, and that the pictures can be read.
+//! Statecharts: the contents of the pictures, and their legibility.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -103,7 +103,7 @@ fn pictures_look_like_this() {
 /// Left, top, right and bottom.
 type Rect = [f64; 4];
 
-/// What is drawn of a chart: every text with its place, and every rectangle.
+/// The contents of a picture: every text with its place, and every rectangle.
 type Parts = (Vec<(String, Rect)>, Vec<Rect>);
 
 fn parts(picture: &str) -> Vec<Parts> {

@@ -1,5 +1,5 @@
-//! Every state that a search makes is held against what the analysis says: nothing lies outside, and if something does,
-//! nothing is proven by it.
+//! The monitor checks every state of a search against the analysis: nothing lies outside; after a violation, nothing is
+//! proven.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -66,7 +66,7 @@ fn walker(speed: u32) -> Arc<Program> {
     )))
 }
 
-/// A fast walker, and what is said of a slow one: an analysis that is wrong.
+/// A fast walker, with the configuration space of a slow one: a wrong analysis.
 fn wrong() -> (Arc<Program>, ConfigurationSpace) {
     (walker(60), configuration_space(&walker(30), WORLD))
 }
@@ -93,15 +93,15 @@ fn whatever_searches_finds_what_is_outside() {
         let beyond = &refuted.outside.beyond[0];
         let found = [&refuted.outside.instance, &beyond.variable, &beyond.value, &beyond.allowed];
         assert_eq!(found, ["walker", "x'", "60", "30"], "{planner:?}");
-        // The first state on its way that is outside, and none before.
+        // The first state of the path that is outside, and none before.
         let mut scratch = sim.scratch();
         let mut state = sim.initial(&mut scratch).unwrap();
-        let guard = Monitor::new(&space, &program, WORLD);
+        let monitor = Monitor::new(&space, &program, WORLD);
         for input in refuted.script.inputs() {
-            assert_eq!(guard.outside(&sim, &state), None);
+            assert_eq!(monitor.outside(&sim, &state), None);
             sim.step(&mut state, input, &mut scratch).unwrap();
         }
-        assert_eq!(guard.outside(&sim, &state), Some(refuted.outside));
+        assert_eq!(monitor.outside(&sim, &state), Some(refuted.outside));
     }
 }
 
@@ -109,19 +109,19 @@ fn whatever_searches_finds_what_is_outside() {
 fn a_refuted_analysis_proves_nothing() {
     let (program, space) = wrong();
     let sim = Simulator::new(&program, WORLD);
-    let guard = Monitor::new(&space, &program, WORLD);
-    let of = |goal: GoalId| Problem::new(&sim, goal).monitored(&guard);
+    let monitor = Monitor::new(&space, &program, WORLD);
+    let of = |goal: GoalId| Problem::new(&sim, goal).monitored(&monitor);
     let settings = Settings::default();
-    // As long as nobody has looked, it is proven.
+    // Without a check, it is proven.
     let mut before = ask(&of(FAST), &space, &settings);
     assert!(matches!(before.verdict, Verdict::Unreachable(Argument::Analysis(_))));
     assert!(before.rests_on_analysis() && before.refuted.is_none());
     assert!(ask(&of(FAR), &space, &settings).refuted.is_some());
-    before.refute(&guard.refutation().unwrap());
+    before.refute(&monitor.refutation().unwrap());
     assert_eq!((&before.verdict, before.is_withdrawn), (&Verdict::NotFound, true));
     let after = ask(&of(FAST), &space, &settings);
     assert_eq!((&after.verdict, after.is_withdrawn), (&Verdict::NotFound, true));
-    assert_eq!(after.refuted, guard.refutation());
+    assert_eq!(after.refuted, monitor.refutation());
 }
 
 #[test]
@@ -144,13 +144,13 @@ fn replayed_ways_are_looked_at() {
     let unchecked = Settings { checks: false, ..Settings::default() };
     let Verdict::Reached(plan) = ask(&Problem::new(&sim, FAR), &space, &unchecked).verdict else { panic!() };
     for way in [0, 1] {
-        let guard = Monitor::new(&space, &program, WORLD);
-        let problem = Problem::new(&sim, FAR).monitored(&guard);
+        let monitor = Monitor::new(&space, &program, WORLD);
+        let problem = Problem::new(&sim, FAR).monitored(&monitor);
         match way {
             0 => drop(shorten(&problem, &plan, &Unwatched)),
             _ => drop(improve_duration(&problem, &space, &unchecked, &limits(500), &plan, &Unwatched)),
         }
-        assert!(guard.refutation().is_some(), "{way}");
+        assert!(monitor.refutation().is_some(), "{way}");
     }
 }
 

@@ -1,5 +1,5 @@
-//! Imports: the entities of the 2017 system become programs that a person can read, that check, and that run as the
-//! recorded runs of that system do; what cannot be carried over is told of, and no file makes the import fail otherwise.
+//! Imports: the entities of the 2017 system become readable programs that check, and that run like the recorded runs of
+//! that system; parts that cannot be imported are reported, and the import never fails otherwise.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -24,7 +24,7 @@ use hypedc::source::{Files, SourceMap};
 use proptest::prelude::*;
 use serde::Deserialize;
 
-/// Imports a text; gives what came of it, and the findings as they are shown.
+/// Imports a text; returns the result, and the rendered findings.
 fn import(path: &Path, text: &str) -> (Import, String) {
     let mut sources = SourceMap::new();
     let file = sources.add(path, text);
@@ -48,7 +48,7 @@ fn definitions_become_programs_that_check() {
         let text = text.unwrap();
         assert_eq!(format(SourceMap::new().add("test.hyped", ""), &text).unwrap(), text, "{}", path.display());
         let checked = check_with(Path::new("test.hyped"), LevelFile::default(), &Text(&text));
-        // Only what a world would say more of.
+        // Only findings that a world would resolve.
         let warnings: Vec<Code> = checked.diagnostics.iter().map(|d| d.code).collect();
         assert!(warnings.is_empty(), "{}", render::human(&checked.sources, checked.diagnostics.iter(), false));
         let name = path.file_name().unwrap().to_string_lossy().replace(".char.xml", "");
@@ -69,7 +69,7 @@ fn instances() -> BTreeMap<String, Vec<Instance>> {
     serde_json::from_str(&std::fs::read_to_string("tests/import/instances.json").unwrap()).unwrap()
 }
 
-/// The world of a recorded run, in which imported entities take the place of those written by hand.
+/// The world of a recorded run, with imported entities in place of those written by hand.
 fn imported(name: &str) -> Arc<Program> {
     let instances = instances().remove(name).unwrap();
     let mut program = String::new();
@@ -174,7 +174,7 @@ fn what_is_no_document_is_refused_with_its_place() {
 
 #[test]
 fn a_crowd_of_names_is_given_out_in_time() {
-    // All differ, and all would be called alike.
+    // All differ, and all would get the same name.
     let odd = |n: usize| (0..6).map(|at| b"-.+!:"[n / 5_usize.pow(at) % 5] as char).collect::<String>();
     let modes: String = (0..4_000).map(|n| format!("<mode name='a{}b'/>", odd(n))).collect();
     let text = format!("<automaton name='crowd'><group name='g'>{modes}</group></automaton>");
@@ -186,7 +186,7 @@ fn a_crowd_of_names_is_given_out_in_time() {
     assert_eq!((count, names.len()), (4_000, 4_000));
 }
 
-/// What is put into texts: signs of XML, and names and values of the form.
+/// The inserted texts: symbols of XML, and names and values of the form.
 const PIECES: &[&str] = &[
     "<",
     ">",
@@ -241,7 +241,7 @@ const PIECES: &[&str] = &[
 proptest! {
     #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Whatever becomes of a file's bytes: it is imported or refused, and what comes of it is a canonical program.
+    /// Any bytes are imported or rejected, and the result is a canonical program.
     #[test]
     fn any_bytes_are_imported_or_refused(
         which in 0..11_usize,

@@ -1,5 +1,5 @@
-//! Maps from files: text with one's own tiles, levels of the Video Game Level Corpus (see `maps/LICENSE-VGLC.md`), and
-//! worlds whose map the command line gives.
+//! Maps from files: text with a tile set of the program, levels of the Video Game Level Corpus (see
+//! `maps/LICENSE-VGLC.md`), and worlds whose map is given on the command line.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -12,7 +12,7 @@ use hypedc::ir::{Origin, Program, SpaceId, WorldId};
 use hypedc::sim::{Input, Simulator};
 use hypedc::source::{Files, ReadError};
 
-/// Runs the first world without input; gives how many instances it began with.
+/// Runs the first world without input; returns its initial number of instances.
 fn run(program: &Arc<Program>, steps: usize) -> usize {
     let sim = Simulator::new(program, WorldId(0));
     let mut scratch = sim.scratch();
@@ -264,7 +264,7 @@ fn what_is_no_rows_of_characters_is_named() {
         ["level.txt:2:2: no tile `\t` in `l.json`", "level.txt:2:3: no tile `b` in `l.json`"]
     );
     assert_eq!(found("--#\n-##\n-\n", legend), ["level.txt:3:1: row 3 has 1 tile, others have 3"]);
-    // What the corpus has beside legends of tiles: graphs, and lists of what is solid.
+    // Other files of the corpus: graphs, and lists of solid tiles.
     let graph = "{ \"nodes\": {},\n \"edges\": {} }";
     assert_eq!(found("--#\n", graph), ["l.json:2:14: this is no legend: it has no `tiles`, but `edges`, `nodes`"]);
 }

@@ -1,5 +1,5 @@
-//! Memory grows with the text, and by no more than a bound: of texts of many kinds, the bytes that are allocated at the
-//! peak of a check.
+//! Memory is bounded by the size of the text: for texts of many kinds, the bytes that are allocated at the peak of a
+//! check.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -23,9 +23,9 @@ fn lines(before: &str, after: &str, line: impl Fn(usize) -> String) -> String {
     text + after
 }
 
-/// The most bytes that a byte of a text may take. Where no blank stands between one-letter names and signs, each byte is an
-/// expression.
-const MOST: f64 = 40.0;
+/// Maximum number of allocated bytes per byte of text. Without blanks between one-letter names and symbols, each byte
+/// is an expression.
+const MAX_BYTES_PER_BYTE: f64 = 40.0;
 
 /// Texts of one kind each.
 fn shapes() -> Vec<(&'static str, String)> {
@@ -128,8 +128,8 @@ fn a_check_takes_memory_by_the_byte() {
     for (name, text) in shapes() {
         let each = most(&text) as f64 / text.len() as f64;
         println!("{name:25} {each:7.1}");
-        if each > MOST {
-            over.push(format!("{name}: {each:.1} bytes for each, not {MOST}"));
+        if each > MAX_BYTES_PER_BYTE {
+            over.push(format!("{name}: {each:.1} bytes for each, not {MAX_BYTES_PER_BYTE}"));
         }
     }
     assert!(over.is_empty(), "{over:#?}");

@@ -1,4 +1,4 @@
-//! Programs with one mistake each: what the checker says of them, and how near to the mistake.
+//! Programs with one mistake each: the checker's findings, and their distance from the mistake.
 //!
 //! A mutant is an example with one small change of its text. It changes the meaning if it does not compile, or if its
 //! flat form differs, places left aside. The table counts how many of those get a finding, and how many findings have a
@@ -21,7 +21,7 @@ use mutate::{Kind, Mutant, mutant};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-/// How many mutants of each kind are made.
+/// Number of mutants of each kind.
 const EACH: usize = 200;
 
 /// The disk, but for one file.
@@ -40,7 +40,7 @@ impl Files for Changed<'_> {
     }
 }
 
-/// What a program means: its flat form without places.
+/// The meaning of a program: its flat form without spans.
 fn meaning(program: &Program) -> String {
     let mut json = serde_json::to_value(program).unwrap();
     json.as_object_mut().unwrap().remove("spans").expect("places stand apart");
@@ -135,7 +135,7 @@ fn mistakes_are_found_and_told_of_near_to_where_they_are() {
             }
         }
     }
-    // For whoever wants to know which ones.
+    // For debugging: the list of mutants.
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
     std::fs::write(folder.join("mutants_missed.txt"), missed).unwrap();
     std::fs::write(folder.join("mutants_far.txt"), far).unwrap();

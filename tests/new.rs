@@ -1,4 +1,4 @@
-//! The project that `new` makes, and what the command line says of itself.
+//! The project that `new` creates, and the help texts of the command line.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -9,7 +9,7 @@ fn hypedc(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_hypedc")).args(arguments).output().unwrap()
 }
 
-/// A path at which there is nothing.
+/// A path that does not exist.
 fn nothing(name: &str) -> PathBuf {
     let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
     let _ = std::fs::remove_dir_all(&path);

@@ -1,5 +1,5 @@
-//! A slow interpreter of worlds, written from the reference of the language and sharing no code with the simulator or the
-//! analysis. Both must come to the same states, to the bit, and no verdict may contradict what it does by brute force.
+//! A slow reference interpreter of worlds, written from the language reference, without code of the simulator or the
+//! analysis. Both must have the same states, to the bit, and no verdict may contradict its exhaustive search.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "it says how much it has seen")]
@@ -27,7 +27,7 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use verdict::{Judge, Tally};
 
-/// Whether there is time.
+/// Whether to run the long version.
 fn is_long() -> bool {
     std::env::var_os("HYPEDC_LONG").is_some()
 }
@@ -41,7 +41,7 @@ fn study_text(text: &str) -> IdeCompilation {
     compile_for_ide(Path::new("test.hyped"), &Text(text))
 }
 
-/// Draws so many programs and checks them. One that fails shrinks and is told of.
+/// Generates a number of programs and checks them. One that fails is shrunk and reported.
 fn hold(worlds: u64, generate: fn(&[u16]) -> String, check: impl Fn(&IdeCompilation, u64) -> Result<(), String>) {
     let seed = set("HYPEDC_SEED").unwrap_or(if is_long() { u64::from(std::process::id()) } else { 1 });
     println!("HYPEDC_SEED={seed}");
@@ -76,7 +76,7 @@ fn hold(worlds: u64, generate: fn(&[u16]) -> String, check: impl Fn(&IdeCompilat
     }
 }
 
-/// A program without the lines, and the braces with all that is in them, that it can do without and still fails.
+/// A program without the lines and blocks that are not needed for the failure.
 fn shortened(text: &str, fails: &dyn Fn(&str) -> bool) -> String {
     let mut lines: Vec<String> = text.lines().map(str::to_string).collect();
     let mut from = 0;
@@ -139,7 +139,7 @@ fn true_verdicts(judge: Judge) -> Tally {
     hold(worlds, generate::program, |study, _| verdict::check(study, judge, most, &mut tally.borrow_mut()));
     let tally = tally.into_inner();
     println!("{judge:?}: {tally:?}");
-    // Otherwise it says little.
+    // Otherwise the test is weak.
     let percent = |part: usize, of: usize| 100 * part / of.max(1);
     assert!(percent(tally.worlds, worlds as usize) >= 80, "{tally:?}");
     assert!(percent(tally.closed, tally.worlds) >= 40, "{tally:?}");
@@ -184,7 +184,7 @@ fn states_are_the_same_to_the_bit() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// Worlds of which something false was said once, cut down; a comment tells what.
+/// Minimised worlds that once had a false verdict; a comment in each describes it.
 #[test]
 fn what_was_found_is_judged_right() {
     let mut wrong = Vec::new();

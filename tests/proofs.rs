@@ -1,4 +1,4 @@
-//! What is claimed of all runs, against runs.
+//! Tests of claims about all runs, against concrete runs.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 

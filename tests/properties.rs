@@ -1,4 +1,4 @@
-//! What always holds, for random programs, worlds and inputs.
+//! Properties of random programs, worlds and inputs.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -57,7 +57,7 @@ fn is_sound(sim: &Simulator, state: &[u8]) {
     }
 }
 
-/// Runs so many steps; gives the states, and the fault that ended the run.
+/// Runs a number of steps; returns the states, and the fault that ended the run.
 fn run(program: &Arc<Program>, seed: u64, steps: usize) -> (Vec<State>, Option<Fault>) {
     let sim = Simulator::new(program, WorldId(0));
     let mut scratch = sim.scratch();
@@ -99,7 +99,7 @@ proptest! {
             if states.len() <= 100 {
                 prop_assert_eq!(fault, fault_again);
             }
-            // A copy of a state goes on as the state did.
+            // A copy of a state continues like the state.
             if states.len() > 2 {
                 let sim = Simulator::new(program, WorldId(0));
                 let mut scratch = sim.scratch();
@@ -128,18 +128,18 @@ fn most_random_programs_run() {
             finished += usize::from(fault.is_none());
         }
     }
-    // Otherwise the property above says little.
+    // Otherwise the property above is weak.
     assert!(checked >= 30, "{checked} of 100 programs check");
     assert!(finished >= 10 && steps >= 10_000, "{finished} run to the end, {steps} steps");
 }
 
-/// A closed room of blocking tiles with a body in it that is driven at will.
+/// A closed room of blocking tiles with an input-driven body.
 fn room(width: f64, height: f64, tile: u32, (columns, rows): (usize, usize), pillars: u64) -> Arc<Program> {
     let mut map = String::new();
     for row in 0..rows {
         for column in 0..columns {
             let wall = row == 0 || column == 0 || row == rows - 1 || column == columns - 1;
-            // Pillars stand apart from each other, the walls and the middle.
+            // Pillars are separate from each other, the walls and the middle.
             let inside = row > 2 && column > 2 && row < rows - 3 && column < columns - 3;
             let pillar = inside && row % 4 == 3 && column % 4 == 3 && pillars >> ((row + column) % 60) & 1 == 1;
             map.push(if wall || pillar { '#' } else { '.' });
@@ -172,7 +172,7 @@ fn room(width: f64, height: f64, tile: u32, (columns, rows): (usize, usize), pil
 proptest! {
     #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Below one tile a step no blocking tile is crossed: who is in a closed room stays in it.
+    /// Below one tile per step no blocking tile is crossed: a body in a closed room stays inside.
     #[test]
     fn nobody_leaves_a_closed_room(
         (width, height) in (1.0f64..60.0, 1.0f64..60.0),
@@ -181,7 +181,7 @@ proptest! {
         pillars: u64,
         seed: u64,
     ) {
-        // Who does not fit between pillars and walls gets a room without pillars.
+        // A body that does not fit between pillars and walls gets a room without pillars.
         let fits = width.max(height) <= f64::from(2 * tile);
         let program = room(width, height, tile, (16, 14), if fits { pillars } else { 0 });
         let sim = Simulator::new(&program, WorldId(0));
@@ -213,7 +213,7 @@ proptest! {
         }
     }
 
-    /// What lies on the ground stays where it is, to the last bit, for 100,000 steps.
+    /// A resting body stays where it is, to the last bit, for 100,000 steps.
     #[test]
     fn who_rests_stays_put(
         (width, height) in (1.0f64..60.0, 1.0f64..60.0),

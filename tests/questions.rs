@@ -1,4 +1,4 @@
-//! `reach` answers the question that was asked: which inputs were tried, what is shortest, what is proven, and what is not.
+//! `reach` answers precisely the given query: the tried inputs, the shortest path, and the extent of a proof.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -23,7 +23,7 @@ use serde_json::Value;
 
 const WORLD: WorldId = WorldId(0);
 
-/// Where the worlds of these tests are: some are those of which something false was said once.
+/// The folders of the worlds of these tests: some once had a false verdict.
 const FOLDERS: [&str; 2] = ["tests/questions", "tests/analysis/found/small"];
 
 fn world(name: &str) -> Arc<Program> {
@@ -77,8 +77,8 @@ fn inputs(program: &Program) -> Vec<Input> {
     all
 }
 
-/// What a breadth-first search step by step finds: the fewest steps to what is asked for by inputs that are held for at least
-/// so many steps, or none if there is no way; nothing if that takes too many nodes.
+/// The result of a breadth-first search: the minimum number of steps to the target by inputs that are held for a
+/// minimum number of steps; none if there is no path; no result if that takes too many nodes.
 fn by_steps(problem: &Problem<'_>, least: usize, most: usize) -> Option<Option<u64>> {
     let inputs = inputs(problem.sim.program());
     let mut scratch = problem.sim.scratch();
@@ -157,7 +157,7 @@ fn exhaustion_agrees_with_a_search_step_by_step() {
     assert!(found > 100 && proven > 60, "{found} {proven}");
 }
 
-/// Whether each input is held for so long, but the last one.
+/// Whether each input except the last is held for a number of steps.
 fn holds(script: &Script, after: u64, least: u16) -> bool {
     let mut end = 0;
     let ends: Vec<u64> = script
@@ -315,7 +315,7 @@ fn hypedc(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_hypedc")).args(arguments).output().unwrap()
 }
 
-/// The exit code, and what was said on both streams.
+/// The exit code, and the output on both streams.
 fn told(arguments: &[&str]) -> (i32, String) {
     let output = hypedc(arguments);
     let text = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap()).concat();
@@ -520,7 +520,7 @@ fn only_regular_files_are_read() {
     std::fs::remove_file(&trace).unwrap();
 }
 
-/// What is replayed can be stopped at any time.
+/// A replay can be stopped at any time.
 #[test]
 #[cfg(unix)]
 fn long_scripts_are_interrupted_at_once() {

@@ -1,5 +1,5 @@
-//! What must always hold of a search: a path replays, the same seed gives the same bytes, and "reached" is never said
-//! of what cannot be.
+//! Invariants of searches: a path replays, the same seed gives the same bytes, and an unreachable goal is never
+//! "reached".
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -155,7 +155,7 @@ fn a_branch_ends_below_and_beside_the_bounds_but_not_above() {
     }
 }
 
-/// Searches without asking the analysis whether there is any use.
+/// Searches without the proofs of the analysis.
 fn search_regardless(program: &Arc<Program>, goal: u32, nodes: u64) -> (Outcome, Option<Proof>) {
     let sim = Simulator::new(program, WORLD);
     let problem = Problem::new(&sim, GoalId(goal));
@@ -241,7 +241,7 @@ fn a_goal_that_holds_only_out_of_bounds_is_neither_reached_nor_open() {
     }
 }
 
-/// The inputs that come with the examples reach their goals.
+/// The scripts of the examples reach their goals.
 #[test]
 fn what_the_examples_reach_is_not_proven_unreachable() {
     let mut goals = 0;

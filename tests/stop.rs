@@ -1,4 +1,4 @@
-//! Everything stops when asked, whatever a step costs, and takes any number without a panic.
+//! Everything can be stopped promptly, whatever a step costs, and accepts any number without a panic.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -19,7 +19,7 @@ use hypedc::watch::{Meter, WORK_PER_POLL, Watch};
 
 const WORLD: WorldId = WorldId(0);
 
-/// Counts how often it is asked, and stops the work after so many times.
+/// Counts polls, and stops the work after a number of them.
 struct Counting {
     asked: AtomicU64,
     max_polls: u64,
@@ -41,7 +41,7 @@ impl Watch for Counting {
     }
 }
 
-/// So many bodies in one place that push each other.
+/// A number of bodies in one place that push each other.
 fn crowd(count: usize) -> Arc<Program> {
     let mut places = String::new();
     for i in 0..count {
@@ -174,7 +174,7 @@ fn a_step_among_thousands_ends_soon_after_it_is_told() {
     sim.metered_initial(&mut scratch, &meter).unwrap();
     let pairs = 1_500 * 1_499 / 2;
     assert!(meter.is_stopped() && scratch.work() < pairs / 4, "{} of {pairs} pairs", scratch.work());
-    // Nobody stops this one: it asks all the time.
+    // This one is never stopped: it polls continuously.
     let mut state = sim.initial(&mut scratch).unwrap();
     let watch = Counting::new(u64::MAX);
     let meter = Meter::new(&watch);
@@ -244,7 +244,7 @@ fn literal(number: f64) -> String {
     }
 }
 
-/// What numbers are replaced by.
+/// The numbers that are inserted.
 const EXTREMES: [f64; 7] = [1e308, -1e308, 1e30, 1e11, 1e-300, -0.0, 5e-324];
 
 #[test]
@@ -301,7 +301,7 @@ fn any_number_in_a_level_is_taken_or_refused() {
         player 1: h; goal g: h.x > 1000 }";
     let ldtk = "{ \"jsonVersion\": \"1.5.3\", \"defs\": { \"layers\": [{ \"uid\": 7, \"intGridValues\":
         [{ \"value\": 1, \"identifier\": \"wall\" }] }] }, \"levels\": [{ \"identifier\": \"A\", \"layerInstances\":
-        [{ \"__identifier\": \"SearchContext\", \"__type\": \"IntGrid\", \"layerDefUid\": 7, \"__cWid\": 3, \"__cHei\": 2,
+        [{ \"__identifier\": \"Ground\", \"__type\": \"IntGrid\", \"layerDefUid\": 7, \"__cWid\": 3, \"__cHei\": 2,
         \"__gridSize\": SIDE, \"intGridCsv\": [0,0,0,1,1,1] }, { \"__identifier\": \"Things\", \"__type\": \"Entities\",
         \"__cWid\": 3, \"__cHei\": 2, \"__gridSize\": SIDE, \"__pxTotalOffsetX\": MOVED,
         \"entityInstances\": [{ \"__identifier\": \"Slime\", \"px\": [AT, AT], \"width\": SIZE, \"height\": SIZE,

@@ -1,5 +1,5 @@
-//! What can be picked up only once bounds how high a counter is raised: small worlds in which it does and in which it
-//! does not, each held against random runs.
+//! Bounded supplies: items that can be picked up only once bound a counter: small worlds in which they do and in which
+//! they do not, each checked against random runs.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -59,7 +59,7 @@ fn whole(entities: &str, hero: &str, placed: &str) -> String {
     )
 }
 
-/// What the analysis says that the hero's first variable can be at most, in any mode.
+/// The upper bound of the hero's first variable, in any mode.
 fn bound(program: &Program, space: &ConfigurationSpace) -> f64 {
     let hero = program.worlds[WORLD].slots.find(|s| s.name == "hero").unwrap();
     let ends = space.slots[hero].configurations.iter().map(|c| c.discretes.iter().next().unwrap().hull().unwrap().high);

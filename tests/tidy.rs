@@ -1,5 +1,5 @@
-//! The structure that the documentation promises: what each file opens with, how long it is, and that the arrows
-//! between modules run one way.
+//! The structure that the documentation promises: the header of each file, its length, and the direction of the
+//! dependencies between modules.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -7,8 +7,8 @@ use std::path::Path;
 
 use crate::support::files;
 
-/// Each module of the library with those that it may use, in the order of the pipeline.
-const ARROWS: &[(&str, &[&str])] = &[
+/// Each module of the library with its allowed dependencies, in the order of the pipeline.
+const DEPENDENCIES: &[(&str, &[&str])] = &[
     ("source", &[]),
     ("watch", &[]),
     ("parallel", &[]),
@@ -55,8 +55,8 @@ const ARROWS: &[(&str, &[&str])] = &[
     ),
 ];
 
-/// Inside of a module: what a folder does not use of its own module.
-const ROOMS: &[(&str, &[&str])] = &[
+/// Within a module: the parts of its own module that a folder does not use.
+const FOLDER_RULES: &[(&str, &[&str])] = &[
     ("analysis/domain", &["analysis::geometry", "analysis::step", "analysis::fixpoint", "analysis::membership"]),
     ("analysis/geometry", &["analysis::step", "analysis::fixpoint", "analysis::membership", "analysis::findings"]),
     ("analysis/step", &["analysis::fixpoint", "analysis::membership", "analysis::findings"]),
@@ -73,7 +73,7 @@ const ROOMS: &[(&str, &[&str])] = &[
 /// Crates that are for one folder of a module: the module, the folder, the crates.
 const FOREIGN: &[(&str, &str, &[&str])] = &[("lsp", "lsp/protocol", &["gen_lsp_types", "lsp_server", "serde_json"])];
 
-/// The longest a source file may be before it is time to look for the seam.
+/// Maximum number of lines of a source file.
 const MAX_LINES: usize = 620;
 
 #[test]
@@ -96,8 +96,8 @@ fn arrows_between_modules_run_one_way() {
         if is_of("lib") || is_of("main") {
             continue;
         }
-        // A folder inside of a module can have arrows of its own.
-        let of = ARROWS.iter().filter(|(m, _)| is_of(m)).max_by_key(|(m, _)| m.len());
+        // A folder within a module can have its own dependencies.
+        let of = DEPENDENCIES.iter().filter(|(m, _)| is_of(m)).max_by_key(|(m, _)| m.len());
         let (module, allowed) = of.unwrap_or_else(|| panic!("{inside} is not drawn"));
         seen.push(module.to_string());
         let text = std::fs::read_to_string(&path).unwrap();
@@ -107,14 +107,14 @@ fn arrows_between_modules_run_one_way() {
             assert!(fine, "{} uses {used}, which the pipeline does not allow", path.display());
         }
     }
-    for (module, _) in ARROWS {
+    for (module, _) in DEPENDENCIES {
         assert!(seen.iter().any(|s| s == module), "{module} is drawn, but is not there");
     }
 }
 
 #[test]
 fn rooms_of_a_module_have_arrows_of_their_own() {
-    for (room, forbidden) in ROOMS {
+    for (room, forbidden) in FOLDER_RULES {
         let of = |inside: &str| inside.strip_prefix(room).is_some_and(|rest| rest.starts_with(['/', '.']));
         let inside = |path: &Path| path.strip_prefix("src").unwrap().to_str().unwrap().replace('\\', "/");
         let files: Vec<_> = files("src", "rs").into_iter().filter(|path| of(&inside(path))).collect();
@@ -146,7 +146,7 @@ fn crates_stay_in_their_rooms() {
 #[test]
 fn the_map_names_every_module() {
     let map = std::fs::read_to_string("src/lib.rs").unwrap();
-    for (module, _) in ARROWS.iter().filter(|(module, _)| !module.contains('/')) {
+    for (module, _) in DEPENDENCIES.iter().filter(|(module, _)| !module.contains('/')) {
         assert!(map.contains(&format!("//! | [`{module}`] |")), "src/lib.rs does not say what {module} holds");
     }
     assert!(Path::new("grammar/hyped.pest").exists());

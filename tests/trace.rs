@@ -1,5 +1,5 @@
-//! Traces of `hypedc sim`: JSON lines and CSV that say the same, runs that are made again from their header alone, and
-//! what a run is expected to bring about.
+//! Traces of `hypedc sim`: equivalent JSON lines and CSV, runs that are reproduced from their header alone, and
+//! expectations on the result of a run.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -9,7 +9,7 @@ use std::process::Command;
 use hypedc::tabular::csv;
 use serde_json::Value;
 
-/// Two instances, one of which comes later; all kinds of columns.
+/// Two instances, one of which is spawned later; all kinds of columns.
 const GAME: &str = "entity Hero {
     button fire
     discrete shots: int 0..9 = 0

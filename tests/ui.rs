@@ -1,4 +1,4 @@
-//! What a user sees: every program of `tests/ui` beside its rendered findings, in both forms.
+//! The output for users: every program of `tests/ui` with its rendered findings, in both forms.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 

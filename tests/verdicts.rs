@@ -24,11 +24,11 @@ use hypedc::watch::{Unwatched, Watch};
 /// lower case, its name, and why. A script between backticks in that line reaches the goal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Answer {
-    /// With inputs that are held for ten steps each.
+    /// Reachable with inputs that are held for ten steps each.
     Reachable,
-    /// Only with inputs that change more often.
+    /// Reachable only with inputs that change more often.
     Fine,
-    /// Only with an axis between its ends and its middle, which no search tries.
+    /// Reachable only with an axis between its ends and its middle, which no search tries.
     Steered,
     Unreachable,
 }
@@ -45,7 +45,7 @@ struct Case {
     file: String,
     goal: String,
     answer: Answer,
-    /// A way there, if the file tells one.
+    /// A path to it, if the file has one.
     way: Option<String>,
     program: Arc<Program>,
     world: WorldId,
@@ -252,7 +252,7 @@ fn auto_finds_what_there_is_and_proves_what_it_can() {
     insta::assert_snapshot!(lines);
 }
 
-/// Stops after it was asked so often.
+/// Stops after a number of polls.
 struct PollLimit(AtomicU32);
 
 impl Watch for PollLimit {
@@ -262,7 +262,7 @@ impl Watch for PollLimit {
     }
 }
 
-/// Shortens a way: what comes of it replays, is no worse in any respect, begins alike and holds inputs as long.
+/// Shortens a path: the result replays, is no worse in any respect, has the same beginning, and holds inputs as long.
 fn shortens(question: &Question<'_>, problem: &Problem<'_>, plan: &Plan) {
     let shortest = |plan: &Plan| {
         let held = plan.script.steps.len().saturating_sub(1);
@@ -281,7 +281,7 @@ fn shortens(question: &Question<'_>, problem: &Problem<'_>, plan: &Plan) {
     }
 }
 
-/// Looks for a faster way: what comes of it replays, and is no slower; if it is the same, it is the same in all.
+/// Searches for a faster path: the result replays, and is no slower; if it has the same duration, it is the same.
 fn hastens(
     question: &Question<'_>,
     problem: &Problem<'_>,
@@ -343,7 +343,7 @@ fn what_is_reported_of_the_examples_replays_and_repeats() {
     assert!(reached > 60 && broken > 12, "{reached} reached, {broken} of them broken");
 }
 
-/// Several trees give the same whoever lets them grow.
+/// Several trees have the same result on any number of threads.
 #[test]
 fn threads_change_nothing() {
     every_question(|question| {

@@ -25,7 +25,7 @@ const EXAMPLES: [&str; 6] = [
     "examples/balloon.hyped",
 ];
 
-/// How many of the states found last are gone on from.
+/// Number of most recent states that are extended.
 const OPEN: usize = 3_000;
 
 /// A tree of random inputs, and the way to the node whose place was found last of all places.

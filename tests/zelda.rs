@@ -22,7 +22,7 @@ use proptest::prelude::*;
 
 const WORLD: WorldId = WorldId(0);
 
-/// Imports a dungeon; gives what came of it, and the findings as they are shown.
+/// Imports a dungeon; returns the result, and the rendered findings.
 fn import(text: &str) -> (Import, String) {
     let mut sources = SourceMap::new();
     let file = sources.add("dungeon.txt", text);
@@ -65,7 +65,7 @@ fn rooms_and_doors_are_those_of_the_game() {
         for link in &space.links {
             let back = world.spaces[link.space].links.iter().any(|l| l.space == id);
             assert!(back, "{} leads to {}, which does not lead back", space.name, world.spaces[link.space].name);
-            // Nobody who comes out goes back at once.
+            // A player who comes out does not go back at once.
             let (x, y) = (link.to.left.max(16.0), link.to.bottom.max(16.0));
             for other in &world.spaces[link.space].links {
                 let across = other.from.left < link.to.right && link.to.left < other.from.right;

@@ -1,10 +1,10 @@
-//! Large programs: one that reads like many games in one file, and shapes that stress one thing each.
+//! Generated programs: a realistic large one, and shapes that stress one stage each.
 
 #![allow(dead_code, reason = "not every user needs all of it")]
 
 use std::fmt::Write;
 
-/// Numbers that look drawn and are always the same.
+/// A deterministic generator of pseudo-random numbers.
 struct Draw(u64);
 
 impl Draw {
@@ -18,13 +18,13 @@ impl Draw {
     }
 }
 
-/// A program of about so many lines in which nothing is found: chapters of constants, behaviours, entities and a world
-/// of several rooms, no two alike.
+/// A program of about that many lines without findings: chapters of constants, behaviours, entities and a world of
+/// several rooms, no two alike.
 pub fn realistic(lines: usize) -> String {
     let mut out = String::from("// A game in many chapters.\n\n");
     let mut draw = Draw(7);
     let mut chapter = 0;
-    // Lines are counted as they come: counting them anew each time would take longer than reading them.
+    // Lines are counted incrementally: a full count each time would take longer than parsing.
     let (mut counted, mut count) = (0, 0);
     while count < lines {
         write_chapter(&mut out, chapter, &mut draw);
@@ -141,7 +141,7 @@ fn write_creature(out: &mut String, name: &str, prey: &str, d: &mut Draw) {
             d.below(3)
         );
         line!("            when touching(body, sword) -> phase{next} {{ hp := max(hp - 1, 0); dx := -dx }}");
-        // The first two phases read what there is to be read.
+        // The first two phases read all variables.
         match if p < 2 { p + 1 } else { d.below(3) } {
             0 => line!("            when timer >= stride * {b} -> phase{next} {{ dx := -dx }}"),
             1 => line!("            when timer > stride and prey is {prey} and abs(prey.x - x) < sight -> phase{next}"),
@@ -241,10 +241,10 @@ fn write_world(out: &mut String, k: usize, (heroes, creatures, platforms): (usiz
     line!("    never died: hero0 in life.dead\n}}\n");
 }
 
-/// A shape that stresses one thing: its name, and the program of a size.
+/// A shape that stresses one stage: its name, and its generator by size.
 pub type Shape = (&'static str, fn(usize) -> String);
 
-/// The shapes. Each is given a size of which its work should be a multiple.
+/// The shapes. The work should be proportional to the size.
 pub const SHAPES: &[Shape] = &[
     ("modes of one entity", |n| {
         let modes = (0..n).map(|i| {

@@ -1,8 +1,7 @@
-//! The paper's Test 1 and Test 2 written by hand: what the interpreter is measured against.
+//! The paper's Test 1 and Test 2 written by hand: the baseline of the interpreter.
 //!
 //! The dynamics are hard-coded, in the order of steps of the 2017 system, whose recorded runs they reproduce bit for
-//! bit. Positions are upper-left corners and y points up, as in `examples/paper`. There is nothing general in here, and
-//! that is the point.
+//! bit. Positions are upper-left corners and y points up, as in `examples/paper`. Nothing is general, on purpose.
 
 #![allow(dead_code, reason = "not every bench uses all of it")]
 
@@ -11,7 +10,7 @@ pub mod rrt;
 /// The length of a step, s.
 const DT: f64 = 1.0 / 60.0;
 
-/// What is held during a step: any of these together.
+/// The buttons held during a step: any combination of these.
 pub const LEFT: u8 = 1;
 /// See [`LEFT`].
 pub const RIGHT: u8 = 2;
@@ -20,7 +19,7 @@ pub const JUMP: u8 = 4;
 
 /// A world written by hand; the value is its whole state.
 pub trait ByHand: Copy {
-    /// What a player may hold.
+    /// The possible inputs of a player.
     const INPUTS: &'static [u8];
     /// The state before the first step.
     fn start() -> Self;
@@ -32,7 +31,7 @@ pub trait ByHand: Copy {
     fn platforms(&self) -> [f64; 2];
 }
 
-/// What the contacts of the player do to it, and which of its guards they answer.
+/// The pushes of the player's contacts, and the contacts that its guards read.
 struct Contacts {
     push_x: f64,
     push_y: f64,
@@ -126,7 +125,7 @@ impl Contacts {
     }
 }
 
-/// The solid columns of a row, none outside of the map.
+/// The solid columns of a row; none outside of the map.
 #[inline(always)]
 fn row(rows: &[u32], at: i32) -> u32 {
     if (at as u32) < rows.len() as u32 { rows[at as usize] } else { 0 }
@@ -134,52 +133,52 @@ fn row(rows: &[u32], at: i32) -> u32 {
 
 /// The modes of both kinds of platform.
 #[derive(Clone, Copy, PartialEq)]
-enum Way {
+enum PlatformMode {
     Right,
     Wait,
     Left,
 }
 
-/// A platform: its mode, the time in it, where it is.
+/// A platform: its mode, the time in it, its position.
 #[derive(Clone, Copy)]
 struct Platform {
     x: f64,
     time: f64,
-    way: Way,
+    mode: PlatformMode,
 }
 
 impl Platform {
-    /// One step between two positions; one that `WAITS` does so until it is touched.
+    /// One step between two positions; a platform with `WAITS` waits until it is touched.
     #[inline(always)]
     fn step<const WAITS: bool>(&mut self, touched: bool, left: f64, right: f64) {
-        let next = match self.way {
-            Way::Wait if WAITS => {
+        let next = match self.mode {
+            PlatformMode::Wait if WAITS => {
                 if touched {
-                    Way::Right
+                    PlatformMode::Right
                 } else {
-                    Way::Wait
+                    PlatformMode::Wait
                 }
             }
-            Way::Right => {
+            PlatformMode::Right => {
                 if self.x >= right {
-                    Way::Left
+                    PlatformMode::Left
                 } else {
-                    Way::Right
+                    PlatformMode::Right
                 }
             }
-            Way::Wait | Way::Left => {
+            PlatformMode::Wait | PlatformMode::Left => {
                 if self.x <= left {
-                    Way::Right
+                    PlatformMode::Right
                 } else {
-                    Way::Left
+                    PlatformMode::Left
                 }
             }
         };
-        if next != self.way {
+        if next != self.mode {
             self.time = 0.0;
         }
         self.time += DT;
-        self.way = next;
+        self.mode = next;
         const SPEED: [f64; 3] = [30.0, 0.0, -30.0];
         self.x += SPEED[next as usize] * DT;
     }
@@ -217,8 +216,8 @@ impl ByHand for Test1 {
             y: 64.0,
             vy: 0.0,
             time: 0.0,
-            brown: Platform { x: 96.0, time: 0.0, way: Way::Wait },
-            blue: Platform { x: 224.0, time: 0.0, way: Way::Right },
+            brown: Platform { x: 96.0, time: 0.0, mode: PlatformMode::Wait },
+            blue: Platform { x: 224.0, time: 0.0, mode: PlatformMode::Right },
             walk: Walk::Stop,
             on_brown: false,
         }
@@ -273,7 +272,7 @@ enum Jump {
     Falling,
     Control,
     Fixed,
-    SearchContext,
+    Ground,
 }
 
 /// Test 2.
@@ -285,7 +284,7 @@ pub struct Test2 {
     vy: f64,
     /// The time in the air or on the ground.
     outer_time: f64,
-    /// The time in the last mode in the air; on the ground it stands still.
+    /// The time in the last mode in the air; constant on the ground.
     inner_time: f64,
     brown: Platform,
     green: Platform,
@@ -309,8 +308,8 @@ impl ByHand for Test2 {
             vy: 0.0,
             outer_time: 0.0,
             inner_time: 0.0,
-            brown: Platform { x: 96.0, time: 0.0, way: Way::Wait },
-            green: Platform { x: 96.0, time: 0.0, way: Way::Right },
+            brown: Platform { x: 96.0, time: 0.0, mode: PlatformMode::Wait },
+            green: Platform { x: 96.0, time: 0.0, mode: PlatformMode::Right },
             jump: Jump::Falling,
             inner: Jump::Falling,
             on_brown: false,
@@ -326,7 +325,7 @@ impl ByHand for Test2 {
         let pressed = held && !self.held;
         self.held = held;
         let last = self.jump;
-        let next = if last == Jump::SearchContext {
+        let next = if last == Jump::Ground {
             if !self.below {
                 self.vy = 0.0;
                 Jump::Falling
@@ -334,10 +333,10 @@ impl ByHand for Test2 {
                 self.vy = 200.0;
                 Jump::Control
             } else {
-                Jump::SearchContext
+                Jump::Ground
             }
         } else if self.below {
-            Jump::SearchContext
+            Jump::Ground
         } else if self.above {
             Jump::Falling
         } else {
@@ -347,13 +346,13 @@ impl ByHand for Test2 {
                 _ => last,
             }
         };
-        if (next == Jump::SearchContext) != (last == Jump::SearchContext) {
+        if (next == Jump::Ground) != (last == Jump::Ground) {
             self.outer_time = 0.0;
         }
         self.outer_time += DT;
         self.jump = next;
 
-        let way = if input & LEFT != 0 {
+        let mode = if input & LEFT != 0 {
             -1.0
         } else if input & RIGHT != 0 {
             1.0
@@ -361,8 +360,8 @@ impl ByHand for Test2 {
             0.0
         };
         let (target, reach);
-        if next == Jump::SearchContext {
-            target = way * 100.0;
+        if next == Jump::Ground {
+            target = mode * 100.0;
             reach = 500.0 * DT;
             self.vy = -30.0;
         } else {
@@ -371,7 +370,7 @@ impl ByHand for Test2 {
                 self.inner = next;
             }
             self.inner_time += DT;
-            target = if way != 0.0 { way * 100.0 } else { self.vx };
+            target = if mode != 0.0 { mode * 100.0 } else { self.vx };
             reach = 200.0 * DT;
             const GRAVITY: [f64; 4] = [-400.0, -250.0, -250.0, 0.0];
             self.vy += GRAVITY[next as usize] * DT;

@@ -1,34 +1,34 @@
-//! A plain RRT written by hand over the worlds written by hand: what searches are measured against.
+//! A plain RRT written by hand over the worlds written by hand: the baseline of searches.
 //!
-//! LaValle, *Rapidly-Exploring Random Trees: A New Tool for Path Planning*, 1998, as the 2017 system has it: positions in
-//! px, speeds in px/s, timers in s, each mode that differs costs 10 squared; an input is held for ten steps; a node's
-//! inputs are tried once. The nearest node is found by brute force, in blocks that the compiler makes vectors of.
+//! LaValle, *Rapidly-Exploring Random Trees: A New Tool for Path Planning*, 1998, as in the 2017 system: positions in
+//! px, velocities in px/s, timers in s, each different mode adds 10 squared; an input is held for ten steps; each input
+//! of a node is tried once. The nearest node is found by brute force, in blocks that the compiler vectorises.
 
 use super::{ByHand, Jump, Platform, Test1, Test2};
 
-/// So many nodes stand in a block.
+/// Number of nodes in a block.
 const LANES: usize = 16;
-/// The most coordinates of a point, its modes included.
+/// Maximum number of coordinates of a point, modes included.
 const MAX_ROWS: usize = 22;
-/// How many modes a point ends with.
+/// Number of modes at the end of a point.
 const MODES: usize = 3;
-/// What a mode that differs adds to the squared distance.
+/// The squared distance that a different mode adds.
 const PENALTY: f32 = 100.0;
-/// Where a node goes all of whose inputs were tried; its square is still a number.
+/// The coordinate of removed nodes, all of whose inputs were tried; its square is finite.
 const REMOVED: f32 = 1e18;
-/// For how many steps an input is held.
+/// Number of steps that an input is held.
 const HOLD: u32 = 10;
-/// One sample in so many has the position of the goal.
+/// One of this number of samples has the position of the goal.
 const GOAL_EVERY: u32 = 20;
 
-/// A state as the planner sees it: the player's x, x', y and y', what else there is, then the modes.
+/// A state as a point: the player's x, x', y and y', all other variables, then the modes.
 pub type Point = [f32; MAX_ROWS];
 
 /// A world that an RRT can be grown in.
 pub trait Planned: ByHand + Send {
-    /// How many coordinates its points have, modes included.
+    /// Number of coordinates of its points, modes included.
     const ROWS: usize;
-    /// Where samples are drawn towards.
+    /// The target of the goal bias.
     const GOAL: (f32, f32);
     /// The width of the map, px.
     const WIDTH: u32;
@@ -47,11 +47,11 @@ pub struct Tree<W> {
     parents: Vec<u32>,
     /// The input that led to a node, as an index into the world's.
     inputs: Vec<u8>,
-    /// A bit for each input that was not tried yet.
+    /// A bit for each untried input.
     untried: Vec<u8>,
-    /// A block is as many rows as a point has.
+    /// A block has a row for each coordinate.
     blocks: Vec<[f32; LANES]>,
-    /// How many inputs were tried.
+    /// Number of inputs tried.
     pub extensions: usize,
 }
 
@@ -76,7 +76,7 @@ impl<W: Planned> Tree<W> {
         self.states.len()
     }
 
-    /// Goes on growing until there are so many nodes. Panics where all inputs of all nodes were tried before.
+    /// Grows up to a number of nodes. Panics if all inputs of all nodes were tried.
     pub fn grow_to(&mut self, nodes: usize) {
         while self.len() < nodes {
             let toward = self.sample();
@@ -85,7 +85,7 @@ impl<W: Planned> Tree<W> {
         }
     }
 
-    /// Where the tree grows next.
+    /// The next sample.
     pub fn sample(&mut self) -> Point {
         let mut toward = W::sample(&mut self.random);
         if self.random.below(GOAL_EVERY) == 0 {
@@ -176,16 +176,16 @@ impl<W: Planned> Tree<W> {
         open.min_by(|a, b| distance(*a).total_cmp(&distance(*b)))
     }
 
-    /// Whether the inputs on the way to a node lead from the start to its state.
+    /// Whether the inputs of a node's path lead from the start to its state.
     pub fn replays(&self, node: usize) -> bool {
-        let mut way = Vec::new();
+        let mut mode = Vec::new();
         let mut at = node;
         while at != 0 {
-            way.push(self.inputs[at]);
+            mode.push(self.inputs[at]);
             at = self.parents[at] as usize;
         }
         let mut state = W::start();
-        for input in way.into_iter().rev() {
+        for input in mode.into_iter().rev() {
             for _ in 0..HOLD {
                 state.step(W::INPUTS[usize::from(input)]);
             }
@@ -195,26 +195,26 @@ impl<W: Planned> Tree<W> {
 }
 
 impl Platform {
-    /// Where it is, its speed, and a timer for each of its modes; of one that never waits there are two.
+    /// Its position, its velocity, and a timer for each of its modes; a platform that never waits has two.
     fn point(&self, waits: bool, out: &mut [f32]) {
         out[0] = self.x as f32;
-        out[1] = [30.0, 0.0, -30.0][self.way as usize];
-        out[2 + timer(self.way as usize, waits)] = self.time as f32;
+        out[1] = [30.0, 0.0, -30.0][self.mode as usize];
+        out[2 + timer(self.mode as usize, waits)] = self.time as f32;
     }
 
-    /// A random one; gives its mode.
+    /// Writes a random platform; returns its mode.
     fn sample(random: &mut Random, waits: bool, width: u32, out: &mut [f32]) -> f32 {
-        let way = if waits { random.below(3) } else { 2 * random.below(2) } as usize;
+        let mode = if waits { random.below(3) } else { 2 * random.below(2) } as usize;
         out[0] = random.up_to(width);
-        out[1] = [30.0, 0.0, -30.0][way];
-        out[2 + timer(way, waits)] = random.up_to(10);
-        way as f32
+        out[1] = [30.0, 0.0, -30.0][mode];
+        out[2 + timer(mode, waits)] = random.up_to(10);
+        mode as f32
     }
 }
 
 /// The timer of a platform's mode.
-fn timer(way: usize, waits: bool) -> usize {
-    if waits { way } else { way / 2 }
+fn timer(mode: usize, waits: bool) -> usize {
+    if waits { mode } else { mode / 2 }
 }
 
 impl Planned for Test1 {
@@ -224,7 +224,7 @@ impl Planned for Test1 {
     const WIDTH: u32 = 448;
 
     fn available(&self) -> u8 {
-        // Who walks does not look at the other button.
+        // A walking player does not read the other button.
         [0b101, 0b111, 0b011][self.walk as usize]
     }
 
@@ -236,7 +236,7 @@ impl Planned for Test1 {
         self.brown.point(true, &mut out[7..]);
         self.blue.point(false, &mut out[12..]);
         out[16..Self::ROWS]
-            .copy_from_slice(&[self.walk as u8, self.brown.way as u8, self.blue.way as u8].map(f32::from));
+            .copy_from_slice(&[self.walk as u8, self.brown.mode as u8, self.blue.mode as u8].map(f32::from));
         out
     }
 
@@ -265,7 +265,7 @@ impl Planned for Test2 {
 
     fn available(&self) -> u8 {
         // The button tells whether a jump begins, and how long it goes on.
-        if matches!(self.jump, Jump::SearchContext | Jump::Control) { 0b11_1111 } else { 0b00_0111 }
+        if matches!(self.jump, Jump::Ground | Jump::Control) { 0b11_1111 } else { 0b00_0111 }
     }
 
     #[inline(always)]
@@ -273,12 +273,12 @@ impl Planned for Test2 {
         let mut out = [0.0; MAX_ROWS];
         out[..4].copy_from_slice(&self.player().map(|value| value as f32));
         out[4] = [-400.0, -250.0, -250.0, 0.0][self.jump as usize];
-        out[if self.jump == Jump::SearchContext { 9 } else { 5 }] = self.outer_time as f32;
+        out[if self.jump == Jump::Ground { 9 } else { 5 }] = self.outer_time as f32;
         out[6 + self.inner as usize] = self.inner_time as f32;
         self.brown.point(true, &mut out[10..]);
         self.green.point(false, &mut out[15..]);
         out[19..Self::ROWS]
-            .copy_from_slice(&[self.jump as u8, self.brown.way as u8, self.green.way as u8].map(f32::from));
+            .copy_from_slice(&[self.jump as u8, self.brown.mode as u8, self.green.mode as u8].map(f32::from));
         out
     }
 
@@ -288,7 +288,7 @@ impl Planned for Test2 {
         out[0] = random.up_to(Self::WIDTH);
         out[1] = random.up_to(200) - 100.0;
         out[2] = random.up_to(320);
-        if jump == Jump::SearchContext as usize {
+        if jump == Jump::Ground as usize {
             out[3] = [-30.0, 0.0, 200.0][random.below(3) as usize];
             out[9] = random.up_to(10);
         } else {

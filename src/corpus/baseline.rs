@@ -1,4 +1,4 @@
-//! What changed since an older run: verdicts that are others, levels that came or went, paths that are longer or shorter.
+//! Comparison with the rows of an older run: changed verdicts, added and removed questions, longer or shorter paths.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -82,7 +82,7 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Compares; lengths are listed if they differ by more than this share of the older one (0.1 is a tenth).
+    /// Compares two runs; lengths are listed if they differ by more than this share of the older one (0.1 is a tenth).
     pub fn of<'r>(
         old: impl IntoIterator<Item = &'r Row>,
         new: impl IntoIterator<Item = &'r Row>,
@@ -116,7 +116,7 @@ impl Comparison {
         found
     }
 
-    /// Whether an expected verdict was lost, or something new has an unexpected one.
+    /// Whether an expected verdict was lost, or a new question has an unexpected one.
     pub fn is_worse(&self) -> bool {
         self.flips.iter().any(|flip| flip.change == Change::Worse) || self.added.iter().any(|lone| !lone.is_expected)
     }
@@ -126,7 +126,7 @@ impl Comparison {
         let mut out = String::new();
         let name = |key: &Key| format!("{}, {} {}", key.level_name(), key.kind.name(), key.goal);
         let mut line = |mark: &str, key: &Key, what: String| {
-            // Writing to a string cannot fail.
+            // Infallible: writes to a string.
             let _ = writeln!(out, "  {mark:7} {}: {what}", name(key));
         };
         for Flip { key, from, to, change } in &self.flips {
@@ -175,7 +175,7 @@ mod tests {
         assert!(found.is_worse() && found.unchanged == 0);
         assert!(!Comparison::of(&old[1..], &new[1..], 0.1).is_worse());
         assert!(Comparison::of(&[with("a", Reached, None)], &[with("a", Error, None)], 0.1).is_worse());
-        // A way to break a `never` is no good news.
+        // A path to a `never` predicate is no improvement.
         let never = |verdict: Conclusion| {
             let row = row("a");
             let answer = Answer { kind: Kind::Never, verdict, is_expected: verdict == NotFound, ..row.answer };
@@ -201,9 +201,9 @@ mod tests {
     #[test]
     fn lengths_are_compared_by_share() {
         let long = |steps| [with("a", Conclusion::Reached, Some(steps))];
-        let told = |from, to| !Comparison::of(&long(from), &long(to), 0.1).lengths.is_empty();
-        assert!(!told(100, 110) && told(100, 111) && !told(100, 90) && told(100, 89));
-        assert!(told(0, 1) && !told(0, 0));
+        let is_listed = |from, to| !Comparison::of(&long(from), &long(to), 0.1).lengths.is_empty();
+        assert!(!is_listed(100, 110) && is_listed(100, 111) && !is_listed(100, 90) && is_listed(100, 89));
+        assert!(is_listed(0, 1) && !is_listed(0, 0));
         let text = Comparison::of(&long(100), &long(150), 0.1).text("o");
         assert_eq!(text, "since o: 1 as before\n  longer  a, goal out: 100 → 150 steps (+50 %)\n");
     }

@@ -58,7 +58,7 @@ pub const CSV_HEADER: [&str; 49] = [
     "analysis_seconds",
 ];
 
-/// A row as a line of CSV under [`CSV_HEADER`], without the line's end. What is not there is an empty cell; `violations`
+/// A row as a line of CSV under [`CSV_HEADER`], without the line's end. A missing value is an empty cell; `violations`
 /// holds the names of each `never`, `settings` all of them as JSON.
 pub fn csv_line(row: &Row) -> String {
     fn number<T: ToString>(number: Option<T>) -> String {
@@ -122,7 +122,7 @@ pub fn csv_line(row: &Row) -> String {
     csv::line(cells)
 }
 
-/// The rows as a table: a line each, which ends with the reason for an unexpected verdict.
+/// The rows as a table: a line each, followed by the reason for an unexpected verdict.
 pub fn table(rows: &[&Row]) -> String {
     let mut columns = vec![Column::left("", "level")];
     let has_goals = rows.windows(2).any(|pair| pair[0].key().question() != pair[1].key().question());
@@ -160,7 +160,7 @@ pub fn table(rows: &[&Row]) -> String {
     table.text()
 }
 
-/// How many rows have which verdict, in one line without its end: `3 questions: 2 reached, 1 error`.
+/// The number of rows by verdict, in one line without its end: `3 questions: 2 reached, 1 error`.
 pub fn summary(rows: &[&Row]) -> String {
     let counts = Conclusion::ALL.map(|verdict| (verdict, rows.iter().filter(|r| r.answer.verdict == verdict).count()));
     let parts = counts.into_iter().filter(|(_, count)| *count > 0).map(|(v, count)| format!("{count} {}", v.words()));

@@ -1,5 +1,6 @@
-//! Rows as a JUnit report, as Jenkins and GitLab read it: a suite for each level with the settings as properties, in it a
-//! case for each goal. Written with an XML library: `quick-junit` puts `skipped` on `testsuites`, which the schema refuses.
+//! Writer of JUnit reports in the form that Jenkins and GitLab read: a suite for each level with the settings as
+//! properties, in it a case for each goal. Written with an XML library: `quick-junit` puts `skipped` on
+//! `testsuites`, which the schema refuses.
 
 use std::io;
 use std::path::Path;
@@ -11,19 +12,19 @@ use crate::reach::Conclusion;
 
 use super::row::Row;
 
-/// The report, as XML that the schema `junit-10.xsd` of Jenkins' xUnit plugin admits.
+/// The report, as XML that is valid for the schema `junit-10.xsd` of Jenkins' xUnit plugin.
 ///
-/// A case fails if its verdict is not the expected one, and has an error if the question could not be asked. Its class is the
+/// A case fails if its verdict is not the expected one, and has an error if the question is invalid. Its class is the
 /// program and the world, its name the level and the goal, its output the inputs of the path.
 ///
 /// # Errors
-/// Infallible: it writes to memory.
+/// Infallible: writes to memory.
 pub fn junit(rows: &[&Row]) -> io::Result<String> {
     let mut out = Writer::new_with_indent(Vec::new(), b' ', 2);
     out.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
     let suites = out.create_element("testsuites").with_attribute(("name", "hypedc reach"));
     suites.with_attributes(attributes(&counts(rows))).write_inner_content(|out| {
-        // The rows of a level are together.
+        // The rows of a level are adjacent.
         rows.chunk_by(|a, b| a.level == b.level).try_for_each(|rows| suite(out, rows))
     })?;
     let mut text = String::from_utf8_lossy(&out.into_inner()).into_owned();
@@ -31,7 +32,7 @@ pub fn junit(rows: &[&Row]) -> io::Result<String> {
     Ok(text)
 }
 
-/// What a report and a suite say of their cases.
+/// The counts of cases as attributes of a report or suite.
 fn counts(rows: &[&Row]) -> [(&'static str, String); 4] {
     let errors = rows.iter().filter(|r| r.answer.verdict == Conclusion::Error).count();
     let failures = rows.iter().filter(|r| !r.answer.is_expected).count() - errors;
@@ -59,7 +60,7 @@ fn suite(out: &mut Writer<Vec<u8>>, rows: &[&Row]) -> io::Result<()> {
     Ok(())
 }
 
-/// What the rows of a level have in common.
+/// The properties that the rows of a level share.
 fn properties(out: &mut Writer<Vec<u8>>, row: &Row) -> io::Result<()> {
     let settings = serde_json::to_value(&row.settings)?;
     let hashes = [("level_sha256", &row.level_sha256), ("program_sha256", &row.program_sha256)];
@@ -89,7 +90,7 @@ fn properties(out: &mut Writer<Vec<u8>>, row: &Row) -> io::Result<()> {
 fn case(out: &mut Writer<Vec<u8>>, row: &Row) -> io::Result<()> {
     let name = printable(&format!("{}, {} {}", row.key().level_name(), row.answer.kind.name(), row.answer.goal));
     let stem = Path::new(&row.file).file_stem().unwrap_or_default().to_string_lossy();
-    // Readers take what is before the last dot for a folder.
+    // Readers interpret the text before the last dot as a folder.
     let class = printable(&format!("{}.{}", stem.replace('.', "_"), row.world));
     let time = seconds(row.timing.seconds);
     let case = out.create_element("testcase").with_attributes([("name", name.as_str()), ("classname", &class)]);
@@ -123,7 +124,7 @@ fn seconds(seconds: f64) -> String {
     format!("{seconds:.3}")
 }
 
-/// Without characters that XML does not have.
+/// The text without characters that XML does not have.
 fn printable(text: &str) -> String {
     let is_fine =
         |c: char| matches!(c, '\t' | '\n' | '\r' | ' '..='\u{d7ff}' | '\u{e000}'..='\u{fffd}' | '\u{10000}'..);

@@ -1,6 +1,6 @@
-//! One question asked of many levels: rows that say what came of each, the file that a later run resumes from, JUnit for
-//! continuous integration, what changed since an older run. Plain data and functions of it: who asks the question, on
-//! how many threads and with what clock, is the caller's.
+//! One query on many levels: rows with the results, the file from which a later run resumes, JUnit for continuous
+//! integration, comparison with an older run. Plain data and functions; the caller runs the searches, and owns threads
+//! and clock.
 
 mod baseline;
 mod formats;

@@ -1,8 +1,7 @@
-//! The file of rows, one line of JSON each: read back, mended where it was cut off, put in order.
+//! The file of rows, one line of JSON each: parsing, recovery after a truncated line, sorting.
 //!
-//! Rows are added at the end as they are done, so that whatever happens to the process loses no more than the line that
-//! was being written. When all are done, the file is rewritten in the order of the questions; lines stay as they are,
-//! byte for byte.
+//! Rows are appended as they are done, so that a killed process loses at most the line that it was writing. When all
+//! are done, the file is rewritten in the order of the questions; lines stay byte for byte as they are.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -11,8 +10,8 @@ use serde::Deserialize;
 
 use super::row::{Key, ROW_VERSION, Row};
 
-/// How every line begins.
-const BEGINNING: &str = "{\"row\":";
+/// The prefix of every line.
+const LINE_PREFIX: &str = "{\"row\":";
 
 /// A row and the line that it was read from.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,31 +25,30 @@ pub struct StoredRow {
 impl StoredRow {
     /// A row with its line.
     ///
-    /// # Errors
-    /// If it cannot be written as JSON, as a number that is not finite.
+    /// If it cannot be serialised, for example a number that is not finite.
     pub fn new(row: Row) -> Result<StoredRow, serde_json::Error> {
         let line = serde_json::to_string(&row)?;
         Ok(StoredRow { row, line })
     }
 }
 
-/// What a file of rows holds.
+/// The contents of a file of rows.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Record {
-    /// The rows by what they are about; of several about the same the last counts.
+    /// The rows by their keys; of several with the same key the last counts.
     pub rows: BTreeMap<Key, StoredRow>,
-    /// How many bytes of the text are whole lines; what comes after them was cut off.
+    /// Number of bytes in complete lines; the rest was truncated.
     pub whole: usize,
-    /// Whether the last whole line lacks its line's end.
+    /// Whether the last complete line lacks its line's end.
     pub is_open: bool,
 }
 
-/// Why a text is no file of rows.
+/// The reason why a text is no file of rows.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BadRecord {
     /// The line, from 1.
     pub line: usize,
-    /// Why.
+    /// The reason.
     pub why: String,
 }
 
@@ -61,10 +59,9 @@ impl fmt::Display for BadRecord {
 }
 
 impl Record {
-    /// Reads the text of a file. A last line that is cut off half-way is left out.
+    /// Reads the text of a file. A truncated last line is dropped.
     ///
-    /// # Errors
-    /// [`BadRecord`] if a whole line is no row, or one of another version: this is some other file.
+    /// [`BadRecord`] if a complete line is no row, or one of another version: this is some other file.
     pub fn read(text: &[u8]) -> Result<Record, BadRecord> {
         let mut record = Record::default();
         for (index, bytes) in text.split_inclusive(|b| *b == b'\n').enumerate() {
@@ -82,8 +79,8 @@ impl Record {
         Ok(record)
     }
 
-    /// The row about something, if it would come out the same again: with these settings, this program and this level. One
-    /// that could not be asked is asked again.
+    /// The stored row with the key of `new`, if it would be the same again: with these settings, this program and this
+    /// level. A row with an error is run again.
     pub fn same(&self, new: &Row) -> Option<&StoredRow> {
         self.rows.get(&new.key()).filter(|kept| {
             let old = &kept.row;
@@ -100,8 +97,8 @@ fn row(bytes: &[u8]) -> Result<StoredRow, String> {
     let line = std::str::from_utf8(bytes).map_err(|_| "not UTF-8".to_string())?;
     let line = line.trim_end_matches(['\n', '\r']);
     let not_a_row = |error| format!("not a row of `hypedc reach`: {error}");
-    // The version first: rows of another one have other fields.
-    let Version { row: version } = serde_json::from_str(line).map_err(not_a_row)?;
+    // The version first: rows of other versions have other fields.
+    let VersionField { row: version } = serde_json::from_str(line).map_err(not_a_row)?;
     if version != ROW_VERSION {
         return Err(format!("a row of version {version}, this `hypedc` has version {ROW_VERSION}"));
     }
@@ -109,16 +106,16 @@ fn row(bytes: &[u8]) -> Result<StoredRow, String> {
     Ok(StoredRow { row, line: line.to_string() })
 }
 
-/// Which version a row is of.
+/// The field with a row's version.
 #[derive(Deserialize)]
-struct Version {
+struct VersionField {
     row: u32,
 }
 
-/// Whether this can be the beginning of a line: what is something else is not thrown away.
+/// Whether this can be the beginning of a line: other text is not dropped.
 fn is_cut(bytes: &[u8]) -> bool {
-    let length = bytes.len().min(BEGINNING.len());
-    bytes[..length] == BEGINNING.as_bytes()[..length]
+    let length = bytes.len().min(LINE_PREFIX.len());
+    bytes[..length] == LINE_PREFIX.as_bytes()[..length]
 }
 
 #[cfg(test)]

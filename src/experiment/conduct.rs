@@ -1,5 +1,5 @@
-//! Runs the searches of an experiment on several threads, each search on one. What is found does not depend on how many
-//! threads there are, but for what the budget of seconds cuts short.
+//! Runs the searches of an experiment on several threads, each search on one. Results do not depend on the number of
+//! threads, except where the budget of seconds ends a search.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,29 +12,27 @@ use crate::watch::Watch;
 use super::design::{Design, Question};
 use super::{Finding, Run};
 
-/// Tells how much time has passed for the thread that asks.
+/// A clock for the time of the calling thread.
 pub trait Clock: Sync {
-    /// Seconds since some moment that is always the same for a thread.
+    /// Seconds since a fixed moment, for each thread.
     fn seconds(&self) -> f64;
 }
 
-/// A question could not be searched: its initial state breaks a rule.
+/// An error: the initial state of a question violates a rule.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RunError {
-    /// Which of the questions.
+    /// The index of the question.
     pub question: usize,
-    /// What it breaks.
+    /// The violated rule.
     pub fault: Fault,
 }
 
-/// Runs all that the design says on the questions that the analysis leaves open, on a number of threads (at least one).
+/// Runs the design on the questions that the analysis leaves open, on a number of threads (at least one).
 ///
-/// Hands each run to `each`, on the calling thread, in the order of questions, setups and seeds whatever the threads do,
-/// as soon as those before it are done; `each` may break off. `stop` is asked all the time; what was begun when it says
-/// so has no part in the result.
+/// Calls `each` on the calling thread with each run, in the order of questions, setups and seeds, as soon as all before
+/// it are done; `each` may cancel. `stop` is polled throughout; runs that it interrupts are not part of the result.
 ///
-/// # Errors
-/// [`RunError`] if a world's initial state breaks a rule.
+/// [`RunError`] if a world's initial state violates a rule.
 pub fn conduct(
     design: &Design,
     questions: &[Question<'_>],
@@ -45,7 +43,7 @@ pub fn conduct(
 ) -> Result<Vec<Run>, RunError> {
     let tasks = tasks(design, questions);
     let mut found: Vec<Option<Run>> = vec![None; tasks.len()];
-    let (mut told, mut is_broken_off, mut failure) = (0, false, None);
+    let (mut delivered, mut is_broken_off, mut failure) = (0, false, None);
     let run = |at: usize, task_context: &TaskContext<'_, Result<Run, RunError>>| {
         let task = tasks[at];
         match run(design, questions, clock, task, task_context) {
@@ -59,8 +57,8 @@ pub fn conduct(
             Ok(run) => found[task] = Some(run),
             Err(error) => failure = failure.or(Some(error)),
         }
-        while let (None, false, Some(Some(run))) = (failure, is_broken_off, found.get(told)) {
-            told += 1;
+        while let (None, false, Some(Some(run))) = (failure, is_broken_off, found.get(delivered)) {
+            delivered += 1;
             is_broken_off = each(run).is_break();
         }
         if is_broken_off || failure.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
@@ -68,8 +66,8 @@ pub fn conduct(
     if let Some(error) = failure {
         return Err(error);
     }
-    // Where it was stopped, runs were lost, and there are some behind them.
-    for run in found.iter().skip(told).flatten() {
+    // After a stop some runs are missing; complete ones after them are kept.
+    for run in found.iter().skip(delivered).flatten() {
         if is_broken_off || each(run).is_break() {
             break;
         }
@@ -77,7 +75,7 @@ pub fn conduct(
     Ok(found.into_iter().flatten().collect())
 }
 
-/// One search to be run.
+/// One search of the experiment.
 #[derive(Debug, Clone, Copy)]
 struct Task {
     question: usize,
@@ -98,7 +96,7 @@ fn tasks(design: &Design, questions: &[Question<'_>]) -> Vec<Task> {
     tasks
 }
 
-/// Runs one; returns nothing if it was stopped on the way.
+/// Runs a task; returns none if it was stopped.
 fn run(
     design: &Design,
     questions: &[Question<'_>],
@@ -137,7 +135,7 @@ fn finding(outcome: &Outcome) -> Finding {
     }
 }
 
-/// Watches one run: its budget, and whether all is to end.
+/// The watch of one run: its budget, and the stop of the experiment.
 struct RunWatch<'w> {
     clock: &'w dyn Clock,
     until: f64,

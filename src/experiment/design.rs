@@ -1,32 +1,32 @@
-//! What an experiment runs: questions, and the ways in which each is searched.
+//! The design of an experiment: questions, and search configurations.
 
 use crate::analysis::ConfigurationSpace;
 use crate::ir::GoalId;
 use crate::reach::{Limits, Measure, Planner, Problem, Restart, Sampling, Settings};
 use crate::sim::Simulator;
 
-/// A goal of a world, with what is known of it before any search.
+/// A goal of a world, with the results of the analysis.
 pub struct Question<'a> {
-    /// What results call the test; the goal's name comes beside it.
+    /// The name of the test in results, without the goal's name.
     pub test: String,
-    /// Which test of the paper it is, if it is one.
+    /// The test of the paper, if it is one.
     pub paper: Option<super::paper::Test>,
     /// The simulator of the world.
     pub sim: &'a Simulator,
-    /// What the analysis finds that the world can be.
+    /// The configuration space from the analysis.
     pub space: &'a ConfigurationSpace,
-    /// What is asked for.
+    /// The goal.
     pub goal: GoalId,
-    /// Of the flat IR, in hexadecimal digits.
+    /// Hash of the flat IR, in hexadecimal digits.
     pub program_sha256: String,
-    /// Seconds that the analysis of the world took.
+    /// Duration of the analysis of the world, seconds.
     pub analysis_seconds: f64,
-    /// Whether the analysis rules the goal out ([`crate::reach::Proof`]), so that there is nothing to search for.
+    /// Whether the analysis proves the goal unreachable ([`crate::reach::Proof`]), so that no search is run.
     pub is_ruled_out: bool,
 }
 
 impl Question<'_> {
-    /// As the planners are asked it.
+    /// The question as a problem for planners.
     pub fn problem(&self) -> Problem<'_> {
         Problem::new(self.sim, self.goal)
     }
@@ -37,24 +37,24 @@ impl Question<'_> {
     }
 }
 
-/// A way to search: all that rows of a table differ in.
+/// A search configuration: the factors in which the rows of a table differ.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Setup {
-    /// Who searches.
+    /// The planner.
     pub planner: Planner,
-    /// When trees restart; as planners were published, one tree grows for ever.
+    /// The restart rule; the published planners never restart.
     pub restart: Restart,
-    /// Where samples are drawn from.
+    /// The domain of samples.
     pub sampling: Sampling,
-    /// What distances are measured in.
+    /// The metric.
     pub measure: Measure,
-    /// For how many steps inputs are held; none: as the planner does by itself.
+    /// Number of steps that inputs are held; none: the planner's default.
     pub hold: Option<(u16, u16)>,
 }
 
 impl Setup {
-    /// All ways there are of these choices, in the order of a table: by distance, bounds and planner, each planner without
-    /// restarts and then with them. One that does not sample has no trees to restart, and comes once.
+    /// All combinations of these choices, in the order of a table: by metric, bounds and planner, each planner without
+    /// restarts and then with them. A planner that does not sample has no trees to restart, and is listed once.
     pub fn all(
         planners: &[Planner],
         samplings: &[Sampling],
@@ -75,10 +75,10 @@ impl Setup {
         setups
     }
 
-    /// As the search takes it.
+    /// The settings of the search.
     pub fn settings(&self, seed: u64) -> Settings {
         let Setup { planner, restart, sampling, measure, hold } = *self;
-        // Planners are measured, and nothing else.
+        // Only the planner is measured.
         let checks = false;
         Settings {
             seed,
@@ -94,17 +94,18 @@ impl Setup {
         }
     }
 
-    /// The bounds, as they are written in results.
+    /// The name of the bounds in results.
     pub fn bounds(&self) -> &'static str {
         self.sampling.name()
     }
 
-    /// The distance, as it is written in results.
+    /// The name of the metric in results.
     pub fn metric(&self) -> &'static str {
         self.measure.name()
     }
 
-    /// The nodes of the shortest tree before a restart, or `never`; `own` for `auto`, whose planners each do as they do.
+    /// The nodes of the shortest tree before a restart, or `never`; `own` for `auto`, whose planners have different
+    /// rules.
     pub fn restarts(&self) -> String {
         match (self.restart, self.planner) {
             (Restart::Never, _) => "never".to_string(),
@@ -114,8 +115,7 @@ impl Setup {
         }
     }
 
-    /// For how many steps inputs are held, such as `10` or `4..60`; `own` for `auto`, whose
-    /// planners each hold them as they do.
+    /// Number of steps that inputs are held; none: the planner's default.
     pub fn held(&self) -> String {
         match (self.hold, self.planner) {
             (None, Planner::Auto) => "own".to_string(),
@@ -130,18 +130,18 @@ impl Setup {
 /// An experiment: every setup with every seed on every question that the analysis leaves open.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Design {
-    /// The ways to search.
+    /// The search configurations.
     pub setups: Vec<Setup>,
-    /// How many seeds: 1 and so on.
+    /// Number of seeds, from 1.
     pub seeds: u32,
-    /// The most seconds of the clock that a run may take.
+    /// Maximum duration of a run by the clock, seconds.
     pub seconds: f64,
-    /// What else a run may cost.
+    /// The other limits of a run.
     pub limits: Limits,
 }
 
 impl Design {
-    /// How many runs that makes.
+    /// Number of runs.
     pub fn runs(&self, questions: &[Question<'_>]) -> usize {
         let open = questions.iter().filter(|q| !q.is_ruled_out).count();
         open * self.setups.len() * self.seeds as usize

@@ -1,9 +1,9 @@
-//! Experiments: planners run many times over questions, and tables of how often and how soon they reached the goal.
+//! Experiments: planners run many times on questions, and tables of their success rates and costs.
 //!
-//! A [`Design`] says what is run: every [`Setup`] with every seed on every [`Question`]. [`conduct`] runs it on several
-//! threads and gives plain [`Run`]s in a fixed order; a [`Report`] makes rows, tables and JSON of them. [`paper`] holds
-//! the experiment of Osborn, Lambrigger and Mateas, *HyPED: Modeling and Analyzing Action Games as Hybrid Systems*,
-//! AIIDE 2017. Who calls brings the clock.
+//! A [`Design`] has every [`Setup`] with every seed on every [`Question`]. [`conduct`] runs it on several threads and
+//! returns plain [`Run`]s in a fixed order; a [`Report`] makes rows, tables and JSON of them. [`paper`] holds the
+//! experiment of Osborn, Lambrigger and Mateas, *HyPED: Modeling and Analyzing Action Games as Hybrid Systems*, AIIDE
+//! 2017. The caller provides the clock.
 
 mod conduct;
 mod design;
@@ -20,23 +20,23 @@ pub use row::{Row, Spread};
 
 use crate::reach::Conclusion;
 
-/// How a run ended.
+/// The outcome of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Finding {
-    /// With a way to the goal.
+    /// A path to the goal was found.
     Reached,
-    /// With its budget of time or nodes spent.
+    /// The budget of time or nodes is spent.
     NotFound,
-    /// With its memory full before its budget was spent.
+    /// The memory is full before the budget is spent.
     OutOfMemory,
-    /// With a proof, by trying all there is, that there is no way.
+    /// An exhaustive search proves that there is no path.
     Unreachable,
-    /// All states were visited that inputs with axes at -1, 0 and 1 lead to; values between make a difference.
+    /// All states were visited that are reachable with axes at -1, 0 and 1; values between matter.
     Exhausted,
 }
 
 impl Finding {
-    /// As it is written in results.
+    /// Its name in results.
     pub fn name(self) -> &'static str {
         match self {
             Finding::Reached => Conclusion::Reached.name(),
@@ -48,27 +48,27 @@ impl Finding {
     }
 }
 
-/// What came of one search.
+/// The result of one search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Run {
-    /// Which of the questions it was about.
+    /// The index of the question.
     pub question: usize,
-    /// Which of the design's setups it used.
+    /// The index of the setup.
     pub setup: usize,
     /// Its seed.
     pub seed: u64,
-    /// How it ended.
+    /// The outcome.
     pub finding: Finding,
     /// Nodes over all trees, roots included.
     pub nodes: u64,
-    /// Trees begun.
+    /// Trees started.
     pub trees: u64,
     /// Extensions simulated.
     pub extensions: u64,
     /// Steps simulated.
     pub steps: u64,
-    /// Seconds of the clock that the search took, the analysis of the world not included.
+    /// Duration of the search by the clock, seconds, without the analysis of the world.
     pub seconds: f64,
-    /// How many steps the way to the goal takes.
+    /// Number of steps of the path.
     pub path_steps: Option<u64>,
 }

@@ -1,5 +1,5 @@
-//! The experiment of the paper: its two tests, which the binary carries with it, and the figures it gives in Tables 1
-//! and 2 (Osborn, Lambrigger and Mateas, *HyPED*, AIIDE 2017).
+//! The experiment of the paper: its two tests, embedded in the binary, and the figures of its Tables 1 and 2 (Osborn,
+//! Lambrigger and Mateas, *HyPED*, AIIDE 2017).
 
 use std::path::Path;
 
@@ -12,9 +12,9 @@ use crate::source::{Files, ReadError};
 /// A test of the paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Test {
-    /// A robot that walks boards two platforms at the right moments.
+    /// A walking robot boards two platforms at the right moments.
     One,
-    /// One that jumps goes up over two platforms.
+    /// A jumping robot climbs two platforms.
     Two,
 }
 
@@ -22,7 +22,7 @@ impl Test {
     /// Both.
     pub const ALL: [Test; 2] = [Test::One, Test::Two];
 
-    /// Its number in the paper, which is its table's, too.
+    /// Its number in the paper, and the number of its table.
     pub fn number(self) -> u8 {
         match self {
             Test::One => 1,
@@ -38,13 +38,13 @@ impl Test {
         }
     }
 
-    /// Compiles its program, without the disk.
+    /// Compiles its program, without reading the disk.
     pub fn compile(self) -> Compilation {
         compile(Path::new(&format!("{}.hyped", self.name())), &Embedded)
     }
 }
 
-/// The programs of `examples/paper`, side by side.
+/// The embedded programs of `examples/paper`.
 struct Embedded;
 
 const PROGRAMS: [(&str, &str); 5] = [
@@ -65,10 +65,10 @@ impl Files for Embedded {
 /// The planners that the paper compares.
 pub const PLANNERS: [Planner; 4] = [Planner::Rrt, Planner::RcRrt, Planner::RgRrt, Planner::EgRrt];
 
-/// The seconds that the paper gave each run, of wall-clock time.
+/// The paper's limit for each run, seconds of wall-clock time.
 pub const SECONDS: u32 = 20;
 
-/// How often the paper ran each planner.
+/// The paper's number of runs of each planner.
 pub const RUNS: u32 = 50;
 
 /// A row of the paper's tables.
@@ -85,7 +85,7 @@ pub struct Published {
     pub successes: u32,
 }
 
-/// What the paper gives for a test; none for planners that it does not have.
+/// The paper's figures for a test; none for other planners.
 pub fn published(test: Test, sampling: Sampling, planner: Planner) -> Option<Published> {
     let [rrt, rc, rg, eg] = match (test, sampling) {
         (Test::One, Sampling::Naive) => {

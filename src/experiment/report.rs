@@ -1,4 +1,4 @@
-//! What came of an experiment: its rows, and readable tables of them with all that is needed to run it again.
+//! The results of an experiment: its rows, and readable tables of them with the settings to reproduce them.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -12,14 +12,14 @@ use super::row::{Row, Spread};
 use super::{Run, formats};
 use crate::tabular::{Cell, Column, Table};
 
-/// An experiment and what came of it.
+/// An experiment and its results.
 #[derive(Clone, Copy)]
 pub struct Report<'a> {
-    /// What was to be run.
+    /// The design.
     pub design: &'a Design,
-    /// On what.
+    /// The questions.
     pub questions: &'a [Question<'a>],
-    /// What was run.
+    /// The completed runs.
     pub runs: &'a [Run],
 }
 
@@ -32,14 +32,14 @@ impl Report<'_> {
             .collect()
     }
 
-    /// What the paper has for a row: only planners as they were published, without restarts.
+    /// The paper's figures for a row: only for planners as published, without restarts.
     pub fn published(&self, row: &Row) -> Option<Published> {
         let setup = &self.design.setups[row.setup];
         let test = self.questions[row.question].paper.filter(|_| setup.restart == Restart::Never)?;
         published(test, setup.sampling, setup.planner)
     }
 
-    /// All of it: `version`, `hypedc`, `settings`, `questions`, `runs`, `rows`.
+    /// The whole result: `version`, `hypedc`, `settings`, `questions`, `runs`, `rows`.
     pub fn json(&self) -> Value {
         formats::json(self)
     }
@@ -50,7 +50,7 @@ impl Report<'_> {
         formats::json_schema()
     }
 
-    /// A table for each question, and what it takes to run it again.
+    /// A table for each question, and the settings to reproduce it.
     pub fn text(&self) -> String {
         let rows = self.rows();
         let mut out = String::new();
@@ -133,7 +133,7 @@ impl Report<'_> {
         table.text()
     }
 
-    /// What a reader of the rows must know.
+    /// Explanations of special values in the rows.
     fn footnotes(&self, rows: &[&Row], out: &mut String) {
         if rows.iter().any(|r| r.runs < self.design.seeds) {
             out.push_str(&format!("* stopped before all of the {} runs were done\n", self.design.seeds));
@@ -144,7 +144,7 @@ impl Report<'_> {
         }
     }
 
-    /// For how many steps inputs are held: said once if all planners do alike.
+    /// The number of steps that inputs are held; stated once if all planners have the same.
     fn holds(&self) -> String {
         let held: BTreeMap<&str, String> = self.design.setups.iter().map(|s| (s.planner.name(), s.held())).collect();
         let different: BTreeSet<&String> = held.values().collect();
@@ -154,7 +154,7 @@ impl Report<'_> {
         }
     }
 
-    /// What all tables have in common.
+    /// The settings that all tables share.
     fn caption(&self) -> String {
         let Design { setups, seeds, seconds: budget, limits } = self.design;
         let seeds = if *seeds == 1 { "seed 1".to_string() } else { format!("seeds 1 to {seeds}") };
@@ -200,7 +200,7 @@ fn whole(x: f64) -> String {
     format!("{x:.0}")
 }
 
-/// Seconds, to the tenth of a millisecond where they are few.
+/// Seconds; small values with a resolution of 0.1 ms.
 fn seconds(x: f64) -> String {
     if x < 1.0 { format!("{x:.4}") } else { format!("{x:.2}") }
 }

@@ -1,4 +1,4 @@
-//! A row of a table: what the runs of one setup on one question come to.
+//! A row of a table: statistics of the runs of one setup on one question.
 
 use serde::Serialize;
 
@@ -15,7 +15,7 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// Of numbers in any order; none if there are none.
+    /// The spread of numbers in any order; none if there are none.
     pub fn of(mut numbers: Vec<f64>) -> Option<Spread> {
         numbers.sort_by(f64::total_cmp);
         let half = numbers.len() / 2;
@@ -25,33 +25,33 @@ impl Spread {
     }
 }
 
-/// What the runs of a setup on a question come to.
+/// Statistics of the runs of a setup on a question.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Row {
-    /// Which of the questions.
+    /// The index of the question.
     pub question: usize,
-    /// Which of the setups.
+    /// The index of the setup.
     pub setup: usize,
-    /// How many runs there are: fewer than seeds if the experiment was stopped.
+    /// Number of runs: fewer than seeds if the experiment was stopped.
     pub runs: u32,
-    /// How many of them reached the goal.
+    /// Number of runs that reached the goal.
     pub successes: u32,
-    /// How many had too little memory for their budget.
+    /// Number of runs that ran out of memory.
     pub out_of_memory: u32,
     /// Nodes over all runs.
     pub nodes: Option<Spread>,
-    /// Nodes of those that reached the goal.
+    /// Nodes of the runs that reached the goal.
     pub goal_nodes: Option<Spread>,
-    /// Seconds of those that reached the goal.
+    /// Seconds of the runs that reached the goal.
     pub goal_seconds: Option<Spread>,
-    /// Steps of the ways that were found.
+    /// Steps of the paths.
     pub path_steps: Option<Spread>,
-    /// Over all runs; none if the clock saw no time pass.
+    /// Over all runs; none if the measured time is zero.
     pub extensions_per_second: Option<f64>,
 }
 
 impl Row {
-    /// The row of a setup on a question; of the runs, those of others are left out.
+    /// The row of a setup on a question; other runs are ignored.
     pub fn of(question: usize, setup: usize, runs: &[Run]) -> Row {
         let mine: Vec<&Run> = runs.iter().filter(|r| r.question == question && r.setup == setup).collect();
         let reached: Vec<&Run> = mine.iter().copied().filter(|r| r.finding == Finding::Reached).collect();
@@ -72,7 +72,7 @@ impl Row {
         }
     }
 
-    /// Between which shares of successes the planner's own lies, with 95 % certainty: Wilson, *Probable Inference, the Law of
+    /// The confidence interval (95 %) of the planner's success rate: Wilson, *Probable Inference, the Law of
     /// Succession, and Statistical Inference*, 1927.
     pub fn success_rate_95(&self) -> Option<[f64; 2]> {
         /// The 97.5 % quantile of the normal distribution.

@@ -1,5 +1,5 @@
-//! What a player cannot come to although nothing is in its way: too high, too far, not with what it has. And the same with
-//! a little more speed, height or width, where it can: the search finds a way there.
+//! Places that a player cannot reach although nothing blocks it: too high, too far, not with its abilities. With
+//! slightly more speed, height or width it can: the search finds a path.
 
 use hypedc::analysis::{ConfigurationSpace, configuration_space};
 use hypedc::ir::{GoalId, Program, WorldId};
@@ -63,7 +63,7 @@ fn verdicts(text: &str) -> (bool, bool) {
     of_first_goal(&program, &space)
 }
 
-/// Whether the first goal is ruled out by a space, and whether a search finds a way.
+/// Whether a space rules out the first goal, and whether a search finds a path to it.
 pub fn of_first_goal(program: &Arc<Program>, space: &ConfigurationSpace) -> (bool, bool) {
     let is_ruled_out = !space.can_hold(program, WorldId(0), GoalId(0));
     let sim = Simulator::new(program, WorldId(0));
@@ -97,7 +97,7 @@ const PIT: &str = "
 #[test]
 fn a_wall_is_too_high() {
     for map in [WALL, PIT] {
-        // A jump of 300 rises by 64 px less half a step, one of 310 by more.
+        // A jump of 300 rises by 64 px minus half a step, one of 310 by more.
         for (jump, can) in [(100, false), (230, false), (250, false), (320, true)] {
             let (is_ruled_out, is_reached) = verdicts(&world(map, "hero.x > 120 and hero.y > 20", jump));
             assert_eq!((is_ruled_out, is_reached), (!can, can), "{jump} {map}");
@@ -105,7 +105,7 @@ fn a_wall_is_too_high() {
     }
 }
 
-/// Five heroes, each before a wall that is as high as they jump, a little higher or a little lower.
+/// Five heroes, each before a wall as high as their jump, slightly higher or slightly lower.
 #[test]
 fn walls_as_high_as_jumps() {
     for jump in [180, 220, 260, 300, 340] {
@@ -182,7 +182,7 @@ world W {{
     }
 }
 
-/// A wall is looked up by where it is; one of millions of tiles must not be listed in each of them.
+/// A wall is looked up by place; it must not be listed in each of millions of tiles.
 #[test]
 fn a_wall_may_be_very_long() {
     let text = HERO.replace("JUMP", "230")

@@ -1,5 +1,5 @@
-//! Programs of which something false was said once (`tests/analysis/found`), each of a few lines: a wrong or missing
-//! transition of the analysis. Whatever is said of them now holds in every state of scripted and of random runs.
+//! Programs that once had a false verdict (`tests/analysis/found`), each of a few lines: a wrong or missing transition
+//! of the analysis. The current verdicts hold in every state of scripted and of random runs.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -17,12 +17,12 @@ use super::poll_limit::PollLimit;
 use super::run::LOOKS_BY_PLACE;
 use crate::support::{Disk, files, program};
 
-/// How many steps a run lasts.
+/// Number of steps of a run.
 const STEPS: u64 = 400;
-/// How many runs are random.
+/// Number of random runs.
 const RANDOM: u64 = 6;
 
-/// Who gives inputs.
+/// The source of inputs.
 enum Script {
     /// All buttons held or none, all axes at a number.
     Constant(u64, f64),
@@ -41,7 +41,7 @@ impl Script {
     }
 }
 
-/// What is false in a run.
+/// A verdict that a run refutes.
 fn refuted(program: &Arc<Program>, world: WorldId, space: &ConfigurationSpace, script: &Script) -> Option<String> {
     let sim = Simulator::new(program, world);
     let guard = Monitor::new(space, program, world);

@@ -1,18 +1,18 @@
-//! What random programs have found, cut down: each was outside once.
+//! Minimised random programs that once had a state outside of their space.
 
 use hypedc::ir::WorldId;
 
 use super::run::run;
 use crate::support::{compile_text, program};
 
-/// Runs a program at random; nothing is outside.
+/// Asserts that no state of a random run is outside.
 fn inside(text: &str) {
     let program = program(compile_text(text));
     let run = run(&program, WorldId(0), 300, 1);
     assert!(run.outside.is_empty() && run.states == 300, "{}", run.outside.join("\n"));
 }
 
-/// A standing thing pushes who begins inside of it, although neither moves.
+/// A stationary instance pushes one that begins inside of it, although neither moves.
 #[test]
 fn who_begins_inside_of_a_standing_thing_is_pushed_out() {
     inside(
@@ -25,7 +25,7 @@ fn who_begins_inside_of_a_standing_thing_is_pushed_out() {
     );
 }
 
-/// An update puts a standing thing over another one: it moves without a speed.
+/// An update moves a stationary instance over another one, without a velocity.
 #[test]
 fn what_an_update_puts_somewhere_pushes() {
     inside(
@@ -41,7 +41,7 @@ fn what_an_update_puts_somewhere_pushes() {
     );
 }
 
-/// Who goes through a link does so from where the updates of that step have put it.
+/// A link is followed from the position after the updates of that step.
 #[test]
 fn an_update_moves_what_goes_through_a_link() {
     inside(
@@ -62,7 +62,7 @@ fn an_update_moves_what_goes_through_a_link() {
     );
 }
 
-/// A rider goes by itself as well as with its carrier, so that it can end beside all places where it could stand on it.
+/// A rider also moves by itself, so that it can end beside all places where it could stand on its carrier.
 #[test]
 fn who_is_carried_goes_by_itself_as_well() {
     inside(
@@ -102,7 +102,7 @@ fn who_is_carried_goes_by_itself_as_well() {
     );
 }
 
-/// Flows read others in the middle of a step, when those are updated, but have not flowed.
+/// Flows read other instances in the middle of a step, after updates and before flows.
 #[test]
 fn a_flow_reads_what_an_update_has_just_written() {
     inside(

@@ -1,5 +1,5 @@
-//! Random programs in which much happens: a hero and foes in groups of modes, lifts that carry and push, shots, walls and
-//! clouds, two rooms with ways between them. Drawn from a list of choices, so that a failing program shrinks.
+//! Random programs with much activity: a hero and foes in groups of modes, lifts that carry and push, shots, walls and
+//! clouds, two rooms with links between them. Generated from a list of choices, so that a failing program shrinks.
 
 use crate::support::draw::Draw;
 
@@ -12,7 +12,7 @@ enum Dim {
     Time,
 }
 
-/// What an entity is for.
+/// The role of an entity.
 #[derive(Clone, Copy, PartialEq)]
 enum Role {
     Hero,
@@ -32,10 +32,10 @@ struct Generator<'c> {
     draw: Draw<'c>,
     out: String,
     role: Role,
-    /// The modes of each group that is written so far, with their paths.
+    /// The modes of each group so far, with their paths.
     modes: Vec<Vec<String>>,
     in_mode: bool,
-    /// Whether the expression that is written may ask inputs and contacts.
+    /// Whether the current expression may read inputs and contacts.
     may_ask: bool,
     depth: usize,
 }
@@ -51,7 +51,7 @@ pub fn program(choices: &[u16]) -> String {
         may_ask: true,
         depth: 0,
     };
-    // The world comes first, so that few choices make a small program in a whole world.
+    // The world is generated first, so that few choices make a small program in a complete world.
     g.world();
     let world = std::mem::take(&mut g.out);
     for (role, name, tag) in ROLES {
@@ -147,7 +147,7 @@ impl Generator<'_> {
         }
     }
 
-    /// What one of mine can touch.
+    /// A tag that the entity can touch.
     fn other(&mut self) -> &'static str {
         match self.role {
             Role::Hero => self.draw.one(&["wall", "lift", "cloud", "foe", "shot"]),
@@ -192,7 +192,7 @@ impl Generator<'_> {
         out
     }
 
-    /// Updates of different places; `named` is what the guard names.
+    /// Updates of different targets; `named` is the name that the guard binds.
     fn updates(&mut self, named: bool) -> String {
         let mut list: Vec<String> = Vec::new();
         let mut used: Vec<&str> = Vec::new();

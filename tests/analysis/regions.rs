@@ -1,5 +1,5 @@
-//! Where players can get whose colliders take turns, who meet doors, and who go from room to room: closed chambers stay
-//! closed. And the same with a way in, which the search finds.
+//! Reachable regions of players whose colliders alternate, that meet doors, or that move between rooms: closed chambers
+//! stay closed. With an entrance, the search finds a path into them.
 
 use hypedc::analysis::configuration_space;
 use hypedc::ir::WorldId;
@@ -7,7 +7,7 @@ use hypedc::ir::WorldId;
 use super::by_place::of_first_goal;
 use crate::support::{compile_text, program};
 
-/// Runs and flies, small and big in turns as something says.
+/// A hero that runs and flies, with a small or a big collider by a condition.
 const HERO: &str = "entity Hero {
     param speed = 240
     axis horizontal, vertical
@@ -76,7 +76,7 @@ fn a_collider_with_a_guard_is_kept_out() {
     }
 }
 
-/// Who grows in the gap is pushed through the ceiling: nothing is said then.
+/// A player that grows in the gap is pushed through the ceiling: the analysis has no verdict then.
 #[test]
 fn what_grows_inside_of_something_is_not_kept_out() {
     let text = hero("when pressed(grow) -> big", "") + &world(&chamber('#'), "hero.x > 100 and hero.y < 70");

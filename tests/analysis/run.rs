@@ -1,4 +1,4 @@
-//! Random runs of a world, held against what it can be, and what happens in them.
+//! Random runs of a world, checked against its configuration space, with statistics.
 
 use hypedc::analysis::configuration_space;
 use hypedc::ir::{Origin, Program, WorldId};
@@ -11,19 +11,19 @@ use std::sync::Arc;
 use super::outside::{goes_on, outside, ruled_out};
 use super::poll_limit::PollLimit;
 
-/// What came of a run.
+/// The result of a run.
 #[derive(Debug, Default)]
 pub struct Run {
-    /// What was outside; a run ends after a few.
+    /// The states outside; a run ends after a few.
     pub outside: Vec<String>,
-    /// How many states were looked at.
+    /// Number of checked states.
     pub states: usize,
-    /// Slots, and those of them of which nothing is known.
+    /// Number of slots, and of those for which the analysis gave up.
     pub slots: usize,
     pub given_up: usize,
-    /// Whether a player is told apart by place.
+    /// Whether the space distinguishes states of a player by place.
     pub is_by_place: bool,
-    /// Whether an instance was spawned, was gone, went to another space.
+    /// Whether an instance was spawned, was destroyed, changed its space.
     pub spawned: bool,
     pub ended: bool,
     pub linked: bool,
@@ -31,14 +31,14 @@ pub struct Run {
     pub goals: Vec<String>,
 }
 
-/// Combinations of modes and places that are looked at to tell players apart by place.
+/// Number of polls before the analysis by place gives up.
 pub const LOOKS_BY_PLACE: u32 = 600;
-/// How often goals are asked, in steps.
+/// Interval between checks of goals, in steps.
 const GOALS_EVERY: usize = 16;
 
 /// Runs a world at random.
 pub fn run(program: &Arc<Program>, id: WorldId, steps: usize, seed: u64) -> Run {
-    // Players are told apart by place as well: the guard looks at both.
+    // The space also distinguishes players by place: the monitor checks both.
     let space = configuration_space(program, id).by_place(program, id, &[], &PollLimit::new(LOOKS_BY_PLACE));
     let is_by_place = !std::ptr::eq(space.finest(), &space);
     let given_up = space.slots.iter().filter(|s| s.is_given_up).count();
@@ -76,7 +76,7 @@ pub fn run(program: &Arc<Program>, id: WorldId, steps: usize, seed: u64) -> Run 
             }
         }
         left -= 1;
-        // A run ends where a search ends, and now and then anyway.
+        // A run ends where a search ends, and sometimes at random.
         let ended = sim.step(&mut state, &input, &mut scratch).is_err();
         if ended || !goes_on(&sim, &state) || rng.random_range(0..2_000) == 0 {
             state.copy_from_slice(&start);
@@ -85,7 +85,7 @@ pub fn run(program: &Arc<Program>, id: WorldId, steps: usize, seed: u64) -> Run 
     run
 }
 
-/// Notes what happens.
+/// Records the events of a step.
 fn see(sim: &Simulator, state: &[u8], run: &mut Run) {
     let world = sim.world();
     for (slot, s) in world.slots.pairs() {

@@ -1,9 +1,10 @@
-//! How tight the spaces of the paper's tests and of Mario are: within what the system of 2017 took its samples from, in
-//! each mode and dimension.
+//! Precision: the spaces of the paper's tests and of Mario are within the sampling bounds of the 2017 system, in each
+//! mode and dimension.
 //!
-//! Its rules: positions are in [0, 640]. A variable starts from its first value. A constant flow gives its value, and 0
-//! if the entity can be pushed; an envelope gives from minus to plus its sustain level; who has no flow rests. Derivatives
-//! above the one that is driven are 0. An acceleration widens the velocity to 1000 on its side, a velocity the position.
+//! Its rules: positions are in [0, 640]. A variable starts from its initial value. A constant flow gives its value, and
+//! 0 if the entity can be pushed; an envelope gives from minus to plus its sustain level; a variable without a flow is
+//! at rest. Derivatives above the driven one are 0. An acceleration widens the velocity to 1000 on its side, a velocity
+//! the position.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -57,8 +58,8 @@ fn shown(program: &Program, space: &ConfigurationSpace) -> String {
     out
 }
 
-/// What the system of 2017 allows in a mode: `x'`, `x''`, `y'`, `y''`.
-struct Old {
+/// The bounds of the 2017 system in a mode: `x'`, `x''`, `y'`, `y''`.
+struct OldBounds {
     slot: &'static str,
     mode: &'static str,
     bounds: [&'static [(f64, f64)]; 4],
@@ -66,47 +67,51 @@ struct Old {
 
 const ZERO: &[(f64, f64)] = &[(0.0, 0.0)];
 
-const TEST1: &[Old] = &[
-    // It can be pushed, so that 0 is beside each flow. Gravity widens y' from 0 down to -1000.
-    Old { slot: "hero", mode: "stop", bounds: [ZERO, ZERO, &[(-1000.0, 0.0)], &[(-1000.0, -1000.0), (0.0, 0.0)]] },
-    Old {
+const TEST1: &[OldBounds] = &[
+    // It can be pushed, so that 0 is added to each flow. Gravity widens y' from 0 down to -1000.
+    OldBounds {
+        slot: "hero",
+        mode: "stop",
+        bounds: [ZERO, ZERO, &[(-1000.0, 0.0)], &[(-1000.0, -1000.0), (0.0, 0.0)]],
+    },
+    OldBounds {
         slot: "hero",
         mode: "right",
         bounds: [&[(0.0, 0.0), (60.0, 60.0)], ZERO, &[(-1000.0, 0.0)], &[(-1000.0, -1000.0), (0.0, 0.0)]],
     },
-    Old {
+    OldBounds {
         slot: "hero",
         mode: "left",
         bounds: [&[(-60.0, -60.0), (0.0, 0.0)], ZERO, &[(-1000.0, 0.0)], &[(-1000.0, -1000.0), (0.0, 0.0)]],
     },
-    // Nothing pushes a platform: its flow and nothing else; without a flow it rests.
-    Old { slot: "brown", mode: "wait", bounds: [ZERO, ZERO, ZERO, ZERO] },
-    Old { slot: "brown", mode: "right", bounds: [&[(30.0, 30.0)], ZERO, ZERO, ZERO] },
-    Old { slot: "brown", mode: "left", bounds: [&[(-30.0, -30.0)], ZERO, ZERO, ZERO] },
-    // Before its first step it has its first velocity, which that system did not count.
-    Old { slot: "blue", mode: "right", bounds: [&[(0.0, 0.0), (30.0, 30.0)], ZERO, ZERO, ZERO] },
-    Old { slot: "blue", mode: "left", bounds: [&[(-30.0, -30.0)], ZERO, ZERO, ZERO] },
+    // Nothing pushes a platform: only its flow; without a flow it is at rest.
+    OldBounds { slot: "brown", mode: "wait", bounds: [ZERO, ZERO, ZERO, ZERO] },
+    OldBounds { slot: "brown", mode: "right", bounds: [&[(30.0, 30.0)], ZERO, ZERO, ZERO] },
+    OldBounds { slot: "brown", mode: "left", bounds: [&[(-30.0, -30.0)], ZERO, ZERO, ZERO] },
+    // Before its first step it has its initial velocity, which that system did not count.
+    OldBounds { slot: "blue", mode: "right", bounds: [&[(0.0, 0.0), (30.0, 30.0)], ZERO, ZERO, ZERO] },
+    OldBounds { slot: "blue", mode: "left", bounds: [&[(-30.0, -30.0)], ZERO, ZERO, ZERO] },
 ];
 
 // x' is driven by an envelope that sustains 100. A jump begins with 200 and gravity widens y' from there to -1000.
 const RUN: &[(f64, f64)] = &[(-100.0, 100.0)];
 const JUMP: &[(f64, f64)] = &[(-1000.0, 200.0)];
 
-const TEST2: &[Old] = &[
-    Old { slot: "hero", mode: "air.falling", bounds: [RUN, ZERO, JUMP, &[(-400.0, -400.0), (0.0, 0.0)]] },
-    Old { slot: "hero", mode: "air.jump_control", bounds: [RUN, ZERO, JUMP, &[(-250.0, -250.0), (0.0, 0.0)]] },
-    Old { slot: "hero", mode: "air.jump_fixed", bounds: [RUN, ZERO, JUMP, &[(-250.0, -250.0), (0.0, 0.0)]] },
+const TEST2: &[OldBounds] = &[
+    OldBounds { slot: "hero", mode: "air.falling", bounds: [RUN, ZERO, JUMP, &[(-400.0, -400.0), (0.0, 0.0)]] },
+    OldBounds { slot: "hero", mode: "air.jump_control", bounds: [RUN, ZERO, JUMP, &[(-250.0, -250.0), (0.0, 0.0)]] },
+    OldBounds { slot: "hero", mode: "air.jump_fixed", bounds: [RUN, ZERO, JUMP, &[(-250.0, -250.0), (0.0, 0.0)]] },
     // The flow is y' = -30: above it all is 0.
-    Old { slot: "hero", mode: "ground", bounds: [RUN, ZERO, &[(-30.0, -30.0), (0.0, 0.0)], ZERO] },
-    Old { slot: "brown", mode: "wait", bounds: [ZERO, ZERO, ZERO, ZERO] },
-    Old { slot: "brown", mode: "right", bounds: [&[(30.0, 30.0)], ZERO, ZERO, ZERO] },
-    Old { slot: "brown", mode: "left", bounds: [&[(-30.0, -30.0)], ZERO, ZERO, ZERO] },
-    Old { slot: "green", mode: "right", bounds: [&[(0.0, 0.0), (30.0, 30.0)], ZERO, ZERO, ZERO] },
-    Old { slot: "green", mode: "left", bounds: [&[(-30.0, -30.0)], ZERO, ZERO, ZERO] },
+    OldBounds { slot: "hero", mode: "ground", bounds: [RUN, ZERO, &[(-30.0, -30.0), (0.0, 0.0)], ZERO] },
+    OldBounds { slot: "brown", mode: "wait", bounds: [ZERO, ZERO, ZERO, ZERO] },
+    OldBounds { slot: "brown", mode: "right", bounds: [&[(30.0, 30.0)], ZERO, ZERO, ZERO] },
+    OldBounds { slot: "brown", mode: "left", bounds: [&[(-30.0, -30.0)], ZERO, ZERO, ZERO] },
+    OldBounds { slot: "green", mode: "right", bounds: [&[(0.0, 0.0), (30.0, 30.0)], ZERO, ZERO, ZERO] },
+    OldBounds { slot: "green", mode: "left", bounds: [&[(-30.0, -30.0)], ZERO, ZERO, ZERO] },
 ];
 
-/// The space is within what was, in each mode and dimension.
-fn is_tighter(path: &str, old: &[Old]) {
+/// Asserts that the space is within the old bounds, in each mode and dimension.
+fn is_tighter(path: &str, old: &[OldBounds]) {
     let (program, space) = space(path);
     let mut met = BTreeSet::new();
     for name in ["hero", "brown", "blue", "green"] {
@@ -133,7 +138,7 @@ fn is_tighter(path: &str, old: &[Old]) {
             assert!(level.left <= x.low && x.high <= level.right, "{path}: {name} in {mode}: {x}");
         }
     }
-    // Otherwise a mode has become impossible, or the table holds what is not there.
+    // Otherwise a mode has become unreachable, or the table has an unknown entry.
     assert_eq!(met.len(), old.len(), "{path}");
 }
 

@@ -1,5 +1,5 @@
-//! States held against the records of the 2017 system: step by step, each from the record of the one before, with the
-//! reasons for which a step of theirs may differ, and freely from the initial state.
+//! Comparison of states with the records of the 2017 system: step by step, each from the record of the one before, with
+//! the known reasons for differences, and freely from the initial state.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -11,19 +11,19 @@ use hypedc::sim::{Input, Simulator};
 use super::record::{self, Record, Trace, our_path};
 use crate::support::files;
 
-/// How far two numbers may differ.
+/// Maximum difference of two numbers.
 const TOLERANCE: f64 = 1e-6;
 
-/// Something in which a state and a record differ.
+/// A difference between a state and a record.
 struct Difference {
     slot: SlotId,
-    what: What,
+    what: DifferenceKind,
     text: String,
 }
 
-/// What it is that differs.
+/// The kind of difference.
 #[derive(Clone, Copy, PartialEq)]
-enum What {
+enum DifferenceKind {
     /// A variable of a degree, with the numbers found and recorded.
     Var(VarId, u8, f64, f64),
     Modes,
@@ -32,44 +32,49 @@ enum What {
     Other,
 }
 
-/// Why a step of theirs may differ from ours.
+/// A known reason for a difference of the 2017 system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Reason {
     /// The contacts ask for pushes on both axes; theirs pushes on one.
     BothAxes = 1,
-    /// Theirs loses what else happens in the step of a transfer through a link.
+    /// The 2017 system drops all other effects in the step of a transfer through a link.
     Transfer = 3,
-    /// Theirs stops a velocity that points out of the surface.
+    /// The 2017 system stops a velocity that points out of the surface.
     OutOfSurface = 6,
 }
 
-/// Why a difference, one of all of its step, is theirs, by the records before and after the step. The numbers are those
-/// of the list of what is known of theirs. The list has more (2: timers that are not reset, 4: directions of an
-/// envelope, 5: contact in one corner point), but these do not occur in the files, so they excuse nothing.
+/// The reason for a difference, if it is on the list of known differences of the 2017 system; by all differences of the
+/// step, and the records before and after it. The numbers are those of the list. It has more entries (2: timers that
+/// are not reset, 4: directions of an envelope, 5: contact in one corner point), but these do not occur in the files,
+/// so they excuse nothing.
 fn reason(before: &Record, after: &Record, all: &[Difference], difference: &Difference) -> Option<Reason> {
     let slot = difference.slot.index();
     let (was, is) = (&before.entities[slot], &after.entities[slot]);
-    let differs = |what: What| all.iter().any(|d| d.slot == difference.slot && d.what == what);
-    // An edge is taken by ours alone; where the instance goes is never excused.
-    if was.space != is.space && was.modes == is.modes && differs(What::Modes) && !differs(What::Space) {
+    let differs = |what: DifferenceKind| all.iter().any(|d| d.slot == difference.slot && d.what == what);
+    // Only our system takes an edge; its target is never excused.
+    if was.space != is.space
+        && was.modes == is.modes
+        && differs(DifferenceKind::Modes)
+        && !differs(DifferenceKind::Space)
+    {
         return Some(Reason::Transfer);
     }
     let pushes: Vec<[f64; 2]> = after.contacts.iter().filter_map(|c| c.push_of(slot)).collect();
     let deepest = |axis: usize| pushes.iter().map(|p| p[axis].abs()).fold(0.0, f64::max);
     let both_axes = deepest(0) > 0.0 && deepest(1) > 0.0;
     match difference.what {
-        What::Var(axis, 0, found, recorded) if both_axes => {
+        DifferenceKind::Var(axis, 0, found, recorded) if both_axes => {
             ((found - recorded).abs() <= deepest(axis.index()) + TOLERANCE).then_some(Reason::BothAxes)
         }
-        What::Var(_, 1, 0.0, _) if both_axes => Some(Reason::BothAxes),
-        What::Var(axis, 1, found, 0.0) => {
+        DifferenceKind::Var(_, 1, 0.0, _) if both_axes => Some(Reason::BothAxes),
+        DifferenceKind::Var(axis, 1, found, 0.0) => {
             pushes.iter().any(|p| p[axis.index()] * found > 0.0).then_some(Reason::OutOfSurface)
         }
         _ => None,
     }
 }
 
-/// All in which a state and a record differ.
+/// All differences between a state and a record.
 fn differences(sim: &Simulator, state: &[u8], record: &Record) -> Vec<Difference> {
     let (program, world) = (sim.program(), sim.world());
     let contacts = record::with_contacts(sim, state, record);
@@ -77,10 +82,10 @@ fn differences(sim: &Simulator, state: &[u8], record: &Record) -> Vec<Difference
     for ((slot, s), recorded) in world.slots.pairs().zip(&record.entities) {
         let entity = &program.entities[s.entity];
         let layout = &world.layout.slots[slot];
-        let mut add = |what: What, text: String| {
+        let mut add = |what: DifferenceKind, text: String| {
             differences.push(Difference { slot, what, text: format!("{}: {text}", s.name) });
         };
-        let mut number = |what: What, name: &str, found: f64, recorded: f64| {
+        let mut number = |what: DifferenceKind, name: &str, found: f64, recorded: f64| {
             if (found - recorded).abs() > TOLERANCE {
                 add(what, format!("{name} is {found}, recorded {recorded}"));
             }
@@ -89,32 +94,35 @@ fn differences(sim: &Simulator, state: &[u8], record: &Record) -> Vec<Difference
             for (degree, recorded) in (0u8..).zip(recorded.vars[name]) {
                 let name = format!("{name}{}", "'".repeat(usize::from(degree)));
                 let found = layout.var(state, var, degree);
-                number(What::Var(var, degree, found, recorded), &name, found, recorded);
+                number(DifferenceKind::Var(var, degree, found, recorded), &name, found, recorded);
             }
         }
         for (name, recorded) in &recorded.dvars {
             let found = layout.discrete(state, record::discrete(entity, name));
-            number(What::Other, name, f64::from(found), *recorded);
+            number(DifferenceKind::Other, name, f64::from(found), *recorded);
         }
         for mode in recorded.timers.keys() {
             let (timer, count) = record::timer(sim, slot, recorded, mode);
             let found = layout.timer(state, timer);
-            number(What::Other, &format!("timer({})", our_path(mode)), f64::from(found), f64::from(count));
+            number(DifferenceKind::Other, &format!("timer({})", our_path(mode)), f64::from(found), f64::from(count));
         }
-        number(What::Space, "space", layout.space(state).index() as f64, recorded.space as f64);
+        number(DifferenceKind::Space, "space", layout.space(state).index() as f64, recorded.space as f64);
         let leaves = entity.groups.ids().map(|g| &entity.leaves[layout.leaf(state, g)]);
         let mut active: Vec<&str> = leaves.flat_map(|l| &l.path).map(|&m| record::path(entity, m)).collect();
         let mut expected: Vec<String> = recorded.modes.iter().map(|m| our_path(m)).collect();
         active.sort_unstable();
         expected.sort_unstable();
         if active != expected {
-            add(What::Modes, format!("active is {}, recorded {}", active.join(", "), expected.join(", ")));
+            add(DifferenceKind::Modes, format!("active is {}, recorded {}", active.join(", "), expected.join(", ")));
         }
         for (touch, t) in entity.touches.pairs() {
             let (found, recorded) = (layout.touch(state, touch), layout.touch(&contacts, touch));
             if found != recorded {
                 let side = t.side.map_or(String::new(), |side| format!(", {side:?}").to_lowercase());
-                add(What::Other, format!("touching({}{side}) is {found}, recorded {recorded}", program.tags[t.other]));
+                add(
+                    DifferenceKind::Other,
+                    format!("touching({}{side}) is {found}, recorded {recorded}", program.tags[t.other]),
+                );
             }
         }
     }
@@ -132,19 +140,19 @@ pub fn trace(name: &str) -> Trace {
     record::read(&Path::new("tests/conformance/traces").join(format!("{name}.json")))
 }
 
-/// What came of taking each recorded step by itself.
+/// The result of the step-by-step comparison.
 #[derive(Default)]
 struct Tally {
     steps: usize,
     agree: usize,
-    /// The step, why, and in what it differs.
+    /// The step, the reason, and the difference.
     excused: Vec<(usize, Reason, String)>,
-    /// What differs for no reason.
+    /// Differences without a known reason.
     wrong: Vec<String>,
 }
 
 impl Tally {
-    /// Notes what differs after a step.
+    /// Adds the differences after a step.
     fn add(&mut self, step: usize, differences: &[Difference], before: &Record, after: &Record) {
         self.agree += usize::from(differences.is_empty());
         for difference in differences {
@@ -199,7 +207,7 @@ pub fn steps(load: impl Fn(&str) -> Arc<Program>) -> String {
     table
 }
 
-/// For how many steps a free run agrees with the record, of how many, and the first difference.
+/// The number of steps for which a free run agrees with the record, the total, and the first difference.
 fn free_run(name: &str, trace: &Trace, program: &Arc<Program>) -> (usize, usize, Option<String>) {
     let sim = Simulator::new(program, WorldId(0));
     let mut scratch = sim.scratch();

@@ -1,4 +1,4 @@
-//! A recorded run of the 2017 Python system: what its files hold, and a record as a state of our simulator.
+//! Parser of a recorded run of the 2017 Python system, and its conversion to a state of our simulator.
 //!
 //! Entities are numbered in the order of `entities`, which is that of our slots; spaces in source order.
 
@@ -17,7 +17,7 @@ use serde::Deserialize;
 /// A recorded run.
 #[derive(Deserialize)]
 pub struct Trace {
-    /// For how many steps which buttons are held.
+    /// Run-length encoded inputs: number of steps, and held buttons.
     pub input_sequence_rle: Vec<(u32, Vec<String>)>,
     /// Before the first step.
     pub initial: Record,
@@ -37,13 +37,13 @@ pub struct Record {
 /// The state of an entity.
 #[derive(Deserialize)]
 pub struct Recorded {
-    /// The space it is in.
+    /// Its space.
     pub space: usize,
     /// All active modes, with the names of groups in between: `movement.air.aerial.falling`.
     pub modes: Vec<String>,
     /// Position, velocity and acceleration of each variable.
     pub vars: BTreeMap<String, [f64; 3]>,
-    /// The seconds since a mode was entered, where they are read.
+    /// The seconds since the entry of a mode, where they are read.
     #[serde(default)]
     pub timers: BTreeMap<String, f64>,
     /// Discrete variables.
@@ -59,7 +59,7 @@ pub struct Contact {
     /// with this collider of its own,
     collider: usize,
     /// touches this,
-    second: Touched,
+    second: ContactTarget,
     /// of an entity: with this collider;
     other_collider: usize,
     /// how far the first is to be pushed along x and y, 0 not at all;
@@ -70,10 +70,10 @@ pub struct Contact {
     blocks: u8,
 }
 
-/// What is touched.
+/// The other side of a contact.
 #[derive(Deserialize)]
 #[serde(untagged)]
-enum Touched {
+enum ContactTarget {
     /// An entity.
     Entity(usize),
     /// A tile's column and row.
@@ -81,13 +81,13 @@ enum Touched {
 }
 
 impl Contact {
-    /// For x and y: how far an entity is pushed by a contact that blocks.
+    /// The push of an entity on x and y by a contact that blocks.
     pub fn push_of(&self, entity: usize) -> Option<[f64; 2]> {
         let (x, y) = self.push;
         match self.second {
             _ if self.blocks == 0 => None,
             _ if self.first == entity => Some([x, y]),
-            Touched::Entity(second) if second == entity => Some([-x, -y]),
+            ContactTarget::Entity(second) if second == entity => Some([-x, -y]),
             _ => None,
         }
     }
@@ -113,12 +113,12 @@ fn opposite(side: Side) -> Side {
     }
 }
 
-/// The path that a recorded mode has with us: nested groups are nested modes.
+/// The path of a recorded mode here: nested groups are nested modes.
 pub fn our_path(recorded: &str) -> String {
     recorded.split('.').skip(1).step_by(2).collect::<Vec<_>>().join(".")
 }
 
-/// The path of a mode without the name of its group, which nothing is told apart by.
+/// The path of a mode without the name of its group, which is not needed to identify it.
 pub fn path(entity: &Entity, mode: ModeId) -> &str {
     let (mode, group) = (&entity.modes[mode], &entity.groups[entity.modes[mode].group]);
     let inside = group.name.as_ref().and_then(|name| mode.path.strip_prefix(name)?.strip_prefix('.'));
@@ -169,8 +169,8 @@ pub fn discrete(entity: &Entity, name: &str) -> DiscreteId {
     entity.discretes.find(|d| d.name == *name).unwrap_or_else(|| panic!("{} has no {name}", entity.name))
 }
 
-/// The timer of a recorded mode, and the count that its seconds are: 0 while the mode is not active, at most where
-/// ours saturates.
+/// The timer of a recorded mode, and its count for the recorded seconds: 0 while the mode is not active, at most our
+/// saturation value.
 pub fn timer(sim: &Simulator, slot: SlotId, recorded: &Recorded, mode: &str) -> (TimerId, u32) {
     let s = &sim.world().slots[slot];
     let entity = &sim.program().entities[s.entity];
@@ -181,10 +181,10 @@ pub fn timer(sim: &Simulator, slot: SlotId, recorded: &Recorded, mode: &str) -> 
     (timer, steps.min(s.timer_limits[timer]))
 }
 
-/// The state that a record says, after a step in which `held` was held.
+/// The state of a record, after a step in which `held` was held.
 pub fn state(sim: &Simulator, record: &Record, held: &Input, scratch: &mut Scratch) -> Vec<u8> {
     let (program, world) = (sim.program(), sim.world());
-    // What a record does not say is as it is at first.
+    // Values that are not recorded are initial.
     let mut state = sim.initial(scratch).unwrap();
     assert_eq!(world.slots.len(), record.entities.len(), "{} has a slot for each entity", world.name);
     for ((slot, s), recorded) in world.slots.pairs().zip(&record.entities) {
@@ -214,7 +214,7 @@ pub fn state(sim: &Simulator, record: &Record, held: &Input, scratch: &mut Scrat
     with_contacts(sim, &state, record)
 }
 
-/// A state with the contact bits that a record asks for.
+/// A state with the contact bits of a record.
 pub fn with_contacts(sim: &Simulator, state: &[u8], record: &Record) -> Vec<u8> {
     let mut state = state.to_vec();
     for (slot, s) in sim.world().slots.pairs() {
@@ -229,12 +229,12 @@ pub fn with_contacts(sim: &Simulator, state: &[u8], record: &Record) -> Vec<u8> 
         let (slot, side) = (SlotId::from_index(contact.first), contact.side());
         let mine = collider_tags(sim, contact.first, contact.collider);
         let theirs = match contact.second {
-            Touched::Entity(second) => {
+            ContactTarget::Entity(second) => {
                 let theirs = collider_tags(sim, second, contact.other_collider);
                 touch(sim, &mut state, SlotId::from_index(second), (theirs, mine, opposite(side)));
                 theirs
             }
-            Touched::Tile(column, row) => {
+            ContactTarget::Tile(column, row) => {
                 let space = SpaceId::from_index(record.entities[contact.first].space);
                 let map = sim.world().spaces[space].map.as_ref().unwrap();
                 let kind = map.kind(column, row).unwrap_or_else(|| panic!("no tile {column}, {row}"));

@@ -1,4 +1,4 @@
-//! Small changes of a program's text, such as slips of a hand.
+//! Small changes of a program's text that resemble typos.
 
 use std::ops::Range;
 

@@ -1,4 +1,4 @@
-//! All that can happen in a small world: breadth first over all inputs of single steps, each state once.
+//! The reachable states of a small world: breadth-first search over all inputs of single steps, each state once.
 
 use hypedc::ir::{Id, ModeId, Side, TagId};
 
@@ -9,28 +9,28 @@ use hypedc::sema::checked::{Action, By, DriveBy, Entity, Release, Term, TermKind
 use super::evaluate::touching;
 use super::model::{Fault, Keys, Oracle, State};
 
-/// A contact question: tag of one's own, tag of the other, side, and whether the other is named.
+/// A contact query: tag of the entity's own collider, tag of the other, side, and whether the other is named.
 type Question = (Option<TagId>, TagId, Option<Side>, bool);
 
-/// What of an entity's state is read at all.
+/// The parts of an entity's state that are read.
 struct Reads {
-    /// Of modes: the count above which their timers no longer matter; none if each count does.
+    /// For modes: the count above which their timers no longer matter; none if each count does.
     timers: Vec<(ModeId, Option<u32>)>,
     questions: Vec<Question>,
-    /// The buttons that are asked whether they went down or up.
+    /// The buttons with queries for presses or releases.
     presses: BTreeSet<u32>,
 }
 
-/// What came of it.
+/// The result of the search.
 pub struct Explored {
-    /// Of each goal, and then of each `never`, the shortest way that leads to it.
+    /// For each goal, and then for each `never`, the shortest path to it.
     pub ways: Vec<Option<Vec<Vec<Keys>>>>,
     /// Whether these are all states.
     pub is_closed: bool,
-    /// All states that are at most so many steps away are among them.
+    /// All states up to this number of steps are included.
     pub depth: usize,
     pub states: usize,
-    /// Whether a rule was broken on the way.
+    /// Whether a run-time fault occurred.
     pub faulted: bool,
 }
 
@@ -44,7 +44,7 @@ struct Node {
     depth: usize,
 }
 
-/// Explores a world until all that is asked for is found, or so many states.
+/// Explores a world until all targets are found, or up to a number of states.
 pub fn explore(oracle: &Oracle<'_>, most: usize) -> Explored {
     let questions = oracle.world.goals.len() + oracle.world.nevers.len();
     let mut search = Search {
@@ -91,7 +91,7 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Looks at a state: `never` first, then the bounds, then goals. Where a run goes on, it is kept if it is new.
+    /// Checks a state: `never` first, then the bounds, then goals. If the run continues, a new state is added.
     fn arrive(&mut self, state: State, parent: usize, input: usize, depth: usize) {
         let Ok((holding, is_over)) = self.look(&state) else {
             self.explored.faulted = true;
@@ -107,7 +107,7 @@ impl Search<'_> {
         }
     }
 
-    /// What of all that is asked for holds, and whether a run ends here.
+    /// The targets that hold, and whether a run ends here.
     fn look(&self, state: &State) -> Result<(Vec<usize>, bool), Fault> {
         let (world, mut holding) = (self.oracle.world, Vec::new());
         for (id, never) in world.nevers.pairs() {
@@ -138,7 +138,7 @@ impl Search<'_> {
     }
 }
 
-/// All that the players can do in a step: every button up or down, every axis at -1, 0 or 1.
+/// All inputs of a step: every button up or down, every axis at -1, 0 or 1.
 fn inputs(oracle: &Oracle<'_>) -> Vec<Vec<Keys>> {
     let mut all: Vec<Vec<Keys>> = vec![Vec::new()];
     for player in oracle.world.players.iter() {
@@ -168,7 +168,7 @@ fn inputs(oracle: &Oracle<'_>) -> Vec<Vec<Keys>> {
     all
 }
 
-/// What tells states apart.
+/// The key of a state.
 fn key(oracle: &Oracle<'_>, reads: &[Reads], state: &State) -> Vec<u64> {
     let mut key = Vec::new();
     for (player, held) in oracle.world.players.iter().zip(&state.held) {
@@ -208,7 +208,7 @@ fn key(oracle: &Oracle<'_>, reads: &[Reads], state: &State) -> Vec<u64> {
     key
 }
 
-/// What is read of the state of the instance in a slot.
+/// The part of the key for the instance in a slot.
 fn reads(oracle: &Oracle<'_>, slot: usize) -> Reads {
     let entity = oracle.entity(slot);
     let mut reads = Reads { timers: Vec::new(), questions: Vec::new(), presses: BTreeSet::new() };

@@ -1,4 +1,4 @@
-//! Collisions: every pair is looked at, tiles are rectangles of their own.
+//! Collisions: every pair is checked, tiles are separate rectangles.
 
 use hypedc::ir::{Push, Response, Side, TagId};
 
@@ -9,7 +9,7 @@ use hypedc::sema::checked::{CollideRule, Shape};
 use super::model::{Contact, Fault, Oracle, State};
 use super::step::Passing;
 
-/// How far inside something may have stood that counts as outside of it, px.
+/// Maximum previous overlap that counts as outside, px.
 const TOLERANCE: f64 = 0.001;
 
 /// A rectangle.
@@ -27,7 +27,7 @@ impl Area {
     }
 }
 
-/// Something that can be touched.
+/// A collider, tile or rectangle.
 #[derive(Debug, Clone)]
 struct Body {
     /// The instance; none for tiles and rectangles.
@@ -38,23 +38,23 @@ struct Body {
     area: Area,
     /// Centre and radius of a disc.
     disc: Option<(f64, f64, f64)>,
-    /// The way back to where it was as the flows of this step began.
+    /// The displacement back to its position at the beginning of the flows.
     back: (f64, f64),
-    /// The space of what does not move.
+    /// The space of static geometry.
     space: Option<usize>,
     /// The column and the row of a tile.
     tile: Option<(i64, i64)>,
 }
 
-/// A face of something that never moves.
+/// A face of static geometry.
 struct Face {
     at: f64,
-    /// Whether it looks towards larger coordinates.
+    /// Whether its normal points towards larger coordinates.
     looks_up: bool,
 }
 
 impl Face {
-    /// Whether something from `low` to `high` lies right outside of it.
+    /// Whether an interval from `low` to `high` is adjacent to it on the outside.
     fn is_outside(&self, low: f64, high: f64) -> bool {
         match self.looks_up {
             true => low <= self.at + TOLERANCE && high > self.at + TOLERANCE,
@@ -63,7 +63,7 @@ impl Face {
     }
 }
 
-/// Whether stretches cover all from `low` to `high`.
+/// Whether intervals cover all from `low` to `high`.
 fn covers(stretches: Vec<(f64, f64)>, low: f64, high: f64) -> bool {
     let (mut reach, mut is_met) = (low, false);
     loop {
@@ -83,18 +83,18 @@ fn covers(stretches: Vec<(f64, f64)>, low: f64, high: f64) -> bool {
     }
 }
 
-/// Two bodies that touch.
+/// A contact of two bodies.
 struct Meeting {
     one: usize,
     two: usize,
     response: Response,
     /// The side of the first one.
     side: Side,
-    /// The sides of the first one from which it is pushed, and how far.
+    /// The sides of the first one on which it is pushed, and the distances.
     pushes: Vec<(Side, f64)>,
     /// Whether the first one has left tags of the line, and the second one right ones.
     first_on_second: bool,
-    /// The other way round.
+    /// The same with the roles exchanged.
     second_on_first: bool,
 }
 
@@ -117,14 +117,14 @@ impl Oracle<'_> {
         Ok(())
     }
 
-    /// Moves what rides along with what carries it: who rides on nothing that rides, first.
+    /// Moves riders along with their carriers, starting from carriers that do not ride.
     fn carry(&self, start: &State, state: &mut State, passing: &Passing) {
         let of = |slot: usize| state.things[slot].as_ref().filter(|_| passing.acts(slot)).and_then(|t| t.carrier);
         let mut riders: Vec<(usize, usize)> =
             (0..state.things.len()).filter_map(|slot| Some((slot, of(slot)?))).collect();
         while !riders.is_empty() {
             let is_free = |(_, on): &(usize, usize)| riders.iter().all(|(rider, _)| rider != on);
-            // In a circle the lowest slot goes first.
+            // In a cycle the lowest slot goes first.
             let next = riders.iter().position(is_free).unwrap_or(0);
             let (slot, on) = riders.remove(next);
             let (Some(was), Some(is)) = (&start.things[on], &state.things[on]) else { continue };
@@ -139,7 +139,7 @@ impl Oracle<'_> {
         }
     }
 
-    /// All colliders that are there.
+    /// All active colliders.
     fn bodies(&self, start: &State, state: &State, passing: &Passing) -> Result<Vec<Body>, Fault> {
         let mut bodies = Vec::new();
         for (slot, thing) in state.things.iter().enumerate() {
@@ -190,7 +190,7 @@ impl Oracle<'_> {
         Ok(bodies)
     }
 
-    /// What does not move, of a space.
+    /// The static geometry of a space.
     fn still(&self, number: usize) -> Vec<Body> {
         let space = self.world.spaces.iter().nth(number).unwrap();
         let body = |tags: &[TagId], area: Area, tile| Body {
@@ -224,8 +224,8 @@ impl Oracle<'_> {
         bodies
     }
 
-    /// What a contact of two bodies does: the strongest of all lines that match; and whether the first one has left tags
-    /// of such a line and the second one right ones, and the other way round.
+    /// The response to a contact: the strongest of all matching lines; and whether the first body has left tags of such
+    /// a line and the second one right ones, and with the roles exchanged.
     fn response(&self, one: &Body, two: &Body) -> Option<(Response, bool, bool)> {
         let has = |body: &Body, tags: &[TagId]| tags.iter().any(|t| body.tags.contains(t));
         let matches = |line: &CollideRule| {
@@ -260,9 +260,9 @@ impl Oracle<'_> {
         let (one, two) = (&bodies[i], &bodies[j]);
         let (response, first_on_second, second_on_first) = self.response(one, two)?;
         let (a, b) = (one.area, two.area);
-        // How far the second one has come nearer to the first, as seen from the first.
+        // The approach of the second one in the frame of the first.
         let (back_x, back_y) = (one.back.0 - two.back.0, one.back.1 - two.back.1);
-        // How far the first one would have to go to each side.
+        // The distance that the first one would have to move to each side.
         let (to_left, to_right) = (a.right - b.left, b.right - a.left);
         let (to_below, to_above) = (a.top - b.bottom, b.top - a.bottom);
         let ways = [to_left, to_right, to_below, to_above];
@@ -292,7 +292,7 @@ impl Oracle<'_> {
         if response.push == Push::Sense && (one.disc.is_some() || two.disc.is_some()) && !shapes_meet(one, two) {
             return None;
         }
-        // On each axis it goes back to where it came from.
+        // On each axis it moves back in the direction that it came from.
         let from_left = to_left + back_x <= to_right - back_x;
         let from_below = to_below + back_y <= to_above - back_y;
         let level = if from_left { (Side::Right, to_left) } else { (Side::Left, to_right) };
@@ -309,7 +309,7 @@ impl Oracle<'_> {
         let least = if level.1 < upright.1 { level } else { upright };
         let mut is_level_covered = neighbour(if from_left { -1 } else { 1 }, 0);
         let mut is_upright_covered = neighbour(0, if from_below { -1 } else { 1 });
-        // Tiles among themselves are told by their neighbours alone; rectangles count up to a cell further.
+        // Faces between tiles depend only on neighbours; rectangles count up to a cell further.
         let size = two.space.and_then(|space| self.world.spaces.iter().nth(space)?.map.as_ref()).map(|map| map.tile);
         let is_near_rectangle = two.tile.zip(size).is_none_or(|((column, row), (width, height))| {
             let is_near = |at: i64, low: f64, high: f64, size: f64| {
@@ -321,7 +321,7 @@ impl Oracle<'_> {
             })
         });
         if two.slot.is_none() && is_near_rectangle && !(is_level_covered && is_upright_covered) {
-            // The part of a face that lies beside the first one, and whether it looks towards larger coordinates.
+            // The part of a face beside the first one, and the direction of its normal.
             let x = Face { at: if from_left { b.left } else { b.right }, looks_up: !from_left };
             let y = Face { at: if from_below { b.bottom } else { b.top }, looks_up: !from_below };
             let (bottom, top) = (a.bottom.max(b.bottom), a.top.min(b.top));
@@ -338,7 +338,7 @@ impl Oracle<'_> {
                 let outside = areas.iter().filter(|o| y.is_outside(o.bottom, o.top));
                 covers(outside.map(|o| (o.left, o.right)).collect(), left, right)
             };
-            // Only the face on the least way is asked about, and the other one if that is covered.
+            // Only the face of the shortest push is checked, or the opposite one if that is covered.
             (is_level_covered, is_upright_covered) = if least == level {
                 match is_level_covered || level_by_others() {
                     true => (true, is_upright_covered || upright_by_others()),
@@ -368,7 +368,7 @@ impl Oracle<'_> {
         Some(meeting)
     }
 
-    /// Lets instances know what they touch.
+    /// Records the contacts of instances.
     fn note(&self, state: &mut State, bodies: &[Body], meetings: &[Meeting]) {
         for thing in state.things.iter_mut().flatten() {
             thing.contacts.clear();
@@ -397,11 +397,11 @@ impl Oracle<'_> {
         }
     }
 
-    /// Pushes out what blocks.
+    /// Resolves blocking contacts.
     fn push(&self, state: &mut State, bodies: &[Body], meetings: &[Meeting]) {
         let start = state.clone();
         for (slot, thing) in state.things.iter_mut().enumerate().filter_map(|(slot, t)| Some((slot, t.as_mut()?))) {
-            // All that pushes it: from which of its sides, how far, and whether that stops it.
+            // All pushes: the side, the distance, and whether the push stops the body.
             let mut pushes: Vec<(Side, f64, bool)> = Vec::new();
             for meeting in meetings.iter().filter(|m| m.response.push != Push::Sense) {
                 let (one, two) = (&bodies[meeting.one], &bodies[meeting.two]);

@@ -1,4 +1,4 @@
-//! The simulator's states held against those of the interpreter, to the bit.
+//! Comparison of the simulator's states with those of the reference interpreter, to the bit.
 
 use hypedc::ir::{Id, Program, SlotId, WorldId};
 use hypedc::sema::checked::Checked;
@@ -10,7 +10,7 @@ use std::sync::Arc;
 use super::evaluate::touching;
 use super::model::{Fault, Keys, Oracle, State};
 
-/// What the input of a player is to the simulator.
+/// Converts the input of a player for the simulator.
 pub fn input(keys: &[Keys]) -> Input {
     let one = |keys: &Keys| PlayerInput { buttons: keys.held.iter().map(|b| 1u64 << b).sum(), axes: keys.axes };
     Input(keys.iter().map(one).collect())
@@ -26,7 +26,7 @@ fn kind(fault: FaultKind) -> Fault {
     }
 }
 
-/// Inputs in few words.
+/// A compact text of inputs.
 fn written(keys: &[Keys]) -> String {
     let one = |keys: &Keys| format!("{:?}{:?}", keys.held, &keys.axes[..2]);
     keys.iter().map(one).collect::<Vec<_>>().join(" ").replace(' ', "")
@@ -40,11 +40,11 @@ pub struct Run {
     pub difference: Option<String>,
     /// The steps that both have done.
     pub steps: usize,
-    /// Whether both came to a broken rule.
+    /// Whether both had a run-time fault.
     pub faulted: bool,
 }
 
-/// Runs both with random inputs until they differ, break a rule or have done so many steps.
+/// Runs both with random inputs until they differ, fault, or reach a number of steps.
 pub fn run(program: &Arc<Program>, checked: &Checked, world: WorldId, steps: usize, rng: &mut impl Rng) -> Run {
     let oracle = Oracle::new(checked, world);
     let sim = Simulator::new(program, world);
@@ -100,7 +100,7 @@ pub fn run(program: &Arc<Program>, checked: &Checked, world: WorldId, steps: usi
     }
 }
 
-/// What the two states differ in.
+/// The differences between two states.
 pub fn differences(sim: &Simulator, state: &[u8], ours: &State) -> Vec<String> {
     let (program, world) = (sim.program(), sim.world());
     let mut all = Vec::new();
@@ -146,7 +146,7 @@ pub fn differences(sim: &Simulator, state: &[u8], ours: &State) -> Vec<String> {
             differs(name, layout.timer(state, id).to_string(), ours.to_string());
         }
         for (id, touch) in entity.touches.pairs() {
-            // Where no tag of one's own is asked for, all are meant.
+            // Without a tag of the entity's own collider, all of them match.
             let mine: Vec<_> = touch.mine.iter().collect();
             let mine = if let [only] = mine.as_slice() { Some(*only) } else { None };
             let answers = || touching(thing, mine, touch.other, touch.side);
@@ -164,7 +164,7 @@ pub fn differences(sim: &Simulator, state: &[u8], ours: &State) -> Vec<String> {
     all
 }
 
-/// The questions of a world that get different answers.
+/// The predicates of a world that differ.
 fn questions(sim: &Simulator, state: &[u8], oracle: &Oracle<'_>, ours: &State) -> Vec<String> {
     let mut all = Vec::new();
     let mut differs = |name: &str, theirs: String, ours: String| {

@@ -8,7 +8,7 @@ use hypedc::sema::checked::{Term, TermKind};
 
 use super::model::{Contact, Fault, Keys, Oracle, State, Thing};
 
-/// What code reads.
+/// The context of an evaluation.
 #[derive(Clone, Copy)]
 pub struct Code<'a> {
     pub oracle: &'a Oracle<'a>,
@@ -25,7 +25,7 @@ impl<'a> Code<'a> {
         self.state.things[self.me?].as_ref()
     }
 
-    /// The slot that a subject stands for, if there is something.
+    /// The slot of a subject, if it exists.
     pub fn slot(&self, of: Subject) -> Option<usize> {
         let slot = match of {
             Subject::Me => self.me?,
@@ -41,7 +41,7 @@ impl<'a> Code<'a> {
         self.state.things[slot].as_ref().ok_or(Fault::ReadNone)
     }
 
-    /// The first instance, by its slot, that answers a contact question whose answer is named.
+    /// The first instance, by its slot, that answers a contact query with a named result.
     pub fn touched(&self, id: TouchId) -> Option<usize> {
         let question = &self.oracle.entity(self.me?).bound[id];
         touching(self.my()?, question.mine, question.other, question.side).filter_map(|c| c.who).min()
@@ -152,7 +152,7 @@ impl<'a> Code<'a> {
     }
 }
 
-/// The contacts that answer a question.
+/// The contacts that match a query.
 pub fn touching(
     thing: &Thing,
     mine: Option<TagId>,

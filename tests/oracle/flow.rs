@@ -1,4 +1,4 @@
-//! Flows and envelopes: how variables change by themselves.
+//! Flows and envelopes: continuous changes of variables.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,7 @@ use super::model::{Fault, Oracle, State};
 use super::step::{Frame, Passing};
 
 impl Oracle<'_> {
-    /// Lets everything flow that does not come or go in this step.
+    /// Applies the flows of all instances that are not spawned or destroyed in this step.
     pub fn flows(&self, start: &State, state: &mut State, frames: &[Frame], passing: &Passing) -> Result<(), Fault> {
         for slot in 0..start.things.len() {
             if start.things[slot].is_none() || !passing.acts(slot) {
@@ -23,7 +23,7 @@ impl Oracle<'_> {
         Ok(())
     }
 
-    /// Lets the variables of one instance flow.
+    /// Applies the flows of one instance.
     fn flow(
         &self,
         start: &State,
@@ -36,7 +36,7 @@ impl Oracle<'_> {
         let was = start.things[slot].as_ref().unwrap();
         let joint = passing.joint.get(&slot).map(|j| (&j.0, &j.1));
         let code = Code { joint, ..self.played(start, slot, frames) };
-        // From the outermost level to the innermost: what comes later replaces what was before.
+        // From the outermost level to the innermost: inner flows replace outer ones.
         let mut drives: BTreeMap<VarId, &Drive> = entity.drives.iter().map(|d| (d.var, d)).collect();
         for mode in was.modes.iter().flatten() {
             drives.extend(entity.modes[*mode].drives.iter().map(|d| (d.var, d)));
@@ -101,7 +101,7 @@ impl Oracle<'_> {
             if ![x, v, a].iter().all(|n| n.is_finite()) {
                 return Err(Fault::Diverged);
             }
-            // There is one zero.
+            // Zero has no sign.
             state.things[slot].as_mut().unwrap().vars[var.index()] = [x + 0.0, v + 0.0, a + 0.0];
         }
         state.things[slot].as_mut().unwrap().peaks = peaks;
@@ -122,7 +122,7 @@ impl Oracle<'_> {
         let optional = |term: &Option<Term>| term.as_ref().map(|t| code.value(t)).transpose();
         let sustain = code.value(&e.sustain)?;
         if let By::Clock(mode) = e.by {
-            // What it is as the step ends.
+            // Its value at the end of the step.
             let t = self.seconds(f64::from(thing.timers[&mode] + 1));
             let time = |rate: &Rate, way: f64| match rate {
                 Rate::Instant => Ok(0.0),
@@ -251,7 +251,7 @@ fn length(of: &[f64]) -> f64 {
     }
 }
 
-/// Goes from a point towards another one, by so much a second at most.
+/// Moves a point towards another one at a maximum rate per second.
 fn approach(from: &[f64], to: &[f64], rate: Option<f64>, dt: f64) -> Vec<f64> {
     let Some(rate) = rate else { return to.to_vec() };
     let most = rate * dt;

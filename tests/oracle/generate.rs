@@ -6,7 +6,7 @@ use std::fmt::Write;
 
 use crate::support::draw::Draw;
 
-/// Who an entity is.
+/// The role of an entity.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Role {
     Hero,
@@ -38,7 +38,7 @@ struct Generator<'c> {
     has_shot: bool,
     has_button: bool,
     has_axis: bool,
-    /// The group that is written.
+    /// The current group.
     group: usize,
     in_mode: bool,
 }
@@ -132,7 +132,7 @@ impl Generator<'_> {
         modes[self.draw.pick(modes.len())].clone()
     }
 
-    /// What the one that is written can touch.
+    /// A tag that the current entity can touch.
     fn other(&mut self) -> &'static str {
         let mut all = vec!["wall", "coin", "cloud"];
         let roles = [(Role::Hero, true), (Role::Foe, self.has_foe), (Role::Shot, self.has_shot)];
@@ -499,7 +499,7 @@ impl Generator<'_> {
         self.line("        \"");
     }
 
-    /// What is asked of the world.
+    /// The goals and nevers of the world.
     fn predicate(&mut self, has_foe: bool, has_cellar: bool) -> String {
         let who = if has_foe && self.draw.chance(30) { "foe" } else { "hero" };
         let role = if who == "foe" { Role::Foe } else { Role::Hero };

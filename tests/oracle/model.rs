@@ -1,4 +1,4 @@
-//! What a world is between two steps, as plain as it can be said.
+//! The state of a world between two steps, in its simplest form.
 use hypedc::ir::{Id, SlotId};
 
 use hypedc::ir::{EntityId, ModeId, Side, TagId, WorldId};
@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use hypedc::sema::checked::{Checked, Entity, World};
 
-/// A broken rule.
+/// A run-time fault.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fault {
     NotFinite,
@@ -17,7 +17,7 @@ pub enum Fault {
     ReadNone,
 }
 
-/// What one player gives at one step.
+/// The input of one player in a step.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Keys {
     /// The buttons that are down.
@@ -26,14 +26,14 @@ pub struct Keys {
     pub axes: [f64; 4],
 }
 
-/// Something that one of an instance's colliders touches.
+/// A contact of one of an instance's colliders.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Contact {
-    /// The tags of one's own collider.
+    /// The tags of the instance's own collider.
     pub mine: BTreeSet<TagId>,
-    /// The tags of what is touched.
+    /// The tags of the other side.
     pub other: BTreeSet<TagId>,
-    /// The side of one's own collider.
+    /// The side of the instance's own collider.
     pub side: Side,
     /// The instance that is touched; none for a tile or a rectangle.
     pub who: Option<usize>,
@@ -56,7 +56,7 @@ pub struct Thing {
     /// The envelopes that have reached their peak, and in which direction.
     pub peaks: BTreeMap<u32, [i64; 2]>,
     pub contacts: BTreeSet<Contact>,
-    /// The slot of what carries it.
+    /// The slot of its carrier.
     pub carrier: Option<usize>,
 }
 
@@ -73,7 +73,7 @@ impl Thing {
 /// A world between two steps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State {
-    /// Of each slot the instance that lives there.
+    /// The live instance of each slot.
     pub things: Vec<Option<Thing>>,
     /// Of each player the buttons that were down in the last step.
     pub held: Vec<BTreeSet<u32>>,
@@ -103,7 +103,7 @@ impl<'p> Oracle<'p> {
         self.seconds(1.0)
     }
 
-    /// So many steps in seconds.
+    /// A number of steps in seconds.
     pub fn seconds(&self, steps: f64) -> f64 {
         steps * self.world.step.0 as f64 / self.world.step.1 as f64
     }

@@ -1,5 +1,4 @@
-//! One step: inputs, edges with all that they bring about, then flows and collisions (in files of their own), and what
-//! is looked at in the end.
+//! One step: inputs, edges and their effects, then flows and collisions (in separate files), and the checks at the end.
 
 use hypedc::ir::{DiscreteId, EdgeId, EntityId, GroupId, Id, ModeId, Origin, Place, RefId, SlotId, Subject};
 
@@ -10,10 +9,10 @@ use hypedc::sema::checked::{Action, Given, Link, Spawn, Term, Update};
 use super::evaluate::Code;
 use super::model::{Fault, Keys, Oracle, State, Thing};
 
-/// What a player gives, and the buttons that were down before.
+/// The input of a player, and the buttons that were down before.
 pub type Frame = (Keys, BTreeSet<u32>);
 
-/// What a step leaves beside the state while it runs.
+/// The transient data of a step.
 #[derive(Default)]
 pub struct Passing {
     /// What was destroyed in this step.
@@ -33,7 +32,7 @@ impl Passing {
     }
 }
 
-/// Something to be spawned.
+/// A pending spawn.
 struct Birth<'a> {
     by: usize,
     spawn: &'a Spawn,
@@ -41,11 +40,11 @@ struct Birth<'a> {
     into: Option<RefId>,
 }
 
-/// What the edges of an instance do.
+/// The effects of an instance's edges.
 #[derive(Default)]
 struct Doing<'p> {
     actions: Vec<&'p Action>,
-    /// Of each group whose modes change, the active modes from now on.
+    /// The new active modes of each group that changes.
     modes: BTreeMap<usize, Vec<ModeId>>,
     entered: BTreeSet<ModeId>,
     left: BTreeSet<ModeId>,
@@ -94,7 +93,7 @@ impl<'p> Oracle<'p> {
         Ok(())
     }
 
-    /// The mode that comes first among some, and those that come first inside of it.
+    /// The initial mode of siblings, and the initial modes inside it.
     fn initial_modes(&self, state: &State, slot: usize, of: &[ModeId]) -> Result<Vec<ModeId>, Fault> {
         let Some(&written_first) = of.first() else { return Ok(Vec::new()) };
         let modes = &self.entity(slot).modes;
@@ -117,7 +116,7 @@ impl<'p> Oracle<'p> {
         Code { oracle: self, state, me: Some(slot), keys: None, joint: None }
     }
 
-    /// Code of an instance, with what its player gives.
+    /// Code of an instance, with the input of its player.
     pub fn played<'a>(&'a self, state: &'a State, slot: usize, frames: &'a [Frame]) -> Code<'a> {
         let keys = self.player(slot).map(|player| (&frames[player].0, &frames[player].1));
         Code { keys, ..self.code(state, slot) }
@@ -180,7 +179,7 @@ impl<'p> Oracle<'p> {
         Ok(())
     }
 
-    /// What all groups of an instance decide.
+    /// The decisions of all groups of an instance.
     fn decide(&self, before: &State, slot: usize, frames: &[Frame]) -> Result<Doing<'p>, Fault> {
         let entity = self.entity(slot);
         let thing = before.things[slot].as_ref().unwrap();
@@ -270,7 +269,7 @@ impl<'p> Oracle<'p> {
         Ok(None)
     }
 
-    /// Writes what actions change of an instance, and notes what they spawn and destroy.
+    /// Applies the actions of an instance, and records spawns and destroys.
     #[allow(clippy::too_many_arguments, reason = "all of a step")]
     fn act<'a>(
         &self,
@@ -284,7 +283,7 @@ impl<'p> Oracle<'p> {
     ) -> Result<(), Fault> {
         let joint = passing.joint.get(&slot).cloned();
         let code = Code { joint: joint.as_ref().map(|j| (&j.0, &j.1)), ..self.played(before, slot, frames) };
-        // Of what sets a reference the last one wins.
+        // The last assignment of a reference wins.
         let forget = |spawns: &mut Vec<Birth<'_>>, id: RefId| {
             for birth in spawns.iter_mut().filter(|birth| (birth.by, birth.into) == (slot, Some(id))) {
                 birth.into = None;
@@ -361,7 +360,7 @@ impl<'p> Oracle<'p> {
             contacts: BTreeSet::new(),
             carrier: None,
         };
-        // What it reads of its own parameters, it reads as itself.
+        // It reads its own parameters from itself.
         let mut made = before.clone();
         let mut own = |thing: &Thing, term: &Term| {
             made.things[slot] = Some(thing.clone());
@@ -407,7 +406,7 @@ impl<'p> Oracle<'p> {
         Code { oracle: self, state, me: None, keys: None, joint: None }.holds(term)
     }
 
-    /// Whether every player is where its space says that a run goes on: with `bounds`, not below and not beside them.
+    /// Whether every player is inside its space's bounds: with `bounds`, neither below nor beside them.
     pub fn in_bounds(&self, state: &State) -> bool {
         self.world.players.iter().all(|player| {
             let Some(thing) = &state.things[player.slot.index()] else { return true };

@@ -1,4 +1,4 @@
-//! What is said of the goals of a tiny world, held against all that can happen in it.
+//! Checks the verdicts on the goals of a tiny world against its reachable states.
 
 use hypedc::analysis::configuration_space;
 use hypedc::compile::IdeCompilation;
@@ -12,7 +12,7 @@ use super::brute::{Explored, explore};
 use super::compare::input;
 use super::model::{Keys, Oracle};
 
-/// Who gives verdicts.
+/// A source of verdicts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Judge {
     /// The configuration space, which rules goals out.
@@ -21,36 +21,36 @@ pub enum Judge {
     Exhaustion,
 }
 
-/// What was seen of many worlds.
+/// Statistics of many worlds.
 #[derive(Debug, Default, Clone)]
 pub struct Tally {
     /// Programs that compile.
     pub worlds: usize,
-    /// Those all of whose states were seen.
+    /// Worlds whose states were enumerated completely.
     pub closed: usize,
-    /// Those in which a rule can be broken.
+    /// Worlds with a possible run-time fault.
     pub faulty: usize,
     pub states: usize,
     pub goals: usize,
     pub reachable: usize,
     /// Reachable goals that do not hold at the start.
     pub later: usize,
-    /// Those whose shortest way is known.
+    /// Reachable goals with a known shortest path.
     pub shortest: usize,
-    /// Goals of closed worlds that nothing leads to.
+    /// Unreachable goals of completely enumerated worlds.
     pub unreachable: usize,
-    /// Those of them that the judge has ruled out.
+    /// Unreachable goals that the source of verdicts rules out.
     pub proven: usize,
 }
 
-/// A way as `hypedc sim --inputs` reads it.
+/// A path as `hypedc sim --inputs` reads it.
 pub fn written(program: &Program, world: WorldId, way: &[Vec<Keys>]) -> String {
     let mut script = Script::default();
     way.iter().for_each(|keys| script.push(&input(keys), 1));
     script.text(program, world)
 }
 
-/// Judges a world; the first verdict that is false is an error.
+/// Checks a world; the first false verdict is an error.
 pub fn check(study: &IdeCompilation, judge: Judge, most: usize, tally: &mut Tally) -> Result<(), String> {
     let program = study.compilation.program.as_ref().unwrap();
     let world = WorldId(0);
@@ -71,7 +71,7 @@ pub fn check(study: &IdeCompilation, judge: Judge, most: usize, tally: &mut Tall
     }
 }
 
-/// All that is asked of a world: what it is called, and as what the planner knows it.
+/// All targets of a world: the name, and the planner's target.
 fn questions(program: &Program, world: WorldId) -> Vec<(String, Target)> {
     let world = &program.worlds[world];
     let goals = world.goals.pairs().map(|(id, goal)| (goal.name.clone(), Target::Goal(id)));
@@ -105,7 +105,7 @@ fn exhausted(
     tally: &mut Tally,
 ) -> Result<(), String> {
     let sim = Simulator::new(program, world);
-    // Coordinates are all that the planner takes from it.
+    // The planner only uses its coordinates.
     let space = configuration_space(program, world);
     let settings = Settings { planner: Planner::Exhaustive, hold: Some((1, 1)), ..Settings::default() };
     let limits = Limits { nodes: 4 * most as u64, ..Limits::default() };

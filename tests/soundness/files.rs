@@ -33,7 +33,7 @@ const FILES: [(&str, &str); 5] = [
     { "__identifier": "Things", "__type": "Entities", "__cWid": 3, "__cHei": 2, "__gridSize": 16, "entityInstances": [
       { "__identifier": "Mob", "px": [40, 16], "__pivot": [0.5, 1], "width": 16, "height": 16 }
     ] },
-    { "__identifier": "SearchContext", "__type": "IntGrid", "layerDefUid": 7, "__cWid": 3, "__cHei": 2, "__gridSize": 16,
+    { "__identifier": "Ground", "__type": "IntGrid", "layerDefUid": 7, "__cWid": 3, "__cHei": 2, "__gridSize": 16,
       "intGridCsv": [0,0,0, 1,1,1] }
   ] }] }"#,
     ),

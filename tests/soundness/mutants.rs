@@ -1,4 +1,4 @@
-//! Worlds whose verdicts hang by a thread, with a few small changes each.
+//! Worlds whose verdicts depend on details, with a few small mutations each.
 
 use std::path::Path;
 
@@ -32,7 +32,7 @@ const KINDS: &[Kind] = &[
     Kind::Derivative,
 ];
 
-/// One of the originals, changed.
+/// A mutated original.
 pub fn changed(originals: &[String], rng: &mut Pcg64) -> String {
     let mut text = originals.choose(rng).unwrap().clone();
     for _ in 0..rng.random_range(1..6) {

@@ -1,10 +1,10 @@
-//! Gives a world up that takes long to look at: thousands of others are looked at in that time.
+//! A limit on the analysis of a world: worlds that take long are skipped in favour of others.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use hypedc::watch::Watch;
 
-/// Stops an analysis after so many looks at combinations of modes.
+/// Stops an analysis after a number of polls.
 pub struct PollLimit(AtomicU32);
 
 impl PollLimit {

@@ -1,4 +1,4 @@
-//! Runs of a world, held against what is claimed of it: at random, and all that there are of a tiny world.
+//! Runs of a world, checked against claims about it: random ones, and all runs of a tiny world.
 
 use std::collections::HashSet;
 
@@ -18,7 +18,7 @@ pub struct Refuted {
     pub inputs: String,
 }
 
-/// What came of some runs.
+/// The result of some runs.
 #[derive(Debug, Default)]
 pub struct Runs {
     pub refuted: Option<Refuted>,
@@ -109,7 +109,7 @@ pub fn run(sim: &Simulator, claims: &Claims, steps: usize, seed: u64, runs: &mut
     }
 }
 
-/// More inputs than that, of all players together, are not tried one by one.
+/// Maximum number of combined inputs that are enumerated.
 const MAX_INPUTS: usize = 36;
 
 /// All inputs that the players of a world can give, axes at their ends or in the middle; none if there are too many.
@@ -148,7 +148,7 @@ const MAX_STEPS: usize = 2_500;
 pub fn exhaust(sim: &Simulator, claims: &Claims, most: usize, hold: u32, runs: &mut Runs) {
     let mut scratch = sim.scratch();
     let (Some(inputs), Ok(start)) = (all_inputs(sim), sim.initial(&mut scratch)) else { return };
-    // One way only is a run.
+    // With a single input there is only one run.
     if inputs.len() < 2 {
         return;
     }

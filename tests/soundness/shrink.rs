@@ -1,5 +1,5 @@
-//! Cuts a failing program down by its text: lines and blocks go, parts of lines go, expressions become numbers, as long
-//! as it compiles and still fails.
+//! Shrinks a failing program by its text: removes lines and blocks, removes parts of lines, replaces expressions by
+//! numbers, while it compiles and still fails.
 
 /// The shortest text that it finds for which `fails` holds.
 pub fn shrunk(text: &str, fails: &mut dyn FnMut(&str) -> bool) -> String {

@@ -1,12 +1,12 @@
-//! Situations that games are made of, with random numbers: a lift and who rides on it, a door that comes back, a jump that
-//! is cut short under a ledge. In a random world too much happens at once for any of them to come about by itself.
+//! Typical situations in games, with random numbers: a lift and its rider, a door that closes again, a jump that ends
+//! under a ledge. In a random world they rarely occur.
 
 use super::arena::STEPS;
 use super::frame::number;
 use super::generate::{Generator, NAMES, Palette, Plan};
 use crate::support::draw::Draw;
 
-/// What a world is about.
+/// The subject of a world.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Situation {
     /// Who touches something is put elsewhere, and moves on as if it still touched it.
@@ -80,7 +80,7 @@ impl Situation {
 const SIZES: [f64; 6] = [16.0, 16.0, 8.0, 24.0, 12.0, 30.0];
 const TIMES: [&str; 6] = ["0.5", "0.2", "1", "3frames", "1frames", "0.1"];
 
-/// What stands in a world of a situation.
+/// The contents of a world of a situation.
 struct Stage {
     /// Inside of its walls, px.
     width: f64,

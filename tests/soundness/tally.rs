@@ -1,4 +1,4 @@
-//! What the worlds of the suite exercise: rules of the grammar in their texts, and what really happens when they run.
+//! Coverage of the suite: rules of the grammar in the texts, and events in the runs.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -105,7 +105,7 @@ impl Tally {
             .collect()
     }
 
-    /// Notes what happens in a step.
+    /// Records the events of a step.
     pub fn watch(&self, sim: &Simulator, before: &[u8], input: &Input, after: &[u8], scratch: &Scratch) {
         let (program, world) = (sim.program(), sim.world());
         if sim.refused(scratch).is_some() {
@@ -155,7 +155,7 @@ impl Tally {
         self.watch_contacts(sim, after, input);
     }
 
-    /// Notes why a run stops.
+    /// Records the reason why a run stops.
     pub fn stopped(&self, fault: &Fault) {
         self.note(match fault.kind {
             FaultKind::NotFinite(..) | FaultKind::Diverged(..) => "stops: not finite",

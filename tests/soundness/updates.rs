@@ -1,4 +1,4 @@
-//! What edges, entries and links do in random worlds: updates, spawning, destroying.
+//! Actions of edges, entries and links in random worlds: updates, spawns, destroys.
 
 use super::generate::{Dim, Generator, NAMES};
 

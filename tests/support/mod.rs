@@ -1,4 +1,4 @@
-//! What the tests share: files from the disk, and compiling programs that must be right.
+//! Shared helpers of the tests: files from the disk, and compiling programs that must be valid.
 
 #![allow(dead_code, reason = "not every test binary uses all of it")]
 
@@ -52,7 +52,7 @@ pub fn program(compilation: Compilation) -> Arc<Program> {
     program.unwrap_or_else(|| panic!("{}", render::human(&sources, diagnostics.iter(), false)))
 }
 
-/// Changes all that the players do.
+/// Changes all inputs.
 pub fn stir(input: &mut Input, rng: &mut impl Rng) {
     for player in &mut input.0 {
         player.buttons = rng.random();

@@ -108,17 +108,17 @@ fn arrows_between_modules_run_one_way() {
         }
     }
     for (module, _) in DEPENDENCIES {
-        assert!(seen.iter().any(|s| s == module), "{module} is drawn, but is not there");
+        assert!(seen.iter().any(|s| s == module), "{module} is listed, but missing");
     }
 }
 
 #[test]
-fn rooms_of_a_module_have_arrows_of_their_own() {
-    for (room, forbidden) in FOLDER_RULES {
-        let of = |inside: &str| inside.strip_prefix(room).is_some_and(|rest| rest.starts_with(['/', '.']));
+fn folders_of_a_module_have_separate_dependencies() {
+    for (folder, forbidden) in FOLDER_RULES {
+        let of = |inside: &str| inside.strip_prefix(folder).is_some_and(|rest| rest.starts_with(['/', '.']));
         let inside = |path: &Path| path.strip_prefix("src").unwrap().to_str().unwrap().replace('\\', "/");
         let files: Vec<_> = files("src", "rs").into_iter().filter(|path| of(&inside(path))).collect();
-        assert!(!files.is_empty(), "{room} is not there");
+        assert!(!files.is_empty(), "{folder} is missing");
         for path in files {
             let text = std::fs::read_to_string(&path).unwrap();
             let used = forbidden.iter().find(|used| text.contains(&format!("crate::{used}::")));

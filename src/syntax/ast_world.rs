@@ -111,7 +111,7 @@ pub struct Tile {
     pub symbol_span: Span,
     /// Its tags; `empty` stands for none.
     pub tags: Vec<Name>,
-    /// What is there at first.
+    /// The instance that it spawns.
     pub spawn: Option<TileSpawn>,
 }
 
@@ -242,7 +242,7 @@ pub struct Kind {
     pub name: Name,
     /// Its tags; `empty` stands for none.
     pub tags: Vec<Name>,
-    /// What is there at first.
+    /// The instance that it spawns.
     pub spawn: Option<TileSpawn>,
 }
 

@@ -9,7 +9,7 @@ use crate::source::{FileId, Span};
 
 use crate::lsp::location::Edit;
 use crate::lsp::snapshot::Snapshot;
-use crate::lsp::text::alignment::runs;
+use crate::lsp::text::alignment::hunks;
 use crate::lsp::text::document_text::Text;
 use crate::lsp::view::View;
 
@@ -36,11 +36,11 @@ pub(in crate::lsp) struct CodeAction<'v> {
 pub(in crate::lsp) fn code_actions<'v>(view: &'v View, path: &Path, bytes: &Range<usize>) -> Vec<CodeAction<'v>> {
     let mut actions: Vec<CodeAction<'v>> = Vec::new();
     let mut all: Option<CodeAction<'v>> = None;
-    let programs = view.programs(path).filter_map(|known| Some((known, known.now.file(path)?)));
-    for (index, (known, file)) in programs.enumerate() {
-        let (snapshot, more) = (&*known.now, known.findings.as_ref());
+    let programs = view.programs_with(path).filter_map(|state| Some((state, state.current.file(path)?)));
+    for (index, (state, file)) in programs.enumerate() {
+        let (snapshot, more) = (&*state.current, state.findings.as_ref());
         let here = view.byte_in(snapshot, file, bytes.start)..view.byte_in(snapshot, file, bytes.end);
-        for (finding, fix) in mendable(snapshot, more, file, here) {
+        for (finding, fix) in fixable(snapshot, more, file, here) {
             actions.push(CodeAction {
                 title: &fix.title,
                 kind: ActionKind::Fix,
@@ -49,13 +49,13 @@ pub(in crate::lsp) fn code_actions<'v>(view: &'v View, path: &Path, bytes: &Rang
             });
         }
         if index == 0 {
-            let own = mendable(snapshot, more, file, 0..usize::MAX).map(|(_, fix)| fix);
+            let own = fixable(snapshot, more, file, 0..usize::MAX).map(|(_, fix)| fix);
             let own: Vec<&Fix> = own.filter(|fix| fix.edits.iter().all(|(span, _)| span.file() == file)).collect();
             all = (!own.is_empty()).then(|| CodeAction {
                 title: "mend all that is certain",
                 kind: ActionKind::FixAll,
                 finding: None,
-                edits: edits_of(snapshot, apart(&own)),
+                edits: edits_of(snapshot, without_overlaps(&own)),
             });
         }
     }
@@ -64,7 +64,7 @@ pub(in crate::lsp) fn code_actions<'v>(view: &'v View, path: &Path, bytes: &Rang
 }
 
 /// The findings of a file that have a fix and touch some bytes of it, with their fixes.
-fn mendable<'v>(
+fn fixable<'v>(
     snapshot: &'v Snapshot,
     more: Option<&'v Diagnostics>,
     file: FileId,
@@ -86,7 +86,7 @@ fn edits_of<'f>(snapshot: &Snapshot, edits: impl IntoIterator<Item = &'f (Span, 
 }
 
 /// The edits of several fixes; a fix that overlaps one before it is left for the next time.
-fn apart<'f>(fixes: &[&'f Fix]) -> Vec<&'f (Span, String)> {
+fn without_overlaps<'f>(fixes: &[&'f Fix]) -> Vec<&'f (Span, String)> {
     let mut out: Vec<&(Span, String)> = Vec::new();
     for fix in fixes {
         let overlaps = fix.edits.iter().any(|(a, _)| {
@@ -128,7 +128,7 @@ fn edits(text: &Text, new: &str, lines: Option<&RangeInclusive<u32>>) -> Vec<(Ra
     for line in &old {
         starts.push(starts.last().copied().unwrap_or(0) + line.len());
     }
-    for (from, put) in runs(&old, &new) {
+    for (from, put) in hunks(&old, &new) {
         let touched = from.start as u32..=(from.end.max(from.start + 1) - 1) as u32;
         if lines.is_some_and(|l| touched.start() > l.end() || l.start() > touched.end()) {
             continue;

@@ -48,7 +48,9 @@ pub(in crate::lsp) fn prepare_calls(view: &View, at: &FileOffset) -> Vec<CallIte
         let snapshot = position.snapshot;
         for o in position.names.iter().filter(|o| o.kind == NameKind::Mode) {
             for (_, entity) in owners(&snapshot.ide.checked, snapshot, o, snapshot.name(o)) {
-                let Some(mode) = entity.modes.find(|m| traced(snapshot, m.name.span) == o.declared) else { continue };
+                let Some(mode) = entity.modes.find(|m| source_span(snapshot, m.name.span) == o.declared) else {
+                    continue;
+                };
                 let item = item(snapshot, entity, mode);
                 if !out.iter().any(|known| known.name == item.name) {
                     out.push(item);
@@ -85,7 +87,7 @@ pub(in crate::lsp) fn outgoing_calls(view: &View, name: &ModeName) -> Option<Vec
 
 fn item(snapshot: &Snapshot, entity: &Entity, mode: ModeId) -> CallItem {
     let mode = &entity.modes[mode];
-    let (name, whole) = (traced(snapshot, mode.name.span), traced(snapshot, mode.span));
+    let (name, whole) = (source_span(snapshot, mode.name.span), source_span(snapshot, mode.span));
     let whole = if whole.contains(name) { whole } else { name };
     let (root, path) = (snapshot.root.clone(), mode.path.join("."));
     CallItem {
@@ -97,7 +99,7 @@ fn item(snapshot: &Snapshot, entity: &Entity, mode: ModeId) -> CallItem {
 
 /// The mode that has a name now, if there is one.
 fn mode_of<'v>(view: &'v View, name: &ModeName) -> Option<(&'v Snapshot, &'v Entity, ModeId)> {
-    let snapshot = &*view.known.get(&name.root)?.now;
+    let snapshot = &*view.programs.get(&name.root)?.current;
     let entity = snapshot.ide.checked.entities.iter().find(|e| e.name.text == name.entity)?;
     let mode = entity.modes.find(|m| m.path.join(".") == name.mode)?;
     Some((snapshot, entity, mode))
@@ -106,10 +108,10 @@ fn mode_of<'v>(view: &'v View, name: &ModeName) -> Option<(&'v Snapshot, &'v Ent
 /// The edges from a mode to another.
 fn edges(snapshot: &Snapshot, entity: &Entity, source: ModeId, target: ModeId) -> Vec<Location> {
     let edges = entity.edges.iter().filter(|e| e.source == source && e.target == Some(target));
-    edges.map(|e| snapshot.location(traced(snapshot, e.span))).collect()
+    edges.map(|e| snapshot.location(source_span(snapshot, e.span))).collect()
 }
 
 /// Where something is in the file that it was written in.
-fn traced(snapshot: &Snapshot, at: Span) -> Span {
+fn source_span(snapshot: &Snapshot, at: Span) -> Span {
     snapshot.ide.compilation.sources.trace(at).0
 }

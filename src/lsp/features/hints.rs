@@ -14,8 +14,8 @@ use crate::syntax::{self};
 
 use crate::lsp::snapshot::Snapshot;
 use crate::lsp::text::document_text::Text;
-use crate::lsp::values::written;
-use crate::lsp::view::{Known, View};
+use crate::lsp::values::format_values;
+use crate::lsp::view::{ProgramState, View};
 
 /// What a hint shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -36,16 +36,17 @@ pub(in crate::lsp) struct InlayHint {
     pub kind: HintKind,
 }
 
-/// The hints of some bytes of a file, in order, and the text that their bytes count in; none if no program has the file.
+/// The hints of some bytes of a file, in order, and the text that their bytes count in; none if no program has the
+/// file.
 pub(in crate::lsp) fn inlay_hints(
     view: &View,
     path: &Path,
     bytes: &Range<usize>,
 ) -> Option<(Arc<Text>, Vec<InlayHint>)> {
-    let (known, file) = view.programs(path).find_map(|known| Some((known, known.now.file(path)?)))?;
-    let snapshot = &*known.now;
+    let (state, file) = view.programs_with(path).find_map(|state| Some((state, state.current.file(path)?)))?;
+    let snapshot = &*state.current;
     let (start, end) = (view.byte_in(snapshot, file, bytes.start), view.byte_in(snapshot, file, bytes.end));
-    let mut hints = Hints { known, snapshot, file, found: Vec::new() };
+    let mut hints = Hints { state, snapshot, file, found: Vec::new() };
     for (id, entity) in snapshot.ide.checked.entities.pairs() {
         hints.entity(&snapshot.ide.checked, id, entity);
     }
@@ -60,12 +61,12 @@ pub(in crate::lsp) fn inlay_hints(
 pub(in crate::lsp) struct CodeLens {
     /// The name of what is run.
     pub bytes: Range<usize>,
-    pub run: Run,
+    pub command: LensCommand,
 }
 
 /// A command of `hypedc`.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(in crate::lsp) enum Run {
+pub(in crate::lsp) enum LensCommand {
     /// `hypedc sim`
     Simulate { world: String },
     /// `hypedc reach`
@@ -79,11 +80,11 @@ pub(in crate::lsp) fn code_lenses(text: &Text) -> Vec<CodeLens> {
     for item in &tree.items {
         let Item::World(world) = item else { continue };
         let name = world.name.text.to_string();
-        out.push(CodeLens { bytes: world.name.span.range(), run: Run::Simulate { world: name.clone() } });
+        out.push(CodeLens { bytes: world.name.span.range(), command: LensCommand::Simulate { world: name.clone() } });
         let goals = world.items.iter().filter_map(|i| if let WorldItem::Goal(q) = i { Some(q) } else { None });
         out.extend(goals.map(|goal| CodeLens {
             bytes: goal.name.span.range(),
-            run: Run::Reach { world: name.clone(), goal: goal.name.text.to_string() },
+            command: LensCommand::Reach { world: name.clone(), goal: goal.name.text.to_string() },
         }));
     }
     out
@@ -91,7 +92,7 @@ pub(in crate::lsp) fn code_lenses(text: &Text) -> Vec<CodeLens> {
 
 /// Gathers the hints of a file.
 struct Hints<'a> {
-    known: &'a Known,
+    state: &'a ProgramState,
     snapshot: &'a Snapshot,
     file: FileId,
     found: Vec<InlayHint>,
@@ -129,13 +130,14 @@ impl Hints<'_> {
 
     /// What a variable is at most, in all of its modes.
     fn bounds(&mut self, entity: &Entity, name: &Name, declared: Option<(i32, i32)>) {
-        let Some(ranges) = &self.known.ranges else { return };
+        let Some(ranges) = &self.state.ranges else { return };
         let known = ranges.get(&entity.name.text, &name.text);
         let all = known.iter().filter_map(|m| m.values.first()).filter_map(crate::analysis::Values::hull);
         let Some(hull) = all.reduce(crate::analysis::Interval::or) else { return };
-        let is_news = declared.is_none_or(|(low, high)| (f64::from(low), f64::from(high)) != (hull.low, hull.high));
-        if is_news && (hull.low.is_finite() || hull.high.is_finite()) {
-            self.add(self.line_end(name.span), HintKind::Bounds, format!("is {}", written(&hull.into())));
+        let is_informative =
+            declared.is_none_or(|(low, high)| (f64::from(low), f64::from(high)) != (hull.low, hull.high));
+        if is_informative && (hull.low.is_finite() || hull.high.is_finite()) {
+            self.add(self.line_end(name.span), HintKind::Bounds, format!("is {}", format_values(&hull.into())));
         }
     }
 
@@ -160,12 +162,12 @@ impl Hints<'_> {
                 continue;
             }
             let Some(speed) = value(&update.value).filter(|v| *v > 0.0) else { continue };
-            let Some(leaf) = entered(entity, edge.target.unwrap_or(edge.source)) else { continue };
-            let Some(pull) = falls(entity, leaf, height).and_then(&value).filter(|v| *v < 0.0) else { continue };
+            let Some(leaf) = entered_leaf(entity, edge.target.unwrap_or(edge.source)) else { continue };
+            let Some(pull) = acceleration(entity, leaf, height).and_then(&value).filter(|v| *v < 0.0) else { continue };
             let (rise, time) = (speed * speed / (-2.0 * pull), speed / -pull);
-            let mut label = format!("up to {} px in {} s", short(rise), short(time));
+            let mut label = format!("up to {} px in {} s", format_number(rise), format_number(time));
             if ends_by_contact(entity, leaf) {
-                label = format!("{label}, {} s in the air", short(2.0 * time));
+                label = format!("{label}, {} s in the air", format_number(2.0 * time));
             }
             self.add(update.span, HintKind::Jump, label);
         }
@@ -184,7 +186,7 @@ fn parameters(entity: &Entity) -> IdVec<ParamId, f64> {
 }
 
 /// The leaf that is entered with a mode, where that does not depend on a guard.
-fn entered(entity: &Entity, mode: ModeId) -> Option<ModeId> {
+fn entered_leaf(entity: &Entity, mode: ModeId) -> Option<ModeId> {
     let mut at = mode;
     loop {
         let inside = &entity.modes[at].children;
@@ -223,7 +225,7 @@ fn needs_contact(guard: &Term) -> bool {
 }
 
 /// The acceleration of a variable in a mode, if a flow of it or of what is around it gives one.
-fn falls(entity: &Entity, mode: ModeId, var: VarId) -> Option<&Term> {
+fn acceleration(entity: &Entity, mode: ModeId, var: VarId) -> Option<&Term> {
     let mut at = Some(mode);
     while let Some(id) = at {
         let mode = &entity.modes[id];
@@ -240,7 +242,7 @@ fn falls(entity: &Entity, mode: ModeId, var: VarId) -> Option<&Term> {
 }
 
 /// At most two digits after the point.
-fn short(x: f64) -> String {
+fn format_number(x: f64) -> String {
     let text = format!("{x:.2}");
     text.trim_end_matches('0').trim_end_matches('.').to_string()
 }

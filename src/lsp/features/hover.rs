@@ -1,5 +1,5 @@
-//! What is shown of a name: how it is declared, what it is, its dimension, its documentation, and what it can be in each
-//! mode as far as the analysis knows.
+//! What is shown of a name: how it is declared, what it is, its dimension, its documentation, and what it can be in
+//! each mode as far as the analysis knows.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -16,14 +16,14 @@ use crate::syntax::occurrence::{NameKind, Occurrence, Role};
 use super::navigate::{ProgramPosition, last_known_positions, word_at};
 use crate::lsp::location::{FileOffset, Location};
 use crate::lsp::snapshot::Snapshot;
+use crate::lsp::text::cursor::CursorContext;
 use crate::lsp::text::meanings::{Meaning, meaning};
-use crate::lsp::text::place::Place;
-use crate::lsp::text::words::{SIGNATURES, begins};
-use crate::lsp::values::written;
+use crate::lsp::text::words::{SIGNATURES, statement_starts};
+use crate::lsp::values::format_values;
 use crate::lsp::view::View;
 
 /// The most lines of worlds with a tag that are listed.
-const MAX_CARRIERS: usize = 5;
+const MAX_TAGGED: usize = 5;
 /// The most modes that are listed.
 const MAX_MODES: usize = 12;
 
@@ -47,8 +47,8 @@ fn hover_name(view: &View, at: &FileOffset) -> Option<Hover> {
     let positions = last_known_positions(view, at);
     let position = positions.iter().find(|position| !position.names.is_empty())?;
     let o = *position.names.first()?;
-    let markdown = About { position, snapshot: position.snapshot, o }.text();
-    if std::ptr::eq(position.snapshot, &*position.known.now) {
+    let markdown = NameHover { position, snapshot: position.snapshot, o }.text();
+    if std::ptr::eq(position.snapshot, &*position.state.current) {
         return Some(Hover { at: position.snapshot.location(o.at), markdown });
     }
     let text = Arc::clone(&view.documents.get(&at.path)?.text);
@@ -59,12 +59,12 @@ fn hover_name(view: &View, at: &FileOffset) -> Option<Hover> {
 /// What the code means of what was found here, as far as its page begins with it; errors before warnings.
 fn hover_finding(view: &View, at: &FileOffset) -> Option<Hover> {
     let mut found: Option<(&Diagnostic, &Snapshot, Span)> = None;
-    for known in view.programs(&at.path) {
-        let snapshot = &*known.now;
+    for state in view.programs_with(&at.path) {
+        let snapshot = &*state.current;
         let Some(file) = snapshot.file(&at.path) else { continue };
         let byte = view.byte_in(snapshot, file, at.byte) as u32;
-        let said = snapshot.ide.compilation.diagnostics.iter();
-        for finding in said.chain(known.findings.iter().flat_map(Diagnostics::iter)) {
+        let reported = snapshot.ide.compilation.diagnostics.iter();
+        for finding in reported.chain(state.findings.iter().flat_map(Diagnostics::iter)) {
             let Some(span) = finding.primary.as_ref().map(|label| label.span) else { continue };
             let is_here = span.file() == file && span.start() <= byte && byte <= span.end();
             let is_first = found
@@ -95,10 +95,10 @@ fn hover_word(view: &View, at: &FileOffset) -> Option<Hover> {
     let is_called = code.get(bytes.end..)?.trim_start_matches([' ', '\t']).starts_with('(');
     let ways = SIGNATURES.iter().filter(|s| is_called && s.name == word);
     let ways: Vec<String> = ways.map(|s| format!("`{word}({})`: {}", s.parameters.join(", "), s.doc)).collect();
-    let shape = || matches!(word, "rect") && is_word(code, &bytes);
+    let shape = || matches!(word, "rect") && is_keyword_at(code, &bytes);
     let markdown = if ways.is_empty() || shape() {
-        let Meaning { says, example, .. } = meaning(word).filter(|_| is_word(code, &bytes))?;
-        format!("`{word}`: {says}\n\n```hyped\n{example}\n```")
+        let Meaning { description, example, .. } = meaning(word).filter(|_| is_keyword_at(code, &bytes))?;
+        format!("`{word}`: {description}\n\n```hyped\n{example}\n```")
     } else {
         ways.join("\n\n")
     };
@@ -106,7 +106,7 @@ fn hover_word(view: &View, at: &FileOffset) -> Option<Hover> {
 }
 
 /// Whether a word is one of the language where it is, and no name.
-fn is_word(code: &str, bytes: &std::ops::Range<usize>) -> bool {
+fn is_keyword_at(code: &str, bytes: &std::ops::Range<usize>) -> bool {
     let word = code.get(bytes.clone()).unwrap_or_default();
     if syntax::is_reserved(word) {
         return true;
@@ -118,13 +118,15 @@ fn is_word(code: &str, bytes: &std::ops::Range<usize>) -> bool {
             return here.any(|p| p.as_str() == word && format!("{:?}", p.as_rule()).starts_with("word_"));
         }
     }
-    let place = Place::of(code, bytes.start);
+    let cursor = CursorContext::at(code, bytes.start);
     let goes_on = code.get(bytes.end..).unwrap_or_default().trim_start_matches([' ', '\t']);
-    place.statement.is_empty() && begins(place.block()).0.contains(&word) && !goes_on.starts_with(['=', ':', '\'', '.'])
+    cursor.statement.is_empty()
+        && statement_starts(cursor.block()).0.contains(&word)
+        && !goes_on.starts_with(['=', ':', '\'', '.'])
 }
 
 /// What a kind of names is called.
-pub(super) fn called(kind: NameKind) -> &'static str {
+pub(super) fn kind_label(kind: NameKind) -> &'static str {
     match kind {
         NameKind::Constant => "constant",
         NameKind::Entity => "entity",
@@ -173,13 +175,13 @@ pub(super) fn owners<'c>(
 }
 
 /// Makes the text of a hover.
-struct About<'a> {
+struct NameHover<'a> {
     position: &'a ProgramPosition<'a>,
     snapshot: &'a Snapshot,
     o: Occurrence,
 }
 
-impl About<'_> {
+impl NameHover<'_> {
     fn text(&self) -> String {
         let name = self.snapshot.name(&self.o);
         let checked = &self.snapshot.ide.checked;
@@ -189,7 +191,7 @@ impl About<'_> {
         if is_own && self.o.kind != NameKind::Tag {
             parts.push(format!("```hyped\n{}\n```", self.snapshot.line(self.o.declared)));
         }
-        let mut what = called(self.o.kind).to_string();
+        let mut what = kind_label(self.o.kind).to_string();
         let names: Vec<String> = owners.iter().take(3).map(|(_, e)| format!("`{}`", e.name.text)).collect();
         if !names.is_empty() {
             what = format!("{what} of {}", names.join(", "));
@@ -206,8 +208,8 @@ impl About<'_> {
             parts.extend(self.snapshot.doc(self.o.declared));
         }
         match self.o.kind {
-            NameKind::Mode => parts.extend(owners.first().map(|(_, e)| self.ways(e))),
-            NameKind::Tag => parts.push(self.carriers(name)),
+            NameKind::Mode => parts.extend(owners.first().map(|(_, e)| self.transitions(e))),
+            NameKind::Tag => parts.push(self.tagged(name)),
             NameKind::Variable | NameKind::Discrete => {
                 parts.extend(owners.iter().take(3).filter_map(|(_, e)| self.ranges(e, name)));
             }
@@ -226,7 +228,7 @@ impl About<'_> {
 
     /// What the dimension was when the program last had no errors: what is broken may have told it.
     fn last_dimension(&self, entity: &Entity, name: &str) -> Option<String> {
-        let good = self.position.known.good.as_deref().filter(|_| !self.position.known.now.is_good())?;
+        let good = self.position.state.last_good.as_deref().filter(|_| !self.position.state.current.is_error_free())?;
         let mut entities = good.ide.checked.entities.pairs();
         let (id, entity) = entities.find(|(_, e)| e.name.text == entity.name.text)?;
         self.dimension(&good.ide.checked, id, entity, name)
@@ -259,7 +261,7 @@ impl About<'_> {
 
     /// What a variable can be in each mode.
     fn ranges(&self, entity: &Entity, name: &str) -> Option<String> {
-        let known = self.position.known.ranges.as_ref()?.get(&entity.name.text, name);
+        let known = self.position.state.ranges.as_ref()?.get(&entity.name.text, name);
         let degree = if self.o.kind == NameKind::Variable { self.degree() } else { 0 };
         let discrete = entity.discretes.iter().find(|d| d.name.text == name);
         let (ty, declared) = (discrete.map(|d| d.ty), discrete.map(|d| d.range));
@@ -276,17 +278,17 @@ impl About<'_> {
                 let may = [(0.0, "false"), (1.0, "true")].into_iter().filter(|(at, _)| values.contains(*at));
                 may.map(|(_, name)| name).collect::<Vec<_>>().join(" or ")
             }
-            _ => written(values),
+            _ => format_values(values),
         };
         let rows: Vec<(&str, String)> =
             known.iter().filter_map(|m| Some((m.mode.as_str(), shown(m.values.get(degree)?)))).collect();
         let first = rows.first()?;
         let written = format!("{name}{}", "'".repeat(degree));
         if rows.iter().all(|(_, values)| *values == first.1) {
-            let says_nothing = first.1 == "any"
+            let is_uninformative = first.1 == "any"
                 || matches!(ty, Some(Type::Set(_) | Type::Bool)) && first.1.contains(" or ")
                 || declared.is_some_and(|(low, high)| first.1 == format!("{low}..{high}"));
-            return Some(format!("`{written}` is {}", first.1)).filter(|_| !says_nothing);
+            return Some(format!("`{written}` is {}", first.1)).filter(|_| !is_uninformative);
         }
         let lines = rows.iter().take(MAX_MODES).map(|(mode, values)| format!("| `{mode}` | {values} |"));
         let more = rows.len().saturating_sub(MAX_MODES);
@@ -295,7 +297,7 @@ impl About<'_> {
     }
 
     /// Where a mode leads, and from where.
-    fn ways(&self, entity: &Entity) -> String {
+    fn transitions(&self, entity: &Entity) -> String {
         let sources = &self.snapshot.ide.compilation.sources;
         let is_it = |span: Span| sources.trace(span).0 == self.o.declared;
         let Some(mode) = entity.modes.find(|m| is_it(m.name.span)) else { return String::new() };
@@ -317,7 +319,7 @@ impl About<'_> {
     }
 
     /// What carries a tag.
-    fn carriers(&self, name: &str) -> String {
+    fn tagged(&self, name: &str) -> String {
         let checked = &self.snapshot.ide.checked;
         let Some(tag) = checked.tags.find(|t| t.text == name) else { return String::new() };
         let entities = checked.entities.iter().filter(|e| e.colliders.iter().any(|c| c.tags.contains(&tag)));
@@ -325,8 +327,8 @@ impl About<'_> {
         let colliders = (!entities.is_empty()).then(|| format!("colliders of {}", entities.join(", ")));
         // Tiles and rectangles carry it where they are in worlds.
         let in_worlds = |at: Span| checked.worlds.iter().any(|w| w.span.contains(at));
-        let all = self.snapshot.matching(&BTreeSet::from([self.snapshot.key(&self.o)]));
-        let here = all.filter(|o| o.role == Role::Declared && in_worlds(o.at)).take(MAX_CARRIERS);
+        let all = self.snapshot.occurrences_of(&BTreeSet::from([self.snapshot.key(&self.o)]));
+        let here = all.filter(|o| o.role == Role::Declared && in_worlds(o.at)).take(MAX_TAGGED);
         let lines = here.map(|o| format!("`{}`", self.snapshot.line(o.at)));
         colliders.into_iter().chain(lines).collect::<Vec<_>>().join("  \n")
     }

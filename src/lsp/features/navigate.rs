@@ -11,20 +11,20 @@ use crate::syntax::ast::{Item, MapSource, Name};
 use crate::syntax::occurrence::{NameKind, Occurrence, Role};
 use crate::syntax::{self, ast};
 
-use crate::lsp::documents::clean;
+use crate::lsp::documents::normalize;
 use crate::lsp::location::{FileOffset, Location};
-use crate::lsp::snapshot::{Key, Snapshot};
+use crate::lsp::snapshot::{Snapshot, SymbolKey};
 use crate::lsp::text::alignment::Alignment;
 use crate::lsp::text::document_text::Text;
 use crate::lsp::text::lexer::{Kind, tokens};
-use crate::lsp::view::{Known, View};
+use crate::lsp::view::{ProgramState, View};
 
 /// The most symbols of a workspace in an answer.
 const MAX_SYMBOLS: usize = 500;
 
 /// A place in one of the programs that hold it.
 pub(super) struct ProgramPosition<'a> {
-    pub known: &'a Known,
+    pub state: &'a ProgramState,
     /// The program as it is, or as it was when it last had no errors.
     pub snapshot: &'a Snapshot,
     pub file: FileId,
@@ -34,11 +34,11 @@ pub(super) struct ProgramPosition<'a> {
 
 /// A place in all programs that hold it, its own first.
 pub(super) fn positions<'v>(view: &'v View, at: &FileOffset) -> Vec<ProgramPosition<'v>> {
-    let positions = view.programs(&at.path).filter_map(|known| {
-        let snapshot = &*known.now;
+    let positions = view.programs_with(&at.path).filter_map(|state| {
+        let snapshot = &*state.current;
         let file = snapshot.file(&at.path)?;
         let names = snapshot.names_at(file, view.byte_in(snapshot, file, at.byte));
-        Some(ProgramPosition { known, snapshot, file, names })
+        Some(ProgramPosition { state, snapshot, file, names })
     });
     positions.collect()
 }
@@ -54,24 +54,24 @@ pub(super) fn last_known_positions<'v>(view: &'v View, at: &FileOffset) -> Vec<P
         return positions;
     };
     let name = code.get(word.clone()).unwrap_or_default();
-    let renamed = view.renamed.as_ref().filter(|(_, new)| new == name).map(|(old, _)| old.as_str());
-    let positions = view.programs(&at.path).filter_map(|known| {
-        let snapshot = known.good.as_deref().filter(|_| !known.now.is_good())?;
+    let renamed = view.last_rename.as_ref().filter(|(_, new)| new == name).map(|(old, _)| old.as_str());
+    let positions = view.programs_with(&at.path).filter_map(|state| {
+        let snapshot = state.last_good.as_deref().filter(|_| !state.current.is_error_free())?;
         let file = snapshot.file(&at.path)?;
         let text = snapshot.text(file);
-        let mut names = snapshot.names_at(file, Alignment::between(text.code(), code).before(word.start)?);
+        let mut names = snapshot.names_at(file, Alignment::between(text.code(), code).old_offset(word.start)?);
         names.retain(|o| snapshot.name(o) == name || renamed == Some(snapshot.name(o)));
-        Some(ProgramPosition { known, snapshot, file, names })
+        Some(ProgramPosition { state, snapshot, file, names })
     });
     positions.collect()
 }
 
 /// Where something of a program is in its document as it is now; none if that line has changed.
-fn location_now(view: &View, snapshot: &Snapshot, at: Span) -> Option<Location> {
+fn current_location(view: &View, snapshot: &Snapshot, at: Span) -> Option<Location> {
     let then = snapshot.location(at);
     match view.documents.get(&then.path) {
         Some(document) if document.text != then.text => {
-            let bytes = Alignment::between(then.text.code(), document.text.code()).after(then.bytes)?;
+            let bytes = Alignment::between(then.text.code(), document.text.code()).new_range(then.bytes)?;
             Some(Location { path: then.path, text: Arc::clone(&document.text), bytes })
         }
         _ => Some(then),
@@ -79,18 +79,18 @@ fn location_now(view: &View, snapshot: &Snapshot, at: Span) -> Option<Location> 
 }
 
 /// What is at a place.
-pub(super) fn keys_at(view: &View, at: &FileOffset) -> BTreeSet<Key> {
+pub(super) fn keys_at(view: &View, at: &FileOffset) -> BTreeSet<SymbolKey> {
     let positions = positions(view, at);
     positions.iter().flat_map(|position| position.names.iter().map(|o| position.snapshot.key(o))).collect()
 }
 
 /// Where some names occur in all programs, each place once.
-pub(super) fn places<'v>(view: &'v View, keys: &BTreeSet<Key>) -> Vec<(&'v Snapshot, Occurrence)> {
+pub(super) fn all_occurrences<'v>(view: &'v View, keys: &BTreeSet<SymbolKey>) -> Vec<(&'v Snapshot, Occurrence)> {
     let mut seen: BTreeSet<(PathBuf, u32)> = BTreeSet::new();
     let mut out = Vec::new();
-    for known in view.known.values() {
-        let snapshot = &*known.now;
-        for o in snapshot.matching(keys) {
+    for state in view.programs.values() {
+        let snapshot = &*state.current;
+        for o in snapshot.occurrences_of(keys) {
             if seen.insert((snapshot.path(o.at.file()).to_path_buf(), o.at.start())) {
                 out.push((snapshot, o));
             }
@@ -117,15 +117,15 @@ pub(in crate::lsp) fn definition(view: &View, at: &FileOffset) -> Definition {
     let mut out: Vec<Location> = Vec::new();
     for position in last_known_positions(view, at) {
         let snapshot = position.snapshot;
-        for o in own_values(&position.names) {
+        for o in nearest_values(&position.names) {
             let declared: Vec<Span> = match o.kind {
                 NameKind::Tag => {
-                    let all = snapshot.matching(&BTreeSet::from([snapshot.key(&o)]));
+                    let all = snapshot.occurrences_of(&BTreeSet::from([snapshot.key(&o)]));
                     all.filter(|o| o.role == Role::Declared).map(|o| o.at).collect()
                 }
                 _ => vec![o.declared],
             };
-            for location in declared.into_iter().filter_map(|span| location_now(view, snapshot, span)) {
+            for location in declared.into_iter().filter_map(|span| current_location(view, snapshot, span)) {
                 if !out.contains(&location) {
                     out.push(location);
                 }
@@ -138,7 +138,7 @@ pub(in crate::lsp) fn definition(view: &View, at: &FileOffset) -> Definition {
 /// Where a name occurs in all programs.
 pub(in crate::lsp) fn references(view: &View, at: &FileOffset, with_declarations: bool) -> Vec<Location> {
     let keys = keys_at(view, at);
-    let places = places(view, &keys).into_iter();
+    let places = all_occurrences(view, &keys).into_iter();
     let wanted = places.filter(|(_, o)| with_declarations || o.role != Role::Declared);
     wanted.map(|(snapshot, o)| snapshot.location(o.at)).collect()
 }
@@ -155,9 +155,9 @@ pub(in crate::lsp) fn highlights(view: &View, at: &FileOffset) -> Option<Vec<Hig
     let positions = positions(view, at);
     let position = positions.iter().find(|position| !position.names.is_empty())?;
     let snapshot = position.snapshot;
-    let keys: BTreeSet<Key> = position.names.iter().map(|o| snapshot.key(o)).collect();
+    let keys: BTreeSet<SymbolKey> = position.names.iter().map(|o| snapshot.key(o)).collect();
     let mut out: Vec<Highlight> = Vec::new();
-    for o in snapshot.matching(&keys).filter(|o| o.at.file() == position.file) {
+    for o in snapshot.occurrences_of(&keys).filter(|o| o.at.file() == position.file) {
         if !out.iter().any(|known| known.at.bytes == o.at.range()) {
             out.push(Highlight { at: snapshot.location(o.at), role: o.role });
         }
@@ -175,17 +175,17 @@ pub(in crate::lsp) struct WorkspaceSymbol {
     pub container: Option<String>,
 }
 
-/// The declarations of all programs whose names fit a query. Names that begin with it come first, short ones before long
-/// ones.
+/// The declarations of all programs whose names fit a query. Names that begin with it come first, short ones before
+/// long ones.
 pub(in crate::lsp) fn workspace_symbols(view: &View, query: &str) -> Vec<WorkspaceSymbol> {
     let mut seen: BTreeSet<(PathBuf, u32)> = BTreeSet::new();
     let mut found: Vec<(bool, WorkspaceSymbol)> = Vec::new();
-    for known in view.known.values() {
-        let snapshot = &*known.now;
+    for state in view.programs.values() {
+        let snapshot = &*state.current;
         let declared = snapshot.ide.occurrences.iter().filter(|o| o.role == Role::Declared);
         for o in declared.filter(|o| is_listed(o.kind)) {
             let name = snapshot.name(o);
-            let Some(begins) = fits(name, query) else { continue };
+            let Some(begins) = fuzzy_match(name, query) else { continue };
             if !seen.insert((snapshot.path(o.at.file()).to_path_buf(), o.at.start())) {
                 continue;
             }
@@ -209,7 +209,7 @@ pub(in crate::lsp) struct Link {
 /// The files that the text of a path names.
 pub(in crate::lsp) fn document_links(path: &Path, text: &Text) -> Vec<Link> {
     let (tree, _) = syntax::parse(FileId(0), text.code());
-    let link = |name: &Name| Link { bytes: inside(name, text.code()), target: beside(path, &name.text) };
+    let link = |name: &Name| Link { bytes: inside_quotes(name, text.code()), target: resolve(path, &name.text) };
     named_files(&tree).into_iter().map(link).collect()
 }
 
@@ -218,11 +218,11 @@ fn file_at(view: &View, at: &FileOffset) -> Option<PathBuf> {
     let document = view.documents.get(&at.path)?;
     let (tree, _) = syntax::parse(FileId(0), document.text.code());
     let name = named_files(&tree).into_iter().find(|name| name.span.range().contains(&at.byte))?;
-    Some(beside(&at.path, &name.text))
+    Some(resolve(&at.path, &name.text))
 }
 
 /// Of a value that several equal sets declare, the one that is nearest before.
-fn own_values(names: &[Occurrence]) -> Vec<Occurrence> {
+fn nearest_values(names: &[Occurrence]) -> Vec<Occurrence> {
     let is_value = |o: &&Occurrence| o.kind == NameKind::Value && o.declared.file() == o.at.file();
     let before = names.iter().filter(is_value).filter(|o| o.declared.start() <= o.at.start());
     match before.max_by_key(|o| o.declared.start()) {
@@ -232,7 +232,7 @@ fn own_values(names: &[Occurrence]) -> Vec<Occurrence> {
 }
 
 /// Whether a name holds the letters of a query in order, and whether it begins with them.
-fn fits(name: &str, query: &str) -> Option<bool> {
+fn fuzzy_match(name: &str, query: &str) -> Option<bool> {
     let (name, query) = (name.to_lowercase(), query.to_lowercase());
     let mut letters = name.chars();
     query.chars().all(|q| letters.any(|c| c == q)).then(|| name.starts_with(&query))
@@ -275,12 +275,12 @@ fn named_files(tree: &ast::File) -> Vec<&Name> {
 }
 
 /// A path that is named in a file.
-fn beside(file: &Path, named: &str) -> PathBuf {
-    clean(&file.parent().unwrap_or(Path::new("")).join(named))
+fn resolve(file: &Path, named: &str) -> PathBuf {
+    normalize(&file.parent().unwrap_or(Path::new("")).join(named))
 }
 
 /// The bytes of a text in quotes, without them.
-fn inside(name: &Name, code: &str) -> Range<usize> {
+fn inside_quotes(name: &Name, code: &str) -> Range<usize> {
     let bytes = name.span.range();
     let quoted = code.get(bytes.clone()).is_some_and(|t| t.len() >= 2 && t.starts_with('"') && t.ends_with('"'));
     if quoted { bytes.start + 1..bytes.end - 1 } else { bytes }

@@ -15,7 +15,7 @@ use crate::lsp::text::lexer::{Kind, tokens};
 const MAX_DETAIL: usize = 60;
 
 /// A text is examined by itself.
-const ONLY: FileId = FileId(0);
+const FILE: FileId = FileId(0);
 
 /// What a part of the outline is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,7 +53,7 @@ pub(in crate::lsp) struct Symbol {
 /// The outline of a text.
 pub(in crate::lsp) fn document_symbols(text: &Text) -> Vec<Symbol> {
     let code = text.code();
-    let (tree, _) = syntax::parse(ONLY, code);
+    let (tree, _) = syntax::parse(FILE, code);
     let outline = Outline { code };
     tree.items.iter().map(|item| outline.item(item)).collect()
 }
@@ -61,7 +61,7 @@ pub(in crate::lsp) fn document_symbols(text: &Text) -> Vec<Symbol> {
 /// What grows when a selection grows: around each byte the ranges that hold it, outermost first.
 pub(in crate::lsp) fn selection_ranges(text: &Text, bytes: &[usize]) -> Vec<Vec<Range<usize>>> {
     let mut spans: Vec<(usize, usize)> = Vec::new();
-    for pair in syntax::pairs(ONLY, text.code()).into_iter().flat_map(pest::iterators::Pairs::flatten) {
+    for pair in syntax::pairs(FILE, text.code()).into_iter().flat_map(pest::iterators::Pairs::flatten) {
         let inside = pair.as_str().trim_end().len();
         spans.push((pair.as_span().start(), pair.as_span().start() + inside));
     }
@@ -170,11 +170,11 @@ impl Outline<'_> {
     ) -> Symbol {
         // A name that is still to be written must not be empty.
         let name_text = if name.text.is_empty() { "?" } else { &name.text };
-        self.called(name_text, name.span, kind, whole, detail, children)
+        self.symbol_at(name_text, name.span, kind, whole, detail, children)
     }
 
     /// A part of the outline that is called otherwise than by one name of the text.
-    fn called(
+    fn symbol_at(
         &self,
         name: &str,
         at: Span,
@@ -256,9 +256,9 @@ impl Outline<'_> {
                 }
                 Member::Collider(c) => {
                     if let Some(first) = c.tags.first() {
-                        let name = listed(&c.tags);
+                        let name = comma_separated(&c.tags);
                         let detail = Some(if c.kinematic { "kinematic collider" } else { "collider" });
-                        out.push(self.called(&name, first.span, SymbolKind::Shape, c.span, detail, Vec::new()));
+                        out.push(self.symbol_at(&name, first.span, SymbolKind::Shape, c.span, detail, Vec::new()));
                     }
                 }
                 Member::Group(g) => {
@@ -282,7 +282,7 @@ impl Outline<'_> {
                     let Edge { guard, target: Some(target), span, .. } = &**edge else { continue };
                     let guard = self.slice(guard.span);
                     let name = format!("-> {}", self.slice(target.span()));
-                    out.push(self.called(&name, target.span(), SymbolKind::Edge, *span, Some(&guard), Vec::new()));
+                    out.push(self.symbol_at(&name, target.span(), SymbolKind::Edge, *span, Some(&guard), Vec::new()));
                 }
                 Member::Entry(update) => {
                     let Update::Spawn(s) = &**update else { continue };
@@ -325,12 +325,12 @@ impl Outline<'_> {
             }
             SpaceItem::Link(l) => {
                 let name = format!("-> {}", l.space.text);
-                self.called(&name, l.space.span, SymbolKind::Edge, l.span, Some("link"), Vec::new())
+                self.symbol_at(&name, l.space.span, SymbolKind::Edge, l.span, Some("link"), Vec::new())
             }
             SpaceItem::Solid(s) => {
                 let first = s.tags.first()?.span;
                 let whole = first.to(s.rectangle.span);
-                self.called(&listed(&s.tags), first, SymbolKind::Shape, whole, Some("rect"), Vec::new())
+                self.symbol_at(&comma_separated(&s.tags), first, SymbolKind::Shape, whole, Some("rect"), Vec::new())
             }
             SpaceItem::Map(map) => {
                 let none = Kinds::default();
@@ -346,13 +346,13 @@ impl Outline<'_> {
                     MapSource::OpenAll(kinds) => (None, kinds.tiles.as_slice(), kinds),
                 };
                 let named = kinds.kinds.iter().map(|k| {
-                    let detail = stands_for(&k.tags, k.spawn.as_ref());
+                    let detail = tile_detail(&k.tags, k.spawn.as_ref());
                     let inside = self.instance(k.spawn.as_ref());
                     self.symbol(&k.name, SymbolKind::Tile, k.name.span, Some(&detail), inside)
                 });
                 let inside: Vec<Symbol> = self.tiles(tiles).into_iter().chain(named).collect();
                 let (text, at) = name.map_or(("level", map.span), |name| (&*name.text, name.span));
-                self.called(text, at, SymbolKind::File, map.span, Some("map"), inside)
+                self.symbol_at(text, at, SymbolKind::File, map.span, Some("map"), inside)
             }
             SpaceItem::Bounds(_) => return None,
         })
@@ -361,12 +361,12 @@ impl Outline<'_> {
     /// The characters of a tile set.
     fn tiles(&self, tiles: &[Tile]) -> Vec<Symbol> {
         let tile = |t: &Tile| {
-            let detail = stands_for(&t.tags, t.spawn.as_ref());
+            let detail = tile_detail(&t.tags, t.spawn.as_ref());
             let name = format!("'{}'", t.symbol);
             let inside = self.instance(t.spawn.as_ref());
             let last = t.tags.last().map(|tag| tag.span).or(t.spawn.as_ref().map(|s| s.span));
             let whole = t.symbol_span.to(last.unwrap_or(t.symbol_span));
-            self.called(&name, t.symbol_span, SymbolKind::Tile, whole, Some(&detail), inside)
+            self.symbol_at(&name, t.symbol_span, SymbolKind::Tile, whole, Some(&detail), inside)
         };
         tiles.iter().map(tile).collect()
     }
@@ -393,14 +393,14 @@ impl Outline<'_> {
 }
 
 /// Some names, with commas.
-fn listed(names: &[ast::Name]) -> String {
+fn comma_separated(names: &[ast::Name]) -> String {
     names.iter().map(|n| &*n.text).collect::<Vec<_>>().join(", ")
 }
 
 /// What a character or a name of a level stands for.
-fn stands_for(tags: &[ast::Name], spawn: Option<&TileSpawn>) -> String {
+fn tile_detail(tags: &[ast::Name], spawn: Option<&TileSpawn>) -> String {
     spawn.map_or_else(
-        || if tags.is_empty() { "empty".into() } else { listed(tags) },
+        || if tags.is_empty() { "empty".into() } else { comma_separated(tags) },
         |s| format!("spawn {}", s.entity.text),
     )
 }

@@ -42,8 +42,8 @@ pub(in crate::lsp) fn semantic_tokens(
     names_only: bool,
 ) -> Option<Vec<Token>> {
     let document = view.documents.get(path)?;
-    let known = view.programs(path).next();
-    let program = known.and_then(|known| Some((&*known.now, known.now.file(path)?)));
+    let known = view.programs_with(path).next();
+    let program = known.and_then(|state| Some((&*state.current, state.current.file(path)?)));
     Some(of_code(document.text.code(), program, bytes, names_only))
 }
 

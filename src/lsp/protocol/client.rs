@@ -20,25 +20,25 @@ pub(super) struct Client {
 }
 
 impl Client {
-    /// Reads what the editor says of itself in `initialize`. Without the types of the protocol, in which one field that a
-    /// client leaves out would make all others unreadable.
-    pub fn of(params: &Value) -> Self {
-        let said = &params["capabilities"];
-        let is = |path: &str| said.pointer(path).and_then(Value::as_bool).unwrap_or(false);
-        let encodings = said.pointer("/general/positionEncodings").and_then(Value::as_array);
+    /// Reads what the editor says of itself in `initialize`. Without the types of the protocol, in which one field that
+    /// a client leaves out would make all others unreadable.
+    pub fn from_params(params: &Value) -> Self {
+        let capabilities = &params["capabilities"];
+        let flag = |path: &str| capabilities.pointer(path).and_then(Value::as_bool).unwrap_or(false);
+        let encodings = capabilities.pointer("/general/positionEncodings").and_then(Value::as_array);
         let names = encodings.into_iter().flatten().filter_map(Value::as_str);
-        let known = names.filter_map(|name| match name {
+        let supported = names.filter_map(|name| match name {
             "utf-8" => Some(Encoding::Utf8),
             "utf-16" => Some(Encoding::Utf16),
             "utf-32" => Some(Encoding::Utf32),
             _ => None,
         });
         Client {
-            encoding: known.into_iter().next().unwrap_or_default(),
-            watches_files: is("/workspace/didChangeWatchedFiles/dynamicRegistration"),
-            refreshes_hints: is("/workspace/inlayHint/refreshSupport"),
-            has_grammar: is("/textDocument/semanticTokens/augmentsSyntaxTokens"),
-            has_snippets: is("/textDocument/completion/completionItem/snippetSupport"),
+            encoding: supported.into_iter().next().unwrap_or_default(),
+            watches_files: flag("/workspace/didChangeWatchedFiles/dynamicRegistration"),
+            refreshes_hints: flag("/workspace/inlayHint/refreshSupport"),
+            has_grammar: flag("/textDocument/semanticTokens/augmentsSyntaxTokens"),
+            has_snippets: flag("/textDocument/completion/completionItem/snippetSupport"),
         }
     }
 }

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use gen_lsp_types::{
-    Code as WrittenCode, Diagnostic as Shown, DiagnosticRelatedInformation, DiagnosticSeverity, DiagnosticTag,
-    Location, Position, PublishDiagnosticsParams, Range, Uri,
+    Code as WrittenCode, Diagnostic as ShownDiagnostic, DiagnosticRelatedInformation, DiagnosticSeverity,
+    DiagnosticTag, Location, Position, PublishDiagnosticsParams, Range, Uri,
 };
 
 use super::to_protocol;
@@ -18,7 +18,7 @@ use crate::lsp::text::document_text::Encoding;
 use crate::source::Span;
 
 /// What is shown of one program, by document.
-type ByDocument = BTreeMap<String, Vec<Shown>>;
+type ByDocument = BTreeMap<String, Vec<ShownDiagnostic>>;
 
 /// A document of a program, as the editor called it when that was compiled.
 fn uri(snapshot: &Snapshot, path: &Path) -> Uri {
@@ -36,22 +36,22 @@ fn by_document(snapshot: &Snapshot, found: &Diagnostics, encoding: Encoding) -> 
     for finding in found.iter() {
         let file = finding.primary.as_ref().map(|label| label.span.file());
         let path = file.map_or(snapshot.root.as_path(), |file| snapshot.path(file));
-        out.entry(uri(snapshot, path).0).or_default().push(shown(finding, snapshot, encoding));
+        out.entry(uri(snapshot, path).0).or_default().push(to_protocol_diagnostic(finding, snapshot, encoding));
     }
     out
 }
 
 /// What is left of the findings of an older state of a program: those whose lines are still there, at their new places.
-fn carried(found: &ByDocument, old: &Snapshot, new: &Snapshot) -> ByDocument {
-    let mut moves = Moves { old, new, known: BTreeMap::new() };
+fn carry_over(found: &ByDocument, old: &Snapshot, new: &Snapshot) -> ByDocument {
+    let mut line_map = LineMap { old, new, new_lines: BTreeMap::new() };
     let mut out = ByDocument::new();
     for (uri, findings) in found {
         for finding in findings {
-            let Some(range) = moves.range(uri, finding.range) else { continue };
-            let mut finding = Shown { range, ..finding.clone() };
+            let Some(range) = line_map.range(uri, finding.range) else { continue };
+            let mut finding = ShownDiagnostic { range, ..finding.clone() };
             let related = finding.related_information.take().into_iter().flatten();
             let related = related.filter_map(|mut r| {
-                r.location.range = moves.range(&r.location.uri.0, r.location.range)?;
+                r.location.range = line_map.range(&r.location.uri.0, r.location.range)?;
                 Some(r)
             });
             finding.related_information = Some(related.collect()).filter(|r: &Vec<_>| !r.is_empty());
@@ -62,26 +62,26 @@ fn carried(found: &ByDocument, old: &Snapshot, new: &Snapshot) -> ByDocument {
 }
 
 /// Where the lines of the documents of a program are in a newer state of it.
-struct Moves<'s> {
+struct LineMap<'s> {
     old: &'s Snapshot,
     new: &'s Snapshot,
     /// Of each line its new place, if there is one; of a document that stayed as it was, nothing.
-    known: BTreeMap<String, Option<Vec<Option<usize>>>>,
+    new_lines: BTreeMap<String, Option<Vec<Option<usize>>>>,
 }
 
-impl Moves<'_> {
+impl LineMap<'_> {
     fn lines(&self, uri: &str) -> Option<Vec<Option<usize>>> {
         let path = path_of(&Uri(uri.into()));
         let (Some(old), Some(new)) = (self.old.file(&path), self.new.file(&path)) else { return Some(Vec::new()) };
         let (old, new) = (self.old.text(old), self.new.text(new));
-        (!Arc::ptr_eq(&old, &new) && old != new).then(|| Alignment::between(old.code(), new.code()).lines())
+        (!Arc::ptr_eq(&old, &new) && old != new).then(|| Alignment::between(old.code(), new.code()).new_lines())
     }
 
     fn range(&mut self, uri: &str, range: Range) -> Option<Range> {
-        if !self.known.contains_key(uri) {
-            self.known.insert(uri.to_string(), self.lines(uri));
+        if !self.new_lines.contains_key(uri) {
+            self.new_lines.insert(uri.to_string(), self.lines(uri));
         }
-        let Some(lines) = self.known.get(uri)? else { return Some(range) };
+        let Some(lines) = self.new_lines.get(uri)? else { return Some(range) };
         let line = |old: u32| lines.get(old as usize).copied().flatten();
         let first = line(range.start.line)?;
         let stays = (range.start.line..=range.end.line).zip(first..).all(|(old, new)| line(old) == Some(new));
@@ -91,7 +91,7 @@ impl Moves<'_> {
 }
 
 /// One finding.
-pub(super) fn shown(finding: &Diagnostic, snapshot: &Snapshot, encoding: Encoding) -> Shown {
+pub(super) fn to_protocol_diagnostic(finding: &Diagnostic, snapshot: &Snapshot, encoding: Encoding) -> ShownDiagnostic {
     let start = Position { line: 0, character: 0 };
     let range = finding.primary.as_ref().map_or(Range { start, end: start }, |l| range_of(snapshot, l.span, encoding));
     let related = finding.secondary.iter().map(|label| DiagnosticRelatedInformation {
@@ -102,7 +102,7 @@ pub(super) fn shown(finding: &Diagnostic, snapshot: &Snapshot, encoding: Encodin
         message: if label.text.is_empty() { "see here".into() } else { label.text.to_string() },
     });
     let related: Vec<DiagnosticRelatedInformation> = related.collect();
-    Shown {
+    ShownDiagnostic {
         range,
         severity: Some(match finding.severity {
             Severity::Error => DiagnosticSeverity::Error,
@@ -119,12 +119,12 @@ pub(super) fn shown(finding: &Diagnostic, snapshot: &Snapshot, encoding: Encodin
 }
 
 /// Words below a place that only point at it.
-const SAYS_NOTHING: [&str; 2] = ["not declared", "does not fit here"];
+const REDUNDANT_LABELS: [&str; 2] = ["not declared", "does not fit here"];
 
 /// The words of a finding: what was found, the label of the place, ways out, background.
 fn message(finding: &Diagnostic) -> String {
     // In a terminal these words are below the place; here they would say the same twice.
-    let adds = |text: &String| !finding.message.contains(text.as_str()) && !SAYS_NOTHING.contains(&text.as_str());
+    let adds = |text: &String| !finding.message.contains(text.as_str()) && !REDUNDANT_LABELS.contains(&text.as_str());
     let label = finding.primary.iter().map(|l| l.text.to_string()).filter(adds);
     let helps = finding.helps.iter().map(|text| format!("help: {text}"));
     let notes = finding.notes.iter().map(|text| format!("note: {text}"));
@@ -140,7 +140,7 @@ fn tag(code: Code) -> Option<DiagnosticTag> {
 
 /// What is shown of a program.
 #[derive(Debug, Default)]
-struct OfProgram {
+struct ProgramFindings {
     /// What compiling found.
     compiling: ByDocument,
     /// What the analysis of values found: of the program as it is now or, until that is known, of its state before.
@@ -150,9 +150,9 @@ struct OfProgram {
 /// What is known of the open programs, and what was sent of it.
 #[derive(Debug, Default)]
 pub(super) struct Published {
-    programs: BTreeMap<PathBuf, OfProgram>,
+    programs: BTreeMap<PathBuf, ProgramFindings>,
     /// With the version of the text that the places were counted in, for documents that are open.
-    sent: BTreeMap<String, (Option<i32>, Vec<Shown>)>,
+    sent: BTreeMap<String, (Option<i32>, Vec<ShownDiagnostic>)>,
 }
 
 impl Published {
@@ -161,23 +161,24 @@ impl Published {
         let before = self.programs.remove(&new.root);
         if is_open {
             let compiling = by_document(new, &new.ide.compilation.diagnostics, encoding);
-            let values = before.zip(old).map(|(before, old)| carried(&before.values, old, new)).unwrap_or_default();
-            self.programs.insert(new.root.clone(), OfProgram { compiling, values });
+            let values = before.zip(old).map(|(before, old)| carry_over(&before.values, old, new)).unwrap_or_default();
+            self.programs.insert(new.root.clone(), ProgramFindings { compiling, values });
         }
     }
 
     /// The values of a program were analysed.
-    pub fn examined(&mut self, snapshot: &Snapshot, found: &Diagnostics, encoding: Encoding) {
+    pub fn analyzed(&mut self, snapshot: &Snapshot, found: &Diagnostics, encoding: Encoding) {
         self.programs.entry(snapshot.root.clone()).or_default().values = by_document(snapshot, found, encoding);
     }
 
     /// A program is of no interest any more.
-    pub fn dropped(&mut self, root: &Path) {
+    pub fn removed(&mut self, root: &Path) {
         self.programs.remove(root);
     }
 
     /// The messages that bring the editor up to date: documents whose findings changed, those without any included, and
-    /// those whose text changed around them: an editor may have kept places that it counted in the old text, as Eglot does.
+    /// those whose text changed around them: an editor may have kept places that it counted in the old text, as Eglot
+    /// does.
     pub fn update(
         &mut self,
         is_open: impl Fn(&Path) -> bool,

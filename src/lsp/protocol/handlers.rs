@@ -195,7 +195,7 @@ pub(super) fn rename(server: &mut Server, params: types::RenameParams) -> Answer
     let at = server.offset(&params.text_document_position_params);
     let renaming = rename::rename(&server.view, &at, &params.new_name)?;
     let edit = server.to_protocol().workspace_edit(renaming.edits);
-    server.view.renamed = Some((renaming.old, renaming.new));
+    server.view.last_rename = Some((renaming.old, renaming.new));
     Ok(Some(edit))
 }
 

@@ -3,7 +3,7 @@
 use gen_lsp_types::{CodeActionKind, CompletionItemKind, DocumentHighlightKind, SymbolKind};
 
 use crate::lsp::features::actions::ActionKind;
-use crate::lsp::features::offers::CompletionKind;
+use crate::lsp::features::completion_items::CompletionKind;
 use crate::lsp::features::structure::SymbolKind as PartKind;
 use crate::syntax::occurrence::{NameKind, Role};
 

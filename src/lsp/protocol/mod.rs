@@ -1,5 +1,5 @@
-//! The connection to the editor: messages, the worker that compiles, the table of requests. All that knows the protocol's
-//! types is here: `from_protocol` reads them, `to_protocol` writes them.
+//! The connection to the editor: messages, the worker that compiles, the table of requests. All that knows the
+//! protocol's types is here: `from_protocol` reads them, `to_protocol` writes them.
 
 mod capabilities;
 mod client;

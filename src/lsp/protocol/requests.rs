@@ -37,13 +37,13 @@ macro_rules! requests {
             /// Answers a request.
             pub(super) fn dispatch(&mut self, request: Request) {
                 match request.method.as_str() {
-                    $($method => self.on::<types::$request>(request, |server, params| {
+                    $($method => self.handle::<types::$request>(request, |server, params| {
                         $file::$answer(server, params)
                     }),)*
                     // For scripts and tests: answered when all findings were sent.
-                    "hypedc/idle" => self.nothing(request),
-                    "hypedc/text" => self.on::<TextRequest>(request, |server, params| text(server, params)),
-                    _ => self.unknown(request),
+                    "hypedc/idle" => self.respond_null(request),
+                    "hypedc/text" => self.handle::<TextRequest>(request, |server, params| text(server, params)),
+                    _ => self.respond_unknown_method(request),
                 }
             }
         }

@@ -15,11 +15,11 @@ use super::uri::uri_of;
 use crate::lsp::documents::Documents;
 use crate::lsp::features::actions::{ActionKind, CodeAction};
 use crate::lsp::features::completion::Completions;
+use crate::lsp::features::completion_items::{CompletionItem, Insert};
 use crate::lsp::features::hierarchy::CallItem;
-use crate::lsp::features::hints::{CodeLens, HintKind, InlayHint, Run};
+use crate::lsp::features::hints::{CodeLens, HintKind, InlayHint, LensCommand};
 use crate::lsp::features::hover::Hover;
 use crate::lsp::features::navigate::{Definition, Highlight, Link, WorkspaceSymbol};
-use crate::lsp::features::offers::{Completion, Insert};
 use crate::lsp::features::rename::Renamable;
 use crate::lsp::features::signature::{CallSignature, SignatureHelp};
 use crate::lsp::features::structure::{Fold, FoldKind, Symbol};
@@ -115,7 +115,8 @@ impl ToProtocol<'_> {
     }
 
     pub fn code_action(self, action: CodeAction<'_>) -> types::CodeAction {
-        let shown = |(snapshot, finding)| vec![findings::shown(finding, snapshot, self.client.encoding)];
+        let shown =
+            |(snapshot, finding)| vec![findings::to_protocol_diagnostic(finding, snapshot, self.client.encoding)];
         types::CodeAction {
             title: action.title.into(),
             kind: Some(kinds::of_action(action.kind)),
@@ -128,7 +129,7 @@ impl ToProtocol<'_> {
 
     pub fn completion(self, text: &Text, found: Completions) -> types::CompletionResponse {
         let range = self.range(text, &found.replaces);
-        let item = |Completion { rank, label, kind, detail, insert }| {
+        let item = |CompletionItem { rank, label, kind, detail, insert }| {
             let snippet = match insert {
                 Insert::Snippet(snippet) if self.client.has_snippets => Some(snippet),
                 Insert::Snippet(_) | Insert::Label => None,
@@ -143,7 +144,7 @@ impl ToProtocol<'_> {
                 ..types::CompletionItem::default()
             }
         };
-        found.offers.into_iter().map(item).collect::<Vec<_>>().into()
+        found.items.into_iter().map(item).collect::<Vec<_>>().into()
     }
 
     #[allow(deprecated, reason = "a field must be named to be left out")]
@@ -184,9 +185,9 @@ impl ToProtocol<'_> {
     }
 
     pub fn lens(self, uri: &str, text: &Text, lens: &CodeLens) -> types::CodeLens {
-        let (title, command, arguments) = match &lens.run {
-            Run::Simulate { world } => ("▶ simulate", "hypedc.sim", vec![json!(uri), json!(world)]),
-            Run::Reach { world, goal } => {
+        let (title, command, arguments) = match &lens.command {
+            LensCommand::Simulate { world } => ("▶ simulate", "hypedc.sim", vec![json!(uri), json!(world)]),
+            LensCommand::Reach { world, goal } => {
                 ("▶ can it be reached?", "hypedc.reach", vec![json!(uri), json!(world), json!(goal)])
             }
         };

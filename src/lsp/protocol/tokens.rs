@@ -51,7 +51,7 @@ pub(super) fn legend() -> SemanticTokensLegend {
 }
 
 /// The type of a token, by its place in the legend, and its modifiers.
-fn numbers(kind: TokenKind) -> (u32, u32) {
+fn encode_kind(kind: TokenKind) -> (u32, u32) {
     let name = match kind {
         TokenKind::Comment => "comment",
         TokenKind::Text => "string",
@@ -106,7 +106,7 @@ fn encoded(text: &Text, tokens: &[Token], encoding: Encoding) -> Vec<SemanticTok
         if start.line != end.line || end.character <= start.character {
             continue;
         }
-        let (token_type, modifiers) = numbers(token.kind);
+        let (token_type, modifiers) = encode_kind(token.kind);
         out.push(SemanticToken {
             delta_line: start.line - line,
             delta_start: if start.line == line { start.character - column } else { start.character },
@@ -132,7 +132,7 @@ impl SentTokens {
         self.last.remove(path);
     }
 
-    fn keep(&mut self, path: PathBuf, data: Vec<SemanticToken>) -> SemanticTokens {
+    fn store(&mut self, path: PathBuf, data: Vec<SemanticToken>) -> SemanticTokens {
         self.count += 1;
         self.last.insert(path, (self.count, data.clone()));
         SemanticTokens { result_id: Some(self.count.to_string()), data }
@@ -153,7 +153,7 @@ pub(super) fn all_tokens(
 ) -> Answer<types::SemanticTokensRequest> {
     let path = path_of(&params.text_document.uri);
     let Some(data) = server.tokens_of(&path, &(0..usize::MAX)) else { return Ok(None) };
-    Ok(Some(server.tokens.keep(path, data)))
+    Ok(Some(server.tokens.store(path, data)))
 }
 
 pub(super) fn tokens_in_range(
@@ -173,19 +173,20 @@ pub(super) fn changed_tokens(
     let Some(new) = server.tokens_of(&path, &(0..usize::MAX)) else { return Ok(None) };
     let before = server.tokens.last.get(&path).filter(|(id, _)| id.to_string() == params.previous_result_id);
     let Some(old) = before.map(|(_, old)| old.clone()) else {
-        return Ok(Some(server.tokens.keep(path, new).into()));
+        return Ok(Some(server.tokens.store(path, new).into()));
     };
     let same = old.iter().zip(&new).take_while(|(a, b)| a == b).count();
-    let left = old.len().min(new.len()) - same;
-    let same_end = old.iter().rev().zip(new.iter().rev()).take(left).take_while(|(a, b)| a == b).count();
-    let put = new.get(same..new.len() - same_end).unwrap_or_default();
-    let data = put.iter().flat_map(|t| [t.delta_line, t.delta_start, t.length, t.token_type, t.token_modifiers_bitset]);
+    let remaining = old.len().min(new.len()) - same;
+    let same_end = old.iter().rev().zip(new.iter().rev()).take(remaining).take_while(|(a, b)| a == b).count();
+    let inserted = new.get(same..new.len() - same_end).unwrap_or_default();
+    let data =
+        inserted.iter().flat_map(|t| [t.delta_line, t.delta_start, t.length, t.token_type, t.token_modifiers_bitset]);
     let edit = SemanticTokensEdit {
         start: 5 * same as u32,
         delete_count: 5 * (old.len() - same - same_end) as u32,
         data: Some(data.collect()),
     };
-    let edits = if edit.delete_count == 0 && put.is_empty() { Vec::new() } else { vec![edit] };
-    let result_id = server.tokens.keep(path, new).result_id;
+    let edits = if edit.delete_count == 0 && inserted.is_empty() { Vec::new() } else { vec![edit] };
+    let result_id = server.tokens.store(path, new).result_id;
     Ok(Some(SemanticTokensDelta { result_id, edits }.into()))
 }

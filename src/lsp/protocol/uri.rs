@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use gen_lsp_types::Uri;
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, utf8_percent_encode};
 
-use crate::lsp::documents::clean;
+use crate::lsp::documents::normalize;
 
 /// What is in no path of a URI (RFC 3986, 3.3).
 const OUTSIDE_OF_PATHS: &AsciiSet = &NON_ALPHANUMERIC
@@ -36,7 +36,7 @@ pub(super) fn path_of(uri: &Uri) -> PathBuf {
     let decoded = percent_decode_str(path).decode_utf8_lossy();
     let bytes = decoded.as_bytes();
     let has_drive = matches!(bytes, [b'/', drive, b':', ..] if drive.is_ascii_alphabetic());
-    clean(Path::new(if has_drive { &decoded[1..] } else { &decoded }))
+    normalize(Path::new(if has_drive { &decoded[1..] } else { &decoded }))
 }
 
 /// The URI of a path.

@@ -7,7 +7,7 @@ use crate::sema::checked::{Checked, Entity, World};
 use crate::source::FileId;
 use crate::syntax::occurrence::{NameKind, Occurrence, Role};
 
-use super::hover::called;
+use super::hover::kind_label;
 use crate::lsp::snapshot::Snapshot;
 use crate::lsp::text::words::{SIGNATURES, Snippet};
 use crate::lsp::view::View;
@@ -53,7 +53,7 @@ pub(in crate::lsp) enum Insert {
 
 /// A name or word that is offered. They are ordered by their fields.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub(in crate::lsp) struct Completion {
+pub(in crate::lsp) struct CompletionItem {
     /// Nearer things come first.
     pub rank: u8,
     pub label: String,
@@ -64,26 +64,26 @@ pub(in crate::lsp) struct Completion {
 }
 
 /// Gathers what is offered.
-pub(super) struct Offers<'a> {
+pub(super) struct CompletionCollector<'a> {
     /// The program as it is, and as it was last without errors.
     pub programs: Vec<&'a Snapshot>,
     file: Option<FileId>,
     pub code: &'a str,
-    pub list: Vec<Completion>,
+    pub list: Vec<CompletionItem>,
 }
 
-impl<'a> Offers<'a> {
+impl<'a> CompletionCollector<'a> {
     pub fn new(view: &'a View, path: &Path, code: &'a str) -> Self {
-        let known: Vec<_> = view.programs(path).collect();
-        let now = known.iter().map(|k| &*k.now);
-        let programs: Vec<&Snapshot> = now.chain(known.iter().filter_map(|k| k.good.as_deref())).collect();
+        let known: Vec<_> = view.programs_with(path).collect();
+        let now = known.iter().map(|k| &*k.current);
+        let programs: Vec<&Snapshot> = now.chain(known.iter().filter_map(|k| k.last_good.as_deref())).collect();
         let file = programs.first().and_then(|p| p.file(path));
-        Offers { programs, file, code, list: Vec::new() }
+        CompletionCollector { programs, file, code, list: Vec::new() }
     }
 
     pub fn add(&mut self, rank: u8, label: &str, kind: CompletionKind, detail: &str) {
         let (label, detail) = (label.to_string(), detail.to_string());
-        self.list.push(Completion { rank, label, kind, detail, insert: Insert::Label });
+        self.list.push(CompletionItem { rank, label, kind, detail, insert: Insert::Label });
     }
 
     pub fn files(&mut self, paths: impl Iterator<Item = String>) {
@@ -119,7 +119,7 @@ impl<'a> Offers<'a> {
     }
 
     /// Names of some kinds that are declared in this file from a byte on: those of a behaviour, which is no entity.
-    pub fn declared(&mut self, from: usize, kinds: &[NameKind]) {
+    pub fn declared_after(&mut self, from: usize, kinds: &[NameKind]) {
         let Some((program, file)) = self.programs.first().copied().zip(self.file) else { return };
         let all = &program.ide.occurrences;
         let first = all.partition_point(|o| (o.at.file(), o.at.range().start) < (file, from));
@@ -129,7 +129,7 @@ impl<'a> Offers<'a> {
             matches!(o.kind, NameKind::Entity | NameKind::Behavior | NameKind::World | NameKind::Constant)
         };
         for o in here.skip(1).take_while(|o| !is_item(o)).filter(|o| kinds.contains(&o.kind)) {
-            self.add(0, program.name(o), kind_of(o.kind), called(o.kind));
+            self.add(0, program.name(o), kind_of(o.kind), kind_label(o.kind));
         }
     }
 
@@ -139,11 +139,11 @@ impl<'a> Offers<'a> {
         }
     }
 
-    pub fn named(&mut self, kind: NameKind) {
+    pub fn names_of_kind(&mut self, kind: NameKind) {
         for program in self.programs.clone() {
             let all = program.ide.occurrences.iter();
             for o in all.filter(|o| o.kind == kind && (o.role == Role::Declared || kind == NameKind::Tag)) {
-                self.add(0, program.name(o), kind_of(kind), called(kind));
+                self.add(0, program.name(o), kind_of(kind), kind_label(kind));
             }
         }
     }
@@ -179,19 +179,19 @@ impl<'a> Offers<'a> {
     }
 
     /// What an instance of an entity can be given: those of its values that nothing is given yet, each ready to be set.
-    pub fn settings(&mut self, entity: &Entity, given: &[&str]) {
+    pub fn settings(&mut self, entity: &Entity, assigned: &[&str]) {
         let from = self.list.len();
         self.members(entity);
         self.refs(Some(entity));
-        self.as_assignments(from, given);
+        self.as_assignments(from, assigned);
     }
 
     /// Makes what was offered from some place in the list on an assignment, and leaves out what is given already.
-    pub fn as_assignments(&mut self, from: usize, given: &[&str]) {
-        let offered = self.list.split_off(from);
-        for mut offer in offered.into_iter().filter(|offer| !given.contains(&offer.label.as_str())) {
-            offer.insert = Insert::Snippet(format!("{} = $1", offer.label));
-            self.list.push(offer);
+    pub fn as_assignments(&mut self, from: usize, assigned: &[&str]) {
+        let collected = self.list.split_off(from);
+        for mut item in collected.into_iter().filter(|item| !assigned.contains(&item.label.as_str())) {
+            item.insert = Insert::Snippet(format!("{} = $1", item.label));
+            self.list.push(item);
         }
     }
 

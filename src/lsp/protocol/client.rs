@@ -1,27 +1,27 @@
-//! What the editor says of itself when a session begins, as far as answers depend on it.
+//! The capabilities of the client that affect responses, from its `initialize` request.
 
 use serde_json::Value;
 
 use crate::lsp::text::document_text::Encoding;
 
-/// What matters of the editor.
+/// The relevant capabilities of the client.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Client {
-    /// What columns count.
+    /// The unit of columns: the first supported one in the client's order of preference.
     pub encoding: Encoding,
-    /// Whether it tells of changed files if it is asked to.
+    /// Whether it can be registered to watch files.
     pub watches_files: bool,
-    /// Whether it asks for hints again if it is told to.
+    /// Whether it supports `workspace/inlayHint/refresh`.
     pub refreshes_hints: bool,
-    /// Whether completions may have places to fill in.
+    /// Whether it supports snippets in completion items.
     pub has_snippets: bool,
-    /// Whether it colours words by a grammar of its own, and wants to know of names alone.
+    /// Whether it highlights syntax by its own grammar, so that semantic tokens contain only names.
     pub has_grammar: bool,
 }
 
 impl Client {
-    /// Reads what the editor says of itself in `initialize`. Without the types of the protocol, in which one field that
-    /// a client leaves out would make all others unreadable.
+    /// Reads the parameters of `initialize`. Uses plain JSON: with the types of the protocol, one missing field would
+    /// make deserialization fail as a whole.
     pub fn from_params(params: &Value) -> Self {
         let capabilities = &params["capabilities"];
         let flag = |path: &str| capabilities.pointer(path).and_then(Value::as_bool).unwrap_or(false);

@@ -1,5 +1,5 @@
-//! The server's loop: messages in, documents kept, answers out. Requests that need names wait here until the worker has
-//! compiled what they ask about.
+//! The server's main loop: receives messages, updates the documents, sends responses. Requests that need names wait
+//! here until the worker has compiled the programs.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -27,7 +27,7 @@ use crate::lsp::Workspace;
 use crate::lsp::documents::Documents;
 use crate::lsp::view::{ProgramState, Refusal, View};
 
-/// Why a request has no answer.
+/// An error response to a request.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Failure {
     code: i32,
@@ -46,10 +46,10 @@ impl From<Refusal> for Failure {
     }
 }
 
-/// How the server works.
+/// Options of the server.
 #[derive(Debug, Clone, Copy)]
 pub struct Settings {
-    /// How long nothing must change before it is worked out what values can be.
+    /// The time without changes after which the value analysis starts.
     pub debounce: Duration,
 }
 
@@ -63,30 +63,36 @@ impl Default for Settings {
 pub struct Server {
     pub(super) view: View,
     pub(super) client: Client,
-    /// The semantic tokens that were sent last.
+    /// The semantic tokens that were last sent.
     pub(super) tokens: SentTokens,
     sender: Sender<Message>,
     published: Published,
     folders: Arc<Vec<PathBuf>>,
     jobs: Sender<Job>,
-    /// Grows with every change.
+    /// The number of the newest job.
     revision: u64,
+    /// The revision as of which all open programs are compiled.
     open_compiled: Option<u64>,
+    /// The revision as of which all programs of the workspace are compiled.
     all_compiled: Option<u64>,
+    /// The revision as of which the worker was idle.
     idle: Option<u64>,
-    /// What changed since the last job.
+    /// The files that changed since the last job.
     changed: BTreeSet<PathBuf>,
     has_unsent_changes: bool,
+    /// Whether the folders must be searched for programs again.
     rescan: bool,
+    /// Requests whose preconditions do not hold yet.
     waiting: Vec<(Request, Needs)>,
     has_shut_down: bool,
+    /// The id of the last request to the client.
     last_request: i32,
-    /// The programs on which the compiler has failed since they were last compiled.
+    /// The programs with a reported panic, until they are compiled again.
     failed: BTreeSet<PathBuf>,
 }
 
 impl Server {
-    /// Serves a connection until the editor says `exit`, or goes away; returns whether it said `shutdown` before.
+    /// Serves a connection until the client sends `exit` or disconnects. Returns whether it sent `shutdown` before.
     pub fn serve(connection: Connection, disk: Arc<dyn Workspace>, settings: Settings) -> bool {
         let Connection { sender, receiver } = connection;
         let connection = Connection { sender: sender.clone(), receiver: receiver.clone() };
@@ -150,7 +156,7 @@ impl Server {
                     if !self.message(message) {
                         return self.has_shut_down;
                     }
-                    // All edits that are there already make one job.
+                    // Batch all pending messages into one job.
                     while let Ok(message) = messages.try_recv() {
                         if !self.message(message) {
                             return self.has_shut_down;
@@ -165,7 +171,7 @@ impl Server {
         }
     }
 
-    /// Hands the documents to the worker if they changed.
+    /// Sends the documents to the worker if they changed.
     fn submit_job(&mut self) {
         if !std::mem::take(&mut self.has_unsent_changes) {
             return;
@@ -186,7 +192,7 @@ impl Server {
         self.has_unsent_changes = true;
     }
 
-    /// Takes a message; returns whether to go on.
+    /// Handles a message; returns false after `exit`.
     fn message(&mut self, message: Message) -> bool {
         match message {
             Message::Request(request) => self.request(request),
@@ -220,7 +226,7 @@ impl Server {
         }
     }
 
-    /// Answers what waited and need not wait any longer.
+    /// Handles the waiting requests whose preconditions hold now.
     fn resume(&mut self) {
         let waiting = std::mem::take(&mut self.waiting);
         for (request, needs) in waiting {
@@ -310,7 +316,7 @@ impl Server {
                     path.display()
                 );
                 self.show_error("window/logMessage", &text);
-                // Not again for each letter that is typed.
+                // Only once, not after each keystroke.
                 if self.failed.insert(path) {
                     self.show_error("window/showMessage", &text);
                 }
@@ -339,7 +345,7 @@ impl Server {
                 let (findings, ranges) = *found;
                 self.published.analyzed(&snapshot, &findings, self.client.encoding);
                 state.findings = Some(findings);
-                // Of a program with errors nothing is known.
+                // A program with errors is not analysed: keep the older ranges.
                 state.ranges = ranges.or(state.ranges.take());
                 self.publish();
                 if self.client.refreshes_hints {
@@ -349,20 +355,20 @@ impl Server {
         }
     }
 
-    /// Shows an error of the server in the editor.
+    /// Sends an error message to the editor: to its log, or as a pop-up.
     fn show_error(&self, method: &str, text: &str) {
         let params = json!({ "type": types::MessageType::Error, "message": text });
         let _ = self.sender.send(Notification { method: method.into(), params }.into());
     }
 
-    /// Tells the editor of findings that changed.
+    /// Publishes the diagnostics of documents for which they changed.
     fn publish(&mut self) {
         let is_open = |path: &Path| self.view.documents.get(path).is_some();
         let version = |uri: &str| {
             let path = path_of(&Uri(uri.into()));
-            let now = &self.view.programs.get(&path)?.current;
-            now.file(&path)?;
-            Some(now.document(&path)?.version)
+            let snapshot = &self.view.programs.get(&path)?.current;
+            snapshot.file(&path)?;
+            Some(snapshot.document(&path)?.version)
         };
         for params in self.published.update(is_open, version) {
             let params = serde_json::to_value(params).unwrap_or_default();
@@ -371,6 +377,7 @@ impl Server {
         }
     }
 
+    /// Sends a request to the client; its response is ignored.
     fn send_request(&mut self, method: &str, params: Value) {
         self.last_request += 1;
         let request = Request { id: RequestId::from(self.last_request), method: method.into(), params };
@@ -386,7 +393,7 @@ impl Server {
         let _ = self.sender.send(response.into());
     }
 
-    /// Answers a request with what a feature makes of it. A feature that panics is no reason to end.
+    /// Responds to a request with the result of a handler. A panic in the handler becomes an error response.
     pub(super) fn handle<R: types::Request>(
         &mut self,
         request: Request,
@@ -401,12 +408,12 @@ impl Server {
         self.answer(id, result);
     }
 
-    /// Answers a request with nothing.
+    /// Responds with `null`.
     pub(super) fn respond_null(&self, request: Request) {
         self.answer(request.id, Ok(()));
     }
 
-    /// Says that a request is not known.
+    /// Responds with "method not found".
     pub(super) fn respond_unknown_method(&self, request: Request) {
         let failure = Failure::new(ErrorCode::MethodNotFound, format!("no method `{}`", request.method));
         self.answer::<()>(request.id, Err(failure));

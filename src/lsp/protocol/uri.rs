@@ -1,4 +1,4 @@
-//! Names of documents: `file:` URIs to paths and back. A document of another scheme is called by its URI.
+//! Converts `file:` URIs to paths and back. URIs of other schemes are used as paths unchanged.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +7,7 @@ use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, utf8_perc
 
 use crate::lsp::documents::normalize;
 
-/// What is in no path of a URI (RFC 3986, 3.3).
+/// The characters that are percent-encoded in paths (RFC 3986, section 3.3).
 const OUTSIDE_OF_PATHS: &AsciiSet = &NON_ALPHANUMERIC
     .remove(b'-')
     .remove(b'.')
@@ -31,7 +31,7 @@ const OUTSIDE_OF_PATHS: &AsciiSet = &NON_ALPHANUMERIC
 /// The path of a document, without `.` and `..`.
 pub(super) fn path_of(uri: &Uri) -> PathBuf {
     let Some(rest) = uri.0.strip_prefix("file://") else { return PathBuf::from(&uri.0) };
-    // What is before the first slash is a host; ours has no name.
+    // Drop the host, which precedes the first slash.
     let path = rest.find('/').map_or("", |at| &rest[at..]);
     let decoded = percent_decode_str(path).decode_utf8_lossy();
     let bytes = decoded.as_bytes();

@@ -1,5 +1,5 @@
-//! The thread that compiles: it takes the newest state of the documents, compiles the programs that a change touches,
-//! and, once nothing has changed for a while, looks at what values can be. A new state stops that.
+//! The worker thread: receives the newest state of the documents, compiles the programs that a change invalidates, and
+//! runs the value analysis after a debounce time. A newer state interrupts the analysis.
 
 use std::any::Any;
 use std::collections::{BTreeMap, BTreeSet};
@@ -21,39 +21,39 @@ use crate::lsp::documents::OpenDocuments;
 use crate::lsp::snapshot::Snapshot;
 use crate::lsp::values::Ranges;
 
-/// A state of the documents.
+/// A state of the documents, to be compiled.
 pub(in crate::lsp) struct Job {
-    /// Grows with every change.
+    /// Increases with each job.
     pub revision: u64,
-    /// What is open.
+    /// The open documents.
     pub open: Arc<OpenDocuments>,
     /// The folders of the workspace.
     pub folders: Arc<Vec<PathBuf>>,
-    /// Whether programs may have come to them, or gone.
+    /// Whether programs may have been added to the folders or removed.
     pub rescan: bool,
-    /// What changed since the last job.
+    /// The files that changed since the last job.
     pub changed: BTreeSet<PathBuf>,
 }
 
-/// What the thread tells.
+/// An event of the worker.
 pub(in crate::lsp) enum Event {
     /// A program was compiled.
     Compiled(Arc<Snapshot>),
-    /// A program is of no interest any more.
+    /// A program was closed or deleted.
     Removed(PathBuf),
-    /// All open programs are compiled as of this revision.
+    /// All open programs are compiled as of a revision.
     OpenCompiled(u64),
-    /// All programs of the workspace are.
+    /// All programs of the workspace are compiled as of a revision.
     AllCompiled(u64),
-    /// There is nothing left to do as of this revision.
+    /// The worker is idle as of a revision.
     Idle(u64),
-    /// A mistake of the server has ended the compilation or the analysis of a program.
+    /// The compilation or the analysis of a program panicked, with a message.
     Failed(PathBuf, String),
-    /// What values tell of a program that was compiled.
+    /// The result of the value analysis of a snapshot. Without ranges if the program has errors.
     Analyzed(Arc<Snapshot>, Box<(Diagnostics, Option<Ranges>)>),
 }
 
-/// Stops as soon as there is a newer job, or no server.
+/// Interrupts the analysis when there is a newer job, or when the server has ended.
 struct NewerJob<'a>(&'a Receiver<Job>, &'a AtomicBool);
 
 impl Watch for NewerJob<'_> {
@@ -66,18 +66,19 @@ pub(in crate::lsp) struct Worker {
     pub jobs: Receiver<Job>,
     pub events: Sender<Event>,
     pub disk: Arc<dyn Workspace>,
-    /// Set once the editor has gone.
+    /// Set when the server has ended.
     pub has_ended: Arc<AtomicBool>,
-    /// How long nothing must change before values are examined.
+    /// The time without changes after which the value analysis starts.
     pub debounce: Duration,
 }
 
 impl Worker {
-    /// Works until the server is gone.
+    /// Runs until the server has ended.
     pub fn run(self) {
         let mut snapshots: BTreeMap<PathBuf, Arc<Snapshot>> = BTreeMap::new();
-        // Programs whose values are not looked at yet.
+        // Open programs that are compiled but not analysed.
         let mut unanalyzed: BTreeSet<PathBuf> = BTreeSet::new();
+        // All programs of the workspace's folders.
         let mut in_folders: BTreeSet<PathBuf> = BTreeSet::new();
         let mut next_job: Option<Job> = None;
         while let Some(job) = next_job.take().or_else(|| self.jobs.recv().ok()) {
@@ -109,7 +110,7 @@ impl Worker {
         }
     }
 
-    /// The newest job that waits, with the changes of all.
+    /// Merges all waiting jobs into the newest one.
     fn merge_waiting(&self, mut job: Job) -> Job {
         while let Ok(mut next) = self.jobs.try_recv() {
             next.changed.append(&mut job.changed);
@@ -119,7 +120,7 @@ impl Worker {
         job
     }
 
-    /// Compiles what a job touches; none if the server is gone.
+    /// Compiles the programs that a job invalidates; `None` if the server has ended.
     fn compile_job(
         &self,
         job: &Job,
@@ -158,8 +159,8 @@ impl Worker {
         self.events.send(Event::AllCompiled(job.revision)).ok()
     }
 
-    /// Compiles a program: its path and what came of it. Where the compiler fails, what was known before stays. Nothing
-    /// if the server is gone.
+    /// Compiles a program and returns its path and snapshot. If the compiler panics, the older snapshot remains. `None`
+    /// if the server has ended.
     fn compile(
         &self,
         path: &Path,
@@ -181,7 +182,7 @@ impl Worker {
         Some(snapshot.map(|snapshot| (path.to_path_buf(), snapshot)))
     }
 
-    /// Analyses values until there is a newer job; none if the server is gone.
+    /// Runs the value analysis until there is a newer job; `None` if the server has ended.
     fn analyze(&self, snapshots: &BTreeMap<PathBuf, Arc<Snapshot>>, unanalyzed: &mut BTreeSet<PathBuf>) -> Option<()> {
         while let Some(path) = unanalyzed.first().cloned() {
             if let Some(snapshot) = snapshots.get(&path) {
@@ -217,7 +218,7 @@ impl Worker {
     }
 }
 
-/// What a panic says.
+/// The message of a panic.
 fn message(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|text| (*text).to_string());
     text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "no message".to_string())

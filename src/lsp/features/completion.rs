@@ -1,5 +1,5 @@
-//! What can be where one writes: names of the kind that the place asks for, keywords that may begin a statement there,
-//! snippets. What the text does not tell while it is broken is taken from its last state without errors.
+//! Completion: names of the kind that fits the cursor, keywords that can start or continue a statement, snippets. Names
+//! that the current text does not resolve come from the last snapshot without errors.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -15,15 +15,15 @@ use crate::lsp::text::operands::{after_operand, assigned_names, ends_operand};
 use crate::lsp::text::words::statement_starts;
 use crate::lsp::view::View;
 
-/// All that is offered at a place.
+/// The completion items at a position.
 #[derive(Debug)]
 pub(in crate::lsp) struct Completions {
-    /// The bytes that an offer takes the place of.
+    /// The range that an item replaces.
     pub replaces: Range<usize>,
     pub items: BTreeSet<CompletionItem>,
 }
 
-/// What can be at a place of an open document.
+/// The completion items at a position of an open document.
 pub(in crate::lsp) fn completion(view: &View, at: &FileOffset) -> Option<Completions> {
     let document = view.documents.get(&at.path)?;
     let code = document.text.code();
@@ -39,7 +39,7 @@ pub(in crate::lsp) fn completion(view: &View, at: &FileOffset) -> Option<Complet
 }
 
 impl CompletionCollector<'_> {
-    /// What is offered at a place.
+    /// Adds the items for a cursor.
     fn at(&mut self, cursor: &CursorContext<'_>) {
         let own = cursor.enclosing(Block::Entity).and_then(|b| self.entity(b.name));
         let world = cursor.enclosing(Block::World).and_then(|b| self.world(b.name));
@@ -101,7 +101,7 @@ impl CompletionCollector<'_> {
         }
     }
 
-    /// What is offered as an argument; returns whether the place is one of a kind of its own.
+    /// Adds the items for an argument of a call; returns false if it is an ordinary expression.
     fn argument(
         &mut self,
         cursor: &CursorContext<'_>,
@@ -130,7 +130,7 @@ impl CompletionCollector<'_> {
                 }
             }
             "timer" | "entering" | "exiting" => {
-                // Only other groups can be waited for.
+                // `entering` and `exiting` accept only modes of other groups.
                 let group = cursor.enclosing(Block::Group).filter(|_| name != "timer").map(|group| group.name);
                 if let Some(entity) = own {
                     self.modes_of(entity, &[], |path| Some(path) != group);
@@ -166,7 +166,7 @@ impl CompletionCollector<'_> {
         true
     }
 
-    /// What is offered after a word that asks for something; returns whether there is one.
+    /// Adds the items after a keyword that determines them; returns false if there is no such keyword.
     fn after_word(&mut self, cursor: &CursorContext<'_>, own: Option<&Entity>, world: Option<&World>) -> bool {
         let first = cursor.statement.first().copied().unwrap_or_default();
         let (last, before) = (cursor.previous(1), cursor.previous(2));
@@ -252,7 +252,7 @@ impl CompletionCollector<'_> {
                     self.words(&["hold", "to"]);
                 }
             }
-            // A new name is the author's own.
+            // The author chooses a new name.
             ("entity" | "behavior" | "world" | "mode" | "group" | "param" | "continuous" | "discrete" | "ref", _)
             | ("button" | "axis" | "const" | "goal" | "never" | "tiles" | "space" | "place" | "player" | "as", _) => {}
             _ => return false,
@@ -260,7 +260,7 @@ impl CompletionCollector<'_> {
         true
     }
 
-    /// What a statement can begin with.
+    /// Adds the items at the start of a statement.
     fn statement(&mut self, cursor: &CursorContext<'_>, own: Option<&Entity>) {
         let block = cursor.block();
         let (words, snippets) = statement_starts(block);
@@ -268,7 +268,7 @@ impl CompletionCollector<'_> {
         self.snippets(snippets);
         let line = self.code.get(..cursor.word.start).and_then(|before| before.rfind('\n')).map_or(0, |at| at + 1);
         if block.is_some() && line == cursor.word.start {
-            // The blocks around it may be still to be closed.
+            // The closing braces of the enclosing blocks may be missing.
             self.words(statement_starts(None).0);
         }
         match block {
@@ -293,13 +293,13 @@ impl CompletionCollector<'_> {
         }
     }
 
-    /// What a value can be made of.
+    /// Adds the items inside an expression.
     fn expression(&mut self, cursor: &CursorContext<'_>, own: Option<&Entity>, world: Option<&World>) {
         let in_world = cursor.enclosing(Block::World).is_some();
         if ends_operand(cursor) {
             return self.words(after_operand(cursor));
         }
-        // What the value is set of: a place, what is spawned, or the entity itself.
+        // The entity whose member is assigned: of a `place`, of a `spawn`, or the enclosing one.
         let settings = cursor.blocks.last().filter(|open| open.block == Block::Settings).map(|open| open.name);
         let spawned = cursor.calls.last().filter(|call| call.before == "spawn").map(|call| call.name);
         let set = settings.or(spawned).and_then(|name| self.entity(name));
@@ -346,13 +346,13 @@ impl CompletionCollector<'_> {
     }
 }
 
-/// Whether a function reads nothing but its arguments.
+/// Whether a function depends only on its arguments.
 fn is_arithmetic(name: &str) -> bool {
     let reads = ["pressed", "held", "released", "touching", "timer", "entering", "exiting", "lost"];
     !reads.contains(&name) && !matches!(name, "near" | "inside" | "rect" | "circle")
 }
 
-/// The path of a program as another one imports it.
+/// The path by which one program imports another.
 fn relative(from: &Path, to: &Path) -> Option<String> {
     if from == to {
         return None;

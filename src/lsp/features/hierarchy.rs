@@ -1,4 +1,4 @@
-//! Edges as calls: which modes lead into a mode, and where a mode leads.
+//! Edges between modes as a call hierarchy: the source modes and the target modes of a mode.
 
 use std::ops::Range;
 use std::path::PathBuf;
@@ -14,17 +14,17 @@ use crate::lsp::location::{FileOffset, Location};
 use crate::lsp::snapshot::Snapshot;
 use crate::lsp::view::View;
 
-/// A mode by names, which a later snapshot knows, too.
+/// A mode identified by names, so that it is valid across snapshots.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::lsp) struct ModeName {
     /// The path of the program.
     pub root: PathBuf,
     pub entity: String,
-    /// With dots.
+    /// The path of the mode, with dots.
     pub mode: String,
 }
 
-/// A mode that calls or is called.
+/// A mode, as an item of the hierarchy.
 #[derive(Debug)]
 pub(in crate::lsp) struct CallItem {
     pub name: ModeName,
@@ -34,14 +34,14 @@ pub(in crate::lsp) struct CallItem {
     pub name_at: Range<usize>,
 }
 
-/// The edges between a mode and the one that was asked about.
+/// The edges between the requested mode and another one.
 #[derive(Debug)]
 pub(in crate::lsp) struct Call {
     pub other: CallItem,
     pub edges: Vec<Location>,
 }
 
-/// The modes that are named at a place.
+/// The modes whose names are at a position.
 pub(in crate::lsp) fn prepare_calls(view: &View, at: &FileOffset) -> Vec<CallItem> {
     let mut out: Vec<CallItem> = Vec::new();
     for position in positions(view, at) {
@@ -61,7 +61,7 @@ pub(in crate::lsp) fn prepare_calls(view: &View, at: &FileOffset) -> Vec<CallIte
     out
 }
 
-/// The modes that lead into a mode; none if it is not there any more.
+/// The modes with edges to a mode; `None` if it no longer exists.
 pub(in crate::lsp) fn incoming_calls(view: &View, name: &ModeName) -> Option<Vec<Call>> {
     let (snapshot, entity, mode) = mode_of(view, name)?;
     let into = |id: &ModeId| entity.edges.iter().any(|e| e.source == *id && e.target == Some(mode));
@@ -73,7 +73,7 @@ pub(in crate::lsp) fn incoming_calls(view: &View, name: &ModeName) -> Option<Vec
     Some(calls.collect())
 }
 
-/// The modes that a mode leads to; none if it is not there any more.
+/// The modes to which a mode has edges; `None` if it no longer exists.
 pub(in crate::lsp) fn outgoing_calls(view: &View, name: &ModeName) -> Option<Vec<Call>> {
     let (snapshot, entity, mode) = mode_of(view, name)?;
     let from = |id: &ModeId| entity.edges.iter().any(|e| e.source == mode && e.target == Some(*id));
@@ -97,7 +97,7 @@ fn item(snapshot: &Snapshot, entity: &Entity, mode: ModeId) -> CallItem {
     }
 }
 
-/// The mode that has a name now, if there is one.
+/// Looks up a mode in the current snapshot.
 fn mode_of<'v>(view: &'v View, name: &ModeName) -> Option<(&'v Snapshot, &'v Entity, ModeId)> {
     let snapshot = &*view.programs.get(&name.root)?.current;
     let entity = snapshot.ide.checked.entities.iter().find(|e| e.name.text == name.entity)?;
@@ -105,13 +105,13 @@ fn mode_of<'v>(view: &'v View, name: &ModeName) -> Option<(&'v Snapshot, &'v Ent
     Some((snapshot, entity, mode))
 }
 
-/// The edges from a mode to another.
+/// The locations of the edges from a mode to another.
 fn edges(snapshot: &Snapshot, entity: &Entity, source: ModeId, target: ModeId) -> Vec<Location> {
     let edges = entity.edges.iter().filter(|e| e.source == source && e.target == Some(target));
     edges.map(|e| snapshot.location(source_span(snapshot, e.span))).collect()
 }
 
-/// Where something is in the file that it was written in.
+/// The span in the source file, for code that was expanded from a behaviour.
 fn source_span(snapshot: &Snapshot, at: Span) -> Span {
     snapshot.ide.compilation.sources.trace(at).0
 }

@@ -1,5 +1,5 @@
-//! What is shown between the words: dimensions of parameters, what variables can be, how high and how long a jump goes;
-//! and above worlds and goals, what can be run.
+//! Inlay hints: dimensions of declarations, value ranges of variables, height and duration of jumps. Code lenses:
+//! commands to simulate worlds and search for goals.
 
 use std::ops::Range;
 use std::path::Path;
@@ -17,18 +17,18 @@ use crate::lsp::text::document_text::Text;
 use crate::lsp::values::format_values;
 use crate::lsp::view::{ProgramState, View};
 
-/// What a hint shows.
+/// The content of a hint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(in crate::lsp) enum HintKind {
-    /// The dimension of what is declared.
+    /// The dimension of a parameter or variable.
     Dimension,
     /// The values that a variable can have.
     Bounds,
-    /// How high and how long a jump goes.
+    /// The height and the duration of a jump.
     Jump,
 }
 
-/// A text between the words.
+/// A hint, shown at an offset.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(in crate::lsp) struct InlayHint {
     pub byte: usize,
@@ -36,8 +36,8 @@ pub(in crate::lsp) struct InlayHint {
     pub kind: HintKind,
 }
 
-/// The hints of some bytes of a file, in order, and the text that their bytes count in; none if no program has the
-/// file.
+/// The hints in a range of a file, in order, and the text to which their offsets refer; `None` if no program contains
+/// the file.
 pub(in crate::lsp) fn inlay_hints(
     view: &View,
     path: &Path,
@@ -56,10 +56,10 @@ pub(in crate::lsp) fn inlay_hints(
     Some((snapshot.text(file), hints.found))
 }
 
-/// What can be run, above its declaration.
+/// A command, shown above a declaration.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::lsp) struct CodeLens {
-    /// The name of what is run.
+    /// The range of the declared name.
     pub bytes: Range<usize>,
     pub command: LensCommand,
 }
@@ -73,7 +73,7 @@ pub(in crate::lsp) enum LensCommand {
     Reach { world: String, goal: String },
 }
 
-/// What can be run of the worlds of a text.
+/// The lenses of the worlds and goals of a text.
 pub(in crate::lsp) fn code_lenses(text: &Text) -> Vec<CodeLens> {
     let (tree, _) = syntax::parse(FileId(0), text.code());
     let mut out = Vec::new();
@@ -90,7 +90,7 @@ pub(in crate::lsp) fn code_lenses(text: &Text) -> Vec<CodeLens> {
     out
 }
 
-/// Gathers the hints of a file.
+/// Collects the hints of a file.
 struct Hints<'a> {
     state: &'a ProgramState,
     snapshot: &'a Snapshot,
@@ -100,7 +100,7 @@ struct Hints<'a> {
 
 impl Hints<'_> {
     fn add(&mut self, at: Span, kind: HintKind, label: String) {
-        // What is in a behaviour means different things where it is put.
+        // Declarations in behaviours have no hints: each use can have other values.
         if at.file() == self.file {
             self.found.push(InlayHint { byte: at.range().end, label, kind });
         }
@@ -128,7 +128,7 @@ impl Hints<'_> {
         }
     }
 
-    /// What a variable is at most, in all of its modes.
+    /// The range of a variable over all modes, unless it is the declared one.
     fn bounds(&mut self, entity: &Entity, name: &Name, declared: Option<(i32, i32)>) {
         let Some(ranges) = &self.state.ranges else { return };
         let known = ranges.get(&entity.name.text, &name.text);
@@ -141,7 +141,7 @@ impl Hints<'_> {
         }
     }
 
-    /// The end of the line of a place, its comment left out.
+    /// The end of the line of a span, before a comment.
     fn line_end(&self, at: Span) -> Span {
         let text = self.snapshot.ide.compilation.sources.file(at.file()).text();
         let rest = text.get(at.range().end..).unwrap_or_default();
@@ -151,7 +151,8 @@ impl Hints<'_> {
         Span::new(at.file(), end, end)
     }
 
-    /// How high and how long it goes up where an edge sets an upward velocity and leads to where it falls.
+    /// Adds height and duration of a jump: an edge that sets an upward velocity and enters a mode with a downward
+    /// acceleration.
     fn jump(&mut self, entity: &Entity, edge: &Edge, params: &IdVec<ParamId, f64>) {
         let context = ConstantContext { params: Some(params), step: None };
         let value = |term: &Term| evaluate(term, context).ok().filter(|v| v.is_finite());
@@ -174,7 +175,7 @@ impl Hints<'_> {
     }
 }
 
-/// The values of parameters where nothing is set; those that are not known are not numbers.
+/// The default values of parameters; NaN where the value is not constant.
 fn parameters(entity: &Entity) -> IdVec<ParamId, f64> {
     let mut params: IdVec<ParamId, f64> = IdVec::new();
     for param in entity.params.iter() {
@@ -185,7 +186,7 @@ fn parameters(entity: &Entity) -> IdVec<ParamId, f64> {
     params
 }
 
-/// The leaf that is entered with a mode, where that does not depend on a guard.
+/// The leaf that is entered with a mode; `None` if it depends on a guard.
 fn entered_leaf(entity: &Entity, mode: ModeId) -> Option<ModeId> {
     let mut at = mode;
     loop {
@@ -200,7 +201,7 @@ fn entered_leaf(entity: &Entity, mode: ModeId) -> Option<ModeId> {
     }
 }
 
-/// Whether nothing but contacts ends a mode or what is around it.
+/// Whether all edges of a mode and its outer modes require a contact.
 fn ends_by_contact(entity: &Entity, leaf: ModeId) -> bool {
     let mut at = Some(leaf);
     while let Some(id) = at {
@@ -214,7 +215,7 @@ fn ends_by_contact(entity: &Entity, leaf: ModeId) -> bool {
     true
 }
 
-/// Whether a guard holds only while something is touched.
+/// Whether a guard implies a contact.
 fn needs_contact(guard: &Term) -> bool {
     match &guard.kind {
         TermKind::Touching(_) => true,
@@ -224,7 +225,7 @@ fn needs_contact(guard: &Term) -> bool {
     }
 }
 
-/// The acceleration of a variable in a mode, if a flow of it or of what is around it gives one.
+/// The acceleration of a variable in a mode, if the innermost flow of the variable gives one.
 fn acceleration(entity: &Entity, mode: ModeId, var: VarId) -> Option<&Term> {
     let mut at = Some(mode);
     while let Some(id) = at {
@@ -241,7 +242,7 @@ fn acceleration(entity: &Entity, mode: ModeId, var: VarId) -> Option<&Term> {
     if let DriveBy::Flow(term) = &drive.by { Some(term) } else { None }
 }
 
-/// At most two digits after the point.
+/// Formats a number with at most two decimals.
 fn format_number(x: f64) -> String {
     let text = format!("{x:.2}");
     text.trim_end_matches('0').trim_end_matches('.').to_string()

@@ -1,5 +1,5 @@
-//! What is shown of a name: how it is declared, what it is, its dimension, its documentation, and what it can be in
-//! each mode as far as the analysis knows.
+//! Hovers: declaration, kind, dimension, documentation and value ranges of a name; descriptions of keywords and
+//! findings.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -22,19 +22,19 @@ use crate::lsp::text::words::{SIGNATURES, statement_starts};
 use crate::lsp::values::format_values;
 use crate::lsp::view::View;
 
-/// The most lines of worlds with a tag that are listed.
+/// Maximum number of listed lines of worlds with a tag.
 const MAX_TAGGED: usize = 5;
-/// The most modes that are listed.
+/// Maximum number of listed modes.
 const MAX_MODES: usize = 12;
 
-/// What is shown of a place.
+/// The hover at a position.
 #[derive(Debug)]
 pub(in crate::lsp) struct Hover {
     pub at: Location,
     pub markdown: String,
 }
 
-/// What is known of a name or a word of the language, and of what was found there.
+/// The hover of a name or keyword, and of the finding at a position.
 pub(in crate::lsp) fn hover(view: &View, at: &FileOffset) -> Option<Hover> {
     let known = hover_name(view, at).or_else(|| hover_word(view, at));
     let parts: Vec<Hover> = known.into_iter().chain(hover_finding(view, at)).collect();
@@ -42,7 +42,7 @@ pub(in crate::lsp) fn hover(view: &View, at: &FileOffset) -> Option<Hover> {
     Some(Hover { markdown, ..parts.into_iter().next()? })
 }
 
-/// A name of the program.
+/// The hover of a name of the program.
 fn hover_name(view: &View, at: &FileOffset) -> Option<Hover> {
     let positions = last_known_positions(view, at);
     let position = positions.iter().find(|position| !position.names.is_empty())?;
@@ -56,7 +56,7 @@ fn hover_name(view: &View, at: &FileOffset) -> Option<Hover> {
     Some(Hover { at: Location { path: at.path.clone(), text, bytes }, markdown })
 }
 
-/// What the code means of what was found here, as far as its page begins with it; errors before warnings.
+/// The hover of the finding at a position: the first paragraph of the page of its code. Errors take precedence.
 fn hover_finding(view: &View, at: &FileOffset) -> Option<Hover> {
     let mut found: Option<(&Diagnostic, &Snapshot, Span)> = None;
     for state in view.programs_with(&at.path) {
@@ -86,7 +86,7 @@ fn hover_finding(view: &View, at: &FileOffset) -> Option<Hover> {
     Some(Hover { at: snapshot.location(span), markdown })
 }
 
-/// A word of the language.
+/// The hover of a keyword or a function.
 fn hover_word(view: &View, at: &FileOffset) -> Option<Hover> {
     let text = Arc::clone(&view.documents.get(&at.path)?.text);
     let code = text.code();
@@ -105,14 +105,14 @@ fn hover_word(view: &View, at: &FileOffset) -> Option<Hover> {
     Some(Hover { at: Location { path: at.path.clone(), text, bytes }, markdown })
 }
 
-/// Whether a word is one of the language where it is, and no name.
+/// Whether the word at a range is a keyword there, and no name.
 fn is_keyword_at(code: &str, bytes: &std::ops::Range<usize>) -> bool {
     let word = code.get(bytes.clone()).unwrap_or_default();
     if syntax::is_reserved(word) {
         return true;
     }
     if let Some(pairs) = syntax::pairs(FileId(0), code) {
-        // In a slice that fits no rule nothing more is known.
+        // Text inside a recovered syntax error is not classified.
         let mut here = pairs.flatten().filter(|p| p.as_span().start() <= bytes.start && bytes.end <= p.as_span().end());
         if !here.clone().any(|p| format!("{:?}", p.as_rule()).starts_with("bad_")) {
             return here.any(|p| p.as_str() == word && format!("{:?}", p.as_rule()).starts_with("word_"));
@@ -125,7 +125,7 @@ fn is_keyword_at(code: &str, bytes: &std::ops::Range<usize>) -> bool {
         && !goes_on.starts_with(['=', ':', '\'', '.'])
 }
 
-/// What a kind of names is called.
+/// The description of a kind of names.
 pub(super) fn kind_label(kind: NameKind) -> &'static str {
     match kind {
         NameKind::Constant => "constant",
@@ -152,7 +152,7 @@ pub(super) fn kind_label(kind: NameKind) -> &'static str {
     }
 }
 
-/// The entities whose value, mode or input a name is: several if it is in a behaviour.
+/// The entities of which a name is a member; several if it is declared in a behaviour.
 pub(super) fn owners<'c>(
     checked: &'c Checked,
     snapshot: &Snapshot,
@@ -174,7 +174,7 @@ pub(super) fn owners<'c>(
     checked.entities.pairs().filter(|(_, e)| owns(e)).map(|(id, e)| (id, &**e)).collect()
 }
 
-/// Makes the text of a hover.
+/// Builds the hover of a name.
 struct NameHover<'a> {
     position: &'a ProgramPosition<'a>,
     snapshot: &'a Snapshot,
@@ -219,14 +219,14 @@ impl NameHover<'_> {
         parts.join("\n\n")
     }
 
-    /// How many primes follow the name.
+    /// Number of primes after the name, at most 2.
     fn degree(&self) -> usize {
         let text = self.snapshot.text(self.o.at.file());
         let after = text.code().get(self.o.at.range().end..).unwrap_or_default();
         after.bytes().take_while(|b| *b == b'\'').count().min(2)
     }
 
-    /// What the dimension was when the program last had no errors: what is broken may have told it.
+    /// The dimension in the last snapshot without errors: it may depend on code that does not compile now.
     fn last_dimension(&self, entity: &Entity, name: &str) -> Option<String> {
         let good = self.position.state.last_good.as_deref().filter(|_| !self.position.state.current.is_error_free())?;
         let mut entities = good.ide.checked.entities.pairs();
@@ -259,7 +259,7 @@ impl NameHover<'_> {
         }
     }
 
-    /// What a variable can be in each mode.
+    /// The values of a variable in each mode.
     fn ranges(&self, entity: &Entity, name: &str) -> Option<String> {
         let known = self.position.state.ranges.as_ref()?.get(&entity.name.text, name);
         let degree = if self.o.kind == NameKind::Variable { self.degree() } else { 0 };
@@ -296,7 +296,7 @@ impl NameHover<'_> {
         Some(format!("| in | `{written}` is |\n|---|---|\n{}{more}", lines.collect::<Vec<_>>().join("\n")))
     }
 
-    /// Where a mode leads, and from where.
+    /// The modes with edges to and from a mode.
     fn transitions(&self, entity: &Entity) -> String {
         let sources = &self.snapshot.ide.compilation.sources;
         let is_it = |span: Span| sources.trace(span).0 == self.o.declared;
@@ -318,14 +318,14 @@ impl NameHover<'_> {
         lines.into_iter().flatten().collect::<Vec<_>>().join("  \n")
     }
 
-    /// What carries a tag.
+    /// The colliders and world geometry with a tag.
     fn tagged(&self, name: &str) -> String {
         let checked = &self.snapshot.ide.checked;
         let Some(tag) = checked.tags.find(|t| t.text == name) else { return String::new() };
         let entities = checked.entities.iter().filter(|e| e.colliders.iter().any(|c| c.tags.contains(&tag)));
         let entities: Vec<String> = entities.map(|e| format!("`{}`", e.name.text)).collect();
         let colliders = (!entities.is_empty()).then(|| format!("colliders of {}", entities.join(", ")));
-        // Tiles and rectangles carry it where they are in worlds.
+        // Tiles and rectangles with a tag are declared in worlds.
         let in_worlds = |at: Span| checked.worlds.iter().any(|w| w.span.contains(at));
         let all = self.snapshot.occurrences_of(&BTreeSet::from([self.snapshot.key(&self.o)]));
         let here = all.filter(|o| o.role == Role::Declared && in_worlds(o.at)).take(MAX_TAGGED);

@@ -1,5 +1,5 @@
-//! Renaming, in all files that name a thing. A new name is tried out first: every program that changes is compiled as
-//! it would be, and must mean what it meant before.
+//! Rename of a symbol in all files. The edit is verified first: every affected program is compiled with the new name,
+//! and must have no new errors and the same bindings of names.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -17,7 +17,7 @@ use crate::lsp::snapshot::{Snapshot, SymbolKey};
 use crate::lsp::text::document_text::Text;
 use crate::lsp::view::{Refusal, View};
 
-/// Where a name is in each file, in order: first and one past the last byte.
+/// The ranges of a name in each file, in order: start and end offset.
 type NameRanges = BTreeMap<PathBuf, Vec<(u32, u32)>>;
 
 /// A name that can be renamed.
@@ -26,14 +26,14 @@ pub(in crate::lsp) struct Renamable {
     pub at: Location,
 }
 
-/// A renaming that was tried out.
+/// A verified rename.
 pub(in crate::lsp) struct Renaming {
     pub old: String,
     pub new: String,
     pub edits: Vec<Edit>,
 }
 
-/// The name at a place, if there is one.
+/// The name at a position, if there is one.
 pub(in crate::lsp) fn prepare_rename(view: &View, at: &FileOffset) -> Result<Option<Renamable>, Refusal> {
     let positions = positions(view, at);
     let Some((position, o)) = positions.iter().find_map(|position| Some((position, position.names.first()?))) else {
@@ -44,7 +44,7 @@ pub(in crate::lsp) fn prepare_rename(view: &View, at: &FileOffset) -> Result<Opt
     Ok(Some(Renamable { name: snapshot.name(o).to_string(), at: snapshot.location(o.at) }))
 }
 
-/// Renames what is at a place.
+/// Renames the symbol at a position.
 pub(in crate::lsp) fn rename(view: &View, at: &FileOffset, new: &str) -> Result<Renaming, Refusal> {
     let new = new.trim();
     let mut keys = keys_at(view, at);
@@ -67,7 +67,8 @@ pub(in crate::lsp) fn rename(view: &View, at: &FileOffset, new: &str) -> Result<
     Ok(Renaming { old, new: new.to_string(), edits: edits.collect() })
 }
 
-/// Adds what else is named where these names are: a word of a behaviour can mean something in several entities.
+/// Adds all symbols that share an occurrence with these: a name in a behaviour can refer to symbols of several
+/// entities.
 fn add_related(view: &View, keys: &mut BTreeSet<SymbolKey>) {
     loop {
         let before = keys.len();
@@ -83,7 +84,7 @@ fn add_related(view: &View, keys: &mut BTreeSet<SymbolKey>) {
     }
 }
 
-/// Whether the program alone says what these names are.
+/// Refuses symbols whose names are given by the language or by levels.
 fn check_renamable(view: &View, keys: &BTreeSet<SymbolKey>) -> Result<(), Refusal> {
     for key in keys {
         let name = &key.name;
@@ -106,7 +107,7 @@ fn check_renamable(view: &View, keys: &BTreeSet<SymbolKey>) -> Result<(), Refusa
     Ok(())
 }
 
-/// Compiles all programs that hold a place as they would be.
+/// Compiles the affected programs with the new name; refuses it if there are new errors or other bindings.
 fn verify(view: &View, ranges: &NameRanges, new: &str) -> Result<(), Refusal> {
     let touched = |s: &Snapshot| ranges.keys().any(|path| s.file(path).is_some());
     let mut open: OpenDocuments = (**view.documents.all()).clone();
@@ -145,7 +146,8 @@ fn verify(view: &View, ranges: &NameRanges, new: &str) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// Where each name is and where it is declared, as it is once the ranges have names of another length.
+/// The bindings of a program: position, kind and declaration of each occurrence. Positions are adjusted as if the names
+/// in `ranges` had another length.
 fn bindings(snapshot: &Snapshot, ranges: &NameRanges, length: u32) -> BTreeSet<(FileId, u32, NameKind, FileId, u32)> {
     let moved = |at: Span| {
         let before =

@@ -1,8 +1,8 @@
-// Whether Mermaid's own parser takes diagrams: node mermaid.mjs FILE… (beside node_modules with mermaid and jsdom).
+// Checks that Mermaid's parser accepts diagrams: node mermaid.mjs FILE… (beside node_modules with mermaid and jsdom).
 import fs from "node:fs";
 import { JSDOM } from "jsdom";
 
-// Mermaid looks for a browser when it is loaded.
+// Mermaid requires browser globals at import.
 globalThis.window = new JSDOM("").window;
 globalThis.document = window.document;
 const { default: mermaid } = await import("mermaid");

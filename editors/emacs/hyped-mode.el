@@ -7,7 +7,7 @@
 
 ;;; Commentary:
 
-;; Colours, indentation as `hypedc fmt' does it, imenu, `compile' with `hypedc check', and the language server
+;; Syntax highlighting, indentation as by `hypedc fmt', imenu, `compile' with `hypedc check', and the language server
 ;; `hypedc lsp' through Eglot: M-x eglot in a buffer of this mode.
 
 ;;; Code:
@@ -20,11 +20,11 @@
   :group 'languages)
 
 (defcustom hyped-program "hypedc"
-  "The command hypedc, or the path of it."
+  "The hypedc executable: a command on the PATH, or a path."
   :type 'string)
 
 (defcustom hyped-indent-offset 4
-  "How far a block is indented.  `hypedc fmt' knows only 4."
+  "The indentation of a block.  `hypedc fmt' always uses 4."
   :type 'integer
   :safe #'integerp)
 
@@ -41,11 +41,11 @@
     (dolist (sign '(?\[ ?\]))
       (modify-syntax-entry sign "." table))
     table)
-  "Syntax of .hyped.  An inline map is a string over several lines.")
+  "Syntax table of .hyped.  An inline map is a string over several lines.")
 
 (defconst hyped--syntax-propertize
   (syntax-propertize-rules
-   ;; The character of a tile opens and closes nothing.
+   ;; The character of a tile is no delimiter.
    ("'\\(.\\)'[ \t]*:" (1 "."))))
 
 ;; ---- words: reserved ones, and those that are words only where the grammar looks for them ----------------------------
@@ -63,7 +63,8 @@
   '("min" "max" "abs" "sign" "clamp" "floor" "ceil" "round" "sqrt" "sin" "cos" "atan2" "if" "pressed" "held" "released"
     "touching" "timer" "entering" "exiting" "lost" "near" "inside"))
 
-;; Each is (BLOCK PIECE...): the kind of block it stands in, or `any', and what makes the pattern, whose groups are words.
+;; Each is (BLOCK PIECE...): the kind of the enclosing block, or `any', and the pieces of a pattern whose groups are
+;; keywords.
 (defconst hyped--words
   '((any "\\_<\\(any\\)[ \t]+" free)
     (any operand "\\(touching\\)\\(?:[ \t]*\"\\|[ \t]+" tag "\\)")
@@ -108,23 +109,23 @@
 (defconst hyped--name "\\_<[[:alpha:]_]\\w*")
 
 (defconst hyped--start "\\(?:^\\|[;{}]\\)[ \t]*"
-  "What stands before a statement.")
+  "The text before a statement.")
 
 (defun hyped--pattern (pieces)
-  "The regular expression that PIECES make."
+  "The regular expression of PIECES."
   (mapconcat
    (lambda (piece)
      (pcase piece
        ('name hyped--name)
        ('start hyped--start)
        ('operand "[)'[:word:]][ \t]+")
-       ;; Names that are not words which may follow an operand, and one more.
+       ;; The first letter of a name; `hyped--free-p' checks that it is no keyword.
        ((or 'free 'tag) "\\w")
        (_ piece)))
    pieces ""))
 
 (defun hyped--free-p (piece)
-  "Whether what the match ends with may be a name, as PIECE asks."
+  "Whether the word at the end of the match is no keyword, for the kind PIECE."
   (save-excursion
     (goto-char (1- (match-end 0)))
     (let ((case-fold-search nil))
@@ -140,7 +141,7 @@
     ("when" . members) ("follow" . members)))
 
 (defun hyped--block (position)
-  "The kind of block that POSITION stands in: nil outside of all."
+  "The kind of the block around POSITION, or nil."
   (save-excursion
     (save-match-data
       (let* ((case-fold-search nil)
@@ -155,7 +156,7 @@
             kind))))))
 
 (defun hyped--matcher (block pieces)
-  "A function for `font-lock-keywords' that searches PIECES in a BLOCK."
+  "A function for `font-lock-keywords' that searches for PIECES in a BLOCK."
   (let ((pattern (hyped--pattern pieces))
         (last-piece (car (last pieces)))
         (tag (memq 'tag pieces)))
@@ -167,17 +168,17 @@
                              (or (eq block 'any) (eq block (hyped--block (or (match-beginning 1) (match-beginning 2)))))
                              (or (not (eq last-piece 'free)) (save-match-data (hyped--free-p 'free)))
                              (or (not tag) (eq (char-before (match-end 0)) ?\") (save-match-data (hyped--free-p 'tag)))))
-            ;; A word may be what the next pattern begins with.
+            ;; The end of a match can be the start of the next one.
             (goto-char (min next limit))))
         found))))
 
 (defun hyped--groups (pieces)
-  "How many groups the pattern of PIECES has."
+  "The number of groups in the pattern of PIECES."
   (regexp-opt-depth (hyped--pattern pieces)))
 
 (defun hyped--match-function (limit)
-  "Search a call of a built-in function up to LIMIT.
-Before the parenthesis of a `rect' of a space stands a tag."
+  "Search for a call of a built-in function up to LIMIT.
+Skips the tag before the parenthesis of a `rect' in a space."
   (let ((case-fold-search nil) (found nil))
     (while (and (not found)
                 (re-search-forward (concat (regexp-opt hyped--functions 'symbols) "[ \t]*(") limit t))
@@ -205,7 +206,7 @@ Before the parenthesis of a `rect' of a space stands a tag."
     ("\\('.'\\)[ \t]*:" 1 font-lock-string-face)))
 
 (defun hyped--syntactic-face (state)
-  "The face of a string or comment with the parser's STATE."
+  "The face of a string or comment, given the parser STATE."
   (cond ((nth 3 state) font-lock-string-face)
         ((save-excursion (goto-char (nth 8 state)) (looking-at "///\\(?:[^/]\\|$\\)")) font-lock-doc-face)
         (t font-lock-comment-face)))
@@ -217,7 +218,7 @@ Before the parenthesis of a `rect' of a space stands a tag."
   (save-excursion (goto-char position) (current-indentation)))
 
 (defun hyped--goes-on-p ()
-  "Whether the line at point goes on with the statement before it."
+  "Whether the line at point continues the preceding statement."
   (let ((case-fold-search nil))
     (or (save-excursion
           (forward-comment (- (point)))
@@ -228,14 +229,14 @@ Before the parenthesis of a `rect' of a space stands a tag."
           (looking-at "\\(?:and\\|or\\)\\_>\\|->")))))
 
 (defun hyped--indentation ()
-  "The column for the line at point, as `hypedc fmt' has it."
+  "The indentation of the line at point, as by `hypedc fmt'."
   (save-excursion
     (beginning-of-line)
     (let* ((state (syntax-ppss))
            (open (nth 1 state)))
       (skip-chars-forward " \t")
       (cond
-       ;; The rows of a map, and the quote that closes it.
+       ;; The rows of a map, and its closing quote.
        ((nth 3 state)
         (+ (hyped--indentation-at (nth 8 state)) (if (eq (char-after) ?\") 0 hyped-indent-offset)))
        ((memq (char-after) '(?\) ?}))
@@ -244,7 +245,7 @@ Before the parenthesis of a `rect' of a space stands a tag."
         (let ((here (if open (+ (hyped--indentation-at open) hyped-indent-offset) 0)))
           (if (or (eq (char-after) ?{)
                   (and open (eq (char-after open) ?\())
-                  ;; The names of a domain.
+                  ;; The values of a discrete variable.
                   (and open (save-excursion (goto-char open) (forward-comment (- (point))) (eq (char-before) ?:)))
                   (not (hyped--goes-on-p)))
               here
@@ -274,7 +275,7 @@ Before the parenthesis of a `rect' of a space stands a tag."
 (defvar eglot-server-programs)
 
 (defun hyped--server (&rest _)
-  "The command that starts the language server."
+  "The command line of the language server."
   (list hyped-program "lsp"))
 
 ;;;###autoload

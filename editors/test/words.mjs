@@ -1,10 +1,10 @@
-// What tree-sitter, which parses, sees as words and as names in every right program of the repository: the measure for
-// editors that only look at patterns. Writes a line for each, with tabs between:
+// Writes the keywords and names that the tree-sitter parser finds in all valid programs of the repository: the
+// reference for editors that only match patterns. One line each, with tabs between the fields:
 //
 //     path  line  first byte  end byte  word|name  text           (lines and bytes from 1, the end is exclusive)
 //
 // node editors/test/words.mjs OUT        (needs tree-sitter on the PATH)
-// A name that is called as a function is neither: editors paint the built-in functions.
+// Names of called functions are omitted: editors highlight only the built-in functions.
 
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync, readdirSync, readFileSync, writeFileSync } from 'node:fs';
@@ -22,7 +22,7 @@ function programs(folder) {
     .sort();
 }
 
-// Words are the tokens without a node of their own, and the nodes that are one word.
+// Keywords are the anonymous tokens, and the nodes that consist of one keyword.
 const types = JSON.parse(readFileSync(join(grammar, 'src/node-types.json'), 'utf8'));
 const anonymous = types.filter(({ type, named }) => !named && /^[a-z]+$/.test(type)).map(({ type }) => `"${type}"`);
 const query = `
@@ -54,7 +54,7 @@ for (const line of out.split('\n')) {
   }
   const [, kind, row, start, end, text] = capture;
   const place = `${path}\t${Number(row) + 1}\t${Number(start) + 1}\t${Number(end) + 1}`;
-  // A word is more than the name that it is in the tree, a call less.
+  // A token with several captures: a keyword or a call takes precedence over a name.
   if (kind !== 'name' || !rows.has(place)) rows.set(place, { kind, text });
 }
 const lines = [...rows].filter(([, { kind }]) => kind !== 'called').map(([place, { kind, text }]) => `${place}\t${kind}\t${text}`);

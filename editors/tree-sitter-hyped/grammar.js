@@ -1,11 +1,10 @@
 /**
- * The grammar of `.hyped` for tree-sitter, after `grammar/hyped.pest`, whose rule names it keeps where they help.
+ * The tree-sitter grammar of `.hyped`, after `grammar/hyped.pest`; it keeps most rule names.
  *
- * White space is skipped everywhere, line breaks too. A line break that ends a statement is a token of its own,
- * which `src/scanner.c` gives where a statement may end and the next line does not go on with it. Where a statement
- * cannot end, such as after `param`, a line break passes here, of which hypedc complains. Words that have
- * a meaning only in some places are plain names in all others: tree-sitter looks for them only where the grammar
- * has them.
+ * White space is skipped everywhere, including line breaks. A line break that ends a statement is a separate token:
+ * `src/scanner.c` emits it where a statement can end and the next line does not continue it. Where a statement cannot
+ * end, such as after `param`, a line break is accepted here, but hypedc reports an error. Contextual keywords are names
+ * elsewhere: tree-sitter matches them only where the grammar allows them.
  *
  * @file Grammar of `.hyped`: game entities as hybrid automata
  * @license MIT OR Apache-2.0
@@ -16,15 +15,15 @@
 
 const PREC = { or: 1, and: 2, not: 3, comparison: 4, sum: 5, product: 6, negative: 7 };
 
-/** One or more, with commas. */
+/** One or more, separated by commas. */
 const commas = (rule) => seq(rule, repeat(seq(',', rule)));
 
 /**
- * `{ … }` of statements: those that end with a block stand beside each other, all others need an end between them.
+ * `{ … }` of statements: statements that end with a block need no separator, all others do.
  */
 const block = ($, withBlock, others) => seq('{', repeat(choice(...withBlock, ...ended($, others))), optional(choice(...others)), '}');
 
-/** Statements with what ends them, and ends without statements. */
+/** Statements with their terminators, and empty statements. */
 const ended = ($, others) => [';', seq(choice(...others), choice(';', $._newline))];
 
 module.exports = grammar({
@@ -36,7 +35,7 @@ module.exports = grammar({
     $._newline,
     $.map_start,
     $.map_row,
-    // Never valid but while tree-sitter recovers from an error, when everything is.
+    // Valid only while tree-sitter recovers from an error, when every token is valid.
     $._recovering,
   ],
 
@@ -44,7 +43,7 @@ module.exports = grammar({
 
   inline: $ => [$._flowing_name],
 
-  // Names, whatever the place. All other words of the language are reserved only where they are looked for.
+  // Reserved in all positions. All other keywords are contextual.
   reserved: {
     global: _ => [
       'and', 'or', 'not', 'in', 'is', 'as', 'if', 'true', 'false', 'none', 'self', 'timer',
@@ -222,9 +221,9 @@ module.exports = grammar({
       seq('tiled', field('path', $.text)),
       seq('ldtk', field('path', $.text), optional(seq('level', field('level', $.text)))),
     ),
-    // A tile set may have the name of a kind of map.
+    // A tile set can have the same name as a kind of map.
     _map_tiles: $ => choice($.identifier, alias(choice('vglc', 'tiled', 'ldtk', 'level'), $.identifier)),
-    // What characters of a level, or names of a level editor, stand for.
+    // The meanings of characters of a level, or of names from a level editor.
     kind_block: $ => block($, [], [$.tile, $.kind]),
     kind: $ => seq(field('name', $.tag), ':', choice($.tile_spawn, $.tags)),
     legend: $ => seq('legend', field('path', $.text), 'tile', $.tile_size),
@@ -289,7 +288,7 @@ module.exports = grammar({
       optional($.primes),
     ),
     variable: $ => seq($.identifier, optional($.primes)),
-    // Where a statement begins, these two words may begin others.
+    // At the start of a statement, these two names can also be keywords.
     _member_variable: $ => seq($._flowing_name, optional($.primes)),
     _flowing_name: $ => choice($.identifier, alias('follow', $.identifier), alias('initial', $.identifier)),
     primes: _ => token.immediate(/'+/),

@@ -1,4 +1,4 @@
-//! The documents that are open in the editor: their texts and versions, as the editor has them.
+//! The open documents: their texts and versions, in sync with the editor.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -10,43 +10,42 @@ use crate::lsp::text::document_text::{Encoding, Position, Text};
 /// An open document.
 #[derive(Debug, Clone)]
 pub(in crate::lsp) struct Document {
-    /// As the editor calls it.
+    /// The URI that the editor uses for it.
     pub uri: String,
-    /// The editor's own count of changes.
+    /// The version number of the editor.
     pub version: i32,
     /// Whether it is a program, and not a level or a legend.
     pub is_program: bool,
-    /// What is in it.
     pub text: Arc<Text>,
 }
 
 /// A change of a text.
 #[derive(Debug, Clone)]
 pub(in crate::lsp) struct Change {
-    /// Where; without a range everything changes.
+    /// The replaced range; `None` replaces the whole text.
     pub range: Option<Range<Position>>,
     pub new_text: String,
 }
 
-/// All open documents, by their paths.
-pub(in crate::lsp) type Open = BTreeMap<PathBuf, Document>;
+/// All open documents, by path.
+pub(in crate::lsp) type OpenDocuments = BTreeMap<PathBuf, Document>;
 
-/// The documents, shared with the thread that compiles them.
+/// The open documents, shared with the worker.
 #[derive(Debug, Default)]
 pub(in crate::lsp) struct Documents {
-    open: Arc<Open>,
+    open: Arc<OpenDocuments>,
 }
 
 impl Documents {
-    /// Opens a document, or reopens it.
+    /// Opens a document, or replaces it if it is already open.
     pub fn open(&mut self, path: PathBuf, uri: String, version: i32, text: String, language: &str) {
         let is_program = language == "hyped" || path.extension().is_some_and(|e| e == "hyped");
         let document = Document { uri, version, is_program, text: Arc::new(Text::new(text)) };
         Arc::make_mut(&mut self.open).insert(path, document);
     }
 
-    /// Changes an open document; returns whether it is one. The range of each change counts in the text that the changes
-    /// before it left.
+    /// Applies changes to a document; returns false if it is not open. The range of each change refers to the text
+    /// after the preceding changes.
     pub fn change(&mut self, path: &Path, version: i32, changes: &[Change], encoding: Encoding) -> bool {
         let Some(document) = Arc::make_mut(&mut self.open).get_mut(path) else { return false };
         document.version = version;
@@ -67,14 +66,14 @@ impl Documents {
         self.open.get(path)
     }
 
-    /// All of them as they are now.
-    pub fn all(&self) -> &Arc<Open> {
+    /// The current state of all open documents.
+    pub fn all(&self) -> &Arc<OpenDocuments> {
         &self.open
     }
 }
 
-/// A path without `.` and `..`, whatever the disk says of links.
-pub(in crate::lsp) fn clean(path: &Path) -> PathBuf {
+/// A path without `.` and `..`, resolved lexically: symbolic links are not followed.
+pub(in crate::lsp) fn normalize(path: &Path) -> PathBuf {
     let mut out = PathBuf::new();
     for component in path.components() {
         match component {

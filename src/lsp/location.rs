@@ -1,5 +1,5 @@
-//! Places in files, without the protocol: where something is asked, and where an answer is. Bytes count in the code of a
-//! text, which is the text without a byte order mark.
+//! Locations in files, independent of the protocol: positions of requests and ranges of results. Byte offsets refer to
+//! the code of a text, which is the text without a byte order mark.
 
 use std::ops::Range;
 use std::path::PathBuf;
@@ -7,14 +7,14 @@ use std::sync::Arc;
 
 use crate::lsp::text::document_text::Text;
 
-/// Where something is asked: a byte of a file, in [`View::text`](crate::lsp::view::View::text).
+/// The position of a request: a byte offset in a file, in [`View::text`](crate::lsp::view::View::text).
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::lsp) struct FileOffset {
     pub path: PathBuf,
     pub byte: usize,
 }
 
-/// Where an answer is: some bytes of a file, and the text that they count in.
+/// A range of bytes in a file, with the text to which the offsets refer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::lsp) struct Location {
     pub path: PathBuf,
@@ -22,7 +22,7 @@ pub(in crate::lsp) struct Location {
     pub bytes: Range<usize>,
 }
 
-/// A text to put in place of another.
+/// A replacement of a range by a new text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::lsp) struct Edit {
     pub at: Location,

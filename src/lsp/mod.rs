@@ -1,26 +1,27 @@
-//! The language server: what editors ask of open texts (Language Server Protocol 3.18), over any connection.
+//! The language server (Language Server Protocol 3.18): answers requests of editors about open documents, over any
+//! connection.
 //!
 //! ```text
 //!  editor ◀──messages──▶ protocol/ ──documents──▶ worker ──compile──▶ Snapshot ─┐
 //!                           │                       └────analysis──▶ findings ──┤
 //!                           └─path, byte─▶ features/ ◀──View◀───────────────────┘
-//!                           ◀──plain answers──┘
+//!                           ◀──plain results──┘
 //! ```
 //!
 //! | folder, file | holds |
 //! |---|---|
-//! | `protocol` | the connection, the worker, the table of requests, the way from and to the protocol's types |
-//! | `features` | what the server can do: functions from a view, a path and a byte to plain answers |
-//! | `view`, `snapshot`, `documents`, `values`, `location` | what is known at one moment, and places in it |
-//! | `text` | texts that may be broken: lines and columns, words, where a cursor is |
+//! | `protocol` | the connection, the worker, the table of requests, conversion from and to the protocol's types |
+//! | `features` | the features of the server: functions from a view, a path and a byte offset to plain results |
+//! | `view`, `snapshot`, `documents`, `values`, `location` | the state that features read, and locations in it |
+//! | `text` | texts that may not parse: positions, tokens, the context of a cursor |
 //!
-//! Only `protocol` uses the types of the protocol. A feature counts in bytes and names files by paths; lines and columns,
-//! URIs, and the kinds that editors know come in when its answer is sent.
+//! Only `protocol` uses the types of the protocol. Features use byte offsets and paths; `protocol` converts their
+//! results to lines and columns, URIs, and the kinds that editors know.
 //!
-//! The server's thread only reads messages, keeps the documents and answers from snapshots; all that takes long is done
-//! by the worker, which restarts when a document changes. A request that needs names waits until the worker has
-//! compiled the documents as the request saw them. What broken texts do not tell is taken from the last snapshot that was
-//! free of errors.
+//! The server's thread only reads messages, updates the documents and answers from snapshots. The worker does
+//! everything that takes long, and restarts when a document changes. A request that needs names waits until the worker
+//! has compiled the documents as of the request. Where a text does not parse, features fall back to the last snapshot
+//! without errors.
 
 mod documents;
 mod features;
@@ -37,8 +38,8 @@ pub use protocol::{Server, Settings};
 
 use crate::source::Files;
 
-/// Where programs are that no document is open of.
+/// Access to the programs on the disk, for those that are not open.
 pub trait Workspace: Files + Send + Sync {
-    /// The programs in a folder and in those below.
+    /// The programs in a folder and its subfolders.
     fn programs(&self, folder: &Path) -> Vec<PathBuf>;
 }

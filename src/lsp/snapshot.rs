@@ -1,5 +1,5 @@
-//! What is known of a program at one moment: what compiling found, where names occur, and the texts that it was
-//! compiled from, so that places can be shown in them. It never changes; a new one takes its place.
+//! A compiled program: the result of the compiler, the occurrences of names, and the texts that it was compiled from,
+//! to convert spans to locations. Snapshots are immutable; a change of a text creates a new one.
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -13,77 +13,77 @@ use crate::syntax::ast::{Behavior, Item};
 use crate::syntax::occurrence::{NameKind, Occurrence};
 
 use crate::lsp::Workspace;
-use crate::lsp::documents::{Document, Open, clean};
+use crate::lsp::documents::{Document, OpenDocuments, normalize};
 use crate::lsp::location::Location;
 use crate::lsp::text::document_text::Text;
 
-/// Reads what is open from the editor, all else from the disk, and remembers what was asked for.
+/// Reads open documents from the editor and other files from the disk, and records the requested paths.
 struct Overlay<'a> {
-    open: &'a Open,
+    open: &'a OpenDocuments,
     disk: &'a dyn Workspace,
-    asked: RefCell<BTreeSet<PathBuf>>,
+    requested: RefCell<BTreeSet<PathBuf>>,
 }
 
 impl Files for Overlay<'_> {
     fn read(&self, path: &Path) -> Result<String, ReadError> {
-        let path = clean(path);
+        let path = normalize(path);
         let text = match self.open.get(&path) {
             Some(document) => decode(document.text.whole().as_bytes().to_vec()),
             None => self.disk.read(&path),
         };
-        self.asked.borrow_mut().insert(path);
+        self.requested.borrow_mut().insert(path);
         text
     }
 
     fn identity(&self, path: &Path) -> PathBuf {
-        let path = clean(path);
+        let path = normalize(path);
         if self.open.contains_key(&path) { path } else { self.disk.identity(&path) }
     }
 }
 
-/// What is known of a program.
+/// A compiled program at one point in time.
 #[derive(Debug)]
 pub(in crate::lsp) struct Snapshot {
     /// The file that was compiled.
     pub root: PathBuf,
-    /// What came of it.
+    /// The result of the compiler.
     pub ide: IdeCompilation,
-    /// What was read, or was to be read.
-    pub asked: BTreeSet<PathBuf>,
-    open: Arc<Open>,
+    /// The files that the compiler read or tried to read. A change of one of them invalidates the snapshot.
+    pub dependencies: BTreeSet<PathBuf>,
+    open: Arc<OpenDocuments>,
     paths: Vec<PathBuf>,
-    /// Texts of files that are not open, made when they are first needed.
+    /// Texts of files that are not open, built on demand.
     texts: Vec<OnceLock<Arc<Text>>>,
 }
 
-/// What a name names, the same in all programs.
+/// The identity of a named symbol, equal in all programs that contain it.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub(in crate::lsp) struct Key {
+pub(in crate::lsp) struct SymbolKey {
     pub kind: NameKind,
     pub name: String,
-    /// Where it is declared; a tag is the same wherever it is.
+    /// File and offset of the declaration; `None` for a tag, which is identified by its name alone.
     pub declared: Option<(PathBuf, u32)>,
 }
 
 impl Snapshot {
-    /// Compiles a file as it is in the editor, or on the disk.
-    pub fn of(root: &Path, open: &Arc<Open>, disk: &dyn Workspace) -> Self {
-        let files = Overlay { open, disk, asked: RefCell::default() };
+    /// Compiles a program; open documents take precedence over files on the disk.
+    pub fn compile(root: &Path, open: &Arc<OpenDocuments>, disk: &dyn Workspace) -> Self {
+        let files = Overlay { open, disk, requested: RefCell::default() };
         let ide = compile_for_ide(root, &files);
-        let paths: Vec<PathBuf> = ide.compilation.sources.iter().map(|(_, file)| clean(&file.path)).collect();
+        let paths: Vec<PathBuf> = ide.compilation.sources.iter().map(|(_, file)| normalize(&file.path)).collect();
         let texts = paths.iter().map(|_| OnceLock::new()).collect();
-        let asked = files.asked.into_inner();
-        Snapshot { root: root.to_path_buf(), ide, asked, open: Arc::clone(open), paths, texts }
+        let dependencies = files.requested.into_inner();
+        Snapshot { root: root.to_path_buf(), ide, dependencies, open: Arc::clone(open), paths, texts }
     }
 
     /// Whether the program has no error.
-    pub fn is_good(&self) -> bool {
+    pub fn is_error_free(&self) -> bool {
         self.ide.compilation.program.is_some()
     }
 
-    /// The file of a path, if the program has it.
+    /// The id of a path, if the program contains that file.
     pub fn file(&self, path: &Path) -> Option<FileId> {
-        self.paths.iter().position(|known| known == path).map(|at| FileId(at as u32))
+        self.paths.iter().position(|other| other == path).map(|at| FileId(at as u32))
     }
 
     /// The path of a file.
@@ -103,17 +103,17 @@ impl Snapshot {
         }
         let read = || Arc::new(Text::new(self.ide.compilation.sources.file(file).text()));
         match self.texts.get(file.0 as usize) {
-            Some(known) => Arc::clone(known.get_or_init(read)),
+            Some(text) => Arc::clone(text.get_or_init(read)),
             None => read(),
         }
     }
 
-    /// A place, with the text that was compiled.
+    /// Converts a span to a location in the compiled text.
     pub fn location(&self, at: Span) -> Location {
         Location { path: self.path(at.file()).to_path_buf(), text: self.text(at.file()), bytes: at.range() }
     }
 
-    /// The names at a byte of a file: those that hold it, or else those that end there.
+    /// The names at an offset in a file: those that contain it, or else those that end there.
     pub fn names_at(&self, file: FileId, byte: usize) -> Vec<Occurrence> {
         let byte = byte as u32;
         let all = &self.ide.occurrences;
@@ -123,21 +123,21 @@ impl Snapshot {
         if inside.is_empty() { near().filter(|o| o.at.end() == byte).copied().collect() } else { inside }
     }
 
-    /// What the name of an occurrence is.
+    /// The name of an occurrence, as text.
     pub fn name(&self, o: &Occurrence) -> &str {
         self.ide.compilation.sources.slice(o.at)
     }
 
-    /// What an occurrence names.
-    pub fn key(&self, o: &Occurrence) -> Key {
+    /// The symbol of an occurrence.
+    pub fn key(&self, o: &Occurrence) -> SymbolKey {
         let declared = (self.path(o.declared.file()).to_path_buf(), o.declared.start());
         let name = self.name(o).to_string();
-        Key { kind: o.kind, name, declared: Some(declared).filter(|_| o.kind != NameKind::Tag) }
+        SymbolKey { kind: o.kind, name, declared: Some(declared).filter(|_| o.kind != NameKind::Tag) }
     }
 
-    /// Where some names occur.
-    pub fn matching(&self, keys: &BTreeSet<Key>) -> std::vec::IntoIter<Occurrence> {
-        // Places are compared by their numbers here.
+    /// The occurrences of some symbols.
+    pub fn occurrences_of(&self, keys: &BTreeSet<SymbolKey>) -> std::vec::IntoIter<Occurrence> {
+        // Compare file ids instead of paths.
         let local = keys.iter().filter_map(|key| {
             let declared = match &key.declared {
                 Some((path, start)) => Some((self.file(path)?, *start)),
@@ -156,7 +156,7 @@ impl Snapshot {
         self.ide.occurrences.iter().filter(fits).copied().collect::<Vec<_>>().into_iter()
     }
 
-    /// A behaviour of the program.
+    /// The syntax tree of a behaviour, by name.
     pub fn behavior(&self, name: &str) -> Option<Behavior> {
         let files = self.ide.compilation.sources.iter();
         let programs = files.filter(|(_, file)| file.path.extension().is_some_and(|e| e == "hyped"));
@@ -169,7 +169,7 @@ impl Snapshot {
         })
     }
 
-    /// The text of the `///` lines above a place.
+    /// The text of the `///` lines above a span.
     pub fn doc(&self, at: Span) -> Option<String> {
         let text = self.ide.compilation.sources.file(at.file()).text();
         let before = text.get(..at.range().start)?;
@@ -181,7 +181,7 @@ impl Snapshot {
         (!lines.is_empty()).then(|| lines.join("\n"))
     }
 
-    /// The line of a place, without what opens a block.
+    /// The line of a span, without a comment and an opening brace.
     pub fn line(&self, at: Span) -> String {
         let text = self.ide.compilation.sources.file(at.file()).text();
         let start = text.get(..at.range().start).and_then(|t| t.rfind('\n')).map_or(0, |at| at + 1);

@@ -1,28 +1,28 @@
-//! What the analysis knows of variables, by entity and mode: for hovering and for hints.
+//! The value ranges of variables that the analysis found, by entity and mode: for hovers and inlay hints.
 
 use std::collections::BTreeMap;
 
 use crate::analysis::{Spaces, Values};
 use crate::ir::Program;
 
-/// What a variable can be while a mode is active: itself and, of a continuous one, its derivatives.
+/// The values of a variable while a mode is active; those of a continuous variable include its derivatives.
 #[derive(Debug, Clone)]
-pub(in crate::lsp) struct InMode {
+pub(in crate::lsp) struct ModeValues {
     /// The mode's path; empty in an entity without modes.
     pub mode: String,
     /// The variable, its velocity, its acceleration.
     pub values: Vec<Values>,
 }
 
-/// What variables can be in all worlds of a program.
+/// The values of variables, joined over all worlds of a program.
 #[derive(Debug, Clone, Default)]
 pub(in crate::lsp) struct Ranges {
-    /// By entity and variable; modes in order.
-    known: BTreeMap<(String, String), Vec<InMode>>,
+    /// By entity and variable; modes in the order in which they were found.
+    by_variable: BTreeMap<(String, String), Vec<ModeValues>>,
 }
 
 impl Ranges {
-    /// What all worlds have found. Nothing is kept of an entity that was given up in one of them.
+    /// Joins the results of all worlds. Drops an entity if its analysis was given up in one of them.
     pub fn of(program: &Program, spaces: &Spaces) -> Self {
         let mut out = Ranges::default();
         let mut given_up = Vec::new();
@@ -52,26 +52,26 @@ impl Ranges {
                 }
             }
         }
-        out.known.retain(|(entity, _), _| !given_up.iter().any(|id| program.entities[*id].name == *entity));
+        out.by_variable.retain(|(entity, _), _| !given_up.iter().any(|id| program.entities[*id].name == *entity));
         out
     }
 
     fn add(&mut self, (entity, name): (&str, &str), mode: &str, values: &[Values]) {
-        let modes = self.known.entry((entity.to_string(), name.to_string())).or_default();
+        let modes = self.by_variable.entry((entity.to_string(), name.to_string())).or_default();
         match modes.iter_mut().find(|m| m.mode == mode) {
             Some(known) => known.values.iter_mut().zip(values).for_each(|(old, new)| *old = old.or(new)),
-            None => modes.push(InMode { mode: mode.to_string(), values: values.to_vec() }),
+            None => modes.push(ModeValues { mode: mode.to_string(), values: values.to_vec() }),
         }
     }
 
-    /// What a variable of an entity can be in each mode.
-    pub fn get(&self, entity: &str, name: &str) -> &[InMode] {
-        self.known.get(&(entity.to_string(), name.to_string())).map_or(&[], Vec::as_slice)
+    /// The values of a variable of an entity in each mode; empty if unknown.
+    pub fn get(&self, entity: &str, name: &str) -> &[ModeValues] {
+        self.by_variable.get(&(entity.to_string(), name.to_string())).map_or(&[], Vec::as_slice)
     }
 }
 
-/// Some values as one writes them.
-pub(in crate::lsp) fn written(values: &Values) -> String {
+/// Values as text: intervals joined by "or".
+pub(in crate::lsp) fn format_values(values: &Values) -> String {
     let parts: Vec<String> = values.intervals().iter().map(ToString::to_string).collect();
     if parts.is_empty() { "none".into() } else { parts.join(" or ") }
 }

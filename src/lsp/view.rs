@@ -1,5 +1,5 @@
-//! What the server knows at one moment: the open documents and the newest snapshot of each program. Features are functions of
-//! it: they change nothing and wait for nothing.
+//! The state of the server that features read: the open documents and the newest snapshot of each program. Features are
+//! functions of a view: they neither modify it nor block.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -13,49 +13,53 @@ use crate::lsp::text::document_text::{Encoding, Text};
 use crate::lsp::values::Ranges;
 use crate::source::FileId;
 
-/// Why a request that was understood cannot be met.
+/// Why a valid request is refused.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::lsp) struct Refusal(pub String);
 
-/// What is known of a program that is open, or in the workspace.
-pub(in crate::lsp) struct Known {
-    pub now: Arc<Snapshot>,
-    /// The last one without errors.
-    pub good: Option<Arc<Snapshot>>,
-    /// What the analysis of values found of it as it is now.
+/// The state of a program that is open or in the workspace.
+pub(in crate::lsp) struct ProgramState {
+    pub current: Arc<Snapshot>,
+    /// The last snapshot without errors.
+    pub last_good: Option<Arc<Snapshot>>,
+    /// The findings of the value analysis for the current snapshot; `None` until it has run.
     pub findings: Option<Diagnostics>,
-    /// What its variables could be when that was last known.
+    /// The newest known value ranges of its variables; may be of an older snapshot.
     pub ranges: Option<Ranges>,
 }
 
-/// What features see.
+/// The state that features read.
 pub(in crate::lsp) struct View {
     pub documents: Documents,
-    /// The programs that are open or in the workspace, by their paths.
-    pub known: BTreeMap<PathBuf, Known>,
-    /// The old and the new name of the last renaming.
-    pub renamed: Option<(String, String)>,
+    /// The programs that are open or in the workspace, by path.
+    pub programs: BTreeMap<PathBuf, ProgramState>,
+    /// The old and the new name of the last rename.
+    pub last_rename: Option<(String, String)>,
     pub disk: Arc<dyn Workspace>,
 }
 
 impl View {
-    /// The programs that a document is part of, itself first.
-    pub fn programs(&self, path: &Path) -> impl Iterator<Item = &Known> {
-        let own = self.known.get(path);
-        let others = self.known.iter().filter(move |(root, k)| root.as_path() != path && k.now.file(path).is_some());
-        own.into_iter().chain(others.map(|(_, known)| known))
+    /// The programs that contain a file, the one whose root it is first.
+    pub fn programs_with(&self, path: &Path) -> impl Iterator<Item = &ProgramState> {
+        let own = self.programs.get(path);
+        let others = self
+            .programs
+            .iter()
+            .filter(move |(root, state)| root.as_path() != path && state.current.file(path).is_some());
+        own.into_iter().chain(others.map(|(_, state)| state))
     }
 
-    /// The text that offsets in a file count in: of the open document, or else of the first program that has the file.
+    /// The text to which offsets in a file refer: the open document, or else the file in the first program that
+    /// contains it.
     pub fn text(&self, path: &Path) -> Option<Arc<Text>> {
         match self.documents.get(path) {
             Some(document) => Some(Arc::clone(&document.text)),
-            None => self.programs(path).find_map(|known| Some(known.now.text(known.now.file(path)?))),
+            None => self.programs_with(path).find_map(|state| Some(state.current.text(state.current.file(path)?))),
         }
     }
 
-    /// A byte of [`text`](Self::text) in the text that a program was compiled from. If that is an older one, it is the byte
-    /// at the same line and column.
+    /// Maps an offset in [`text`](Self::text) to the text that a snapshot was compiled from. If that text is older,
+    /// returns the offset at the same line and column.
     pub fn byte_in(&self, snapshot: &Snapshot, file: FileId, byte: usize) -> usize {
         let text = snapshot.text(file);
         match self.text(snapshot.path(file)) {

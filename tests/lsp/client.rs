@@ -53,7 +53,7 @@ impl Client {
     pub fn start(files: &[(&str, &str)], capabilities: Value) -> Self {
         let (ours, theirs) = Connection::memory();
         let disk = Memory(files.iter().map(|(path, text)| (PathBuf::from(path), (*text).to_string())).collect());
-        let settings = Settings { quiet: Duration::ZERO };
+        let settings = Settings { debounce: Duration::ZERO };
         let server = std::thread::spawn(move || Server::serve(theirs, Arc::new(disk), settings));
         let mut client = Client {
             connection: ours,

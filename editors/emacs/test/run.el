@@ -4,8 +4,8 @@
 
 ;; emacs -Q --batch -L . -l test/run.el -f ert-run-tests-batch-and-exit
 ;;
-;; $WORDS is what editors/test/words.mjs has written, $TIDY a folder of programs as `hypedc fmt' lays them out, $HYPEDC
-;; the command hypedc.
+;; $WORDS is the output of editors/test/words.mjs, $TIDY a folder of programs formatted by `hypedc fmt', $HYPEDC the
+;; hypedc executable.
 
 ;;; Code:
 
@@ -21,7 +21,7 @@
     (split-string (buffer-string) "\n" t)))
 
 (defmacro run--with-file (path &rest body)
-  "Run BODY in a buffer with the file PATH, in the mode that Emacs chooses for it, with its colours."
+  "Run BODY in a fontified buffer with the file PATH, in the mode that Emacs selects for it."
   (declare (indent 1))
   `(with-current-buffer (find-file-noselect ,path)
      (unwind-protect
@@ -30,7 +30,7 @@
        (kill-buffer))))
 
 (ert-deftest run-words-are-words-and-names-are-names ()
-  "The colours beside what the tree-sitter grammar sees."
+  "Keywords and names are those of the tree-sitter grammar."
   (let ((files (make-hash-table :test #'equal)) (paths nil) (wrong nil) (rows (run--lines (getenv "WORDS"))))
     (should (> (length rows) 10000))
     (dolist (row rows)
@@ -68,7 +68,7 @@
       (should (equal (list text (get-text-property (match-beginning 0) 'face)) (list text face))))))
 
 (ert-deftest run-indentation ()
-  "What is laid out by `hypedc fmt' stays as it is, from no indentation, too."
+  "Reindenting a formatted program restores it, also from no indentation."
   (let ((files (directory-files (getenv "TIDY") t "\\.hyped\\'")) (wrong nil))
     (should (> (length files) 10))
     (dolist (path files)
@@ -86,7 +86,7 @@
     (should (equal (nreverse wrong) nil))))
 
 (ert-deftest run-compilation ()
-  "Findings become places."
+  "Findings become locations."
   (let* ((default-directory (file-name-directory (locate-library "hyped-mode")))
          (path (expand-file-name "../../tests/ui/dimensions.hyped"))
          (command (concat (getenv "HYPEDC") " check --format short " path))
@@ -105,9 +105,9 @@
         (should (cl-every (lambda (place) (equal (car place) path)) places))))))
 
 (ert-deftest run-server ()
-  "Eglot knows the server."
+  "The server is registered with Eglot."
   (unless (require 'eglot nil t)
-    ;; Emacs before 29 has none: what is to be done once it is loaded can be tested all the same.
+    ;; Emacs before 29 lacks Eglot: provide the feature, to test the code that runs after its load.
     (defvar eglot-server-programs nil)
     (provide 'eglot))
   (let ((hyped-program "/a/hypedc"))

@@ -4,8 +4,8 @@
 
 ;; emacs --batch -L . -l test/server.el -f ert-run-tests-batch-and-exit
 ;;
-;; $HYPEDC is the command hypedc.  Eglot is that of Emacs 29, or the package (Debian's elpa-eglot).  One program, a copy of
-;; ../test/mistakes, goes through all tests, in their order.
+;; $HYPEDC is the hypedc executable.  Eglot is that of Emacs 29, or the package (Debian's elpa-eglot).  All tests edit
+;; the same copy of ../test/mistakes, in order.
 
 ;;; Code:
 
@@ -36,19 +36,19 @@
   (find-file-noselect (expand-file-name name server--folder)))
 
 (defun server--checked ()
-  "What `hypedc check' tells of the files on the disk."
+  "The findings of `hypedc check' in the files on the disk."
   (let ((default-directory server--folder))
     (sort (split-string (shell-command-to-string (concat hyped-program " check --format short game.hyped")) "\n" t)
           #'string<)))
 
 (defun server--told (diagnostic)
-  "The severity, code and message of DIAGNOSTIC as the short form has them."
+  "The severity, code and message of DIAGNOSTIC in the short format."
   (let ((said (alist-get 'eglot-lsp-diag (flymake-diagnostic-data diagnostic))))
     (format "%s[%s]: %s" (if (eql (plist-get said :severity) 1) "error" "warning")
             (plist-get said :code) (car (split-string (plist-get said :message) "\n")))))
 
 (defun server--shown ()
-  "What Emacs shows, in the same form."
+  "The diagnostics that Emacs shows, in the same format."
   (let ((found nil))
     (dolist (name '("game.hyped" "slime.hyped"))
       (with-current-buffer (server--buffer name)
@@ -61,14 +61,14 @@
     (sort found #'string<)))
 
 (defun server--wait (what condition)
-  "Wait until CONDITION holds, which is WHAT."
+  "Wait until CONDITION holds; WHAT describes it."
   (let ((end (+ (float-time) 20)))
     (while (not (funcall condition))
       (when (> (float-time) end) (ert-fail (list 'never what)))
       (accept-process-output nil 0.02))))
 
 (defun server--agree (count)
-  "Wait until Emacs shows the COUNT findings that `hypedc check' tells."
+  "Wait until Emacs shows the COUNT findings of `hypedc check'."
   (let ((told (server--checked)) (end (+ (float-time) 20)))
     (should (= (length told) count))
     (while (and (not (equal (server--shown) told)) (< (float-time) end))
@@ -78,7 +78,7 @@
     (should (equal (server--shown) told))))
 
 (defun server--replace (name old new)
-  "In the file NAME, put NEW in place of OLD, and save."
+  "Replace OLD by NEW in the file NAME, and save it."
   (with-current-buffer (server--buffer name)
     (goto-char (point-min))
     (search-forward old)
@@ -86,7 +86,7 @@
     (save-buffer)))
 
 (defun server--at (name text)
-  "Go to where TEXT begins in the file NAME."
+  "Go to the start of TEXT in the file NAME."
   (set-buffer (server--buffer name))
   (goto-char (point-min))
   (search-forward text)

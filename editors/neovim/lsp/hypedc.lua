@@ -1,4 +1,5 @@
--- The language server, as `vim.lsp.enable('hypedc')` starts it. `vim.lsp.config('hypedc', { … })` changes it.
+-- The configuration of the language server for `vim.lsp.enable('hypedc')`; `vim.lsp.config('hypedc', { … })` extends
+-- it.
 return {
   cmd = { vim.g.hypedc_path or 'hypedc', 'lsp' },
   filetypes = { 'hyped' },

@@ -1,4 +1,4 @@
--- What Neovim (0.11 or later) does with .hyped; settings are in `lua/hyped/init.lua`.
+-- Support for .hyped in Neovim 0.11 or later; `lua/hyped/init.lua` lists the settings.
 if vim.g.loaded_hyped then
   return
 end

@@ -1,5 +1,5 @@
--- What the tests of the plugin share: `dofile('test/harness.lua')` in the plugin's folder sets Neovim up as a person would,
--- with $HYPEDC as the command hypedc.
+-- Shared test code: `dofile('test/harness.lua')` in the plugin's folder installs the plugin as a user would, with
+-- $HYPEDC as the hypedc executable.
 
 local M = {}
 
@@ -23,7 +23,7 @@ function M.wait_for(what, condition)
   end
 end
 
--- Says how many tests passed, and ends Neovim with 1 if one failed.
+-- Prints the number of passed tests, and exits with 1 if one failed.
 function M.finish()
   print(('%d passed, %d failed'):format(passed, failed))
   os.exit(failed == 0 and 0 or 1)

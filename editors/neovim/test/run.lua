@@ -1,8 +1,8 @@
 -- Tests of the Neovim plugin: `nvim --headless --clean -l test/run.lua` in its folder, with
 --
---     $WORDS    what editors/test/words.mjs has written
---     $TIDY     a folder of programs as `hypedc fmt` lays them out
---     $HYPEDC   the command hypedc
+--     $WORDS    the output of editors/test/words.mjs
+--     $TIDY     a folder of programs formatted by `hypedc fmt`
+--     $HYPEDC   the hypedc executable
 --
 -- The parser must have been built: `tree-sitter build` in ../tree-sitter-hyped.
 
@@ -51,7 +51,7 @@ test('words are words and names are names', function()
       local word, captures = false, {}
       for _, capture in ipairs(vim.treesitter.get_captures_at_pos(0, line - 1, start - 1)) do
         captures[#captures + 1] = capture.capture
-        -- The last one is what is seen.
+        -- The last capture determines the highlight.
         word = capture.capture:find('^keyword') or capture.capture == 'boolean' or capture.capture == 'variable.builtin'
           or capture.capture == 'constant.builtin'
       end

@@ -1,5 +1,6 @@
--- Neovim and `hypedc lsp`: findings, definitions, renaming, layout, in a copy of the program ../test/mistakes.
--- `nvim --headless --clean -l test/server.lua` in the plugin's folder, with $HYPEDC, the command hypedc.
+-- Tests of Neovim with `hypedc lsp`: findings, definitions, rename, formatting, in a copy of the program
+-- ../test/mistakes. `nvim --headless --clean -l test/server.lua` in the plugin's folder, with $HYPEDC, the hypedc
+-- executable.
 
 local harness = dofile('test/harness.lua')
 local test, same, wait_for = harness.test, harness.same, harness.wait_for
@@ -16,7 +17,7 @@ local slime = vim.api.nvim_get_current_buf()
 vim.cmd.edit('game.hyped')
 local game = vim.api.nvim_get_current_buf()
 
--- What `hypedc check` tells of the files on the disk.
+-- The findings of `hypedc check` in the files on the disk.
 local function checked()
   local out = vim.system({ os.getenv('HYPEDC'), 'check', '--format', 'short', 'game.hyped' }, { text = true }):wait().stdout
   local found = vim.split(vim.trim(out), '\n', { trimempty = true })
@@ -24,7 +25,7 @@ local function checked()
   return found
 end
 
--- What Neovim shows, in the same form: the first line of each finding.
+-- The diagnostics that Neovim shows, in the same format: the first line of each.
 local function shown()
   local found = {}
   for _, d in ipairs(vim.diagnostic.get()) do
@@ -38,7 +39,7 @@ local function shown()
   return found
 end
 
--- Waits until Neovim shows what `hypedc check` tells, and so many findings.
+-- Waits until Neovim shows the `count` findings of `hypedc check`.
 local function agree(count)
   local told = checked()
   same(#told, count, table.concat(told, '\n'))

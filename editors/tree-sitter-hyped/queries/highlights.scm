@@ -69,7 +69,7 @@
 (comment) @comment
 (doc_comment) @comment.documentation
 
-; ---- words: names where the grammar does not look for them
+; ---- keywords: the contextual ones are names elsewhere
 
 ["import"] @keyword.import
 ["entity" "behavior" "world" "space" "tiles"] @keyword.type

@@ -1,4 +1,4 @@
-; As `hypedc fmt` lays programs out: four blanks for each open block, parenthesis and inline map.
+; As `hypedc fmt` does: four spaces per open block, parenthesis and inline map.
 
 [
   (block)

@@ -1,8 +1,8 @@
-// What the lexer cannot tell by itself: which line breaks end a statement, and the rows of an inline map.
+// The external scanner, for tokens that depend on context: line breaks that end statements, and rows of inline maps.
 //
-// A line break ends a statement unless the next line goes on with it: with `and`, `or`, `->` or `{`, none of which can
-// begin a statement. Inside of parentheses, after an operator or a comma the parser does not ask for an end.
-// The scanner keeps no state.
+// A line break ends a statement unless the next line continues it with `and`, `or`, `->` or `{`, none of which can
+// start a statement. Inside parentheses, and after an operator or a comma, the parser does not accept this token. The
+// scanner has no state.
 
 #include "tree_sitter/parser.h"
 
@@ -14,7 +14,7 @@ static bool is_break(int32_t c) { return c == '\n' || c == '\r'; }
 
 static bool at_end_of_line(TSLexer *lexer) { return is_break(lexer->lookahead) || lexer->eof(lexer); }
 
-// Whether a letter, digit or `_` can go on after a word. Letters beyond ASCII make a longer word, too.
+// Whether a character can continue a word: a letter (also beyond ASCII), a digit or `_`.
 static bool is_name_char(int32_t c) {
     return c == '_' || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c > 127;
 }
@@ -31,7 +31,7 @@ static bool is_word(TSLexer *lexer, const char *word) {
     return !is_name_char(lexer->lookahead);
 }
 
-// Whether what follows, over blank lines and comments, goes on with the statement.
+// Whether the next token, after blank lines and comments, continues the statement.
 static bool goes_on(TSLexer *lexer) {
     for (;;) {
         while (is_blank(lexer->lookahead) || is_break(lexer->lookahead)) lexer->advance(lexer, false);
@@ -51,7 +51,7 @@ static bool goes_on(TSLexer *lexer) {
 
 static bool newline(TSLexer *lexer) {
     while (is_blank(lexer->lookahead)) lexer->advance(lexer, true);
-    // A comment before the break is a node: the lexer takes it, then asks again.
+    // A comment before the line break is a node: the lexer consumes it, then calls the scanner again.
     if (!is_break(lexer->lookahead)) return false;
     bool returned = lexer->lookahead == '\r';
     lexer->advance(lexer, false);
@@ -61,7 +61,7 @@ static bool newline(TSLexer *lexer) {
     return !goes_on(lexer);
 }
 
-// The quote that opens a map: nothing but a comment stands after it.
+// The opening quote of a map: at most a comment follows it in the line.
 static bool map_start(TSLexer *lexer) {
     while (is_blank(lexer->lookahead) || is_break(lexer->lookahead)) lexer->advance(lexer, true);
     if (lexer->lookahead != '"') return false;
@@ -78,8 +78,8 @@ static bool map_start(TSLexer *lexer) {
     return is_break(lexer->lookahead);
 }
 
-// A row from its first cell to its last one. It stands on a line of its own, so a comment after the opening quote is
-// none, but `//` in a row are cells.
+// A row, from its first cell to its last one. A row has its own line, so a comment after the opening quote is no row,
+// but `//` in a row are cells.
 static bool map_row(TSLexer *lexer) {
     bool own_line = false;
     while (is_blank(lexer->lookahead) || is_break(lexer->lookahead)) {
@@ -116,7 +116,7 @@ bool tree_sitter_hyped_external_scanner_scan(void *payload, TSLexer *lexer, cons
     (void)payload;
     if (valid[RECOVERING]) return newline(lexer);
     if (valid[MAP_ROW]) return map_row(lexer);
-    // After `map level`, which may end here, or name the tile set of the map that follows on the same line.
+    // After `map level`: the statement can end here, or continue with a tile set and a map on the same line.
     while (valid[NEWLINE] && is_blank(lexer->lookahead)) lexer->advance(lexer, true);
     if (valid[NEWLINE] && (!valid[MAP_START] || is_break(lexer->lookahead))) return newline(lexer);
     return valid[MAP_START] && map_start(lexer);

@@ -1,5 +1,5 @@
-// Whether tree-sitter takes exactly what hypedc takes: every `.hyped` file of the repository and every example of
-// grammar/README.md has syntax errors for both or for neither.
+// Checks that tree-sitter and hypedc accept the same texts: every `.hyped` file of the repository and every example of
+// grammar/README.md has syntax errors in both or in neither.
 //
 // HYPEDC=PATH node test/agreement.mjs        (needs tree-sitter on the PATH)
 
@@ -12,7 +12,7 @@ const here = resolve(import.meta.dirname, '..');
 const root = resolve(here, '../..');
 const hypedc = process.env.HYPEDC ?? 'hypedc';
 
-/** What a text that does not fit the grammar is told: no rule fits, a brace without its partner, a map without end. */
+/** The codes of syntax errors: no rule matches, an unmatched brace, an unclosed map. */
 const SYNTAX_CODES = ['E0101', 'E0102', 'E0103'];
 
 function programs(folder) {
@@ -21,7 +21,7 @@ function programs(folder) {
     .map((entry) => join(entry.parentPath ?? entry.path, entry.name));
 }
 
-/** The examples of the reference, as what surrounds them there has them. */
+/** Writes the examples of the reference to files, each wrapped in the block that its info string names. */
 function reference() {
   const folder = mkdtempSync(join(tmpdir(), 'hyped-reference-'));
   const around = {
@@ -44,7 +44,7 @@ function run(command, args) {
   return { stdout, stderr };
 }
 
-/** The files in which hypedc finds syntax errors. It looks at each by itself: a file that is imported is asked, too. */
+/** The files in which hypedc finds syntax errors; every file is checked, also those that others import. */
 function wrongForHypedc(paths) {
   const { stdout } = run(hypedc, ['check', '--format', 'json', ...paths]);
   const wrong = new Set();
@@ -54,7 +54,7 @@ function wrongForHypedc(paths) {
   return wrong;
 }
 
-/** The files in which tree-sitter finds errors: it prints a line for each of them, its path first. */
+/** The files in which tree-sitter finds errors: it prints a line for each, which starts with the path. */
 function wrongForTreeSitter(paths) {
   const list = join(mkdtempSync(join(tmpdir(), 'hyped-paths-')), 'paths');
   writeFileSync(list, paths.join('\n'));

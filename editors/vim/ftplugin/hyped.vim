@@ -1,4 +1,4 @@
-" Settings for .hyped, as `hypedc fmt` lays programs out.
+" Settings for .hyped, consistent with `hypedc fmt`.
 
 if exists('b:did_ftplugin')
   finish

@@ -1,4 +1,4 @@
-" Indents .hyped as `hypedc fmt` does: a level for each open block, and one for what goes on with a statement.
+" Indents .hyped as `hypedc fmt` does: one level per open block, and one for continuation lines.
 
 if exists('b:did_indent')
   finish
@@ -13,13 +13,13 @@ if exists('*HypedIndent')
   finish
 endif
 
-" A line without strings, characters of tiles and comments. A quote that is left begins or ends a map.
+" A line without strings, characters of tiles and comments. A remaining quote starts or ends a map.
 function s:Code(line) abort
   let code = substitute(a:line, '"[^"]*"\|''.''\ze\s*:\|//.*$', '\=submatch(0)[0] ==# "/" ? "" : "0"', 'g')
   return substitute(code, '\s\+$', '', '')
 endfunction
 
-" The line of the item that a line stands in: what is before it needs no look.
+" The first line of the item that contains a line; the lines before it do not matter.
 function s:Item(lnum) abort
   let at = prevnonblank(a:lnum - 1)
   while at > 1 && getline(at) !~# '^\%(entity\|behavior\|world\|import\|const\)\>'
@@ -28,7 +28,7 @@ function s:Item(lnum) abort
   return max([at, 1])
 endfunction
 
-" Whether the first non-blank line of code from here on goes on with the statement before it.
+" Whether the first non-blank line of code from here on continues the preceding statement.
 function s:GoesOn(lnum) abort
   let at = a:lnum
   while at <= line('$') && s:Code(getline(at)) =~# '^\s*$'
@@ -38,7 +38,7 @@ function s:GoesOn(lnum) abort
 endfunction
 
 function HypedIndent(lnum) abort
-  " The open brackets: how deep their lines are, and whether they list names, which go on after commas.
+  " The open brackets: the indentation of their lines, and whether they list names, which continue after commas.
   let open = []
   let last = ''
   let map = -1

@@ -1,5 +1,5 @@
-" Colours of .hyped. Reserved words are words everywhere; all others only where the grammar looks for them, which is told
-" by the block they stand in and by what stands beside them.
+" Syntax highlighting of .hyped. Reserved words are keywords everywhere. Contextual keywords are recognized by the
+" enclosing block and the adjacent tokens.
 
 if exists('b:current_syntax')
   finish
@@ -63,7 +63,7 @@ syn match hypedLabel /\K\k*/ contained
 syn match hypedModifier /\<initial\>\ze\s\+\%(mode\|when\)\>/ contained
 syn match hypedFollow /\<follow\s\+links\>\%(\s*\%('\|:\?=\)\)\@!/ contained
 
-" The name of the variable comes before `by`, whatever it is.
+" The driven variable precedes `by`; it can have any name.
 syn keyword hypedEnvelope envelope contained nextgroup=hypedDriven skipwhite
 syn match hypedDriven /\K\k*'*\|([^)]*)/ contained contains=hypedPrimes nextgroup=hypedDriver,hypedFixed skipwhite
 syn region hypedDriver matchgroup=hypedDriverWord start=/\<by\>/ end=/\ze[{}]/ contained nextgroup=hypedRamps contains=@hypedExpression,hypedDirections
@@ -78,7 +78,7 @@ syn match hypedRate /\%(accel\|over\|to\)\>/ contained nextgroup=hypedOperand sk
 syn match hypedRate /\%(instant\|hold\)\>/ contained
 syn match hypedSustained /for\>/ contained nextgroup=hypedOperand skipwhite
 syn match hypedLevel /\%([[:keyword:])']\s\+\)\@<=to\>\ze\s\+[[:keyword:](-]/ contained nextgroup=hypedOperand skipwhite
-" A name after a word: it may look like one.
+" A name after a keyword: it can look like a keyword.
 syn match hypedOperand /\%(\%(not\|true\|false\|none\|self\|timer\|if\|clamp\)\>\)\@!\<\K\k*'*\%(\k\|\s*(\)\@!/ contained contains=hypedPrimes
 
 " ---- worlds -----------------------------------------------------------------------------------------------------------

@@ -1,10 +1,10 @@
 " Tests of the Vim files, run by `vim -Nu NONE -es -S test/run.vim` in the folder of the plugin, with
 "
-"     $WORDS    what editors/test/words.mjs has written
-"     $TIDY     a folder of programs as `hypedc fmt` lays them out
-"     $HYPEDC   the command hypedc
+"     $WORDS    the output of editors/test/words.mjs
+"     $TIDY     a folder of programs formatted by `hypedc fmt`
+"     $HYPEDC   the hypedc executable
 "
-" It prints what is wrong, and ends with 1 if anything is.
+" Prints the failures, and exits with 1 if there are any.
 
 set nocompatible hidden nomore noswapfile shellpipe=>%s\ 2>&1
 let &runtimepath = getcwd() . ',' . $VIMRUNTIME
@@ -20,7 +20,7 @@ function s:Group(line, byte) abort
   return synIDattr(synID(a:line, a:byte, 1), 'name')
 endfunction
 
-" Words are words and names are names, as the tree-sitter grammar sees them.
+" Keywords and names are those of the tree-sitter grammar.
 function s:Words() abort
   let path = ''
   let rows = readfile($WORDS)
@@ -43,7 +43,7 @@ function s:Words() abort
   endfor
 endfunction
 
-" Places that words do not tell of: a pattern, and the group of what it finds.
+" Other syntax: a pattern, and the expected group of its match.
 function s:Groups() abort
   edit ../test/names.hyped
   for [pattern, group] in [
@@ -64,7 +64,7 @@ function s:Groups() abort
   endfor
 endfunction
 
-" What is laid out by `hypedc fmt` stays as it is, from no indentation, too.
+" Reindenting a formatted program restores it, also from no indentation.
 function s:Indent() abort
   let files = glob($TIDY . '/*.hyped', 0, 1)
   if len(files) < 10

@@ -1,4 +1,4 @@
-// The extension: the language server's client, and the commands that show what hypedc says.
+// The extension: the client of the language server, and the commands that run hypedc and show its output.
 
 import { readFile } from 'node:fs/promises';
 import { basename, dirname } from 'node:path';
@@ -7,9 +7,9 @@ import * as vscode from 'vscode';
 import { CloseAction, ErrorAction, ErrorCodes, LanguageClient, type LanguageClientOptions, type ServerOptions, TransportKind } from 'vscode-languageclient/node';
 import { page, reach, simulate, worldsOf } from './hypedc';
 
-/** A client that leaves it to `start` to say that there is no server. */
+/** A client without error messages of its own until the server has responded: `startServer` reports a failed start. */
 class Client extends LanguageClient {
-  /** Whether the server has ever answered. */
+  /** Whether the server has ever responded. */
   answered = false;
 
   override async start(): Promise<void> {
@@ -17,7 +17,7 @@ class Client extends LanguageClient {
     this.answered = true;
   }
 
-  /** A client that could not be started cannot be stopped, either, which nobody needs to be told. */
+  /** Ignores errors: a client that failed to start cannot be stopped. */
   override async stop(timeout?: number): Promise<void> {
     await super.stop(timeout).catch(() => undefined);
   }
@@ -28,9 +28,9 @@ class Client extends LanguageClient {
 }
 
 let client: Client | undefined;
-/** What the server says beside its answers. */
+/** The log of the server. */
 let log: vscode.OutputChannel;
-/** The snippets of `contributes.snippets`, by their prefixes. */
+/** The prefixes of the snippets in `contributes.snippets`. */
 let prefixes: Set<string>;
 
 export async function activate(context: vscode.ExtensionContext): Promise<void> {
@@ -41,8 +41,8 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
   context.subscriptions.push(
     output,
     log,
-    // Code lenses of the server call `sim` and `reach` with a URI, a world's name and, for a search, a goal's. They are
-    // commands of the client: a server that said it executes them would have them registered twice.
+    // Code lenses of the server call `sim` and `reach` with a URI, the name of a world and, for a search, of a goal.
+    // The server does not announce these commands: the client would register them a second time.
     vscode.commands.registerCommand('hypedc.check', (uri?: string) => check(uri)),
     vscode.commands.registerCommand('hypedc.sim', (uri?: string, world?: string) => simulateCommand(context, output, uri, world)),
     vscode.commands.registerCommand('hypedc.reach', (uri?: string, world?: string, goal?: string) => reachCommand(uri, world, goal)),
@@ -53,11 +53,11 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
 }
 
 export async function deactivate(): Promise<void> {
-  await turn;
-  await end();
+  await restarts;
+  await stopServer();
 }
 
-async function end(): Promise<void> {
+async function stopServer(): Promise<void> {
   const old = client;
   client = undefined;
   await old?.dispose();
@@ -67,28 +67,28 @@ function command(): string {
   return vscode.workspace.getConfiguration('hypedc').get<string>('path') || 'hypedc';
 }
 
-async function start(): Promise<void> {
+async function startServer(): Promise<void> {
   const server: ServerOptions = { command: command(), args: ['lsp'], transport: TransportKind.stdio };
   const options: LanguageClientOptions = {
     documentSelector: [{ scheme: 'file', language: 'hyped' }, { scheme: 'untitled', language: 'hyped' }],
-    // The owner of what the problem matcher finds, too: a finding of both is shown once.
+    // The problem matcher has the same owner, so that a finding of both is shown once.
     diagnosticCollectionName: 'hypedc',
     outputChannel: log,
     middleware: {
-      // The editor itself offers the extension's snippets, with or without a server: the server's are not to come twice.
+      // VS Code already offers the extension's snippets: drop the server's duplicates.
       provideCompletionItem: async (document, position, context, token, next) => {
         const found = await next(document, position, context, token);
         const items = Array.isArray(found) ? found : (found?.items ?? []);
         return items.filter(({ kind, label }) => kind !== vscode.CompletionItemKind.Snippet || !prefixes.has(wordOf(label)));
       },
     },
-    // A server that ends before it has answered at all will not do better the next time: `start` says so, once.
+    // No restart of a server that ends before its first response: `startServer` reports it, once.
     initializationFailedHandler: () => false,
     errorHandler: {
       error: (...what) => (starting.answered ? usual.error(...what) : { action: ErrorAction.Shutdown, handled: true }),
       closed: async () => {
-        // The client forgets its promise to start as soon as this is answered.
-        await begun.catch(() => undefined);
+        // The client drops its pending start once this handler returns: wait for it first.
+        await startup.catch(() => undefined);
         return starting.answered ? usual.closed() : { action: CloseAction.DoNotRestart, handled: true };
       },
     },
@@ -96,36 +96,36 @@ async function start(): Promise<void> {
   const starting = new Client('hypedc', 'Hyped', server, options);
   const usual = starting.createDefaultErrorHandler();
   client = starting;
-  const begun = starting.start();
+  const startup = starting.start();
   try {
-    await begun;
+    await startup;
   } catch (error) {
-    // Highlighting and snippets work without it, so nothing waits for an answer.
-    void complain(`The language server could not be started with \`${command()} lsp\`: ${reason(error)}`);
+    // Not awaited: highlighting and snippets work without the server.
+    void showError(`The language server could not be started with \`${command()} lsp\`: ${reason(error)}`);
   }
 }
 
-/** Why a server does not start. That it has ended shows in two errors of the connection. */
+/** Why a server does not start. Two errors of the connection mean that it has ended. */
 function reason(error: unknown): string {
   const { code } = error as { code?: unknown };
   const hasEnded = code === ErrorCodes.PendingResponseRejected || code === ErrorCodes.MessageWriteError;
   return hasEnded ? 'it ends without an answer' : String(error);
 }
 
-/** The word that a completion begins with. */
+/** The first word of a completion label. */
 function wordOf(label: string | vscode.CompletionItemLabel): string {
   return (typeof label === 'string' ? label : label.label).split(' ')[0];
 }
 
-let turn = Promise.resolve();
+let restarts = Promise.resolve();
 
-/** Starts the server anew; after what was begun before, so that there is never more than one. */
+/** Restarts the server, after any restart in progress, so that there is never more than one. */
 function restart(): Promise<void> {
-  turn = turn.then(end).then(start);
-  return turn;
+  restarts = restarts.then(stopServer).then(startServer);
+  return restarts;
 }
 
-async function complain(message: string): Promise<void> {
+async function showError(message: string): Promise<void> {
   const settings = 'Open Settings';
   const showLog = 'Show Log';
   const answer = await vscode.window.showErrorMessage(message, settings, showLog);
@@ -133,7 +133,7 @@ async function complain(message: string): Promise<void> {
   if (answer === showLog) log.show();
 }
 
-/** The document that is meant, saved: the one of the URI, or the one in front. */
+/** The document of a URI, or else of the active editor; saves it first. */
 async function program(uri?: string | vscode.Uri): Promise<vscode.TextDocument | undefined> {
   const given = typeof uri === 'string' ? vscode.Uri.parse(uri) : uri;
   const document = given ? await vscode.workspace.openTextDocument(given) : vscode.window.activeTextEditor?.document;
@@ -145,7 +145,7 @@ async function program(uri?: string | vscode.Uri): Promise<vscode.TextDocument |
   return document;
 }
 
-/** The world that is meant: undefined if the program has no choice, null if none was chosen. */
+/** The world to run: undefined if the program has at most one, null if the user chose none. */
 async function chooseWorld(document: vscode.TextDocument, world?: string): Promise<string | undefined | null> {
   const worlds = worldsOf(document.getText());
   if (world || worlds.length < 2) return world;
@@ -168,13 +168,13 @@ async function check(uri?: string): Promise<void> {
   await vscode.tasks.executeTask(task);
 }
 
-/** Does some work; where it is not done at once, progress is shown, and cancelling it aborts the signal. */
+/** Runs a task. If it takes long, shows a progress notification whose cancel button aborts the signal. */
 async function withProgress<T>(title: string, work: (stop: AbortSignal) => Promise<T>): Promise<T | undefined> {
   const options = { location: vscode.ProgressLocation.Notification, title, cancellable: true };
   const stop = new AbortController();
   try {
     const working = work(stop.signal);
-    // A notification that comes and goes in a blink is only a nuisance.
+    // No notification for a quick task: it would only flash.
     const isQuick = await Promise.race([working.then(() => true), setTimeout(500, false)]);
     if (isQuick) return await working;
     return await vscode.window.withProgress(options, (_, token) => {
@@ -182,7 +182,7 @@ async function withProgress<T>(title: string, work: (stop: AbortSignal) => Promi
       return working;
     });
   } catch (error) {
-    await complain(`\`${command()}\` could not be run: ${String(error)}`);
+    await showError(`\`${command()}\` could not be run: ${String(error)}`);
     return undefined;
   }
 }
@@ -207,18 +207,18 @@ async function simulateCommand(context: vscode.ExtensionContext, output: vscode.
   output.show(true);
 }
 
-/** The panels that are open, by what was asked. */
+/** The open panels, by document, world and goal. */
 const panels = new Map<string, vscode.WebviewPanel>();
 
-/** Shows a page beside the text: in the panel that has answered the question before, if there is one. */
-function show(question: string, title: string, html: string): void {
-  let panel = panels.get(question);
+/** Shows a page beside the editor; reuses the open panel with the same key. */
+function show(key: string, title: string, html: string): void {
+  let panel = panels.get(key);
   if (panel) {
     panel.reveal(undefined, true);
   } else {
     panel = vscode.window.createWebviewPanel('hypedc.reach', title, { viewColumn: vscode.ViewColumn.Beside, preserveFocus: true }, {});
-    panel.onDidDispose(() => panels.delete(question));
-    panels.set(question, panel);
+    panel.onDidDispose(() => panels.delete(key));
+    panels.set(key, panel);
   }
   panel.webview.html = html;
 }
@@ -229,9 +229,9 @@ async function reachCommand(uri?: string, world?: string, goal?: string): Promis
   const chosen = await chooseWorld(document, world);
   if (chosen === null) return;
   const file = document.uri.fsPath;
-  const more = vscode.workspace.getConfiguration('hypedc', document).get<string[]>('reach.arguments', []);
+  const extra = vscode.workspace.getConfiguration('hypedc', document).get<string[]>('reach.arguments', []);
   const title = goal ? `Reach ${goal}` : `Reach ${chosen ?? basename(file)}`;
-  const found = await withProgress(title, (stop) => reach(command(), { file, world: chosen, goal }, more, stop));
+  const found = await withProgress(title, (stop) => reach(command(), { file, world: chosen, goal }, extra, stop));
   if (!found) return;
   show(JSON.stringify([document.uri.toString(), chosen, goal]), title, page(title, found));
 }

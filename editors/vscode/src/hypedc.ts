@@ -1,41 +1,41 @@
-// Runs hypedc: command lines, processes, and the pictures that a search leaves. Knows nothing of VS Code.
+// Runs hypedc: command lines, processes, and the pictures that a search writes. Independent of VS Code.
 
 import { spawn } from 'node:child_process';
 import { mkdtemp, readFile, rm } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { basename, dirname, join } from 'node:path';
 
-/** What a command is run on. */
-export interface Question {
+/** The target of a command. */
+export interface Target {
   /** The path of the program. */
   file: string;
-  /** The world; may be left out where the program has only one. */
+  /** The world; optional if the program has only one. */
   world?: string;
-  /** The goal; all of the world's goals if it is left out. */
+  /** The goal; by default, all goals of the world. */
   goal?: string;
 }
 
-/** How a command ended. */
+/** The result of a command. */
 export interface Outcome {
-  /** 0 as wished, 1 the answer is no, 2 the question could not be asked; null if it was stopped. */
+  /** The exit code: 0 success, 1 the answer is no, 2 the command could not run; null if it was stopped. */
   code: number | null;
-  /** What it printed, on standard output and then on standard error. */
+  /** Its standard output, then its standard error. */
   text: string;
 }
 
-/** A drawing of what a search found. */
+/** The drawing of a search. */
 export interface Picture {
   /** The goal, or the program if there is only one picture. */
   title: string;
   svg: string;
 }
 
-/** The worlds of a program, in order. Maps and comments may say `world`, too, but not at the beginning of a line. */
+/** The worlds of a program, in order. Matches only at line starts, to skip maps and comments that contain `world`. */
 export function worldsOf(text: string): string[] {
   return [...text.matchAll(/^[ \t]*world[ \t]+([\p{L}_][\p{L}\p{M}\p{N}_]*)/gmu)].map(([, name]) => name);
 }
 
-function asked({ file, world, goal }: Question): string[] {
+function targetArguments({ file, world, goal }: Target): string[] {
   return [basename(file), ...(world ? ['--world', world] : []), ...(goal ? ['--goal', goal] : [])];
 }
 
@@ -51,7 +51,7 @@ export function run(command: string, args: string[], file: string, stop?: AbortS
     child.stderr.setEncoding('utf8').on('data', (text: string) => (errors += text));
     child.on('error', reject);
     child.on('close', (code) => resolve({ code, text: out + errors }));
-    // As ctrl-C does: the search ends and tells what it has.
+    // Like ctrl-C: the search ends and prints its results so far.
     const interrupt = () => child.kill('SIGINT');
     if (stop?.aborted) interrupt();
     stop?.addEventListener('abort', interrupt, { once: true });
@@ -59,30 +59,30 @@ export function run(command: string, args: string[], file: string, stop?: AbortS
 }
 
 /** Runs the inputs of a script. */
-export function simulate(command: string, { file, world }: Question, script: string, stop?: AbortSignal): Promise<Outcome> {
-  return run(command, ['sim', ...asked({ file, world }), '--inputs', script], file, stop);
+export function simulate(command: string, { file, world }: Target, script: string, stop?: AbortSignal): Promise<Outcome> {
+  return run(command, ['sim', ...targetArguments({ file, world }), '--inputs', script], file, stop);
 }
 
-/** Searches, and reads the pictures that were drawn: one for each goal. */
+/** Searches, and reads the pictures: one per goal. */
 export async function reach(
   command: string,
-  question: Question,
-  more: string[],
+  target: Target,
+  extra: string[],
   stop?: AbortSignal,
 ): Promise<Outcome & { pictures: Picture[] }> {
   const folder = await mkdtemp(join(tmpdir(), 'hypedc-'));
   try {
-    const args = ['reach', ...asked(question), ...more, '--svg', join(folder, 'reach.svg')];
-    const outcome = await run(command, args, question.file, stop);
-    // Where the pictures are is of no use to anybody: they go. Their order is that of the goals.
+    const args = ['reach', ...targetArguments(target), ...extra, '--svg', join(folder, 'reach.svg')];
+    const outcome = await run(command, args, target.file, stop);
+    // Read the pictures, in the order of the goals, and drop the lines with their temporary paths.
     const pictures: Picture[] = [];
     const lines: string[] = [];
     for (const line of outcome.text.split('\n')) {
       const path = /^ +drawn +(.*\.svg)$/.exec(line)?.[1];
       if (path && dirname(path) === folder) {
-        // With several goals, each name stands before the extension.
+        // With several goals, the file name contains the goal before the extension.
         const goal = basename(path, '.svg').split('.').slice(1).join('.');
-        pictures.push({ title: goal || question.goal || basename(question.file), svg: await readFile(path, 'utf8') });
+        pictures.push({ title: goal || target.goal || basename(target.file), svg: await readFile(path, 'utf8') });
       } else {
         lines.push(line);
       }
@@ -97,14 +97,14 @@ function escaped(text: string): string {
   return text.replace(/[&<>"']/g, (sign) => `&#${sign.charCodeAt(0)};`);
 }
 
-/** A line; where it is too long, it goes on below its first word that is no label, and a step such as `-*10` is not broken. */
+/** A line of output. Wrapped lines align below the text after the label; inputs such as `-*10` are not broken. */
 function line(text: string): string {
   const indent = /^ *(?:[a-z]+ {2,})?/.exec(text)?.[0].length ?? 0;
   const words = escaped(text).replace(/\S*-\S*/g, '<span>$&</span>');
   return `<div style="padding-left: ${indent}ch; text-indent: -${indent}ch">${words || ' '}</div>`;
 }
 
-/** A page with what a search said and drew. It runs no scripts and loads nothing; a picture that is clicked is as large as it was drawn. */
+/** A page with the output and the pictures of a search, without scripts or requests. A click enlarges a picture. */
 export function page(title: string, { text, pictures }: { text: string; pictures: Picture[] }): string {
   const drawings = pictures.map(({ title, svg }) => {
     const data = Buffer.from(svg, 'utf8').toString('base64');

@@ -1,34 +1,34 @@
-// The TextMate grammar of `.hyped`, in pieces that can be read. `npm run grammar` writes hyped.tmLanguage.json.
+// The source of the TextMate grammar of `.hyped`. `npm run grammar` writes hyped.tmLanguage.json.
 //
-// Reserved words are words everywhere. All others are told by the block they stand in and by what stands beside them:
-// no expression has two operands beside each other, so `goal NAME :` and `step 1/60` can be nothing else.
+// Reserved words are keywords everywhere. Contextual keywords are recognized by the enclosing block and the adjacent
+// tokens: no expression has two adjacent operands, so `goal NAME :` and `step 1/60` are unambiguous.
 
 import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 
 const r = String.raw;
 
-// ---- pieces of patterns ---------------------------------------------------------------------------------------------
+// ---- parts of patterns ----------------------------------------------------------------------------------------------
 
 const NAME = r`[\p{L}\p{Nl}_][\p{L}\p{Nl}\p{M}\p{N}\p{Pc}]*`;
 const NUMBER = r`\d+(?:\.\d+)?`;
-/** What stands before a statement. */
+/** The text before a statement. */
 const START = r`(?:^|(?<=[;{}]))[ \t]*`;
-/** Where a statement of one line ends: it goes on after a comma. */
+/** The end of a statement in one line. A statement continues after a comma. */
 const END = r`(?=[;}])|(?<=[^,\s])[ \t]*$`;
 const FACTOR = r`(?:${NAME}|\d+)(?:\s*\^\s*-?\d+)?`;
 const DIMENSION = r`${FACTOR}(?:\s*[*/]\s*${FACTOR})*`;
-/** What ends an operand, and what begins one. */
+/** The end of an operand, and the start of one. */
 const AFTER_OPERAND = r`(?<=[\p{L}\p{N}_)'])\s+`;
 const BEFORE_OPERAND = r`(?=\s+[\p{L}\p{N}_(-])`;
-/** A tag, and a name that is no word which may stand after an operand. */
+/** A tag, and a name that is no keyword which can follow an operand. */
 const TAG = r`(?!(?:and|or|not|in|is|as|when|mode|true|false|none|self|timer|if|clamp)\b)${NAME}`;
 const FREE = r`(?!touching\b)${TAG}`;
 const FUNCTIONS = 'min|max|abs|sign|floor|ceil|round|sqrt|sin|cos|atan2|pressed|held|released|touching|entering|exiting|lost|near|inside|clamp|if|timer';
 const ITEM = r`^[ \t]*(?:entity|behavior|world|import|const)\b`;
 const WORLD_ITEM = r`^[ \t]*(?:entity|behavior|world|import|const|tiles|space|collide|limit|player|goal|never)\b`;
 
-// ---- pieces of rules -------------------------------------------------------------------------------------------------
+// ---- parts of rules --------------------------------------------------------------------------------------------------
 
 const scope = (name) => `${name}.hyped`;
 const captures = (names) => Object.fromEntries(names.flatMap((name, index) => (name ? [[index + 1, { name: scope(name) }]] : [])));
@@ -38,7 +38,7 @@ const use = (...names) => names.map((name) => ({ include: `#${name}` }));
 const all = (match, name) => ({ name: scope(name), match });
 /** A pattern by its groups. */
 const groups = (match, ...names) => ({ match, captures: captures(names) });
-/** What stands between two patterns. */
+/** The text between two patterns. */
 const between = (begin, beginNames, end, endNames, patterns, name) => ({
   ...(name && { name: scope(name) }),
   begin,
@@ -120,7 +120,7 @@ const repository = {
 
   envelope: between(r`\b(envelope)\b`, ['storage.type'], r`(?<=\})|(?=\})`, [], [
     ...use('comments'),
-    // What is driven comes before `by`, whatever its name.
+    // The driven variable precedes `by`; it can have any name.
     groups(r`\G\s*(${NAME})('*)\s+(?:(by)|(fixed))\b`, 'variable.other', 'keyword.operator.prime', 'keyword.control', 'keyword.control'),
     groups(r`(?<=\))\s*(?:(by)|(fixed))\b`, 'keyword.control', 'keyword.control'),
     groups(r`\b(directions)\s+(?:(${NAME})|(\d+))(?=\s*(?:\{|//|$))`, 'keyword.control', 'variable.other.constant', 'constant.numeric'),
@@ -130,7 +130,7 @@ const repository = {
   ramps: {
     patterns: [
       ...use('comments'),
-      // With the name after the word, which may look like the next word.
+      // Also matches the name after the keyword, which can look like the next keyword.
       groups(r`${START}(attack|decay|release)\s+(?:(instant|hold)\b|(accel|over|to)\b(?:\s+(${FREE})\b(?!\s*\())?)`, 'keyword.control', 'keyword.control', 'keyword.control', 'variable.other'),
       groups(r`${START}(sustain)\b(?:\s+(for)\b)?`, 'keyword.control', 'keyword.control'),
       groups(r`${START}(attack|decay|release|while)\b(?!\s*[-+*/=<>,.)])`, 'keyword.control'),
@@ -178,7 +178,7 @@ const repository = {
       between(r`(')(.)(')\s*(:)`, ['punctuation.definition.character', 'constant.character.tile', 'punctuation.definition.character', 'punctuation.separator'], END, [], use('tile-meaning'), 'meta.tile'),
     ],
   },
-  // Names of a level editor. A setting has no colon.
+  // Names from a level editor. Unlike these, a setting has no colon.
   'kind-lines': between(r`${START}(?:(${TAG})|("[^"]*"))\s*(:)(?!=)`, ['entity.name.tag', 'string.quoted.double.tag', 'punctuation.separator'], END, [], use('tile-meaning'), 'meta.tile'),
   'tile-meaning': {
     patterns: [
@@ -206,7 +206,7 @@ const repository = {
       groups(r`(?<=")\s+(tile)\b(?:\s+(${NAME})(?=\s+x\s))?`, 'keyword.control', 'variable.other'),
       groups(r`\b(when)\b`, 'keyword.control'),
       ...use('tile-size'),
-      // What a map has of its own, or the settings of an instance.
+      // The meanings of a map's tiles, or the settings of an instance.
       block(...use('tile-lines', 'kind-lines', 'expression')),
       ...use('expression'),
     ],

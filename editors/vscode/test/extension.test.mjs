@@ -1,4 +1,4 @@
-// The extension in a stand-in for VS Code, with a stand-in for the language client and a real hypedc.
+// Tests of the extension with a mock of VS Code, a mock of the language client and a real hypedc.
 //
 // HYPEDC=PATH npm run test:hypedc
 

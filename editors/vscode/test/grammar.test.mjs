@@ -1,4 +1,5 @@
-// The TextMate grammar: what every example looks like (test/snapshots, written anew with UPDATE=1), and what counts.
+// Tests of the TextMate grammar: snapshots of all examples (test/snapshots, updated with UPDATE=1), and single
+// constructs.
 
 import assert from 'node:assert/strict';
 import { existsSync, mkdirSync, readdirSync, readFileSync, writeFileSync } from 'node:fs';
@@ -17,7 +18,7 @@ function programs(folder) {
     .sort();
 }
 
-/** A line for each line, with the innermost scope of each token that has one of its own. */
+/** One line per line, with the innermost scope of each token that has its own. */
 function picture(text) {
   return tokenize(text)
     .map((tokens, index) => {
@@ -76,7 +77,7 @@ test('lines are indented as they stand in the examples', () => {
   assert.ok(compared > 1000);
 });
 
-/** Checks the innermost scope of the first token with each given text, in the order in which they stand. */
+/** Checks the innermost scope of the first token with each given text, in order of position. */
 function looks(text, expected) {
   const tokens = tokenize(text).flat().map(({ text, scopes }) => ({ text: text.trim(), scope: scopes.at(-1) }));
   let from = 0;

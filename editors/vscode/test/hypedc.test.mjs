@@ -1,4 +1,4 @@
-// What the commands do, with a real hypedc.
+// Tests of the commands with a real hypedc.
 //
 // HYPEDC=PATH npm run test:hypedc
 
@@ -36,7 +36,7 @@ test('several goals have a picture each', async () => {
 test('a search can be stopped, and tells what it has', { timeout: 60_000 }, async () => {
   const stop = new AbortController();
   setTimeout(() => stop.abort(), 1000);
-  // The exhaustive planner proves that nothing is to be found here.
+  // The exhaustive planner proves that there is no path here.
   const endless = ['--after', '-*100 right*97', '--planner', 'rrt', '--nodes', '1000000000'];
   const found = await reach(hypedc, { file: join(root, 'examples/paper/test1.hyped') }, endless, stop.signal);
   assert.equal(found.code, 1, found.text);

@@ -1,10 +1,10 @@
-// The packaged extension in a real VS Code (that of code-server), in a headless browser: what a user does, with pictures.
+// Runs the packaged extension in a real VS Code (of code-server) in a headless browser, and takes screenshots.
 //
-// npm run package && HYPEDC=PATH npm run look [FOLDER]    the pictures go to FOLDER, else to dist/look
+// npm run package && HYPEDC=PATH npm run look [FOLDER]    the screenshots go to FOLDER, by default to dist/look
 //
-// Each step waits for what must be seen, and fails where it does not come. Needs Node.js 20, a C++ compiler and Chromium
-// ($CHROMIUM, or `chromium` on the PATH); npm fetches the rest into dist/code-server, once. No part of CI: pictures are to
-// be looked at.
+// Each step waits for an expected element, and fails if it does not appear. Needs Node.js 20, a C++ compiler and
+// Chromium ($CHROMIUM, or `chromium` on the PATH); npm installs the rest into dist/code-server, once. Not part of CI:
+// people look at the screenshots.
 
 import { execFileSync, spawn } from 'node:child_process';
 import { cpSync, existsSync, mkdirSync, mkdtempSync, realpathSync, rmSync, writeFileSync } from 'node:fs';
@@ -18,7 +18,7 @@ const hypedc = realpathSync(process.env.HYPEDC ?? which('hypedc'));
 const shots = resolve(process.argv[2] ?? join(here, 'dist/look'));
 mkdirSync(shots, { recursive: true });
 
-/** Both packages without their scripts, which build what nothing here needs; but for the one that writes output channels. */
+/** Installs both packages without their scripts, which build unused parts; except for the one for output channels. */
 function install(folder) {
   const npm = (cwd, ...what) => execFileSync('npm', [...what, '--silent'], { cwd, stdio: 'inherit' });
   const fetch = ['install', '--ignore-scripts', '--no-audit', '--no-fund'];
@@ -65,17 +65,17 @@ page.setDefaultTimeout(30_000);
 const { keyboard } = page;
 let taken = 0;
 
-/** Waits until something is seen, with this text, if there is one. */
+/** Waits until an element is visible, with a text if one is given. */
 const see = (what, hasText) => page.locator(what, { hasText }).first().waitFor();
 const gone = (what) => page.locator(what).first().waitFor({ state: 'hidden' });
-/** Takes a picture, as soon as nothing moves any more. */
+/** Takes a screenshot once the page is stable. */
 async function look(name) {
   await page.waitForTimeout(500);
   taken += 1;
   await page.screenshot({ path: join(shots, `${String(taken).padStart(2, '0')}-${name}.png`) });
   console.log(name);
 }
-/** Enters a line into what the key opens: a command, a place. */
+/** Enters a line into the input that a key opens, for commands and positions. */
 async function pick(key, text) {
   await keyboard.press(key);
   await see('.quick-input-widget input');
@@ -86,7 +86,7 @@ async function pick(key, text) {
   await gone('.quick-input-widget');
 }
 const command = (title) => pick('F1', title);
-/** Opens a file, or a folder, by the tree of files. */
+/** Opens a file or a folder in the explorer. */
 const open = (name) => page.locator('.explorer-folders-view .monaco-list-row', { hasText: name }).first().dblclick();
 const go = (line, column) => pick('Control+g', `${line}:${column}`);
 const type = (text) => keyboard.type(text, { delay: 40 });

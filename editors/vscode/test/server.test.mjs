@@ -1,4 +1,4 @@
-// The extension as it is packaged, with its client, vscode-languageclient, and the real server, in a stand-in for VS Code.
+// Tests of the packaged extension with its client, vscode-languageclient, and the real server, with a mock of VS Code.
 //
 // HYPEDC=PATH npm run test:server
 
@@ -59,7 +59,7 @@ after(() => extension.deactivate());
 const document = await open(game);
 const other = await open(slime);
 const errors = () => (seen.diagnostics.get(document.uri.toString()) ?? []).filter(({ severity }) => severity === vscode.DiagnosticSeverity.Error);
-/** Asks until the answer is as wished: the server answers from what it has read. */
+/** Repeats a request until it has a result: the server responds with its current state. */
 const answer = (what, ...about) => until(what, async () => (await ask(what, ...about)) ?? undefined);
 const labels = (items) => items.map(({ label }) => (typeof label === 'string' ? label : label.label));
 
@@ -132,7 +132,7 @@ test('the lenses of the server are commands of the extension', async () => {
     return found?.length === 2 && found;
   });
   assert.deepEqual(lenses.map(({ command }) => command.command), ['hypedc.sim', 'hypedc.reach']);
-  // The files are asked, not the documents.
+  // The commands read the files, not the documents.
   writeFileSync(game, document.getText());
   writeFileSync(slime, other.getText());
   answers.input = '-*3';
@@ -153,7 +153,7 @@ test('the server starts anew, with all that is open', async () => {
 
 test('a command that is no server is told of once, and the next one serves', async () => {
   const path = answers.settings.path;
-  // Ends at once.
+  // Ends immediately.
   await set('path', process.execPath);
   assert.equal(seen.errors.length, 1, seen.errors.join('\n'));
   assert.match(seen.errors.splice(0)[0], /could not be started with `.*node lsp`: it ends without an answer/);

@@ -1,4 +1,4 @@
-// Lines of `.hyped` as VS Code's own tokenizer splits them by the TextMate grammar.
+// Tokenizes `.hyped` with VS Code's tokenizer and the TextMate grammar.
 
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
@@ -24,7 +24,7 @@ async function load() {
 
 const grammar = await load();
 
-/** The tokens of each line: what they cover and their scopes, outermost first, without the ending `.hyped`. */
+/** The tokens of each line: text and scopes, outermost first, without the suffix `.hyped`. */
 export function tokenize(text) {
   let stack = textmate.INITIAL;
   return text.replace(/\r?\n$/, '').split(/\r?\n/).map((line) => {

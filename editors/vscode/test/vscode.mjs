@@ -1,7 +1,8 @@
-// A stand-in for the module `vscode`: documents that can be edited, providers that can be asked, and all that was shown.
+// A mock of the module `vscode`: documents that can be edited, providers that can be called, and a record of the
+// output.
 //
-// It has what the extension and its client, vscode-languageclient, use of the editor. Places, ranges, documents and URIs
-// behave as those of the editor; what the client only makes and hands on (`Hover`, say) holds what it was made of.
+// It has the parts that the extension and its client, vscode-languageclient, use. Positions, ranges, documents and URIs
+// behave as in VS Code; classes that the client only constructs and passes on, such as `Hover`, store their arguments.
 
 import { readFileSync } from 'node:fs';
 import Module from 'node:module';
@@ -9,13 +10,13 @@ import { setTimeout as pause } from 'node:timers/promises';
 import { TextDocument } from 'vscode-languageserver-textdocument';
 import { URI as Uri } from 'vscode-uri';
 
-/** What was seen. */
+/** The recorded output. */
 export const seen = {
   commands: new Map(),
   /** The diagnostics of each document, by its URI. */
   diagnostics: new Map(),
   errors: [],
-  /** All that was written, by the name of the channel. */
+  /** The written text, by the name of the channel. */
   output: new Map(),
   panels: [],
   picks: [],
@@ -24,7 +25,7 @@ export const seen = {
   tasks: [],
 };
 
-/** What the user answers, and what is set. */
+/** The answers of the user, and the settings. */
 export const answers = { settings: {}, input: undefined, pick: undefined };
 
 class Emitter {
@@ -53,7 +54,7 @@ class Range {
   }
 }
 
-/** A class whose objects hold the arguments under these names. */
+/** A class whose objects store the constructor arguments under these names. */
 const record = (...names) =>
   class {
     constructor(...values) {
@@ -61,7 +62,7 @@ const record = (...names) =>
     }
   };
 
-/** An enumeration that counts from `first`. */
+/** An enumeration with values from `first`. */
 const counted = (first, names) => Object.fromEntries(names.split(' ').map((name, index) => [name, first + index]));
 
 class WorkspaceEdit {
@@ -80,7 +81,7 @@ class CancellationTokenSource {
   dispose() {}
 }
 
-/** Kinds are paths with dots; those of the editor have names, too. */
+/** Kinds are paths with dots; VS Code's own kinds also have names. */
 class CodeActionKind {
   static Empty = new this('');
   static QuickFix = new this('quickfix');
@@ -98,11 +99,11 @@ const documents = new Map();
 const events = new Map();
 /** The emitter behind an event such as `onDidOpenTextDocument`. */
 const emitter = (name) => events.get(name) ?? events.set(name, new Emitter()).get(name);
-/** An object that has every event, and for the rest what is given. */
+/** An object with every event, and the given members. */
 const withEvents = (given) =>
   new Proxy(given, { get: (target, name) => (/^on(Did|Will)/.test(String(name)) ? emitter(name).event : target[name]) });
 
-/** A document as the editor has it. */
+/** A text document. */
 class Document {
   isDirty = false;
   constructor(uri, text) {
@@ -128,14 +129,14 @@ class Document {
   }
 }
 
-/** Opens a file, and shows it. */
+/** Opens a file in the active editor. */
 export async function open(path) {
   const document = await vscode.workspace.openTextDocument(Uri.file(path));
   vscode.window.activeTextEditor = { document };
   return document;
 }
 
-/** Replaces what comes first of a text by another one, as typing does. */
+/** Replaces the first occurrence of a text, as typing does. */
 export async function type(document, old, text) {
   const offset = document.getText().indexOf(old);
   if (offset < 0) throw new Error(`no \`${old}\` in the document`);
@@ -154,13 +155,13 @@ async function change(document, changes) {
   await emitter('onDidChangeTextDocument').fire({ document, contentChanges, reason: undefined });
 }
 
-/** Makes the edits of one document, from the last to the first, so that their places hold. */
+/** Applies the edits of one document, from the last to the first, so that their ranges stay valid. */
 export async function edit(document, edits) {
   const at = ({ range }) => document.text.offsetAt(range.start);
   await change(document, edits.toSorted((a, b) => at(b) - at(a)).map(({ range, newText }) => ({ range, text: newText })));
 }
 
-/** The place `offset` characters after the beginning of what comes first of a text. */
+/** The position `offset` characters after the start of the first occurrence of a text. */
 export function place(document, text, offset = 0) {
   const found = document.getText().indexOf(text);
   if (found < 0) throw new Error(`no \`${text}\` in the document`);
@@ -168,10 +169,10 @@ export function place(document, text, offset = 0) {
   return new Position(line, character);
 }
 
-/** What providers are called for, where it is not their own name. */
+/** The method names of providers that differ from the name of the provider. */
 const provided = { CodeLens: 'CodeLenses', CompletionItem: 'CompletionItems', DocumentFormattingEdit: 'DocumentFormattingEdits', Rename: 'RenameEdits' };
 
-/** Asks the provider of `what` that is there for the document: `ask('Hover', document, position)`. */
+/** Calls the registered provider of a document: `ask('Hover', document, position)`. */
 export async function ask(what, document, ...about) {
   const [, , provider] = seen.providers.find(([name, selector]) => name === what && vscode.languages.match(selector, document)) ?? [];
   if (!provider) throw new Error(`nobody provides: ${what}`);
@@ -179,7 +180,7 @@ export async function ask(what, document, ...about) {
   return provider[`provide${provided[what] ?? what}`](document, ...about, new CancellationTokenSource().token, invoked);
 }
 
-/** Waits until something is so. */
+/** Waits until a condition holds. */
 export async function until(what, holds) {
   for (const end = Date.now() + 20_000; Date.now() < end; await pause(20)) {
     const found = await holds();
@@ -188,7 +189,7 @@ export async function until(what, holds) {
   throw new Error(`never: ${what}`);
 }
 
-/** Changes a setting, and tells everybody. */
+/** Changes a setting, and notifies the listeners. */
 export function set(name, value) {
   answers.settings[name] = value;
   return emitter('onDidChangeConfiguration').fire({ affectsConfiguration: (section) => `hypedc.${name}`.startsWith(section) });
@@ -269,7 +270,7 @@ const api = {
         const what = /^register(.*)Provider$/.exec(String(name))?.[1];
         if (!what) return known[name];
         return (...given) => {
-          // Providers of the whole workspace have no selector.
+          // Workspace-wide providers have no selector.
           const [selector, provider] = given.length > 1 ? given : [[], ...given];
           const entry = [what, selector, provider];
           seen.providers.push(entry);
@@ -314,12 +315,12 @@ const api = {
   }),
 };
 
-// What the client only passes on, or asks for and can do without, is a class of its own.
+// Any other class of the module: the client only passes it on, or can do without it.
 export const vscode = new Proxy(api, {
   get: (known, name) => (known[name] ??= /^[A-Z]/.test(String(name)) ? class extends record('first', 'second', 'third') {} : undefined),
 });
 
-/** Whoever asks for one of these modules gets what is given; `vscode` is always this one. */
+/** Replaces modules in `require`; `vscode` is always this one. */
 export function standIn(modules = {}) {
   const load = Module._load;
   Module._load = (name, ...more) => ({ vscode, ...modules })[name] ?? load(name, ...more);

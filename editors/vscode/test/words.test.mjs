@@ -1,6 +1,6 @@
-// The TextMate grammar beside the tree-sitter grammar: both see the same words and the same names in every program.
+// Compares the TextMate grammar with the tree-sitter grammar: the same keywords and names in every program.
 //
-// WORDS=FILE node --test test/words.test.mjs        (FILE is what editors/test/words.mjs has written)
+// WORDS=FILE node --test test/words.test.mjs        (FILE is the output of editors/test/words.mjs)
 
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';

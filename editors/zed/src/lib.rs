@@ -1,4 +1,4 @@
-//! The extension's code for Zed: which command the language server is.
+//! The code of the Zed extension: the command line of the language server.
 
 use zed_extension_api::{self as zed, Command, LanguageServerId, Result, Worktree};
 

@@ -1,4 +1,4 @@
-//! What changes a text as a whole: formatting, and the fixes of findings.
+//! Edits of documents: formatting, and code actions for the fixes of findings.
 
 use std::ops::{Range, RangeInclusive};
 use std::path::Path;
@@ -9,11 +9,11 @@ use crate::source::{FileId, Span};
 
 use crate::lsp::location::Edit;
 use crate::lsp::snapshot::Snapshot;
-use crate::lsp::text::alignment::runs;
+use crate::lsp::text::alignment::hunks;
 use crate::lsp::text::document_text::Text;
 use crate::lsp::view::View;
 
-/// What an action does.
+/// The kind of a code action.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::lsp) enum ActionKind {
     /// Applies the fix of one finding.
@@ -22,25 +22,26 @@ pub(in crate::lsp) enum ActionKind {
     FixAll,
 }
 
-/// A change that is offered.
+/// A code action.
 #[derive(Debug)]
 pub(in crate::lsp) struct CodeAction<'v> {
     pub title: &'v str,
     pub kind: ActionKind,
-    /// The finding that a fix is for, and the program that it was found in.
+    /// The finding that is fixed, and its program.
     pub finding: Option<(&'v Snapshot, &'v Diagnostic)>,
     pub edits: Vec<Edit>,
 }
 
-/// The fixes of what was found in some bytes of a file, in each program that has it; and all fixes of the file in one.
+/// The fixes of the findings in a range of a file, in each program that contains it; and all fixes of the file as one
+/// action.
 pub(in crate::lsp) fn code_actions<'v>(view: &'v View, path: &Path, bytes: &Range<usize>) -> Vec<CodeAction<'v>> {
     let mut actions: Vec<CodeAction<'v>> = Vec::new();
     let mut all: Option<CodeAction<'v>> = None;
-    let programs = view.programs(path).filter_map(|known| Some((known, known.now.file(path)?)));
-    for (index, (known, file)) in programs.enumerate() {
-        let (snapshot, more) = (&*known.now, known.findings.as_ref());
+    let programs = view.programs_with(path).filter_map(|state| Some((state, state.current.file(path)?)));
+    for (index, (state, file)) in programs.enumerate() {
+        let (snapshot, more) = (&*state.current, state.findings.as_ref());
         let here = view.byte_in(snapshot, file, bytes.start)..view.byte_in(snapshot, file, bytes.end);
-        for (finding, fix) in mendable(snapshot, more, file, here) {
+        for (finding, fix) in fixable(snapshot, more, file, here) {
             actions.push(CodeAction {
                 title: &fix.title,
                 kind: ActionKind::Fix,
@@ -49,13 +50,13 @@ pub(in crate::lsp) fn code_actions<'v>(view: &'v View, path: &Path, bytes: &Rang
             });
         }
         if index == 0 {
-            let own = mendable(snapshot, more, file, 0..usize::MAX).map(|(_, fix)| fix);
+            let own = fixable(snapshot, more, file, 0..usize::MAX).map(|(_, fix)| fix);
             let own: Vec<&Fix> = own.filter(|fix| fix.edits.iter().all(|(span, _)| span.file() == file)).collect();
             all = (!own.is_empty()).then(|| CodeAction {
                 title: "mend all that is certain",
                 kind: ActionKind::FixAll,
                 finding: None,
-                edits: edits_of(snapshot, apart(&own)),
+                edits: edits_of(snapshot, without_overlaps(&own)),
             });
         }
     }
@@ -63,8 +64,8 @@ pub(in crate::lsp) fn code_actions<'v>(view: &'v View, path: &Path, bytes: &Rang
     actions
 }
 
-/// The findings of a file that have a fix and touch some bytes of it, with their fixes.
-fn mendable<'v>(
+/// The findings with a fix that touch a range of a file, with their fixes.
+fn fixable<'v>(
     snapshot: &'v Snapshot,
     more: Option<&'v Diagnostics>,
     file: FileId,
@@ -85,8 +86,8 @@ fn edits_of<'f>(snapshot: &Snapshot, edits: impl IntoIterator<Item = &'f (Span, 
     edits.into_iter().map(|(at, text)| Edit { at: snapshot.location(*at), new_text: text.clone() }).collect()
 }
 
-/// The edits of several fixes; a fix that overlaps one before it is left for the next time.
-fn apart<'f>(fixes: &[&'f Fix]) -> Vec<&'f (Span, String)> {
+/// The edits of several fixes. A fix that overlaps a preceding one is skipped; it can be applied afterwards.
+fn without_overlaps<'f>(fixes: &[&'f Fix]) -> Vec<&'f (Span, String)> {
     let mut out: Vec<&(Span, String)> = Vec::new();
     for fix in fixes {
         let overlaps = fix.edits.iter().any(|(a, _)| {
@@ -99,8 +100,8 @@ fn apart<'f>(fixes: &[&'f Fix]) -> Vec<&'f (Span, String)> {
     out
 }
 
-/// The edits that give a text its canonical layout; only those that touch some lines, if they are given. None of a text
-/// that does not fit the grammar.
+/// The edits that format a text; with `lines`, only those that touch these lines. `None` if the text has syntax
+/// errors.
 pub(in crate::lsp) fn formatting(
     text: &Text,
     lines: Option<&RangeInclusive<u32>>,
@@ -108,27 +109,27 @@ pub(in crate::lsp) fn formatting(
     formatted(text).map(|new| edits(text, &new, lines))
 }
 
-/// The canonical layout; none of a text that does not fit the grammar.
+/// The formatted text; `None` if the text has syntax errors.
 fn formatted(text: &Text) -> Option<String> {
-    // The formatter knows LF and CRLF; what comes from the disk was put right already.
+    // The formatter accepts LF and CRLF. A lone CR, which occurs only in texts of editors, becomes LF.
     let code = text.code();
     let only_feeds = || code.replace("\r\n", "\u{0}\n").replace('\r', "\n").replace("\u{0}\n", "\r\n");
     let code = if code.contains('\r') { only_feeds() } else { code.to_string() };
     format(FileId(0), &code).ok()
 }
 
-/// The lines that change, each run of them as one edit, so that cursors and folds stay where nothing changes. Only runs
-/// that touch `lines`, if they are given.
+/// One edit per hunk of changed lines, so that cursors and folds elsewhere are kept. With `lines`, only hunks that
+/// touch these lines.
 fn edits(text: &Text, new: &str, lines: Option<&RangeInclusive<u32>>) -> Vec<(Range<usize>, String)> {
     let old: Vec<&str> = text.code().split_inclusive('\n').collect();
     let new: Vec<&str> = new.split_inclusive('\n').collect();
     let mut out = Vec::new();
-    // The byte at which each old line begins.
+    // The offset of each old line.
     let mut starts = vec![0];
     for line in &old {
         starts.push(starts.last().copied().unwrap_or(0) + line.len());
     }
-    for (from, put) in runs(&old, &new) {
+    for (from, put) in hunks(&old, &new) {
         let touched = from.start as u32..=(from.end.max(from.start + 1) - 1) as u32;
         if lines.is_some_and(|l| touched.start() > l.end() || l.start() > touched.end()) {
             continue;

@@ -1,5 +1,5 @@
-//! What can be where one writes: names of the kind that the place asks for, keywords that may begin a statement there,
-//! snippets. What the text does not tell while it is broken is taken from its last state without errors.
+//! Completion: names of the kind that fits the cursor, keywords that can start or continue a statement, snippets. Names
+//! that the current text does not resolve come from the last snapshot without errors.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -8,68 +8,68 @@ use std::path::{Component, Path};
 use crate::sema::checked::{Entity, Type, World};
 use crate::syntax::occurrence::NameKind;
 
-use super::offers::{Completion, CompletionKind, Offers};
+use super::completion_items::{CompletionCollector, CompletionItem, CompletionKind};
 use crate::lsp::location::FileOffset;
-use crate::lsp::text::following::{after_operand, ends_operand, given};
-use crate::lsp::text::place::{Block, Place};
-use crate::lsp::text::words::begins;
+use crate::lsp::text::cursor::{Block, CursorContext};
+use crate::lsp::text::operands::{after_operand, assigned_names, ends_operand};
+use crate::lsp::text::words::statement_starts;
 use crate::lsp::view::View;
 
-/// All that is offered at a place.
+/// The completion items at a position.
 #[derive(Debug)]
 pub(in crate::lsp) struct Completions {
-    /// The bytes that an offer takes the place of.
+    /// The range that an item replaces.
     pub replaces: Range<usize>,
-    pub offers: BTreeSet<Completion>,
+    pub items: BTreeSet<CompletionItem>,
 }
 
-/// What can be at a place of an open document.
+/// The completion items at a position of an open document.
 pub(in crate::lsp) fn completion(view: &View, at: &FileOffset) -> Option<Completions> {
     let document = view.documents.get(&at.path)?;
     let code = document.text.code();
-    let place = Place::of(code, at.byte);
-    let mut offers = Offers::new(view, &at.path, code);
-    if !place.is_quoted {
-        offers.at(&place);
-    } else if place.statement == ["import"] {
-        offers.files(view.known.keys().filter_map(|other| relative(&at.path, other)));
+    let cursor = CursorContext::at(code, at.byte);
+    let mut items = CompletionCollector::new(view, &at.path, code);
+    if !cursor.is_quoted {
+        items.at(&cursor);
+    } else if cursor.statement == ["import"] {
+        items.files(view.programs.keys().filter_map(|other| relative(&at.path, other)));
     }
-    let replaces = place.word.start..place.word.end.max(at.byte);
-    Some(Completions { replaces, offers: offers.list.into_iter().collect() })
+    let replaces = cursor.word.start..cursor.word.end.max(at.byte);
+    Some(Completions { replaces, items: items.list.into_iter().collect() })
 }
 
-impl Offers<'_> {
-    /// What is offered at a place.
-    fn at(&mut self, place: &Place<'_>) {
-        let own = place.around(Block::Entity).and_then(|b| self.entity(b.name));
-        let world = place.around(Block::World).and_then(|b| self.world(b.name));
-        if place.back(1) == "." {
-            return self.after_dot(place, own, world);
+impl CompletionCollector<'_> {
+    /// Adds the items for a cursor.
+    fn at(&mut self, cursor: &CursorContext<'_>) {
+        let own = cursor.enclosing(Block::Entity).and_then(|b| self.entity(b.name));
+        let world = cursor.enclosing(Block::World).and_then(|b| self.world(b.name));
+        if cursor.previous(1) == "." {
+            return self.after_dot(cursor, own, world);
         }
-        if let Some(call) = place.calls.last().copied()
-            && self.argument(place, call.name, call.before, call.argument, own, world)
+        if let Some(call) = cursor.calls.last().copied()
+            && self.argument(cursor, call.name, call.before, call.argument, own, world)
         {
             return;
         }
-        if self.after_word(place, own, world) {
+        if self.after_word(cursor, own, world) {
             return;
         }
-        if place.statement.is_empty() {
-            return self.statement(place, own);
+        if cursor.statement.is_empty() {
+            return self.statement(cursor, own);
         }
-        self.expression(place, own, world);
+        self.expression(cursor, own, world);
     }
 
-    fn after_dot(&mut self, place: &Place<'_>, own: Option<&Entity>, world: Option<&World>) {
+    fn after_dot(&mut self, cursor: &CursorContext<'_>, own: Option<&Entity>, world: Option<&World>) {
         let mut prefix: Vec<&str> = Vec::new();
         let mut back = 1;
-        while place.back(back) == "." {
-            prefix.insert(0, place.back(back + 1));
+        while cursor.previous(back) == "." {
+            prefix.insert(0, cursor.previous(back + 1));
             back += 2;
         }
         let Some(first) = prefix.first().copied() else { return };
         if let Some(entity) = own {
-            let leads = matches!(place.back(back), "->" | "in");
+            let leads = matches!(cursor.previous(back), "->" | "in");
             let names_mode = entity.modes.iter().any(|m| m.path.iter().any(|p| p == first));
             if leads || names_mode && entity.refs.find(|r| r.name.text == first).is_none() {
                 return self.modes(entity, &prefix);
@@ -77,7 +77,7 @@ impl Offers<'_> {
             let refers = entity.refs.iter().find(|r| r.name.text == first).and_then(|r| r.entity);
             let referred = refers.and_then(|id| self.programs.first()?.ide.checked.entities.get(id)).map(|e| &**e);
             // `e is Slime and e.`
-            let tested = place.statement.windows(3).find_map(|words| match words {
+            let tested = cursor.statement.windows(3).find_map(|words| match words {
                 [name, "is", entity] if *name == first => self.entity(entity),
                 _ => None,
             });
@@ -88,9 +88,10 @@ impl Offers<'_> {
             return;
         }
         let Some(world) = world else { return };
-        if place.back(back) == "in" {
-            let asked = self.instance(world, place.back(back + 1)).or_else(|| self.entity(place.back(back + 1)));
-            return asked.into_iter().for_each(|entity| self.modes(entity, &prefix));
+        if cursor.previous(back) == "in" {
+            let subject =
+                self.instance(world, cursor.previous(back + 1)).or_else(|| self.entity(cursor.previous(back + 1)));
+            return subject.into_iter().for_each(|entity| self.modes(entity, &prefix));
         }
         if world.spaces.iter().any(|s| s.name.text == first) {
             ["width", "height"].iter().for_each(|m| self.add(0, m, CompletionKind::Property, "px"));
@@ -100,28 +101,28 @@ impl Offers<'_> {
         }
     }
 
-    /// What is offered as an argument; returns whether the place is one of a kind of its own.
+    /// Adds the items for an argument of a call; returns false if it is an ordinary expression.
     fn argument(
         &mut self,
-        place: &Place<'_>,
+        cursor: &CursorContext<'_>,
         name: &str,
         before: &str,
         argument: usize,
         own: Option<&Entity>,
         world: Option<&World>,
     ) -> bool {
-        let in_behavior = place.around(Block::Behavior).map(|b| b.start);
+        let in_behavior = cursor.enclosing(Block::Behavior).map(|b| b.start);
         match name {
             "pressed" | "held" | "released" => {
                 let buttons = own.into_iter().flat_map(|e| e.buttons.iter());
                 buttons.for_each(|b| self.add(0, &b.text, CompletionKind::Input, "button"));
                 if let Some(from) = in_behavior {
-                    self.declared(from, &[NameKind::Button, NameKind::Argument]);
+                    self.declared_after(from, &[NameKind::Button, NameKind::Argument]);
                 }
             }
             "touching" => {
                 if argument < 2 {
-                    self.named(NameKind::Tag);
+                    self.names_of_kind(NameKind::Tag);
                 }
                 if argument > 0 {
                     let sides = ["left", "right", "above", "below"];
@@ -129,13 +130,13 @@ impl Offers<'_> {
                 }
             }
             "timer" | "entering" | "exiting" => {
-                // Only other groups can be waited for.
-                let group = place.around(Block::Group).filter(|_| name != "timer").map(|group| group.name);
+                // `entering` and `exiting` accept only modes of other groups.
+                let group = cursor.enclosing(Block::Group).filter(|_| name != "timer").map(|group| group.name);
                 if let Some(entity) = own {
                     self.modes_of(entity, &[], |path| Some(path) != group);
                 }
                 if let Some(from) = in_behavior {
-                    self.declared(from, &[NameKind::Mode]);
+                    self.declared_after(from, &[NameKind::Mode]);
                 }
             }
             "lost" => self.refs(own),
@@ -147,29 +148,29 @@ impl Offers<'_> {
                 let spaces = world.into_iter().flat_map(|w| w.spaces.iter());
                 spaces.for_each(|s| self.add(0, &s.name.text, CompletionKind::Space, "space"));
             }
-            _ if before == "spawn" && matches!(place.back(1), "(" | ",") => {
+            _ if before == "spawn" && matches!(cursor.previous(1), "(" | ",") => {
                 if let Some(entity) = self.entity(name) {
-                    self.settings(entity, &given(self.code, place.word.start, "("));
+                    self.settings(entity, &assigned_names(self.code, cursor.word.start, "("));
                 }
             }
-            _ if before == "use" && matches!(place.back(1), "(" | ",") => {
+            _ if before == "use" && matches!(cursor.previous(1), "(" | ",") => {
                 let from = self.list.len();
                 if let Some(behavior) = self.programs.iter().find_map(|program| program.behavior(name)) {
                     let parameters = behavior.parameters.iter();
                     parameters.for_each(|p| self.add(0, &p.text, CompletionKind::Property, "parameter"));
                 }
-                self.as_assignments(from, &given(self.code, place.word.start, "("));
+                self.as_assignments(from, &assigned_names(self.code, cursor.word.start, "("));
             }
             _ => return false,
         }
         true
     }
 
-    /// What is offered after a word that asks for something; returns whether there is one.
-    fn after_word(&mut self, place: &Place<'_>, own: Option<&Entity>, world: Option<&World>) -> bool {
-        let first = place.statement.first().copied().unwrap_or_default();
-        let (last, before) = (place.back(1), place.back(2));
-        let in_behavior = place.around(Block::Behavior).map(|b| b.start);
+    /// Adds the items after a keyword that determines them; returns false if there is no such keyword.
+    fn after_word(&mut self, cursor: &CursorContext<'_>, own: Option<&Entity>, world: Option<&World>) -> bool {
+        let first = cursor.statement.first().copied().unwrap_or_default();
+        let (last, before) = (cursor.previous(1), cursor.previous(2));
+        let in_behavior = cursor.enclosing(Block::Behavior).map(|b| b.start);
         match (last, first) {
             ("->", "link") => {
                 let spaces = world.into_iter().flat_map(|w| w.spaces.iter());
@@ -177,10 +178,10 @@ impl Offers<'_> {
             }
             ("->", _) => {
                 // An edge stays in its group.
-                let group = place.around(Block::Group).map(|group| group.name);
+                let group = cursor.enclosing(Block::Group).map(|group| group.name);
                 own.into_iter().for_each(|e| self.modes_of(e, &[], |path| group.is_none_or(|group| path == group)));
                 if let Some(from) = in_behavior {
-                    self.declared(from, &[NameKind::Mode, NameKind::Argument]);
+                    self.declared_after(from, &[NameKind::Mode, NameKind::Argument]);
                 }
             }
             ("in", "clamp") => return false,
@@ -189,11 +190,13 @@ impl Offers<'_> {
                 let refers = own.and_then(|e| e.refs.iter().find(|r| r.name.text == before)?.entity);
                 let referred = refers.and_then(|id| self.checked().next()?.entities.get(id)).map(|e| &**e);
                 // `any Slime in`
-                let any = world.filter(|_| place.back(3) == "any").and_then(|_| self.entity(before));
+                let any = world.filter(|_| cursor.previous(3) == "any").and_then(|_| self.entity(before));
                 subject.or(any).or(referred).or(own).into_iter().for_each(|e| self.modes(e, &[]));
             }
-            ("touching", _) | ("with", "collide") | ("collide" | "collider" | "rect", _) => self.named(NameKind::Tag),
-            (",", "collide" | "collider") if !place.statement.contains(&":") => self.named(NameKind::Tag),
+            ("touching", _) | ("with", "collide") | ("collide" | "collider" | "rect", _) => {
+                self.names_of_kind(NameKind::Tag)
+            }
+            (",", "collide" | "collider") if !cursor.statement.contains(&":") => self.names_of_kind(NameKind::Tag),
             (":", "collide") => self.words(&["block", "sense"]),
             ("block" | ",", "collide") => self.words(&["from above", "keep velocity", "carry"]),
             ("sense" | "above" | "velocity" | "carry", "collide") => {}
@@ -212,7 +215,7 @@ impl Offers<'_> {
             }
             (":", "player") => self.instances(world),
             (":", "discrete") => self.words(&["int", "bool"]),
-            ("use", _) => self.named(NameKind::Behavior),
+            ("use", _) => self.names_of_kind(NameKind::Behavior),
             ("destroy", _) => {
                 self.refs(own);
                 self.words(&["self"]);
@@ -222,16 +225,16 @@ impl Offers<'_> {
                 axes.for_each(|a| self.add(0, &a.text, CompletionKind::Input, "axis"));
                 self.functions(|name| name == "held");
             }
-            ("map", _) if place.block() == Some(Block::Space) => {
-                self.named(NameKind::TileSet);
+            ("map", _) if cursor.block() == Some(Block::Space) => {
+                self.names_of_kind(NameKind::TileSet);
                 self.words(&["level", "vglc", "tiled", "ldtk"]);
             }
             ("level", "map") => {
-                self.named(NameKind::TileSet);
+                self.names_of_kind(NameKind::TileSet);
                 self.words(&["legend"]);
             }
-            (":" | ",", _) if matches!(place.block(), Some(Block::Tiles | Block::Kinds)) => {
-                self.named(NameKind::Tag);
+            (":" | ",", _) if matches!(cursor.block(), Some(Block::Tiles | Block::Kinds)) => {
+                self.names_of_kind(NameKind::Tag);
                 self.words(&["empty", "spawn"]);
             }
             ("follow", _) => self.words(&["links"]),
@@ -240,16 +243,16 @@ impl Offers<'_> {
                 let vars = own.into_iter().flat_map(|e| e.vars.iter());
                 vars.for_each(|v| self.add(0, &v.name.text, CompletionKind::Variable, "continuous"));
                 if let Some(from) = in_behavior {
-                    self.declared(from, &[NameKind::Variable]);
+                    self.declared_after(from, &[NameKind::Variable]);
                 }
             }
-            ("attack" | "decay" | "release", _) if place.block() == Some(Block::Envelope) => {
+            ("attack" | "decay" | "release", _) if cursor.block() == Some(Block::Envelope) => {
                 self.words(&["instant", "accel", "over"]);
                 if last == "release" {
                     self.words(&["hold", "to"]);
                 }
             }
-            // A new name is the author's own.
+            // The author chooses a new name.
             ("entity" | "behavior" | "world" | "mode" | "group" | "param" | "continuous" | "discrete" | "ref", _)
             | ("button" | "axis" | "const" | "goal" | "never" | "tiles" | "space" | "place" | "player" | "as", _) => {}
             _ => return false,
@@ -257,22 +260,22 @@ impl Offers<'_> {
         true
     }
 
-    /// What a statement can begin with.
-    fn statement(&mut self, place: &Place<'_>, own: Option<&Entity>) {
-        let block = place.block();
-        let (words, snippets) = begins(block);
+    /// Adds the items at the start of a statement.
+    fn statement(&mut self, cursor: &CursorContext<'_>, own: Option<&Entity>) {
+        let block = cursor.block();
+        let (words, snippets) = statement_starts(block);
         self.words(words);
         self.snippets(snippets);
-        let line = self.code.get(..place.word.start).and_then(|before| before.rfind('\n')).map_or(0, |at| at + 1);
-        if block.is_some() && line == place.word.start {
-            // The blocks around it may be still to be closed.
-            self.words(begins(None).0);
+        let line = self.code.get(..cursor.word.start).and_then(|before| before.rfind('\n')).map_or(0, |at| at + 1);
+        if block.is_some() && line == cursor.word.start {
+            // The closing braces of the enclosing blocks may be missing.
+            self.words(statement_starts(None).0);
         }
         match block {
             Some(Block::Settings) => {
-                let name = place.blocks.last().map_or("", |b| b.name);
+                let name = cursor.blocks.last().map_or("", |b| b.name);
                 if let Some(entity) = self.entity(name) {
-                    self.settings(entity, &given(self.code, place.word.start, "{"));
+                    self.settings(entity, &assigned_names(self.code, cursor.word.start, "{"));
                 }
             }
             Some(Block::Entity | Block::Mode | Block::Updates | Block::Behavior) => {
@@ -290,24 +293,24 @@ impl Offers<'_> {
         }
     }
 
-    /// What a value can be made of.
-    fn expression(&mut self, place: &Place<'_>, own: Option<&Entity>, world: Option<&World>) {
-        let in_world = place.around(Block::World).is_some();
-        if ends_operand(place) {
-            return self.words(after_operand(place));
+    /// Adds the items inside an expression.
+    fn expression(&mut self, cursor: &CursorContext<'_>, own: Option<&Entity>, world: Option<&World>) {
+        let in_world = cursor.enclosing(Block::World).is_some();
+        if ends_operand(cursor) {
+            return self.words(after_operand(cursor));
         }
-        // What the value is set of: a place, what is spawned, or the entity itself.
-        let settings = place.blocks.last().filter(|open| open.block == Block::Settings).map(|open| open.name);
-        let spawned = place.calls.last().filter(|call| call.before == "spawn").map(|call| call.name);
+        // The entity whose member is assigned: of a `place`, of a `spawn`, or the enclosing one.
+        let settings = cursor.blocks.last().filter(|open| open.block == Block::Settings).map(|open| open.name);
+        let spawned = cursor.calls.last().filter(|call| call.before == "spawn").map(|call| call.name);
         let set = settings.or(spawned).and_then(|name| self.entity(name));
         if let Some(of) = set
-            && of.refs.iter().any(|r| r.name.text == place.back(2))
+            && of.refs.iter().any(|r| r.name.text == cursor.previous(2))
         {
             self.instances(world);
             self.refs(own);
             return self.words(&["none", "self"]);
         }
-        let compared = if matches!(place.back(1), "==" | "!=" | ":=" | "=") { place.back(2) } else { "" };
+        let compared = if matches!(cursor.previous(1), "==" | "!=" | ":=" | "=") { cursor.previous(2) } else { "" };
         let chosen = set.or(own).and_then(|e| e.discretes.iter().find(|d| d.name.text == compared));
         if let Some(values) = chosen.filter(|d| matches!(d.ty, Type::Set(_))).map(|d| &d.values) {
             values.iter().for_each(|v| self.add(0, v, CompletionKind::Value, "value"));
@@ -316,7 +319,7 @@ impl Offers<'_> {
             same.for_each(|d| self.add(1, &d.name.text, CompletionKind::Variable, "discrete"));
             return self.functions(|name| name == "if");
         }
-        let is_fixed = place.statement.first() == Some(&"param");
+        let is_fixed = cursor.statement.first() == Some(&"param");
         if let (Some(entity), true) = (own, is_fixed) {
             entity.params.iter().for_each(|p| self.add(0, &p.name.text, CompletionKind::Constant, "param"));
         } else if let Some(entity) = own {
@@ -324,11 +327,11 @@ impl Offers<'_> {
             self.refs(Some(entity));
             entity.axes.iter().for_each(|a| self.add(0, &a.text, CompletionKind::Input, "axis"));
         }
-        if let Some(from) = place.around(Block::Behavior).map(|b| b.start) {
+        if let Some(from) = cursor.enclosing(Block::Behavior).map(|b| b.start) {
             let kinds = [NameKind::Argument, NameKind::Parameter, NameKind::Variable, NameKind::Discrete];
-            self.declared(from, &kinds);
+            self.declared_after(from, &kinds);
         }
-        self.named(NameKind::Constant);
+        self.names_of_kind(NameKind::Constant);
         if in_world {
             self.instances(world);
             self.functions(|name| is_arithmetic(name) || matches!(name, "near" | "inside"));
@@ -343,13 +346,13 @@ impl Offers<'_> {
     }
 }
 
-/// Whether a function reads nothing but its arguments.
+/// Whether a function depends only on its arguments.
 fn is_arithmetic(name: &str) -> bool {
     let reads = ["pressed", "held", "released", "touching", "timer", "entering", "exiting", "lost"];
     !reads.contains(&name) && !matches!(name, "near" | "inside" | "rect" | "circle")
 }
 
-/// The path of a program as another one imports it.
+/// The path by which one program imports another.
 fn relative(from: &Path, to: &Path) -> Option<String> {
     if from == to {
         return None;

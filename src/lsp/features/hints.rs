@@ -1,5 +1,5 @@
-//! What is shown between the words: dimensions of parameters, what variables can be, how high and how long a jump goes;
-//! and above worlds and goals, what can be run.
+//! Inlay hints: dimensions of declarations, value ranges of variables, height and duration of jumps. Code lenses:
+//! commands to simulate worlds and search for goals.
 
 use std::ops::Range;
 use std::path::Path;
@@ -14,21 +14,21 @@ use crate::syntax::{self};
 
 use crate::lsp::snapshot::Snapshot;
 use crate::lsp::text::document_text::Text;
-use crate::lsp::values::written;
-use crate::lsp::view::{Known, View};
+use crate::lsp::values::format_values;
+use crate::lsp::view::{ProgramState, View};
 
-/// What a hint shows.
+/// The content of a hint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(in crate::lsp) enum HintKind {
-    /// The dimension of what is declared.
+    /// The dimension of a parameter or variable.
     Dimension,
     /// The values that a variable can have.
     Bounds,
-    /// How high and how long a jump goes.
+    /// The height and the duration of a jump.
     Jump,
 }
 
-/// A text between the words.
+/// A hint, shown at an offset.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(in crate::lsp) struct InlayHint {
     pub byte: usize,
@@ -36,16 +36,17 @@ pub(in crate::lsp) struct InlayHint {
     pub kind: HintKind,
 }
 
-/// The hints of some bytes of a file, in order, and the text that their bytes count in; none if no program has the file.
+/// The hints in a range of a file, in order, and the text to which their offsets refer; `None` if no program contains
+/// the file.
 pub(in crate::lsp) fn inlay_hints(
     view: &View,
     path: &Path,
     bytes: &Range<usize>,
 ) -> Option<(Arc<Text>, Vec<InlayHint>)> {
-    let (known, file) = view.programs(path).find_map(|known| Some((known, known.now.file(path)?)))?;
-    let snapshot = &*known.now;
+    let (state, file) = view.programs_with(path).find_map(|state| Some((state, state.current.file(path)?)))?;
+    let snapshot = &*state.current;
     let (start, end) = (view.byte_in(snapshot, file, bytes.start), view.byte_in(snapshot, file, bytes.end));
-    let mut hints = Hints { known, snapshot, file, found: Vec::new() };
+    let mut hints = Hints { state, snapshot, file, found: Vec::new() };
     for (id, entity) in snapshot.ide.checked.entities.pairs() {
         hints.entity(&snapshot.ide.checked, id, entity);
     }
@@ -55,43 +56,43 @@ pub(in crate::lsp) fn inlay_hints(
     Some((snapshot.text(file), hints.found))
 }
 
-/// What can be run, above its declaration.
+/// A command, shown above a declaration.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::lsp) struct CodeLens {
-    /// The name of what is run.
+    /// The range of the declared name.
     pub bytes: Range<usize>,
-    pub run: Run,
+    pub command: LensCommand,
 }
 
 /// A command of `hypedc`.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(in crate::lsp) enum Run {
+pub(in crate::lsp) enum LensCommand {
     /// `hypedc sim`
     Simulate { world: String },
     /// `hypedc reach`
     Reach { world: String, goal: String },
 }
 
-/// What can be run of the worlds of a text.
+/// The lenses of the worlds and goals of a text.
 pub(in crate::lsp) fn code_lenses(text: &Text) -> Vec<CodeLens> {
     let (tree, _) = syntax::parse(FileId(0), text.code());
     let mut out = Vec::new();
     for item in &tree.items {
         let Item::World(world) = item else { continue };
         let name = world.name.text.to_string();
-        out.push(CodeLens { bytes: world.name.span.range(), run: Run::Simulate { world: name.clone() } });
+        out.push(CodeLens { bytes: world.name.span.range(), command: LensCommand::Simulate { world: name.clone() } });
         let goals = world.items.iter().filter_map(|i| if let WorldItem::Goal(q) = i { Some(q) } else { None });
         out.extend(goals.map(|goal| CodeLens {
             bytes: goal.name.span.range(),
-            run: Run::Reach { world: name.clone(), goal: goal.name.text.to_string() },
+            command: LensCommand::Reach { world: name.clone(), goal: goal.name.text.to_string() },
         }));
     }
     out
 }
 
-/// Gathers the hints of a file.
+/// Collects the hints of a file.
 struct Hints<'a> {
-    known: &'a Known,
+    state: &'a ProgramState,
     snapshot: &'a Snapshot,
     file: FileId,
     found: Vec<InlayHint>,
@@ -99,7 +100,7 @@ struct Hints<'a> {
 
 impl Hints<'_> {
     fn add(&mut self, at: Span, kind: HintKind, label: String) {
-        // What is in a behaviour means different things where it is put.
+        // Declarations in behaviours have no hints: each use can have other values.
         if at.file() == self.file {
             self.found.push(InlayHint { byte: at.range().end, label, kind });
         }
@@ -127,19 +128,20 @@ impl Hints<'_> {
         }
     }
 
-    /// What a variable is at most, in all of its modes.
+    /// The range of a variable over all modes, unless it is the declared one.
     fn bounds(&mut self, entity: &Entity, name: &Name, declared: Option<(i32, i32)>) {
-        let Some(ranges) = &self.known.ranges else { return };
+        let Some(ranges) = &self.state.ranges else { return };
         let known = ranges.get(&entity.name.text, &name.text);
         let all = known.iter().filter_map(|m| m.values.first()).filter_map(crate::analysis::Values::hull);
         let Some(hull) = all.reduce(crate::analysis::Interval::or) else { return };
-        let is_news = declared.is_none_or(|(low, high)| (f64::from(low), f64::from(high)) != (hull.low, hull.high));
-        if is_news && (hull.low.is_finite() || hull.high.is_finite()) {
-            self.add(self.line_end(name.span), HintKind::Bounds, format!("is {}", written(&hull.into())));
+        let is_informative =
+            declared.is_none_or(|(low, high)| (f64::from(low), f64::from(high)) != (hull.low, hull.high));
+        if is_informative && (hull.low.is_finite() || hull.high.is_finite()) {
+            self.add(self.line_end(name.span), HintKind::Bounds, format!("is {}", format_values(&hull.into())));
         }
     }
 
-    /// The end of the line of a place, its comment left out.
+    /// The end of the line of a span, before a comment.
     fn line_end(&self, at: Span) -> Span {
         let text = self.snapshot.ide.compilation.sources.file(at.file()).text();
         let rest = text.get(at.range().end..).unwrap_or_default();
@@ -149,7 +151,8 @@ impl Hints<'_> {
         Span::new(at.file(), end, end)
     }
 
-    /// How high and how long it goes up where an edge sets an upward velocity and leads to where it falls.
+    /// Adds height and duration of a jump: an edge that sets an upward velocity and enters a mode with a downward
+    /// acceleration.
     fn jump(&mut self, entity: &Entity, edge: &Edge, params: &IdVec<ParamId, f64>) {
         let context = ConstantContext { params: Some(params), step: None };
         let value = |term: &Term| evaluate(term, context).ok().filter(|v| v.is_finite());
@@ -160,19 +163,19 @@ impl Hints<'_> {
                 continue;
             }
             let Some(speed) = value(&update.value).filter(|v| *v > 0.0) else { continue };
-            let Some(leaf) = entered(entity, edge.target.unwrap_or(edge.source)) else { continue };
-            let Some(pull) = falls(entity, leaf, height).and_then(&value).filter(|v| *v < 0.0) else { continue };
+            let Some(leaf) = entered_leaf(entity, edge.target.unwrap_or(edge.source)) else { continue };
+            let Some(pull) = acceleration(entity, leaf, height).and_then(&value).filter(|v| *v < 0.0) else { continue };
             let (rise, time) = (speed * speed / (-2.0 * pull), speed / -pull);
-            let mut label = format!("up to {} px in {} s", short(rise), short(time));
+            let mut label = format!("up to {} px in {} s", format_number(rise), format_number(time));
             if ends_by_contact(entity, leaf) {
-                label = format!("{label}, {} s in the air", short(2.0 * time));
+                label = format!("{label}, {} s in the air", format_number(2.0 * time));
             }
             self.add(update.span, HintKind::Jump, label);
         }
     }
 }
 
-/// The values of parameters where nothing is set; those that are not known are not numbers.
+/// The default values of parameters; NaN where the value is not constant.
 fn parameters(entity: &Entity) -> IdVec<ParamId, f64> {
     let mut params: IdVec<ParamId, f64> = IdVec::new();
     for param in entity.params.iter() {
@@ -183,8 +186,8 @@ fn parameters(entity: &Entity) -> IdVec<ParamId, f64> {
     params
 }
 
-/// The leaf that is entered with a mode, where that does not depend on a guard.
-fn entered(entity: &Entity, mode: ModeId) -> Option<ModeId> {
+/// The leaf that is entered with a mode; `None` if it depends on a guard.
+fn entered_leaf(entity: &Entity, mode: ModeId) -> Option<ModeId> {
     let mut at = mode;
     loop {
         let inside = &entity.modes[at].children;
@@ -198,7 +201,7 @@ fn entered(entity: &Entity, mode: ModeId) -> Option<ModeId> {
     }
 }
 
-/// Whether nothing but contacts ends a mode or what is around it.
+/// Whether all edges of a mode and its outer modes require a contact.
 fn ends_by_contact(entity: &Entity, leaf: ModeId) -> bool {
     let mut at = Some(leaf);
     while let Some(id) = at {
@@ -212,7 +215,7 @@ fn ends_by_contact(entity: &Entity, leaf: ModeId) -> bool {
     true
 }
 
-/// Whether a guard holds only while something is touched.
+/// Whether a guard implies a contact.
 fn needs_contact(guard: &Term) -> bool {
     match &guard.kind {
         TermKind::Touching(_) => true,
@@ -222,8 +225,8 @@ fn needs_contact(guard: &Term) -> bool {
     }
 }
 
-/// The acceleration of a variable in a mode, if a flow of it or of what is around it gives one.
-fn falls(entity: &Entity, mode: ModeId, var: VarId) -> Option<&Term> {
+/// The acceleration of a variable in a mode, if the innermost flow of the variable gives one.
+fn acceleration(entity: &Entity, mode: ModeId, var: VarId) -> Option<&Term> {
     let mut at = Some(mode);
     while let Some(id) = at {
         let mode = &entity.modes[id];
@@ -239,8 +242,8 @@ fn falls(entity: &Entity, mode: ModeId, var: VarId) -> Option<&Term> {
     if let DriveBy::Flow(term) = &drive.by { Some(term) } else { None }
 }
 
-/// At most two digits after the point.
-fn short(x: f64) -> String {
+/// Formats a number with at most two decimals.
+fn format_number(x: f64) -> String {
     let text = format!("{x:.2}");
     text.trim_end_matches('0').trim_end_matches('.').to_string()
 }

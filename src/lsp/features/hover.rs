@@ -1,5 +1,5 @@
-//! What is shown of a name: how it is declared, what it is, its dimension, its documentation, and what it can be in each
-//! mode as far as the analysis knows.
+//! Hovers: declaration, kind, dimension, documentation and value ranges of a name; descriptions of keywords and
+//! findings.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -16,25 +16,25 @@ use crate::syntax::occurrence::{NameKind, Occurrence, Role};
 use super::navigate::{ProgramPosition, last_known_positions, word_at};
 use crate::lsp::location::{FileOffset, Location};
 use crate::lsp::snapshot::Snapshot;
+use crate::lsp::text::cursor::CursorContext;
 use crate::lsp::text::meanings::{Meaning, meaning};
-use crate::lsp::text::place::Place;
-use crate::lsp::text::words::{SIGNATURES, begins};
-use crate::lsp::values::written;
+use crate::lsp::text::words::{SIGNATURES, statement_starts};
+use crate::lsp::values::format_values;
 use crate::lsp::view::View;
 
-/// The most lines of worlds with a tag that are listed.
-const MAX_CARRIERS: usize = 5;
-/// The most modes that are listed.
+/// Maximum number of listed lines of worlds with a tag.
+const MAX_TAGGED: usize = 5;
+/// Maximum number of listed modes.
 const MAX_MODES: usize = 12;
 
-/// What is shown of a place.
+/// The hover at a position.
 #[derive(Debug)]
 pub(in crate::lsp) struct Hover {
     pub at: Location,
     pub markdown: String,
 }
 
-/// What is known of a name or a word of the language, and of what was found there.
+/// The hover of a name or keyword, and of the finding at a position.
 pub(in crate::lsp) fn hover(view: &View, at: &FileOffset) -> Option<Hover> {
     let known = hover_name(view, at).or_else(|| hover_word(view, at));
     let parts: Vec<Hover> = known.into_iter().chain(hover_finding(view, at)).collect();
@@ -42,13 +42,13 @@ pub(in crate::lsp) fn hover(view: &View, at: &FileOffset) -> Option<Hover> {
     Some(Hover { markdown, ..parts.into_iter().next()? })
 }
 
-/// A name of the program.
+/// The hover of a name of the program.
 fn hover_name(view: &View, at: &FileOffset) -> Option<Hover> {
     let positions = last_known_positions(view, at);
     let position = positions.iter().find(|position| !position.names.is_empty())?;
     let o = *position.names.first()?;
-    let markdown = About { position, snapshot: position.snapshot, o }.text();
-    if std::ptr::eq(position.snapshot, &*position.known.now) {
+    let markdown = NameHover { position, snapshot: position.snapshot, o }.text();
+    if std::ptr::eq(position.snapshot, &*position.state.current) {
         return Some(Hover { at: position.snapshot.location(o.at), markdown });
     }
     let text = Arc::clone(&view.documents.get(&at.path)?.text);
@@ -56,15 +56,15 @@ fn hover_name(view: &View, at: &FileOffset) -> Option<Hover> {
     Some(Hover { at: Location { path: at.path.clone(), text, bytes }, markdown })
 }
 
-/// What the code means of what was found here, as far as its page begins with it; errors before warnings.
+/// The hover of the finding at a position: the first paragraph of the page of its code. Errors take precedence.
 fn hover_finding(view: &View, at: &FileOffset) -> Option<Hover> {
     let mut found: Option<(&Diagnostic, &Snapshot, Span)> = None;
-    for known in view.programs(&at.path) {
-        let snapshot = &*known.now;
+    for state in view.programs_with(&at.path) {
+        let snapshot = &*state.current;
         let Some(file) = snapshot.file(&at.path) else { continue };
         let byte = view.byte_in(snapshot, file, at.byte) as u32;
-        let said = snapshot.ide.compilation.diagnostics.iter();
-        for finding in said.chain(known.findings.iter().flat_map(Diagnostics::iter)) {
+        let reported = snapshot.ide.compilation.diagnostics.iter();
+        for finding in reported.chain(state.findings.iter().flat_map(Diagnostics::iter)) {
             let Some(span) = finding.primary.as_ref().map(|label| label.span) else { continue };
             let is_here = span.file() == file && span.start() <= byte && byte <= span.end();
             let is_first = found
@@ -86,7 +86,7 @@ fn hover_finding(view: &View, at: &FileOffset) -> Option<Hover> {
     Some(Hover { at: snapshot.location(span), markdown })
 }
 
-/// A word of the language.
+/// The hover of a keyword or a function.
 fn hover_word(view: &View, at: &FileOffset) -> Option<Hover> {
     let text = Arc::clone(&view.documents.get(&at.path)?.text);
     let code = text.code();
@@ -95,36 +95,38 @@ fn hover_word(view: &View, at: &FileOffset) -> Option<Hover> {
     let is_called = code.get(bytes.end..)?.trim_start_matches([' ', '\t']).starts_with('(');
     let ways = SIGNATURES.iter().filter(|s| is_called && s.name == word);
     let ways: Vec<String> = ways.map(|s| format!("`{word}({})`: {}", s.parameters.join(", "), s.doc)).collect();
-    let shape = || matches!(word, "rect") && is_word(code, &bytes);
+    let shape = || matches!(word, "rect") && is_keyword_at(code, &bytes);
     let markdown = if ways.is_empty() || shape() {
-        let Meaning { says, example, .. } = meaning(word).filter(|_| is_word(code, &bytes))?;
-        format!("`{word}`: {says}\n\n```hyped\n{example}\n```")
+        let Meaning { description, example, .. } = meaning(word).filter(|_| is_keyword_at(code, &bytes))?;
+        format!("`{word}`: {description}\n\n```hyped\n{example}\n```")
     } else {
         ways.join("\n\n")
     };
     Some(Hover { at: Location { path: at.path.clone(), text, bytes }, markdown })
 }
 
-/// Whether a word is one of the language where it is, and no name.
-fn is_word(code: &str, bytes: &std::ops::Range<usize>) -> bool {
+/// Whether the word at a range is a keyword there, and no name.
+fn is_keyword_at(code: &str, bytes: &std::ops::Range<usize>) -> bool {
     let word = code.get(bytes.clone()).unwrap_or_default();
     if syntax::is_reserved(word) {
         return true;
     }
     if let Some(pairs) = syntax::pairs(FileId(0), code) {
-        // In a slice that fits no rule nothing more is known.
+        // Text inside a recovered syntax error is not classified.
         let mut here = pairs.flatten().filter(|p| p.as_span().start() <= bytes.start && bytes.end <= p.as_span().end());
         if !here.clone().any(|p| format!("{:?}", p.as_rule()).starts_with("bad_")) {
             return here.any(|p| p.as_str() == word && format!("{:?}", p.as_rule()).starts_with("word_"));
         }
     }
-    let place = Place::of(code, bytes.start);
+    let cursor = CursorContext::at(code, bytes.start);
     let goes_on = code.get(bytes.end..).unwrap_or_default().trim_start_matches([' ', '\t']);
-    place.statement.is_empty() && begins(place.block()).0.contains(&word) && !goes_on.starts_with(['=', ':', '\'', '.'])
+    cursor.statement.is_empty()
+        && statement_starts(cursor.block()).0.contains(&word)
+        && !goes_on.starts_with(['=', ':', '\'', '.'])
 }
 
-/// What a kind of names is called.
-pub(super) fn called(kind: NameKind) -> &'static str {
+/// The description of a kind of names.
+pub(super) fn kind_label(kind: NameKind) -> &'static str {
     match kind {
         NameKind::Constant => "constant",
         NameKind::Entity => "entity",
@@ -150,7 +152,7 @@ pub(super) fn called(kind: NameKind) -> &'static str {
     }
 }
 
-/// The entities whose value, mode or input a name is: several if it is in a behaviour.
+/// The entities of which a name is a member; several if it is declared in a behaviour.
 pub(super) fn owners<'c>(
     checked: &'c Checked,
     snapshot: &Snapshot,
@@ -172,14 +174,14 @@ pub(super) fn owners<'c>(
     checked.entities.pairs().filter(|(_, e)| owns(e)).map(|(id, e)| (id, &**e)).collect()
 }
 
-/// Makes the text of a hover.
-struct About<'a> {
+/// Builds the hover of a name.
+struct NameHover<'a> {
     position: &'a ProgramPosition<'a>,
     snapshot: &'a Snapshot,
     o: Occurrence,
 }
 
-impl About<'_> {
+impl NameHover<'_> {
     fn text(&self) -> String {
         let name = self.snapshot.name(&self.o);
         let checked = &self.snapshot.ide.checked;
@@ -189,7 +191,7 @@ impl About<'_> {
         if is_own && self.o.kind != NameKind::Tag {
             parts.push(format!("```hyped\n{}\n```", self.snapshot.line(self.o.declared)));
         }
-        let mut what = called(self.o.kind).to_string();
+        let mut what = kind_label(self.o.kind).to_string();
         let names: Vec<String> = owners.iter().take(3).map(|(_, e)| format!("`{}`", e.name.text)).collect();
         if !names.is_empty() {
             what = format!("{what} of {}", names.join(", "));
@@ -206,8 +208,8 @@ impl About<'_> {
             parts.extend(self.snapshot.doc(self.o.declared));
         }
         match self.o.kind {
-            NameKind::Mode => parts.extend(owners.first().map(|(_, e)| self.ways(e))),
-            NameKind::Tag => parts.push(self.carriers(name)),
+            NameKind::Mode => parts.extend(owners.first().map(|(_, e)| self.transitions(e))),
+            NameKind::Tag => parts.push(self.tagged(name)),
             NameKind::Variable | NameKind::Discrete => {
                 parts.extend(owners.iter().take(3).filter_map(|(_, e)| self.ranges(e, name)));
             }
@@ -217,16 +219,16 @@ impl About<'_> {
         parts.join("\n\n")
     }
 
-    /// How many primes follow the name.
+    /// Number of primes after the name, at most 2.
     fn degree(&self) -> usize {
         let text = self.snapshot.text(self.o.at.file());
         let after = text.code().get(self.o.at.range().end..).unwrap_or_default();
         after.bytes().take_while(|b| *b == b'\'').count().min(2)
     }
 
-    /// What the dimension was when the program last had no errors: what is broken may have told it.
+    /// The dimension in the last snapshot without errors: it may depend on code that does not compile now.
     fn last_dimension(&self, entity: &Entity, name: &str) -> Option<String> {
-        let good = self.position.known.good.as_deref().filter(|_| !self.position.known.now.is_good())?;
+        let good = self.position.state.last_good.as_deref().filter(|_| !self.position.state.current.is_error_free())?;
         let mut entities = good.ide.checked.entities.pairs();
         let (id, entity) = entities.find(|(_, e)| e.name.text == entity.name.text)?;
         self.dimension(&good.ide.checked, id, entity, name)
@@ -257,9 +259,9 @@ impl About<'_> {
         }
     }
 
-    /// What a variable can be in each mode.
+    /// The values of a variable in each mode.
     fn ranges(&self, entity: &Entity, name: &str) -> Option<String> {
-        let known = self.position.known.ranges.as_ref()?.get(&entity.name.text, name);
+        let known = self.position.state.ranges.as_ref()?.get(&entity.name.text, name);
         let degree = if self.o.kind == NameKind::Variable { self.degree() } else { 0 };
         let discrete = entity.discretes.iter().find(|d| d.name.text == name);
         let (ty, declared) = (discrete.map(|d| d.ty), discrete.map(|d| d.range));
@@ -276,17 +278,17 @@ impl About<'_> {
                 let may = [(0.0, "false"), (1.0, "true")].into_iter().filter(|(at, _)| values.contains(*at));
                 may.map(|(_, name)| name).collect::<Vec<_>>().join(" or ")
             }
-            _ => written(values),
+            _ => format_values(values),
         };
         let rows: Vec<(&str, String)> =
             known.iter().filter_map(|m| Some((m.mode.as_str(), shown(m.values.get(degree)?)))).collect();
         let first = rows.first()?;
         let written = format!("{name}{}", "'".repeat(degree));
         if rows.iter().all(|(_, values)| *values == first.1) {
-            let says_nothing = first.1 == "any"
+            let is_uninformative = first.1 == "any"
                 || matches!(ty, Some(Type::Set(_) | Type::Bool)) && first.1.contains(" or ")
                 || declared.is_some_and(|(low, high)| first.1 == format!("{low}..{high}"));
-            return Some(format!("`{written}` is {}", first.1)).filter(|_| !says_nothing);
+            return Some(format!("`{written}` is {}", first.1)).filter(|_| !is_uninformative);
         }
         let lines = rows.iter().take(MAX_MODES).map(|(mode, values)| format!("| `{mode}` | {values} |"));
         let more = rows.len().saturating_sub(MAX_MODES);
@@ -294,8 +296,8 @@ impl About<'_> {
         Some(format!("| in | `{written}` is |\n|---|---|\n{}{more}", lines.collect::<Vec<_>>().join("\n")))
     }
 
-    /// Where a mode leads, and from where.
-    fn ways(&self, entity: &Entity) -> String {
+    /// The modes with edges to and from a mode.
+    fn transitions(&self, entity: &Entity) -> String {
         let sources = &self.snapshot.ide.compilation.sources;
         let is_it = |span: Span| sources.trace(span).0 == self.o.declared;
         let Some(mode) = entity.modes.find(|m| is_it(m.name.span)) else { return String::new() };
@@ -316,17 +318,17 @@ impl About<'_> {
         lines.into_iter().flatten().collect::<Vec<_>>().join("  \n")
     }
 
-    /// What carries a tag.
-    fn carriers(&self, name: &str) -> String {
+    /// The colliders and world geometry with a tag.
+    fn tagged(&self, name: &str) -> String {
         let checked = &self.snapshot.ide.checked;
         let Some(tag) = checked.tags.find(|t| t.text == name) else { return String::new() };
         let entities = checked.entities.iter().filter(|e| e.colliders.iter().any(|c| c.tags.contains(&tag)));
         let entities: Vec<String> = entities.map(|e| format!("`{}`", e.name.text)).collect();
         let colliders = (!entities.is_empty()).then(|| format!("colliders of {}", entities.join(", ")));
-        // Tiles and rectangles carry it where they are in worlds.
+        // Tiles and rectangles with a tag are declared in worlds.
         let in_worlds = |at: Span| checked.worlds.iter().any(|w| w.span.contains(at));
-        let all = self.snapshot.matching(&BTreeSet::from([self.snapshot.key(&self.o)]));
-        let here = all.filter(|o| o.role == Role::Declared && in_worlds(o.at)).take(MAX_CARRIERS);
+        let all = self.snapshot.occurrences_of(&BTreeSet::from([self.snapshot.key(&self.o)]));
+        let here = all.filter(|o| o.role == Role::Declared && in_worlds(o.at)).take(MAX_TAGGED);
         let lines = here.map(|o| format!("`{}`", self.snapshot.line(o.at)));
         colliders.into_iter().chain(lines).collect::<Vec<_>>().join("  \n")
     }

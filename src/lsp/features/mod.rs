@@ -1,13 +1,13 @@
-//! What the server can do, one file for each family of requests: functions from what is known at one moment, and a place
-//! in a file, to plain answers. Nothing here knows of the protocol.
+//! The features of the server, one file per family of requests: functions from a view and a position to plain results.
+//! Independent of the protocol.
 
 pub(super) mod actions;
 pub(super) mod completion;
+pub(super) mod completion_items;
 pub(super) mod hierarchy;
 pub(super) mod hints;
 pub(super) mod hover;
 pub(super) mod navigate;
-pub(super) mod offers;
 pub(super) mod rename;
 pub(super) mod signature;
 pub(super) mod structure;

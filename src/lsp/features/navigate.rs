@@ -1,5 +1,5 @@
-//! From names to where they are declared and used, in all programs that hold the file: definition, references,
-//! highlights, symbols of the workspace, links to files.
+//! Navigation by names in all programs that contain a file: definition, references, highlights, workspace symbols,
+//! document links.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -11,39 +11,39 @@ use crate::syntax::ast::{Item, MapSource, Name};
 use crate::syntax::occurrence::{NameKind, Occurrence, Role};
 use crate::syntax::{self, ast};
 
-use crate::lsp::documents::clean;
+use crate::lsp::documents::normalize;
 use crate::lsp::location::{FileOffset, Location};
-use crate::lsp::snapshot::{Key, Snapshot};
+use crate::lsp::snapshot::{Snapshot, SymbolKey};
 use crate::lsp::text::alignment::Alignment;
 use crate::lsp::text::document_text::Text;
 use crate::lsp::text::lexer::{Kind, tokens};
-use crate::lsp::view::{Known, View};
+use crate::lsp::view::{ProgramState, View};
 
-/// The most symbols of a workspace in an answer.
+/// Maximum number of workspace symbols in a response.
 const MAX_SYMBOLS: usize = 500;
 
-/// A place in one of the programs that hold it.
+/// A position in one of the programs that contain the file.
 pub(super) struct ProgramPosition<'a> {
-    pub known: &'a Known,
-    /// The program as it is, or as it was when it last had no errors.
+    pub state: &'a ProgramState,
+    /// The current snapshot, or the last one without errors.
     pub snapshot: &'a Snapshot,
     pub file: FileId,
-    /// The names there.
+    /// The names at the position.
     pub names: Vec<Occurrence>,
 }
 
-/// A place in all programs that hold it, its own first.
+/// A position in all programs that contain the file, the one whose root it is first.
 pub(super) fn positions<'v>(view: &'v View, at: &FileOffset) -> Vec<ProgramPosition<'v>> {
-    let positions = view.programs(&at.path).filter_map(|known| {
-        let snapshot = &*known.now;
+    let positions = view.programs_with(&at.path).filter_map(|state| {
+        let snapshot = &*state.current;
         let file = snapshot.file(&at.path)?;
         let names = snapshot.names_at(file, view.byte_in(snapshot, file, at.byte));
-        Some(ProgramPosition { known, snapshot, file, names })
+        Some(ProgramPosition { state, snapshot, file, names })
     });
     positions.collect()
 }
 
-/// As [`positions`]; of a name that means nothing while its program has errors, what it meant when that had none.
+/// As [`positions`]; a name that does not resolve because of errors is looked up in the last snapshots without errors.
 pub(super) fn last_known_positions<'v>(view: &'v View, at: &FileOffset) -> Vec<ProgramPosition<'v>> {
     let positions = positions(view, at);
     let word = view.documents.get(&at.path).and_then(|document| {
@@ -54,43 +54,43 @@ pub(super) fn last_known_positions<'v>(view: &'v View, at: &FileOffset) -> Vec<P
         return positions;
     };
     let name = code.get(word.clone()).unwrap_or_default();
-    let renamed = view.renamed.as_ref().filter(|(_, new)| new == name).map(|(old, _)| old.as_str());
-    let positions = view.programs(&at.path).filter_map(|known| {
-        let snapshot = known.good.as_deref().filter(|_| !known.now.is_good())?;
+    let renamed = view.last_rename.as_ref().filter(|(_, new)| new == name).map(|(old, _)| old.as_str());
+    let positions = view.programs_with(&at.path).filter_map(|state| {
+        let snapshot = state.last_good.as_deref().filter(|_| !state.current.is_error_free())?;
         let file = snapshot.file(&at.path)?;
         let text = snapshot.text(file);
-        let mut names = snapshot.names_at(file, Alignment::between(text.code(), code).before(word.start)?);
+        let mut names = snapshot.names_at(file, Alignment::between(text.code(), code).old_offset(word.start)?);
         names.retain(|o| snapshot.name(o) == name || renamed == Some(snapshot.name(o)));
-        Some(ProgramPosition { known, snapshot, file, names })
+        Some(ProgramPosition { state, snapshot, file, names })
     });
     positions.collect()
 }
 
-/// Where something of a program is in its document as it is now; none if that line has changed.
-fn location_now(view: &View, snapshot: &Snapshot, at: Span) -> Option<Location> {
+/// The location of a span in the current text of its document; `None` if the line has changed.
+fn current_location(view: &View, snapshot: &Snapshot, at: Span) -> Option<Location> {
     let then = snapshot.location(at);
     match view.documents.get(&then.path) {
         Some(document) if document.text != then.text => {
-            let bytes = Alignment::between(then.text.code(), document.text.code()).after(then.bytes)?;
+            let bytes = Alignment::between(then.text.code(), document.text.code()).new_range(then.bytes)?;
             Some(Location { path: then.path, text: Arc::clone(&document.text), bytes })
         }
         _ => Some(then),
     }
 }
 
-/// What is at a place.
-pub(super) fn keys_at(view: &View, at: &FileOffset) -> BTreeSet<Key> {
+/// The symbols at a position.
+pub(super) fn keys_at(view: &View, at: &FileOffset) -> BTreeSet<SymbolKey> {
     let positions = positions(view, at);
     positions.iter().flat_map(|position| position.names.iter().map(|o| position.snapshot.key(o))).collect()
 }
 
-/// Where some names occur in all programs, each place once.
-pub(super) fn places<'v>(view: &'v View, keys: &BTreeSet<Key>) -> Vec<(&'v Snapshot, Occurrence)> {
+/// The occurrences of symbols in all programs, in order of position, without duplicates.
+pub(super) fn all_occurrences<'v>(view: &'v View, keys: &BTreeSet<SymbolKey>) -> Vec<(&'v Snapshot, Occurrence)> {
     let mut seen: BTreeSet<(PathBuf, u32)> = BTreeSet::new();
     let mut out = Vec::new();
-    for known in view.known.values() {
-        let snapshot = &*known.now;
-        for o in snapshot.matching(keys) {
+    for state in view.programs.values() {
+        let snapshot = &*state.current;
+        for o in snapshot.occurrences_of(keys) {
             if seen.insert((snapshot.path(o.at.file()).to_path_buf(), o.at.start())) {
                 out.push((snapshot, o));
             }
@@ -100,16 +100,16 @@ pub(super) fn places<'v>(view: &'v View, keys: &BTreeSet<Key>) -> Vec<(&'v Snaps
     out
 }
 
-/// What a name, or the path of a file, leads to.
+/// The result of a definition request.
 #[derive(Debug)]
 pub(in crate::lsp) enum Definition {
-    /// A file that is named there.
+    /// The file that a path at the position refers to.
     File(PathBuf),
-    /// Where a name is declared; several if it is a tag, or is in several programs.
+    /// The declarations of a name; several for a tag, or if several programs declare it.
     Declarations(Vec<Location>),
 }
 
-/// Where a name is declared.
+/// The definition of the name or path at a position.
 pub(in crate::lsp) fn definition(view: &View, at: &FileOffset) -> Definition {
     if let Some(path) = file_at(view, at) {
         return Definition::File(path);
@@ -117,15 +117,15 @@ pub(in crate::lsp) fn definition(view: &View, at: &FileOffset) -> Definition {
     let mut out: Vec<Location> = Vec::new();
     for position in last_known_positions(view, at) {
         let snapshot = position.snapshot;
-        for o in own_values(&position.names) {
+        for o in nearest_values(&position.names) {
             let declared: Vec<Span> = match o.kind {
                 NameKind::Tag => {
-                    let all = snapshot.matching(&BTreeSet::from([snapshot.key(&o)]));
+                    let all = snapshot.occurrences_of(&BTreeSet::from([snapshot.key(&o)]));
                     all.filter(|o| o.role == Role::Declared).map(|o| o.at).collect()
                 }
                 _ => vec![o.declared],
             };
-            for location in declared.into_iter().filter_map(|span| location_now(view, snapshot, span)) {
+            for location in declared.into_iter().filter_map(|span| current_location(view, snapshot, span)) {
                 if !out.contains(&location) {
                     out.push(location);
                 }
@@ -135,29 +135,29 @@ pub(in crate::lsp) fn definition(view: &View, at: &FileOffset) -> Definition {
     Definition::Declarations(out)
 }
 
-/// Where a name occurs in all programs.
+/// The references to a name in all programs.
 pub(in crate::lsp) fn references(view: &View, at: &FileOffset, with_declarations: bool) -> Vec<Location> {
     let keys = keys_at(view, at);
-    let places = places(view, &keys).into_iter();
+    let places = all_occurrences(view, &keys).into_iter();
     let wanted = places.filter(|(_, o)| with_declarations || o.role != Role::Declared);
     wanted.map(|(snapshot, o)| snapshot.location(o.at)).collect()
 }
 
-/// A name in the file in which it was asked about.
+/// An occurrence of a name in the file of the request.
 #[derive(Debug)]
 pub(in crate::lsp) struct Highlight {
     pub at: Location,
     pub role: Role,
 }
 
-/// Where a name occurs in its file; none where there is no name.
+/// The occurrences of the name at a position in its file; `None` if there is no name.
 pub(in crate::lsp) fn highlights(view: &View, at: &FileOffset) -> Option<Vec<Highlight>> {
     let positions = positions(view, at);
     let position = positions.iter().find(|position| !position.names.is_empty())?;
     let snapshot = position.snapshot;
-    let keys: BTreeSet<Key> = position.names.iter().map(|o| snapshot.key(o)).collect();
+    let keys: BTreeSet<SymbolKey> = position.names.iter().map(|o| snapshot.key(o)).collect();
     let mut out: Vec<Highlight> = Vec::new();
-    for o in snapshot.matching(&keys).filter(|o| o.at.file() == position.file) {
+    for o in snapshot.occurrences_of(&keys).filter(|o| o.at.file() == position.file) {
         if !out.iter().any(|known| known.at.bytes == o.at.range()) {
             out.push(Highlight { at: snapshot.location(o.at), role: o.role });
         }
@@ -165,7 +165,7 @@ pub(in crate::lsp) fn highlights(view: &View, at: &FileOffset) -> Option<Vec<Hig
     Some(out)
 }
 
-/// A declaration of some program.
+/// A declaration in the workspace.
 #[derive(Debug)]
 pub(in crate::lsp) struct WorkspaceSymbol {
     pub name: String,
@@ -175,17 +175,17 @@ pub(in crate::lsp) struct WorkspaceSymbol {
     pub container: Option<String>,
 }
 
-/// The declarations of all programs whose names fit a query. Names that begin with it come first, short ones before long
-/// ones.
+/// The declarations in all programs whose names match a query. Names that start with the query come first, then by
+/// length.
 pub(in crate::lsp) fn workspace_symbols(view: &View, query: &str) -> Vec<WorkspaceSymbol> {
     let mut seen: BTreeSet<(PathBuf, u32)> = BTreeSet::new();
     let mut found: Vec<(bool, WorkspaceSymbol)> = Vec::new();
-    for known in view.known.values() {
-        let snapshot = &*known.now;
+    for state in view.programs.values() {
+        let snapshot = &*state.current;
         let declared = snapshot.ide.occurrences.iter().filter(|o| o.role == Role::Declared);
         for o in declared.filter(|o| is_listed(o.kind)) {
             let name = snapshot.name(o);
-            let Some(begins) = fits(name, query) else { continue };
+            let Some(begins) = fuzzy_match(name, query) else { continue };
             if !seen.insert((snapshot.path(o.at.file()).to_path_buf(), o.at.start())) {
                 continue;
             }
@@ -199,30 +199,30 @@ pub(in crate::lsp) fn workspace_symbols(view: &View, query: &str) -> Vec<Workspa
     found.into_iter().map(|(_, symbol)| symbol).collect()
 }
 
-/// A file that a text names.
+/// A path of a file in a text.
 #[derive(Debug)]
 pub(in crate::lsp) struct Link {
     pub bytes: Range<usize>,
     pub target: PathBuf,
 }
 
-/// The files that the text of a path names.
+/// The paths of files in a text, resolved.
 pub(in crate::lsp) fn document_links(path: &Path, text: &Text) -> Vec<Link> {
     let (tree, _) = syntax::parse(FileId(0), text.code());
-    let link = |name: &Name| Link { bytes: inside(name, text.code()), target: beside(path, &name.text) };
+    let link = |name: &Name| Link { bytes: inside_quotes(name, text.code()), target: resolve(path, &name.text) };
     named_files(&tree).into_iter().map(link).collect()
 }
 
-/// The file that is named at a place.
+/// The file whose path is at a position.
 fn file_at(view: &View, at: &FileOffset) -> Option<PathBuf> {
     let document = view.documents.get(&at.path)?;
     let (tree, _) = syntax::parse(FileId(0), document.text.code());
     let name = named_files(&tree).into_iter().find(|name| name.span.range().contains(&at.byte))?;
-    Some(beside(&at.path, &name.text))
+    Some(resolve(&at.path, &name.text))
 }
 
-/// Of a value that several equal sets declare, the one that is nearest before.
-fn own_values(names: &[Occurrence]) -> Vec<Occurrence> {
+/// If several equal sets declare a value, keeps the nearest preceding declaration.
+fn nearest_values(names: &[Occurrence]) -> Vec<Occurrence> {
     let is_value = |o: &&Occurrence| o.kind == NameKind::Value && o.declared.file() == o.at.file();
     let before = names.iter().filter(is_value).filter(|o| o.declared.start() <= o.at.start());
     match before.max_by_key(|o| o.declared.start()) {
@@ -231,14 +231,14 @@ fn own_values(names: &[Occurrence]) -> Vec<Occurrence> {
     }
 }
 
-/// Whether a name holds the letters of a query in order, and whether it begins with them.
-fn fits(name: &str, query: &str) -> Option<bool> {
+/// Whether a name starts with a query; `None` if it does not contain the letters of the query in order.
+fn fuzzy_match(name: &str, query: &str) -> Option<bool> {
     let (name, query) = (name.to_lowercase(), query.to_lowercase());
     let mut letters = name.chars();
     query.chars().all(|q| letters.any(|c| c == q)).then(|| name.starts_with(&query))
 }
 
-/// The entity, behaviour or world that a declaration is in: the last one before it in its file.
+/// The entity, behaviour or world that contains a declaration: the last one before it in its file.
 fn container(snapshot: &Snapshot, at: Span) -> Option<&Occurrence> {
     let is_outer = |o: &&Occurrence| {
         o.role == Role::Declared && matches!(o.kind, NameKind::Entity | NameKind::Behavior | NameKind::World)
@@ -250,19 +250,19 @@ fn container(snapshot: &Snapshot, at: Span) -> Option<&Occurrence> {
     before.filter(|_| !own).find(is_outer)
 }
 
-/// Whether names of a kind are symbols of the workspace.
+/// Whether names of a kind are workspace symbols.
 fn is_listed(kind: NameKind) -> bool {
     !matches!(kind, NameKind::Value | NameKind::Tag | NameKind::Touched | NameKind::Argument)
 }
 
-/// The bytes of the word that holds a byte, or ends there.
+/// The range of the word that contains an offset, or ends there.
 pub(super) fn word_at(code: &str, byte: usize) -> Option<Range<usize>> {
     let near = tokens(code).into_iter().filter(|token| token.kind == Kind::Word).map(|token| token.at);
     let near = near.skip_while(|at| at.end < byte).take_while(|at| at.start <= byte);
     near.max_by_key(|at| at.start)
 }
 
-/// The files that a program names: imports, levels, legends.
+/// The paths in a text: imports, levels, legends.
 fn named_files(tree: &ast::File) -> Vec<&Name> {
     let imports = tree.items.iter().filter_map(|i| if let Item::Import(i) = i { Some(&i.path) } else { None });
     let maps = tree.maps().flat_map(|map| match &map.source {
@@ -274,13 +274,13 @@ fn named_files(tree: &ast::File) -> Vec<&Name> {
     imports.chain(maps).collect()
 }
 
-/// A path that is named in a file.
-fn beside(file: &Path, named: &str) -> PathBuf {
-    clean(&file.parent().unwrap_or(Path::new("")).join(named))
+/// Resolves a path relative to a file.
+fn resolve(file: &Path, named: &str) -> PathBuf {
+    normalize(&file.parent().unwrap_or(Path::new("")).join(named))
 }
 
-/// The bytes of a text in quotes, without them.
-fn inside(name: &Name, code: &str) -> Range<usize> {
+/// The range of a string without its quotes.
+fn inside_quotes(name: &Name, code: &str) -> Range<usize> {
     let bytes = name.span.range();
     let quoted = code.get(bytes.clone()).is_some_and(|t| t.len() >= 2 && t.starts_with('"') && t.ends_with('"'));
     if quoted { bytes.start + 1..bytes.end - 1 } else { bytes }

@@ -1,5 +1,5 @@
-//! Renaming, in all files that name a thing. A new name is tried out first: every program that changes is compiled as it
-//! would be, and must mean what it meant before.
+//! Rename of a symbol in all files. The edit is verified first: every affected program is compiled with the new name,
+//! and must have no new errors and the same bindings of names.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -10,15 +10,15 @@ use crate::source::{FileId, Span};
 use crate::syntax::is_name;
 use crate::syntax::occurrence::{NameKind, Occurrence};
 
-use super::navigate::{keys_at, places, positions};
-use crate::lsp::documents::{Document, Open};
+use super::navigate::{all_occurrences, keys_at, positions};
+use crate::lsp::documents::{Document, OpenDocuments};
 use crate::lsp::location::{Edit, FileOffset, Location};
-use crate::lsp::snapshot::{Key, Snapshot};
+use crate::lsp::snapshot::{Snapshot, SymbolKey};
 use crate::lsp::text::document_text::Text;
 use crate::lsp::view::{Refusal, View};
 
-/// Where a name is in each file, in order: first and one past the last byte.
-type Places = BTreeMap<PathBuf, Vec<(u32, u32)>>;
+/// The ranges of a name in each file, in order: start and end offset.
+type NameRanges = BTreeMap<PathBuf, Vec<(u32, u32)>>;
 
 /// A name that can be renamed.
 pub(in crate::lsp) struct Renamable {
@@ -26,25 +26,25 @@ pub(in crate::lsp) struct Renamable {
     pub at: Location,
 }
 
-/// A renaming that was tried out.
+/// A verified rename.
 pub(in crate::lsp) struct Renaming {
     pub old: String,
     pub new: String,
     pub edits: Vec<Edit>,
 }
 
-/// The name at a place, if there is one.
+/// The name at a position, if there is one.
 pub(in crate::lsp) fn prepare_rename(view: &View, at: &FileOffset) -> Result<Option<Renamable>, Refusal> {
     let positions = positions(view, at);
     let Some((position, o)) = positions.iter().find_map(|position| Some((position, position.names.first()?))) else {
         return Ok(None);
     };
     let snapshot = position.snapshot;
-    renamable(view, &BTreeSet::from([snapshot.key(o)]))?;
+    check_renamable(view, &BTreeSet::from([snapshot.key(o)]))?;
     Ok(Some(Renamable { name: snapshot.name(o).to_string(), at: snapshot.location(o.at) }))
 }
 
-/// Renames what is at a place.
+/// Renames the symbol at a position.
 pub(in crate::lsp) fn rename(view: &View, at: &FileOffset, new: &str) -> Result<Renaming, Refusal> {
     let new = new.trim();
     let mut keys = keys_at(view, at);
@@ -54,26 +54,27 @@ pub(in crate::lsp) fn rename(view: &View, at: &FileOffset, new: &str) -> Result<
     if !is_name(new) {
         return Err(Refusal(format!("`{new}` is no name: a letter or `_`, then letters, digits and `_`")));
     }
-    close_over(view, &mut keys);
-    renamable(view, &keys)?;
-    let found = places(view, &keys);
-    let mut spans = Places::new();
+    add_related(view, &mut keys);
+    check_renamable(view, &keys)?;
+    let found = all_occurrences(view, &keys);
+    let mut spans = NameRanges::new();
     for (snapshot, o) in &found {
         spans.entry(snapshot.path(o.at.file()).to_path_buf()).or_default().push((o.at.start(), o.at.end()));
     }
-    try_out(view, &spans, new)?;
+    verify(view, &spans, new)?;
     let edits = found.iter().map(|(snapshot, o)| Edit { at: snapshot.location(o.at), new_text: new.into() });
     let old = keys.first().map(|key| key.name.clone()).unwrap_or_default();
     Ok(Renaming { old, new: new.to_string(), edits: edits.collect() })
 }
 
-/// Adds what else is named where these names are: a word of a behaviour can mean something in several entities.
-fn close_over(view: &View, keys: &mut BTreeSet<Key>) {
+/// Adds all symbols that share an occurrence with these: a name in a behaviour can refer to symbols of several
+/// entities.
+fn add_related(view: &View, keys: &mut BTreeSet<SymbolKey>) {
     loop {
         let before = keys.len();
-        for known in view.known.values() {
-            let snapshot = &*known.now;
-            let places: BTreeSet<Span> = snapshot.matching(keys).map(|o| o.at).collect();
+        for state in view.programs.values() {
+            let snapshot = &*state.current;
+            let places: BTreeSet<Span> = snapshot.occurrences_of(keys).map(|o| o.at).collect();
             let here = snapshot.ide.occurrences.iter().filter(|o| places.contains(&o.at));
             keys.extend(here.map(|o| snapshot.key(o)));
         }
@@ -83,16 +84,16 @@ fn close_over(view: &View, keys: &mut BTreeSet<Key>) {
     }
 }
 
-/// Whether the program alone says what these names are.
-fn renamable(view: &View, keys: &BTreeSet<Key>) -> Result<(), Refusal> {
+/// Refuses symbols whose names are given by the language or by levels.
+fn check_renamable(view: &View, keys: &BTreeSet<SymbolKey>) -> Result<(), Refusal> {
     for key in keys {
         let name = &key.name;
-        for known in view.known.values() {
-            let snapshot = &*known.now;
+        for state in view.programs.values() {
+            let snapshot = &*state.current;
             if key.kind == NameKind::Tag && snapshot.ide.checked.level_tags.contains(name) {
                 return Err(Refusal(format!("a level or a legend names the tag `{name}`, too")));
             }
-            for o in snapshot.matching(&BTreeSet::from([key.clone()])) {
+            for o in snapshot.occurrences_of(&BTreeSet::from([key.clone()])) {
                 let declared = snapshot.ide.compilation.sources.slice(o.declared);
                 if key.kind == NameKind::Variable && declared != name {
                     return Err(Refusal(format!("`{name}` is part of the language")));
@@ -106,14 +107,14 @@ fn renamable(view: &View, keys: &BTreeSet<Key>) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// Compiles all programs that hold a place as they would be.
-fn try_out(view: &View, places: &Places, new: &str) -> Result<(), Refusal> {
-    let touched = |s: &Snapshot| places.keys().any(|path| s.file(path).is_some());
-    let mut open: Open = (**view.documents.all()).clone();
-    for known in view.known.values() {
-        for (path, spans) in places {
-            let Some(file) = known.now.file(path) else { continue };
-            let mut code = known.now.text(file).code().to_string();
+/// Compiles the affected programs with the new name; refuses it if there are new errors or other bindings.
+fn verify(view: &View, ranges: &NameRanges, new: &str) -> Result<(), Refusal> {
+    let touched = |s: &Snapshot| ranges.keys().any(|path| s.file(path).is_some());
+    let mut open: OpenDocuments = (**view.documents.all()).clone();
+    for state in view.programs.values() {
+        for (path, spans) in ranges {
+            let Some(file) = state.current.file(path) else { continue };
+            let mut code = state.current.text(file).code().to_string();
             for (start, end) in spans.iter().rev() {
                 if code.get(*start as usize..*end as usize).is_some() {
                     code.replace_range(*start as usize..*end as usize, new);
@@ -125,9 +126,9 @@ fn try_out(view: &View, places: &Places, new: &str) -> Result<(), Refusal> {
         }
     }
     let open = Arc::new(open);
-    for known in view.known.values().filter(|known| touched(&known.now)) {
-        let before = &*known.now;
-        let after = Snapshot::of(&before.root, &open, &*view.disk);
+    for state in view.programs.values().filter(|state| touched(&state.current)) {
+        let before = &*state.current;
+        let after = Snapshot::compile(&before.root, &open, &*view.disk);
         let errors = |s: &Snapshot| s.ide.compilation.diagnostics.counts().0;
         if errors(&after) > errors(before) {
             let messages = |s: &Snapshot| -> Vec<String> {
@@ -138,18 +139,19 @@ fn try_out(view: &View, places: &Places, new: &str) -> Result<(), Refusal> {
             let why = messages(&after).into_iter().find(|m| !known.contains(m)).unwrap_or_default();
             return Err(Refusal(format!("`{new}` clashes: {why}")));
         }
-        if meaning(before, places, new.len() as u32) != meaning(&after, &Places::new(), 0) {
+        if bindings(before, ranges, new.len() as u32) != bindings(&after, &NameRanges::new(), 0) {
             return Err(Refusal(format!("with `{new}`, a name would come to mean something else")));
         }
     }
     Ok(())
 }
 
-/// Where each name is and where it is declared, as it is once the places have names of another length.
-fn meaning(snapshot: &Snapshot, places: &Places, length: u32) -> BTreeSet<(FileId, u32, NameKind, FileId, u32)> {
+/// The bindings of a program: position, kind and declaration of each occurrence. Positions are adjusted as if the names
+/// in `ranges` had another length.
+fn bindings(snapshot: &Snapshot, ranges: &NameRanges, length: u32) -> BTreeSet<(FileId, u32, NameKind, FileId, u32)> {
     let moved = |at: Span| {
         let before =
-            places.get(snapshot.path(at.file())).into_iter().flatten().filter(|(start, _)| *start < at.start());
+            ranges.get(snapshot.path(at.file())).into_iter().flatten().filter(|(start, _)| *start < at.start());
         before.fold(i64::from(at.start()), |start, (a, b)| start + i64::from(length) - i64::from(b - a)) as u32
     };
     let all = snapshot.ide.occurrences.iter();

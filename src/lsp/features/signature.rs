@@ -1,24 +1,24 @@
-//! Signature help: how what is being called is called, and which argument comes.
+//! Signature help: the signatures of the call at the cursor, and the current argument.
 
 use std::path::Path;
 
 use crate::lsp::location::FileOffset;
-use crate::lsp::text::place::Place;
+use crate::lsp::text::cursor::CursorContext;
 use crate::lsp::text::words::SIGNATURES;
-use crate::lsp::view::{Known, View};
+use crate::lsp::view::{ProgramState, View};
 
-/// The ways to call what is being called.
+/// The signatures of a call.
 #[derive(Debug)]
 pub(in crate::lsp) struct SignatureHelp {
     /// At least one.
     pub signatures: Vec<CallSignature>,
-    /// The number of the signature that fits.
+    /// The index of the first signature with enough parameters.
     pub active: usize,
-    /// The number of the argument that comes, in that signature.
+    /// The index of the current argument in that signature.
     pub argument: usize,
 }
 
-/// One way to call something.
+/// A signature.
 #[derive(Debug)]
 pub(in crate::lsp) struct CallSignature {
     pub name: String,
@@ -27,12 +27,12 @@ pub(in crate::lsp) struct CallSignature {
     pub doc: String,
 }
 
-/// The call around a place of an open document.
+/// The signatures of the innermost call around a position in an open document.
 pub(in crate::lsp) fn signature_help(view: &View, at: &FileOffset) -> Option<SignatureHelp> {
     let document = view.documents.get(&at.path)?;
-    let place = Place::of(document.text.code(), at.byte);
-    // `near(hero, (x, |` is in a point, which is an argument.
-    let call = place.calls.iter().rev().find(|call| !matches!(call.name, "(" | "," | ""))?;
+    let cursor = CursorContext::at(document.text.code(), at.byte);
+    // Skip parentheses without a name: `near(hero, (x, |` is in a point.
+    let call = cursor.calls.iter().rev().find(|call| !matches!(call.name, "(" | "," | ""))?;
     let mut signatures: Vec<CallSignature> = SIGNATURES
         .iter()
         .filter(|s| s.name == call.name)
@@ -45,22 +45,22 @@ pub(in crate::lsp) fn signature_help(view: &View, at: &FileOffset) -> Option<Sig
     }
     let fits = |s: &CallSignature| s.parameters.len() > call.argument;
     let active = signatures.iter().position(fits).or(signatures.len().checked_sub(1))?;
-    // What is given by name may come in any order.
-    let named = signatures.get(active)?.parameters.iter().position(|parameter| parameter == call.given);
+    // Named arguments may be in any order.
+    let named = signatures.get(active)?.parameters.iter().position(|parameter| parameter == call.argument_name);
     Some(SignatureHelp { signatures, active, argument: named.unwrap_or(call.argument) })
 }
 
-/// How a behaviour is used.
+/// The signature of a behaviour, for `use`.
 fn behavior(view: &View, path: &Path, name: &str) -> Option<CallSignature> {
-    let behavior = view.programs(path).find_map(|known| known.now.behavior(name))?;
+    let behavior = view.programs_with(path).find_map(|state| state.current.behavior(name))?;
     let doc = behavior.doc.unwrap_or_default();
     Some(signature(name, behavior.parameters.iter().map(|p| &*p.text), &doc))
 }
 
-/// What an entity can be given where it is spawned.
+/// The signature of an entity, for `spawn`: its parameters, references and variables.
 fn spawned(view: &View, path: &Path, name: &str) -> Option<CallSignature> {
-    let programs: Vec<&Known> = view.programs(path).collect();
-    let states = programs.iter().map(|k| &*k.now).chain(programs.iter().filter_map(|k| k.good.as_deref()));
+    let programs: Vec<&ProgramState> = view.programs_with(path).collect();
+    let states = programs.iter().map(|k| &*k.current).chain(programs.iter().filter_map(|k| k.last_good.as_deref()));
     let mut entities = states.flat_map(|s| s.ide.checked.entities.iter().map(move |e| (s, e)));
     let (snapshot, entity) = entities.find(|(_, e)| e.name.text == name)?;
     let all = entity.params.iter().map(|p| &p.name).chain(entity.refs.iter().map(|r| &r.name));

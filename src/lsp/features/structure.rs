@@ -1,5 +1,5 @@
-//! What the shape of one text gives: the outline, what can be folded, what grows when a selection grows. Read from the
-//! syntax tree of the text as it is; what is broken is left out.
+//! Document symbols, folding ranges and selection ranges: features that need only the syntax tree of one text.
+//! Statements with syntax errors are skipped.
 
 use std::ops::Range;
 
@@ -11,18 +11,18 @@ use crate::syntax::{self, ast};
 use crate::lsp::text::document_text::{Encoding, Text};
 use crate::lsp::text::lexer::{Kind, tokens};
 
-/// The number of characters of a guard that are shown.
+/// Maximum number of characters of a guard in the outline.
 const MAX_DETAIL: usize = 60;
 
-/// A text is examined by itself.
-const ONLY: FileId = FileId(0);
+/// The file id of the text, which is parsed alone.
+const FILE: FileId = FileId(0);
 
-/// What a part of the outline is.
+/// The kind of an entry of the outline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::lsp) enum SymbolKind {
-    /// A declaration, or what uses one by its name.
+    /// A declaration, or a `use` of a behaviour.
     Name(NameKind),
-    /// A file that is imported, or holds a map.
+    /// An imported file, or a map.
     File,
     /// A collider, or a rectangle of a space.
     Shape,
@@ -38,14 +38,14 @@ pub(in crate::lsp) enum SymbolKind {
     Limit,
 }
 
-/// A part of the outline.
+/// An entry of the outline.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::lsp) struct Symbol {
     pub name: String,
     pub detail: Option<String>,
     pub kind: SymbolKind,
     pub whole: Range<usize>,
-    /// Inside of the whole.
+    /// The range of the name, inside `whole`.
     pub name_at: Range<usize>,
     pub children: Vec<Symbol>,
 }
@@ -53,19 +53,19 @@ pub(in crate::lsp) struct Symbol {
 /// The outline of a text.
 pub(in crate::lsp) fn document_symbols(text: &Text) -> Vec<Symbol> {
     let code = text.code();
-    let (tree, _) = syntax::parse(ONLY, code);
+    let (tree, _) = syntax::parse(FILE, code);
     let outline = Outline { code };
     tree.items.iter().map(|item| outline.item(item)).collect()
 }
 
-/// What grows when a selection grows: around each byte the ranges that hold it, outermost first.
+/// Selection ranges: for each offset, the nested ranges that contain it, outermost first.
 pub(in crate::lsp) fn selection_ranges(text: &Text, bytes: &[usize]) -> Vec<Vec<Range<usize>>> {
     let mut spans: Vec<(usize, usize)> = Vec::new();
-    for pair in syntax::pairs(ONLY, text.code()).into_iter().flat_map(pest::iterators::Pairs::flatten) {
+    for pair in syntax::pairs(FILE, text.code()).into_iter().flat_map(pest::iterators::Pairs::flatten) {
         let inside = pair.as_str().trim_end().len();
         spans.push((pair.as_span().start(), pair.as_span().start() + inside));
     }
-    // Where braces are missing there are words and lines at least.
+    // If the text does not parse, there are at least tokens.
     spans.extend(tokens(text.code()).iter().map(|t| (t.at.start, t.at.end)));
     spans.push((0, text.code().len()));
     let around = |byte: &usize| {
@@ -75,7 +75,7 @@ pub(in crate::lsp) fn selection_ranges(text: &Text, bytes: &[usize]) -> Vec<Vec<
         around.dedup();
         let mut out: Vec<Range<usize>> = Vec::new();
         for (start, end) in around {
-            // Not beside the one before: two words that meet at the cursor.
+            // Skip a range that is not nested: two tokens can meet at the cursor.
             if out.last().is_none_or(|last| last.start <= start && end <= last.end) {
                 out.push(start..end);
             }
@@ -85,7 +85,7 @@ pub(in crate::lsp) fn selection_ranges(text: &Text, bytes: &[usize]) -> Vec<Vec<
     bytes.iter().map(around).collect()
 }
 
-/// What a fold hides.
+/// The kind of a fold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::lsp) enum FoldKind {
     /// A block in braces, or the rows of a map.
@@ -94,7 +94,7 @@ pub(in crate::lsp) enum FoldKind {
     Imports,
 }
 
-/// Lines that can be folded.
+/// A range of lines that can be folded.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::lsp) struct Fold {
     pub first_line: u32,
@@ -102,13 +102,13 @@ pub(in crate::lsp) struct Fold {
     pub kind: FoldKind,
 }
 
-/// Blocks, maps, runs of comments and of imports that are over several lines.
+/// The folds of blocks, maps, and sequences of comments or imports that span several lines.
 pub(in crate::lsp) fn folding_ranges(text: &Text) -> Vec<Fold> {
     let code = text.code();
     let line = |byte: usize| text.position(byte, Encoding::Utf8).line;
     let fold = |first_line: u32, last_line: u32, kind: FoldKind| Fold { first_line, last_line, kind };
     let (mut out, mut open): (Vec<Fold>, Vec<u32>) = (Vec::new(), Vec::new());
-    // The first and the last line of a run of comments, and of imports.
+    // The first and the last line of the current sequence of comments, and of imports.
     let mut runs: [Option<(u32, u32)>; 2] = [None, None];
     let kinds = [FoldKind::Comments, FoldKind::Imports];
     let mut is_first = true;
@@ -133,7 +133,7 @@ pub(in crate::lsp) fn folding_ranges(text: &Text) -> Vec<Fold> {
             "{" => open.push(at),
             "}" => {
                 if let Some(start) = open.pop().filter(|start| *start + 1 < at) {
-                    // The closing brace stays to be seen.
+                    // The closing brace stays visible.
                     out.push(fold(start, at - 1, FoldKind::Block));
                 }
             }
@@ -154,7 +154,7 @@ pub(in crate::lsp) fn folding_ranges(text: &Text) -> Vec<Fold> {
     out
 }
 
-/// The outline of a text.
+/// Builds the outline of a text.
 struct Outline<'a> {
     code: &'a str,
 }
@@ -168,13 +168,13 @@ impl Outline<'_> {
         detail: Option<&str>,
         children: Vec<Symbol>,
     ) -> Symbol {
-        // A name that is still to be written must not be empty.
+        // The protocol forbids empty names; a name can still be missing.
         let name_text = if name.text.is_empty() { "?" } else { &name.text };
-        self.called(name_text, name.span, kind, whole, detail, children)
+        self.symbol_at(name_text, name.span, kind, whole, detail, children)
     }
 
-    /// A part of the outline that is called otherwise than by one name of the text.
-    fn called(
+    /// An entry whose name differs from the text at its range.
+    fn symbol_at(
         &self,
         name: &str,
         at: Span,
@@ -256,9 +256,9 @@ impl Outline<'_> {
                 }
                 Member::Collider(c) => {
                     if let Some(first) = c.tags.first() {
-                        let name = listed(&c.tags);
+                        let name = comma_separated(&c.tags);
                         let detail = Some(if c.kinematic { "kinematic collider" } else { "collider" });
-                        out.push(self.called(&name, first.span, SymbolKind::Shape, c.span, detail, Vec::new()));
+                        out.push(self.symbol_at(&name, first.span, SymbolKind::Shape, c.span, detail, Vec::new()));
                     }
                 }
                 Member::Group(g) => {
@@ -282,7 +282,7 @@ impl Outline<'_> {
                     let Edge { guard, target: Some(target), span, .. } = &**edge else { continue };
                     let guard = self.slice(guard.span);
                     let name = format!("-> {}", self.slice(target.span()));
-                    out.push(self.called(&name, target.span(), SymbolKind::Edge, *span, Some(&guard), Vec::new()));
+                    out.push(self.symbol_at(&name, target.span(), SymbolKind::Edge, *span, Some(&guard), Vec::new()));
                 }
                 Member::Entry(update) => {
                     let Update::Spawn(s) = &**update else { continue };
@@ -325,12 +325,12 @@ impl Outline<'_> {
             }
             SpaceItem::Link(l) => {
                 let name = format!("-> {}", l.space.text);
-                self.called(&name, l.space.span, SymbolKind::Edge, l.span, Some("link"), Vec::new())
+                self.symbol_at(&name, l.space.span, SymbolKind::Edge, l.span, Some("link"), Vec::new())
             }
             SpaceItem::Solid(s) => {
                 let first = s.tags.first()?.span;
                 let whole = first.to(s.rectangle.span);
-                self.called(&listed(&s.tags), first, SymbolKind::Shape, whole, Some("rect"), Vec::new())
+                self.symbol_at(&comma_separated(&s.tags), first, SymbolKind::Shape, whole, Some("rect"), Vec::new())
             }
             SpaceItem::Map(map) => {
                 let none = Kinds::default();
@@ -346,27 +346,27 @@ impl Outline<'_> {
                     MapSource::OpenAll(kinds) => (None, kinds.tiles.as_slice(), kinds),
                 };
                 let named = kinds.kinds.iter().map(|k| {
-                    let detail = stands_for(&k.tags, k.spawn.as_ref());
+                    let detail = tile_detail(&k.tags, k.spawn.as_ref());
                     let inside = self.instance(k.spawn.as_ref());
                     self.symbol(&k.name, SymbolKind::Tile, k.name.span, Some(&detail), inside)
                 });
                 let inside: Vec<Symbol> = self.tiles(tiles).into_iter().chain(named).collect();
                 let (text, at) = name.map_or(("level", map.span), |name| (&*name.text, name.span));
-                self.called(text, at, SymbolKind::File, map.span, Some("map"), inside)
+                self.symbol_at(text, at, SymbolKind::File, map.span, Some("map"), inside)
             }
             SpaceItem::Bounds(_) => return None,
         })
     }
 
-    /// The characters of a tile set.
+    /// The entries of a tile set.
     fn tiles(&self, tiles: &[Tile]) -> Vec<Symbol> {
         let tile = |t: &Tile| {
-            let detail = stands_for(&t.tags, t.spawn.as_ref());
+            let detail = tile_detail(&t.tags, t.spawn.as_ref());
             let name = format!("'{}'", t.symbol);
             let inside = self.instance(t.spawn.as_ref());
             let last = t.tags.last().map(|tag| tag.span).or(t.spawn.as_ref().map(|s| s.span));
             let whole = t.symbol_span.to(last.unwrap_or(t.symbol_span));
-            self.called(&name, t.symbol_span, SymbolKind::Tile, whole, Some(&detail), inside)
+            self.symbol_at(&name, t.symbol_span, SymbolKind::Tile, whole, Some(&detail), inside)
         };
         tiles.iter().map(tile).collect()
     }
@@ -380,7 +380,7 @@ impl Outline<'_> {
             .collect()
     }
 
-    /// What is written at a place, in one line of no great length.
+    /// The text of a span as one line, shortened.
     fn slice(&self, at: Span) -> String {
         let written = self.code.get(at.range()).unwrap_or_default();
         let words: Vec<&str> = written.split_whitespace().collect();
@@ -392,15 +392,15 @@ impl Outline<'_> {
     }
 }
 
-/// Some names, with commas.
-fn listed(names: &[ast::Name]) -> String {
+/// Joins names by commas.
+fn comma_separated(names: &[ast::Name]) -> String {
     names.iter().map(|n| &*n.text).collect::<Vec<_>>().join(", ")
 }
 
-/// What a character or a name of a level stands for.
-fn stands_for(tags: &[ast::Name], spawn: Option<&TileSpawn>) -> String {
+/// The meaning of a character or a name of a level.
+fn tile_detail(tags: &[ast::Name], spawn: Option<&TileSpawn>) -> String {
     spawn.map_or_else(
-        || if tags.is_empty() { "empty".into() } else { listed(tags) },
+        || if tags.is_empty() { "empty".into() } else { comma_separated(tags) },
         |s| format!("spawn {}", s.entity.text),
     )
 }

@@ -1,4 +1,4 @@
-//! Semantic tokens: the words of a text from the lexer, names as what they name.
+//! Semantic tokens: the tokens of the lexer, with names classified by the symbols that they refer to.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -12,11 +12,11 @@ use crate::lsp::text::lexer::{Kind, tokens};
 use crate::lsp::text::words::{FUNCTIONS, is_keyword};
 use crate::lsp::view::View;
 
-/// What a token is.
+/// The kind of a token.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::lsp) enum TokenKind {
     Comment,
-    /// A text in quotes, or a character of a tile set.
+    /// A quoted string, or a character of a tile set.
     Text,
     Number,
     Keyword,
@@ -26,15 +26,15 @@ pub(in crate::lsp) enum TokenKind {
     Name(NameKind, Role),
 }
 
-/// Some bytes of one line.
+/// A token, within one line.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::lsp) struct Token {
     pub bytes: Range<usize>,
     pub kind: TokenKind,
 }
 
-/// The tokens of some bytes of an open document, in order; `names_only` for an editor that colours the rest itself, and
-/// finer.
+/// The tokens in a range of an open document, in order. `names_only` is for editors whose own grammar highlights the
+/// rest in more detail.
 pub(in crate::lsp) fn semantic_tokens(
     view: &View,
     path: &Path,
@@ -42,8 +42,8 @@ pub(in crate::lsp) fn semantic_tokens(
     names_only: bool,
 ) -> Option<Vec<Token>> {
     let document = view.documents.get(path)?;
-    let known = view.programs(path).next();
-    let program = known.and_then(|known| Some((&*known.now, known.now.file(path)?)));
+    let known = view.programs_with(path).next();
+    let program = known.and_then(|state| Some((&*state.current, state.current.file(path)?)));
     Some(of_code(document.text.code(), program, bytes, names_only))
 }
 
@@ -69,7 +69,7 @@ fn of_code(code: &str, program: Option<(&Snapshot, FileId)>, bytes: &Range<usize
             Kind::Number => TokenKind::Number,
             Kind::Tile => TokenKind::Text,
             Kind::Text => {
-                // A token is in one line: the rows of a map are one each.
+                // Tokens do not span lines: one per row of a map.
                 let mut start = token.at.start;
                 for row in word.split_inclusive('\n') {
                     let blank = row.len() - row.trim_start().len();

@@ -1,4 +1,4 @@
-//! What the server offers to the editor.
+//! The capabilities that the server announces to the client.
 
 use gen_lsp_types as types;
 use gen_lsp_types::{PositionEncodingKind, ServerCapabilities};
@@ -8,7 +8,7 @@ use super::client::Client;
 use super::tokens;
 use crate::lsp::text::document_text::Encoding;
 
-/// What the server offers.
+/// The capabilities of the server.
 pub(in crate::lsp) fn capabilities(client: &Client) -> ServerCapabilities {
     let words = |list: &[&str]| Some(list.iter().map(|w| (*w).to_string()).collect::<Vec<String>>());
     ServerCapabilities {
@@ -75,7 +75,7 @@ pub(in crate::lsp) fn capabilities(client: &Client) -> ServerCapabilities {
     }
 }
 
-/// Asks the editor to tell of changes of programs, levels and legends.
+/// The registration for changes of programs, levels and legends on the disk.
 pub(in crate::lsp) fn watchers() -> Value {
     let patterns = ["**/*.hyped", "**/*.txt", "**/*.json", "**/*.tmx", "**/*.tmj", "**/*.tsx", "**/*.ldtk"];
     let watchers: Vec<Value> = patterns.iter().map(|pattern| json!({ "globPattern": pattern })).collect();

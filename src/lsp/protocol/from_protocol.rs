@@ -1,4 +1,4 @@
-//! What the editor says, in plain terms: paths for URIs, bytes for lines and columns.
+//! Converts parameters from the protocol: URIs to paths, positions to byte offsets.
 
 use std::ops::Range;
 use std::path::PathBuf;
@@ -14,19 +14,19 @@ use crate::lsp::location::FileOffset;
 use crate::lsp::text::document_text::{Encoding, Position};
 use crate::lsp::view::View;
 
-/// A line and a column.
+/// Converts a position.
 pub(super) fn position(at: types::Position) -> Position {
     Position { line: at.line, column: at.character }
 }
 
-/// A place in a document; of one that nothing is known of, its first byte.
+/// The byte offset of a position; 0 in an unknown document.
 pub(super) fn offset(view: &View, encoding: Encoding, at: &types::TextDocumentPositionParams) -> FileOffset {
     let path = path_of(&at.text_document.uri);
     let byte = view.text(&path).map_or(0, |text| text.byte(position(at.position), encoding));
     FileOffset { path, byte }
 }
 
-/// A part of a document, whichever end comes first; of one that nothing is known of, nothing.
+/// The bytes of a range, with its ends in either order; empty in an unknown document.
 pub(super) fn file_bytes(
     view: &View,
     encoding: Encoding,
@@ -39,7 +39,7 @@ pub(super) fn file_bytes(
     (path, bytes)
 }
 
-/// The changes of a document.
+/// Converts the changes of a document.
 pub(super) fn changes(changes: Vec<TextDocumentContentChangeEvent>) -> Vec<Change> {
     use TextDocumentContentChangeEvent::{TextDocumentContentChangePartial, TextDocumentContentChangeWholeDocument};
     let change = |change| match change {
@@ -51,15 +51,15 @@ pub(super) fn changes(changes: Vec<TextDocumentContentChangeEvent>) -> Vec<Chang
     changes.into_iter().map(change).collect()
 }
 
-/// The mode of an item of a call hierarchy, as the server wrote it into its data.
+/// The mode of a call hierarchy item, which the server stored in its data.
 pub(super) fn mode_name(item: &types::CallHierarchyItem) -> Option<ModeName> {
     let data = item.data.as_ref()?;
     let text = |key: &str| Some(data.get(key)?.as_str()?.to_string());
     Some(ModeName { root: text("root")?.into(), entity: text("entity")?, mode: text("mode")? })
 }
 
-/// The folders that the editor has open; older editors name one alone. Read without the types of the protocol: a client
-/// that leaves out some field that should be there has folders all the same.
+/// The workspace folders in the parameters of `initialize`; older clients send a single `rootUri`. Uses plain JSON, so
+/// that a missing required field elsewhere does no harm.
 pub(super) fn folders(params: &Value) -> Vec<PathBuf> {
     let path = |uri: &Value| uri.as_str().map(|uri| path_of(&Uri(uri.into())));
     match params["workspaceFolders"].as_array() {

@@ -1,4 +1,4 @@
-//! The requests, one function each: reads the parameters, asks the feature, writes its answer.
+//! The request handlers, one function each: converts the parameters, calls the feature, converts the result.
 //! [`requests`](super::requests) is their table.
 
 use std::ops::Range;
@@ -15,7 +15,7 @@ use crate::lsp::features::hierarchy::{self, Call};
 use crate::lsp::features::{actions, completion, hints, hover, navigate, rename, signature, structure};
 use crate::lsp::location::FileOffset;
 
-/// The answer to a request.
+/// The result of a handler.
 pub(super) type Answer<R> = Result<<R as types::Request>::Result, Failure>;
 
 impl Server {
@@ -86,7 +86,7 @@ pub(super) fn code_actions(server: &Server, params: types::CodeActionParams) -> 
     let to = server.to_protocol();
     let mut out: Vec<types::CodeAction> = Vec::new();
     for action in actions::code_actions(&server.view, &path, &bytes).into_iter().map(|action| to.code_action(action)) {
-        // Programs that have a file in common find the same in it.
+        // Programs that share a file have the same findings in it.
         if wanted(&action) && !out.contains(&action) {
             out.push(action);
         }
@@ -190,12 +190,12 @@ pub(super) fn references(server: &Server, params: types::ReferenceParams) -> Ans
     Ok(Some(found.iter().map(|at| to.location(at)).collect()))
 }
 
-/// Renames, and remembers it: an editor may send its changes one document after the other.
+/// Renames a symbol and records both names: an editor may send the resulting changes one document at a time.
 pub(super) fn rename(server: &mut Server, params: types::RenameParams) -> Answer<types::RenameRequest> {
     let at = server.offset(&params.text_document_position_params);
     let renaming = rename::rename(&server.view, &at, &params.new_name)?;
     let edit = server.to_protocol().workspace_edit(renaming.edits);
-    server.view.renamed = Some((renaming.old, renaming.new));
+    server.view.last_rename = Some((renaming.old, renaming.new));
     Ok(Some(edit))
 }
 

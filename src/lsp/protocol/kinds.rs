@@ -1,13 +1,14 @@
-//! Kinds of names, symbols, offers and actions as the protocol's kinds, which editors show as icons.
+//! Maps kinds of names, symbols, completion items and code actions to the protocol's kinds, which editors show as
+//! icons.
 
 use gen_lsp_types::{CodeActionKind, CompletionItemKind, DocumentHighlightKind, SymbolKind};
 
 use crate::lsp::features::actions::ActionKind;
-use crate::lsp::features::offers::CompletionKind;
+use crate::lsp::features::completion_items::CompletionKind;
 use crate::lsp::features::structure::SymbolKind as PartKind;
 use crate::syntax::occurrence::{NameKind, Role};
 
-/// How a name is shown in lists of symbols.
+/// The symbol kind of a name.
 pub(super) fn of_name(kind: NameKind) -> SymbolKind {
     match kind {
         NameKind::Entity => SymbolKind::Class,
@@ -27,7 +28,7 @@ pub(super) fn of_name(kind: NameKind) -> SymbolKind {
     }
 }
 
-/// How a part of an outline is shown.
+/// The symbol kind of an entry of the outline.
 pub(super) fn of_symbol(kind: PartKind) -> SymbolKind {
     match kind {
         PartKind::Name(kind) => of_name(kind),
@@ -41,7 +42,7 @@ pub(super) fn of_symbol(kind: PartKind) -> SymbolKind {
     }
 }
 
-/// How an offer is shown.
+/// The kind of a completion item.
 pub(super) fn of_completion(kind: CompletionKind) -> CompletionItemKind {
     match kind {
         CompletionKind::Mode => CompletionItemKind::Method,
@@ -62,7 +63,7 @@ pub(super) fn of_completion(kind: CompletionKind) -> CompletionItemKind {
     }
 }
 
-/// Whether a use of a name reads or writes.
+/// The kind of a highlight: whether an occurrence reads or writes.
 pub(super) fn of_highlight(role: Role) -> DocumentHighlightKind {
     match role {
         Role::Read => DocumentHighlightKind::Read,
@@ -70,7 +71,7 @@ pub(super) fn of_highlight(role: Role) -> DocumentHighlightKind {
     }
 }
 
-/// What editors ask for actions by.
+/// The kind of a code action, by which editors filter them.
 pub(super) fn of_action(kind: ActionKind) -> CodeActionKind {
     match kind {
         ActionKind::Fix => CodeActionKind::QuickFix,

@@ -1,5 +1,5 @@
-//! The connection to the editor: messages, the worker that compiles, the table of requests. All that knows the protocol's
-//! types is here: `from_protocol` reads them, `to_protocol` writes them.
+//! The connection to the editor: messages, the worker, the table of requests. Only this module uses the types of the
+//! protocol: `from_protocol` converts parameters, `to_protocol` converts results.
 
 mod capabilities;
 mod client;

@@ -1,4 +1,4 @@
-//! The table of requests: what each needs before it can be answered, and the function that answers it.
+//! The table of requests: the precondition and the handler of each method.
 
 use gen_lsp_types as types;
 use lsp_server::Request;
@@ -8,23 +8,23 @@ use super::server::Server;
 use super::tokens;
 use super::uri::path_of;
 
-/// What a request needs before it is answered.
+/// The precondition of a request: the request waits until it holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Needs {
-    /// The text alone.
+    /// Only the text of the document: always holds.
     Text,
-    /// The programs that are open.
+    /// All open programs are compiled.
     Open,
-    /// All programs of the workspace.
+    /// All programs of the workspace are compiled.
     All,
-    /// That the worker has nothing left to do.
+    /// The worker is idle: all findings are published.
     Idle,
 }
 
-/// Requests as rows: the method, what it needs, its type, and the function that answers it.
+/// Defines the table. A row has the method, its precondition, its type, and its handler.
 macro_rules! requests {
     ($($method:literal $needs:ident $request:ident $file:ident::$answer:ident,)*) => {
-        /// What a request needs.
+        /// The precondition of a method.
         pub(super) fn needs(method: &str) -> Needs {
             match method {
                 $($method => Needs::$needs,)*
@@ -34,16 +34,16 @@ macro_rules! requests {
         }
 
         impl Server {
-            /// Answers a request.
+            /// Calls the handler of a request and sends its response.
             pub(super) fn dispatch(&mut self, request: Request) {
                 match request.method.as_str() {
-                    $($method => self.on::<types::$request>(request, |server, params| {
+                    $($method => self.handle::<types::$request>(request, |server, params| {
                         $file::$answer(server, params)
                     }),)*
-                    // For scripts and tests: answered when all findings were sent.
-                    "hypedc/idle" => self.nothing(request),
-                    "hypedc/text" => self.on::<TextRequest>(request, |server, params| text(server, params)),
-                    _ => self.unknown(request),
+                    // For scripts and tests: the response follows the last findings.
+                    "hypedc/idle" => self.respond_null(request),
+                    "hypedc/text" => self.handle::<TextRequest>(request, |server, params| text(server, params)),
+                    _ => self.respond_unknown_method(request),
                 }
             }
         }
@@ -77,13 +77,13 @@ requests! {
     "workspace/symbol"                          All  WorkspaceSymbolRequest            handlers::workspace_symbols,
 }
 
-/// For scripts and tests: the text of an open document, as the server has it.
+/// For scripts and tests: returns the server's text of an open document.
 fn text(server: &Server, params: types::DocumentSymbolParams) -> Answer<TextRequest> {
     let document = server.view.documents.get(&path_of(&params.text_document.uri));
     Ok(document.map(|document| document.text.whole().to_string()))
 }
 
-/// The text of an open document, as the server has it.
+/// `hypedc/text`: the server's text of an open document.
 enum TextRequest {}
 
 impl types::Request for TextRequest {

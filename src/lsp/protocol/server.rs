@@ -1,5 +1,5 @@
-//! The server's loop: messages in, documents kept, answers out. Requests that need names wait here until the worker has
-//! compiled what they ask about.
+//! The server's main loop: receives messages, updates the documents, sends responses. Requests that need names wait
+//! here until the worker has compiled the programs.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -25,9 +25,9 @@ use super::uri::path_of;
 use super::worker::{Event, Job, Worker};
 use crate::lsp::Workspace;
 use crate::lsp::documents::Documents;
-use crate::lsp::view::{Known, Refusal, View};
+use crate::lsp::view::{ProgramState, Refusal, View};
 
-/// Why a request has no answer.
+/// An error response to a request.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Failure {
     code: i32,
@@ -46,16 +46,16 @@ impl From<Refusal> for Failure {
     }
 }
 
-/// How the server works.
+/// Options of the server.
 #[derive(Debug, Clone, Copy)]
 pub struct Settings {
-    /// How long nothing must change before it is worked out what values can be.
-    pub quiet: Duration,
+    /// The time without changes after which the value analysis starts.
+    pub debounce: Duration,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Settings { quiet: Duration::from_millis(200) }
+        Settings { debounce: Duration::from_millis(200) }
     }
 }
 
@@ -63,35 +63,41 @@ impl Default for Settings {
 pub struct Server {
     pub(super) view: View,
     pub(super) client: Client,
-    /// The semantic tokens that were sent last.
+    /// The semantic tokens that were last sent.
     pub(super) tokens: SentTokens,
     sender: Sender<Message>,
     published: Published,
     folders: Arc<Vec<PathBuf>>,
     jobs: Sender<Job>,
-    /// Grows with every change.
+    /// The number of the newest job.
     revision: u64,
-    settled: Option<u64>,
-    indexed: Option<u64>,
+    /// The revision as of which all open programs are compiled.
+    open_compiled: Option<u64>,
+    /// The revision as of which all programs of the workspace are compiled.
+    all_compiled: Option<u64>,
+    /// The revision as of which the worker was idle.
     idle: Option<u64>,
-    /// What changed since the last job.
+    /// The files that changed since the last job.
     changed: BTreeSet<PathBuf>,
-    is_due: bool,
+    has_unsent_changes: bool,
+    /// Whether the folders must be searched for programs again.
     rescan: bool,
+    /// Requests whose preconditions do not hold yet.
     waiting: Vec<(Request, Needs)>,
     has_shut_down: bool,
+    /// The id of the last request to the client.
     last_request: i32,
-    /// The programs on which the compiler has failed since they were last compiled.
+    /// The programs with a reported panic, until they are compiled again.
     failed: BTreeSet<PathBuf>,
 }
 
 impl Server {
-    /// Serves a connection until the editor says `exit`, or goes away; returns whether it said `shutdown` before.
+    /// Serves a connection until the client sends `exit` or disconnects. Returns whether it sent `shutdown` before.
     pub fn serve(connection: Connection, disk: Arc<dyn Workspace>, settings: Settings) -> bool {
         let Connection { sender, receiver } = connection;
         let connection = Connection { sender: sender.clone(), receiver: receiver.clone() };
         let Ok((id, params)) = connection.initialize_start() else { return false };
-        let client = Client::of(&params);
+        let client = Client::from_params(&params);
         let folders = folders(&params);
         let result = types::InitializeResult {
             capabilities: capabilities(&client),
@@ -100,32 +106,32 @@ impl Server {
                 version: Some(env!("CARGO_PKG_VERSION").into()),
             }),
         };
-        let (jobs, waiting_jobs) = unbounded();
-        let (tell, events) = unbounded();
+        let (jobs, job_receiver) = unbounded();
+        let (event_sender, events) = unbounded();
         let has_ended = Arc::new(AtomicBool::new(false));
-        let ends = Arc::clone(&has_ended);
+        let worker_has_ended = Arc::clone(&has_ended);
         let worker = Worker {
-            has_ended: ends,
-            jobs: waiting_jobs,
-            events: tell,
+            has_ended: worker_has_ended,
+            jobs: job_receiver,
+            events: event_sender,
             disk: Arc::clone(&disk),
-            quiet: settings.quiet,
+            debounce: settings.debounce,
         };
         let thread = std::thread::spawn(move || worker.run());
         let mut server = Server {
             client,
-            view: View { documents: Documents::default(), known: BTreeMap::new(), renamed: None, disk },
+            view: View { documents: Documents::default(), programs: BTreeMap::new(), last_rename: None, disk },
             tokens: SentTokens::default(),
             sender,
             published: Published::default(),
             folders: Arc::new(folders),
             jobs,
             revision: 0,
-            settled: None,
-            indexed: None,
+            open_compiled: None,
+            all_compiled: None,
             idle: None,
             changed: BTreeSet::new(),
-            is_due: true,
+            has_unsent_changes: true,
             rescan: true,
             waiting: Vec::new(),
             has_shut_down: false,
@@ -133,24 +139,24 @@ impl Server {
             failed: BTreeSet::new(),
         };
         server.answer(id, Ok(result));
-        let orderly = server.run(&receiver, &events);
+        let was_shut_down = server.run(&receiver, &events);
         has_ended.store(true, Ordering::Relaxed);
         drop(server);
         drop(events);
         let _ = thread.join();
-        orderly
+        was_shut_down
     }
 
     fn run(&mut self, messages: &Receiver<Message>, events: &Receiver<Event>) -> bool {
         loop {
-            self.give_job();
+            self.submit_job();
             select! {
                 recv(messages) -> message => {
                     let Ok(message) = message else { return self.has_shut_down };
                     if !self.message(message) {
                         return self.has_shut_down;
                     }
-                    // All edits that are there already make one job.
+                    // Batch all pending messages into one job.
                     while let Ok(message) = messages.try_recv() {
                         if !self.message(message) {
                             return self.has_shut_down;
@@ -165,9 +171,9 @@ impl Server {
         }
     }
 
-    /// Hands the documents to the worker if they changed.
-    fn give_job(&mut self) {
-        if !std::mem::take(&mut self.is_due) {
+    /// Sends the documents to the worker if they changed.
+    fn submit_job(&mut self) {
+        if !std::mem::take(&mut self.has_unsent_changes) {
             return;
         }
         self.revision += 1;
@@ -181,12 +187,12 @@ impl Server {
         let _ = self.jobs.send(job);
     }
 
-    fn touch(&mut self, path: PathBuf) {
+    fn mark_changed(&mut self, path: PathBuf) {
         self.changed.insert(path);
-        self.is_due = true;
+        self.has_unsent_changes = true;
     }
 
-    /// Takes a message; returns whether to go on.
+    /// Handles a message; returns false after `exit`.
     fn message(&mut self, message: Message) -> bool {
         match message {
             Message::Request(request) => self.request(request),
@@ -211,16 +217,16 @@ impl Server {
     }
 
     fn is_ready(&self, needs: Needs) -> bool {
-        let current = |done: Option<u64>| !self.is_due && done == Some(self.revision);
+        let current = |done: Option<u64>| !self.has_unsent_changes && done == Some(self.revision);
         match needs {
             Needs::Text => true,
-            Needs::Open => current(self.settled),
-            Needs::All => current(self.indexed),
+            Needs::Open => current(self.open_compiled),
+            Needs::All => current(self.all_compiled),
             Needs::Idle => current(self.idle),
         }
     }
 
-    /// Answers what waited and need not wait any longer.
+    /// Handles the waiting requests whose preconditions hold now.
     fn resume(&mut self) {
         let waiting = std::mem::take(&mut self.waiting);
         for (request, needs) in waiting {
@@ -234,14 +240,14 @@ impl Server {
         }
         let Notification { method, params } = notification;
         match method.as_str() {
-            "initialized" if self.client.watches_files => self.ask("client/registerCapability", watchers()),
+            "initialized" if self.client.watches_files => self.send_request("client/registerCapability", watchers()),
             "textDocument/didOpen" => {
                 let Some(params) = read::<types::DidOpenTextDocumentNotification>(params) else { return };
                 let document = params.text_document;
                 let language = document.language_id.to_string();
                 let path = path_of(&document.uri);
                 self.view.documents.open(path.clone(), document.uri.0, document.version, document.text, &language);
-                self.touch(path);
+                self.mark_changed(path);
             }
             "textDocument/didChange" => {
                 let Some(params) = read::<types::DidChangeTextDocumentNotification>(params) else { return };
@@ -249,7 +255,7 @@ impl Server {
                 let path = path_of(&document.text_document_identifier.uri);
                 let (changes, encoding) = (changes(params.content_changes), self.client.encoding);
                 if self.view.documents.change(&path, document.version, &changes, encoding) {
-                    self.touch(path);
+                    self.mark_changed(path);
                 }
             }
             "textDocument/didClose" => {
@@ -257,14 +263,14 @@ impl Server {
                 let path = path_of(&params.text_document.uri);
                 self.tokens.forget(&path);
                 if self.view.documents.close(&path) {
-                    self.touch(path);
+                    self.mark_changed(path);
                 }
             }
             "workspace/didChangeWatchedFiles" => {
                 let Some(params) = read::<types::DidChangeWatchedFilesNotification>(params) else { return };
                 for change in params.changes {
                     self.rescan |= change.kind != types::FileChangeType::Changed;
-                    self.touch(path_of(&change.uri));
+                    self.mark_changed(path_of(&change.uri));
                 }
             }
             "workspace/didChangeWorkspaceFolders" => {
@@ -273,7 +279,7 @@ impl Server {
                 let folders = Arc::make_mut(&mut self.folders);
                 folders.retain(|folder| !gone.contains(folder));
                 folders.extend(params.event.added.iter().map(|f| path_of(&f.uri)));
-                (self.rescan, self.is_due) = (true, true);
+                (self.rescan, self.has_unsent_changes) = (true, true);
             }
             "$/cancelRequest" => {
                 let Some(params) = read::<types::CancelNotification>(params) else { return };
@@ -294,14 +300,14 @@ impl Server {
         match event {
             Event::Compiled(snapshot) => {
                 self.failed.remove(&snapshot.root);
-                let before = self.view.known.remove(&snapshot.root);
+                let before = self.view.programs.remove(&snapshot.root);
                 let is_open = self.view.documents.get(&snapshot.root).is_some();
-                let old = before.as_ref().map(|known| &*known.now);
+                let old = before.as_ref().map(|state| &*state.current);
                 self.published.compiled(old, &snapshot, is_open, self.client.encoding);
-                let (good, ranges) = before.map_or((None, None), |known| (known.good, known.ranges));
-                let good = if snapshot.is_good() { Some(Arc::clone(&snapshot)) } else { good };
-                let known = Known { now: Arc::clone(&snapshot), good, findings: None, ranges };
-                self.view.known.insert(snapshot.root.clone(), known);
+                let (last_good, ranges) = before.map_or((None, None), |state| (state.last_good, state.ranges));
+                let last_good = if snapshot.is_error_free() { Some(Arc::clone(&snapshot)) } else { last_good };
+                let state = ProgramState { current: Arc::clone(&snapshot), last_good, findings: None, ranges };
+                self.view.programs.insert(snapshot.root.clone(), state);
             }
             Event::Failed(path, why) => {
                 let text = format!(
@@ -309,59 +315,60 @@ impl Server {
                      file is from before",
                     path.display()
                 );
-                self.tell("window/logMessage", &text);
-                // Not again for each letter that is typed.
+                self.show_error("window/logMessage", &text);
+                // Only once, not after each keystroke.
                 if self.failed.insert(path) {
-                    self.tell("window/showMessage", &text);
+                    self.show_error("window/showMessage", &text);
                 }
             }
-            Event::Dropped(path) => {
-                self.view.known.remove(&path);
-                self.published.dropped(&path);
+            Event::Removed(path) => {
+                self.view.programs.remove(&path);
+                self.published.removed(&path);
             }
-            Event::Settled(revision) => {
-                self.settled = Some(revision);
+            Event::OpenCompiled(revision) => {
+                self.open_compiled = Some(revision);
                 self.publish();
                 self.resume();
             }
-            Event::Indexed(revision) => {
-                self.indexed = Some(revision);
+            Event::AllCompiled(revision) => {
+                self.all_compiled = Some(revision);
                 self.resume();
             }
             Event::Idle(revision) => {
                 self.idle = Some(revision);
                 self.resume();
             }
-            Event::Examined(snapshot, found) => {
-                let known = self.view.known.get_mut(&snapshot.root).filter(|known| Arc::ptr_eq(&known.now, &snapshot));
-                let Some(known) = known else { return };
+            Event::Analyzed(snapshot, found) => {
+                let state =
+                    self.view.programs.get_mut(&snapshot.root).filter(|state| Arc::ptr_eq(&state.current, &snapshot));
+                let Some(state) = state else { return };
                 let (findings, ranges) = *found;
-                self.published.examined(&snapshot, &findings, self.client.encoding);
-                known.findings = Some(findings);
-                // Of a program with errors nothing is known.
-                known.ranges = ranges.or(known.ranges.take());
+                self.published.analyzed(&snapshot, &findings, self.client.encoding);
+                state.findings = Some(findings);
+                // A program with errors is not analysed: keep the older ranges.
+                state.ranges = ranges.or(state.ranges.take());
                 self.publish();
                 if self.client.refreshes_hints {
-                    self.ask("workspace/inlayHint/refresh", Value::Null);
+                    self.send_request("workspace/inlayHint/refresh", Value::Null);
                 }
             }
         }
     }
 
-    /// Shows an error of the server in the editor.
-    fn tell(&self, method: &str, text: &str) {
+    /// Sends an error message to the editor: to its log, or as a pop-up.
+    fn show_error(&self, method: &str, text: &str) {
         let params = json!({ "type": types::MessageType::Error, "message": text });
         let _ = self.sender.send(Notification { method: method.into(), params }.into());
     }
 
-    /// Tells the editor of findings that changed.
+    /// Publishes the diagnostics of documents for which they changed.
     fn publish(&mut self) {
         let is_open = |path: &Path| self.view.documents.get(path).is_some();
         let version = |uri: &str| {
             let path = path_of(&Uri(uri.into()));
-            let now = &self.view.known.get(&path)?.now;
-            now.file(&path)?;
-            Some(now.document(&path)?.version)
+            let snapshot = &self.view.programs.get(&path)?.current;
+            snapshot.file(&path)?;
+            Some(snapshot.document(&path)?.version)
         };
         for params in self.published.update(is_open, version) {
             let params = serde_json::to_value(params).unwrap_or_default();
@@ -370,7 +377,8 @@ impl Server {
         }
     }
 
-    fn ask(&mut self, method: &str, params: Value) {
+    /// Sends a request to the client; its response is ignored.
+    fn send_request(&mut self, method: &str, params: Value) {
         self.last_request += 1;
         let request = Request { id: RequestId::from(self.last_request), method: method.into(), params };
         let _ = self.sender.send(request.into());
@@ -385,8 +393,8 @@ impl Server {
         let _ = self.sender.send(response.into());
     }
 
-    /// Answers a request with what a feature makes of it. A feature that panics is no reason to end.
-    pub(super) fn on<R: types::Request>(
+    /// Responds to a request with the result of a handler. A panic in the handler becomes an error response.
+    pub(super) fn handle<R: types::Request>(
         &mut self,
         request: Request,
         feature: impl FnOnce(&mut Self, R::Params) -> Result<R::Result, Failure>,
@@ -400,13 +408,13 @@ impl Server {
         self.answer(id, result);
     }
 
-    /// Answers a request with nothing.
-    pub(super) fn nothing(&self, request: Request) {
+    /// Responds with `null`.
+    pub(super) fn respond_null(&self, request: Request) {
         self.answer(request.id, Ok(()));
     }
 
-    /// Says that a request is not known.
-    pub(super) fn unknown(&self, request: Request) {
+    /// Responds with "method not found".
+    pub(super) fn respond_unknown_method(&self, request: Request) {
         let failure = Failure::new(ErrorCode::MethodNotFound, format!("no method `{}`", request.method));
         self.answer::<()>(request.id, Err(failure));
     }

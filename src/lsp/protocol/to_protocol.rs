@@ -1,4 +1,5 @@
-//! Answers of features in the protocol's terms: URIs for paths, lines and columns for bytes, the protocol's kinds.
+//! Converts results of features to the protocol: paths to URIs, byte offsets to positions, kinds to the protocol's
+//! kinds.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -15,11 +16,11 @@ use super::uri::uri_of;
 use crate::lsp::documents::Documents;
 use crate::lsp::features::actions::{ActionKind, CodeAction};
 use crate::lsp::features::completion::Completions;
+use crate::lsp::features::completion_items::{CompletionItem, Insert};
 use crate::lsp::features::hierarchy::CallItem;
-use crate::lsp::features::hints::{CodeLens, HintKind, InlayHint, Run};
+use crate::lsp::features::hints::{CodeLens, HintKind, InlayHint, LensCommand};
 use crate::lsp::features::hover::Hover;
 use crate::lsp::features::navigate::{Definition, Highlight, Link, WorkspaceSymbol};
-use crate::lsp::features::offers::{Completion, Insert};
 use crate::lsp::features::rename::Renamable;
 use crate::lsp::features::signature::{CallSignature, SignatureHelp};
 use crate::lsp::features::structure::{Fold, FoldKind, Symbol};
@@ -28,18 +29,18 @@ use crate::lsp::text::document_text::{Encoding, Position, Text};
 
 const START: types::Position = types::Position { line: 0, character: 0 };
 
-/// A line and a column.
+/// Converts a position.
 pub(super) fn position(at: Position) -> types::Position {
     types::Position { line: at.line, character: at.column }
 }
 
-/// The range of some bytes of a text.
+/// Converts a byte range of a text.
 pub(super) fn range(text: &Text, bytes: &Range<usize>, encoding: Encoding) -> types::Range {
     let at = |byte| position(text.position(byte, encoding));
     types::Range { start: at(bytes.start), end: at(bytes.end) }
 }
 
-/// Writes answers for an editor.
+/// Converts results, for the open documents and the capabilities of a client.
 #[derive(Clone, Copy)]
 pub(super) struct ToProtocol<'s> {
     pub documents: &'s Documents,
@@ -47,7 +48,7 @@ pub(super) struct ToProtocol<'s> {
 }
 
 impl ToProtocol<'_> {
-    /// A file, as the editor calls it.
+    /// The URI of a file: that of the editor if it is open.
     fn uri(self, path: &Path) -> Uri {
         self.documents.get(path).map_or_else(|| uri_of(path), |document| Uri(document.uri.clone()))
     }
@@ -115,7 +116,8 @@ impl ToProtocol<'_> {
     }
 
     pub fn code_action(self, action: CodeAction<'_>) -> types::CodeAction {
-        let shown = |(snapshot, finding)| vec![findings::shown(finding, snapshot, self.client.encoding)];
+        let shown =
+            |(snapshot, finding)| vec![findings::to_protocol_diagnostic(finding, snapshot, self.client.encoding)];
         types::CodeAction {
             title: action.title.into(),
             kind: Some(kinds::of_action(action.kind)),
@@ -128,7 +130,7 @@ impl ToProtocol<'_> {
 
     pub fn completion(self, text: &Text, found: Completions) -> types::CompletionResponse {
         let range = self.range(text, &found.replaces);
-        let item = |Completion { rank, label, kind, detail, insert }| {
+        let item = |CompletionItem { rank, label, kind, detail, insert }| {
             let snippet = match insert {
                 Insert::Snippet(snippet) if self.client.has_snippets => Some(snippet),
                 Insert::Snippet(_) | Insert::Label => None,
@@ -143,7 +145,7 @@ impl ToProtocol<'_> {
                 ..types::CompletionItem::default()
             }
         };
-        found.offers.into_iter().map(item).collect::<Vec<_>>().into()
+        found.items.into_iter().map(item).collect::<Vec<_>>().into()
     }
 
     #[allow(deprecated, reason = "a field must be named to be left out")]
@@ -161,7 +163,7 @@ impl ToProtocol<'_> {
         }
     }
 
-    /// Ranges around a position, outermost first.
+    /// Converts the ranges around a position, given outermost first.
     pub fn selection(self, text: &Text, at: types::Position, around: &[Range<usize>]) -> types::SelectionRange {
         let outer = around.iter().fold(None, |outer: Option<types::SelectionRange>, bytes| {
             Some(types::SelectionRange { range: self.range(text, bytes), parent: outer.map(Box::new) })
@@ -184,9 +186,9 @@ impl ToProtocol<'_> {
     }
 
     pub fn lens(self, uri: &str, text: &Text, lens: &CodeLens) -> types::CodeLens {
-        let (title, command, arguments) = match &lens.run {
-            Run::Simulate { world } => ("▶ simulate", "hypedc.sim", vec![json!(uri), json!(world)]),
-            Run::Reach { world, goal } => {
+        let (title, command, arguments) = match &lens.command {
+            LensCommand::Simulate { world } => ("▶ simulate", "hypedc.sim", vec![json!(uri), json!(world)]),
+            LensCommand::Reach { world, goal } => {
                 ("▶ can it be reached?", "hypedc.reach", vec![json!(uri), json!(world), json!(goal)])
             }
         };
@@ -242,22 +244,22 @@ pub(super) fn signature_help(help: SignatureHelp) -> types::SignatureHelp {
 
 fn signature(CallSignature { name, parameters, doc }: CallSignature) -> types::SignatureInformation {
     let mut label = format!("{name}(");
-    let mut places = Vec::new();
+    let mut infos = Vec::new();
     for (index, parameter) in parameters.iter().enumerate() {
         if index > 0 {
             label.push_str(", ");
         }
-        // Places in a label count UTF-16 code units.
+        // Offsets in a label count UTF-16 code units.
         let start = label.encode_utf16().count() as u32;
         label.push_str(parameter);
         let end = label.encode_utf16().count() as u32;
-        places.push(types::ParameterInformation { label: (start, end).into(), documentation: None });
+        infos.push(types::ParameterInformation { label: (start, end).into(), documentation: None });
     }
     label.push(')');
     types::SignatureInformation {
         label,
         documentation: (!doc.is_empty()).then(|| doc.into()),
-        parameters: Some(places),
+        parameters: Some(infos),
         active_parameter: None,
     }
 }

@@ -1,4 +1,4 @@
-//! Semantic tokens as the protocol sends them: as numbers, whole or as the difference to what was sent before.
+//! Encodes semantic tokens for the protocol: complete, by range, or as the delta to the tokens sent before.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -15,7 +15,7 @@ use crate::lsp::features::tokens::{Token, TokenKind, semantic_tokens};
 use crate::lsp::text::document_text::{Encoding, Text};
 use crate::syntax::occurrence::{NameKind, Role};
 
-/// The kinds of tokens; their places in this list are what is sent.
+/// The token types of the legend; tokens are sent as indices into this list.
 const TYPES: &[&str] = &[
     "comment",
     "string",
@@ -37,21 +37,21 @@ const TYPES: &[&str] = &[
     "type",
     "enum",
 ];
-/// What else is reported a name, as bits.
+/// The token modifiers of the legend; sent as a bit set.
 const MODIFIERS: &[&str] = &["declaration", "readonly", "modification", "defaultLibrary"];
 const DECLARATION: u32 = 1;
 const READ_ONLY: u32 = 2;
 const MODIFICATION: u32 = 4;
 const LIBRARY: u32 = 8;
 
-/// What the numbers of tokens mean.
+/// The legend: the names of types and modifiers.
 pub(super) fn legend() -> SemanticTokensLegend {
     let words = |list: &[&str]| list.iter().map(|w| (*w).to_string()).collect();
     SemanticTokensLegend { token_types: words(TYPES), token_modifiers: words(MODIFIERS) }
 }
 
-/// The type of a token, by its place in the legend, and its modifiers.
-fn numbers(kind: TokenKind) -> (u32, u32) {
+/// The index of the type of a token in the legend, and its modifiers.
+fn encode_kind(kind: TokenKind) -> (u32, u32) {
     let name = match kind {
         TokenKind::Comment => "comment",
         TokenKind::Text => "string",
@@ -78,7 +78,7 @@ fn numbers(kind: TokenKind) -> (u32, u32) {
     (type_index, modifiers)
 }
 
-/// How a name is coloured.
+/// The token type of a name.
 fn type_of_name(kind: NameKind) -> &'static str {
     match kind {
         NameKind::Entity => "class",
@@ -98,7 +98,7 @@ fn type_of_name(kind: NameKind) -> &'static str {
     }
 }
 
-/// Tokens of a text, each counted from the one before.
+/// Encodes tokens, each position relative to the preceding token.
 fn encoded(text: &Text, tokens: &[Token], encoding: Encoding) -> Vec<SemanticToken> {
     let (mut out, mut line, mut column) = (Vec::new(), 0, 0);
     for token in tokens {
@@ -106,7 +106,7 @@ fn encoded(text: &Text, tokens: &[Token], encoding: Encoding) -> Vec<SemanticTok
         if start.line != end.line || end.character <= start.character {
             continue;
         }
-        let (token_type, modifiers) = numbers(token.kind);
+        let (token_type, modifiers) = encode_kind(token.kind);
         out.push(SemanticToken {
             delta_line: start.line - line,
             delta_start: if start.line == line { start.character - column } else { start.character },
@@ -119,7 +119,7 @@ fn encoded(text: &Text, tokens: &[Token], encoding: Encoding) -> Vec<SemanticTok
     out
 }
 
-/// What was sent last of each document, so that only changes need be sent.
+/// The tokens last sent for each document, to compute deltas.
 #[derive(Debug, Default)]
 pub(super) struct SentTokens {
     last: BTreeMap<PathBuf, (u64, Vec<SemanticToken>)>,
@@ -127,12 +127,13 @@ pub(super) struct SentTokens {
 }
 
 impl SentTokens {
-    /// A document is closed.
+    /// Removes a document that was closed.
     pub fn forget(&mut self, path: &Path) {
         self.last.remove(path);
     }
 
-    fn keep(&mut self, path: PathBuf, data: Vec<SemanticToken>) -> SemanticTokens {
+    /// Stores the tokens of a document under a new result id.
+    fn store(&mut self, path: PathBuf, data: Vec<SemanticToken>) -> SemanticTokens {
         self.count += 1;
         self.last.insert(path, (self.count, data.clone()));
         SemanticTokens { result_id: Some(self.count.to_string()), data }
@@ -140,7 +141,7 @@ impl SentTokens {
 }
 
 impl Server {
-    /// The tokens of some bytes of a document; none if it is not open.
+    /// The encoded tokens in a range of a document; `None` if it is not open.
     fn tokens_of(&self, path: &Path, bytes: &Range<usize>) -> Option<Vec<SemanticToken>> {
         let tokens = semantic_tokens(&self.view, path, bytes, self.client.has_grammar)?;
         Some(encoded(&self.view.documents.get(path)?.text, &tokens, self.client.encoding))
@@ -153,7 +154,7 @@ pub(super) fn all_tokens(
 ) -> Answer<types::SemanticTokensRequest> {
     let path = path_of(&params.text_document.uri);
     let Some(data) = server.tokens_of(&path, &(0..usize::MAX)) else { return Ok(None) };
-    Ok(Some(server.tokens.keep(path, data)))
+    Ok(Some(server.tokens.store(path, data)))
 }
 
 pub(super) fn tokens_in_range(
@@ -173,19 +174,20 @@ pub(super) fn changed_tokens(
     let Some(new) = server.tokens_of(&path, &(0..usize::MAX)) else { return Ok(None) };
     let before = server.tokens.last.get(&path).filter(|(id, _)| id.to_string() == params.previous_result_id);
     let Some(old) = before.map(|(_, old)| old.clone()) else {
-        return Ok(Some(server.tokens.keep(path, new).into()));
+        return Ok(Some(server.tokens.store(path, new).into()));
     };
     let same = old.iter().zip(&new).take_while(|(a, b)| a == b).count();
-    let left = old.len().min(new.len()) - same;
-    let same_end = old.iter().rev().zip(new.iter().rev()).take(left).take_while(|(a, b)| a == b).count();
-    let put = new.get(same..new.len() - same_end).unwrap_or_default();
-    let data = put.iter().flat_map(|t| [t.delta_line, t.delta_start, t.length, t.token_type, t.token_modifiers_bitset]);
+    let remaining = old.len().min(new.len()) - same;
+    let same_end = old.iter().rev().zip(new.iter().rev()).take(remaining).take_while(|(a, b)| a == b).count();
+    let inserted = new.get(same..new.len() - same_end).unwrap_or_default();
+    let data =
+        inserted.iter().flat_map(|t| [t.delta_line, t.delta_start, t.length, t.token_type, t.token_modifiers_bitset]);
     let edit = SemanticTokensEdit {
         start: 5 * same as u32,
         delete_count: 5 * (old.len() - same - same_end) as u32,
         data: Some(data.collect()),
     };
-    let edits = if edit.delete_count == 0 && put.is_empty() { Vec::new() } else { vec![edit] };
-    let result_id = server.tokens.keep(path, new).result_id;
+    let edits = if edit.delete_count == 0 && inserted.is_empty() { Vec::new() } else { vec![edit] };
+    let result_id = server.tokens.store(path, new).result_id;
     Ok(Some(SemanticTokensDelta { result_id, edits }.into()))
 }

@@ -1,13 +1,13 @@
-//! Names of documents: `file:` URIs to paths and back. A document of another scheme is called by its URI.
+//! Converts `file:` URIs to paths and back. URIs of other schemes are used as paths unchanged.
 
 use std::path::{Path, PathBuf};
 
 use gen_lsp_types::Uri;
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, utf8_percent_encode};
 
-use crate::lsp::documents::clean;
+use crate::lsp::documents::normalize;
 
-/// What is in no path of a URI (RFC 3986, 3.3).
+/// The characters that are percent-encoded in paths (RFC 3986, section 3.3).
 const OUTSIDE_OF_PATHS: &AsciiSet = &NON_ALPHANUMERIC
     .remove(b'-')
     .remove(b'.')
@@ -31,12 +31,12 @@ const OUTSIDE_OF_PATHS: &AsciiSet = &NON_ALPHANUMERIC
 /// The path of a document, without `.` and `..`.
 pub(super) fn path_of(uri: &Uri) -> PathBuf {
     let Some(rest) = uri.0.strip_prefix("file://") else { return PathBuf::from(&uri.0) };
-    // What is before the first slash is a host; ours has no name.
+    // Drop the host, which precedes the first slash.
     let path = rest.find('/').map_or("", |at| &rest[at..]);
     let decoded = percent_decode_str(path).decode_utf8_lossy();
     let bytes = decoded.as_bytes();
     let has_drive = matches!(bytes, [b'/', drive, b':', ..] if drive.is_ascii_alphabetic());
-    clean(Path::new(if has_drive { &decoded[1..] } else { &decoded }))
+    normalize(Path::new(if has_drive { &decoded[1..] } else { &decoded }))
 }
 
 /// The URI of a path.

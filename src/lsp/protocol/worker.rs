@@ -1,5 +1,5 @@
-//! The thread that compiles: it takes the newest state of the documents, compiles the programs that a change touches,
-//! and, once nothing has changed for a while, looks at what values can be. A new state stops that.
+//! The worker thread: receives the newest state of the documents, compiles the programs that a change invalidates, and
+//! runs the value analysis after a debounce time. A newer state interrupts the analysis.
 
 use std::any::Any;
 use std::collections::{BTreeMap, BTreeSet};
@@ -17,46 +17,46 @@ use crate::source::FileId;
 use crate::watch::Watch;
 
 use crate::lsp::Workspace;
-use crate::lsp::documents::Open;
+use crate::lsp::documents::OpenDocuments;
 use crate::lsp::snapshot::Snapshot;
 use crate::lsp::values::Ranges;
 
-/// A state of the documents.
+/// A state of the documents, to be compiled.
 pub(in crate::lsp) struct Job {
-    /// Grows with every change.
+    /// Increases with each job.
     pub revision: u64,
-    /// What is open.
-    pub open: Arc<Open>,
+    /// The open documents.
+    pub open: Arc<OpenDocuments>,
     /// The folders of the workspace.
     pub folders: Arc<Vec<PathBuf>>,
-    /// Whether programs may have come to them, or gone.
+    /// Whether programs may have been added to the folders or removed.
     pub rescan: bool,
-    /// What changed since the last job.
+    /// The files that changed since the last job.
     pub changed: BTreeSet<PathBuf>,
 }
 
-/// What the thread tells.
+/// An event of the worker.
 pub(in crate::lsp) enum Event {
     /// A program was compiled.
     Compiled(Arc<Snapshot>),
-    /// A program is of no interest any more.
-    Dropped(PathBuf),
-    /// All open programs are compiled as of this revision.
-    Settled(u64),
-    /// All programs of the workspace are.
-    Indexed(u64),
-    /// There is nothing left to do as of this revision.
+    /// A program was closed or deleted.
+    Removed(PathBuf),
+    /// All open programs are compiled as of a revision.
+    OpenCompiled(u64),
+    /// All programs of the workspace are compiled as of a revision.
+    AllCompiled(u64),
+    /// The worker is idle as of a revision.
     Idle(u64),
-    /// A mistake of the server has ended the compilation or the analysis of a program.
+    /// The compilation or the analysis of a program panicked, with a message.
     Failed(PathBuf, String),
-    /// What values tell of a program that was compiled.
-    Examined(Arc<Snapshot>, Box<(Diagnostics, Option<Ranges>)>),
+    /// The result of the value analysis of a snapshot. Without ranges if the program has errors.
+    Analyzed(Arc<Snapshot>, Box<(Diagnostics, Option<Ranges>)>),
 }
 
-/// Stops as soon as there is a newer job, or no server.
-struct Newer<'a>(&'a Receiver<Job>, &'a AtomicBool);
+/// Interrupts the analysis when there is a newer job, or when the server has ended.
+struct NewerJob<'a>(&'a Receiver<Job>, &'a AtomicBool);
 
-impl Watch for Newer<'_> {
+impl Watch for NewerJob<'_> {
     fn stop(&self) -> bool {
         !self.0.is_empty() || self.1.load(Ordering::Relaxed)
     }
@@ -66,42 +66,43 @@ pub(in crate::lsp) struct Worker {
     pub jobs: Receiver<Job>,
     pub events: Sender<Event>,
     pub disk: Arc<dyn Workspace>,
-    /// Set once the editor has gone.
+    /// Set when the server has ended.
     pub has_ended: Arc<AtomicBool>,
-    /// How long nothing must change before values are examined.
-    pub quiet: Duration,
+    /// The time without changes after which the value analysis starts.
+    pub debounce: Duration,
 }
 
 impl Worker {
-    /// Works until the server is gone.
+    /// Runs until the server has ended.
     pub fn run(self) {
-        let mut known: BTreeMap<PathBuf, Arc<Snapshot>> = BTreeMap::new();
-        // Programs whose values are not looked at yet.
-        let mut due: BTreeSet<PathBuf> = BTreeSet::new();
-        let mut closed: BTreeSet<PathBuf> = BTreeSet::new();
-        let mut waiting: Option<Job> = None;
-        while let Some(job) = waiting.take().or_else(|| self.jobs.recv().ok()) {
-            let job = self.newest(job);
+        let mut snapshots: BTreeMap<PathBuf, Arc<Snapshot>> = BTreeMap::new();
+        // Open programs that are compiled but not analysed.
+        let mut unanalyzed: BTreeSet<PathBuf> = BTreeSet::new();
+        // All programs of the workspace's folders.
+        let mut in_folders: BTreeSet<PathBuf> = BTreeSet::new();
+        let mut next_job: Option<Job> = None;
+        while let Some(job) = next_job.take().or_else(|| self.jobs.recv().ok()) {
+            let job = self.merge_waiting(job);
             if job.rescan {
-                closed = job.folders.iter().flat_map(|folder| self.disk.programs(folder)).collect();
+                in_folders = job.folders.iter().flat_map(|folder| self.disk.programs(folder)).collect();
             }
-            if self.work(&job, &closed, &mut known, &mut due).is_none() {
+            if self.compile_job(&job, &in_folders, &mut snapshots, &mut unanalyzed).is_none() {
                 return;
             }
-            if due.is_empty() {
+            if unanalyzed.is_empty() {
                 if self.events.send(Event::Idle(job.revision)).is_err() {
                     return;
                 }
                 continue;
             }
-            match self.jobs.recv_timeout(self.quiet) {
-                Ok(next) => waiting = Some(next),
+            match self.jobs.recv_timeout(self.debounce) {
+                Ok(next) => next_job = Some(next),
                 Err(RecvTimeoutError::Disconnected) => return,
                 Err(RecvTimeoutError::Timeout) => {
-                    if self.examine(&known, &mut due).is_none() {
+                    if self.analyze(&snapshots, &mut unanalyzed).is_none() {
                         return;
                     }
-                    if due.is_empty() && self.events.send(Event::Idle(job.revision)).is_err() {
+                    if unanalyzed.is_empty() && self.events.send(Event::Idle(job.revision)).is_err() {
                         return;
                     }
                 }
@@ -109,8 +110,8 @@ impl Worker {
         }
     }
 
-    /// The newest job that waits, with the changes of all.
-    fn newest(&self, mut job: Job) -> Job {
+    /// Merges all waiting jobs into the newest one.
+    fn merge_waiting(&self, mut job: Job) -> Job {
         while let Ok(mut next) = self.jobs.try_recv() {
             next.changed.append(&mut job.changed);
             next.rescan |= job.rescan;
@@ -119,54 +120,54 @@ impl Worker {
         job
     }
 
-    /// Compiles what a job touches; none if the server is gone.
-    fn work(
+    /// Compiles the programs that a job invalidates; `None` if the server has ended.
+    fn compile_job(
         &self,
         job: &Job,
-        closed: &BTreeSet<PathBuf>,
-        known: &mut BTreeMap<PathBuf, Arc<Snapshot>>,
-        due: &mut BTreeSet<PathBuf>,
+        in_folders: &BTreeSet<PathBuf>,
+        snapshots: &mut BTreeMap<PathBuf, Arc<Snapshot>>,
+        unanalyzed: &mut BTreeSet<PathBuf>,
     ) -> Option<()> {
         let is_open = |path: &PathBuf| job.open.get(path).is_some_and(|document| document.is_program);
-        let is_wanted = |path: &PathBuf| is_open(path) || closed.contains(path);
-        let dropped: Vec<PathBuf> = known.keys().filter(|path| !is_wanted(path)).cloned().collect();
-        for path in dropped {
-            known.remove(&path);
-            due.remove(&path);
-            self.events.send(Event::Dropped(path)).ok()?;
+        let is_wanted = |path: &PathBuf| is_open(path) || in_folders.contains(path);
+        let removed: Vec<PathBuf> = snapshots.keys().filter(|path| !is_wanted(path)).cloned().collect();
+        for path in removed {
+            snapshots.remove(&path);
+            unanalyzed.remove(&path);
+            self.events.send(Event::Removed(path)).ok()?;
         }
-        let is_current = |_: &PathBuf, snapshot: &Arc<Snapshot>| snapshot.asked.is_disjoint(&job.changed);
+        let is_current = |_: &PathBuf, snapshot: &Arc<Snapshot>| snapshot.dependencies.is_disjoint(&job.changed);
         let (current, mut outdated): (BTreeMap<_, _>, BTreeMap<_, _>) =
-            std::mem::take(known).into_iter().partition(|(path, snapshot)| is_current(path, snapshot));
-        *known = current;
+            std::mem::take(snapshots).into_iter().partition(|(path, snapshot)| is_current(path, snapshot));
+        *snapshots = current;
         for path in job.open.keys().filter(|path| is_open(path)) {
-            if !known.contains_key(path) {
-                known.extend(self.compile(path, job, outdated.remove(path))?);
-                due.insert(path.clone());
+            if !snapshots.contains_key(path) {
+                snapshots.extend(self.compile(path, job, outdated.remove(path))?);
+                unanalyzed.insert(path.clone());
             }
         }
-        self.events.send(Event::Settled(job.revision)).ok()?;
-        for path in closed.iter().filter(|path| !job.open.contains_key(*path)) {
-            if known.contains_key(path) {
+        self.events.send(Event::OpenCompiled(job.revision)).ok()?;
+        for path in in_folders.iter().filter(|path| !job.open.contains_key(*path)) {
+            if snapshots.contains_key(path) {
                 continue;
             }
             if !self.jobs.is_empty() {
                 return Some(());
             }
-            known.extend(self.compile(path, job, outdated.remove(path))?);
+            snapshots.extend(self.compile(path, job, outdated.remove(path))?);
         }
-        self.events.send(Event::Indexed(job.revision)).ok()
+        self.events.send(Event::AllCompiled(job.revision)).ok()
     }
 
-    /// Compiles a program: its path and what came of it. Where the compiler fails, what was known before stays. Nothing if
-    /// the server is gone.
+    /// Compiles a program and returns its path and snapshot. If the compiler panics, the older snapshot remains. `None`
+    /// if the server has ended.
     fn compile(
         &self,
         path: &Path,
         job: &Job,
         before: Option<Arc<Snapshot>>,
     ) -> Option<Option<(PathBuf, Arc<Snapshot>)>> {
-        let compile = || Snapshot::of(path, &job.open, &*self.disk);
+        let compile = || Snapshot::compile(path, &job.open, &*self.disk);
         let snapshot = match catch_unwind(AssertUnwindSafe(compile)) {
             Ok(snapshot) => {
                 let snapshot = Arc::new(snapshot);
@@ -181,19 +182,24 @@ impl Worker {
         Some(snapshot.map(|snapshot| (path.to_path_buf(), snapshot)))
     }
 
-    /// Analyses values until there is a newer job; none if the server is gone.
-    fn examine(&self, known: &BTreeMap<PathBuf, Arc<Snapshot>>, due: &mut BTreeSet<PathBuf>) -> Option<()> {
-        while let Some(path) = due.first().cloned() {
-            if let Some(snapshot) = known.get(&path) {
+    /// Runs the value analysis until there is a newer job; `None` if the server has ended.
+    fn analyze(&self, snapshots: &BTreeMap<PathBuf, Arc<Snapshot>>, unanalyzed: &mut BTreeSet<PathBuf>) -> Option<()> {
+        while let Some(path) = unanalyzed.first().cloned() {
+            if let Some(snapshot) = snapshots.get(&path) {
                 let compilation = &snapshot.ide.compilation;
-                let examine = || {
+                let analyze = || {
                     let program = compilation.program.as_ref()?;
-                    let (sources, said) = (&compilation.sources, &compilation.diagnostics);
-                    let (found, spaces) =
-                        watched_findings(program, sources, FileId(0), said, &Newer(&self.jobs, &self.has_ended))?;
+                    let (sources, reported) = (&compilation.sources, &compilation.diagnostics);
+                    let (found, spaces) = watched_findings(
+                        program,
+                        sources,
+                        FileId(0),
+                        reported,
+                        &NewerJob(&self.jobs, &self.has_ended),
+                    )?;
                     Some(Box::new((found, Some(Ranges::of(program, &spaces)))))
                 };
-                let found = match catch_unwind(AssertUnwindSafe(examine)) {
+                let found = match catch_unwind(AssertUnwindSafe(analyze)) {
                     Ok(found) => found,
                     Err(panic) => {
                         self.events.send(Event::Failed(path.clone(), message(&*panic))).ok()?;
@@ -204,15 +210,15 @@ impl Worker {
                     return Some(());
                 }
                 let found = found.unwrap_or_default();
-                self.events.send(Event::Examined(Arc::clone(snapshot), found)).ok()?;
+                self.events.send(Event::Analyzed(Arc::clone(snapshot), found)).ok()?;
             }
-            due.remove(&path);
+            unanalyzed.remove(&path);
         }
         Some(())
     }
 }
 
-/// What a panic says.
+/// The message of a panic.
 fn message(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|text| (*text).to_string());
     text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "no message".to_string())

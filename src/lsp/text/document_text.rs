@@ -1,10 +1,10 @@
-//! Texts of an editor: lines and columns to bytes and back, changes. Lines end with LF, CRLF or CR; columns count what was
-//! agreed on. Every position has a byte: what lies beyond is moved to the nearest place inside. Editors end lines with a
-//! carriage return alone, too, which `line-index` and its like do not know.
+//! Texts of documents: conversion between byte offsets and positions, and changes. Lines end with LF, CRLF or CR;
+//! columns use the negotiated encoding. Positions outside of the text are clamped to the nearest one inside. Crates
+//! such as `line-index` do not support a lone CR, which the protocol allows.
 
 use std::ops::Range;
 
-/// A place in a text as editors count it.
+/// A position in a text: line and column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::lsp) struct Position {
     /// From 0.
@@ -13,15 +13,15 @@ pub(in crate::lsp) struct Position {
     pub column: u32,
 }
 
-/// What columns count.
+/// The unit of columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(in crate::lsp) enum Encoding {
     /// Bytes.
     Utf8,
-    /// UTF-16 code units: what clients that say nothing count.
+    /// UTF-16 code units: the default of the protocol.
     #[default]
     Utf16,
-    /// Characters.
+    /// Unicode code points.
     Utf32,
 }
 
@@ -35,15 +35,15 @@ impl Encoding {
     }
 }
 
-/// A text and where its lines begin.
+/// A text with an index of its lines.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::lsp) struct Text {
     whole: String,
-    /// Of each line its first byte.
+    /// The offset of each line.
     starts: Vec<u32>,
 }
 
-/// What a file may begin with; the compiler does not see it.
+/// A file may begin with it; the compiler skips it.
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
 impl Text {
@@ -53,23 +53,24 @@ impl Text {
         Text { whole, starts }
     }
 
-    /// As the editor has it.
+    /// The text as the editor has it.
     pub fn whole(&self) -> &str {
         &self.whole
     }
 
-    /// As the compiler sees it: bytes count from here.
+    /// The text as the compiler sees it, without a byte order mark. Byte offsets refer to it.
     pub fn code(&self) -> &str {
-        self.whole.get(self.skipped()..).unwrap_or_default()
+        self.whole.get(self.mark_len()..).unwrap_or_default()
     }
 
-    fn skipped(&self) -> usize {
+    /// The length of the byte order mark, if there is one.
+    fn mark_len(&self) -> usize {
         if self.whole.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len_utf8() } else { 0 }
     }
 
-    /// The position of a byte of the code.
+    /// The position of an offset in the code.
     pub fn position(&self, byte: usize, encoding: Encoding) -> Position {
-        let mut byte = (byte + self.skipped()).min(self.whole.len());
+        let mut byte = (byte + self.mark_len()).min(self.whole.len());
         while !self.whole.is_char_boundary(byte) {
             byte -= 1;
         }
@@ -84,12 +85,12 @@ impl Text {
         Position { line: line as u32, column }
     }
 
-    /// The byte of the code at a position, or at the nearest one that there is.
+    /// The offset in the code of a position, clamped to the text.
     pub fn byte(&self, position: Position, encoding: Encoding) -> usize {
-        self.whole_byte(position, encoding).saturating_sub(self.skipped())
+        self.whole_byte(position, encoding).saturating_sub(self.mark_len())
     }
 
-    /// The bytes of the code between two positions, whichever comes first.
+    /// The range of the code between two positions, in either order.
     pub fn bytes(&self, range: Range<Position>, encoding: Encoding) -> Range<usize> {
         let (a, b) = (self.byte(range.start, encoding), self.byte(range.end, encoding));
         a.min(b)..a.max(b)
@@ -102,7 +103,7 @@ impl Text {
         let mut left = position.column;
         for (at, c) in line.char_indices() {
             let width = encoding.width(c);
-            // Inside of a character is before it.
+            // A position inside a character maps to its start.
             if left < width {
                 return start as usize + at;
             }
@@ -111,7 +112,7 @@ impl Text {
         start as usize + line.len()
     }
 
-    /// Puts a text in place of a range, or of everything.
+    /// Replaces a range, or the whole text.
     pub fn change(&mut self, range: Option<Range<Position>>, text: &str, encoding: Encoding) {
         match range {
             Some(range) => {

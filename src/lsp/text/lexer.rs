@@ -1,18 +1,18 @@
-//! The words of a text, whatever state it is in: what is where cannot be told from a syntax tree while one types.
-//! Nothing fails here; what is not closed ends with its line.
+//! The lexer of the language server: tokens of any text, because incomplete texts have no useful syntax tree.
+//! It never fails; unclosed strings end with their line.
 
 use std::ops::Range;
 
 use pest::unicode::{XID_CONTINUE, XID_START};
 
-/// What a token is.
+/// The kind of a token.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::lsp) enum Kind {
     /// A name or a keyword.
     Word,
     /// A number, its unit included.
     Number,
-    /// A text in quotes, or the rows of a map.
+    /// A quoted string, or the rows of a map.
     Text,
     /// A character of a tile set, in single quotes.
     Tile,
@@ -30,7 +30,7 @@ pub(in crate::lsp) enum Kind {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::lsp) struct Token {
     pub kind: Kind,
-    /// Its bytes.
+    /// Its range in bytes.
     pub at: Range<usize>,
 }
 
@@ -41,17 +41,17 @@ impl Token {
     }
 }
 
-/// Whether a character may begin a name.
-pub(in crate::lsp) fn begins_name(c: char) -> bool {
+/// Whether a name may start with a character.
+pub(in crate::lsp) fn starts_name(c: char) -> bool {
     XID_START(c) || c == '_'
 }
 
-/// Whether a character may go on with a name.
+/// Whether a name may contain a character after the first one.
 pub(in crate::lsp) fn continues_name(c: char) -> bool {
     XID_CONTINUE(c)
 }
 
-/// All tokens of a text, white space between them left out.
+/// All tokens of a text, without white space other than line feeds.
 pub(in crate::lsp) fn tokens(text: &str) -> Vec<Token> {
     let mut out: Vec<Token> = Vec::new();
     let mut at = 0;
@@ -73,7 +73,7 @@ pub(in crate::lsp) fn tokens(text: &str) -> Vec<Token> {
                 Some((second, '\'')) if second <= line => (Kind::Tile, second + 1),
                 _ => (Kind::Symbol, 1),
             },
-            c if begins_name(c) => (Kind::Word, while_all(&continues_name)),
+            c if starts_name(c) => (Kind::Word, while_all(&continues_name)),
             c if c.is_ascii_digit() => (Kind::Number, number(rest)),
             _ => {
                 let two = [":=", "->", "==", "!=", "<=", ">=", ".."].iter().find(|op| rest.starts_with(**op));
@@ -86,7 +86,7 @@ pub(in crate::lsp) fn tokens(text: &str) -> Vec<Token> {
     out
 }
 
-/// How long a text in quotes is: to the quote in the same line, or over several lines if nothing else is in its first.
+/// The length of a quoted string. It ends in its line, unless that line holds at most a comment, as in maps.
 fn quoted(rest: &str, line: usize) -> usize {
     if let Some(end) = rest.get(1..line).and_then(|inside| inside.find('"')) {
         return end + 2;
@@ -98,6 +98,7 @@ fn quoted(rest: &str, line: usize) -> usize {
     }
 }
 
+/// The length of a number with its unit.
 fn number(rest: &str) -> usize {
     let bytes = rest.as_bytes();
     let digits = |from: usize| bytes.iter().skip(from).take_while(|b| b.is_ascii_digit()).count();

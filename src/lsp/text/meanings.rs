@@ -1,21 +1,21 @@
-//! What the words of the language mean: a sentence or two and an example each, for hovering. The whole story is in
+//! Descriptions of the keywords for hovers: one or two sentences and an example each. The full reference is
 //! `grammar/README.md`.
 
-/// What a word means where it is as one of the language.
+/// The description of a keyword.
 pub(in crate::lsp) struct Meaning {
     pub word: &'static str,
-    pub says: &'static str,
-    /// Statements in which it is.
+    pub description: &'static str,
+    /// Statements that contain the keyword.
     pub example: &'static str,
 }
 
-/// What a word of the language means.
+/// The description of a keyword, if the word is one.
 pub(in crate::lsp) fn meaning(word: &str) -> Option<&'static Meaning> {
     MEANINGS.iter().find(|meaning| meaning.word == word)
 }
 
-const fn means(word: &'static str, says: &'static str, example: &'static str) -> Meaning {
-    Meaning { word, says, example }
+const fn means(word: &'static str, description: &'static str, example: &'static str) -> Meaning {
+    Meaning { word, description, example }
 }
 
 const MEANINGS: &[Meaning] = &[
@@ -46,7 +46,7 @@ const MEANINGS: &[Meaning] = &[
         "A level: rules of contact, spaces with what is in them, players, and the questions to ask.",
         "world Room {\n    step 1/60\n    space main {\n        place hero: Hero at (32, 16)\n    }\n    player 1: hero\n}",
     ),
-    // What an entity declares.
+    // Members of entities.
     means(
         "param",
         "A number or truth value that is fixed for each instance. `place`, `spawn` and levels may set it; the default may \
@@ -377,7 +377,7 @@ mod tests {
             "world W { space s { | } }",
         ];
         for Meaning { word, example, .. } in MEANINGS {
-            // Of several lines some can only be in place of each other.
+            // Some lines of an example are alternatives, so that each is parsed alone.
             let parts: Vec<&str> = if example.contains(['{', '"']) { vec![example] } else { example.lines().collect() };
             for part in parts {
                 let fits = |outer: &&str| !crate::syntax::parse(FileId(0), &outer.replace('|', part)).1.has_errors();

@@ -1,9 +1,10 @@
-//! Texts that may be broken: positions, words, where a cursor is. Nothing here knows of programs or of the protocol.
+//! Analysis of texts that may not parse: positions, tokens, the context of a cursor. Independent of programs and of the
+//! protocol.
 
 pub(super) mod alignment;
+pub(super) mod cursor;
 pub(super) mod document_text;
-pub(super) mod following;
 pub(super) mod lexer;
 pub(super) mod meanings;
-pub(super) mod place;
+pub(super) mod operands;
 pub(super) mod words;

@@ -1,33 +1,34 @@
-//! The words of the language: which ones they are, what can be called and how, and what a statement can begin with.
+//! The vocabulary of the language: keywords, functions and their signatures, and the keywords and snippets that can
+//! start a statement.
 
 use crate::syntax::opening_keywords;
 
+use super::cursor::Block;
 use super::meanings::meaning;
-use super::place::Block;
 
-/// Names to the grammar that mean something where they are.
+/// Names in the grammar that have a predefined meaning in some positions.
 const SPECIAL: &[&str] = &["left", "right", "above", "below", "rect", "circle", "empty"];
 
-/// Whether a word is one of the language's, where no name of the program is.
+/// Whether a word is a keyword, given that it is no name of the program.
 pub(in crate::lsp) fn is_keyword(word: &str) -> bool {
-    // The `x` of `16 x 16` is a variable far more often.
+    // Outside of `16 x 16`, `x` is a variable.
     word != "x" && meaning(word).is_some() || SPECIAL.contains(&word)
 }
 
-/// What can be called, by name.
+/// The names of all functions.
 pub(in crate::lsp) const FUNCTIONS: &[&str] = &[
     "min", "max", "abs", "sign", "clamp", "floor", "ceil", "round", "sqrt", "sin", "cos", "atan2", "if", "pressed",
     "held", "released", "touching", "timer", "entering", "exiting", "lost", "near", "inside", "rect", "circle",
 ];
 
-/// How something is called, and what it gives.
+/// A signature of a function.
 pub(in crate::lsp) struct Signature {
     pub name: &'static str,
     pub parameters: &'static [&'static str],
     pub doc: &'static str,
 }
 
-/// All ways to call something.
+/// The signatures of all functions; overloads of a function are adjacent.
 pub(in crate::lsp) const SIGNATURES: &[Signature] = &[
     Signature { name: "min", parameters: &["a", "b"], doc: "The smaller of two numbers." },
     Signature { name: "max", parameters: &["a", "b"], doc: "The larger of two numbers." },
@@ -79,7 +80,7 @@ pub(in crate::lsp) const SIGNATURES: &[Signature] = &[
     },
 ];
 
-/// A text with places to fill in.
+/// A completion text with placeholders.
 pub(in crate::lsp) struct Snippet {
     pub label: &'static str,
     pub text: &'static str,
@@ -98,7 +99,7 @@ const ENVELOPE: Snippet = snippet(
     "attack, decay, sustain, release",
 );
 
-/// The keywords that members of an entity, and of a mode, can begin with: the grammar takes them all in both.
+/// The keywords that can start a member of an entity, and of a mode. The grammar accepts all of them in both.
 const IN_ENTITIES: &[&str] = &[
     "param",
     "continuous",
@@ -118,8 +119,8 @@ const IN_ENTITIES: &[&str] = &[
 ];
 const IN_MODES: &[&str] = &["mode", "initial", "when", "envelope", "follow", "spawn", "destroy", "use"];
 
-/// The words that a statement of a block can begin with, and snippets; of a file without a block.
-pub(in crate::lsp) fn begins(block: Option<Block>) -> (&'static [&'static str], &'static [Snippet]) {
+/// The keywords and snippets that can start a statement in a block, or at the top level.
+pub(in crate::lsp) fn statement_starts(block: Option<Block>) -> (&'static [&'static str], &'static [Snippet]) {
     match block {
         None => (opening_keywords("good_item"), ITEMS),
         Some(Block::Entity | Block::Behavior) => (IN_ENTITIES, MEMBERS),

@@ -1,8 +1,8 @@
 -- Neovim and .hyped: the filetype, the language server, tree-sitter, and commands.
 --
---     vim.g.hypedc_path    the command hypedc, or the path of it
+--     vim.g.hypedc_path    the hypedc executable: a command on the PATH, or a path
 --
--- Syntax without tree-sitter, indentation and `:make` are those of Vim, from the folder beside this one.
+-- Syntax without tree-sitter, indentation and `:make` come from the Vim files, in the folder `vim` beside this one.
 
 local M = {}
 
@@ -13,7 +13,7 @@ local function hypedc()
   return vim.g.hypedc_path or 'hypedc'
 end
 
---- The parser and its queries, if the parser was built: `tree-sitter build` in `editors/tree-sitter-hyped`.
+--- Loads the parser and its queries, if `tree-sitter build` was run in `editors/tree-sitter-hyped`.
 local function tree_sitter()
   for _, name in ipairs({ 'hyped.so', 'hyped.dylib', 'hyped.dll' }) do
     local path = vim.fs.joinpath(grammar, name)
@@ -26,11 +26,11 @@ local function tree_sitter()
       return true
     end
   end
-  -- One that a plugin has installed.
+  -- A parser that a plugin has installed.
   return pcall(vim.treesitter.language.inspect, 'hyped')
 end
 
---- Runs hypedc in a terminal below.
+--- Runs hypedc in a terminal, in a new window at the bottom.
 ---@param arguments string[]
 ---@param file string
 function M.run(arguments, file)
@@ -39,7 +39,7 @@ function M.run(arguments, file)
   return vim.fn.jobstart(command, { term = true, cwd = vim.fs.dirname(file) })
 end
 
---- Searches for a goal of a world; without one, for all.
+--- Searches for a goal of a world, or for all goals.
 ---@param file string
 ---@param world string?
 ---@param goal string?
@@ -50,7 +50,7 @@ function M.reach(file, world, goal)
   return M.run(arguments, file)
 end
 
---- Runs an input script; asks for it if there is none.
+--- Runs an input script; prompts for it if none is given.
 ---@param file string
 ---@param world string?
 ---@param script string?
@@ -72,7 +72,7 @@ function M.enable()
   vim.filetype.add({ extension = { hyped = 'hyped' } })
   vim.lsp.enable('hypedc')
 
-  -- What code lenses of the server call, with a URI, a world's name and, for a search, a goal's.
+  -- The commands of the server's code lenses: a URI, the name of a world and, for a search, of a goal.
   vim.lsp.commands['hypedc.reach'] = function(command)
     local uri, world, goal = unpack(command.arguments)
     M.reach(vim.uri_to_fname(uri), world, goal)

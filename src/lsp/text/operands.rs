@@ -1,37 +1,37 @@
-//! What goes on with a statement where one writes: whether a value has just ended, the words that can follow one, and what
-//! is given by name already.
+//! Completion inside a statement: whether an operand ends at the cursor, the keywords that can follow it, and the names
+//! that a block or an argument list assigns.
 
-use super::lexer::{Kind, begins_name, tokens};
-use super::place::{Block, Place};
+use super::cursor::{Block, CursorContext};
+use super::lexer::{Kind, starts_name, tokens};
 use super::words::is_keyword;
 
-/// Whether a value is before a place, so that an operator or a word that goes on must come.
-pub(in crate::lsp) fn ends_operand(place: &Place<'_>) -> bool {
-    let last = place.back(1);
-    match place.statement.as_slice() {
-        // A number comes after the name.
+/// Whether an operand ends before the cursor, so that an operator or a keyword must follow.
+pub(in crate::lsp) fn ends_operand(cursor: &CursorContext<'_>) -> bool {
+    let last = cursor.previous(1);
+    match cursor.statement.as_slice() {
+        // A number follows the name.
         ["limit" | "tiles", _] => false,
         _ if matches!(last, "true" | "false" | "none" | "self" | "timer") => true,
         _ if matches!(last, "left" | "right" | "above" | "below" | ")" | "'" | "''") => true,
         _ if last.starts_with(|c: char| c == '"' || c.is_ascii_digit()) => true,
-        _ => last.starts_with(begins_name) && !is_keyword(last),
+        _ => last.starts_with(starts_name) && !is_keyword(last),
     }
 }
 
-/// The words that can follow a value.
-pub(in crate::lsp) fn after_operand(place: &Place<'_>) -> &'static [&'static str] {
-    let first = place.statement.first().copied().unwrap_or_default();
-    let has = |word: &str| place.statement.contains(&word);
-    // A word that comes once, if it is not there.
+/// The keywords that can follow an operand.
+pub(in crate::lsp) fn after_operand(cursor: &CursorContext<'_>) -> &'static [&'static str] {
+    let first = cursor.statement.first().copied().unwrap_or_default();
+    let has = |word: &str| cursor.statement.contains(&word);
+    // A keyword that can occur once, if it is still missing.
     let once = |word: &'static [&'static str; 1]| -> &'static [&'static str] { if has(word[0]) { &[] } else { word } };
-    let joined: &[&str] = match (place.around(Block::World).is_some(), place.back(1)) {
+    let joined: &[&str] = match (cursor.enclosing(Block::World).is_some(), cursor.previous(1)) {
         (true, ")") => &["and", "or"],
         (true, _) => &["and", "or", "in", "touching"],
         // `touching(body, coin) as c`
         (false, ")") => &["and", "or", "as"],
         (false, _) => &["and", "or", "in", "is"],
     };
-    match (first, place.block()) {
+    match (first, cursor.block()) {
         (_, Some(Block::Tiles | Block::Kinds)) => {
             if has("spawn") {
                 &["as"]
@@ -39,8 +39,8 @@ pub(in crate::lsp) fn after_operand(place: &Place<'_>) -> &'static [&'static str
                 &[]
             }
         }
-        ("place" | "rect" | "bounds" | "collider" | "kinematic" | "link", _) if !place.calls.is_empty() => &[],
-        _ if !place.calls.is_empty() => joined,
+        ("place" | "rect" | "bounds" | "collider" | "kinematic" | "link", _) if !cursor.calls.is_empty() => &[],
+        _ if !cursor.calls.is_empty() => joined,
         ("goal" | "never", _) => {
             if has(":") {
                 joined
@@ -90,21 +90,22 @@ pub(in crate::lsp) fn after_operand(place: &Place<'_>) -> &'static [&'static str
     }
 }
 
-/// The names that are set between the brackets around a byte; where parentheses are not closed, up to the end of its line.
-pub(in crate::lsp) fn given<'t>(code: &'t str, byte: usize, opens: &str) -> Vec<&'t str> {
+/// The names that are assigned between the brackets around an offset. Unclosed parentheses end with the line.
+pub(in crate::lsp) fn assigned_names<'t>(code: &'t str, byte: usize, opening: &str) -> Vec<&'t str> {
     let all = tokens(code);
     let here = all.partition_point(|token| token.at.start < byte);
     let text = |at: usize| all.get(at).map_or("", |token| token.text(code));
-    let closes = if opens == "(" { ")" } else { "}" };
-    // Whether a token is the bracket that ends what is examined, those inside left out.
-    let ends = |depth: &mut usize, at: usize, inner: &str, outer: &str| {
+    let closing = if opening == "(" { ")" } else { "}" };
+    // Whether a token is the matching bracket, at nesting depth 0.
+    let closes_at = |depth: &mut usize, at: usize, inner: &str, outer: &str| {
         *depth += usize::from(text(at) == inner);
         text(at) == outer && std::mem::replace(depth, depth.saturating_sub(1)) == 0
     };
     let (mut back, mut ahead) = (0, 0);
-    let begin = (0..here).rev().find(|at| ends(&mut back, *at, closes, opens)).unwrap_or(here);
-    let is_line_end = |at: usize| opens == "(" && all.get(at).is_some_and(|token| token.kind == Kind::Newline);
-    let end =
-        (here..all.len()).find(|at| ends(&mut ahead, *at, opens, closes) || is_line_end(*at)).unwrap_or(all.len());
+    let begin = (0..here).rev().find(|at| closes_at(&mut back, *at, closing, opening)).unwrap_or(here);
+    let is_line_end = |at: usize| opening == "(" && all.get(at).is_some_and(|token| token.kind == Kind::Newline);
+    let end = (here..all.len())
+        .find(|at| closes_at(&mut ahead, *at, opening, closing) || is_line_end(*at))
+        .unwrap_or(all.len());
     (begin..end).filter(|at| text(*at + 1) == "=").map(text).collect()
 }

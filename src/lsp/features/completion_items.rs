@@ -1,5 +1,5 @@
-//! What can be offered: names by what they name, words and functions of the language, files, snippets. What is offered
-//! where is in [`completion`](super::completion).
+//! Completion items: names by kind, keywords, functions, files, snippets. [`completion`](super::completion) decides
+//! which of them fit a position.
 
 use std::path::Path;
 
@@ -7,12 +7,12 @@ use crate::sema::checked::{Checked, Entity, World};
 use crate::source::FileId;
 use crate::syntax::occurrence::{NameKind, Occurrence, Role};
 
-use super::hover::called;
+use super::hover::kind_label;
 use crate::lsp::snapshot::Snapshot;
 use crate::lsp::text::words::{SIGNATURES, Snippet};
 use crate::lsp::view::View;
 
-/// What is offered. Offers of one name are in this order.
+/// The kind of an item. Items with the same name are sorted by kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(in crate::lsp) enum CompletionKind {
     Mode,
@@ -20,7 +20,7 @@ pub(in crate::lsp) enum CompletionKind {
     Function,
     /// A continuous or discrete variable, or a reference.
     Variable,
-    /// An instance, or what is touched.
+    /// An instance, or the name of a touched one.
     Instance,
     Entity,
     Behavior,
@@ -31,7 +31,7 @@ pub(in crate::lsp) enum CompletionKind {
     /// A group or a tile set.
     Group,
     Keyword,
-    /// A text with places to fill in.
+    /// A text with placeholders.
     Snippet,
     File,
     /// A value of a discrete variable, a tag or a side.
@@ -42,19 +42,19 @@ pub(in crate::lsp) enum CompletionKind {
     Input,
 }
 
-/// What is put in.
+/// The inserted text.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(in crate::lsp) enum Insert {
     /// The label.
     Label,
-    /// A text with places to fill in, as `$1`; for editors without such texts the label.
+    /// A text with placeholders such as `$1`. Editors without snippets insert the label.
     Snippet(String),
 }
 
-/// A name or word that is offered. They are ordered by their fields.
+/// A completion item. The field order is the sort order.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub(in crate::lsp) struct Completion {
-    /// Nearer things come first.
+pub(in crate::lsp) struct CompletionItem {
+    /// Items that fit better have lower ranks.
     pub rank: u8,
     pub label: String,
     pub kind: CompletionKind,
@@ -63,27 +63,27 @@ pub(in crate::lsp) struct Completion {
     pub insert: Insert,
 }
 
-/// Gathers what is offered.
-pub(super) struct Offers<'a> {
-    /// The program as it is, and as it was last without errors.
+/// Collects completion items.
+pub(super) struct CompletionCollector<'a> {
+    /// The current snapshots of the programs, then their last ones without errors.
     pub programs: Vec<&'a Snapshot>,
     file: Option<FileId>,
     pub code: &'a str,
-    pub list: Vec<Completion>,
+    pub list: Vec<CompletionItem>,
 }
 
-impl<'a> Offers<'a> {
+impl<'a> CompletionCollector<'a> {
     pub fn new(view: &'a View, path: &Path, code: &'a str) -> Self {
-        let known: Vec<_> = view.programs(path).collect();
-        let now = known.iter().map(|k| &*k.now);
-        let programs: Vec<&Snapshot> = now.chain(known.iter().filter_map(|k| k.good.as_deref())).collect();
+        let known: Vec<_> = view.programs_with(path).collect();
+        let now = known.iter().map(|k| &*k.current);
+        let programs: Vec<&Snapshot> = now.chain(known.iter().filter_map(|k| k.last_good.as_deref())).collect();
         let file = programs.first().and_then(|p| p.file(path));
-        Offers { programs, file, code, list: Vec::new() }
+        CompletionCollector { programs, file, code, list: Vec::new() }
     }
 
     pub fn add(&mut self, rank: u8, label: &str, kind: CompletionKind, detail: &str) {
         let (label, detail) = (label.to_string(), detail.to_string());
-        self.list.push(Completion { rank, label, kind, detail, insert: Insert::Label });
+        self.list.push(CompletionItem { rank, label, kind, detail, insert: Insert::Label });
     }
 
     pub fn files(&mut self, paths: impl Iterator<Item = String>) {
@@ -107,7 +107,7 @@ impl<'a> Offers<'a> {
         self.programs.clone().into_iter().map(|p| &p.ide.checked)
     }
 
-    /// An entity by its name, as it is, or as it was if nothing of it can be read.
+    /// Looks up an entity, preferably in the first snapshot in which it has members.
     pub fn entity(&self, name: &str) -> Option<&'a Entity> {
         let all = || self.checked().flat_map(|c| c.entities.iter()).filter(|e| e.name.text == name);
         all().find(|e| e.modes.len() + e.params.len() + e.buttons.len() > 0).or_else(|| all().next()).map(|e| &**e)
@@ -118,18 +118,18 @@ impl<'a> Offers<'a> {
         all().find(|w| !w.instances.is_empty()).or_else(|| all().next())
     }
 
-    /// Names of some kinds that are declared in this file from a byte on: those of a behaviour, which is no entity.
-    pub fn declared(&mut self, from: usize, kinds: &[NameKind]) {
+    /// Adds names of some kinds that are declared in a behaviour, which starts at an offset in this file.
+    pub fn declared_after(&mut self, from: usize, kinds: &[NameKind]) {
         let Some((program, file)) = self.programs.first().copied().zip(self.file) else { return };
         let all = &program.ide.occurrences;
         let first = all.partition_point(|o| (o.at.file(), o.at.range().start) < (file, from));
         let here = all.iter().skip(first).take_while(|o| o.at.file() == file).filter(|o| o.role == Role::Declared);
-        // The behaviour's own name comes first; the next item ends it.
+        // Skip the behaviour's own name; end at the next item.
         let is_item = |o: &&Occurrence| {
             matches!(o.kind, NameKind::Entity | NameKind::Behavior | NameKind::World | NameKind::Constant)
         };
         for o in here.skip(1).take_while(|o| !is_item(o)).filter(|o| kinds.contains(&o.kind)) {
-            self.add(0, program.name(o), kind_of(o.kind), called(o.kind));
+            self.add(0, program.name(o), kind_of(o.kind), kind_label(o.kind));
         }
     }
 
@@ -139,27 +139,27 @@ impl<'a> Offers<'a> {
         }
     }
 
-    pub fn named(&mut self, kind: NameKind) {
+    pub fn names_of_kind(&mut self, kind: NameKind) {
         for program in self.programs.clone() {
             let all = program.ide.occurrences.iter();
             for o in all.filter(|o| o.kind == kind && (o.role == Role::Declared || kind == NameKind::Tag)) {
-                self.add(0, program.name(o), kind_of(kind), called(kind));
+                self.add(0, program.name(o), kind_of(kind), kind_label(kind));
             }
         }
     }
 
-    /// The modes of an entity, or those below a path.
+    /// Adds the modes of an entity, or its modes below a path.
     pub fn modes(&mut self, entity: &Entity, prefix: &[&str]) {
         self.modes_of(entity, prefix, |_| true);
     }
 
-    /// Those of its modes whose group is wanted.
+    /// Adds the modes in groups that a filter accepts.
     pub fn modes_of(&mut self, entity: &Entity, prefix: &[&str], wanted: impl Fn(&str) -> bool) {
         let last = |name: &str| entity.modes.iter().filter(|m| m.name.text == name).count();
         for mode in entity.modes.iter().filter(|m| m.path.first().is_some_and(|group| wanted(group))) {
             let path: Vec<&str> = mode.path.iter().map(String::as_str).collect();
             if prefix.is_empty() {
-                // The shortest path that fits one mode alone.
+                // The full path only if the name is ambiguous.
                 let short = last(&mode.name.text) == 1;
                 let label = if short { mode.name.text.to_string() } else { mode.path.join(".") };
                 self.add(0, &label, CompletionKind::Mode, "mode");
@@ -171,34 +171,34 @@ impl<'a> Offers<'a> {
         }
     }
 
-    /// What can be read of an instance of an entity.
+    /// Adds the variables and parameters of an entity: the members that other entities can read.
     pub fn members(&mut self, entity: &Entity) {
         entity.vars.iter().for_each(|v| self.add(0, &v.name.text, CompletionKind::Variable, "continuous"));
         entity.discretes.iter().for_each(|d| self.add(0, &d.name.text, CompletionKind::Variable, "discrete"));
         entity.params.iter().for_each(|p| self.add(0, &p.name.text, CompletionKind::Constant, "param"));
     }
 
-    /// What an instance of an entity can be given: those of its values that nothing is given yet, each ready to be set.
-    pub fn settings(&mut self, entity: &Entity, given: &[&str]) {
+    /// Adds assignments to the settable members of an entity, without those that are already assigned.
+    pub fn settings(&mut self, entity: &Entity, assigned: &[&str]) {
         let from = self.list.len();
         self.members(entity);
         self.refs(Some(entity));
-        self.as_assignments(from, given);
+        self.as_assignments(from, assigned);
     }
 
-    /// Makes what was offered from some place in the list on an assignment, and leaves out what is given already.
-    pub fn as_assignments(&mut self, from: usize, given: &[&str]) {
-        let offered = self.list.split_off(from);
-        for mut offer in offered.into_iter().filter(|offer| !given.contains(&offer.label.as_str())) {
-            offer.insert = Insert::Snippet(format!("{} = $1", offer.label));
-            self.list.push(offer);
+    /// Turns the items from an index on into assignments, without those that are already assigned.
+    pub fn as_assignments(&mut self, from: usize, assigned: &[&str]) {
+        let collected = self.list.split_off(from);
+        for mut item in collected.into_iter().filter(|item| !assigned.contains(&item.label.as_str())) {
+            item.insert = Insert::Snippet(format!("{} = $1", item.label));
+            self.list.push(item);
         }
     }
 
     pub fn functions(&mut self, wanted: impl Fn(&str) -> bool) {
         let mut last_name = "";
         for s in SIGNATURES.iter().filter(|s| wanted(s.name)) {
-            // The ways to call one thing are one after the other.
+            // Overloads are adjacent: add only the first.
             if std::mem::replace(&mut last_name, s.name) == s.name {
                 continue;
             }
@@ -209,10 +209,10 @@ impl<'a> Offers<'a> {
         }
     }
 
-    /// The entity of an instance.
+    /// Looks up the entity of an instance.
     pub fn instance(&self, world: &World, name: &str) -> Option<&'a Entity> {
         let instance = world.instances.iter().find(|i| i.name.text == name)?;
-        // The entity's id is of the program that the world is of.
+        // The entity id refers to the program that contains the world.
         self.checked().filter(|c| c.worlds.iter().any(|w| w.span == world.span)).find_map(|c| {
             let entity = c.entities.get(instance.entity)?;
             Some(&**entity)
@@ -231,7 +231,7 @@ impl<'a> Offers<'a> {
     }
 }
 
-/// How a name is listed.
+/// The kind of item for a name.
 fn kind_of(kind: NameKind) -> CompletionKind {
     match kind {
         NameKind::Constant | NameKind::Parameter => CompletionKind::Constant,

@@ -96,7 +96,7 @@ fn counted(bytes: &[u8]) -> (usize, usize) {
     (characters, bytes.iter().filter(|b| **b >= 0xf0).count())
 }
 
-/// The serialised form of a [`SourceMap`].
+/// What a [`SourceMap`] holds, as it is written.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Texts {
@@ -104,7 +104,7 @@ pub struct Texts {
     copies: Vec<(FileId, Span)>,
 }
 
-/// The serialised form of a file.
+/// A file, as it is written.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 struct Text {

@@ -96,7 +96,7 @@ fn counted(bytes: &[u8]) -> (usize, usize) {
     (characters, bytes.iter().filter(|b| **b >= 0xf0).count())
 }
 
-/// What a [`SourceMap`] holds, as it is written.
+/// The serialised form of a [`SourceMap`].
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Texts {
@@ -104,7 +104,7 @@ pub struct Texts {
     copies: Vec<(FileId, Span)>,
 }
 
-/// A file, as it is written.
+/// The serialised form of a file.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 struct Text {

@@ -13,7 +13,7 @@ use crate::source::{SourceMap, Texts};
 /// The version of the format; other versions are rejected.
 pub const JSON_VERSION: u32 = 1;
 
-/// The whole of a file.
+/// The contents of a file.
 #[derive(Serialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 struct ProgramFile<'p> {

@@ -47,7 +47,7 @@ endfunction
 function s:Groups() abort
   edit ../test/names.hyped
   for [pattern, group] in [
-        \ ['\V/// Words within', 'hypedDocumentation'], ['\V// Every word', 'hypedComment'], ['\V"goal when"', 'hypedString'],
+        \ ['\V/// Words within', 'hypedDocumentation'], ['\V// Every contextual', 'hypedComment'], ['\V"goal when"', 'hypedString'],
         \ ['\Vgoal x }', 'hypedMap'], ['\V// step', 'hypedMap'], ['\V// when', 'hypedMapComment'], ["\\V'x':", 'hypedTile'],
         \ ['\Vfollow\zs''', 'hypedPrimes'], ['\V-> map', 'hypedOperator'], ['\Vclamp(', 'hypedStatement'],
         \ ['\Vtouching(tile', 'hypedFunction'], ['\Vnear(', 'hypedFunction'], ['\Ventity \zsgoal', 'hypedItemName'],

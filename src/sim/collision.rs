@@ -19,6 +19,7 @@ use super::broad_phase::{BroadPhase, Sweep, each, is_few};
 use super::contact::{Contact, Displacement, Rect, meet, opposite};
 use super::covered_faces::Adjacency;
 use super::fault::Fault;
+use super::input::Frame;
 use super::simulator::{Scratch as StepScratch, Simulator};
 use super::state::{PositionLayout, leaf_at, set_triple, triple};
 
@@ -410,15 +411,12 @@ impl Simulator {
             let sides = match body.fixed {
                 Some(sides) if body.is_plain => sides,
                 _ => {
-                    let actor = &self.actors[body.slot.index()];
-                    let reader = self.reader(actor, state, frames, &[], &fault);
-                    if body.by_leaf.is_none() && !body.guard.is_none_or(|guard| reader.truth(guard)) {
+                    rect.round = body.shape.is_round();
+                    let Some(sides) = self.evaluate_box(body, state, frames, &fault) else {
                         rect.active = false;
                         continue;
-                    }
-                    let read = || body.shape.sides(|id| Some(reader.number(id))).unwrap_or_default();
-                    rect.round = body.shape.is_round();
-                    body.fixed.unwrap_or_else(read)
+                    };
+                    sides
                 }
             };
             let [x, y, width, height] = sides;
@@ -434,6 +432,25 @@ impl Simulator {
             rect.active = body.is_plain || (width > 0.0 && height > 0.0);
         }
         Self::check_fault(&fault)
+    }
+
+    /// The box of a body that is not plain; `None` if its guard does not hold. Apart from the loop over all bodies, most of
+    /// which are plain.
+    #[inline(never)]
+    fn evaluate_box(
+        &self,
+        body: &Body,
+        state: &[u8],
+        frames: &[Frame],
+        fault: &Cell<Option<Fault>>,
+    ) -> Option<[f64; 4]> {
+        let actor = &self.actors[body.slot.index()];
+        let reader = self.reader(actor, state, frames, &[], fault);
+        if body.by_leaf.is_none() && !body.guard.is_none_or(|guard| reader.truth(guard)) {
+            return None;
+        }
+        let read = || body.shape.sides(|id| Some(reader.number(id))).unwrap_or_default();
+        Some(body.fixed.unwrap_or_else(read))
     }
 
     /// Handles two bodies of one space.

@@ -21,7 +21,7 @@ use std::process::Command;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::support::files;
+use crate::support::{declares, files};
 use hypedc::reach::Planner;
 
 const README: &str = "README.md";
@@ -493,8 +493,7 @@ fn the_places_of_rules_exist() {
             }
             let code = read(word);
             for name in names.drain(..) {
-                let declarations = [format!("fn {name}("), format!("fn {name}<"), format!("pub {name}: ")];
-                assert!(declarations.iter().any(|d| code.contains(d)), "{word} declares no `{name}`: {row}");
+                assert!(declares(&code, &["fn", "pub"], name), "{word} declares no `{name}`: {row}");
             }
             places += 1;
         }

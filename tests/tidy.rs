@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use crate::support::files;
+use crate::support::{declares, files};
 
 /// Each module of the library with its allowed dependencies, in the order of the pipeline.
 const DEPENDENCIES: &[(&str, &[&str])] = &[
@@ -152,22 +152,6 @@ fn the_map_names_every_module() {
     assert!(Path::new("grammar/hyped.pest").exists());
 }
 
-/// The code that a name in a table of documentation may be declared in.
-fn declares(folder: &str, name: &str) -> bool {
-    let forms = ["fn ", "struct ", "enum ", "mod ", "pub "].map(|word| format!("{word}{name}"));
-    files(folder, "rs").iter().any(|path| {
-        let text = std::fs::read_to_string(path).unwrap();
-        // The table itself declares nothing.
-        let mut lines = text.lines().filter(|line| !line.trim_start().starts_with("//"));
-        lines.any(|line| {
-            forms.iter().any(|form| {
-                let after = line.split_once(form.as_str()).and_then(|(_, rest)| rest.chars().next());
-                after.is_some_and(|c| !c.is_alphanumeric() && c != '_')
-            })
-        })
-    })
-}
-
 /// Each phase of the simulator beside its abstraction, in the documentation of the analysis.
 #[test]
 fn the_table_of_phases_names_what_there_is() {
@@ -183,7 +167,9 @@ fn the_table_of_phases_names_what_there_is() {
                 let is_variant = |part: &&str| part.starts_with(char::is_uppercase) && name.contains(':');
                 let last = name.rsplit(['.', ':']).find(|part| !part.is_empty() && !is_variant(part));
                 let last = last.unwrap_or_else(|| name.split(':').next().unwrap());
-                assert!(declares(folder, last), "{folder} declares no `{last}`: {row}");
+                let mut code = files(folder, "rs").into_iter().map(|path| std::fs::read_to_string(path).unwrap());
+                let is_declared = code.any(|code| declares(&code, &["fn", "struct", "enum", "mod", "pub"], last));
+                assert!(is_declared, "{folder} declares no `{last}`: {row}");
                 names += 1;
             }
         }

@@ -209,9 +209,9 @@ mod tests {
             }
             let mut found = Vec::new();
             let mut sweep = Sweep::with_capacity(boxes.len());
-            let buffers = sweep.entries.capacity();
+            let capacity = sweep.entries.capacity();
             sweep.pairs(&boxes, |_| true, &Meter::new(&Unwatched), |i, j| found.push((i, j)));
-            prop_assert_eq!(sweep.entries.capacity(), buffers);
+            prop_assert_eq!(sweep.entries.capacity(), capacity);
             found.sort_unstable();
             expected.sort_unstable();
             prop_assert_eq!(found, expected);

@@ -89,3 +89,16 @@ pub fn files(folder: &str, extension: &str) -> Vec<PathBuf> {
     assert!(!found.is_empty(), "{folder} holds .{extension} files");
     found
 }
+
+/// Whether code declares a name after one of some words, such as `fn`; a public field comes after `pub`. Comments
+/// declare nothing.
+pub fn declares(code: &str, words: &[&str], name: &str) -> bool {
+    let forms: Vec<String> = words.iter().map(|word| format!("{word} {name}")).collect();
+    let mut lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));
+    lines.any(|line| {
+        forms.iter().any(|form| {
+            let after = line.split_once(form.as_str()).and_then(|(_, rest)| rest.chars().next());
+            after.is_some_and(|c| !c.is_alphanumeric() && c != '_')
+        })
+    })
+}

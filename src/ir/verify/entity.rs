@@ -19,12 +19,12 @@ struct EntityVerifier<'p> {
 }
 
 pub(super) fn verify(program: &Program, code: &Code<'_>, id: EntityId, entity: &Entity) -> Checked {
-    let looked = EntityVerifier { program, code, id, entity };
-    looked.tables()?;
-    looked.modes()?;
-    looked.leaves()?;
-    looked.behaviour()?;
-    looked.spans(&program.spans.entities[id]).at("spans")
+    let verifier = EntityVerifier { program, code, id, entity };
+    verifier.tables()?;
+    verifier.modes()?;
+    verifier.leaves()?;
+    verifier.behaviour()?;
+    verifier.spans(&program.spans.entities[id]).at("spans")
 }
 
 impl EntityVerifier<'_> {

@@ -10,7 +10,7 @@ use gen_lsp_types::{
     DiagnosticTag, Location, Position, PublishDiagnosticsParams, Range, Uri,
 };
 
-use super::to_protocol;
+use super::positions::{self, START};
 use super::uri::{path_of, uri_of};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Severity};
 use crate::lsp::snapshot::Snapshot;
@@ -28,7 +28,7 @@ fn uri(snapshot: &Snapshot, path: &Path) -> Uri {
 
 /// The range of a span in the compiled text.
 fn range_of(snapshot: &Snapshot, at: Span, encoding: Encoding) -> Range {
-    to_protocol::range(&snapshot.text(at.file()), &at.range(), encoding)
+    positions::range(&snapshot.text(at.file()), &at.range(), encoding)
 }
 
 /// Converts findings of a program, by document.
@@ -93,8 +93,8 @@ impl LineMap<'_> {
 
 /// Converts a finding.
 pub(super) fn to_protocol_diagnostic(finding: &Diagnostic, snapshot: &Snapshot, encoding: Encoding) -> ShownDiagnostic {
-    let start = Position { line: 0, character: 0 };
-    let range = finding.primary.as_ref().map_or(Range { start, end: start }, |l| range_of(snapshot, l.span, encoding));
+    let range =
+        finding.primary.as_ref().map_or(Range { start: START, end: START }, |l| range_of(snapshot, l.span, encoding));
     let related = finding.secondary.iter().map(|label| DiagnosticRelatedInformation {
         location: Location {
             uri: uri(snapshot, snapshot.path(label.span.file())),

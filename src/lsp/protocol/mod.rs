@@ -1,5 +1,6 @@
 //! The connection to the editor: messages, the worker, the table of requests. Only this module uses the types of the
-//! protocol: `from_protocol` converts parameters, `to_protocol` converts results.
+//! protocol: `from_protocol` converts parameters; `to_protocol` converts results, `findings` and `tokens` what the server
+//! publishes, all three on top of `positions`.
 
 mod capabilities;
 mod client;
@@ -7,6 +8,7 @@ mod findings;
 mod from_protocol;
 mod handlers;
 mod kinds;
+mod positions;
 mod requests;
 mod server;
 mod to_protocol;

@@ -12,6 +12,7 @@ use serde_json::json;
 use super::client::Client;
 use super::findings;
 use super::kinds;
+use super::positions::{START, position, range};
 use super::uri::uri_of;
 use crate::lsp::documents::Documents;
 use crate::lsp::features::actions::{ActionKind, CodeAction};
@@ -25,20 +26,7 @@ use crate::lsp::features::rename::Renamable;
 use crate::lsp::features::signature::{CallSignature, SignatureHelp};
 use crate::lsp::features::structure::{Fold, FoldKind, Symbol};
 use crate::lsp::location::{Edit, Location};
-use crate::lsp::text::document_text::{Encoding, Position, Text};
-
-const START: types::Position = types::Position { line: 0, character: 0 };
-
-/// Converts a position.
-pub(super) fn position(at: Position) -> types::Position {
-    types::Position { line: at.line, character: at.column }
-}
-
-/// Converts a byte range of a text.
-pub(super) fn range(text: &Text, bytes: &Range<usize>, encoding: Encoding) -> types::Range {
-    let at = |byte| position(text.position(byte, encoding));
-    types::Range { start: at(bytes.start), end: at(bytes.end) }
-}
+use crate::lsp::text::document_text::Text;
 
 /// Converts results, for the open documents and the capabilities of a client.
 #[derive(Clone, Copy)]
@@ -174,7 +162,7 @@ impl ToProtocol<'_> {
     pub fn hint(self, text: &Text, hint: InlayHint) -> types::InlayHint {
         let is_dimension = hint.kind == HintKind::Dimension;
         types::InlayHint {
-            position: position(text.position(hint.byte, self.client.encoding)),
+            position: position(text, hint.byte, self.client.encoding),
             kind: is_dimension.then_some(types::InlayHintKind::Type),
             padding_left: Some(!is_dimension),
             label: hint.label.into(),

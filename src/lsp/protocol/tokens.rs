@@ -8,8 +8,8 @@ use gen_lsp_types as types;
 use gen_lsp_types::{SemanticToken, SemanticTokens, SemanticTokensDelta, SemanticTokensEdit, SemanticTokensLegend};
 
 use super::handlers::Answer;
+use super::positions::range;
 use super::server::Server;
-use super::to_protocol::range;
 use super::uri::path_of;
 use crate::lsp::features::tokens::{Token, TokenKind, semantic_tokens};
 use crate::lsp::text::document_text::{Encoding, Text};

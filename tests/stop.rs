@@ -76,6 +76,28 @@ fn a_step_counts_the_code_that_it_evaluates() {
 }
 
 #[test]
+fn the_faces_of_piled_rectangles_are_work() {
+    // Each rectangle lies around the one before, whose faces it covers.
+    const RECTS: u64 = 3_000;
+    let rects: String = (1..=RECTS)
+        .map(|i| format!("rect wall ({}, {}, {}, {})\n", -10 * i as i64, -10 * i as i64, 20 * i, 20 * i))
+        .collect();
+    let p = program(compile_text(&format!(
+        "entity A {{ collider body: rect(0, 0, 5, 5); mode a {{ x' = 1 }} }}
+         world W {{ collide body with wall: block; space main {{ {rects} place a: A at (0, 0) }} }}"
+    )));
+    let sim = Simulator::new(&p, WORLD);
+    let mut scratch = sim.scratch();
+    let all = Counting::new(u64::MAX);
+    sim.metered_initial(&mut scratch, &Meter::new(&all)).unwrap();
+    assert!(all.asked() >= RECTS * RECTS / 2 / WORK_PER_POLL, "{}", all.asked());
+    let second = Counting::new(2);
+    let meter = Meter::new(&second);
+    sim.metered_initial(&mut scratch, &meter).unwrap();
+    assert!(meter.is_stopped() && second.asked() == 2);
+}
+
+#[test]
 fn a_search_among_many_bodies_is_asked_by_work_done() {
     let p = crowd(150);
     let sim = Simulator::new(&p, WORLD);

@@ -338,13 +338,15 @@ impl Simulator {
             if body.meets && rect.active {
                 let kind = &self.collision.kinds[body.kind];
                 let at = body.slot.index();
+                let mut looked_at = 0;
                 if kind.meets_solids[rect.space as usize] {
-                    *work = work.wrapping_add(kind.solids[rect.space as usize].len() as u64);
-                    self.collide_solids(state, body, rect, &mut displacements[at]);
+                    looked_at += self.collide_solids(state, body, rect, &mut displacements[at], meter);
                 }
                 if kind.meets_tiles[rect.space as usize] {
-                    let looked_at = self.collide_tiles(state, body, rect, &mut displacements[at]);
-                    *work = work.wrapping_add(looked_at as u64);
+                    looked_at += self.collide_tiles(state, body, rect, &mut displacements[at], meter);
+                }
+                if meter.spend(looked_at as u64) {
+                    return Ok(());
                 }
             }
         }
@@ -542,7 +544,15 @@ impl Simulator {
         }
     }
 
-    fn collide_solids(&self, state: &mut [u8], body: &Body, rect: &Rect, displacement: &mut Displacement) {
+    /// Handles the rectangles of a body's space; returns their number.
+    fn collide_solids(
+        &self,
+        state: &mut [u8],
+        body: &Body,
+        rect: &Rect,
+        displacement: &mut Displacement,
+        meter: &Meter<'_>,
+    ) -> usize {
         let space = rect.space as usize;
         let solids = &self.world().spaces[SpaceId(rect.space)].solids;
         let kind = &self.collision.kinds[body.kind];
@@ -555,7 +565,7 @@ impl Simulator {
                 if !self.can_be_covered((kind, space), index) {
                     return (false, false);
                 }
-                let covered = self.covered((kind, space), (rect, &other), overlap, (false, false));
+                let covered = self.covered((kind, space), (rect, &other), overlap, (false, false), meter);
                 if covered == (true, true) && overlap.came_diagonally(rect.back) {
                     corner = Some([overlap.horizontal(), overlap.vertical()]);
                 }
@@ -565,6 +575,7 @@ impl Simulator {
             self.static_contact(state, body, with, contact, displacement);
             self.corner_contact(body, with, corner, displacement);
         }
+        solids.len()
     }
 
     /// A body that entered a corner is pushed out as if it had touched both of its neighbours.

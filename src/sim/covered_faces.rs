@@ -5,6 +5,7 @@
 //! which tiles have adjacent rectangles, is precomputed: all others cost nothing.
 
 use crate::ir::{Bounds, Push, Side, Solid, Space, SpaceId};
+use crate::watch::Meter;
 
 use super::collision::{Encounter, Kind};
 use super::contact::{Overlap, Rect, TOLERANCE};
@@ -181,19 +182,40 @@ impl Face {
     }
 }
 
+/// The part of a face that is known to be covered, from its low end on.
+struct CoveredPart {
+    /// Its high end, px.
+    reach: f64,
+    /// Whether any obstacle is there.
+    is_met: bool,
+}
+
+impl CoveredPart {
+    /// Adds an interval of the face's line; returns whether all of the face is covered now.
+    fn add(&mut self, (low, high): (f64, f64), face: &Face) -> bool {
+        if low <= self.reach + TOLERANCE && high >= self.reach - TOLERANCE {
+            self.is_met = true;
+            self.reach = self.reach.max(high);
+        }
+        self.is_met && self.reach >= face.high - TOLERANCE
+    }
+}
+
 impl Simulator {
     /// Whether neighbours cover the vertical and the horizontal face turned to a body, as far as it matters: the face
-    /// along which the overlap is least, and the other one if that is covered.
+    /// along which the overlap is least, and the other one if that is covered. Means nothing once the meter has stopped
+    /// the work.
     pub(super) fn covered(
         &self,
         (kind, space): (&Kind, usize),
         (body, other): (&Rect, &Rect),
         overlap: &Overlap,
         by_neighbour: (bool, bool),
+        meter: &Meter<'_>,
     ) -> (bool, bool) {
         let [vertical, horizontal] = Face::turned(body, other, overlap);
-        let beside = || by_neighbour.0 || self.is_covered(kind, space, vertical);
-        let over = || by_neighbour.1 || self.is_covered(kind, space, horizontal);
+        let beside = || by_neighbour.0 || self.is_covered(kind, space, vertical, meter);
+        let over = || by_neighbour.1 || self.is_covered(kind, space, horizontal, meter);
         match matches!(overlap.least().side, Side::Left | Side::Right) {
             true if beside() => (true, over()),
             true => (false, false),
@@ -213,20 +235,21 @@ impl Simulator {
     }
 
     #[cold]
-    fn is_covered(&self, kind: &Kind, space: usize, face: Face) -> bool {
+    fn is_covered(&self, kind: &Kind, space: usize, face: Face, meter: &Meter<'_>) -> bool {
         let blocks = |met: &Option<Encounter>| met.is_some_and(|w| w.meeting.response.push == Push::Block);
         let table = &self.world().spaces[SpaceId(space as u32)];
-        let (mut reach, mut is_met) = (face.low, false);
+        let mut part = CoveredPart { reach: face.low, is_met: false };
         loop {
-            let before = reach;
-            let mut add = |(low, high): (f64, f64)| {
-                if low <= reach + TOLERANCE && high >= reach - TOLERANCE {
-                    is_met = true;
-                    reach = reach.max(high);
+            let before = part.reach;
+            // Among many rectangles at one place, this search is what a step spends its time on.
+            let mut looked_at = 0;
+            for (solid, met) in table.solids.iter().zip(&kind.solids[space]) {
+                looked_at += 1;
+                if blocks(met) && face.covered_by(&solid.bounds).is_some_and(|along| part.add(along, &face)) {
+                    meter.spend(looked_at);
+                    return true;
                 }
-            };
-            let blocking = table.solids.iter().zip(&kind.solids[space]).filter(|(_, met)| blocks(met));
-            blocking.filter_map(|(solid, _)| face.covered_by(&solid.bounds)).for_each(&mut add);
+            }
             if let Some(map) = table.map.as_ref().filter(|_| kind.meets_tiles[space]) {
                 let (across, along) = match face.is_vertical {
                     true => ((map.tile.0, map.columns), (map.tile.1, map.rows)),
@@ -240,17 +263,17 @@ impl Simulator {
                 let cut = |at: f64| (at / along.0).floor().clamp(-1.0, along.1 as f64) as i64;
                 if line >= 0.0 && line < across.1 as f64 {
                     for nth in (cut(face.low) - 1).max(0)..(cut(face.high) + 1).min(along.1 as i64) {
+                        looked_at += 1;
                         let (column, row) = if face.is_vertical { (line as i64, nth) } else { (nth, line as i64) };
-                        if map.kind(column, row).is_some_and(|tile| blocks(&kind.tiles[space][tile])) {
-                            add((nth as f64 * along.0, (nth + 1) as f64 * along.0));
+                        let is_blocking = map.kind(column, row).is_some_and(|tile| blocks(&kind.tiles[space][tile]));
+                        if is_blocking && part.add((nth as f64 * along.0, (nth + 1) as f64 * along.0), &face) {
+                            meter.spend(looked_at);
+                            return true;
                         }
                     }
                 }
             }
-            if is_met && reach >= face.high - TOLERANCE {
-                return true;
-            }
-            if reach <= before {
+            if meter.spend(looked_at) || part.reach <= before {
                 return false;
             }
         }

@@ -1,6 +1,7 @@
 //! Contacts between bodies and the tiles of a map.
 
 use crate::ir::{Push, Side, SpaceId, TagId, TileMap};
+use crate::watch::Meter;
 
 use super::collision::{Body, Encounter};
 use super::contact::{Displacement, Rect, meet};
@@ -12,6 +13,8 @@ struct Tiles<'a> {
     map: &'a TileMap<TagId>,
     /// For each kind of tile.
     encounters: &'a [Option<Encounter>],
+    /// Counts the rectangles that are searched for covered faces.
+    meter: &'a Meter<'a>,
 }
 
 impl Tiles<'_> {
@@ -22,23 +25,32 @@ impl Tiles<'_> {
     }
 }
 
+/// From this number of tiles on, a body polls the meter in between.
+const LARGE: usize = 1 << 14;
+
 impl Simulator {
-    /// Handles the tiles near a body; returns the number of examined tiles.
+    /// Handles the tiles near a body; returns the number of examined tiles that the meter has not counted.
     pub(super) fn collide_tiles(
         &self,
         state: &mut [u8],
         body: &Body,
         rect: &Rect,
         displacement: &mut Displacement,
+        meter: &Meter<'_>,
     ) -> usize {
         let Some(map) = &self.world().spaces[SpaceId(rect.space)].map else { return 0 };
         let encounters = &*self.collision.kinds[body.kind].tiles[rect.space as usize];
-        let tiles = Tiles { map, encounters };
+        let tiles = Tiles { map, encounters, meter };
         let (width, height) = map.tile;
         // A tile that is touched along its edge counts, so the range is closed at both ends.
         let (first, after) = range(rect.left, rect.right, width, map.columns);
         let (low, high) = range(rect.bottom, rect.top, height, map.rows);
+        let examined = (high - low.min(high)) * (after - first.min(after));
+        let is_large = examined > LARGE;
         for row in low..high {
+            if is_large && meter.spend((after - first.min(after)) as u64) {
+                break;
+            }
             let start = row * map.columns;
             let Some(cells) = map.cells.get(start + first..start + after) else { continue };
             for (column, &kind) in (first..).zip(cells) {
@@ -47,7 +59,7 @@ impl Simulator {
                 }
             }
         }
-        (high - low.min(high)) * (after - first.min(after))
+        if is_large { 0 } else { examined }
     }
 
     /// Handles a body and the tile of a cell.
@@ -83,7 +95,7 @@ impl Simulator {
             let mut covered = (beside, over);
             if covered != (true, true) && self.is_beside_rect(rect.space as usize, at) {
                 let kind = &self.collision.kinds[body.kind];
-                covered = self.covered((kind, rect.space as usize), (rect, &tile), overlap, covered);
+                covered = self.covered((kind, rect.space as usize), (rect, &tile), overlap, covered, tiles.meter);
             }
             if covered == (true, true) && overlap.came_diagonally(rect.back) {
                 corner = Some([overlap.horizontal(), overlap.vertical()]);

@@ -152,6 +152,10 @@ fn search_monitored(
         let verdict = if fault.is_some() { Verdict::NotFound } else { Verdict::Unreachable(Argument::Over) };
         return Ok(Outcome { fault, ..Outcome::of(verdict, settings.planner.name()) });
     }
+    // Among thousands of instances, preparing a search takes long.
+    if watch.stop() {
+        return Ok(Outcome::stopped(settings.planner));
+    }
     let windows = Windows::new(problem, &starts);
     let metric = Metric::measuring(problem.sim, space, (settings.sampling, windows.extent), settings.measure);
     let uses_distances = settings.planner.uses_distances() || problem.time().is_some();

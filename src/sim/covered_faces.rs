@@ -236,6 +236,9 @@ impl Simulator {
 
     #[cold]
     fn is_covered(&self, kind: &Kind, space: usize, face: Face, meter: &Meter<'_>) -> bool {
+        if meter.is_stopped() {
+            return false;
+        }
         let blocks = |met: &Option<Encounter>| met.is_some_and(|w| w.meeting.response.push == Push::Block);
         let table = &self.world().spaces[SpaceId(space as u32)];
         let mut part = CoveredPart { reach: face.low, is_met: false };
